@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace orchard::bus {
+
+/// Every channel of the system. The order is the tie-break between messages of equal utime, and
+/// the numbers travel in ack_t: append, never reorder.
+enum class Channel : std::int8_t {
+  kScan = 0,
+  kImage = 1,
+  kOdometry = 2,
+  kGnss = 3,
+  kPoseFix = 4,
+  kPose = 5,
+  kDetections = 6,
+  kMap = 7,
+  kStatus = 8,
+  kConfig = 9,
+  kAck = 10,
+  kReplay = 11,
+};
+
+inline constexpr std::size_t kNumChannels = 12;
+
+/// What a channel is for, and with that what a replay does with it.
+enum class Role {
+  kSource,   ///< comes from sensors: recorded, and replayed
+  kDerived,  ///< follows from the sources: recorded, compared, never replayed
+  kService,  ///< about processes: never replayed or compared
+};
+
+struct ChannelInfo {
+  Channel channel;
+  std::string_view name;  ///< on the wire
+  std::string_view type;  ///< LCM type, without the package
+  Role role;
+};
+
+/// The one table of channel names.
+inline constexpr std::array<ChannelInfo, kNumChannels> kChannels{{
+    {Channel::kScan, "SCAN", "scan_t", Role::kSource},
+    {Channel::kImage, "IMAGE", "image_t", Role::kSource},
+    {Channel::kOdometry, "ODOMETRY", "odometry_t", Role::kSource},
+    {Channel::kGnss, "GNSS", "gnss_t", Role::kSource},
+    {Channel::kPoseFix, "POSE_FIX", "pose_fix_t", Role::kSource},
+    {Channel::kPose, "POSE", "pose_t", Role::kDerived},
+    {Channel::kDetections, "DETECTIONS", "detections_t", Role::kDerived},
+    {Channel::kMap, "MAP", "map_tile_t", Role::kDerived},
+    {Channel::kStatus, "STATUS", "status_t", Role::kService},
+    {Channel::kConfig, "CONFIG", "config_t", Role::kService},
+    {Channel::kAck, "ACK", "ack_t", Role::kService},
+    {Channel::kReplay, "REPLAY", "replay_t", Role::kService},
+}};
+
+constexpr const ChannelInfo& info(Channel channel) {
+  return kChannels[static_cast<std::size_t>(channel)];
+}
+
+/// The channel of that name on the wire, or none.
+constexpr std::optional<Channel> find_channel(std::string_view name) {
+  for (const ChannelInfo& entry : kChannels) {
+    if (entry.name == name) return entry.channel;
+  }
+  return std::nullopt;
+}
+
+}  // namespace orchard::bus

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bus/codec.hpp"
+#include "bus/node.hpp"
+#include "io/log_reader.hpp"
+
+namespace orchard::bus {
+
+/// What a replay read, made and lost.
+struct ReplayReport {
+  std::int64_t num_events = 0;                      ///< readable events of the log
+  std::array<std::int64_t, kNumChannels> num_in{};  ///< source messages handed to nodes
+  std::array<std::int64_t, kNumChannels> num_out{}; ///< derived messages made
+  std::array<std::int64_t, kNumReasons> num_rejected{};
+  std::int64_t num_duplicates = 0;
+  std::int64_t num_seq_gaps = 0;                    ///< messages missing by seq
+  std::int64_t num_unknown_channel = 0;
+  std::vector<io::LogGap> gaps;
+  std::vector<std::string> warnings;                ///< one sentence each, for people
+  std::int64_t first_utime = 0;                     ///< of the sources
+  std::int64_t last_utime = 0;
+};
+
+struct ReplayOptions {
+  bool strict = false;  ///< any damage or rejection throws io::FileError instead of being counted
+  std::function<void(std::uint64_t done, std::uint64_t total)> progress;
+  /// Every derived message in the order in which it was made; utime is the message's.
+  std::function<void(Channel, std::int64_t utime, const std::vector<std::uint8_t>&)> on_derived;
+};
+
+/// Replays a log's source channels, merged by (utime, channel, seq), through nodes on a private
+/// memq:// bus that is drained after each input, then flushes them in order. Deterministic.
+/// Throws io::FileError for a log that cannot be read or holds no source channel.
+ReplayReport replay_in_process(const std::string& log_path, const std::vector<Node*>& nodes,
+                               const ReplayOptions& options);
+
+}  // namespace orchard::bus

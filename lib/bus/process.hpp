@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bus/node.hpp"
+#include "bus/source.hpp"
+#include "io/config.hpp"
+
+namespace orchard::bus {
+
+/// Exit codes of every program.
+enum ExitCode : int { kExitOk = 0, kExitRuntime = 1, kExitUsage = 2, kExitInput = 3 };
+
+/// A command-line option beyond the common ones (--config, --lcm-url, --log-level, --version,
+/// --help, --print-config; --lockstep for nodes; --speed, --wait-for for drivers).
+struct ExtraOption {
+  std::string flag;        ///< as typed: "--out"
+  std::string value_name;  ///< "DIR"; empty for a switch, whose value becomes "true"
+  std::string help;
+  std::string* value = nullptr;  ///< filled when given
+};
+
+struct ProcessInfo {
+  std::string name;         ///< of the executable: "orchard-detector"
+  std::string description;  ///< the first lines of --help
+  std::vector<ExtraOption> options;
+};
+
+/// Called about every mapper.save_period_s of wall time while live, and once (final) after flush.
+using SaveHook = std::function<void(Node& node, bool final)>;
+
+/// Runs one node as a process: parses options, loads the configuration, opens the bus, hands the
+/// node what the guard lets through, sends its outputs, STATUS and CONFIG, stops at SIGINT or
+/// SIGTERM with a flush. Returns the exit code; prints every error in one clear sentence.
+int run_node_process(int argc, char** argv, ProcessInfo info,
+                     const std::function<std::unique_ptr<Node>(const io::Config&)>& make_node,
+                     const SaveHook& save = {});
+
+/// Runs one driver as a process: the same, publishing what the source gives at its pace (--speed).
+int run_driver_process(int argc, char** argv, ProcessInfo info,
+                       const std::function<std::unique_ptr<Source>(const io::Config&)>& make_source);
+
+}  // namespace orchard::bus

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "laser/segmentation_config.hpp"
+#include "laser/width_config.hpp"
+#include "vision/vision_config.hpp"
+
+namespace orchard::detection {
+
+/// Everything between a scan-image pair and its detections. Section `detector`.
+struct DetectorConfig {
+  laser::SegmentationConfig segmentation;
+  laser::WidthConfig width;
+  vision::WindowConfig window;
+  vision::ColourConfig colour;
+  vision::EdgeConfig edges;
+  double roc_laser_threshold = 0.011108996538242306;  ///< exp(-4.5): 3 sigma. The paper's ROC_th
+  double colour_weight = 0.6;    ///< roc_vision = w colour + (1 - w) edges
+  double laser_weight = 0.5;     ///< roc_tree = w laser + (1 - w) vision
+  double tree_threshold = 0.6;   ///< TREE from this roc_tree on
+  double pairing_tolerance_s = 0.06;  ///< a picture farther in time than this is not a pair
+  double image_wait_s = 0.25;    ///< of message time: how long a scan waits for pictures
+};
+
+template <class Visitor>
+void describe(Visitor& v, DetectorConfig& c) {
+  v.section("segmentation", c.segmentation, "cutting a scan into objects");
+  v.section("width", c.width, "trunk width model, eqs. 8-10");
+  v.section("window", c.window, "image windows");
+  v.section("colour", c.colour, "trunk colour");
+  v.section("edges", c.edges, "trunk edges");
+  v.number("roc_laser_threshold", c.roc_laser_threshold, 0, 1, "1",
+           "candidates have at least this roc_laser (the paper's ROC_th)");
+  v.number("colour_weight", c.colour_weight, 0, 1, "1", "share of colour in roc_vision");
+  v.number("laser_weight", c.laser_weight, 0, 1, "1", "share of the laser in roc_tree");
+  v.number("tree_threshold", c.tree_threshold, 0, 1, "1", "TREE from this roc_tree on");
+  v.number("pairing_tolerance_s", c.pairing_tolerance_s, 0, 10, "s",
+           "largest time between a scan and its picture");
+  v.number("image_wait_s", c.image_wait_s, 0, 60, "s",
+           "message time that a scan waits for pictures");
+}
+
+}  // namespace orchard::detection

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+
+namespace orchard::geometry {
+
+inline constexpr double kPi = 3.14159265358979323846;
+
+/// The same angle in (-pi, pi] [rad].
+inline double wrap_angle_rad(double angle_rad) {
+  const double wrapped = std::remainder(angle_rad, 2.0 * kPi);
+  return wrapped <= -kPi ? kPi : wrapped;
+}
+
+/// The paper's bearing (from the forward Y axis towards X, clockwise seen from above) of one of
+/// ours (from the forward x axis, counter-clockwise) [rad]. Its own inverse up to a turn.
+/// The paper's X points right and its Y forward (Shalal et al. 2013, figure 10).
+inline double paper_bearing_rad(double bearing_rad) { return -bearing_rad; }
+
+}  // namespace orchard::geometry

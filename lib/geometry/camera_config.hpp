@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "geometry/camera_model.hpp"
+#include "geometry/laser_camera.hpp"
+
+namespace orchard::geometry {
+
+/// The camera of a rig and where it looks. Section `camera`.
+struct CameraConfig {
+  bool enabled = true;  ///< false: a rig without a camera, laser-only
+  CameraIntrinsics intrinsics;
+  LaserCameraExtrinsics extrinsics{{0.0, -0.06, 0.0}, {1.5707963267948966, 0.0, 1.5707963267948966}};
+};
+
+template <class Visitor>
+void describe(Visitor& v, CameraConfig& c) {
+  v.flag("enabled", c.enabled, "false for a rig without a camera: laser-only detection");
+  v.integer("width_px", c.intrinsics.width_px, 16, 8192, "px", "image width");
+  v.integer("height_px", c.intrinsics.height_px, 16, 8192, "px", "image height");
+  v.numbers("fc_px", c.intrinsics.fc_px, 1, 1e5, "px", "focal lengths x, y");
+  v.numbers("cc_px", c.intrinsics.cc_px, -1e4, 1e4, "px", "principal point x, y");
+  v.number("alpha_c", c.intrinsics.alpha_c, -1, 1, "1", "skew");
+  v.numbers("kc", c.intrinsics.kc, -100, 100, "1", "distortion k1, k2, p1, p2, k3");
+  v.numbers("delta_m", c.extrinsics.delta_m, -10, 10, "m", "laser origin in the camera frame");
+  v.numbers("phi_rad", c.extrinsics.phi_rad, -6.2832, 6.2832, "rad",
+            "laser-camera angles about x, y, z (paper, eq. 2)");
+}
+
+}  // namespace orchard::geometry

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "mapping/landmark.hpp"
+#include "pose/pose_estimate.hpp"
+
+namespace orchard::io {
+
+/// What summary.json says besides the map: how it was made and what was lost on the way.
+struct MapSummary {
+  std::string source;              ///< log file name (no folder), or "live"
+  std::int64_t config_hash = 0;
+  std::string version;
+  std::int64_t first_utime = 0;
+  std::int64_t last_utime = 0;
+  std::vector<std::pair<std::string, std::int64_t>> counts;  ///< messages by channel, drops by reason
+  std::vector<std::string> warnings;
+};
+
+struct MapFolderContent {
+  std::vector<mapping::Landmark> landmarks;            ///< in order of id
+  std::vector<pose::PoseEstimate> trajectory;          ///< in order of utime
+  MapSummary summary;
+};
+
+/// Writes map.csv, map.gpkg, map.svg, map.png, trajectory.csv and summary.json into `folder`
+/// (made when missing), each atomically. Equal content gives equal bytes (map.gpkg apart: SQLite).
+/// Throws FileError and then leaves every earlier file as it was.
+void write_map_folder(const std::string& folder, const MapFolderContent& content);
+
+/// map.csv as text: fixed columns of the README, fixed formatting.
+std::string map_csv(const std::vector<mapping::Landmark>& landmarks);
+
+/// Reads a map.csv. Throws FileError naming file, line and column of the first mistake.
+std::vector<mapping::Landmark> read_map_csv(const std::string& path);
+
+}  // namespace orchard::io

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+namespace orchard::laser {
+
+/// Where the laser is mounted on the robot and how well it measures. Section `laser`.
+struct LaserConfig {
+  double mount_x_m = 0.0;      ///< of the laser in base
+  double mount_y_m = 0.0;
+  double mount_yaw_rad = 0.0;  ///< rotation from base to laser, counter-clockwise
+  double range_sd_m = 0.010;         ///< 1-sigma of one range, the part that does not grow
+  double range_sd_fraction = 0.01;   ///< 1-sigma of one range per metre of range
+};
+
+template <class Visitor>
+void describe(Visitor& v, LaserConfig& c) {
+  v.number("mount_x_m", c.mount_x_m, -10, 10, "m", "laser in base, forward");
+  v.number("mount_y_m", c.mount_y_m, -10, 10, "m", "laser in base, left");
+  v.number("mount_yaw_rad", c.mount_yaw_rad, -6.2832, 6.2832, "rad", "laser in base, turned left");
+  v.number("range_sd_m", c.range_sd_m, 0, 1, "m", "1-sigma of a range, constant part");
+  v.number("range_sd_fraction", c.range_sd_fraction, 0, 0.2, "1", "1-sigma per metre of range");
+}
+
+}  // namespace orchard::laser

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+namespace orchard::laser {
+
+/// How a scan is cut into objects. Section `detector.segmentation`.
+struct SegmentationConfig {
+  double range_min_m = 0.05;   ///< nearer returns are the robot itself
+  double range_max_m = 5.6;    ///< farther returns are not looked at
+  double jump_m = 0.10;        ///< a range step of this size separates objects
+  double jump_fraction = 0.02; ///< plus this much per metre of range
+  int min_beams = 2;           ///< objects with fewer beams are not reported
+  double width_max_m = 2.0;    ///< wider things (walls, hedges) are not reported
+};
+
+template <class Visitor>
+void describe(Visitor& v, SegmentationConfig& c) {
+  v.number("range_min_m", c.range_min_m, 0, 100, "m", "nearer returns are the robot itself");
+  v.number("range_max_m", c.range_max_m, 0.1, 500, "m", "farther returns are not looked at");
+  v.number("jump_m", c.jump_m, 0.001, 10, "m", "range step that separates objects");
+  v.number("jump_fraction", c.jump_fraction, 0, 1, "1", "growth of that step per metre of range");
+  v.integer("min_beams", c.min_beams, 1, 1000, "beams", "fewest beams of an object");
+  v.number("width_max_m", c.width_max_m, 0.05, 100, "m", "wider things are not reported");
+  v.check(c.range_min_m < c.range_max_m, "range_min_m", "must be below range_max_m");
+}
+
+}  // namespace orchard::laser

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+namespace orchard::laser {
+
+enum class WidthMode {
+  kCompensated,  ///< chord plus the beam step it loses on average: unbiased
+  kPaper,        ///< the chord of Shalal et al. 2013, eq. 8 (with its root)
+};
+
+/// What a trunk's width is. Section `detector.width`; calibrated from twenty trees.
+struct WidthConfig {
+  WidthMode mode = WidthMode::kCompensated;
+  double mean_m = 0.090;        ///< mu of eq. 9
+  double sd_m = 0.010;          ///< sigma of eq. 9: the trees' own scatter and the scanner's
+  double sd_floor_m = 0.006;    ///< sigma never gets smaller
+  double sd_per_beam_step = 0.4; ///< sigma's growth with range, in beam steps (range x step)
+};
+
+template <class Visitor>
+void describe(Visitor& v, WidthConfig& c) {
+  v.choice("mode", c.mode, {"compensated", "paper"}, "how a width is measured");
+  v.number("mean_m", c.mean_m, 0.005, 5, "m", "mean trunk width (mu of eq. 9)");
+  v.number("sd_m", c.sd_m, 0, 2, "m", "its standard deviation (sigma of eq. 9)");
+  v.number("sd_floor_m", c.sd_floor_m, 0.001, 1, "m", "sigma never gets smaller");
+  v.number("sd_per_beam_step", c.sd_per_beam_step, 0, 5, "1",
+           "part of sigma that grows as range x beam step");
+}
+
+}  // namespace orchard::laser

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "detection/detection.hpp"
+
+namespace orchard::mapping {
+
+/// One thing that stands in the orchard, as reported (map frame).
+struct Landmark {
+  std::int32_t id = 0;
+  detection::Label label = detection::Label::kUnseen;
+  std::int32_t num_observations = 0;
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double se_x_m = 0.0;  ///< standard error of the mean, Shalal et al. 2013 eq. 13
+  double se_y_m = 0.0;
+  std::array<double, 3> covariance{};  ///< of the position: xx xy yy [m2]
+  double width_m = 0.0;
+  double roc_mean = 0.0;     ///< mean roc_tree over its observations
+  double probability = 0.0;  ///< that it is a tree
+  std::int32_t row = 0;      ///< 0 = unknown
+  std::int32_t position = 0; ///< 0 = unknown
+};
+
+/// Landmarks that one scan changed, and some of the others (the slow refresh).
+struct MapTile {
+  std::int64_t utime = 0;
+  std::int32_t seq = 0;
+  std::int32_t num_landmarks_total = 0;
+  std::vector<Landmark> landmarks;
+  std::vector<std::int32_t> removed_ids;
+};
+
+}  // namespace orchard::mapping

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "detection/detection.hpp"
+#include "mapping/landmark.hpp"
+#include "mapping/mapper_config.hpp"
+#include "pose/pose_estimate.hpp"
+
+namespace orchard::mapping {
+
+/// What one scan did to the map: ids of landmarks that are new or changed, and ids that are no
+/// more because they were merged into another. Both in rising order.
+struct MapUpdate {
+  std::vector<std::int32_t> changed_ids;
+  std::vector<std::int32_t> removed_ids;
+};
+
+/// The map: associates detections with landmarks, accumulates their evidence and statistics.
+///
+/// A pure function of its configuration and the sequence of update() calls. Detections are in
+/// base, landmarks in map. Source: Shalal et al. 2013, section 5 and eqs. 11-13, generalised to
+/// the full composition map <- base.
+class Mapper {
+ public:
+  explicit Mapper(const MapperConfig& config);
+  ~Mapper();
+  Mapper(Mapper&&) noexcept;
+  Mapper& operator=(Mapper&&) noexcept;
+
+  /// Takes the detections of one scan, seen from T_map_base at the scan's time.
+  MapUpdate update(const detection::Detections& detections, const pose::PoseEstimate& T_map_base);
+
+  /// Landmark by id; throws std::out_of_range for an unknown one.
+  Landmark landmark(std::int32_t id) const;
+  std::size_t num_landmarks() const;
+
+  /// All landmarks with at least `min_observations`, in order of id.
+  std::vector<Landmark> landmarks(int min_observations = 1) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace orchard::mapping

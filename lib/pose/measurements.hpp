@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace orchard::pose {
+
+/// Velocity of base from wheel encoders.
+struct Odometry {
+  std::int64_t utime = 0;  ///< time of measurement [us]
+  std::int32_t seq = 0;
+  double speed_mps = 0.0;       ///< along base x
+  double yaw_rate_radps = 0.0;  ///< about base z
+  std::array<double, 3> covariance{};  ///< var speed [m2/s2], cov, var yaw rate [rad2/s2]
+};
+
+/// One satellite fix, WGS84.
+struct Gnss {
+  std::int64_t utime = 0;  ///< time of the fix [us]
+  std::int32_t seq = 0;
+  double latitude_deg = 0.0;
+  double longitude_deg = 0.0;
+  double altitude_m = 0.0;             ///< above the ellipsoid
+  std::array<double, 6> covariance{};  ///< ENU [m2]: ee en eu nn nu uu; all 0 = unknown
+  std::int8_t fix_quality = 1;         ///< NMEA GGA quality
+};
+
+/// An external statement of where base is in map.
+struct PoseFix {
+  std::int64_t utime = 0;
+  std::int32_t seq = 0;
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double yaw_rad = 0.0;                ///< meaningful when has_yaw
+  std::array<double, 6> covariance{};  ///< of (x, y, yaw): xx xy xyaw yy yyaw yawyaw
+  bool has_yaw = true;
+};
+
+}  // namespace orchard::pose

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace orchard::vision {
+
+enum class Encoding : std::int8_t { kJpeg = 0, kBgr8 = 1, kGray8 = 2 };
+
+/// One picture as the camera driver sent it, not yet decoded.
+struct Image {
+  std::int64_t utime = 0;  ///< mid-exposure [us]
+  std::int32_t seq = 0;    ///< +1 per picture of its source
+  std::int32_t width_px = 0;
+  std::int32_t height_px = 0;
+  Encoding encoding = Encoding::kJpeg;
+  std::vector<std::uint8_t> data;
+};
+
+}  // namespace orchard::vision

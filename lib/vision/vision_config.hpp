@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+namespace orchard::vision {
+
+/// Windows around projected laser points. Section `detector.window`. Sizes are metres on the
+/// trunk, so that pixels are inversely proportional to range (Shalal et al. 2013, section 4.2).
+struct WindowConfig {
+  double colour_width_m = 0.06;
+  double colour_height_m = 0.20;
+  double edge_width_m = 0.06;
+  double edge_height_m = 0.20;
+  int min_size_px = 4;  ///< smaller windows count as unseen
+};
+
+template <class Visitor>
+void describe(Visitor& v, WindowConfig& c) {
+  v.number("colour_width_m", c.colour_width_m, 0.005, 2, "m", "colour window on the trunk");
+  v.number("colour_height_m", c.colour_height_m, 0.005, 3, "m", "colour window on the trunk");
+  v.number("edge_width_m", c.edge_width_m, 0.005, 2, "m", "edge window across the edge");
+  v.number("edge_height_m", c.edge_height_m, 0.005, 3, "m", "edge window along the edge");
+  v.integer("min_size_px", c.min_size_px, 1, 200, "px", "smaller windows count as unseen");
+}
+
+/// The colour rule of the paper's figure 8. Section `detector.colour`.
+struct ColourConfig {
+  double hue_min_deg = 17.6;  ///< circular interval [min, max]; min > max wraps through red
+  double hue_max_deg = 44.6;
+  double saturation_min = 0.10;  ///< paler pixels have no hue
+  double value_min = 0.10;       ///< nor have darker ones
+  int hue_bins = 36;             ///< of the histogram whose peak is the dominant hue
+};
+
+template <class Visitor>
+void describe(Visitor& v, ColourConfig& c) {
+  v.number("hue_min_deg", c.hue_min_deg, 0, 360, "deg", "trunk hue, lower end (may wrap)");
+  v.number("hue_max_deg", c.hue_max_deg, 0, 360, "deg", "trunk hue, upper end");
+  v.number("saturation_min", c.saturation_min, 0, 1, "1", "paler pixels have no hue");
+  v.number("value_min", c.value_min, 0, 1, "1", "darker pixels have no hue");
+  v.integer("hue_bins", c.hue_bins, 6, 180, "bins", "histogram whose peak is the dominant hue");
+}
+
+/// The edge rule of the paper's figure 9. Section `detector.edges`.
+struct EdgeConfig {
+  double canny_low = 40;
+  double canny_high = 100;
+  int median_size_px = 3;         ///< odd
+  int min_points = 5;             ///< fewer edge pixels make no line
+  double max_tilt_deg = 20;       ///< from the image's vertical
+  double parallel_tolerance_deg = 10;  ///< roc_parallel falls to 0 at this angle between edges
+};
+
+template <class Visitor>
+void describe(Visitor& v, EdgeConfig& c) {
+  v.number("canny_low", c.canny_low, 1, 1000, "grey", "Canny's lower threshold");
+  v.number("canny_high", c.canny_high, 1, 1000, "grey", "Canny's upper threshold");
+  v.integer("median_size_px", c.median_size_px, 1, 15, "px", "median filter (odd)");
+  v.integer("min_points", c.min_points, 2, 1000, "px", "fewer edge pixels make no line");
+  v.number("max_tilt_deg", c.max_tilt_deg, 1, 90, "deg", "steepest lean of a trunk's edge");
+  v.number("parallel_tolerance_deg", c.parallel_tolerance_deg, 0.1, 90, "deg",
+           "roc_parallel is 0 from this angle on");
+  v.check(c.canny_low < c.canny_high, "canny_low", "must be below canny_high");
+  v.check(c.median_size_px % 2 == 1, "median_size_px", "must be odd");
+}
+
+}  // namespace orchard::vision

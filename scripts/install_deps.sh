@@ -1,0 +1,50 @@
+#!/usr/bin/env bash
+# Installs what Orchard Mapper needs to build and run, as Debian 12 and Ubuntu 24.04 name it.
+# Run as root or as a user with sudo. Does nothing, and needs no network, when all is there.
+set -euo pipefail
+
+packages=(
+  # toolchain
+  build-essential cmake ninja-build pkg-config
+  # messages: the library, lcm-gen/lcm-logger/lcm-spy, and Java for the types' jar and lcm-spy
+  liblcm-dev liblcm-bin liblcm-java libjchart2d-java default-jdk-headless
+  # mathematics, poses, rawlogs, geodesy
+  libeigen3-dev libmrpt-poses-dev libmrpt-obs-dev libgeographiclib-dev
+  # images
+  # (libopencv-dev: the module packages alone carry no CMake config)
+  libopencv-dev
+  libturbojpeg0-dev
+  # files
+  libyaml-cpp-dev libgdal-dev zlib1g-dev nlohmann-json3-dev
+  # command line, log, tests, benchmarks
+  libcli11-dev libspdlog-dev libgtest-dev libbenchmark-dev
+  # network namespaces and multicast routes for demo and tests
+  iproute2 util-linux
+)
+
+missing=()
+for package in "${packages[@]}"; do
+  dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' ||
+    missing+=("$package")
+done
+if [ ${#missing[@]} -eq 0 ]; then
+  echo "install_deps: all ${#packages[@]} packages are installed"
+  exit 0
+fi
+
+as_root=()
+if [ "$(id -u)" -ne 0 ]; then
+  command -v sudo >/dev/null || {
+    echo "install_deps: these packages are missing and neither root nor sudo is at hand:" >&2
+    echo "  ${missing[*]}" >&2
+    echo "install_deps: ask an administrator for: apt-get install --no-install-recommends ${missing[*]}" >&2
+    exit 1
+  }
+  as_root=(sudo)
+fi
+echo "install_deps: installing ${missing[*]}"
+export DEBIAN_FRONTEND=noninteractive
+"${as_root[@]}" apt-get update -qq
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+  apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+echo "install_deps: done"

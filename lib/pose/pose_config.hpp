@@ -3,24 +3,32 @@
 
 namespace orchard::pose {
 
+/// Where a rig's poses come from.
+enum class PoseMode {
+  kFixes,            ///< POSE_FIX alone: every fix is a pose
+  kFixesAndOdometry, ///< fixes, dead-reckoned between by ODOMETRY
+  kOdometry,         ///< dead reckoning alone, from the map's origin
+  kStationary,       ///< the robot stands at the map's origin
+};
+
 /// How base is placed in map. Section `pose`.
 struct PoseConfig {
-  bool use_odometry = true;  ///< dead reckoning between fixes
-  bool use_fixes = true;     ///< POSE_FIX
-  /// Rigs with neither: base stays at the map's origin, one pose per scan time is not needed.
-  bool stationary = false;
-  double fix_position_sd_m = 0.01;  ///< used when a fix states no covariance
+  PoseMode mode = PoseMode::kFixesAndOdometry;
+  double reorder_window_s = 0.02;    ///< of message time: how far channels may lag each other
+  double fix_position_sd_m = 0.01;   ///< used when a fix states no covariance
   double fix_yaw_sd_rad = 0.01;
-  double speed_sd_fraction = 0.03;       ///< odometry noise when it states no covariance
+  double speed_sd_fraction = 0.03;   ///< used when odometry states no covariance
   double yaw_rate_sd_radps = 0.02;
-  double odometry_timeout_s = 1.0;  ///< a longer gap is not dead-reckoned across
+  double odometry_gap_max_s = 1.0;   ///< a longer silence is not dead-reckoned across
+  double heading_baseline_m = 0.5;   ///< travel that gives a first heading to fixes without yaw
 };
 
 template <class Visitor>
 void describe(Visitor& v, PoseConfig& c) {
-  v.flag("use_odometry", c.use_odometry, "dead reckoning between fixes");
-  v.flag("use_fixes", c.use_fixes, "positions on POSE_FIX");
-  v.flag("stationary", c.stationary, "the robot stands still at the map's origin");
+  v.choice("mode", c.mode, {"fixes", "fixes_and_odometry", "odometry", "stationary"},
+           "where poses come from");
+  v.number("reorder_window_s", c.reorder_window_s, 0, 10, "s",
+           "message time that one channel may lag another");
   v.number("fix_position_sd_m", c.fix_position_sd_m, 1e-6, 100, "m",
            "of a fix that states no covariance");
   v.number("fix_yaw_sd_rad", c.fix_yaw_sd_rad, 1e-6, 3.2, "rad",
@@ -29,8 +37,10 @@ void describe(Visitor& v, PoseConfig& c) {
            "of odometry that states no covariance, per m/s");
   v.number("yaw_rate_sd_radps", c.yaw_rate_sd_radps, 0, 3.2, "rad/s",
            "of odometry that states no covariance");
-  v.number("odometry_timeout_s", c.odometry_timeout_s, 0.001, 3600, "s",
-           "a longer gap is not dead-reckoned across");
+  v.number("odometry_gap_max_s", c.odometry_gap_max_s, 0.001, 3600, "s",
+           "a longer silence is not dead-reckoned across");
+  v.number("heading_baseline_m", c.heading_baseline_m, 0.01, 100, "m",
+           "travel that gives a first heading to fixes without yaw");
 }
 
 }  // namespace orchard::pose

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/pose_node.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+namespace orchard::procs {
+namespace {
+
+io::Config config_of(pose::PoseMode mode) {
+  io::Config config;
+  config.pose.mode = mode;
+  config.pose.reorder_window_s = 0.05;
+  return config;
+}
+
+std::vector<pose::PoseEstimate> run(const io::Config& config,
+                                    const std::vector<bus::Message>& inputs) {
+  PoseNode node(config);
+  std::vector<pose::PoseEstimate> poses;
+  const bus::Outbox send = [&](bus::Message m) {
+    poses.push_back(std::get<pose::PoseEstimate>(m));
+  };
+  for (const bus::Message& input : inputs) node.handle(input, send);
+  node.flush(send);
+  return poses;
+}
+
+/// Odometry at 50 Hz and a fix per 200 ms of a robot that drives a straight line at 1 m/s.
+std::vector<bus::Message> straight_drive() {
+  std::vector<bus::Message> messages;
+  for (int i = 0; i <= 100; ++i) {
+    pose::Odometry odometry;
+    odometry.utime = i * 20000;
+    odometry.seq = i;
+    odometry.speed_mps = 1.0;
+    messages.emplace_back(odometry);
+    if (i % 10 != 0) continue;
+    pose::PoseFix fix;
+    fix.utime = i * 20000;
+    fix.seq = i / 10;
+    fix.x_m = i * 0.020;
+    messages.emplace_back(fix);
+  }
+  return messages;
+}
+
+TEST(PoseNode, OnePosePerTimeInOrderAlongTheTrueLine) {
+  const auto poses = run(config_of(pose::PoseMode::kFixesAndOdometry), straight_drive());
+  ASSERT_EQ(poses.size(), 101u);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    EXPECT_EQ(poses[i].seq, static_cast<std::int32_t>(i));
+    EXPECT_NEAR(poses[i].x_m, poses[i].utime * 1e-6, 1e-9);
+    EXPECT_NEAR(poses[i].yaw_rad, 0.0, 1e-9);
+  }
+}
+
+TEST(PoseNode, ArrivalOrderBetweenChannelsDoesNotMatter) {
+  const std::vector<bus::Message> messages = straight_drive();
+  const auto reference = run(config_of(pose::PoseMode::kFixesAndOdometry), messages);
+  std::mt19937_64 random(5);
+  for (int round = 0; round < 20; ++round) {
+    // fixes lag or lead odometry by up to 40 ms: less than the window
+    std::vector<std::pair<std::int64_t, bus::Message>> arrivals;
+    for (const bus::Message& m : messages) {
+      const bool is_fix = std::holds_alternative<pose::PoseFix>(m);
+      const std::int64_t delay_us = is_fix ? static_cast<std::int64_t>(random() % 80001) - 40000 : 0;
+      arrivals.emplace_back(bus::utime_of(m) + delay_us, m);
+    }
+    std::stable_sort(arrivals.begin(), arrivals.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::vector<bus::Message> shuffled;
+    for (const auto& arrival : arrivals) shuffled.push_back(arrival.second);
+    const auto poses = run(config_of(pose::PoseMode::kFixesAndOdometry), shuffled);
+    ASSERT_EQ(poses.size(), reference.size());
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      EXPECT_EQ(poses[i].utime, reference[i].utime);
+      EXPECT_EQ(poses[i].x_m, reference[i].x_m);
+      EXPECT_EQ(poses[i].covariance, reference[i].covariance);
+    }
+  }
+}
+
+TEST(PoseNode, AStationaryRobotIsAtTheOriginForEveryScan) {
+  laser::Scan scan;
+  scan.utime = 77;
+  const auto poses = run(config_of(pose::PoseMode::kStationary), {scan});
+  ASSERT_EQ(poses.size(), 1u);
+  EXPECT_EQ(poses[0].utime, 77);
+  EXPECT_EQ(poses[0].x_m, 0.0);
+}
+
+TEST(PoseNode, SaysWhatItWaitsFor) {
+  PoseNode node(config_of(pose::PoseMode::kFixesAndOdometry));
+  pose::Odometry odometry;
+  odometry.utime = 10;
+  node.handle(odometry, [](bus::Message) {});
+  EXPECT_NE(node.waiting_for().find("POSE_FIX"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace orchard::procs

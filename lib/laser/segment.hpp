@@ -13,14 +13,18 @@ namespace orchard::laser {
 /// One object of a scan: neighbouring beams on one surface, and what the laser says of it.
 struct Segment {
   std::size_t first_beam = 0;     ///< P_start, index into ranges_m
-  std::size_t last_beam = 0;      ///< P_end, inclusive
+  std::size_t last_beam = 0;      ///< P_end, inclusive; below first_beam across a full turn's seam
+  std::size_t middle_beam = 0;    ///< halfway between them
   int num_beams = 0;              ///< valid beams among them
   double range_m = 0.0;           ///< to the surface at bearing_rad
-  double bearing_rad = 0.0;       ///< laser frame, of the middle
-  double start_bearing_rad = 0.0; ///< where the object begins; the image's one edge
+  double bearing_rad = 0.0;       ///< laser frame, of the middle, in (-pi, pi]
+  /// Where the object begins, on first_beam's side; the image's one edge. The edge lies half a
+  /// beam step outside the beam (compensated) or on it (paper). Not wrapped: start and end
+  /// differ by the angle the object takes up.
+  double start_bearing_rad = 0.0;
   double end_bearing_rad = 0.0;   ///< where it ends; the other edge
-  double start_range_m = 0.0;
-  double end_range_m = 0.0;
+  double start_range_m = 0.0;     ///< r_1 of eq. 8
+  double end_range_m = 0.0;       ///< r_2 of eq. 8
   double width_m = 0.0;           ///< as WidthConfig::mode measures it
   double width_sd_m = 0.0;
   double depth_m = 0.0;           ///< extent of its points along the line of sight
@@ -30,9 +34,20 @@ struct Segment {
 
 /// Cuts a scan into objects in order of bearing (Shalal et al. 2013, section 4.1, figures 5-7).
 ///
-/// Refuses nothing: beams without a believable return separate or are bridged as configured.
+/// An object lies between two spikes of d(ranges)/d(steps). One missing beam (or one beam on
+/// something nearer) inside an object is bridged; a single beam between two surfaces, where the
+/// footprint covers both, belongs to neither. Scans of a full turn have no seam.
+/// Refuses nothing: beams without a believable return (0, NaN, infinity, out of range, in the
+/// blind sector) count as no return.
+///
+/// Width, `paper`: eq. 8 with its root. `compensated`: the beam step that eq. 8 loses on average
+/// is added to the angle, and all ranges count instead of the two noisy ones at the edges.
 std::vector<Segment> segment(const Scan& scan, const SegmentationConfig& segmentation,
                              const WidthConfig& width);
+
+/// Standard deviation of a measured width about mu: the trees' own (with its floor) and the part
+/// that grows as the beam step does [m].
+double width_sigma_m(double range_m, double bearing_step_rad, const WidthConfig& width);
 
 /// roc_laser of a width measured at a range: exp(-(w - mu)^2 / 2 sigma^2), sigma with a floor and
 /// growing with range as the beam step does. Source: Shalal et al. 2013, eqs. 9, 10.

@@ -11,6 +11,8 @@ struct SegmentationConfig {
   double jump_fraction = 0.02; ///< plus this much per metre of range
   int min_beams = 2;           ///< objects with fewer beams are not reported
   double width_max_m = 2.0;    ///< wider things (walls, hedges) are not reported
+  double blind_centre_rad = 0.0;      ///< middle of a sector in which the scanner sees the robot
+  double blind_half_width_rad = 0.0;  ///< half its angle; 0 = no such sector
 };
 
 template <class Visitor>
@@ -21,6 +23,10 @@ void describe(Visitor& v, SegmentationConfig& c) {
   v.number("jump_fraction", c.jump_fraction, 0, 1, "1", "growth of that step per metre of range");
   v.integer("min_beams", c.min_beams, 1, 1000, "beams", "fewest beams of an object");
   v.number("width_max_m", c.width_max_m, 0.05, 100, "m", "wider things are not reported");
+  v.number("blind_centre_rad", c.blind_centre_rad, -6.2832, 6.2832, "rad",
+           "laser frame: middle of a sector that shows the robot itself");
+  v.number("blind_half_width_rad", c.blind_half_width_rad, 0, 3.1416, "rad",
+           "half the angle of that sector; 0 for none");
   v.check(c.range_min_m < c.range_max_m, "range_min_m", "must be below range_max_m");
 }
 

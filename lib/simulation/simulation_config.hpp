@@ -1,17 +1,193 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+
 namespace orchard::simulation {
+
+/// The simulated scanner; the defaults are a Hokuyo URG-04LX-UG01. Section `simulation.scanner`.
+///
+/// Its data sheet's +-3 % (+-30 mm below 1 m) is a limit over all targets, temperatures and
+/// units, not a standard deviation. It is modelled as the sum of three parts and cut at the limit:
+/// every beam by itself, one error per target and scan (what moves a whole trunk: SE of eq. 13
+/// comes from it), and one per target for good (its surface: a bias that no SE shows).
+struct ScannerConfig {
+  int num_beams = 683;
+  double bearing_min_rad = -2.0923497946760149;     ///< -341 steps
+  double bearing_step_rad = 0.0061359231515425649;  ///< 360/1024 deg
+  double range_min_m = 0.02;
+  double range_max_m = 5.6;
+  double rate_hz = 10.0;                ///< sweeps a second while driving
+  double beam_period_us = 97.65625;     ///< 100 ms / 1024
+  double spot_rad = 0.004;              ///< angular width of the spot, which makes mixed pixels
+  double mixed_probability = 0.5;       ///< that a spot split over two surfaces reads between them
+  double dropout_probability = 0.0005;  ///< that a beam gets no return although it hits
+  double beam_sd_m = 0.003;             ///< of each beam, constant part
+  double beam_sd_fraction = 0.003;      ///< of each beam, per metre of range
+  double scan_sd_fraction = 0.004;      ///< of each target in each scan, per metre of range
+  double target_sd_fraction = 0.002;    ///< of each target for good, per metre of range
+  double limit_fraction = 0.03;         ///< the class limit, from 1 m on
+  double limit_m = 0.03;                ///< the class limit nearer than that
+  double resolution_m = 0.001;          ///< ranges are whole multiples of it
+  double height_m = 0.27;               ///< of the scan plane above the ground
+};
+
+template <class Visitor>
+void describe(Visitor& v, ScannerConfig& c) {
+  v.integer("num_beams", c.num_beams, 2, 20000, "beams", "of one sweep");
+  v.number("bearing_min_rad", c.bearing_min_rad, -6.2832, 6.2832, "rad", "of the first beam");
+  v.number("bearing_step_rad", c.bearing_step_rad, 1e-5, 0.2, "rad", "between two beams");
+  v.number("range_min_m", c.range_min_m, 0, 10, "m", "nearest return");
+  v.number("range_max_m", c.range_max_m, 0.1, 300, "m", "farthest return");
+  v.number("rate_hz", c.rate_hz, 0.1, 100, "Hz", "sweeps a second while driving");
+  v.number("beam_period_us", c.beam_period_us, 0, 10000, "us", "between two beams");
+  v.number("spot_rad", c.spot_rad, 0, 0.05, "rad", "width of the spot");
+  v.number("mixed_probability", c.mixed_probability, 0, 1, "1",
+           "that a spot split over two surfaces reads between them");
+  v.number("dropout_probability", c.dropout_probability, 0, 1, "1", "that a hit gives no return");
+  v.number("beam_sd_m", c.beam_sd_m, 0, 1, "m", "range noise of each beam, constant part");
+  v.number("beam_sd_fraction", c.beam_sd_fraction, 0, 0.2, "1",
+           "range noise of each beam, per metre");
+  v.number("scan_sd_fraction", c.scan_sd_fraction, 0, 0.2, "1",
+           "range error of each target in each scan, per metre");
+  v.number("target_sd_fraction", c.target_sd_fraction, 0, 0.2, "1",
+           "lasting range error of each target, per metre");
+  v.number("limit_fraction", c.limit_fraction, 0, 0.5, "1", "class limit of the error from 1 m on");
+  v.number("limit_m", c.limit_m, 0, 1, "m", "class limit of the error below 1 m");
+  v.number("resolution_m", c.resolution_m, 1e-6, 0.1, "m", "step of the ranges");
+  v.number("height_m", c.height_m, 0.02, 5, "m", "scan plane above the ground");
+  v.check(c.range_min_m < c.range_max_m, "range_min_m", "must be below range_max_m");
+}
+
+/// How pictures are made. Section `simulation.image`; optics and mount come from `camera`.
+struct ImageConfig {
+  double rate_hz = 10.0;    ///< while driving
+  double offset_s = 0.035;  ///< pictures come this much after sweeps while driving
+  double noise_sd = 2.5;    ///< of every pixel and channel
+  double blur_px = 0.6;     ///< sigma of lens and sensor
+  int jpeg_quality = 88;
+};
+
+template <class Visitor>
+void describe(Visitor& v, ImageConfig& c) {
+  v.number("rate_hz", c.rate_hz, 0.1, 100, "Hz", "pictures a second while driving");
+  v.number("offset_s", c.offset_s, 0, 1, "s", "from a sweep to its picture while driving");
+  v.number("noise_sd", c.noise_sd, 0, 50, "grey", "noise of every pixel");
+  v.number("blur_px", c.blur_px, 0, 5, "px", "sigma of the blur; 0 = none");
+  v.integer("jpeg_quality", c.jpeg_quality, 10, 100, "1", "of the JPEG encoder");
+}
+
+/// The paper's simulated environment. Section `simulation.tubes`.
+struct TubesConfig {
+  double tube_spacing_m = 1.0;  ///< along a row
+  double row_spacing_m = 1.6;
+  double jitter_m = 0.04;         ///< each tube stands off its place by at most this much
+  double first_tube_m = 3.3;      ///< from the robot's start to the first tubes
+  double step_m = 0.4;            ///< the robot's equal steps
+  int num_steps = 19;             ///< scan-image pairs
+  double step_period_s = 1.0;     ///< between two pairs
+  double fix_sd_m = 0.001;        ///< of the position measured by hand
+  double fix_yaw_sd_rad = 0.003;  ///< of the heading measured by hand
+};
+
+template <class Visitor>
+void describe(Visitor& v, TubesConfig& c) {
+  v.number("tube_spacing_m", c.tube_spacing_m, 0.5, 3, "m", "between tubes of a row");
+  v.number("row_spacing_m", c.row_spacing_m, 1, 4, "m", "between the two rows");
+  v.number("jitter_m", c.jitter_m, 0, 0.1, "m", "most that a tube stands off its place");
+  v.number("first_tube_m", c.first_tube_m, 1, 5, "m", "from the start to the first tubes");
+  v.number("step_m", c.step_m, 0.05, 2, "m", "the robot's equal steps");
+  v.integer("num_steps", c.num_steps, 1, 1000, "1", "scan-image pairs");
+  v.number("step_period_s", c.step_period_s, 0.1, 100, "s", "between two pairs");
+  v.number("fix_sd_m", c.fix_sd_m, 0, 1, "m", "of the position measured by hand");
+  v.number("fix_yaw_sd_rad", c.fix_yaw_sd_rad, 0, 1, "rad", "of the heading measured by hand");
+}
+
+/// The orchard. Section `simulation.orchard`.
+struct OrchardConfig {
+  int num_rows = 4;
+  int trees_per_row = 15;
+  double row_spacing_m = 4.0;
+  double tree_spacing_m = 2.0;
+  double jitter_m = 0.15;  ///< most that a tree stands off its place
+  double missing_fraction = 0.08;
+  double trunk_width_m = 0.125;  ///< mean
+  double trunk_width_sd_m = 0.012;
+  double post_every_m = 10.0;  ///< trellis posts in the rows; 0 = none
+  double post_width_m = 0.08;
+  double wide_post_fraction = 0.25;  ///< of the posts are as wide as a trunk
+  int num_bushes = 6;
+  double speed_mps = 1.0;
+  double headland_m = 3.0;    ///< driven beyond a row's end before turning
+  double fix_rate_hz = 10.0;  ///< of POSE_FIX; 0 = none
+  double fix_sd_m = 0.015;
+  double fix_yaw_sd_rad = 0.005;
+};
+
+template <class Visitor>
+void describe(Visitor& v, OrchardConfig& c) {
+  v.integer("num_rows", c.num_rows, 2, 200, "rows", "along map y; the robot drives between them");
+  v.integer("trees_per_row", c.trees_per_row, 1, 1000, "trees", "places of a row");
+  v.number("row_spacing_m", c.row_spacing_m, 1.5, 20, "m", "between rows");
+  v.number("tree_spacing_m", c.tree_spacing_m, 0.3, 20, "m", "between trees of a row");
+  v.number("jitter_m", c.jitter_m, 0, 2, "m", "most that a tree stands off its place");
+  v.number("missing_fraction", c.missing_fraction, 0, 1, "1", "of the places are empty");
+  v.number("trunk_width_m", c.trunk_width_m, 0.02, 2, "m", "mean trunk width");
+  v.number("trunk_width_sd_m", c.trunk_width_sd_m, 0, 0.5, "m", "its standard deviation");
+  v.number("post_every_m", c.post_every_m, 0, 1000, "m", "between posts of a row; 0 = none");
+  v.number("post_width_m", c.post_width_m, 0.02, 1, "m", "width of a post");
+  v.number("wide_post_fraction", c.wide_post_fraction, 0, 1, "1", "posts as wide as a trunk");
+  v.integer("num_bushes", c.num_bushes, 0, 1000, "1", "bushes among the trees");
+  v.number("speed_mps", c.speed_mps, 0.05, 10, "m/s", "the robot's speed");
+  v.number("headland_m", c.headland_m, 0.5, 50, "m", "driven beyond a row before turning");
+  v.number("fix_rate_hz", c.fix_rate_hz, 0, 100, "Hz", "POSE_FIX; 0 = none");
+  v.number("fix_sd_m", c.fix_sd_m, 0, 10, "m", "of the fixes' position");
+  v.number("fix_yaw_sd_rad", c.fix_yaw_sd_rad, 0, 1, "rad", "of the fixes' heading");
+}
+
+/// Odometry and GNSS while driving. Section `simulation.motion`.
+struct MotionConfig {
+  double odometry_rate_hz = 50.0;         ///< 0 = none
+  double speed_scale_sd = 0.01;           ///< of the run's one error of the wheels' size
+  double speed_sd_mps = 0.01;             ///< of each sample
+  double yaw_rate_bias_sd_radps = 0.001;  ///< of the run's one bias
+  double yaw_rate_sd_radps = 0.01;        ///< of each sample
+  double gnss_rate_hz = 5.0;              ///< 0 = none
+  double gnss_sd_m = 0.02;                ///< east and north; twice that upwards
+  std::array<double, 3> datum{-27.6040, 151.9320, 690.0};  ///< geodetic position of map's origin
+};
+
+template <class Visitor>
+void describe(Visitor& v, MotionConfig& c) {
+  v.number("odometry_rate_hz", c.odometry_rate_hz, 0, 1000, "Hz", "ODOMETRY; 0 = none");
+  v.number("speed_scale_sd", c.speed_scale_sd, 0, 0.5, "1", "scale error of a run");
+  v.number("speed_sd_mps", c.speed_sd_mps, 0, 5, "m/s", "speed noise of a sample");
+  v.number("yaw_rate_bias_sd_radps", c.yaw_rate_bias_sd_radps, 0, 1, "rad/s", "bias of a run");
+  v.number("yaw_rate_sd_radps", c.yaw_rate_sd_radps, 0, 3, "rad/s", "yaw rate noise of a sample");
+  v.number("gnss_rate_hz", c.gnss_rate_hz, 0, 100, "Hz", "GNSS; 0 = none");
+  v.number("gnss_sd_m", c.gnss_sd_m, 0, 100, "m", "GNSS noise east and north");
+  v.numbers("datum", c.datum, -1000, 10000, "deg, deg, m",
+            "latitude, longitude, altitude of the map's origin");
+  v.check(c.datum[0] > -90 && c.datum[0] < 90, "datum", "latitude must be in (-90, 90)");
+  v.check(c.datum[1] >= -180 && c.datum[1] <= 180, "datum", "longitude must be in [-180, 180]");
+}
 
 /// What the simulated world and sensors are like. Section `simulation`.
 struct SimulationConfig {
-  double range_error_fraction = 0.03;  ///< class limit of the laser's range error (+-3 %)
+  ScannerConfig scanner;
+  ImageConfig image;
+  TubesConfig tubes;
+  OrchardConfig orchard;
+  MotionConfig motion;
 };
 
 template <class Visitor>
 void describe(Visitor& v, SimulationConfig& c) {
-  v.number("range_error_fraction", c.range_error_fraction, 0, 0.5, "1",
-           "class limit of the laser's range error");
+  v.section("scanner", c.scanner, "the laser scanner");
+  v.section("image", c.image, "the camera's pictures");
+  v.section("tubes", c.tubes, "scene tubes: the paper's simulated environment");
+  v.section("orchard", c.orchard, "scene orchard");
+  v.section("motion", c.motion, "odometry and GNSS of scene orchard");
 }
 
 }  // namespace orchard::simulation

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/fixed_text.hpp"
+
+#include <charconv>
+
+namespace orchard::io {
+
+std::string fixed_text(double value, int num_decimals) {
+  char text[400];  // the largest double has 309 digits before the point
+  const auto result =
+      std::to_chars(text, text + sizeof(text), value, std::chars_format::fixed, num_decimals);
+  std::string fixed(text, result.ptr);
+  if (fixed[0] == '-' && fixed.find_first_not_of("-0.") == std::string::npos) fixed.erase(0, 1);
+  return fixed;
+}
+
+}  // namespace orchard::io

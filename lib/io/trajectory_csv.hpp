@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pose/pose_estimate.hpp"
+
+namespace orchard::io {
+
+/// `utime_us,x_m,y_m,yaw_rad`, T_map_base over time, as text with fixed formatting.
+std::string trajectory_csv(const std::vector<pose::PoseEstimate>& trajectory);
+
+void write_trajectory_csv(const std::string& path,
+                          const std::vector<pose::PoseEstimate>& trajectory);
+
+/// Reads the same; seq counts from 0, yaw is wrapped into (-pi, pi]. Throws FileError naming file,
+/// line and column, also when time does not go up.
+std::vector<pose::PoseEstimate> read_trajectory_csv(const std::string& path);
+std::vector<pose::PoseEstimate> parse_trajectory_csv(std::string_view text,
+                                                     const std::string& name);
+
+}  // namespace orchard::io

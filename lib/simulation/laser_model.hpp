@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "laser/scan.hpp"
+#include "simulation/drive_path.hpp"
+#include "simulation/random.hpp"
+#include "simulation/scene.hpp"
+#include "simulation/simulation_config.hpp"
+
+namespace orchard::simulation {
+
+/// The lasting range errors of a world's targets, as fractions of the range.
+std::vector<double> draw_target_errors(int num_targets, const ScannerConfig& scanner,
+                                       Random& random);
+
+/// One sweep of the scanner through a world: ray casting with a finite spot, mixed pixels, the
+/// errors of ScannerConfig, whole millimetres.
+///
+/// T_map_laser holds one pose, or one per beam for a scanner that moves while it sweeps.
+/// `target_errors` may be empty (none). Leaves utime and seq 0.
+/// Throws std::invalid_argument for any other number of poses.
+laser::Scan simulate_scan(const World& world, const std::vector<Pose2>& T_map_laser,
+                          const ScannerConfig& scanner, const std::vector<double>& target_errors,
+                          Random& random);
+
+/// The same without any error: the distance along every beam's axis, not rounded.
+laser::Scan simulate_perfect_scan(const World& world, const Pose2& T_map_laser,
+                                  const ScannerConfig& scanner);
+
+/// A bench for width measurements: one upright cylinder, its axis range_m + radius away (so that
+/// its nearest surface is range_m away) at a random bearing within +-60 degrees.
+laser::Scan simulate_trunk_scan(double diameter_m, double range_m, const ScannerConfig& scanner,
+                                Random& random);
+
+}  // namespace orchard::simulation

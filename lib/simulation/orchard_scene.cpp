@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/orchard_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "geometry/angles.hpp"
+#include "simulation/random.hpp"
+
+namespace orchard::simulation {
+namespace {
+
+constexpr double kRowsBegin_m = 4.0;  ///< from the robot's start to the first trees
+
+class OrchardSceneBuilder {
+ public:
+  OrchardSceneBuilder(std::uint64_t seed, const OrchardConfig& config)
+      : config_(config), place_(seed, Stream::kScene), look_(seed, Stream::kAppearance) {
+    World& world = scene_.world;
+    world.indoors = false;
+    world.texture_seed = static_cast<std::uint32_t>(look_.bits());
+    world.light_azimuth_rad = look_.uniform(0.0, 2.0 * geometry::kPi);
+    world.light_elevation_rad = look_.uniform(0.5, 1.1);
+    world.ambient = look_.uniform(0.45, 0.6);
+    row_length_m_ = (config.trees_per_row - 1) * config.tree_spacing_m;
+  }
+
+  Scene build() {
+    for (int row = 0; row < config_.num_rows; ++row) add_row(row);
+    for (int i = 0; i < config_.num_bushes; ++i) add_bush();
+    add_path();
+    return std::move(scene_);
+  }
+
+ private:
+  /// The first alley is map x = 0.
+  double row_x_m(int row) const { return (row - 0.5) * config_.row_spacing_m; }
+
+  void add_row(int row) {
+    for (int i = 0; i < config_.trees_per_row; ++i) {
+      const bool missing = place_.uniform() < config_.missing_fraction;
+      const double x_m = row_x_m(row) + jitter(0.5);
+      const double y_m = kRowsBegin_m + i * config_.tree_spacing_m + jitter(1.0);
+      const double width_m =
+          std::clamp(place_.normal(config_.trunk_width_m, config_.trunk_width_sd_m),
+                     0.6 * config_.trunk_width_m, 1.5 * config_.trunk_width_m);
+      if (!missing) {
+        add({x_m, y_m, width_m / 2.0, 1.6, 0.0, 0, bark()}, detection::Label::kTree,
+            "T" + std::to_string(++num_trees_));
+      }
+    }
+    if (config_.post_every_m <= 0.0) return;
+    // halfway between two places of a row, as trellis posts stand
+    for (double y_m = 0.5 * config_.tree_spacing_m; y_m < row_length_m_;
+         y_m += std::max(1.0, std::round(config_.post_every_m / config_.tree_spacing_m)) *
+                config_.tree_spacing_m) {
+      const bool wide = place_.uniform() < config_.wide_post_fraction;
+      const double width_m = wide ? config_.trunk_width_m : config_.post_width_m;
+      add({row_x_m(row), kRowsBegin_m + y_m, width_m / 2.0, 2.0, 0.0, 0, painted()},
+          detection::Label::kObject, "P" + std::to_string(++num_posts_));
+    }
+  }
+
+  /// A ragged cluster of twigs, in a row where no tree or post is near.
+  void add_bush() {
+    double x_m = 0.0, y_m = 0.0;
+    const double size_m = place_.uniform(0.4, 0.8);
+    for (int attempt = 0; attempt < 200; ++attempt) {
+      const int row = static_cast<int>(place_.uniform() * config_.num_rows);
+      x_m = row_x_m(row) + place_.uniform(-0.2, 0.2);
+      y_m = kRowsBegin_m + place_.uniform(0.0, std::max(1.0, row_length_m_));
+      const bool clear =
+          std::none_of(scene_.truth.begin(), scene_.truth.end(), [&](const TruthObject& other) {
+            return std::hypot(other.x_m - x_m, other.y_m - y_m) <
+                   0.3 + 0.5 * size_m + 0.5 * other.width_m;
+          });
+      if (clear) break;
+    }
+    const int target = scene_.world.num_targets++;
+    const int num_twigs = static_cast<int>(40 * size_m);
+    for (int i = 0; i < num_twigs; ++i) {
+      const double distance_m = 0.5 * size_m * std::sqrt(place_.uniform());
+      const double angle_rad = place_.uniform(0.0, 2.0 * geometry::kPi);
+      Cylinder twig;
+      twig.x_m = x_m + distance_m * std::cos(angle_rad);
+      twig.y_m = y_m + distance_m * std::sin(angle_rad);
+      twig.radius_m = place_.uniform(0.012, 0.05);
+      twig.height_m = place_.uniform(0.35, 0.9);
+      twig.target = target;
+      twig.appearance.hue_deg = look_.uniform(75.0, 115.0);
+      twig.appearance.saturation = look_.uniform(0.35, 0.6);
+      twig.appearance.value = look_.uniform(0.3, 0.55);
+      twig.appearance.texture = Appearance::Texture::kLeaves;
+      twig.appearance.texture_seed = static_cast<std::uint32_t>(look_.bits());
+      scene_.world.cylinders.push_back(twig);
+    }
+    scene_.truth.push_back(
+        {detection::Label::kObject, x_m, y_m, size_m, "S" + std::to_string(++num_bushes_)});
+  }
+
+  void add_path() {
+    const double straight_m = kRowsBegin_m + row_length_m_ + config_.headland_m;
+    const double between_m = row_length_m_ + 2.0 * config_.headland_m;
+    const double curvature = 2.0 / config_.row_spacing_m;  // half circles from alley to alley
+    scene_.path = DrivePath({0.0, 0.0, geometry::kPi / 2.0}, config_.speed_mps);
+    const int num_alleys = std::max(1, config_.num_rows - 1);
+    for (int alley = 0; alley < num_alleys; ++alley) {
+      scene_.path.append(alley == 0 ? straight_m : between_m, 0.0);
+      if (alley + 1 < num_alleys) {
+        const double side = alley % 2 == 0 ? -1.0 : 1.0;  // first to the right, towards +x
+        scene_.path.append(geometry::kPi / curvature, side * curvature);
+      }
+    }
+  }
+
+  void add(Cylinder cylinder, detection::Label label, const std::string& name) {
+    cylinder.target = scene_.world.num_targets++;
+    scene_.truth.push_back({label, cylinder.x_m, cylinder.y_m, 2.0 * cylinder.radius_m, name});
+    scene_.world.cylinders.push_back(cylinder);
+  }
+
+  Appearance bark() {
+    Appearance look;
+    look.hue_deg = look_.uniform(20.0, 34.0);
+    look.saturation = look_.uniform(0.30, 0.48);
+    look.value = look_.uniform(0.45, 0.65);
+    look.texture = Appearance::Texture::kBark;
+    look.texture_seed = static_cast<std::uint32_t>(look_.bits());
+    return look;
+  }
+
+  Appearance painted() {
+    Appearance look;
+    look.hue_deg = look_.uniform(200.0, 230.0);
+    look.saturation = look_.uniform(0.12, 0.30);
+    look.value = look_.uniform(0.70, 0.85);
+    look.texture_seed = static_cast<std::uint32_t>(look_.bits());
+    return look;
+  }
+
+  double jitter(double share) {
+    return place_.uniform(-config_.jitter_m, config_.jitter_m) * share;
+  }
+
+  const OrchardConfig& config_;
+  Random place_;
+  Random look_;
+  Scene scene_;
+  double row_length_m_ = 0.0;
+  int num_trees_ = 0;
+  int num_posts_ = 0;
+  int num_bushes_ = 0;
+};
+
+}  // namespace
+
+Scene make_orchard_scene(std::uint64_t seed, const OrchardConfig& config) {
+  return OrchardSceneBuilder(seed, config).build();
+}
+
+}  // namespace orchard::simulation

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <random>
+
+namespace orchard::simulation {
+
+/// What a random number is for. Every stream is independent of all others, so that a sensor that
+/// is switched off changes nothing in the rest.
+enum class Stream : std::uint64_t {
+  kScene = 1,
+  kAppearance,
+  kTargets,
+  kScan,
+  kImage,
+  kOdometryRun,
+  kOdometry,
+  kGnss,
+  kPoseFix,
+  kBench,
+};
+
+/// Seeded random numbers that are the same on every standard library.
+class Random {
+ public:
+  /// The numbers of message `index` of a stream.
+  explicit Random(std::uint64_t seed, Stream stream = Stream::kBench, std::uint64_t index = 0);
+
+  std::uint64_t bits() { return engine_(); }
+  double uniform() { return static_cast<double>(engine_() >> 11) * 0x1.0p-53; }  ///< [0, 1)
+  double uniform(double low, double high) { return low + (high - low) * uniform(); }
+  double normal();  ///< mean 0, standard deviation 1
+  double normal(double mean, double sd) { return mean + sd * normal(); }
+
+ private:
+  std::mt19937_64 engine_;
+  double spare_ = 0.0;
+  bool has_spare_ = false;
+};
+
+/// 64 well-mixed bits of a number.
+std::uint64_t mix_bits(std::uint64_t value);
+
+}  // namespace orchard::simulation

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "simulation/drive_path.hpp"
+#include "simulation/world.hpp"
+
+namespace orchard::simulation {
+
+enum class SceneKind { kTubes, kOrchard };
+
+/// What a surface looks like.
+struct Appearance {
+  enum class Texture { kCardboard, kBark, kLeaves };
+  double hue_deg = 30.0;
+  double saturation = 0.45;
+  double value = 0.65;
+  Texture texture = Texture::kCardboard;
+  std::uint32_t texture_seed = 0;
+};
+
+/// An upright cylinder that stands on the ground: a tube, a trunk, a post, a twig of a bush.
+struct Cylinder {
+  double x_m = 0.0;  ///< map frame
+  double y_m = 0.0;
+  double radius_m = 0.0;
+  double height_m = 0.0;
+  double base_m = 0.0;  ///< height at which it begins
+  int target = 0;       ///< cylinders of one target share its lasting laser error
+  Appearance appearance;
+};
+
+/// Everything that sensors can see.
+struct World {
+  std::vector<Cylinder> cylinders;
+  int num_targets = 0;
+  bool indoors = true;             ///< floor and walls, or grass, far trees and sky
+  double light_azimuth_rad = 2.0;  ///< where the light comes from, map frame
+  double light_elevation_rad = 0.7;
+  double ambient = 0.55;  ///< share of light that comes from everywhere
+  std::uint32_t texture_seed = 0;
+};
+
+/// A world, its truth, and how the robot moves through it.
+struct Scene {
+  World world;
+  std::vector<TruthObject> truth;
+  bool stepped = false;      ///< stops at `stops` for every pair, or drives along `path`
+  std::vector<Pose2> stops;  ///< T_map_base
+  double stop_period_s = 1.0;
+  DrivePath path;
+};
+
+}  // namespace orchard::simulation

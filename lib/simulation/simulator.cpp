@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/simulator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "simulation/laser_model.hpp"
+#include "simulation/orchard_scene.hpp"
+
+namespace orchard::simulation {
+namespace {
+
+enum Sensor : std::size_t { kScan, kImage, kOdometry, kGnss, kPoseFix };
+
+Stream stream_of(std::size_t sensor) {
+  constexpr std::array<Stream, 5> kStreams{Stream::kScan, Stream::kImage, Stream::kOdometry,
+                                           Stream::kGnss, Stream::kPoseFix};
+  return kStreams[sensor];
+}
+
+Scene make_scene(SceneKind kind, std::uint64_t seed, const RigConfig& rig) {
+  return kind == SceneKind::kTubes ? make_tube_scene(seed, rig)
+                                   : make_orchard_scene(seed, rig.simulation.orchard);
+}
+
+}  // namespace
+
+std::optional<SceneKind> find_scene(std::string_view name) {
+  if (name == "tubes") return SceneKind::kTubes;
+  if (name == "orchard") return SceneKind::kOrchard;
+  return std::nullopt;
+}
+
+Simulator::Simulator(SceneKind kind, std::uint64_t seed, const RigConfig& rig)
+    : seed_(seed), rig_(rig), scene_(make_scene(kind, seed, rig)), renderer_(rig) {
+  Random targets(seed, Stream::kTargets);
+  target_errors_ = draw_target_errors(scene_.world.num_targets, rig.simulation.scanner, targets);
+  Random wheels(seed, Stream::kOdometryRun);
+  odometry_errors_ = draw_odometry_errors(rig.simulation.motion, wheels);
+
+  const SimulationConfig& config = rig.simulation;
+  if (scene_.stepped) {
+    const double rate_hz = 1.0 / scene_.stop_period_s;
+    start_clock(kScan, rate_hz, 0.0);
+    if (rig.camera.enabled) start_clock(kImage, rate_hz, 0.0);
+    start_clock(kPoseFix, rate_hz, 0.0);
+  } else {
+    start_clock(kScan, config.scanner.rate_hz, 0.0);
+    if (rig.camera.enabled) start_clock(kImage, config.image.rate_hz, config.image.offset_s);
+    start_clock(kOdometry, config.motion.odometry_rate_hz, 0.0);
+    start_clock(kGnss, config.motion.gnss_rate_hz, 0.0);
+    start_clock(kPoseFix, config.orchard.fix_rate_hz, 0.0);
+  }
+}
+
+void Simulator::start_clock(std::size_t sensor, double rate_hz, double offset_s) {
+  if (rate_hz <= 0.0) return;
+  Clock& clock = clocks_[sensor];
+  clock.period_s = 1.0 / rate_hz;
+  clock.offset_s = offset_s;
+  clock.count = scene_.stepped ? static_cast<std::int64_t>(scene_.stops.size())
+                               : static_cast<std::int64_t>(std::floor(
+                                     (scene_.path.duration_s() - offset_s) * rate_hz + 1e-9)) +
+                                     1;
+}
+
+std::int64_t Simulator::utime_of(std::size_t sensor, std::int64_t index) const {
+  const Clock& clock = clocks_[sensor];
+  return kEpochUtime +
+         std::llround((clock.offset_s + static_cast<double>(index) * clock.period_s) * 1e6);
+}
+
+Pose2 Simulator::pose_at(std::int64_t utime) const {
+  const double time_s = static_cast<double>(utime - kEpochUtime) * 1e-6;
+  if (!scene_.stepped) return scene_.path.pose_at(time_s);
+  const auto stop = static_cast<std::size_t>(std::max(0.0, time_s / scene_.stop_period_s + 0.5));
+  return scene_.stops[std::min(stop, scene_.stops.size() - 1)];
+}
+
+laser::Scan Simulator::make_scan(std::int64_t utime, Random& random) const {
+  const ScannerConfig& scanner = rig_.simulation.scanner;
+  const Pose2 T_base_laser{rig_.laser.mount_x_m, rig_.laser.mount_y_m, rig_.laser.mount_yaw_rad};
+  std::vector<Pose2> T_map_laser;
+  if (scene_.stepped || scanner.beam_period_us <= 0.0) {
+    T_map_laser.push_back(compose(pose_at(utime), T_base_laser));
+  } else {
+    const double start_s = static_cast<double>(utime - kEpochUtime) * 1e-6;
+    for (int beam = 0; beam < scanner.num_beams; ++beam) {
+      const double time_s = start_s + beam * scanner.beam_period_us * 1e-6;
+      T_map_laser.push_back(compose(scene_.path.pose_at(time_s), T_base_laser));
+    }
+  }
+  return simulate_scan(scene_.world, T_map_laser, scanner, target_errors_, random);
+}
+
+SensorMessage Simulator::make(std::size_t sensor, std::int64_t index) const {
+  const std::int64_t utime = utime_of(sensor, index);
+  Random random(seed_, stream_of(sensor), static_cast<std::uint64_t>(index));
+  const auto stamped = [&](auto message) -> SensorMessage {
+    message.utime = utime;
+    message.seq = static_cast<std::int32_t>(index);
+    return message;
+  };
+  const SimulationConfig& config = rig_.simulation;
+  const Pose2 T_map_base = pose_at(utime);
+  switch (sensor) {
+    case kScan:
+      return stamped(make_scan(utime, random));
+    case kImage:
+      return stamped(renderer_.take(scene_.world, T_map_base, random));
+    case kOdometry: {
+      const double period_s = clocks_[kOdometry].period_s;
+      const double time_s = static_cast<double>(utime - kEpochUtime) * 1e-6;
+      return stamped(simulate_odometry(scene_.path, time_s, period_s, odometry_errors_,
+                                       config.motion, random));
+    }
+    case kGnss:
+      return stamped(simulate_gnss(T_map_base, config.motion, random));
+    default:
+      return stamped(scene_.stepped ? simulate_fix(T_map_base, config.tubes.fix_sd_m,
+                                                   config.tubes.fix_yaw_sd_rad, random)
+                                    : simulate_fix(T_map_base, config.orchard.fix_sd_m,
+                                                   config.orchard.fix_yaw_sd_rad, random));
+  }
+}
+
+std::optional<SensorMessage> Simulator::next() {
+  std::optional<std::size_t> first;
+  std::int64_t first_utime = 0;
+  for (std::size_t sensor = 0; sensor < kNumSensors; ++sensor) {
+    const Clock& clock = clocks_[sensor];
+    if (clock.next >= clock.count) continue;
+    const std::int64_t utime = utime_of(sensor, clock.next);
+    if (!first || utime < first_utime) {
+      first = sensor;
+      first_utime = utime;
+    }
+  }
+  if (!first) return std::nullopt;
+  return make(*first, clocks_[*first].next++);
+}
+
+std::vector<TruePose> Simulator::true_poses() const {
+  std::vector<TruePose> poses;
+  for (std::int64_t i = 0; i < clocks_[kScan].count; ++i) {
+    const std::int64_t utime = utime_of(kScan, i);
+    const Pose2 pose = pose_at(utime);
+    poses.push_back({utime, pose.x_m, pose.y_m, pose.yaw_rad});
+  }
+  return poses;
+}
+
+}  // namespace orchard::simulation

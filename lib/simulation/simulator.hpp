@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "laser/scan.hpp"
+#include "pose/measurements.hpp"
+#include "simulation/camera_renderer.hpp"
+#include "simulation/motion_sensors.hpp"
+#include "simulation/scene.hpp"
+#include "simulation/tube_scene.hpp"
+#include "vision/image.hpp"
+
+namespace orchard::simulation {
+
+/// What a simulated sensor says. The alternatives stand in the order of bus::Channel.
+using SensorMessage =
+    std::variant<laser::Scan, vision::Image, pose::Odometry, pose::Gnss, pose::PoseFix>;
+
+/// Where simulated time begins: 2013-12-02 00:00 UTC, the day ACRA 2013 opened [us].
+inline constexpr std::int64_t kEpochUtime = 1385942400000000;
+
+/// "tubes" or "orchard"; none for anything else.
+std::optional<SceneKind> find_scene(std::string_view name);
+
+/// A robot that drives through a scene: its sensors' messages one by one in the order of
+/// (utime, kind), all from one seed. Every message has random numbers of its own, so switching a
+/// sensor off leaves the others' bytes as they were.
+class Simulator {
+ public:
+  Simulator(SceneKind kind, std::uint64_t seed, const RigConfig& rig);
+
+  /// The next message, or none at the end of the run.
+  std::optional<SensorMessage> next();
+
+  const std::vector<TruthObject>& truth() const { return scene_.truth; }
+  const Scene& scene() const { return scene_; }
+
+  /// Where base truly was: at every stop, or at the first beam of every sweep.
+  std::vector<TruePose> true_poses() const;
+
+ private:
+  static constexpr std::size_t kNumSensors = std::variant_size_v<SensorMessage>;
+  struct Clock {
+    std::int64_t count = 0;  ///< messages in the whole run
+    std::int64_t next = 0;   ///< index of the next one
+    double period_s = 1.0;
+    double offset_s = 0.0;
+  };
+
+  void start_clock(std::size_t sensor, double rate_hz, double offset_s);
+  std::int64_t utime_of(std::size_t sensor, std::int64_t index) const;
+  Pose2 pose_at(std::int64_t utime) const;
+  SensorMessage make(std::size_t sensor, std::int64_t index) const;
+  laser::Scan make_scan(std::int64_t utime, Random& random) const;
+
+  std::uint64_t seed_;
+  RigConfig rig_;
+  Scene scene_;
+  CameraRenderer renderer_;
+  std::vector<double> target_errors_;
+  OdometryErrors odometry_errors_;
+  std::array<Clock, kNumSensors> clocks_{};
+};
+
+}  // namespace orchard::simulation

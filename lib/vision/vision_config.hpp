@@ -40,23 +40,32 @@ void describe(Visitor& v, ColourConfig& c) {
   v.integer("hue_bins", c.hue_bins, 6, 180, "bins", "histogram whose peak is the dominant hue");
 }
 
+enum class LineFit {
+  kTotalLeastSquares,  ///< straight edge by search and total least squares: any direction
+  kRegression,         ///< the paper's words: linear regression of x on y, goodness R^2
+};
+
 /// The edge rule of the paper's figure 9. Section `detector.edges`.
 struct EdgeConfig {
+  LineFit fit = LineFit::kTotalLeastSquares;
   double canny_low = 40;
   double canny_high = 100;
   int median_size_px = 3;         ///< odd
   int min_points = 5;             ///< fewer edge pixels make no line
   double max_tilt_deg = 20;       ///< from the image's vertical
+  double inlier_px = 1.0;         ///< edge pixels this near a line belong to it
   double parallel_tolerance_deg = 10;  ///< roc_parallel falls to 0 at this angle between edges
 };
 
 template <class Visitor>
 void describe(Visitor& v, EdgeConfig& c) {
+  v.choice("fit", c.fit, {"total_least_squares", "regression"}, "how an edge's line is fitted");
   v.number("canny_low", c.canny_low, 1, 1000, "grey", "Canny's lower threshold");
   v.number("canny_high", c.canny_high, 1, 1000, "grey", "Canny's upper threshold");
   v.integer("median_size_px", c.median_size_px, 1, 15, "px", "median filter (odd)");
   v.integer("min_points", c.min_points, 2, 1000, "px", "fewer edge pixels make no line");
   v.number("max_tilt_deg", c.max_tilt_deg, 1, 90, "deg", "steepest lean of a trunk's edge");
+  v.number("inlier_px", c.inlier_px, 0.1, 50, "px", "edge pixels this near a line belong to it");
   v.number("parallel_tolerance_deg", c.parallel_tolerance_deg, 0.1, 90, "deg",
            "roc_parallel is 0 from this angle on");
   v.check(c.canny_low < c.canny_high, "canny_low", "must be below canny_high");

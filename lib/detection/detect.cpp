@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "detection/detect.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "detection/centre.hpp"
+#include "detection/fuse.hpp"
+#include "detection/trunk_view.hpp"
+#include "laser/segment.hpp"
+#include "vision/colour.hpp"
+#include "vision/decode.hpp"
+#include "vision/edges.hpp"
+
+namespace orchard::detection {
+namespace {
+
+enum class LaserVerdict { kCandidate, kObject, kHidden };
+
+/// An object with a hidden side is at least as wide as what shows of it: too wide is an object,
+/// anything less cannot be told.
+LaserVerdict judge_by_laser(const laser::Segment& segment, double roc_laser, const Rig& rig) {
+  const bool passed = roc_laser >= rig.detector.roc_laser_threshold;
+  if (segment.occluded_left || segment.occluded_right) {
+    const bool too_wide = !passed && segment.width_m > rig.detector.width.mean_m;
+    return too_wide ? LaserVerdict::kObject : LaserVerdict::kHidden;
+  }
+  return passed ? LaserVerdict::kCandidate : LaserVerdict::kObject;
+}
+
+Detection laser_detection(const laser::Segment& segment, const laser::Scan& scan, double roc_laser,
+                          LaserVerdict verdict, const Rig& rig) {
+  Detection d;
+  d.utime = scan.utime +
+            std::llround(static_cast<double>(segment.middle_beam) * scan.beam_period_us);
+  d.range_m = segment.range_m;
+  d.bearing_rad = segment.bearing_rad;
+  d.width_m = segment.width_m;
+  d.width_sd_m = segment.width_sd_m;
+  d.num_beams = segment.num_beams;
+  d.occlusion = static_cast<std::int8_t>((segment.occluded_right ? kOccludedRight : 0) |
+                                         (segment.occluded_left ? kOccludedLeft : 0));
+  d.roc_laser = static_cast<float>(roc_laser);
+  place_in_base(d, segment, scan, verdict != LaserVerdict::kObject, rig);
+  return d;
+}
+
+/// What is decoded of a picture, and its edges from the first time somebody asks for them.
+struct Picture {
+  vision::PixelBlock pixels;
+  std::optional<vision::EdgeMap> edges;
+};
+
+/// Colour, and edges only of what has a trunk's colour; gives roc_vision.
+double judge_by_vision(Detection& d, const TrunkView& view, Picture& picture, const Rig& rig) {
+  const DetectorConfig& config = rig.detector;
+  const auto hues = vision::hue_histogram(picture.pixels, view.centre, config.colour);
+  const vision::ColourEvidence colour = vision::colour_confidence(hues, config.colour);
+  d.roc_colour = static_cast<float>(colour.roc);
+  if (!colour.passed) return 0.0;
+
+  if (!picture.edges) picture.edges = vision::edge_map(picture.pixels, config.edges);
+  const auto left =
+      vision::find_edge(*picture.edges, view.left_edge, view.left_x_px, config.edges);
+  const auto right =
+      vision::find_edge(*picture.edges, view.right_edge, view.right_x_px, config.edges);
+  const double parallel = vision::parallel_confidence(left, right, config.edges);
+  const double edges = fuse_edges(left.roc, right.roc, parallel);
+  d.roc_left_edge = static_cast<float>(left.roc);
+  d.roc_right_edge = static_cast<float>(right.roc);
+  d.roc_parallel = static_cast<float>(parallel);
+  d.roc_edges = static_cast<float>(edges);
+  return fuse_vision(colour.roc, edges, config.colour_weight);
+}
+
+void decide(Detection& d, double roc_tree, const Rig& rig) {
+  d.roc_tree = static_cast<float>(roc_tree);
+  d.label = label_of(roc_tree, rig.detector.tree_threshold);
+}
+
+bool fits_camera(const vision::Image& image, const Rig& rig) {
+  return image.width_px == rig.camera.intrinsics().width_px &&
+         image.height_px == rig.camera.intrinsics().height_px;
+}
+
+}  // namespace
+
+DetectResult detect(const laser::Scan& scan, const vision::Image* image, const Rig& rig) {
+  const DetectorConfig& config = rig.detector;
+  DetectResult result;
+  result.detections.utime = scan.utime;
+  result.detections.image_utime = rig.has_camera && image ? image->utime : 0;
+  std::vector<Detection>& trunks = result.detections.trunks;
+
+  const auto segments = laser::segment(scan, config.segmentation, config.width);
+  std::vector<std::optional<TrunkView>> views(segments.size());
+  vision::PixelRect reading;
+  trunks.reserve(segments.size());
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const laser::Segment& segment = segments[i];
+    const double roc_laser = laser::roc_laser(segment.width_m, segment.range_m,
+                                              scan.bearing_step_rad, config.width);
+    const LaserVerdict verdict = judge_by_laser(segment, roc_laser, rig);
+    trunks.push_back(laser_detection(segment, scan, roc_laser, verdict, rig));
+    if (verdict == LaserVerdict::kHidden) continue;
+    if (!rig.has_camera) {
+      decide(trunks.back(), roc_laser, rig);
+    } else if (verdict == LaserVerdict::kObject) {
+      trunks.back().label = Label::kObject;
+      trunks.back().roc_tree = static_cast<float>(fuse_tree(roc_laser, 0.0, config.laser_weight));
+    } else if (image) {
+      views[i] = view_of(segment, rig);
+      if (views[i]) reading = vision::bounding(reading, reading_area(*views[i], rig));
+    }
+  }
+  if (reading.empty()) return result;
+
+  auto pixels = fits_camera(*image, rig) ? vision::decode(*image, reading) : std::nullopt;
+  result.image_unusable = !pixels.has_value();
+  if (!pixels) return result;
+  Picture picture{std::move(*pixels), std::nullopt};
+  for (std::size_t i = 0; i < trunks.size(); ++i) {
+    if (!views[i]) continue;
+    const double roc_vision = judge_by_vision(trunks[i], *views[i], picture, rig);
+    trunks[i].roc_vision = static_cast<float>(roc_vision);
+    decide(trunks[i], fuse_tree(trunks[i].roc_laser, roc_vision, config.laser_weight), rig);
+  }
+  return result;
+}
+
+}  // namespace orchard::detection

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "detection/detector_config.hpp"
+#include "geometry/camera_config.hpp"
+#include "geometry/camera_model.hpp"
+#include "geometry/laser_camera.hpp"
+#include "laser/laser_config.hpp"
+
+namespace orchard::detection {
+
+/// What a detector knows of the robot it runs on, ready for use.
+struct Rig {
+  Rig(const laser::LaserConfig& laser_config, const geometry::CameraConfig& camera_config,
+      const DetectorConfig& detector_config)
+      : laser(laser_config), has_camera(camera_config.enabled), camera(camera_config.intrinsics),
+        T_camera_laser(camera_config.extrinsics), detector(detector_config) {}
+
+  laser::LaserConfig laser;
+  bool has_camera = true;
+  geometry::CameraModel camera;
+  geometry::LaserToCamera T_camera_laser;
+  DetectorConfig detector;
+};
+
+}  // namespace orchard::detection

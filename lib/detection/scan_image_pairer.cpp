@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "detection/scan_image_pairer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <utility>
+
+namespace orchard::detection {
+namespace {
+
+/// A camera without a laser must not fill the memory.
+constexpr std::size_t kMaxImages = 64;
+
+std::int64_t microseconds(double seconds) { return std::llround(seconds * 1e6); }
+
+}  // namespace
+
+ScanImagePairer::ScanImagePairer(double tolerance_s, double wait_s)
+    : tolerance_us_(microseconds(tolerance_s)), wait_us_(microseconds(wait_s)) {}
+
+std::vector<ScanImagePair> ScanImagePairer::add(laser::Scan scan) {
+  newest_utime_ = std::max(newest_utime_, scan.utime);
+  scans_.push_back(std::move(scan));
+  return release();
+}
+
+std::vector<ScanImagePair> ScanImagePairer::add(vision::Image image) {
+  newest_utime_ = std::max(newest_utime_, image.utime);
+  newest_image_utime_ = std::max(newest_image_utime_, image.utime);
+  if (timed_out_scan_utime_ != INT64_MIN && image.utime <= timed_out_scan_utime_ + tolerance_us_) {
+    ++num_late_;
+  }
+  auto kept = std::make_shared<const vision::Image>(std::move(image));
+  const auto after = std::upper_bound(
+      images_.begin(), images_.end(), kept->utime,
+      [](std::int64_t utime, const auto& other) { return utime < other->utime; });
+  images_.insert(after, std::move(kept));
+  std::vector<ScanImagePair> pairs = release();
+  forget_old_images();
+  return pairs;
+}
+
+std::vector<ScanImagePair> ScanImagePairer::flush() {
+  std::vector<ScanImagePair> pairs;
+  while (!scans_.empty()) pairs.push_back(pair_front(false));
+  return pairs;
+}
+
+std::optional<std::int64_t> ScanImagePairer::waiting_scan_utime() const {
+  if (scans_.empty()) return std::nullopt;
+  return scans_.front().utime;
+}
+
+std::vector<ScanImagePair> ScanImagePairer::release() {
+  std::vector<ScanImagePair> pairs;
+  while (!scans_.empty()) {
+    const std::int64_t scan_utime = scans_.front().utime;
+    const bool decided = newest_image_utime_ >= scan_utime;
+    const bool timed_out = newest_utime_ - wait_us_ > scan_utime;
+    if (!decided && !timed_out) break;
+    pairs.push_back(pair_front(!decided));
+  }
+  return pairs;
+}
+
+ScanImagePair ScanImagePairer::pair_front(bool timed_out) {
+  ScanImagePair pair;
+  pair.scan = std::move(scans_.front());
+  scans_.pop_front();
+  if (timed_out) timed_out_scan_utime_ = std::max(timed_out_scan_utime_, pair.scan.utime);
+  std::int64_t best_us = tolerance_us_;
+  for (const auto& image : images_) {  // the earlier of equals
+    const std::int64_t distance_us = std::llabs(image->utime - pair.scan.utime);
+    if (distance_us < best_us || (!pair.image && distance_us == best_us)) {
+      best_us = distance_us;
+      pair.image = image;
+    }
+  }
+  return pair;
+}
+
+void ScanImagePairer::forget_old_images() {
+  // Scans may lag behind the pictures by as much as pictures may lag behind them.
+  const std::int64_t oldest_scan_utime =
+      scans_.empty() ? newest_utime_ : std::min(newest_utime_, scans_.front().utime);
+  const std::int64_t horizon = oldest_scan_utime - wait_us_ - tolerance_us_;
+  while (!images_.empty() &&
+         (images_.front()->utime < horizon || images_.size() > kMaxImages)) {
+    images_.pop_front();
+  }
+}
+
+}  // namespace orchard::detection

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "laser/scan.hpp"
+#include "vision/image.hpp"
+
+namespace orchard::detection {
+
+/// A scan with the picture nearest to it in time, or without one.
+struct ScanImagePair {
+  laser::Scan scan;
+  std::shared_ptr<const vision::Image> image;  ///< null when none was near enough
+};
+
+/// Gives each scan the nearest picture within a tolerance, in order of the scans.
+///
+/// A scan is decided when a picture at or after it has come, or when a message later by more than
+/// the wait has. So the pairs do not depend on the order in which the two channels arrive as
+/// long as neither is delayed by more than the wait. Time is the messages' own.
+class ScanImagePairer {
+ public:
+  ScanImagePairer(double tolerance_s, double wait_s);
+
+  /// Takes a scan; gives the pairs that are decided now.
+  std::vector<ScanImagePair> add(laser::Scan scan);
+  /// Takes a picture; gives the pairs that are decided now.
+  std::vector<ScanImagePair> add(vision::Image image);
+  /// Decides all that wait.
+  std::vector<ScanImagePair> flush();
+
+  /// Pictures that came after the scan they belong to was decided without them.
+  std::int64_t num_late() const { return num_late_; }
+  /// The scan that waits longest, or none.
+  std::optional<std::int64_t> waiting_scan_utime() const;
+
+ private:
+  std::vector<ScanImagePair> release();
+  ScanImagePair pair_front(bool timed_out);
+  void forget_old_images();
+
+  std::int64_t tolerance_us_;
+  std::int64_t wait_us_;
+  std::deque<laser::Scan> scans_;                            ///< waiting, in order of arrival
+  std::deque<std::shared_ptr<const vision::Image>> images_;  ///< kept, in order of utime
+  std::int64_t newest_utime_ = INT64_MIN;        ///< of any message
+  std::int64_t newest_image_utime_ = INT64_MIN;
+  std::int64_t timed_out_scan_utime_ = INT64_MIN;  ///< newest scan decided without waiting longer
+  std::int64_t num_late_ = 0;
+};
+
+}  // namespace orchard::detection

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "detection/trunk_view.hpp"
+
+#include <Eigen/Core>
+#include <cmath>
+#include <utility>
+
+#include "vision/edges.hpp"
+#include "vision/window.hpp"
+
+namespace orchard::detection {
+namespace {
+
+struct ProjectedPoint {
+  Eigen::Vector2d pixel;
+  double depth_m = 0.0;
+};
+
+std::optional<ProjectedPoint> project(double range_m, double bearing_rad, const Rig& rig) {
+  const Eigen::Vector3d p_laser(range_m * std::cos(bearing_rad), range_m * std::sin(bearing_rad),
+                                0.0);
+  const Eigen::Vector3d p_camera = rig.T_camera_laser(p_laser);
+  const auto pixel = rig.camera.project(p_camera);
+  if (!pixel || !rig.camera.in_image(*pixel)) return std::nullopt;
+  return ProjectedPoint{*pixel, p_camera.z()};
+}
+
+std::optional<vision::PixelRect> window(const ProjectedPoint& point, double width_m,
+                                        double height_m, const Rig& rig) {
+  const auto& fc_px = rig.camera.intrinsics().fc_px;
+  return vision::window_around(point.pixel.x(), point.pixel.y(), point.depth_m, width_m, height_m,
+                               fc_px[0], fc_px[1], picture_of(rig),
+                               rig.detector.window.min_size_px);
+}
+
+}  // namespace
+
+vision::PixelRect picture_of(const Rig& rig) {
+  return {0, 0, rig.camera.intrinsics().width_px, rig.camera.intrinsics().height_px};
+}
+
+std::optional<TrunkView> view_of(const laser::Segment& segment, const Rig& rig) {
+  const auto middle = project(segment.range_m, segment.bearing_rad, rig);
+  auto left = project(segment.start_range_m, segment.start_bearing_rad, rig);
+  auto right = project(segment.end_range_m, segment.end_bearing_rad, rig);
+  if (!middle || !left || !right) return std::nullopt;
+  if (left->pixel.x() > right->pixel.x()) std::swap(left, right);
+
+  const vision::WindowConfig& sizes = rig.detector.window;
+  const auto centre = window(*middle, sizes.colour_width_m, sizes.colour_height_m, rig);
+  const auto left_edge = window(*left, sizes.edge_width_m, sizes.edge_height_m, rig);
+  const auto right_edge = window(*right, sizes.edge_width_m, sizes.edge_height_m, rig);
+  if (!centre || !left_edge || !right_edge) return std::nullopt;
+  return TrunkView{*centre, *left_edge, *right_edge, left->pixel.x(), right->pixel.x()};
+}
+
+vision::PixelRect reading_area(const TrunkView& view, const Rig& rig) {
+  const vision::PixelRect picture = picture_of(rig);
+  const auto left = vision::edge_reading_area(view.left_edge, picture, rig.detector.edges);
+  const auto right = vision::edge_reading_area(view.right_edge, picture, rig.detector.edges);
+  return vision::bounding(view.centre, vision::bounding(left, right));
+}
+
+}  // namespace orchard::detection

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+// Private to this room: it brings OpenCV along.
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <stdexcept>
+
+#include "vision/pixel_block.hpp"
+
+namespace orchard::vision {
+
+/// A window of a block as a matrix over the block's own pixels (8UC3, not to be written to).
+/// Throws std::invalid_argument when the window is empty or does not lie inside the block.
+inline cv::Mat view_of(const PixelBlock& pixels, const PixelRect& window) {
+  if (window.empty() || !pixels.area.contains(window)) {
+    throw std::invalid_argument("the window does not lie inside the decoded pixels");
+  }
+  const std::size_t stride = 3u * static_cast<std::size_t>(pixels.area.width_px);
+  const std::uint8_t* first =
+      pixels.bgr.data() + stride * static_cast<std::size_t>(window.y_px - pixels.area.y_px) +
+      3u * static_cast<std::size_t>(window.x_px - pixels.area.x_px);
+  return {window.height_px, window.width_px, CV_8UC3, const_cast<std::uint8_t*>(first), stride};
+}
+
+}  // namespace orchard::vision

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vision/jpeg_region.hpp"
+
+#include <csetjmp>
+#include <cstdio>  // jpeglib.h needs FILE before it
+#include <cstring>
+#include <vector>
+
+#include <jpeglib.h>
+
+namespace orchard::vision {
+namespace {
+
+// Fancy upsampling mixes a chroma sample with its neighbours, and the codec treats the rim of what
+// it decodes as the rim of the picture. One block row or column more on each side keeps the
+// pixels that are asked for equal to those of a whole decode.
+constexpr int kMargin_px = 16;
+constexpr int kMaxScans = 64;
+
+struct Codec {
+  jpeg_decompress_struct info;
+  jpeg_error_mgr error;
+  jpeg_progress_mgr progress;
+  std::jmp_buf escape;
+};
+
+extern "C" {
+
+[[noreturn]] void orchard_jpeg_fail(j_common_ptr info) {
+  std::longjmp(static_cast<Codec*>(info->client_data)->escape, 1);
+}
+
+// A negative level is a warning: corrupt data that the codec would paper over.
+void orchard_jpeg_message(j_common_ptr info, int level) {
+  if (level < 0) orchard_jpeg_fail(info);
+}
+
+void orchard_jpeg_silent(j_common_ptr) {}
+
+void orchard_jpeg_progress(j_common_ptr info) {
+  if (info->is_decompressor &&
+      reinterpret_cast<j_decompress_ptr>(info)->input_scan_number > kMaxScans) {
+    orchard_jpeg_fail(info);
+  }
+}
+
+}  // extern "C"
+
+/// Fills `out` with `region`. `row` has room for a whole row of the picture. False when the bytes
+/// are of no use. Only trivial objects live here, because errors leave by longjmp.
+bool read_region(Codec& codec, const std::uint8_t* data, std::size_t size, int width_px,
+                 int height_px, const PixelRect& region, std::uint8_t* row, std::uint8_t* out) {
+  std::memset(&codec, 0, sizeof codec);
+  jpeg_decompress_struct& info = codec.info;
+  info.err = jpeg_std_error(&codec.error);
+  codec.error.error_exit = orchard_jpeg_fail;
+  codec.error.emit_message = orchard_jpeg_message;
+  codec.error.output_message = orchard_jpeg_silent;
+  info.client_data = &codec;
+  if (setjmp(codec.escape) != 0) {
+    jpeg_destroy_decompress(&info);
+    return false;
+  }
+  jpeg_create_decompress(&info);
+  codec.progress.progress_monitor = orchard_jpeg_progress;
+  info.progress = &codec.progress;
+  jpeg_mem_src(&info, data, size);
+  jpeg_read_header(&info, TRUE);
+  if (info.image_width != static_cast<JDIMENSION>(width_px) ||
+      info.image_height != static_cast<JDIMENSION>(height_px) ||
+      (info.num_components != 1 && info.num_components != 3)) {
+    jpeg_destroy_decompress(&info);
+    return false;
+  }
+  info.out_color_space = JCS_EXT_BGR;
+  jpeg_start_decompress(&info);
+
+  const int left_px = std::max(region.x_px - kMargin_px, 0);
+  const int right_px = std::min(region.x_px + region.width_px + kMargin_px, width_px);
+  JDIMENSION crop_x = static_cast<JDIMENSION>(left_px);
+  JDIMENSION crop_width = static_cast<JDIMENSION>(right_px - left_px);
+  if (right_px - left_px < width_px) jpeg_crop_scanline(&info, &crop_x, &crop_width);
+  const std::uint8_t* first = row + 3 * (region.x_px - static_cast<int>(crop_x));
+
+  const int skip = std::max(region.y_px - kMargin_px, 0);
+  if (skip > 0) jpeg_skip_scanlines(&info, static_cast<JDIMENSION>(skip));
+  const std::size_t row_bytes = 3u * static_cast<std::size_t>(region.width_px);
+  while (static_cast<int>(info.output_scanline) < region.y_px + region.height_px) {
+    const int y_px = static_cast<int>(info.output_scanline);
+    JSAMPROW rows[1] = {row};
+    if (jpeg_read_scanlines(&info, rows, 1) != 1) {
+      jpeg_destroy_decompress(&info);
+      return false;
+    }
+    if (y_px >= region.y_px) {
+      std::memcpy(out + row_bytes * static_cast<std::size_t>(y_px - region.y_px), first, row_bytes);
+    }
+  }
+  jpeg_destroy_decompress(&info);
+  return true;
+}
+
+}  // namespace
+
+std::optional<PixelBlock> decode_jpeg_region(const std::uint8_t* data, std::size_t size,
+                                             int width_px, int height_px,
+                                             const PixelRect& region) {
+  const PixelRect picture{0, 0, width_px, height_px};
+  if (size == 0 || region.empty() || !picture.contains(region)) return std::nullopt;
+  PixelBlock block;
+  block.area = region;
+  block.bgr.resize(3u * static_cast<std::size_t>(region.width_px) *
+                   static_cast<std::size_t>(region.height_px));
+  std::vector<std::uint8_t> row(3u * static_cast<std::size_t>(width_px));
+  Codec codec;
+  if (!read_region(codec, data, size, width_px, height_px, region, row.data(), block.bgr.data())) {
+    return std::nullopt;
+  }
+  return block;
+}
+
+}  // namespace orchard::vision

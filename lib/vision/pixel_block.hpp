@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+namespace orchard::vision {
+
+/// A rectangle of whole pixels in picture coordinates; empty when a side is 0.
+struct PixelRect {
+  int x_px = 0;  ///< left column
+  int y_px = 0;  ///< top row
+  int width_px = 0;
+  int height_px = 0;
+
+  bool empty() const { return width_px <= 0 || height_px <= 0; }
+  bool contains(const PixelRect& other) const {
+    return other.x_px >= x_px && other.y_px >= y_px &&
+           other.x_px + other.width_px <= x_px + width_px &&
+           other.y_px + other.height_px <= y_px + height_px;
+  }
+};
+
+/// What two rectangles share; empty when they do not meet.
+inline PixelRect intersection(const PixelRect& a, const PixelRect& b) {
+  const int x0 = std::max(a.x_px, b.x_px), y0 = std::max(a.y_px, b.y_px);
+  const int x1 = std::min(a.x_px + a.width_px, b.x_px + b.width_px);
+  const int y1 = std::min(a.y_px + a.height_px, b.y_px + b.height_px);
+  if (x1 <= x0 || y1 <= y0) return {};
+  return {x0, y0, x1 - x0, y1 - y0};
+}
+
+/// The smallest rectangle around both; an empty one adds nothing.
+inline PixelRect bounding(const PixelRect& a, const PixelRect& b) {
+  if (a.empty()) return b;
+  if (b.empty()) return a;
+  const int x0 = std::min(a.x_px, b.x_px), y0 = std::min(a.y_px, b.y_px);
+  const int x1 = std::max(a.x_px + a.width_px, b.x_px + b.width_px);
+  const int y1 = std::max(a.y_px + a.height_px, b.y_px + b.height_px);
+  return {x0, y0, x1 - x0, y1 - y0};
+}
+
+/// Decoded pixels of a part of a picture: rows top-down, blue green red, no padding.
+struct PixelBlock {
+  PixelRect area;                 ///< where in the picture it lies
+  std::vector<std::uint8_t> bgr;  ///< 3 x area.width_px x area.height_px
+};
+
+}  // namespace orchard::vision

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vision/jpeg_region.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "test_pictures.hpp"
+#include "vision/decode.hpp"
+
+namespace orchard::vision {
+namespace {
+
+using test::busy_picture;
+using test::jpeg_of;
+
+void expect_equal_to_opencv(const std::vector<std::uint8_t>& bytes, const PixelRect& region) {
+  const cv::Mat whole = cv::imdecode(bytes, cv::IMREAD_COLOR);
+  const auto block =
+      decode_jpeg_region(bytes.data(), bytes.size(), whole.cols, whole.rows, region);
+  ASSERT_TRUE(block.has_value());
+  EXPECT_EQ(block->bgr, test::block_of(whole, region).bgr)
+      << region.x_px << " " << region.y_px << " " << region.width_px << " " << region.height_px;
+}
+
+TEST(JpegRegion, EqualsOpenCvsPixelsForAnyRegion) {
+  std::mt19937 random(1);
+  for (const bool progressive : {false, true}) {
+    for (const auto& size : {std::pair{320, 240}, std::pair{321, 239}, std::pair{47, 33}}) {
+      const auto bytes = jpeg_of(busy_picture(size.first, size.second, 7), 88, progressive);
+      expect_equal_to_opencv(bytes, {0, 0, size.first, size.second});
+      for (int i = 0; i < 150; ++i) {
+        PixelRect region;
+        region.x_px = static_cast<int>(random() % static_cast<unsigned>(size.first));
+        region.y_px = static_cast<int>(random() % static_cast<unsigned>(size.second));
+        region.width_px = 1 + static_cast<int>(random() % static_cast<unsigned>(size.first - region.x_px));
+        region.height_px =
+            1 + static_cast<int>(random() % static_cast<unsigned>(size.second - region.y_px));
+        expect_equal_to_opencv(bytes, region);
+      }
+    }
+  }
+}
+
+TEST(JpegRegion, TakesAGreyJpegAsOpenCvDoes) {
+  cv::Mat grey;
+  cv::cvtColor(busy_picture(64, 48, 3), grey, cv::COLOR_BGR2GRAY);
+  expect_equal_to_opencv(jpeg_of(grey), {10, 20, 30, 7});
+}
+
+TEST(JpegRegion, RefusesAnotherSizeThanStated) {
+  const auto bytes = jpeg_of(busy_picture(64, 48, 3));
+  EXPECT_FALSE(decode_jpeg_region(bytes.data(), bytes.size(), 48, 64, {0, 0, 8, 8}));
+  EXPECT_TRUE(decode_jpeg_region(bytes.data(), bytes.size(), 64, 48, {0, 0, 8, 8}));
+}
+
+TEST(JpegRegion, RefusesRegionsOutsideThePicture) {
+  const auto bytes = jpeg_of(busy_picture(64, 48, 3));
+  for (const PixelRect& region : {PixelRect{60, 0, 8, 8}, PixelRect{-1, 0, 8, 8},
+                                  PixelRect{0, 0, 0, 8}, PixelRect{0, 47, 8, 2}}) {
+    EXPECT_FALSE(decode_jpeg_region(bytes.data(), bytes.size(), 64, 48, region));
+  }
+}
+
+TEST(JpegRegion, RefusesWhatIsNoJpeg) {
+  const std::vector<std::uint8_t> zeros(1000, 0);
+  EXPECT_FALSE(decode_jpeg_region(zeros.data(), zeros.size(), 64, 48, {0, 0, 8, 8}));
+  EXPECT_FALSE(decode_jpeg_region(zeros.data(), 0, 64, 48, {0, 0, 8, 8}));
+  EXPECT_FALSE(decode_jpeg_region(nullptr, 0, 64, 48, {0, 0, 8, 8}));
+  std::vector<std::uint8_t> png;
+  cv::imencode(".png", busy_picture(64, 48, 3), png);
+  EXPECT_FALSE(decode_jpeg_region(png.data(), png.size(), 64, 48, {0, 0, 8, 8}));
+}
+
+TEST(JpegRegion, RefusesAJpegCutShortBeforeTheRegionEnds) {
+  for (const bool progressive : {false, true}) {
+    const auto bytes = jpeg_of(busy_picture(64, 48, 3), 88, progressive);
+    for (std::size_t size = 0; size < bytes.size() * 9 / 10; size += 7) {
+      EXPECT_FALSE(decode_jpeg_region(bytes.data(), size, 64, 48, {0, 0, 64, 48})) << size;
+    }
+  }
+}
+
+TEST(JpegRegion, SurvivesEveryKindOfDamage) {
+  std::mt19937 random(11);
+  int refused = 0;
+  for (const bool progressive : {false, true}) {
+    const auto bytes = jpeg_of(busy_picture(96, 64, 3), 80, progressive);
+    for (int i = 0; i < 1500; ++i) {
+      auto damaged = bytes;
+      for (unsigned k = 0; k < 1 + random() % 4; ++k) {
+        damaged[random() % damaged.size()] = static_cast<std::uint8_t>(random());
+      }
+      const auto block =
+          decode_jpeg_region(damaged.data(), damaged.size(), 96, 64, {10, 10, 60, 40});
+      if (!block) ++refused;
+    }
+  }
+  EXPECT_GT(refused, 100);  // damage inside a coded block can go unseen
+}
+
+TEST(JpegRegion, RefusesAnAbsurdNumberOfScans) {
+  // A progressive picture whose last scan is repeated: each repetition would be decoded in full.
+  const auto bytes = jpeg_of(busy_picture(64, 48, 3), 88, true);
+  std::vector<std::size_t> scans;
+  for (std::size_t i = 2; i + 1 < bytes.size(); ++i) {
+    if (bytes[i] == 0xFF && bytes[i + 1] == 0xDA) scans.push_back(i);
+  }
+  ASSERT_GT(scans.size(), 2u);
+  const std::vector<std::uint8_t> last(bytes.begin() + static_cast<std::ptrdiff_t>(scans.back()),
+                                       bytes.end() - 2);
+  auto bomb = bytes;
+  bomb.resize(bomb.size() - 2);
+  for (int i = 0; i < 2000; ++i) bomb.insert(bomb.end(), last.begin(), last.end());
+  bomb.insert(bomb.end(), {0xFF, 0xD9});
+  EXPECT_FALSE(decode_jpeg_region(bomb.data(), bomb.size(), 64, 48, {0, 0, 8, 8}));
+}
+
+TEST(Decode, CutsRawPictures) {
+  const cv::Mat picture = busy_picture(40, 30, 5);
+  const PixelRect region{7, 9, 11, 13};
+  const auto block = decode(test::image_of(picture, Encoding::kBgr8), region);
+  ASSERT_TRUE(block.has_value());
+  EXPECT_EQ(block->bgr, test::block_of(picture, region).bgr);
+}
+
+TEST(Decode, RefusesPicturesThatContradictTheirSizeOrHaveNoColour) {
+  const cv::Mat picture = busy_picture(40, 30, 5);
+  Image image = test::image_of(picture, Encoding::kBgr8);
+  image.data.pop_back();
+  EXPECT_FALSE(decode(image, {0, 0, 8, 8}));
+  image.width_px = -40;
+  EXPECT_FALSE(decode(image, {0, 0, 8, 8}));
+  Image grey;
+  grey.width_px = 40;
+  grey.height_px = 30;
+  grey.encoding = Encoding::kGray8;
+  grey.data.resize(1200);
+  EXPECT_FALSE(decode(grey, {0, 0, 8, 8}));
+}
+
+}  // namespace
+}  // namespace orchard::vision

@@ -31,7 +31,11 @@ struct ReplayReport {
 struct ReplayOptions {
   bool strict = false;  ///< any damage or rejection throws io::FileError instead of being counted
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;
-  /// Every derived message in the order in which it was made; utime is the message's.
+  /// Only messages from this to that many seconds after the log's first.
+  double from_s = 0.0;
+  double to_s = 1e18;
+  /// Every derived message, as the inputs caused them and for each input in order of (channel,
+  /// seq); utime is the message's.
   std::function<void(Channel, std::int64_t utime, const std::vector<std::uint8_t>&)> on_derived;
 };
 

@@ -12,16 +12,18 @@
 namespace orchard::io {
 
 /// Writes the format of lcm-logger. The file appears under its name only at close(): until then
-/// it grows as a temporary beside it, so a killed writer never leaves a half log that looks whole.
+/// it grows as "<path>.part" beside it, so a killed writer never leaves a half log that looks
+/// whole (what it had written can be had with `orchard log repair`).
 class LogWriter {
  public:
-  /// Throws io::FileError when the file cannot be made.
+  /// Throws io::FileError when the file cannot be made, or when another writer is at it.
   explicit LogWriter(const std::string& path);
   ~LogWriter();  ///< without close(): removes the temporary
   LogWriter(const LogWriter&) = delete;
   LogWriter& operator=(const LogWriter&) = delete;
 
-  /// Appends an event; numbers events itself. Throws io::FileError when the disk is full.
+  /// Appends an event; numbers events itself. Throws io::FileError when the disk is full, and for
+  /// a channel name or a size that LogReader would refuse.
   void write(std::int64_t timestamp_us, std::string_view channel,
              const std::vector<std::uint8_t>& data);
 

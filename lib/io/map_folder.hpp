@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "io/map_csv.hpp"
 #include "mapping/landmark.hpp"
 #include "pose/pose_estimate.hpp"
 
@@ -29,14 +30,9 @@ struct MapFolderContent {
 };
 
 /// Writes map.csv, map.gpkg, map.svg, map.png, trajectory.csv and summary.json into `folder`
-/// (made when missing), each atomically. Equal content gives equal bytes (map.gpkg apart: SQLite).
+/// (made when missing), all together: written and synced under temporary
+/// names before the first is renamed. Equal content gives equal bytes.
 /// Throws FileError and then leaves every earlier file as it was.
 void write_map_folder(const std::string& folder, const MapFolderContent& content);
-
-/// map.csv as text: fixed columns of the README, fixed formatting.
-std::string map_csv(const std::vector<mapping::Landmark>& landmarks);
-
-/// Reads a map.csv. Throws FileError naming file, line and column of the first mistake.
-std::vector<mapping::Landmark> read_map_csv(const std::string& path);
 
 }  // namespace orchard::io

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bus/bus.hpp"
+
+#include <lcm/lcm.h>
+#include <poll.h>
+
+#include <cerrno>
+#include <exception>
+#include <limits>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "bus/rejection_log.hpp"
+
+namespace orchard::bus {
+
+std::int64_t BusCounts::num_bad() const {
+  return std::accumulate(num_rejected.begin(), num_rejected.end(), std::int64_t{0});
+}
+
+struct Bus::Impl {
+  /// What LCM's callback is given: the channel it was subscribed for and what to do with bytes.
+  struct Subscription {
+    Impl* bus;
+    Channel channel;
+    std::function<std::variant<std::monostate, Rejection>(Bytes)> receive;
+  };
+
+  std::string url;
+  lcm_t* lcm = nullptr;
+  std::vector<std::unique_ptr<Subscription>> subscriptions;
+  std::function<void(Channel, const Rejection&)> rejection_handler;
+  RejectionLog rejection_log;
+  BusCounts counts;
+  std::exception_ptr pending;
+
+  ~Impl() {
+    if (lcm != nullptr) lcm_destroy(lcm);
+  }
+
+  /// C frames of LCM are below: nothing may be thrown through them.
+  static void on_message(const lcm_recv_buf_t* buffer, const char*, void* context) {
+    auto* subscription = static_cast<Subscription*>(context);
+    Impl& bus = *subscription->bus;
+    try {
+      const Bytes bytes{static_cast<const std::uint8_t*>(buffer->data), buffer->data_size};
+      const auto result = subscription->receive(bytes);
+      if (const auto* rejection = std::get_if<Rejection>(&result)) {
+        bus.refuse(subscription->channel, *rejection);
+      }
+    } catch (...) {
+      if (!bus.pending) bus.pending = std::current_exception();
+    }
+  }
+
+  void refuse(Channel channel, const Rejection& rejection) {
+    ++counts.num_rejected[static_cast<std::size_t>(rejection.reason)];
+    rejection_log.note(channel, rejection);
+    if (rejection_handler) rejection_handler(channel, rejection);
+  }
+
+  /// Subscribes with `decode` before `handle`: the one way in.
+  template <class Decode, class Handle>
+  void subscribe(Channel channel, Decode decode, Handle handle) {
+    auto subscription = std::make_unique<Subscription>();
+    subscription->bus = this;
+    subscription->channel = channel;
+    subscription->receive = [this, decode, handle](Bytes bytes)
+        -> std::variant<std::monostate, Rejection> {
+      auto decoded = decode(bytes.data, bytes.size);
+      if (auto* rejection = std::get_if<Rejection>(&decoded)) return std::move(*rejection);
+      ++counts.num_good;
+      handle(std::get<0>(decoded), bytes);
+      return {};
+    };
+    const std::string name(info(channel).name);
+    lcm_subscription_t* c_subscription =
+        lcm_subscribe(lcm, name.c_str(), &Impl::on_message, subscription.get());
+    if (c_subscription == nullptr) {
+      throw BusError("nothing can be received on " + url +
+                     ": is there a multicast route and does the firewall let UDP through? "
+                     "\"orchard doctor\" says what is missing");
+    }
+    const bool is_private = url.compare(0, 7, "memq://") == 0;
+    const int capacity = is_private ? 0 : channel == Channel::kImage ? kImageQueue : kLargeQueue;
+    lcm_subscription_set_queue_capacity(c_subscription, capacity);
+    subscriptions.push_back(std::move(subscription));
+  }
+};
+
+Bus::Bus(const std::string& url) : impl_(std::make_unique<Impl>()) {
+  impl_->url = url;
+  if (url.compare(0, 7, "udpm://") != 0 && url.compare(0, 7, "memq://") != 0) {
+    throw BusError("LCM URL \"" + url +
+                   "\": must begin with udpm:// (for logs there is orchard-log-player)");
+  }
+  impl_->lcm = lcm_create(url.c_str());
+  if (impl_->lcm == nullptr) {
+    throw BusError("LCM cannot use " + url +
+                   ": check the address and port, and that a multicast route exists "
+                   "(\"ip route add 224.0.0.0/4 dev lo\" on a machine without network); "
+                   "\"orchard doctor\" says what is missing");
+  }
+}
+
+Bus::~Bus() = default;
+
+void Bus::subscribe(Channel channel, std::function<void(const Message&, Bytes)> handler) {
+  impl_->subscribe(
+      channel,
+      [channel](const void* data, std::size_t size) { return decode(channel, data, size); },
+      std::move(handler));
+}
+
+void Bus::subscribe_status(std::function<void(const Status&)> handler) {
+  impl_->subscribe(Channel::kStatus, decode_status,
+                   [handler = std::move(handler)](const Status& m, Bytes) { handler(m); });
+}
+
+void Bus::subscribe_config(std::function<void(const ConfigNotice&)> handler) {
+  impl_->subscribe(Channel::kConfig, decode_config,
+                   [handler = std::move(handler)](const ConfigNotice& m, Bytes) { handler(m); });
+}
+
+void Bus::subscribe_ack(std::function<void(const Ack&)> handler) {
+  impl_->subscribe(Channel::kAck, decode_ack,
+                   [handler = std::move(handler)](const Ack& m, Bytes) { handler(m); });
+}
+
+void Bus::subscribe_replay(std::function<void(const ReplayMark&)> handler) {
+  impl_->subscribe(Channel::kReplay, decode_replay,
+                   [handler = std::move(handler)](const ReplayMark& m, Bytes) { handler(m); });
+}
+
+void Bus::on_rejection(std::function<void(Channel, const Rejection&)> handler) {
+  impl_->rejection_handler = std::move(handler);
+}
+
+bool Bus::publish(Channel channel, const std::vector<std::uint8_t>& bytes) {
+  if (bytes.size() > std::numeric_limits<unsigned>::max()) return false;
+  // info().name points into a string literal, which ends in a zero.
+  const int result = lcm_publish(impl_->lcm, info(channel).name.data(), bytes.data(),
+                                 static_cast<unsigned>(bytes.size()));
+  ++(result == 0 ? impl_->counts.num_published : impl_->counts.num_unsent);
+  return result == 0;
+}
+
+bool Bus::publish(const Message& message) {
+  return publish(channel_of(message), encode(message));
+}
+
+int Bus::fileno() const { return lcm_get_fileno(impl_->lcm); }
+
+bool Bus::handle(int timeout_ms) {
+  pollfd waiting{fileno(), POLLIN, 0};
+  const int ready = poll(&waiting, 1, timeout_ms);
+  if (ready == 0 || (ready < 0 && errno == EINTR)) return false;
+  errno = 0;
+  const int result = ready < 0 ? -1 : lcm_handle(impl_->lcm);
+  if (impl_->pending) std::rethrow_exception(std::exchange(impl_->pending, nullptr));
+  if (result < 0) {
+    if (errno == EINTR) return false;
+    throw BusError("LCM failed on " + impl_->url + " while receiving");
+  }
+  return true;
+}
+
+const BusCounts& Bus::counts() const { return impl_->counts; }
+
+const std::string& Bus::url() const { return impl_->url; }
+
+}  // namespace orchard::bus

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+namespace orchard::bus {
+
+/// SIGINT and SIGTERM as a readable file descriptor, so that they arrive in the event loop and
+/// nowhere else. Make it before the bus: LCM's thread inherits the blocked signals.
+class StopSignal {
+ public:
+  /// Throws std::system_error.
+  StopSignal();
+  ~StopSignal();
+  StopSignal(const StopSignal&) = delete;
+  StopSignal& operator=(const StopSignal&) = delete;
+
+  int fileno() const { return fileno_; }
+
+  /// Whether a stop was asked for; stays true.
+  bool raised();
+
+  /// Waits until `other` is readable, a stop is asked for, or the time is over (negative: none).
+  /// Returns whether `other` is readable.
+  bool wait(int other, int timeout_ms);
+
+ private:
+  int fileno_ = -1;
+  bool raised_ = false;
+};
+
+}  // namespace orchard::bus

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "bus/channel.hpp"
+#include "bus/codec.hpp"
+
+namespace orchard::bus {
+
+/// Checks bytes against the layout of their channel's type before anything is decoded: size
+/// limits, type hash, and every array count and string length against the bytes that follow.
+/// After it has let bytes through, the generated decoder cannot allocate more than `size`.
+std::optional<Rejection> check_layout(Channel channel, const void* data, std::size_t size);
+
+/// The smallest and largest message a channel carries [bytes].
+std::size_t min_bytes(Channel channel);
+std::size_t max_bytes(Channel channel);
+
+}  // namespace orchard::bus

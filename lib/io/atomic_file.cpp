@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/atomic_file.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+#include "io/file_error.hpp"
+
+namespace orchard::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const std::string& path, const char* what, int error) {
+  std::string advice;
+  if (error == ENOSPC || error == EDQUOT) advice = "; make room and try again";
+  if (error == EACCES || error == EPERM || error == EROFS) {
+    advice = "; choose a place where you may write";
+  }
+  if (error == ENOENT) advice = "; does its folder exist?";
+  throw FileError(path + ": cannot " + what + " (" + std::strerror(error) + ")" + advice);
+}
+
+class Descriptor {
+ public:
+  Descriptor(const std::string& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+}  // namespace
+
+void write_fully(int fd, const std::string& path, const void* bytes, std::size_t size) {
+  const char* next = static_cast<const char*>(bytes);
+  while (size > 0) {
+    const ssize_t written = ::write(fd, next, size);
+    if (written < 0) {
+      if (errno == EINTR) continue;
+      fail(path, "be written", errno);
+    }
+    next += written;
+    size -= static_cast<std::size_t>(written);
+  }
+}
+
+void sync_file(int fd, const std::string& path) {
+  if (::fsync(fd) != 0) fail(path, "be synced to the disk", errno);
+}
+
+void rename_durably(const std::string& from, const std::string& to) {
+  if (std::rename(from.c_str(), to.c_str()) != 0) fail(to, "be replaced", errno);
+  const fs::path folder = fs::path(to).parent_path();
+  const Descriptor directory(folder.empty() ? "." : folder.string(), O_RDONLY | O_DIRECTORY);
+  // Some file systems refuse to sync folders; the file itself is in place all the same.
+  if (directory.get() >= 0) (void)::fsync(directory.get());
+}
+
+std::string replaceable_path(const std::string& path) {
+  std::error_code error;
+  if (path.empty()) throw FileError("an empty file name; give one");
+  const fs::file_status status = fs::status(path, error);
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    throw FileError(path + (fs::is_directory(status) ? " is a folder" : " is no regular file") +
+                    " and is not replaced; give the name of a file");
+  }
+  if (!fs::is_symlink(fs::symlink_status(path, error))) return path;
+  const fs::path target = fs::weakly_canonical(path, error);
+  if (error) throw FileError(path + ": its link cannot be followed (" + error.message() + ")");
+  return target.string();
+}
+
+FileReplacement::~FileReplacement() {
+  std::error_code ignored;
+  for (const Entry& entry : entries_) fs::remove(entry.temporary, ignored);
+}
+
+std::string FileReplacement::temporary_for(const std::string& path) {
+  static std::atomic<unsigned> counter{0};
+  const fs::path target = replaceable_path(path);
+  const std::string name = "." + target.stem().string() + "." + std::to_string(::getpid()) + "-" +
+                           std::to_string(counter++) + target.extension().string();
+  const std::string temporary = (target.parent_path() / name).string();
+  std::error_code ignored;
+  fs::remove(temporary, ignored);  // of a killed process that had the same number
+  entries_.push_back({target.string(), temporary});
+  return temporary;
+}
+
+void FileReplacement::write(const std::string& path, std::string_view content) {
+  const std::string temporary = temporary_for(path);
+  const Descriptor file(temporary, O_WRONLY | O_CREAT | O_EXCL);
+  if (file.get() < 0) fail(path, "be written", errno);
+  write_fully(file.get(), path, content.data(), content.size());
+}
+
+void FileReplacement::commit() {
+  for (const Entry& entry : entries_) {
+    const Descriptor file(entry.temporary, O_RDONLY);
+    if (file.get() < 0) fail(entry.path, "be written", errno);
+    sync_file(file.get(), entry.path);
+  }
+  for (const Entry& entry : entries_) rename_durably(entry.temporary, entry.path);
+  entries_.clear();
+}
+
+void write_file_atomically(const std::string& path, std::string_view content) {
+  FileReplacement replacement;
+  replacement.write(path, content);
+  replacement.commit();
+}
+
+void replace_file_atomically(const std::string& path,
+                             const std::function<void(const std::string& temporary)>& write) {
+  FileReplacement replacement;
+  write(replacement.temporary_for(path));
+  replacement.commit();
+}
+
+}  // namespace orchard::io

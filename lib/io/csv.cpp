@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/csv.hpp"
+
+#include <zlib.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include "io/file_error.hpp"
+
+namespace orchard::io {
+namespace {
+
+constexpr std::size_t kReadBytes = std::size_t{1} << 16;
+
+std::string shown(std::string_view text) {
+  constexpr std::size_t kShownBytes = 40;
+  std::string result = "\"";
+  for (const char c : text.substr(0, kShownBytes)) result += c >= 0x20 && c < 0x7F ? c : '?';
+  return result + (text.size() > kShownBytes ? "...\"" : "\"");
+}
+
+std::string number_text(double value) {
+  char text[32];
+  const auto result = std::to_chars(text, text + sizeof(text), value);
+  return std::string(text, result.ptr);
+}
+
+}  // namespace
+
+/// Where the bytes come from.
+class CsvReader::Source {
+ public:
+  virtual ~Source() = default;
+  /// Appends some bytes; false at the end. Throws FileError.
+  virtual bool read(std::string& buffer) = 0;
+};
+
+class CsvReader::GzipSource : public CsvReader::Source {
+ public:
+  explicit GzipSource(const std::string& path) : path_(path) {
+    std::error_code error;
+    if (std::filesystem::is_directory(path, error)) {
+      throw FileError(path + " is a folder, not a CSV file");
+    }
+    errno = 0;
+    file_ = ::gzopen(path.c_str(), "rb");  // reads what is not compressed as it is
+    if (file_ == nullptr) {
+      throw FileError(path + ": cannot be opened (" +
+                      (errno != 0 ? std::strerror(errno) : "out of memory") +
+                      "); give an existing CSV file");
+    }
+    ::gzbuffer(file_, kReadBytes);
+  }
+  ~GzipSource() override { ::gzclose(file_); }
+  GzipSource(const GzipSource&) = delete;
+  GzipSource& operator=(const GzipSource&) = delete;
+
+  bool read(std::string& buffer) override {
+    const std::size_t size = buffer.size();
+    buffer.resize(size + kReadBytes);
+    const int count = ::gzread(file_, buffer.data() + size, kReadBytes);
+    int code = Z_OK;
+    const char* message = ::gzerror(file_, &code);
+    if (count < 0 || code == Z_BUF_ERROR) {  // Z_BUF_ERROR: the compressed data are cut short
+      throw FileError(path_ + ": damaged or cut short (" + message +
+                      "); fetch or record it again");
+    }
+    buffer.resize(size + static_cast<std::size_t>(count));
+    return count > 0;
+  }
+
+ private:
+  std::string path_;
+  gzFile file_ = nullptr;
+};
+
+class CsvReader::TextSource : public CsvReader::Source {
+ public:
+  explicit TextSource(std::string_view text) : text_(text) {}
+  bool read(std::string& buffer) override {
+    const std::size_t count = std::min(kReadBytes, text_.size());
+    buffer.append(text_.substr(0, count));
+    text_.remove_prefix(count);
+    return count > 0;
+  }
+
+ private:
+  std::string_view text_;
+};
+
+CsvReader CsvReader::open(const std::string& path) {
+  return CsvReader(std::make_unique<GzipSource>(path), path);
+}
+
+CsvReader CsvReader::from_text(std::string_view text, const std::string& name) {
+  return CsvReader(std::make_unique<TextSource>(text), name);
+}
+
+CsvReader::CsvReader(std::unique_ptr<Source> source, const std::string& name)
+    : name_(name), source_(std::move(source)) {
+  if (!read_line()) throw FileError(name_ + " is empty; its first line must name the columns");
+  split();
+  for (const std::string_view field : fields_) columns_.emplace_back(field);
+}
+
+CsvReader::CsvReader(CsvReader&& other) noexcept = default;
+CsvReader& CsvReader::operator=(CsvReader&& other) noexcept = default;
+CsvReader::~CsvReader() = default;
+
+void CsvReader::expect_columns(const std::vector<std::string>& expected) const {
+  if (columns_ == expected) return;
+  std::string names;
+  for (const std::string& name : expected) names += (names.empty() ? "" : ",") + name;
+  std::size_t i = 0;
+  while (i < columns_.size() && i < expected.size() && columns_[i] == expected[i]) ++i;
+  const std::string found = i < columns_.size() ? shown(columns_[i]) : "nothing";
+  throw FileError(name_ + ":1: column " + std::to_string(i + 1) + " is " + found +
+                  "; the first line must be " + names);
+}
+
+bool CsvReader::next() {
+  if (!read_line()) return false;
+  split();
+  if (fields_.size() == columns_.size()) return true;
+  fail_at_column(1, std::to_string(fields_.size()) + " fields, but the first line has " +
+                        std::to_string(columns_.size()) +
+                        "; was the file cut short or edited?");
+}
+
+bool CsvReader::read_line() {
+  std::size_t searched = buffer_begin_;
+  std::size_t end = std::string::npos;
+  while (true) {
+    end = buffer_.find('\n', searched);
+    if (end != std::string::npos || at_end_) break;
+    searched = buffer_.size();
+    if (searched - buffer_begin_ > kMaxLineBytes) break;
+    if (buffer_begin_ > 0) {
+      buffer_.erase(0, buffer_begin_);
+      searched -= buffer_begin_;
+      buffer_begin_ = 0;
+    }
+    at_end_ = !source_->read(buffer_);
+  }
+  ++line_;
+  if (end == std::string::npos) {
+    if (buffer_begin_ == buffer_.size()) return false;
+    end = buffer_.size();
+  }
+  std::size_t size = end - buffer_begin_;
+  if (size > kMaxLineBytes) {
+    fail_at_column(kMaxLineBytes, "a line of over 1 MB; is it a CSV file?");
+  }
+  if (size > 0 && buffer_[buffer_begin_ + size - 1] == '\r') --size;
+  line_text_.assign(buffer_, buffer_begin_, size);
+  buffer_begin_ = std::min(end + 1, buffer_.size());
+  return true;
+}
+
+void CsvReader::split() {
+  fields_.clear();
+  const std::string_view line = line_text_;
+  if (line.empty()) fail_at_column(1, "an empty line; remove it");
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const auto c = static_cast<unsigned char>(line[i]);
+    if (c == '"') fail_at_column(i + 1, "a quote; fields stand without quotes here");
+    if (c < 0x20 || c == 0x7F) {
+      fail_at_column(i + 1, "a control character; is it a CSV file?");
+    }
+  }
+  std::size_t begin = 0;
+  while (true) {
+    const std::size_t comma = line.find(',', begin);
+    fields_.push_back(line.substr(begin, comma - begin));
+    if (comma == std::string_view::npos) return;
+    begin = comma + 1;
+  }
+}
+
+std::string_view CsvReader::text(std::size_t field) const { return fields_.at(field); }
+
+double CsvReader::number(std::size_t field) const {
+  const std::string_view text = fields_.at(field);
+  double value = 0.0;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (text.empty() || result.ec != std::errc() || result.ptr != text.data() + text.size() ||
+      !std::isfinite(value)) {
+    fail(field, shown(text) + " is not a finite number");
+  }
+  return value;
+}
+
+double CsvReader::number_in(std::size_t field, double lo, double hi) const {
+  const double value = number(field);
+  if (value >= lo && value <= hi) return value;
+  fail(field, shown(text(field)) + " must be in [" + number_text(lo) + ", " + number_text(hi) + "]");
+}
+
+std::int64_t CsvReader::integer(std::size_t field) const {
+  const std::string_view text = fields_.at(field);
+  std::int64_t value = 0;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (text.empty() || result.ec != std::errc() || result.ptr != text.data() + text.size()) {
+    fail(field, shown(text) + " is not a whole number");
+  }
+  return value;
+}
+
+std::int64_t CsvReader::integer_in(std::size_t field, std::int64_t lo, std::int64_t hi) const {
+  const std::int64_t value = integer(field);
+  if (value >= lo && value <= hi) return value;
+  fail(field, shown(text(field)) + " must be in [" + std::to_string(lo) + ", " +
+                  std::to_string(hi) + "]");
+}
+
+void CsvReader::fail(std::size_t field, const std::string& why) const {
+  const std::size_t column =
+      static_cast<std::size_t>(fields_.at(field).data() - line_text_.data()) + 1;
+  const std::string name = field < columns_.size() ? columns_[field] + ": " : "";
+  fail_at_column(column, name + why);
+}
+
+void CsvReader::fail_at_column(std::size_t column, const std::string& why) const {
+  throw FileError(name_ + ":" + std::to_string(line_) + ":" + std::to_string(column) + ": " + why);
+}
+
+}  // namespace orchard::io

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/map_folder.hpp"
+
+#include <filesystem>
+
+#include "io/atomic_file.hpp"
+#include "io/file_error.hpp"
+#include "io/map_figure.hpp"
+#include "io/map_geopackage.hpp"
+#include "io/summary_json.hpp"
+#include "io/trajectory_csv.hpp"
+
+namespace orchard::io {
+
+void write_map_folder(const std::string& folder, const MapFolderContent& content) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!fs::is_directory(folder)) {
+    throw FileError(folder + ": cannot be made a folder" +
+                    (error ? " (" + error.message() + ")" : std::string()) +
+                    "; give another place for the map");
+  }
+  const fs::path path(folder);
+  const MapFigure figure = draw_map(content.landmarks, content.trajectory);
+  FileReplacement files;
+  files.write((path / "map.csv").string(), map_csv(content.landmarks));
+  files.write((path / "map.gpkg").string(), map_geopackage(content.landmarks, content.trajectory));
+  files.write((path / "map.svg").string(), figure.svg);
+  files.write((path / "map.png").string(), figure.png);
+  files.write((path / "trajectory.csv").string(), trajectory_csv(content.trajectory));
+  files.write((path / "summary.json").string(), summary_json(content));
+  files.commit();
+}
+
+}  // namespace orchard::io

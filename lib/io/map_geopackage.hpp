@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "mapping/landmark.hpp"
+#include "pose/pose_estimate.hpp"
+
+namespace orchard::io {
+
+/// A GeoPackage (SQLite) as bytes: layer `landmarks` (points with the columns of map.csv) and
+/// layer `path` (one line), both in a local metric system "map" that is not tied to the earth.
+/// Equal content gives equal bytes. Throws FileError when GDAL fails.
+std::string map_geopackage(const std::vector<mapping::Landmark>& landmarks,
+                           const std::vector<pose::PoseEstimate>& trajectory);
+
+}  // namespace orchard::io

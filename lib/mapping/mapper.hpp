@@ -23,6 +23,12 @@ struct MapUpdate {
 /// A pure function of its configuration and the sequence of update() calls. Detections are in
 /// base, landmarks in map. Source: Shalal et al. 2013, section 5 and eqs. 11-13, generalised to
 /// the full composition map <- base.
+///
+/// Of a landmark, roc_mean, n and SE are the paper's plain statistics: of the observations the
+/// camera saw (all of them while it saw none: class unseen). x, y and covariance are those of the
+/// bulk of all its observations, composed with the poses as given and weighted by their variance.
+/// probability is Bayes' from the labels alone, prior 1/2: each TREE or OBJECT counts as the
+/// configured shares of trees' and of objects' labels say, within 30 of log odds.
 class Mapper {
  public:
   explicit Mapper(const MapperConfig& config);
@@ -36,6 +42,12 @@ class Mapper {
   /// Landmark by id; throws std::out_of_range for an unknown one.
   Landmark landmark(std::int32_t id) const;
   std::size_t num_landmarks() const;
+
+  /// Up to `count` ids in rising order, from `first_id` on.
+  std::vector<std::int32_t> ids_from(std::int32_t first_id, std::size_t count) const;
+
+  /// Memory of landmarks and their index, observations kept for later correction not counted.
+  std::size_t num_bytes() const;
 
   /// All landmarks with at least `min_observations`, in order of id.
   std::vector<Landmark> landmarks(int min_observations = 1) const;

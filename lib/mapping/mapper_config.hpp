@@ -6,6 +6,15 @@ namespace orchard::mapping {
 /// How detections become landmarks. Section `mapper`.
 struct MapperConfig {
   double gate_m = 0.30;            ///< farthest a detection may lie from its landmark
+  double gate_sigma = 3.5;         ///< the same in standard deviations of all that is uncertain
+  double width_gate_m = 0.25;      ///< largest difference between the widths of one thing
+  double merge_m = 0.10;           ///< landmarks nearer than this are one
+  double range_use_max_m = 100.0;  ///< farther detections are left out (range from base)
+  bool align_scans = true;         ///< who is who is decided after fitting the scan to the map
+  double align_kernel_m = 0.15;    ///< how far from a landmark a detection still supports a fit
+  double centre_kernel_m = 0.20;   ///< observations farther from the bulk weigh little
+  double tree_rate_of_trees = 0.8;   ///< share of a tree's observations that are labelled TREE
+  double tree_rate_of_objects = 0.2; ///< share of an object's
   double pose_wait_s = 10.0;       ///< of message time: how long DETECTIONS wait for a POSE
   double pose_gap_max_s = 2.0;     ///< poses farther apart are not interpolated between
   int min_observations = 1;        ///< landmarks seen less often are left out of map files
@@ -16,6 +25,23 @@ struct MapperConfig {
 template <class Visitor>
 void describe(Visitor& v, MapperConfig& c) {
   v.number("gate_m", c.gate_m, 0.01, 0.99, "m", "farthest a detection lies from its landmark");
+  v.number("gate_sigma", c.gate_sigma, 0.5, 20, "1",
+           "the same in standard deviations of detection, pose and landmark");
+  v.number("width_gate_m", c.width_gate_m, 0.01, 10, "m",
+           "largest difference between a detection's width and its landmark's");
+  v.number("merge_m", c.merge_m, 0, 0.99, "m", "landmarks nearer than this are one");
+  v.number("range_use_max_m", c.range_use_max_m, 0.1, 500, "m",
+           "detections farther from base are left out");
+  v.flag("align_scans", c.align_scans,
+         "decide who is who after fitting the scan to the map, within the pose's covariance");
+  v.number("align_kernel_m", c.align_kernel_m, 0.01, 2, "m",
+           "how far from a landmark a detection still supports a fit");
+  v.number("centre_kernel_m", c.centre_kernel_m, 0.01, 5, "m",
+           "observations farther than this from the bulk weigh little");
+  v.number("tree_rate_of_trees", c.tree_rate_of_trees, 0.01, 0.99, "1",
+           "share of a tree's observations that are labelled TREE");
+  v.number("tree_rate_of_objects", c.tree_rate_of_objects, 0.01, 0.99, "1",
+           "share of an object's observations that are labelled TREE");
   v.number("pose_wait_s", c.pose_wait_s, 0, 3600, "s", "message time that detections wait for a pose");
   v.number("pose_gap_max_s", c.pose_gap_max_s, 0.001, 3600, "s",
            "poses farther apart are not interpolated between");
@@ -24,6 +50,8 @@ void describe(Visitor& v, MapperConfig& c) {
   v.number("refresh_period_s", c.refresh_period_s, 0.05, 3600, "s",
            "message time between two refreshes of the whole map");
   v.number("save_period_s", c.save_period_s, 0.1, 3600, "s", "wall time between two live saves");
+  v.check(c.tree_rate_of_objects < c.tree_rate_of_trees, "tree_rate_of_objects",
+          "must be below tree_rate_of_trees");
 }
 
 }  // namespace orchard::mapping

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/landmark_grid.hpp"
+
+#include <utility>
+
+namespace orchard::mapping {
+namespace {
+
+/// Keeps neighbouring cells of one column (consecutive keys) in neighbouring slots, which share
+/// cache lines, and spreads the columns.
+std::uint64_t spread(std::uint64_t key) {
+  return (key >> 32) * 0x9E3779B97F4A7C15ull / 64 + (key & 0xFFFFFFFFull);
+}
+
+}  // namespace
+
+std::size_t LandmarkGrid::find(std::uint64_t wanted) const {
+  const std::size_t mask = slots_.size() - 1;
+  std::size_t at = static_cast<std::size_t>(spread(wanted)) & mask;
+  while (slots_[at].head != kEmpty && slots_[at].key != wanted) at = (at + 1) & mask;
+  return at;
+}
+
+void LandmarkGrid::grow() {
+  std::vector<Slot> old = std::exchange(slots_, {});
+  slots_.resize(old.empty() ? 64 : old.size() * 2);
+  num_used_ = 0;
+  for (const Slot& slot : old) {
+    if (slot.head < 0) continue;
+    slots_[find(slot.key)] = slot;
+    ++num_used_;
+  }
+}
+
+void LandmarkGrid::insert(std::int32_t index, double x_m, double y_m) {
+  if (slots_.empty() || 10 * (num_used_ + 1) > 7 * slots_.size()) grow();
+  const std::size_t i = static_cast<std::size_t>(index);
+  if (next_.size() <= i) next_.resize(i + 1, kNone);
+  Slot& slot = slots_[find(key(cell(x_m), cell(y_m)))];
+  if (slot.head == kEmpty) {
+    slot.key = key(cell(x_m), cell(y_m));
+    slot.head = kNone;
+    ++num_used_;
+  }
+  next_[i] = slot.head;
+  slot.head = index;
+}
+
+void LandmarkGrid::remove(std::int32_t index, double x_m, double y_m) {
+  if (slots_.empty()) return;
+  std::int32_t* link = &slots_[find(key(cell(x_m), cell(y_m)))].head;
+  while (*link >= 0 && *link != index) link = &next_[static_cast<std::size_t>(*link)];
+  if (*link == index) *link = next_[static_cast<std::size_t>(index)];
+}
+
+void LandmarkGrid::move(std::int32_t index, double from_x_m, double from_y_m, double to_x_m,
+                        double to_y_m) {
+  if (cell(from_x_m) == cell(to_x_m) && cell(from_y_m) == cell(to_y_m)) return;
+  remove(index, from_x_m, from_y_m);
+  insert(index, to_x_m, to_y_m);
+}
+
+}  // namespace orchard::mapping

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "pose/pose_estimate.hpp"
+
+namespace orchard::mapping {
+
+/// Where base was, at any time between the poses received.
+///
+/// x and y go on a straight line, the angles the short way round, the covariance linearly. Not
+/// mrpt::poses::CPose3DInterpolator, which carries no covariance, and association needs it.
+class PoseTrack {
+ public:
+  explicit PoseTrack(double gap_max_s) : gap_max_us_(static_cast<std::int64_t>(gap_max_s * 1e6)) {}
+
+  /// Takes a pose; one of a time already known replaces nothing and is left out.
+  void add(const pose::PoseEstimate& pose);
+
+  /// Whether a pose at or after that time is there.
+  bool covers(std::int64_t utime) const {
+    return !poses_.empty() && poses_.back().utime >= utime;
+  }
+
+  /// The pose at that time: interpolated, or the first or last one when no farther than the
+  /// largest gap. None inside a larger gap.
+  std::optional<pose::PoseEstimate> at(std::int64_t utime) const;
+
+  const std::vector<pose::PoseEstimate>& poses() const { return poses_; }
+
+ private:
+  std::int64_t gap_max_us_;
+  std::vector<pose::PoseEstimate> poses_;  ///< in order of utime
+};
+
+}  // namespace orchard::mapping

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapper/mapper_node.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+namespace orchard::procs {
+namespace {
+
+/// 97 bytes per landmark and 4 per removed id on the wire: well below 60 kB.
+constexpr std::size_t kLandmarksPerTile = 500;
+constexpr std::size_t kRemovedPerTile = 1000;
+/// Landmarks that the slow refresh adds to one scan at most: one more tile.
+constexpr std::size_t kRefreshMax = kLandmarksPerTile;
+
+double seconds(std::int64_t duration_us) { return 1e-6 * static_cast<double>(duration_us); }
+
+}  // namespace
+
+MapperNode::MapperNode(const io::Config& config)
+    : config_(config.mapper), mapper_(config.mapper), track_(config.mapper.pose_gap_max_s) {}
+
+std::vector<bus::Channel> MapperNode::inputs() const {
+  return {bus::Channel::kPose, bus::Channel::kDetections};
+}
+
+void MapperNode::handle(const bus::Message& input, const bus::Outbox& send) {
+  if (const auto* pose = std::get_if<pose::PoseEstimate>(&input)) {
+    track_.add(*pose);
+  } else if (const auto* detections = std::get_if<detection::Detections>(&input)) {
+    if (last_used_utime_ && detections->utime <= *last_used_utime_) {
+      ++counts_.num_late;
+      return;
+    }
+    const auto at = std::upper_bound(
+        waiting_.begin(), waiting_.end(), detections->utime,
+        [](std::int64_t utime, const detection::Detections& d) { return utime < d.utime; });
+    waiting_.insert(at, *detections);
+  } else {
+    return;
+  }
+  newest_utime_ = has_newest_ ? std::max(newest_utime_, bus::utime_of(input)) : bus::utime_of(input);
+  has_newest_ = true;
+  release(send);
+  drop_late();
+}
+
+void MapperNode::release(const bus::Outbox& send) {
+  while (!waiting_.empty() && track_.covers(waiting_.front().utime)) {
+    const detection::Detections detections = std::move(waiting_.front());
+    waiting_.pop_front();
+    last_used_utime_ = detections.utime;
+    if (const auto pose = track_.at(detections.utime)) {
+      use(detections, *pose, send);
+    } else {
+      ++counts_.num_unusable;  // inside a gap of the track
+    }
+  }
+}
+
+void MapperNode::drop_late() {
+  while (!waiting_.empty() &&
+         seconds(newest_utime_ - waiting_.front().utime) > config_.pose_wait_s) {
+    last_used_utime_ = waiting_.front().utime;
+    waiting_.pop_front();
+    ++counts_.num_late;
+  }
+}
+
+void MapperNode::flush(const bus::Outbox& send) {
+  std::int64_t utime = last_used_utime_.value_or(0);
+  while (!waiting_.empty()) {
+    const detection::Detections detections = std::move(waiting_.front());
+    waiting_.pop_front();
+    last_used_utime_ = utime = detections.utime;
+    if (const auto pose = track_.at(detections.utime)) {
+      use(detections, *pose, send);
+    } else {
+      ++counts_.num_late;
+    }
+  }
+  // the whole map once more, so that a recorded log ends with it
+  if (mapper_.num_landmarks() > 0) {
+    send_tiles(utime, mapper_.ids_from(1, mapper_.num_landmarks()), {}, send);
+  }
+}
+
+void MapperNode::use(const detection::Detections& detections, const pose::PoseEstimate& T_map_base,
+                     const bus::Outbox& send) {
+  const mapping::MapUpdate update = mapper_.update(detections, T_map_base);
+  std::vector<std::int32_t> ids = update.changed_ids;
+  const std::vector<std::int32_t> refreshed = refresh_ids(detections.utime);
+  ids.insert(ids.end(), refreshed.begin(), refreshed.end());
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  send_tiles(detections.utime, ids, update.removed_ids, send);
+}
+
+std::vector<std::int32_t> MapperNode::refresh_ids(std::int64_t utime) {
+  // as many per scan as bring the whole map round once per period
+  const std::int64_t last = std::exchange(last_refresh_utime_, utime);
+  if (last == 0 || utime <= last) return {};
+  const double share = std::min(1.0, seconds(utime - last) / config_.refresh_period_s);
+  const auto wanted = static_cast<std::size_t>(
+      std::ceil(share * static_cast<double>(mapper_.num_landmarks())));
+  std::vector<std::int32_t> ids =
+      mapper_.ids_from(refresh_from_id_, std::min(wanted, kRefreshMax));
+  refresh_from_id_ = ids.empty() ? 1 : ids.back() + 1;
+  return ids;
+}
+
+void MapperNode::send_tiles(std::int64_t utime, const std::vector<std::int32_t>& ids,
+                            const std::vector<std::int32_t>& removed_ids,
+                            const bus::Outbox& send) {
+  std::size_t landmark = 0;
+  std::size_t removed = 0;
+  do {
+    mapping::MapTile tile;
+    tile.utime = utime;
+    tile.seq = next_seq_++;
+    tile.num_landmarks_total = static_cast<std::int32_t>(mapper_.num_landmarks());
+    for (; landmark < ids.size() && tile.landmarks.size() < kLandmarksPerTile; ++landmark) {
+      tile.landmarks.push_back(mapper_.landmark(ids[landmark]));
+    }
+    for (; removed < removed_ids.size() && tile.removed_ids.size() < kRemovedPerTile; ++removed) {
+      tile.removed_ids.push_back(removed_ids[removed]);
+    }
+    send(std::move(tile));
+  } while (landmark < ids.size() || removed < removed_ids.size());
+}
+
+std::string MapperNode::waiting_for() const {
+  if (waiting_.empty()) {
+    return has_newest_ ? std::string() : "no DETECTIONS and no POSE yet (orchard-detector, orchard-pose)";
+  }
+  char text[128];
+  std::snprintf(text, sizeof text, "DETECTIONS at %.3f s wait for a POSE at or after (orchard-pose)",
+                seconds(waiting_.front().utime));
+  return text;
+}
+
+io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {
+  return {landmarks(), track_.poses(), summary};
+}
+
+}  // namespace orchard::procs

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bus/node.hpp"
+#include "io/config.hpp"
+#include "io/map_folder.hpp"
+#include "mapping/mapper.hpp"
+#include "mapping/pose_track.hpp"
+
+namespace orchard::procs {
+
+/// Puts detections on the map: one MAP tile or more per scan used.
+///
+/// DETECTIONS(t) wait for a POSE at or after t, however the two channels arrive; what has waited
+/// mapper.pose_wait_s of message time is counted late and left out. So the map does not depend on
+/// how far one channel runs ahead of the other within that time.
+class MapperNode : public bus::Node {
+ public:
+  explicit MapperNode(const io::Config& config);
+
+  std::string_view name() const override { return "mapper"; }
+  std::vector<bus::Channel> inputs() const override;
+  void handle(const bus::Message& input, const bus::Outbox& send) override;
+  void flush(const bus::Outbox& send) override;
+  bus::NodeCounts counts() const override { return counts_; }
+  std::string waiting_for() const override;
+
+  /// The map so far, for its files: landmarks with at least mapper.min_observations, and all POSE.
+  io::MapFolderContent content(const io::MapSummary& summary) const;
+
+  /// Its landmarks alone, in order of id.
+  std::vector<mapping::Landmark> landmarks() const {
+    return mapper_.landmarks(config_.min_observations);
+  }
+
+ private:
+  void release(const bus::Outbox& send);
+  void drop_late();
+  void use(const detection::Detections& detections, const pose::PoseEstimate& T_map_base,
+           const bus::Outbox& send);
+  void send_tiles(std::int64_t utime, const std::vector<std::int32_t>& ids,
+                  const std::vector<std::int32_t>& removed_ids, const bus::Outbox& send);
+  std::vector<std::int32_t> refresh_ids(std::int64_t utime);
+
+  mapping::MapperConfig config_;
+  mapping::Mapper mapper_;
+  mapping::PoseTrack track_;
+  std::deque<detection::Detections> waiting_;  ///< in order of utime
+  std::optional<std::int64_t> last_used_utime_;
+  std::int64_t newest_utime_ = 0;  ///< message time
+  bool has_newest_ = false;
+  std::int32_t next_seq_ = 0;
+  std::int32_t refresh_from_id_ = 1;
+  std::int64_t last_refresh_utime_ = 0;
+  bus::NodeCounts counts_;
+};
+
+}  // namespace orchard::procs

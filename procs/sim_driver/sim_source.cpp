@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim_driver/sim_source.hpp"
+
+#include <charconv>
+#include <stdexcept>
+#include <variant>
+
+#include "io/truth_csv.hpp"
+
+namespace orchard::procs {
+namespace {
+
+std::uint64_t parse_seed(const std::string& text) {
+  std::uint64_t seed = 0;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), seed);
+  if (text.empty() || result.ec != std::errc() || result.ptr != text.data() + text.size()) {
+    throw std::invalid_argument("--seed " + text + ": must be a whole number from 0 on");
+  }
+  return seed;
+}
+
+}  // namespace
+
+SimSource::SimSource(simulation::SceneKind kind, std::uint64_t seed,
+                     const simulation::RigConfig& rig)
+    : simulator_(kind, seed, rig) {}
+
+std::optional<bus::Message> SimSource::next() {
+  std::optional<simulation::SensorMessage> sensed = simulator_.next();
+  if (!sensed) return std::nullopt;
+  return std::visit([](auto& m) { return bus::Message(std::move(m)); }, *sensed);
+}
+
+std::unique_ptr<SimSource> make_sim_source(const SimDriverOptions& options,
+                                           const io::Config& config) {
+  const auto kind = simulation::find_scene(options.scene);
+  if (!kind) {
+    throw std::invalid_argument("--scene " + options.scene + ": must be tubes or orchard");
+  }
+  const simulation::RigConfig rig{config.laser, config.camera, config.simulation};
+  auto source = std::make_unique<SimSource>(*kind, parse_seed(options.seed), rig);
+  if (!options.truth_path.empty()) {
+    io::write_truth_csv(options.truth_path, source->simulator().truth());
+  }
+  if (!options.poses_path.empty()) {
+    io::write_poses_csv(options.poses_path, source->simulator().true_poses());
+  }
+  return source;
+}
+
+}  // namespace orchard::procs

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bus/in_process_replay.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <stdexcept>
+
+#include "fake_log.hpp"
+#include "fake_nodes.hpp"
+#include "io/file_error.hpp"
+
+namespace orchard::bus {
+namespace {
+
+using testing::fake_drive;
+using testing::FakeDetector;
+using testing::FakeMapper;
+using testing::FakePose;
+using testing::write_log;
+
+struct Derived {
+  Channel channel;
+  std::int64_t utime;
+  std::vector<std::uint8_t> bytes;
+  bool operator==(const Derived& o) const {
+    return channel == o.channel && utime == o.utime && bytes == o.bytes;
+  }
+};
+
+class InProcessReplay : public ::testing::Test {
+ protected:
+  InProcessReplay() {
+    folder_ = std::filesystem::path(::testing::TempDir()) /
+              ("orchard_replay_" +
+               std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+    std::filesystem::create_directories(folder_);
+  }
+  ~InProcessReplay() override { std::filesystem::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  ReplayReport replay(const std::string& log, std::vector<Derived>& derived, bool strict = false,
+                      double from_s = 0, double to_s = 1e18) {
+    FakeDetector detector;
+    FakePose pose;
+    FakeMapper mapper;
+    ReplayOptions options;
+    options.strict = strict;
+    options.from_s = from_s;
+    options.to_s = to_s;
+    options.on_derived = [&](Channel channel, std::int64_t utime,
+                             const std::vector<std::uint8_t>& bytes) {
+      derived.push_back({channel, utime, bytes});
+    };
+    return replay_in_process(log, {&detector, &pose, &mapper}, options);
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(InProcessReplay, HandsOverEveryMessageAndFlushes) {
+  write_log(path("log"), fake_drive(50));
+  std::vector<Derived> derived;
+  const ReplayReport report = replay(path("log"), derived);
+  EXPECT_EQ(report.num_in[static_cast<int>(Channel::kScan)], 50);
+  EXPECT_EQ(report.num_in[static_cast<int>(Channel::kImage)], 50);
+  EXPECT_EQ(report.num_in[static_cast<int>(Channel::kOdometry)], 250);
+  EXPECT_EQ(report.num_out[static_cast<int>(Channel::kDetections)], 50);
+  EXPECT_EQ(report.num_out[static_cast<int>(Channel::kPose)], 250);
+  EXPECT_EQ(report.num_out[static_cast<int>(Channel::kMap)], 50);
+  EXPECT_EQ(derived.size(), 350u);
+  EXPECT_TRUE(report.warnings.empty());
+}
+
+TEST_F(InProcessReplay, OrderOfTheFileBetweenChannelsDoesNotMatter) {
+  std::vector<Message> messages = fake_drive(60);
+  write_log(path("a"), messages);
+  std::vector<Derived> expected;
+  replay(path("a"), expected);
+  // As on a network: each channel keeps its order, between channels anything may happen.
+  std::mt19937 random(5);
+  for (int pass = 0; pass < 2000; ++pass) {
+    const std::size_t i = random() % (messages.size() - 1);
+    if (channel_of(messages[i]) != channel_of(messages[i + 1])) {
+      std::swap(messages[i], messages[i + 1]);
+    }
+  }
+  write_log(path("b"), messages);
+  std::vector<Derived> shuffled;
+  replay(path("b"), shuffled);
+  EXPECT_TRUE(expected == shuffled);
+}
+
+TEST_F(InProcessReplay, RecordedDerivedMessagesAreNotReplayed) {
+  std::vector<Message> messages = fake_drive(10);
+  write_log(path("a"), messages);
+  pose::PoseEstimate wrong;
+  wrong.utime = testing::kLogStart;
+  wrong.x_m = 1000.0;
+  messages.insert(messages.begin(), wrong);
+  write_log(path("b"), messages);
+  std::vector<Derived> a;
+  std::vector<Derived> b;
+  replay(path("a"), a);
+  replay(path("b"), b);
+  EXPECT_TRUE(a == b);
+}
+
+TEST_F(InProcessReplay, DuplicatesAndGapsAreCounted) {
+  std::vector<Message> messages = fake_drive(10);
+  messages.insert(messages.begin() + 8, messages[7]);
+  messages.erase(messages.begin() + 22, messages.begin() + 24);  // a scan and its picture
+  write_log(path("log"), messages);
+  std::vector<Derived> derived;
+  const ReplayReport report = replay(path("log"), derived);
+  EXPECT_EQ(report.num_duplicates, 1);
+  EXPECT_EQ(report.num_seq_gaps, 2);
+  EXPECT_FALSE(report.warnings.empty());
+}
+
+TEST_F(InProcessReplay, BadMessagesAreCountedOrRefused) {
+  std::vector<Message> messages = fake_drive(10);
+  std::get<laser::Scan>(messages[7]).bearing_step_rad = 0.0;
+  write_log(path("log"), messages);
+  std::vector<Derived> derived;
+  const ReplayReport report = replay(path("log"), derived);
+  EXPECT_EQ(report.num_rejected[static_cast<int>(Reason::kOutOfRange)], 1);
+  EXPECT_EQ(report.num_in[static_cast<int>(Channel::kScan)], 9);
+  EXPECT_THROW(replay(path("log"), derived, true), io::FileError);
+}
+
+TEST_F(InProcessReplay, DamagedLogIsReplayedWithAWarningOrRefused) {
+  write_log(path("log"), fake_drive(20));
+  std::filesystem::resize_file(path("log"), std::filesystem::file_size(path("log")) - 10);
+  std::vector<Derived> derived;
+  const ReplayReport report = replay(path("log"), derived);
+  EXPECT_EQ(report.gaps.size(), 1u);
+  EXPECT_FALSE(report.warnings.empty());
+  EXPECT_THROW(replay(path("log"), derived, true), io::FileError);
+}
+
+TEST_F(InProcessReplay, SecondsAreCutOut) {
+  write_log(path("log"), fake_drive(50));
+  std::vector<Derived> derived;
+  const ReplayReport report = replay(path("log"), derived, false, 1.0, 2.05);
+  EXPECT_EQ(report.num_in[static_cast<int>(Channel::kScan)], 11);
+  EXPECT_EQ(report.first_utime, testing::kLogStart + 1000000);
+}
+
+TEST_F(InProcessReplay, LogsWithNothingToReplayAreRefused) {
+  std::vector<Derived> derived;
+  EXPECT_THROW(replay(path("absent"), derived), io::FileError);
+  std::ofstream(path("empty")).close();
+  EXPECT_THROW(replay(path("empty"), derived), io::FileError);
+  std::ofstream(path("text")) << std::string(5000, 'x');
+  EXPECT_THROW(replay(path("text"), derived), io::FileError);
+  {
+    io::LogWriter writer(path("other"));
+    writer.write(1, "POSITION", {1, 2, 3});
+    writer.close();
+  }
+  try {
+    replay(path("other"), derived);
+    FAIL();
+  } catch (const io::FileError& error) {
+    EXPECT_NE(std::string(error.what()).find("POSITION"), std::string::npos);
+  }
+}
+
+/// Sends what the guard refuses.
+class BrokenNode : public FakePose {
+ public:
+  void handle(const Message& input, const Outbox& send) override {
+    pose::PoseEstimate estimate;
+    estimate.utime = utime_of(input);
+    estimate.yaw_rad = 40.0;
+    send(estimate);
+  }
+};
+
+TEST_F(InProcessReplay, NodeThatSendsNonsenseIsAnError) {
+  write_log(path("log"), fake_drive(2));
+  BrokenNode pose;
+  FakeMapper mapper;
+  EXPECT_THROW(replay_in_process(path("log"), {&pose, &mapper}, {}), std::logic_error);
+}
+
+}  // namespace
+}  // namespace orchard::bus

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "detector/detector_node.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <opencv2/imgcodecs.hpp>
+#include <random>
+
+#include "bus/codec.hpp"
+#include "tube_rig.hpp"
+
+namespace orchard::procs {
+namespace {
+
+using detection::Detections;
+using detection::Label;
+
+std::vector<test::Tube> scene(int i) {
+  return {test::brown_tube(2.0 - 0.02 * i, 0.4), test::brown_tube(1.6 - 0.02 * i, -0.4),
+          test::blue_tube(2.2 - 0.02 * i, 0.0)};
+}
+
+laser::Scan scan(int i) {
+  laser::Scan s = test::scan_of(scene(i), 1'000'000 + 100'000 * i);
+  s.seq = i;
+  return s;
+}
+
+vision::Image picture(int i, std::int64_t offset_us = 20'000) {
+  const auto rig = test::tube_rig();
+  vision::Image image =
+      test::picture_of_tubes(scene(i), rig, 1'000'000 + 100'000 * i + offset_us);
+  const cv::Mat raw(image.height_px, image.width_px, CV_8UC3, image.data.data());
+  std::vector<std::uint8_t> jpeg;
+  cv::imencode(".jpg", raw, jpeg, {cv::IMWRITE_JPEG_QUALITY, 88});
+  image.encoding = vision::Encoding::kJpeg;
+  image.data = jpeg;
+  image.seq = i;
+  return image;
+}
+
+/// A node and what it sent.
+struct Bench {
+  explicit Bench(const io::Config& config = {}) : node(config) {}
+  void handle(bus::Message message) { node.handle(message, outbox()); }
+  void flush() { node.flush(outbox()); }
+  bus::Outbox outbox() {
+    return [this](bus::Message m) { sent.push_back(std::get<Detections>(m)); };
+  }
+  DetectorNode node;
+  std::vector<Detections> sent;
+};
+
+std::vector<std::vector<std::uint8_t>> bytes_of(const std::vector<Detections>& sent) {
+  std::vector<std::vector<std::uint8_t>> bytes;
+  for (const Detections& d : sent) bytes.push_back(bus::encode(d));
+  return bytes;
+}
+
+TEST(DetectorNode, AScanWaitsForItsImage) {
+  Bench bench;
+  bench.handle(scan(0));
+  EXPECT_TRUE(bench.sent.empty());
+  EXPECT_NE(bench.node.waiting_for().find("IMAGE"), std::string::npos);
+  bench.handle(picture(0));
+  ASSERT_EQ(bench.sent.size(), 1u);
+  EXPECT_EQ(bench.node.waiting_for(), "");
+  EXPECT_EQ(bench.sent[0].utime, 1'000'000);
+  EXPECT_EQ(bench.sent[0].image_utime, 1'020'000);
+  ASSERT_EQ(bench.sent[0].trunks.size(), 3u);
+  EXPECT_EQ(bench.sent[0].trunks[0].label, Label::kTree);    // right
+  EXPECT_EQ(bench.sent[0].trunks[1].label, Label::kObject);  // blue, in the middle
+  EXPECT_EQ(bench.sent[0].trunks[2].label, Label::kTree);
+}
+
+TEST(DetectorNode, EveryScanIsAnsweredInOrderAlsoWithoutImages) {
+  Bench bench;
+  for (int i = 0; i < 10; ++i) bench.handle(scan(i));
+  bench.flush();
+  ASSERT_EQ(bench.sent.size(), 10u);
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_EQ(bench.sent[static_cast<std::size_t>(i)].seq, i);
+    EXPECT_EQ(bench.sent[static_cast<std::size_t>(i)].utime, 1'000'000 + 100'000 * i);
+    EXPECT_EQ(bench.sent[static_cast<std::size_t>(i)].image_utime, 0);
+    for (const auto& trunk : bench.sent[static_cast<std::size_t>(i)].trunks) {
+      EXPECT_EQ(trunk.label, Label::kUnseen);
+    }
+  }
+}
+
+TEST(DetectorNode, OutputDoesNotDependOnArrivalAcrossChannels) {
+  std::vector<std::vector<std::uint8_t>> reference;
+  std::mt19937 random(3);
+  for (int round = 0; round < 12; ++round) {
+    struct Arrival {
+      std::int64_t when;
+      int index;
+      bool is_scan;
+    };
+    std::vector<Arrival> arrivals;
+    std::int64_t last[2] = {0, 0};
+    for (int i = 0; i < 12; ++i) {
+      for (const bool is_scan : {true, false}) {
+        std::int64_t& previous = last[is_scan ? 0 : 1];
+        previous = std::max(previous, 100'000 * std::int64_t{i} +
+                                          static_cast<std::int64_t>(random() % 110'000));
+        arrivals.push_back({previous, i, is_scan});
+      }
+    }
+    std::stable_sort(arrivals.begin(), arrivals.end(),
+                     [](const Arrival& a, const Arrival& b) { return a.when < b.when; });
+    Bench bench;
+    for (const Arrival& a : arrivals) {
+      if (a.is_scan) bench.handle(scan(a.index));
+      else bench.handle(picture(a.index));
+    }
+    bench.flush();
+    if (round == 0) reference = bytes_of(bench.sent);
+    EXPECT_EQ(bytes_of(bench.sent), reference);
+    EXPECT_EQ(bench.node.counts().num_late, 0);
+  }
+  EXPECT_EQ(reference.size(), 12u);
+}
+
+TEST(DetectorNode, CountsPicturesOfNoUse) {
+  Bench bench;
+  bench.handle(scan(0));
+  vision::Image broken = picture(0);
+  broken.data.resize(broken.data.size() / 4);
+  bench.handle(broken);
+  bench.handle(scan(1));
+  vision::Image small = picture(1);
+  small.width_px = 160;
+  bench.handle(small);
+  ASSERT_EQ(bench.sent.size(), 2u);
+  EXPECT_EQ(bench.node.counts().num_unusable, 2);
+  EXPECT_EQ(bench.sent[0].trunks[0].label, Label::kUnseen);
+}
+
+TEST(DetectorNode, CountsLatePictures) {
+  Bench bench;
+  for (int i = 0; i < 5; ++i) bench.handle(scan(i));
+  bench.handle(picture(0, 0));
+  EXPECT_EQ(bench.node.counts().num_late, 1);
+}
+
+TEST(DetectorNode, ARigWithoutACameraAnswersAtOnceAndIgnoresPictures) {
+  io::Config config;
+  config.camera.enabled = false;
+  Bench bench(config);
+  EXPECT_EQ(bench.node.inputs(), std::vector<bus::Channel>{bus::Channel::kScan});
+  bench.handle(scan(0));
+  ASSERT_EQ(bench.sent.size(), 1u);
+  for (const auto& trunk : bench.sent[0].trunks) {
+    EXPECT_EQ(trunk.roc_tree, trunk.roc_laser);
+    EXPECT_NE(trunk.label, Label::kUnseen);
+  }
+}
+
+TEST(DetectorNode, WaitsForOdometryWhereItIsUsed) {
+  io::Config config;
+  config.detector.use_odometry = true;
+  Bench bench(config);
+  const std::vector<bus::Channel> channels{bus::Channel::kScan, bus::Channel::kImage,
+                                           bus::Channel::kOdometry};
+  EXPECT_EQ(bench.node.inputs(), channels);
+  bench.handle(scan(0));
+  bench.handle(picture(0));
+  EXPECT_TRUE(bench.sent.empty());
+  EXPECT_NE(bench.node.waiting_for().find("ODOMETRY"), std::string::npos);
+  pose::Odometry odometry;
+  odometry.utime = 1'020'000;
+  bench.handle(odometry);
+  EXPECT_EQ(bench.sent.size(), 1u);
+}
+
+TEST(DetectorNode, WhatItSendsPassesTheGuard) {
+  Bench bench;
+  bench.handle(scan(0));
+  bench.handle(picture(0));
+  const auto bytes = bus::encode(bench.sent.at(0));
+  const auto decoded = bus::decode(bus::Channel::kDetections, bytes.data(), bytes.size());
+  ASSERT_TRUE(std::holds_alternative<bus::Message>(decoded));
+  EXPECT_EQ(bus::encode(std::get<bus::Message>(decoded)), bytes);
+}
+
+}  // namespace
+}  // namespace orchard::procs

@@ -66,8 +66,8 @@ struct Bus::Impl {
     auto subscription = std::make_unique<Subscription>();
     subscription->bus = this;
     subscription->channel = channel;
-    subscription->receive = [this, decode, handle](Bytes bytes)
-        -> std::variant<std::monostate, Rejection> {
+    subscription->receive = [this, decode,
+                             handle](Bytes bytes) -> std::variant<std::monostate, Rejection> {
       auto decoded = decode(bytes.data, bytes.size);
       if (auto* rejection = std::get_if<Rejection>(&decoded)) return std::move(*rejection);
       ++counts.num_good;
@@ -146,9 +146,7 @@ bool Bus::publish(Channel channel, const std::vector<std::uint8_t>& bytes) {
   return result == 0;
 }
 
-bool Bus::publish(const Message& message) {
-  return publish(channel_of(message), encode(message));
-}
+bool Bus::publish(const Message& message) { return publish(channel_of(message), encode(message)); }
 
 int Bus::fileno() const { return lcm_get_fileno(impl_->lcm); }
 

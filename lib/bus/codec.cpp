@@ -35,14 +35,22 @@ std::variant<Message, Rejection> decode_as(const void* data, std::size_t size) {
 
 std::string_view to_string(Reason reason) {
   switch (reason) {
-    case Reason::kTooShort: return "too_short";
-    case Reason::kTooLarge: return "too_large";
-    case Reason::kWrongType: return "wrong_type";
-    case Reason::kBadCount: return "bad_count";
-    case Reason::kUndecodable: return "undecodable";
-    case Reason::kNotFinite: return "not_finite";
-    case Reason::kOutOfRange: return "out_of_range";
-    case Reason::kInconsistent: return "inconsistent";
+    case Reason::kTooShort:
+      return "too_short";
+    case Reason::kTooLarge:
+      return "too_large";
+    case Reason::kWrongType:
+      return "wrong_type";
+    case Reason::kBadCount:
+      return "bad_count";
+    case Reason::kUndecodable:
+      return "undecodable";
+    case Reason::kNotFinite:
+      return "not_finite";
+    case Reason::kOutOfRange:
+      return "out_of_range";
+    case Reason::kInconsistent:
+      return "inconsistent";
   }
   return "unknown";
 }
@@ -60,15 +68,24 @@ std::variant<Message, Rejection> decode(Channel channel, const void* data, std::
     return *std::move(rejection);
   }
   switch (channel) {
-    case Channel::kScan: return decode_as<scan_t>(data, size);
-    case Channel::kImage: return decode_as<image_t>(data, size);
-    case Channel::kOdometry: return decode_as<odometry_t>(data, size);
-    case Channel::kGnss: return decode_as<gnss_t>(data, size);
-    case Channel::kPoseFix: return decode_as<pose_fix_t>(data, size);
-    case Channel::kPose: return decode_as<pose_t>(data, size);
-    case Channel::kDetections: return decode_as<detections_t>(data, size);
-    case Channel::kMap: return decode_as<map_tile_t>(data, size);
-    default: throw std::invalid_argument("decode: no such channel");
+    case Channel::kScan:
+      return decode_as<scan_t>(data, size);
+    case Channel::kImage:
+      return decode_as<image_t>(data, size);
+    case Channel::kOdometry:
+      return decode_as<odometry_t>(data, size);
+    case Channel::kGnss:
+      return decode_as<gnss_t>(data, size);
+    case Channel::kPoseFix:
+      return decode_as<pose_fix_t>(data, size);
+    case Channel::kPose:
+      return decode_as<pose_t>(data, size);
+    case Channel::kDetections:
+      return decode_as<detections_t>(data, size);
+    case Channel::kMap:
+      return decode_as<map_tile_t>(data, size);
+    default:
+      throw std::invalid_argument("decode: no such channel");
   }
 }
 

@@ -15,16 +15,16 @@ namespace orchard::bus {
 
 /// What a replay read, made and lost.
 struct ReplayReport {
-  std::int64_t num_events = 0;                      ///< readable events of the log
-  std::array<std::int64_t, kNumChannels> num_in{};  ///< source messages handed to nodes
-  std::array<std::int64_t, kNumChannels> num_out{}; ///< derived messages made
+  std::int64_t num_events = 0;                       ///< readable events of the log
+  std::array<std::int64_t, kNumChannels> num_in{};   ///< source messages handed to nodes
+  std::array<std::int64_t, kNumChannels> num_out{};  ///< derived messages made
   std::array<std::int64_t, kNumReasons> num_rejected{};
   std::int64_t num_duplicates = 0;
-  std::int64_t num_seq_gaps = 0;                    ///< messages missing by seq
+  std::int64_t num_seq_gaps = 0;  ///< messages missing by seq
   std::int64_t num_unknown_channel = 0;
   std::vector<io::LogGap> gaps;
-  std::vector<std::string> warnings;                ///< one sentence each, for people
-  std::int64_t first_utime = 0;                     ///< of the sources
+  std::vector<std::string> warnings;  ///< one sentence each, for people
+  std::int64_t first_utime = 0;       ///< of the sources
   std::int64_t last_utime = 0;
 };
 

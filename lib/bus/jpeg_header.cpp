@@ -18,8 +18,8 @@ std::optional<JpegSize> find_jpeg_size(const std::vector<std::uint8_t>& data) {
     }
     const std::size_t length = std::size_t{data[i + 2]} << 8 | data[i + 3];
     // Frame headers are C0..CF apart from DHT (C4), JPG (C8) and DAC (CC).
-    const bool is_frame = marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 &&
-                          marker != 0xCC;
+    const bool is_frame =
+        marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
     if (is_frame) {
       if (length < 8 || i + 9 > size) return std::nullopt;
       JpegSize found;

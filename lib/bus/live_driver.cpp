@@ -36,8 +36,7 @@ void LiveDriver::run(StopSignal& stop) {
   const Clock::time_point start = Clock::now();
   const std::int64_t first_utime = message ? utime_of(*message) : 0;
   while (message) {
-    const double due_us =
-        static_cast<double>(utime_of(*message) - first_utime) / options_.speed;
+    const double due_us = static_cast<double>(utime_of(*message) - first_utime) / options_.speed;
     const auto due = start + std::chrono::microseconds(static_cast<std::int64_t>(due_us));
     if (!wait_until(due, stop)) break;
     bus_.publish(*message);

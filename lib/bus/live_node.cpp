@@ -18,15 +18,24 @@ constexpr int kDrainMost = 200;
 
 const char* publisher_of(Channel channel) {
   switch (channel) {
-    case Channel::kScan: return "a laser driver or orchard-sim-driver";
-    case Channel::kImage: return "a camera driver or orchard-sim-driver";
-    case Channel::kOdometry: return "an odometry driver or orchard-sim-driver";
-    case Channel::kGnss: return "a GNSS driver";
-    case Channel::kPoseFix: return "orchard-sim-driver or who knows the robot's position";
-    case Channel::kPose: return "orchard-pose";
-    case Channel::kDetections: return "orchard-detector";
-    case Channel::kMap: return "orchard-mapper";
-    default: return "another process";
+    case Channel::kScan:
+      return "a laser driver or orchard-sim-driver";
+    case Channel::kImage:
+      return "a camera driver or orchard-sim-driver";
+    case Channel::kOdometry:
+      return "an odometry driver or orchard-sim-driver";
+    case Channel::kGnss:
+      return "a GNSS driver";
+    case Channel::kPoseFix:
+      return "orchard-sim-driver or who knows the robot's position";
+    case Channel::kPose:
+      return "orchard-pose";
+    case Channel::kDetections:
+      return "orchard-detector";
+    case Channel::kMap:
+      return "orchard-mapper";
+    default:
+      return "another process";
   }
 }
 
@@ -137,8 +146,8 @@ Status LiveNode::status() const {
     status.text += status.text.empty() ? "refused" : "; refused";
     for (std::size_t i = 0; i < kNumReasons; ++i) {
       if (const std::int64_t count = bus_.counts().num_rejected[i]) {
-        status.text += " " + std::string(to_string(static_cast<Reason>(i))) + "=" +
-                       std::to_string(count);
+        status.text +=
+            " " + std::string(to_string(static_cast<Reason>(i))) + "=" + std::to_string(count);
       }
     }
   }

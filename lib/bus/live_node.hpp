@@ -18,8 +18,7 @@ namespace orchard::bus {
 /// A node on the network: one thread, one event loop, until a signal ends it.
 class LiveNode {
  public:
-  LiveNode(Bus& bus, Node& node, const std::string& name, const io::Config& config,
-           SaveHook save);
+  LiveNode(Bus& bus, Node& node, const std::string& name, const io::Config& config, SaveHook save);
 
   /// Runs until a stop is asked for, then takes in what has already arrived, flushes and saves.
   /// Throws BusError, and what the node throws.

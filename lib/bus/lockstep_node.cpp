@@ -43,7 +43,7 @@ void LockstepNode::run(StopSignal& stop) {
   spdlog::info("lockstep: ready for orchard-log-player");
   while (!stop.raised()) {
     if (!stop.wait(bus_.fileno(), -1)) continue;
-    while (bus_.handle(0)) {
+    while (bus_.handle(0) && !stop.raised()) {
     }
   }
 }

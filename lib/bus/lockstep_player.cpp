@@ -45,9 +45,8 @@ class Exchange {
     }
     for (const ChannelInfo& channel : kChannels) {
       if (channel.role != Role::kDerived) continue;
-      bus_.subscribe(channel.channel, [this](const Message& message, Bytes bytes) {
-        on_output(message, bytes);
-      });
+      bus_.subscribe(channel.channel,
+                     [this](const Message& message, Bytes bytes) { on_output(message, bytes); });
     }
     bus_.subscribe_ack([this](const Ack& ack) { on_ack(ack); });
     bus_.on_rejection([](Channel channel, const Rejection& rejection) {
@@ -215,8 +214,7 @@ class Exchange {
       const MessageId output_id{output.channel, output.seq};
       if (outputs_.count(output_id) == 0) announced_.insert(output_id);
       for (const Participant& p : participants_) {
-        if (p.inputs.count(output.channel) > 0 &&
-            acknowledged_.count({output_id, p.number}) == 0) {
+        if (p.inputs.count(output.channel) > 0 && acknowledged_.count({output_id, p.number}) == 0) {
           waiting_[output_id].insert(p.number);
         }
       }
@@ -227,8 +225,8 @@ class Exchange {
     const MessageId id{channel_of(message), seq_of(message)};
     announced_.erase(id);
     if (is_past(id)) return;  // sent again
-    outputs_.emplace(id, Output{id.channel, id.seq, utime_of(message),
-                                {bytes.data, bytes.data + bytes.size}});
+    outputs_.emplace(
+        id, Output{id.channel, id.seq, utime_of(message), {bytes.data, bytes.data + bytes.size}});
   }
 
   Bus& bus_;

@@ -22,8 +22,8 @@ class LockstepError : public std::runtime_error {
 struct LockstepOptions {
   ReplayOptions replay;
   std::vector<std::string> nodes{"detector", "pose", "mapper"};  ///< in the order of flushing
-  int timeout_ms = 100;    ///< without an answer: the message is sent again
-  int num_tries = 50;      ///< before the node is given up
+  int timeout_ms = 100;      ///< without an answer: the message is sent again
+  int num_tries = 50;        ///< before the node is given up
   int start_timeout_s = 60;  ///< how long nodes may take to appear
   /// Words for people while waiting ("waits for orchard-pose").
   std::function<void(const std::string&)> say;
@@ -32,9 +32,9 @@ struct LockstepOptions {
 /// What a lockstep replay did besides what its ReplayReport says.
 struct LockstepReport {
   ReplayReport replay;
-  std::int64_t num_resent = 0;   ///< messages that had to be sent again
-  double elapsed_s = 0.0;        ///< wall time from the first message to the last answer
-  bool stopped = false;          ///< a signal ended it early
+  std::int64_t num_resent = 0;  ///< messages that had to be sent again
+  double elapsed_s = 0.0;       ///< wall time from the first message to the last answer
+  bool stopped = false;         ///< a signal ended it early
 };
 
 /// Replays a log through processes that run with --lockstep: sends a source message, waits until

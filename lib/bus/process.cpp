@@ -55,7 +55,9 @@ int run_node_process(int argc, char** argv, ProcessInfo info,
     Bus bus(options.config.lcm.url);
     log_start(options);
     if (options.lockstep) {
-      LockstepNode(bus, [&] { return make_node(options.config); }, save).run(stop);
+      LockstepNode(
+          bus, [&] { return make_node(options.config); }, save)
+          .run(stop);
     } else {
       const std::unique_ptr<Node> node = make_node(options.config);
       LiveNode(bus, *node, info.name, options.config, save).run(stop);

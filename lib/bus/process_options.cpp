@@ -68,7 +68,8 @@ std::optional<int> read_options(int argc, char** argv, const ProcessInfo& info, 
   }
   for (const ExtraOption& option : info.options) {
     if (option.value_name.empty()) {
-      app.add_flag_callback(option.flag, [value = option.value] { *value = "true"; }, option.help);
+      app.add_flag_callback(
+          option.flag, [value = option.value] { *value = "true"; }, option.help);
     } else {
       app.add_option(option.flag, *option.value, option.help)->option_text(option.value_name);
     }

@@ -6,8 +6,8 @@
 namespace orchard::bus {
 
 void RejectionLog::note(Channel channel, const Rejection& rejection) {
-  const auto index = static_cast<std::size_t>(channel) * kNumReasons +
-                     static_cast<std::size_t>(rejection.reason);
+  const auto index =
+      static_cast<std::size_t>(channel) * kNumReasons + static_cast<std::size_t>(rejection.reason);
   Entry& entry = entries_[index];
   const auto now = std::chrono::steady_clock::now();
   if (entry.used && now - entry.last < std::chrono::seconds(5)) {
@@ -15,8 +15,7 @@ void RejectionLog::note(Channel channel, const Rejection& rejection) {
     return;
   }
   spdlog::warn("{}: refused a message ({}: {}); {} more like it since the last line",
-               info(channel).name, to_string(rejection.reason), rejection.detail,
-               entry.num_silent);
+               info(channel).name, to_string(rejection.reason), rejection.detail, entry.num_silent);
   entry = {now, 0, true};
 }
 

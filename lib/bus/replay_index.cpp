@@ -98,8 +98,10 @@ ReplayIndex index_log(const std::string& log_path, const ReplayOptions& options)
     throw io::FileError(log_path + ": no readable LCM event in it; is it an LCM log?");
   }
   if (!has_source) {
-    throw io::FileError(log_path + ": holds no channel to replay (SCAN, IMAGE, ODOMETRY, GNSS, "
-                        "POSE_FIX), only " + join(other_channels));
+    throw io::FileError(log_path +
+                        ": holds no channel to replay (SCAN, IMAGE, ODOMETRY, GNSS, "
+                        "POSE_FIX), only " +
+                        join(other_channels));
   }
   if (options.strict && !report.gaps.empty()) {
     throw io::FileError(log_path + ": damaged at offset " +

@@ -107,9 +107,9 @@ std::vector<std::uint8_t> encode(const ConfigNotice& notice) {
 std::variant<ConfigNotice, Rejection> decode_config(const void* data, std::size_t size) {
   config_t wire{};
   if (auto rejection = decode_into(Channel::kConfig, data, size, wire)) return *rejection;
-  return ConfigNotice{wire.utime,           wire.seq,
-                      wire.hash,            std::move(wire.name),
-                      std::move(wire.version), std::move(wire.text)};
+  return ConfigNotice{
+      wire.utime,          wire.seq, wire.hash, std::move(wire.name), std::move(wire.version),
+      std::move(wire.text)};
 }
 
 std::vector<std::uint8_t> encode(const Ack& ack) {

@@ -51,9 +51,9 @@ struct OutputId {
 
 /// Lockstep: a node has consumed an input and published what follows from it. ACK.
 struct Ack {
-  std::int64_t utime = 0;  ///< of the input
-  std::int32_t seq = 0;    ///< of the input
-  std::int8_t node = 0;    ///< ack_t.DETECTOR, POSE, MAPPER
+  std::int64_t utime = 0;            ///< of the input
+  std::int32_t seq = 0;              ///< of the input
+  std::int8_t node = 0;              ///< ack_t.DETECTOR, POSE, MAPPER
   Channel channel = Channel::kScan;  ///< of the input
   std::vector<OutputId> outputs;
 };

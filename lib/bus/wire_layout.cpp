@@ -2,6 +2,7 @@
 #include "bus/wire_layout.hpp"
 
 #include <array>
+#include <cstring>
 #include <string>
 
 #include "orchard/ack_t.hpp"
@@ -54,7 +55,11 @@ const Layout& layout_of(Channel channel) {
       {hash_of<pose_fix_t>, 93, kKiB, {}, 0},
       {hash_of<pose_t>, 108, kKiB, {}, 0},
       {hash_of<detections_t>, 32, kMiB, {{{20, 134, "num_trunks"}, {}}}, 0},
-      {hash_of<map_tile_t>, 32, 16 * kMiB, {{{20, 97, "num_landmarks"}, {24, 4, "num_removed"}}}, 0},
+      {hash_of<map_tile_t>,
+       32,
+       16 * kMiB,
+       {{{20, 97, "num_landmarks"}, {24, 4, "num_removed"}}},
+       0},
       {hash_of<status_t>, 93, 64 * kKiB, {}, 3},
       {hash_of<config_t>, 28, kMiB, {}, 3},
       {hash_of<ack_t>, 26, kMiB, {{{20, 5, "num_outputs"}, {}}}, 0},
@@ -85,8 +90,8 @@ std::optional<Rejection> check_layout(Channel channel, const void* data, std::si
   const Layout& layout = layout_of(channel);
   // A runt datagram arrives with a size of 4 GB, so the upper limit comes before any access.
   if (size > layout.max_bytes) {
-    return Rejection{Reason::kTooLarge, std::to_string(size) + " bytes, at most " +
-                                            std::to_string(layout.max_bytes)};
+    return Rejection{Reason::kTooLarge,
+                     std::to_string(size) + " bytes, at most " + std::to_string(layout.max_bytes)};
   }
   if (data == nullptr || size < 8) {
     return Rejection{Reason::kTooShort, std::to_string(size) + " bytes, at least " +
@@ -105,8 +110,9 @@ std::optional<Rejection> check_layout(Channel channel, const void* data, std::si
     if (array.element_bytes == 0) continue;
     const std::uint32_t count = read_u32(bytes + array.count_offset);
     if (count > (size - position) / array.element_bytes) {
-      return Rejection{Reason::kBadCount,
-                       array.count_name + (" = " + std::to_string(static_cast<std::int32_t>(count)))};
+      return Rejection{
+          Reason::kBadCount,
+          array.count_name + (" = " + std::to_string(static_cast<std::int32_t>(count)))};
     }
     position += count * array.element_bytes;
   }
@@ -115,7 +121,9 @@ std::optional<Rejection> check_layout(Channel channel, const void* data, std::si
     // The length counts the closing zero; the generated decoder subtracts one unchecked.
     const std::uint32_t length = read_u32(bytes + position);
     position += 4;
-    if (length < 1 || length > size - position || bytes[position + length - 1] != 0) {
+    // Exactly one zero, at its end: LCM's encoder would cut at an earlier one.
+    if (length < 1 || length > size - position ||
+        std::memchr(bytes + position, 0, length) != bytes + position + length - 1) {
       return Rejection{Reason::kBadCount, "a string of " + std::to_string(length) + " bytes"};
     }
     position += length;

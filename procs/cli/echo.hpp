@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace orchard::cli {
+
+struct EchoOptions {
+  std::string channel;  ///< such as SCAN
+  std::string lcm_url;
+  bool json = false;       ///< one JSON object per line instead of words
+  std::int64_t count = 0;  ///< end after so many messages; 0: until Ctrl-C
+};
+
+/// Prints the messages of a channel, one line each, until stopped. Arrays longer than eight are
+/// shortened in words, whole in JSON (a picture's bytes never). Returns the exit code.
+int run_echo(const EchoOptions& options);
+
+}  // namespace orchard::cli

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "log_player/log_source.hpp"
+
+#include <utility>
+#include <variant>
+
+#include "bus/codec.hpp"
+
+namespace orchard::procs {
+
+LogSource::LogSource(const std::string& log_path, const bus::ReplayOptions& options)
+    : index_(bus::index_log(log_path, options)), reader_(log_path) {}
+
+std::optional<bus::Message> LogSource::next() {
+  if (position_ == index_.entries.size()) return std::nullopt;
+  const bus::ReplayEntry& entry = index_.entries[position_++];
+  const std::vector<std::uint8_t> bytes = reader_.read_at(entry.offset).data;
+  // The index holds only what the guard let through.
+  return std::get<bus::Message>(bus::decode(entry.channel, bytes.data(), bytes.size()));
+}
+
+}  // namespace orchard::procs

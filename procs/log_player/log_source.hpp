@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "bus/replay_index.hpp"
+#include "bus/source.hpp"
+#include "io/log_reader.hpp"
+
+namespace orchard::procs {
+
+/// The source messages of a log, in the order in which a replay takes them.
+class LogSource : public bus::Source {
+ public:
+  /// Throws io::FileError as bus::index_log does.
+  LogSource(const std::string& log_path, const bus::ReplayOptions& options);
+
+  std::optional<bus::Message> next() override;
+  const bus::ReplayReport& report() const { return index_.report; }
+
+ private:
+  bus::ReplayIndex index_;
+  io::LogReader reader_;
+  std::size_t position_ = 0;
+};
+
+}  // namespace orchard::procs

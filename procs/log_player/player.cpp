@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "log_player/player.hpp"
+
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <memory>
+
+#include "bus/live_driver.hpp"
+#include "bus/lockstep_player.hpp"
+#include "bus/stop_signal.hpp"
+#include "detector/detector_node.hpp"
+#include "io/log_writer.hpp"
+#include "log_player/log_source.hpp"
+#include "log_player/verification.hpp"
+#include "mapper/mapper_node.hpp"
+#include "pose/pose_node.hpp"
+
+namespace orchard::procs {
+namespace {
+
+/// Where derived messages go: a log, a comparison, or both.
+class Sink {
+ public:
+  explicit Sink(const PlayerOptions& options) {
+    if (options.verify) verification_ = std::make_unique<Verification>(options.log_path);
+    if (!options.out_path.empty()) writer_ = std::make_unique<io::LogWriter>(options.out_path);
+  }
+
+  void take(bus::Channel channel, std::int64_t utime, const std::vector<std::uint8_t>& bytes) {
+    if (writer_) writer_->write(utime, bus::info(channel).name, bytes);
+    if (verification_) verification_->take(channel, bytes);
+  }
+
+  /// Returns the exit code.
+  int finish() {
+    if (writer_) writer_->close();
+    if (!verification_) return bus::kExitOk;
+    verification_->finish();
+    for (const std::string& line : verification_->describe()) std::printf("%s\n", line.c_str());
+    std::printf("%s\n", verification_->equal()
+                            ? "verified: the log's derived messages come out again"
+                            : "NOT verified");
+    return verification_->equal() ? bus::kExitOk : bus::kExitRuntime;
+  }
+
+ private:
+  std::unique_ptr<io::LogWriter> writer_;
+  std::unique_ptr<Verification> verification_;
+};
+
+/// A bar on a terminal, nothing in a pipe.
+void show_progress(std::uint64_t done, std::uint64_t total) {
+  static const bool on_terminal = isatty(STDERR_FILENO) != 0;
+  static int shown = -1;
+  const int percent = total == 0 ? 100 : static_cast<int>(100 * done / total);
+  if (!on_terminal || percent == shown) return;
+  shown = percent;
+  constexpr int kWidth = 40;
+  const std::string bar(static_cast<std::size_t>(kWidth * percent / 100), '#');
+  std::fprintf(stderr, "\r[%-*s] %3d %%%s", kWidth, bar.c_str(), percent,
+               done == total ? "\n" : "");
+}
+
+void print_report(const bus::ReplayReport& report, double elapsed_s) {
+  for (const std::string& warning : report.warnings) spdlog::warn("{}", warning);
+  for (const bus::ChannelInfo& channel : bus::kChannels) {
+    const auto i = static_cast<std::size_t>(channel.channel);
+    if (report.num_in[i] > 0) {
+      std::printf("in   %-10s %8lld\n", std::string(channel.name).c_str(),
+                  static_cast<long long>(report.num_in[i]));
+    }
+    if (report.num_out[i] > 0) {
+      std::printf("out  %-10s %8lld\n", std::string(channel.name).c_str(),
+                  static_cast<long long>(report.num_out[i]));
+    }
+  }
+  const double log_s = static_cast<double>(report.last_utime - report.first_utime) * 1e-6;
+  std::printf("%.1f s of log in %.3f s", log_s, elapsed_s);
+  if (elapsed_s > 0) std::printf(" (%.0f x real time)", log_s / elapsed_s);
+  std::printf("\n");
+}
+
+bus::ReplayOptions replay_options(const PlayerOptions& options, Sink& sink) {
+  bus::ReplayOptions replay = options.replay;
+  replay.progress = show_progress;
+  replay.on_derived = [&sink](bus::Channel channel, std::int64_t utime,
+                              const std::vector<std::uint8_t>& bytes) {
+    sink.take(channel, utime, bytes);
+  };
+  return replay;
+}
+
+int play_in_process(const PlayerOptions& options) {
+  Sink sink(options);
+  const auto start = std::chrono::steady_clock::now();
+  DetectorNode detector(options.process.config);
+  PoseNode pose(options.process.config);
+  MapperNode mapper(options.process.config);
+  const bus::ReplayReport report = bus::replay_in_process(
+      options.log_path, {&detector, &pose, &mapper}, replay_options(options, sink));
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  print_report(report, elapsed.count());
+  return sink.finish();
+}
+
+int play_in_lockstep(const PlayerOptions& options) {
+  Sink sink(options);
+  bus::StopSignal stop;
+  bus::Bus bus(options.process.config.lcm.url);
+  bus::LockstepOptions lockstep;
+  lockstep.replay = replay_options(options, sink);
+  lockstep.nodes = options.nodes;
+  lockstep.start_timeout_s = options.start_timeout_s;
+  lockstep.say = [](const std::string& text) { spdlog::info("{}", text); };
+  const bus::LockstepReport report = bus::replay_in_lockstep(options.log_path, bus, stop, lockstep);
+  if (report.stopped) {
+    spdlog::warn("stopped before the end of the log: nothing is written");
+    return bus::kExitOk;
+  }
+  print_report(report.replay, report.elapsed_s);
+  std::printf("lockstep: nothing lost, %lld sent again\n",
+              static_cast<long long>(report.num_resent));
+  return sink.finish();
+}
+
+int play_paced(const PlayerOptions& options) {
+  LogSource source(options.log_path, options.replay);
+  for (const std::string& warning : source.report().warnings) spdlog::warn("{}", warning);
+  bus::StopSignal stop;
+  bus::Bus bus(options.process.config.lcm.url);
+  bus::LiveDriver(bus, source, "orchard-log-player", options.process).run(stop);
+  return bus::kExitOk;
+}
+
+}  // namespace
+
+int play(const PlayerOptions& options) {
+  switch (options.mode) {
+    case PlayerMode::kInProcess:
+      return play_in_process(options);
+    case PlayerMode::kLockstep:
+      return play_in_lockstep(options);
+    case PlayerMode::kPaced:
+      return play_paced(options);
+  }
+  return bus::kExitRuntime;
+}
+
+}  // namespace orchard::procs

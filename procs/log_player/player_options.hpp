@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bus/in_process_replay.hpp"
+#include "bus/process_options.hpp"
+
+namespace orchard::procs {
+
+enum class PlayerMode { kInProcess, kLockstep, kPaced };
+
+/// What the command line of orchard-log-player said.
+struct PlayerOptions {
+  PlayerMode mode = PlayerMode::kInProcess;
+  std::string log_path;
+  std::string out_path;  ///< empty: derived messages are not written
+  bool verify = false;
+  bus::ReplayOptions replay;                                     ///< strict, from_s, to_s
+  std::vector<std::string> nodes{"detector", "pose", "mapper"};  ///< lockstep
+  int start_timeout_s = 60;                                      ///< lockstep
+  bus::ProcessOptions process;  ///< configuration; speed, wait_for and hold when paced
+};
+
+/// Returns the exit code when the program is to end here.
+std::optional<int> read_player_options(int argc, char** argv, PlayerOptions& options);
+
+}  // namespace orchard::procs

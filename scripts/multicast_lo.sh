@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Lets LCM work on this machine alone: loopback up, with multicast, and the multicast route through
+# it. Does nothing where multicast already has a route. Until the next boot.
+set -euo pipefail
+
+as_root=()
+if [ "$(id -u)" -ne 0 ]; then
+  command -v sudo >/dev/null || { echo "multicast_lo: needs root or sudo" >&2; exit 1; }
+  as_root=(sudo)
+fi
+run() {
+  echo "multicast_lo: $*"
+  "${as_root[@]}" "$@"
+}
+
+if ! ip link show lo | grep -q "[<,]UP[,>]"; then run ip link set lo up; fi
+if ip route get 239.255.76.67 >/dev/null 2>&1; then
+  echo "multicast_lo: multicast already has a route: $(ip route get 239.255.76.67 | head -1)"
+  echo "multicast_lo: nothing more to do (with ttl=0 nothing leaves this machine on it)"
+  exit 0
+fi
+ip link show lo | grep -q "MULTICAST" || run ip link set lo multicast on
+run ip route add 224.0.0.0/4 dev lo
+echo "multicast_lo: done; LCM reaches every program on this machine and no other"

@@ -1,0 +1,46 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Starts lcm-spy with the message types of Orchard Mapper. Options go to it, such as
+#   scripts/spy.sh -l "udpm://239.255.76.67:7667?ttl=0"
+# (Debian's own lcm-spy passes -Xincgc, which Java 17 refuses, so lcm.spy.Spy is started here.)
+set -euo pipefail
+here=$(cd "$(dirname "$0")/.." && pwd)
+
+first_of() {  # first_of WHAT HINT PATH...: the first path that exists
+  local what=$1 hint=$2 path
+  shift 2
+  for path in "$@"; do
+    if [ -f "$path" ]; then
+      echo "$path"
+      return
+    fi
+  done
+  echo "spy: $what is missing (looked for: $*)" >&2
+  echo "spy: $hint" >&2
+  exit 1
+}
+
+if [ "${1:-}" = "--help" ] || [ "${1:-}" = "-h" ]; then
+  sed -n '3,6p' "$0" | sed 's/^# \{0,1\}//'
+  exit 0
+fi
+command -v java >/dev/null || {
+  echo "spy: java is missing; install it with: sudo apt-get install default-jre" >&2
+  exit 1
+}
+types=$(first_of "the jar of the message types" \
+  "build it with: cmake -S . -B build -G Ninja && ninja -C build orchard_lcmtypes_jar" \
+  "$here/build/orchard_lcmtypes.jar" \
+  "$here/share/orchard-mapper/orchard_lcmtypes.jar" \
+  /usr/share/orchard-mapper/orchard_lcmtypes.jar \
+  /usr/local/share/orchard-mapper/orchard_lcmtypes.jar)
+lcm=$(first_of "lcm.jar" "install it with: sudo apt-get install liblcm-java" \
+  /usr/share/java/lcm.jar /usr/local/share/java/lcm.jar)
+chart=$(first_of "jchart2d.jar" "install it with: sudo apt-get install libjchart2d-java" \
+  /usr/share/java/jchart2d.jar /usr/local/share/java/jchart2d.jar)
+if [ -z "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ]; then
+  echo "spy: no display: run it in a desktop session (or ssh -X); for text there is: orchard echo STATUS" >&2
+  exit 1
+fi
+echo "spy: java -cp $lcm:$chart:$types lcm.spy.Spy $*"
+exec java -Djava.net.preferIPv4Stack=true -cp "$lcm:$chart:$types" lcm.spy.Spy "$@"

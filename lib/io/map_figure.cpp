@@ -118,7 +118,7 @@ void draw_axes(const Frame& frame, Canvas& canvas) {
                    {plot.x0, plot.y0}}, kBlack, 1.0);
   canvas.text({0.5 * (plot.x0 + plot.x1), plot.y1 + 44.0}, "x (m)", kAxisTextPx, kBlack,
               TextAnchor::kMiddle);
-  canvas.text({plot.x0 - 9.0, plot.y0 - 10.0}, "y (m)", kAxisTextPx, kBlack, TextAnchor::kEnd);
+  canvas.text({plot.x0 - 9.0, plot.y0 - 18.0}, "y (m)", kAxisTextPx, kBlack, TextAnchor::kEnd);
 }
 
 void draw_path(const Frame& frame, const std::vector<pose::PoseEstimate>& path, Canvas& canvas) {
@@ -187,10 +187,9 @@ void draw_legend(const std::vector<Landmark>& landmarks, Canvas& canvas) {
     if (count == 0 && label == Label::kUnseen) continue;
     const char* names[] = {"unseen", "trees", "objects"};
     canvas.circle({at.x, at.y - 5.0}, 6.0, style_of(label).fill, style_of(label).stroke);
-    canvas.text({at.x + 12.0, at.y},
-                std::to_string(count) + " " + names[static_cast<int>(label)], kAxisTextPx, kBlack,
-                TextAnchor::kStart);
-    at.x += 95.0 + (label == Label::kObject ? 15.0 : 0.0);
+    const std::string item = std::to_string(count) + " " + names[static_cast<int>(label)];
+    canvas.text({at.x + 12.0, at.y}, item, kAxisTextPx, kBlack, TextAnchor::kStart);
+    at.x += 45.0 + 8.5 * static_cast<double>(item.size());
   }
   canvas.line({at.x - 8.0, at.y - 5.0}, {at.x + 10.0, at.y - 5.0}, kPath, 2.0);
   canvas.text({at.x + 15.0, at.y}, "path", kAxisTextPx, kBlack, TextAnchor::kStart);

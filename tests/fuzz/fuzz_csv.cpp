@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Any text is a table or a FileError. The first byte chooses the table.
+#include <string_view>
+
+#include "fuzz/fuzz_seeds.hpp"
+#include "io/file_error.hpp"
+#include "io/map_csv.hpp"
+#include "io/recording_csv.hpp"
+#include "io/trajectory_csv.hpp"
+#include "io/truth_csv.hpp"
+
+using namespace orchard;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  const std::string_view text(reinterpret_cast<const char*>(data) + 1, size - 1);
+  try {
+    switch (data[0] % 7) {
+      case 0: io::parse_truth_csv(text, "truth.csv"); break;
+      case 1: io::parse_map_csv(text, "map.csv"); break;
+      case 2: io::parse_trajectory_csv(text, "trajectory.csv"); break;
+      case 3: {
+        io::LaserDescription laser;
+        laser.num_beams = 3;
+        laser.bearing_step_rad = 0.01;
+        io::ScanCsv scans(io::CsvReader::from_text(text, "scans.csv"), laser);
+        while (scans.next()) {
+        }
+        break;
+      }
+      case 4: {
+        io::OdometryCsv odometry(io::CsvReader::from_text(text, "odometry.csv"));
+        while (odometry.next()) {
+        }
+        break;
+      }
+      case 5: {
+        io::GnssCsv gnss(io::CsvReader::from_text(text, "gnss.csv"));
+        while (gnss.next()) {
+        }
+        break;
+      }
+      default: {
+        io::PoseFixCsv fixes(io::CsvReader::from_text(text, "poses.csv"));
+        while (fixes.next()) {
+        }
+      }
+    }
+  } catch (const io::FileError&) {
+  }
+  return 0;
+}
+
+namespace orchard::fuzz {
+
+std::vector<std::string> seeds() {
+  const std::string tables[] = {
+      "class,x_m,y_m,width_m\ntree,1.5,-2,0.09\nobject,0,0,0.17\n",
+      "id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,position\n"
+      "1,tree,0.5000,1.0000,8,0.8700,0.9999,0.0050,0.0060,0.0900,1,2\n"
+      "2,unseen,0.5000,1.0000,8,0.8700,0.9999,0.0050,0.0060,0.0900,,\n",
+      "utime_us,x_m,y_m,yaw_rad\n100,1.0,2.0,3.14\n200,1.0,2.0,-3.15\n",
+      "utime_us,range_0_m,range_1_m,range_2_m\n100,0,1.5,2.25\n200,0,0,0\n",
+      "utime_us,v_mps,yaw_rate_radps\n100,0.5,-0.01\n200,0.5,0\n",
+      "utime_us,latitude_deg,longitude_deg,altitude_m\n100,-32.4,-71.3,41.9\n",
+      "utime_us,x_m,y_m,yaw_rad\n100,1.0,2.0,3.14\n"};
+  std::vector<std::string> seeds;
+  for (std::size_t i = 0; i < std::size(tables); ++i) {
+    seeds.push_back(static_cast<char>(i) + tables[i]);
+  }
+  return seeds;
+}
+
+}  // namespace orchard::fuzz

@@ -13,7 +13,7 @@ packages=(
   # images
   # (libopencv-dev: the module packages alone carry no CMake config)
   libopencv-dev
-  libturbojpeg0-dev
+  libturbojpeg0-dev libjpeg-dev
   # files
   libyaml-cpp-dev libgdal-dev zlib1g-dev nlohmann-json3-dev
   # command line, log, tests, benchmarks

@@ -163,7 +163,7 @@ TrunkModel estimate_trunk_model(const std::vector<TrunkObservation>& looks,
   if (model.has_hue) {
     vision::HueHistogram hues;
     for (const std::size_t i : used) add(looks[i].hues, hues);
-    const HueInterval interval = hue_interval(hues, 0.01, options.hue_margin_deg);
+    const HueInterval interval = hue_interval(hues, options.hue_tail, options.hue_margin_deg);
     model.hue_min_deg = interval.min_deg;
     model.hue_max_deg = interval.max_deg;
     if (interval.width_deg > 90.0) {

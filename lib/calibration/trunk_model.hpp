@@ -15,7 +15,8 @@ struct TrunkModelOptions {
   double gate_m = 0.3;            ///< farther looks are at another thing
   double width_spread = 0.25;     ///< trunks differ by at most this fraction from the typical one
   double hue_spread_deg = 20.0;   ///< and by at most this much in their dominant hue
-  double hue_margin_deg = 4.0;    ///< beyond what was seen
+  double hue_tail = 0.02;         ///< share of coloured pixels left out at each end
+  double hue_margin_deg = 2.0;    ///< beyond the rest
   int hue_bins = 36;              ///< for dominant hues
 };
 

@@ -88,7 +88,8 @@ bool fits_camera(const vision::Image& image, const Rig& rig) {
 
 }  // namespace
 
-DetectResult detect(const laser::Scan& scan, const vision::Image* image, const Rig& rig) {
+DetectResult detect(const laser::Scan& scan, const vision::Image* image, const Rig& rig,
+                    const std::optional<Motion>& motion) {
   const DetectorConfig& config = rig.detector;
   DetectResult result;
   result.detections.utime = scan.utime;
@@ -112,7 +113,8 @@ DetectResult detect(const laser::Scan& scan, const vision::Image* image, const R
       trunks.back().label = Label::kObject;
       trunks.back().roc_tree = static_cast<float>(fuse_tree(roc_laser, 0.0, config.laser_weight));
     } else if (image) {
-      views[i] = view_of(segment, rig);
+      const double dt_s = 1e-6 * static_cast<double>(image->utime - trunks.back().utime);
+      views[i] = view_of(segment, rig, motion, dt_s);
       if (views[i]) reading = vision::bounding(reading, reading_area(*views[i], rig));
     }
   }

@@ -20,6 +20,8 @@ struct DetectorConfig {
   double tree_threshold = 0.6;   ///< TREE from this roc_tree on
   double pairing_tolerance_s = 0.06;  ///< a picture farther in time than this is not a pair
   double image_wait_s = 0.25;    ///< of message time: how long a scan waits for pictures
+  /// Points move on by ODOMETRY from their beam's time to the picture's; scans then wait for it too.
+  bool use_odometry = false;
 };
 
 template <class Visitor>
@@ -38,6 +40,8 @@ void describe(Visitor& v, DetectorConfig& c) {
            "largest time between a scan and its picture");
   v.number("image_wait_s", c.image_wait_s, 0, 60, "s",
            "message time that a scan waits for pictures");
+  v.flag("use_odometry", c.use_odometry,
+         "move points by ODOMETRY from their beam's time to the picture's");
 }
 
 }  // namespace orchard::detection

@@ -11,13 +11,17 @@ namespace {
 
 /// A camera without a laser must not fill the memory.
 constexpr std::size_t kMaxImages = 64;
+constexpr std::size_t kMaxMotions = 1024;
+/// An older motion says nothing of now.
+constexpr std::int64_t kMotionAgeMax_us = 200'000;
 
 std::int64_t microseconds(double seconds) { return std::llround(seconds * 1e6); }
 
 }  // namespace
 
-ScanImagePairer::ScanImagePairer(double tolerance_s, double wait_s)
-    : tolerance_us_(microseconds(tolerance_s)), wait_us_(microseconds(wait_s)) {}
+ScanImagePairer::ScanImagePairer(double tolerance_s, double wait_s, bool with_motion)
+    : tolerance_us_(microseconds(tolerance_s)), wait_us_(microseconds(wait_s)),
+      with_motion_(with_motion) {}
 
 std::vector<ScanImagePair> ScanImagePairer::add(laser::Scan scan) {
   newest_utime_ = std::max(newest_utime_, scan.utime);
@@ -37,7 +41,19 @@ std::vector<ScanImagePair> ScanImagePairer::add(vision::Image image) {
       [](std::int64_t utime, const auto& other) { return utime < other->utime; });
   images_.insert(after, std::move(kept));
   std::vector<ScanImagePair> pairs = release();
-  forget_old_images();
+  forget_old();
+  return pairs;
+}
+
+std::vector<ScanImagePair> ScanImagePairer::add(const Motion& motion) {
+  if (!with_motion_) return {};
+  newest_utime_ = std::max(newest_utime_, motion.utime);
+  const auto after = std::upper_bound(
+      motions_.begin(), motions_.end(), motion.utime,
+      [](std::int64_t utime, const Motion& other) { return utime < other.utime; });
+  motions_.insert(after, motion);
+  std::vector<ScanImagePair> pairs = release();
+  forget_old();
   return pairs;
 }
 
@@ -56,12 +72,32 @@ std::vector<ScanImagePair> ScanImagePairer::release() {
   std::vector<ScanImagePair> pairs;
   while (!scans_.empty()) {
     const std::int64_t scan_utime = scans_.front().utime;
-    const bool decided = newest_image_utime_ >= scan_utime;
+    const bool is_decided = decided(scan_utime);
     const bool timed_out = newest_utime_ - wait_us_ > scan_utime;
-    if (!decided && !timed_out) break;
-    pairs.push_back(pair_front(!decided));
+    if (!is_decided && !timed_out) break;
+    pairs.push_back(pair_front(newest_image_utime_ < scan_utime));
   }
   return pairs;
+}
+
+bool ScanImagePairer::decided(std::int64_t scan_utime) const {
+  if (newest_image_utime_ < scan_utime) return false;
+  if (!with_motion_) return true;
+  for (const auto& image : images_) {
+    if (image->utime < scan_utime) continue;
+    return !motions_.empty() && motions_.back().utime >= image->utime;
+  }
+  return true;  // the picture is forgotten already: nothing to wait for
+}
+
+std::optional<Motion> ScanImagePairer::motion_at(std::int64_t utime) const {
+  std::optional<Motion> best;
+  for (const Motion& motion : motions_) {  // the earlier of equals
+    const std::int64_t age_us = std::llabs(motion.utime - utime);
+    if (age_us > kMotionAgeMax_us) continue;
+    if (!best || age_us < std::llabs(best->utime - utime)) best = motion;
+  }
+  return best;
 }
 
 ScanImagePair ScanImagePairer::pair_front(bool timed_out) {
@@ -77,10 +113,11 @@ ScanImagePair ScanImagePairer::pair_front(bool timed_out) {
       pair.image = image;
     }
   }
+  if (pair.image) pair.motion = motion_at(pair.image->utime);
   return pair;
 }
 
-void ScanImagePairer::forget_old_images() {
+void ScanImagePairer::forget_old() {
   // Scans may lag behind the pictures by as much as pictures may lag behind them.
   const std::int64_t oldest_scan_utime =
       scans_.empty() ? newest_utime_ : std::min(newest_utime_, scans_.front().utime);
@@ -88,6 +125,10 @@ void ScanImagePairer::forget_old_images() {
   while (!images_.empty() &&
          (images_.front()->utime < horizon || images_.size() > kMaxImages)) {
     images_.pop_front();
+  }
+  while (!motions_.empty() && (motions_.front().utime < horizon - kMotionAgeMax_us ||
+                               motions_.size() > kMaxMotions)) {
+    motions_.pop_front();
   }
 }
 

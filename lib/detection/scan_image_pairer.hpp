@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "detection/motion.hpp"
 #include "laser/scan.hpp"
 #include "vision/image.hpp"
 
@@ -16,21 +17,25 @@ namespace orchard::detection {
 struct ScanImagePair {
   laser::Scan scan;
   std::shared_ptr<const vision::Image> image;  ///< null when none was near enough
+  std::optional<Motion> motion;  ///< at the picture's time, when motions are given and known
 };
 
 /// Gives each scan the nearest picture within a tolerance, in order of the scans.
 ///
-/// A scan is decided when a picture at or after it has come, or when a message later by more than
-/// the wait has. So the pairs do not depend on the order in which the two channels arrive as
+/// A scan is decided when a picture at or after it has come (and, with motions, a motion at or after
+/// that picture), or when a message later by more than the wait has. So the pairs do not depend on the order in which the channels arrive as
 /// long as neither is delayed by more than the wait. Time is the messages' own.
 class ScanImagePairer {
  public:
-  ScanImagePairer(double tolerance_s, double wait_s);
+  /// `with_motion`: pairs wait for motions too.
+  ScanImagePairer(double tolerance_s, double wait_s, bool with_motion = false);
 
   /// Takes a scan; gives the pairs that are decided now.
   std::vector<ScanImagePair> add(laser::Scan scan);
   /// Takes a picture; gives the pairs that are decided now.
   std::vector<ScanImagePair> add(vision::Image image);
+  /// Takes a motion; gives the pairs that are decided now.
+  std::vector<ScanImagePair> add(const Motion& motion);
   /// Decides all that wait.
   std::vector<ScanImagePair> flush();
 
@@ -42,7 +47,9 @@ class ScanImagePairer {
  private:
   std::vector<ScanImagePair> release();
   ScanImagePair pair_front(bool timed_out);
-  void forget_old_images();
+  bool decided(std::int64_t scan_utime) const;
+  std::optional<Motion> motion_at(std::int64_t utime) const;
+  void forget_old();
 
   std::int64_t tolerance_us_;
   std::int64_t wait_us_;
@@ -52,6 +59,8 @@ class ScanImagePairer {
   std::int64_t newest_image_utime_ = INT64_MIN;
   std::int64_t timed_out_scan_utime_ = INT64_MIN;  ///< newest scan decided without waiting longer
   std::int64_t num_late_ = 0;
+  bool with_motion_;
+  std::deque<Motion> motions_;  ///< kept, in order of utime
 };
 
 }  // namespace orchard::detection

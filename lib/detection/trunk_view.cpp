@@ -16,14 +16,33 @@ struct ProjectedPoint {
   double depth_m = 0.0;
 };
 
-std::optional<ProjectedPoint> project(double range_m, double bearing_rad, const Rig& rig) {
-  const Eigen::Vector3d p_laser(range_m * std::cos(bearing_rad), range_m * std::sin(bearing_rad),
-                                0.0);
-  const Eigen::Vector3d p_camera = rig.T_camera_laser(p_laser);
-  const auto pixel = rig.camera.project(p_camera);
-  if (!pixel || !rig.camera.in_image(*pixel)) return std::nullopt;
-  return ProjectedPoint{*pixel, p_camera.z()};
+/// A point of the laser frame as the laser would see it after base has moved for dt_s.
+PlanePoint moved(const PlanePoint& p_laser, const laser::LaserConfig& mount, const Motion& motion,
+                 double dt_s) {
+  const double c = std::cos(mount.mount_yaw_rad), s = std::sin(mount.mount_yaw_rad);
+  const PlanePoint p_base{mount.mount_x_m + c * p_laser.x_m - s * p_laser.y_m,
+                          mount.mount_y_m + s * p_laser.x_m + c * p_laser.y_m};
+  const PlanePoint later = after_motion(p_base, motion, dt_s);
+  const double x_m = later.x_m - mount.mount_x_m, y_m = later.y_m - mount.mount_y_m;
+  return {c * x_m + s * y_m, -s * x_m + c * y_m};
 }
+
+/// Takes points of the laser frame, at the beams' time, to the picture.
+struct Projection {
+  const Rig& rig;
+  const std::optional<Motion>& motion;
+  double dt_s;
+
+  std::optional<ProjectedPoint> operator()(double range_m, double bearing_rad) const {
+    PlanePoint p_laser{range_m * std::cos(bearing_rad), range_m * std::sin(bearing_rad)};
+    if (motion) p_laser = moved(p_laser, rig.laser, *motion, dt_s);
+    const Eigen::Vector3d p_camera =
+        rig.T_camera_laser(Eigen::Vector3d(p_laser.x_m, p_laser.y_m, 0.0));
+    const auto pixel = rig.camera.project(p_camera);
+    if (!pixel || !rig.camera.in_image(*pixel)) return std::nullopt;
+    return ProjectedPoint{*pixel, p_camera.z()};
+  }
+};
 
 std::optional<vision::PixelRect> window(const ProjectedPoint& point, double width_m,
                                         double height_m, const Rig& rig) {
@@ -39,10 +58,12 @@ vision::PixelRect picture_of(const Rig& rig) {
   return {0, 0, rig.camera.intrinsics().width_px, rig.camera.intrinsics().height_px};
 }
 
-std::optional<TrunkView> view_of(const laser::Segment& segment, const Rig& rig) {
-  const auto middle = project(segment.range_m, segment.bearing_rad, rig);
-  auto left = project(segment.start_range_m, segment.start_bearing_rad, rig);
-  auto right = project(segment.end_range_m, segment.end_bearing_rad, rig);
+std::optional<TrunkView> view_of(const laser::Segment& segment, const Rig& rig,
+                                 const std::optional<Motion>& motion, double dt_s) {
+  const Projection project{rig, motion, dt_s};
+  const auto middle = project(segment.range_m, segment.bearing_rad);
+  auto left = project(segment.start_range_m, segment.start_bearing_rad);
+  auto right = project(segment.end_range_m, segment.end_bearing_rad);
   if (!middle || !left || !right) return std::nullopt;
   if (left->pixel.x() > right->pixel.x()) std::swap(left, right);
 

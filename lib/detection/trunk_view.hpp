@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "detection/motion.hpp"
 #include "detection/rig.hpp"
 #include "laser/segment.hpp"
 #include "vision/pixel_block.hpp"
@@ -22,9 +23,12 @@ struct TrunkView {
 vision::PixelRect picture_of(const Rig& rig);
 
 /// Projects a segment's P_start, P_end and middle into the picture and lays windows around them.
+/// With a motion, the points first move on for `dt_s`, from their beams' time to the picture's.
 /// None when the camera has no full view of it: behind or beside the picture, or too small in it.
 /// Source: Shalal et al. 2013, sections 3.3 and 4.2.
-std::optional<TrunkView> view_of(const laser::Segment& segment, const Rig& rig);
+std::optional<TrunkView> view_of(const laser::Segment& segment, const Rig& rig,
+                                 const std::optional<Motion>& motion = std::nullopt,
+                                 double dt_s = 0.0);
 
 /// The part of the picture that judging the trunk reads.
 vision::PixelRect reading_area(const TrunkView& view, const Rig& rig);

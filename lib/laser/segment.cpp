@@ -73,7 +73,9 @@ class Beams {
       if (!blind && range_m >= nearest_m && range_m <= farthest_m && range_m > 0.0f) {
         ranges_m_[i] = range_m;
       } else {
-        blocked_[i] = blind || (range_m > 0.0f && range_m < nearest_m);
+        // what goes on just beyond the farthest range ends where it is cut, not where it ends
+        const bool cut_off = range_m > farthest_m && range_m <= farthest_m + jump_m(farthest_m);
+        blocked_[i] = blind || cut_off || (range_m > 0.0f && range_m < nearest_m);
       }
     }
   }

@@ -104,6 +104,33 @@ TEST(Edges, APartOfThePictureHasTheWholesEdges) {
   }
 }
 
+TEST(Edges, TheSmallestWindowsAreLookedAt) {
+  for (const auto& [width_px, height_px] :
+       {std::pair{1, 1}, std::pair{2, 1}, std::pair{1, 7}, std::pair{3, 3}}) {
+    const cv::Mat picture = test::busy_picture(width_px, height_px, 4);
+    const EdgeLine edge = look(picture, {0, 0, width_px, height_px}, 0.0);
+    EXPECT_GE(edge.roc, 0.0);
+    EXPECT_LE(edge.roc, 1.0);
+  }
+}
+
+TEST(Edges, RocStaysWithinItsBoundsOnAnyPicture) {
+  EdgeConfig config;
+  config.min_points = 2;
+  config.canny_low = 5.0;
+  config.canny_high = 10.0;
+  for (const LineFit fit : {LineFit::kTotalLeastSquares, LineFit::kRegression}) {
+    config.fit = fit;
+    for (unsigned seed = 0; seed < 60; ++seed) {
+      const cv::Mat picture = test::busy_picture(30, 40, seed);
+      const EdgeLine edge = look(picture, {5, 5, 12, 30}, 11.0, config);
+      EXPECT_GE(edge.roc, 0.0);
+      EXPECT_LE(edge.roc, 1.0);
+      EXPECT_LE(std::abs(edge.tilt_rad), config.max_tilt_deg * kDeg + 1e-12);
+    }
+  }
+}
+
 TEST(Edges, RefusesAWindowOutsideTheMap) {
   EXPECT_THROW(look(half_planes(40, 0), {70, 0, 20, 20}, 75.0), std::invalid_argument);
 }

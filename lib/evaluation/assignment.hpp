@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace orchard::evaluation {
+
+/// A point of the map frame.
+struct Point {
+  double x_m = 0.0;
+  double y_m = 0.0;
+};
+
+/// Index of the found point that belongs to each true point, or kUnmatched.
+using Assignment = std::vector<std::ptrdiff_t>;
+inline constexpr std::ptrdiff_t kUnmatched = -1;
+
+/// Pairs true points with found points, one to one and never farther apart than `gate_m`.
+///
+/// Among all such pairings it takes one with the most pairs, and among those the one with the
+/// smallest sum of squared distances, so a doubled landmark never displaces a better one.
+/// Deterministic. Cost: cubic in the largest cluster of points closer than the gate, not in the
+/// map. Throws std::invalid_argument for a gate that is not positive or a point that is not
+/// finite.
+Assignment assign(const std::vector<Point>& truth, const std::vector<Point>& found, double gate_m);
+
+}  // namespace orchard::evaluation

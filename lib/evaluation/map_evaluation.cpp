@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluation/map_evaluation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "evaluation/assignment.hpp"
+
+namespace orchard::evaluation {
+namespace {
+
+using detection::Label;
+
+std::vector<EvaluatedObject> named(const std::vector<simulation::TruthObject>& truth) {
+  std::vector<EvaluatedObject> objects;
+  int num_trees = 0;
+  int num_objects = 0;
+  for (const simulation::TruthObject& thing : truth) {
+    if (thing.label == Label::kUnseen) {
+      throw std::invalid_argument("evaluate_map: the truth holds a thing without a class");
+    }
+    EvaluatedObject object;
+    object.truth = thing;
+    object.truth.name = thing.label == Label::kTree ? "T" + std::to_string(++num_trees)
+                                                    : "B" + std::to_string(++num_objects);
+    objects.push_back(std::move(object));
+  }
+  return objects;
+}
+
+ErrorSummary summarise(const std::vector<double>& errors_m) {
+  ErrorSummary summary;
+  summary.num = static_cast<int>(errors_m.size());
+  if (errors_m.empty()) return summary;
+  double sum_m = 0.0;
+  double sum_m2 = 0.0;
+  for (const double error_m : errors_m) {
+    sum_m += error_m;
+    sum_m2 += error_m * error_m;
+    summary.max_m = std::max(summary.max_m, error_m);
+  }
+  summary.mean_m = sum_m / summary.num;
+  summary.rms_m = std::sqrt(sum_m2 / summary.num);
+  return summary;
+}
+
+void match(const std::vector<mapping::Landmark>& landmarks, MapEvaluation& evaluation) {
+  std::vector<Point> true_points;
+  for (const EvaluatedObject& object : evaluation.objects) {
+    true_points.push_back({object.truth.x_m, object.truth.y_m});
+  }
+  std::vector<Point> found_points;
+  for (const mapping::Landmark& landmark : landmarks) {
+    found_points.push_back({landmark.x_m, landmark.y_m});
+  }
+  const Assignment assignment = assign(true_points, found_points, evaluation.gate_m);
+  std::vector<bool> used(landmarks.size(), false);
+  for (std::size_t i = 0; i < assignment.size(); ++i) {
+    if (assignment[i] == kUnmatched) continue;
+    const auto found = static_cast<std::size_t>(assignment[i]);
+    EvaluatedObject& object = evaluation.objects[i];
+    used[found] = true;
+    object.landmark = landmarks[found];
+    object.error_x_m = landmarks[found].x_m - object.truth.x_m;
+    object.error_y_m = landmarks[found].y_m - object.truth.y_m;
+    object.error_m = std::hypot(object.error_x_m, object.error_y_m);
+  }
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    if (!used[i]) evaluation.extra.push_back(landmarks[i]);
+  }
+  std::sort(evaluation.extra.begin(), evaluation.extra.end(),
+            [](const auto& a, const auto& b) { return a.id < b.id; });
+}
+
+void count(MapEvaluation& evaluation) {
+  std::vector<double> errors_m;
+  std::vector<double> tree_errors_m;
+  for (const EvaluatedObject& object : evaluation.objects) {
+    const bool is_tree = object.truth.label == Label::kTree;
+    ++(is_tree ? evaluation.num_trees : evaluation.num_objects);
+    if (!object.landmark) {
+      ++evaluation.num_missed;
+      continue;
+    }
+    ++evaluation.confusion[static_cast<std::size_t>(object.truth.label)]
+                          [static_cast<std::size_t>(object.landmark->label)];
+    if (!object.right_class()) ++evaluation.num_wrong_class;
+    errors_m.push_back(object.error_m);
+    if (!is_tree) continue;
+    tree_errors_m.push_back(object.error_m);
+    evaluation.roc_mean_trees += object.landmark->roc_mean;
+    evaluation.se_x_mean_m += object.landmark->se_x_m;
+    evaluation.se_y_mean_m += object.landmark->se_y_m;
+  }
+  evaluation.all = summarise(errors_m);
+  evaluation.trees = summarise(tree_errors_m);
+  if (evaluation.trees.num == 0) return;
+  evaluation.roc_mean_trees /= evaluation.trees.num;
+  evaluation.se_x_mean_m /= evaluation.trees.num;
+  evaluation.se_y_mean_m /= evaluation.trees.num;
+}
+
+}  // namespace
+
+MapEvaluation evaluate_map(const std::vector<mapping::Landmark>& landmarks,
+                           const std::vector<simulation::TruthObject>& truth, double gate_m) {
+  MapEvaluation evaluation;
+  evaluation.gate_m = gate_m;
+  evaluation.objects = named(truth);
+  match(landmarks, evaluation);
+  count(evaluation);
+  return evaluation;
+}
+
+}  // namespace orchard::evaluation

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mapping/landmark.hpp"
+#include "simulation/world.hpp"
+
+namespace orchard::evaluation {
+
+/// One thing of the truth and the landmark that stands for it, if any.
+struct EvaluatedObject {
+  simulation::TruthObject truth;  ///< name: T1, T2 ... and B1, B2 ... in the truth's order
+  std::optional<mapping::Landmark> landmark;
+  double error_x_m = 0.0;  ///< landmark minus truth; 0 when missed
+  double error_y_m = 0.0;
+  double error_m = 0.0;    ///< length of the two
+
+  /// Found, and with the class that it has.
+  bool right_class() const { return landmark && landmark->label == truth.label; }
+};
+
+/// Spread of a set of errors [m]; all 0 for an empty set.
+struct ErrorSummary {
+  int num = 0;
+  double mean_m = 0.0;
+  double rms_m = 0.0;
+  double max_m = 0.0;
+};
+
+/// A map against the truth.
+struct MapEvaluation {
+  double gate_m = 0.0;
+  std::vector<EvaluatedObject> objects;    ///< in the truth's order
+  std::vector<mapping::Landmark> extra;    ///< landmarks that stand for nothing, in order of id
+  /// confusion[truth][map], both indexed by detection::Label (kUnseen 0, kTree 1, kObject 2);
+  /// matched ones only, so row kUnseen is empty.
+  std::array<std::array<int, 3>, 3> confusion{};
+  int num_trees = 0;            ///< of the truth
+  int num_objects = 0;
+  int num_missed = 0;
+  int num_wrong_class = 0;
+  ErrorSummary all;             ///< position errors over everything matched
+  ErrorSummary trees;
+  double roc_mean_trees = 0.0;  ///< mean of the matched trees' roc_mean
+  double se_x_mean_m = 0.0;     ///< mean standard errors of the matched trees
+  double se_y_mean_m = 0.0;
+
+  /// Everything found once, with its class, and nothing else.
+  bool perfect() const { return num_missed == 0 && num_wrong_class == 0 && extra.empty(); }
+};
+
+/// Compares landmarks with the truth, both in map.
+///
+/// Matching is by place alone (see assign()): a tree that was mapped as an object is found, with
+/// the wrong class. Throws std::invalid_argument for a gate that is not positive, for positions
+/// that are not finite, and for a truth of class unseen.
+MapEvaluation evaluate_map(const std::vector<mapping::Landmark>& landmarks,
+                           const std::vector<simulation::TruthObject>& truth, double gate_m);
+
+}  // namespace orchard::evaluation

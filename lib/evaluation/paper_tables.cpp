@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluation/paper_tables.hpp"
+
+#include <array>
+#include <cstdio>
+
+namespace orchard::evaluation {
+namespace {
+
+using detection::Label;
+
+constexpr double kMmPerM = 1000.0;
+
+template <class... Values>
+std::string format(const char* pattern, Values... values) {
+  std::array<char, 256> buffer;
+  const int size = std::snprintf(buffer.data(), buffer.size(), pattern, values...);
+  return {buffer.data(), static_cast<std::size_t>(size)};
+}
+
+const char* class_name(Label label) {
+  switch (label) {
+    case Label::kTree: return "tree";
+    case Label::kObject: return "object";
+    case Label::kUnseen: break;
+  }
+  return "unseen";
+}
+
+/// Three digits as in the paper's table 1; four for the small ones of its table 2.
+std::string roc_text(double roc) { return format(roc < 0.1 ? "%.4f" : "%.3f", roc); }
+
+std::string row(const EvaluatedObject& object) {
+  const char* name = object.truth.name.c_str();
+  if (!object.landmark) return format("%-8s %4s   missed\n", name, "-");
+  const mapping::Landmark& landmark = *object.landmark;
+  std::string line = format("%-8s %4d %14s %10.2f %10.2f %25.2f", name, landmark.num_observations,
+                            roc_text(landmark.roc_mean).c_str(), kMmPerM * landmark.se_x_m,
+                            kMmPerM * landmark.se_y_m, kMmPerM * object.error_m);
+  if (!object.right_class()) line += format("   mapped as %s", class_name(landmark.label));
+  return line + "\n";
+}
+
+std::string table(const MapEvaluation& evaluation, Label label, const char* title,
+                  const char* first_column) {
+  std::string text = format("%s\n%-8s %4s %14s %10s %10s %25s\n", title, first_column, "N",
+                            "ROC_tree_mean", "SE_x (mm)", "SE_y (mm)", "error against truth (mm)");
+  int num = 0;
+  double roc_sum = 0.0;
+  double se_x_sum_m = 0.0;
+  double se_y_sum_m = 0.0;
+  double error_sum_m = 0.0;
+  for (const EvaluatedObject& object : evaluation.objects) {
+    if (object.truth.label != label) continue;
+    text += row(object);
+    if (!object.landmark) continue;
+    ++num;
+    roc_sum += object.landmark->roc_mean;
+    se_x_sum_m += object.landmark->se_x_m;
+    se_y_sum_m += object.landmark->se_y_m;
+    error_sum_m += object.error_m;
+  }
+  if (num == 0) return text;
+  text += format("%-8s %4s %14s %10.2f %10.2f %25.2f\n", "mean", "", roc_text(roc_sum / num).c_str(),
+                 kMmPerM * se_x_sum_m / num, kMmPerM * se_y_sum_m / num,
+                 kMmPerM * error_sum_m / num);
+  return text;
+}
+
+}  // namespace
+
+std::string paper_tables(const MapEvaluation& evaluation) {
+  return table(evaluation, Label::kTree, "Table 1: the trees", "Tree") + "\n" +
+         table(evaluation, Label::kObject, "Table 2: the other objects", "Object");
+}
+
+std::string evaluation_summary(const MapEvaluation& evaluation) {
+  const int num_truth = evaluation.num_trees + evaluation.num_objects;
+  std::string text =
+      format("found %d of %d (%d trees, %d objects) within %.2f m; wrong class: %d; extra: %zu\n",
+             evaluation.all.num, num_truth, evaluation.num_trees, evaluation.num_objects,
+             evaluation.gate_m, evaluation.num_wrong_class, evaluation.extra.size());
+  text += format("error against truth: RMS %.2f mm, mean %.2f mm, largest %.2f mm\n",
+                 kMmPerM * evaluation.all.rms_m, kMmPerM * evaluation.all.mean_m,
+                 kMmPerM * evaluation.all.max_m);
+  for (const mapping::Landmark& landmark : evaluation.extra) {
+    text += format("extra landmark %d (%s, seen %d times) at (%.3f, %.3f) m\n", landmark.id,
+                   class_name(landmark.label), landmark.num_observations, landmark.x_m,
+                   landmark.y_m);
+  }
+  return text;
+}
+
+}  // namespace orchard::evaluation

@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/command_line.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bus/process.hpp"
+#include "cli/calibrate_trunks.hpp"
+#include "cli/doctor.hpp"
+#include "cli/echo.hpp"
+#include "cli/evaluate.hpp"
+#include "cli/import.hpp"
+#include "cli/log_commands.hpp"
+#include "cli/map.hpp"
+#include "cli/simulate.hpp"
+#include "cli/suggestion.hpp"
+#include "io/config.hpp"
+#include "io/file_error.hpp"
+
+namespace orchard::cli {
+namespace {
+
+/// What the command line asked for: set by the callback of the subcommand that was given.
+using Run = std::function<int()>;
+
+/// One word per subcommand, with its options on the heap of the closure: they live as long as the
+/// App that fills them.
+template <class Options>
+CLI::App* add_command(CLI::App& app, Run& run, const char* name, const char* description,
+                      const char* examples, int (*function)(const Options&),
+                      const std::function<void(CLI::App&, Options&)>& add_options) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(name, description);
+  add_options(*command, *options);
+  command->footer(std::string("Examples:\n") + examples);
+  command->callback([&run, options, function] { run = [options, function] { return function(*options); }; });
+  return command;
+}
+
+void add_simulate(CLI::App& app, Run& run) {
+  add_command<SimulateOptions>(
+      app, run, "simulate", "Drive through a simulated scene and write the log of it",
+      "  orchard simulate --scene tubes --seed 1 --out tubes.lcm --truth tubes_truth.csv\n"
+      "  orchard simulate --scene orchard --seed 7 --out drive.lcm --truth truth.csv \\\n"
+      "      --poses poses.csv --config config/orchard.yaml --duration 60\n",
+      run_simulate, [](CLI::App& command, SimulateOptions& o) {
+        command.add_option("--scene", o.scene, "tubes (the paper's) or orchard")
+            ->required()
+            ->check(CLI::IsMember({"tubes", "orchard"}));
+        command.add_option("--seed", o.seed, "all noise and layout follow from it")
+            ->capture_default_str();
+        command.add_option("--out", o.out_path, "log to write")->required()->type_name("LOG");
+        command.add_option("--truth", o.truth_path, "also write what stands there")
+            ->type_name("CSV");
+        command.add_option("--poses", o.poses_path, "also write where the robot truly was")
+            ->type_name("CSV");
+        command.add_option("--config", o.config_path, "rig; without it the defaults")
+            ->type_name("FILE");
+        command.add_option("--duration", o.duration_s, "stop after that many seconds; 0 = whole scene")
+            ->check(CLI::NonNegativeNumber)
+            ->type_name("S");
+      });
+}
+
+void add_import(CLI::App& app, Run& run) {
+  add_command<ImportOptions>(
+      app, run, "import", "Turn a recording folder or an MRPT rawlog into a log",
+      "  orchard import recordings/drive_1 --out drive_1.lcm     (a folder with sensors.yaml)\n"
+      "  orchard import drive.rawlog --out drive.lcm\n",
+      run_import, [](CLI::App& command, ImportOptions& o) {
+        command.add_option("source", o.source_path, "recording folder or rawlog")
+            ->required()
+            ->type_name("FOLDER|RAWLOG");
+        command.add_option("--out", o.out_path, "log to write")->required()->type_name("LOG");
+      });
+}
+
+void add_map(CLI::App& app, Run& run) {
+  add_command<MapOptions>(
+      app, run, "map", "Make the map of a log, in this process and faster than it was driven",
+      "  orchard map drive.lcm --config config/orchard.yaml --out out/drive\n"
+      "  orchard map drive.lcm --config config/orchard.yaml --out out/drive --strict --quiet\n"
+      "The map depends on the log and the configuration only: the same files every time.\n"
+      "A damaged log is mapped from what can be read, with warnings; --strict refuses it.\n",
+      run_map, [](CLI::App& command, MapOptions& o) {
+        command.add_option("log", o.log_path, "log to map")->required()->type_name("LOG");
+        command.add_option("--config", o.config_path, "the rig it was recorded with")
+            ->required()
+            ->type_name("FILE");
+        command.add_option("--out", o.out_folder, "folder for the map, made when missing")
+            ->required()
+            ->type_name("DIR");
+        command.add_flag("--strict", o.strict, "refuse a log with any damage (exit 3)");
+        command.add_flag("--quiet", o.quiet, "warnings and errors only");
+      });
+}
+
+void add_evaluate(CLI::App& app, Run& run) {
+  add_command<EvaluateOptions>(
+      app, run, "evaluate", "Compare a map with the truth: the paper's tables, and the error",
+      "  orchard evaluate out/drive --truth truth.csv\n"
+      "  orchard evaluate out/drive/map.csv --truth truth.csv --json > evaluation.json\n"
+      "  orchard evaluate out/drive --truth truth.csv --check && echo perfect\n",
+      run_evaluate, [](CLI::App& command, EvaluateOptions& o) {
+        command.add_option("map", o.map_path, "map.csv, or the folder with one")
+            ->required()
+            ->type_name("FOLDER|CSV");
+        command.add_option("--truth", o.truth_path, "what stands there: class,x_m,y_m,width_m")
+            ->required()
+            ->type_name("CSV");
+        command.add_option("--poses", o.poses_path,
+                           "where the robot truly was: judge the trajectory.csv beside the map too")
+            ->type_name("CSV");
+        command.add_option("--gate", o.gate_m, "farthest a landmark lies from its object [m]")
+            ->check(CLI::Range(0.001, 100.0))
+            ->capture_default_str();
+        command.add_flag("--json", o.json, "for programs; lengths in metres");
+        command.add_flag("--check", o.check,
+                         "exit 1 unless all is found once, with its class, and nothing else");
+      });
+}
+
+void add_log(CLI::App& app, Run& run) {
+  CLI::App* log = app.add_subcommand("log", "Look into a log, check it, repair it");
+  log->require_subcommand(1);
+  const auto add_path = [](CLI::App& command, LogOptions& o) {
+    command.add_option("log", o.log_path, "log to read")->required()->type_name("LOG");
+  };
+  add_command<LogOptions>(*log, run, "info", "What it holds: channels, counts, rates, times",
+                          "  orchard log info drive.lcm\n", run_log_info, add_path);
+  add_command<LogOptions>(*log, run, "check", "What is wrong with it; exit 3 when something is",
+                          "  orchard log check drive.lcm && echo sound\n", run_log_check, add_path);
+  add_command<LogOptions>(*log, run, "repair", "Write a new log of every message that can be read",
+                          "  orchard log repair broken.lcm --out repaired.lcm\n", run_log_repair,
+                          [&](CLI::App& command, LogOptions& o) {
+                            add_path(command, o);
+                            command.add_option("--out", o.out_path, "log to write")
+                                ->required()
+                                ->type_name("LOG");
+                          });
+  log->footer("Examples:\n  orchard log info drive.lcm\n  orchard log check drive.lcm\n"
+              "  orchard log repair broken.lcm --out repaired.lcm\n");
+}
+
+void add_calibrate(CLI::App& app, Run& run) {
+  CLI::App* calibrate = app.add_subcommand("calibrate", "Measure a rig's models from recordings");
+  calibrate->require_subcommand(1);
+  const char* examples =
+      "  orchard calibrate trunks drive.lcm --config config/tubes.yaml --out config/mine.yaml\n"
+      "  orchard calibrate trunks one.lcm two.lcm --config config/mine.yaml\n";
+  add_command<CalibrateTrunksOptions>(
+      *calibrate, run, "trunks",
+      "Measure width and hue of the trunks in logs (the paper's initialisation) and write them "
+      "into the rig's YAML",
+      examples, run_calibrate_trunks, [](CLI::App& command, CalibrateTrunksOptions& o) {
+        command.add_option("logs", o.log_paths, "drives past trunks of one kind")
+            ->required()
+            ->type_name("LOG...");
+        command.add_option("--config", o.config_path, "the rig they were recorded with")
+            ->required()
+            ->type_name("FILE");
+        command.add_option("--out", o.out_path,
+                           "rig to write; without it that of --config, the old one kept as .bak")
+            ->type_name("FILE");
+        command.add_option("--wanted-trunks", o.wanted_trunks, "fewer give a warning")
+            ->check(CLI::PositiveNumber)
+            ->capture_default_str();
+        command.add_flag("--quiet", o.quiet, "warnings and errors only");
+      });
+  calibrate->footer(std::string("Examples:\n") + examples);
+}
+
+void add_lcm_url(CLI::App& command, std::string& url) {
+  url = io::LcmConfig().url;
+  command.add_option("--lcm-url", url, "LCM network")->type_name("URL")->capture_default_str();
+}
+
+void add_echo(CLI::App& app, Run& run) {
+  add_command<EchoOptions>(
+      app, run, "echo", "Print the messages of a channel until Ctrl-C, one per line",
+      "  orchard echo DETECTIONS\n"
+      "  orchard echo SCAN --count 1 --json\n"
+      "  orchard echo STATUS --lcm-url 'udpm://239.255.76.67:7667?ttl=1'\n",
+      run_echo, [](CLI::App& command, EchoOptions& o) {
+        command.add_option("channel", o.channel, "as on the wire")->required()->type_name("CHANNEL");
+        command.add_flag("--json", o.json, "one JSON object per line");
+        command.add_option("--count", o.count, "end after so many messages; 0 = until Ctrl-C")
+            ->check(CLI::NonNegativeNumber)
+            ->type_name("N");
+        add_lcm_url(command, o.lcm_url);
+      });
+}
+
+void add_doctor(CLI::App& app, Run& run) {
+  add_command<DoctorOptions>(
+      app, run, "doctor", "Check what LCM needs of this machine, and say how to mend it",
+      "  orchard doctor\n"
+      "  orchard doctor --lcm-url 'udpm://239.255.76.67:7667?ttl=1'     (several machines)\n"
+      "Exit code 1 when something keeps messages from flowing.\n",
+      run_doctor,
+      [](CLI::App& command, DoctorOptions& o) { add_lcm_url(command, o.lcm_url); });
+}
+
+void add_all(CLI::App& app, Run& run) {
+  add_simulate(app, run);
+  add_import(app, run);
+  add_map(app, run);
+  add_evaluate(app, run);
+  add_log(app, run);
+  add_echo(app, run);
+  add_doctor(app, run);
+  add_calibrate(app, run);
+}
+
+std::vector<std::string> words_of(const CLI::App& app) {
+  std::vector<std::string> words;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    words.push_back(command->get_name());
+  }
+  return words;
+}
+
+std::string with_suggestion(const std::string& sentence, const std::string& word,
+                            const std::vector<std::string>& candidates) {
+  const std::string near = nearest_word(word, candidates);
+  return sentence + (near.empty() ? "" : "; did you mean " + near + "?");
+}
+
+/// The command that the leading words name, for help and messages; a misspelt word is an error
+/// sentence in `problem`.
+const CLI::App* find_command(const CLI::App& app, int argc, char** argv, std::string& problem) {
+  const CLI::App* command = &app;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const std::vector<std::string> words = words_of(*command);
+    if (words.empty() || word.empty() || word.front() == '-') break;
+    if (std::find(words.begin(), words.end(), word) == words.end()) {
+      problem = with_suggestion("there is no command \"" + word + "\"", word, words);
+      break;
+    }
+    command = command->get_subcommand(word);
+  }
+  return command;
+}
+
+std::string title_of(const CLI::App& command) {
+  const CLI::App* parent = command.get_parent();
+  return (parent ? title_of(*parent) + " " : "") + command.get_name();
+}
+
+/// A misspelt option with its nearest neighbour, or CLI11's own sentence.
+std::string usage_problem(const CLI::App& command, const CLI::ParseError& error, int argc,
+                          char** argv) {
+  std::vector<std::string> options;
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+  }
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = std::string(argv[i]).substr(0, std::string(argv[i]).find('='));
+    if (word.rfind("--", 0) != 0 || word.size() == 2) continue;
+    if (std::find(options.begin(), options.end(), word) == options.end()) {
+      return with_suggestion("there is no option " + word, word, options);
+    }
+  }
+  return error.what();
+}
+
+int run_and_report(const Run& run, const std::string& title) {
+  try {
+    return run();
+  } catch (const io::ConfigError& error) {
+    for (const std::string& problem : error.problems()) {
+      std::fprintf(stderr, "%s: %s\n", title.c_str(), problem.c_str());
+    }
+    return bus::kExitInput;
+  } catch (const io::FileError& error) {
+    std::fprintf(stderr, "%s: %s\n", title.c_str(), error.what());
+    return bus::kExitInput;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s: %s\n", title.c_str(), error.what());
+    return bus::kExitRuntime;
+  }
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) {
+  CLI::App app{"Orchard Mapper: from what a robot's laser and camera saw to a map of every tree.",
+               "orchard"};
+  app.set_version_flag("--version", "orchard " ORCHARD_VERSION);
+  app.require_subcommand(1);
+  app.footer(
+      "Start here:\n"
+      "  orchard simulate --scene tubes --seed 1 --out tubes.lcm --truth truth.csv\n"
+      "  orchard map tubes.lcm --config config/tubes.yaml --out out/tubes\n"
+      "  orchard evaluate out/tubes --truth truth.csv\n"
+      "`orchard COMMAND --help` explains a command and shows examples.\n"
+      "Exit codes: 0 done, 1 failed, 2 bad command line, 3 bad configuration or input file.");
+  Run run;
+  add_all(app, run);
+
+  std::string problem;
+  const CLI::App* command = find_command(app, argc, argv, problem);
+  const std::string title = title_of(*command);
+  if (problem.empty()) {
+    try {
+      app.parse(argc, argv);
+      return run_and_report(run, title);
+    } catch (const CLI::Success& success) {
+      return app.exit(success);
+    } catch (const CLI::ParseError& error) {
+      problem = usage_problem(*command, error, argc, argv);
+    }
+  }
+  std::fprintf(stderr, "%s: %s\nSee `%s --help`.\n", title.c_str(), problem.c_str(), title.c_str());
+  return bus::kExitUsage;
+}
+
+}  // namespace orchard::cli

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+namespace orchard::cli {
+
+/// `orchard evaluate MAP --truth CSV`.
+struct EvaluateOptions {
+  std::string map_path;         ///< a map.csv, or the folder that holds one
+  std::string truth_path;
+  std::string poses_path;       ///< true poses, to judge trajectory.csv by; empty = do not
+  double gate_m = 0.3;          ///< farthest a landmark may lie from what it stands for
+  bool json = false;
+  bool check = false;           ///< exit 1 unless the map is perfect
+};
+
+/// Prints the paper's tables with the error against truth; returns the exit code. Throws
+/// io::FileError for files that are not what they should be.
+int run_evaluate(const EvaluateOptions& options);
+
+}  // namespace orchard::cli

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+namespace orchard::cli {
+
+/// `orchard log info|check|repair LOG`.
+struct LogOptions {
+  std::string log_path;
+  std::string out_path;  ///< of repair
+};
+
+/// Prints what a log holds: channels, counts, rates, times. Returns the exit code.
+int run_log_info(const LogOptions& options);
+
+/// Prints everything that is wrong with a log; exit code 3 when something is.
+int run_log_check(const LogOptions& options);
+
+/// Writes a new log of every message that can be read. Refuses to write over the old one.
+int run_log_repair(const LogOptions& options);
+
+}  // namespace orchard::cli

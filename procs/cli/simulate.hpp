@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace orchard::cli {
+
+/// `orchard simulate --scene tubes|orchard --seed N --out LOG`.
+struct SimulateOptions {
+  std::string scene;
+  std::uint64_t seed = 1;
+  std::string out_path;
+  std::string truth_path;   ///< CSV of what stands there; empty = do not write
+  std::string poses_path;   ///< CSV of where base truly was; empty = do not write
+  std::string config_path;  ///< empty = the defaults
+  double duration_s = 0.0;  ///< 0 = until the scene ends
+};
+
+/// Writes a log of a simulated drive, and its truth; returns the exit code. Equal options give
+/// equal bytes. Throws io::FileError and io::ConfigError.
+int run_simulate(const SimulateOptions& options);
+
+}  // namespace orchard::cli

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace orchard::cli {
+
+/// The candidate that was probably meant by a misspelt word, or empty when none is near: the
+/// fewest insertions, deletions, substitutions and swaps of neighbours, at most a third of the
+/// word's length plus one.
+std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates);
+
+}  // namespace orchard::cli

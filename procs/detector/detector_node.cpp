@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "detector/detector_node.hpp"
+
+#include <cstdio>
+#include <utility>
+
+#include "detection/detect.hpp"
+
+namespace orchard::procs {
+
+DetectorNode::DetectorNode(const io::Config& config)
+    : rig_(config.laser, config.camera, config.detector),
+      pairer_(config.detector.pairing_tolerance_s, config.detector.image_wait_s,
+              config.detector.use_odometry) {}
+
+std::vector<bus::Channel> DetectorNode::inputs() const {
+  if (!rig_.has_camera) return {bus::Channel::kScan};
+  if (!rig_.detector.use_odometry) return {bus::Channel::kScan, bus::Channel::kImage};
+  return {bus::Channel::kScan, bus::Channel::kImage, bus::Channel::kOdometry};
+}
+
+void DetectorNode::handle(const bus::Message& input, const bus::Outbox& send) {
+  std::vector<detection::ScanImagePair> pairs;
+  if (const auto* scan = std::get_if<laser::Scan>(&input)) {
+    if (!rig_.has_camera) return send_detections({*scan, nullptr, std::nullopt}, send);
+    pairs = pairer_.add(*scan);
+  } else if (const auto* image = std::get_if<vision::Image>(&input)) {
+    if (rig_.has_camera) pairs = pairer_.add(*image);
+  } else if (const auto* odometry = std::get_if<pose::Odometry>(&input)) {
+    pairs = pairer_.add(
+        detection::Motion{odometry->utime, odometry->speed_mps, odometry->yaw_rate_radps});
+  }
+  for (const auto& pair : pairs) send_detections(pair, send);
+}
+
+void DetectorNode::flush(const bus::Outbox& send) {
+  for (const auto& pair : pairer_.flush()) send_detections(pair, send);
+}
+
+bus::NodeCounts DetectorNode::counts() const { return {pairer_.num_late(), num_unusable_}; }
+
+std::string DetectorNode::waiting_for() const {
+  const auto utime = pairer_.waiting_scan_utime();
+  if (!utime) return {};
+  char seconds[32];
+  std::snprintf(seconds, sizeof seconds, "%.3f", static_cast<double>(*utime) * 1e-6);
+  return std::string("SCAN at ") + seconds + " s waits for an IMAGE" +
+         (rig_.detector.use_odometry ? " (from the camera driver) and ODOMETRY (from the base)"
+                                     : " (from the camera driver)");
+}
+
+void DetectorNode::send_detections(const detection::ScanImagePair& pair, const bus::Outbox& send) {
+  detection::DetectResult result =
+      detection::detect(pair.scan, pair.image.get(), rig_, pair.motion);
+  if (result.image_unusable) ++num_unusable_;
+  result.detections.seq = next_seq_++;
+  send(std::move(result.detections));
+}
+
+}  // namespace orchard::procs

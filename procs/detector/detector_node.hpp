@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "bus/node.hpp"
+#include "detection/rig.hpp"
+#include "detection/scan_image_pairer.hpp"
+#include "io/config.hpp"
+
+namespace orchard::procs {
+
+/// SCAN and IMAGE in, DETECTIONS out: one message per scan, in order of the scans.
+///
+/// A rig without a camera answers each scan at once. With a camera a scan waits for its picture;
+/// without one in time its trunk candidates are UNSEEN. With detector.use_odometry it waits for the
+/// ODOMETRY at the picture's time too, to account for the motion between the two.
+class DetectorNode : public bus::Node {
+ public:
+  explicit DetectorNode(const io::Config& config);
+
+  std::string_view name() const override { return "detector"; }
+  std::vector<bus::Channel> inputs() const override;
+  void handle(const bus::Message& input, const bus::Outbox& send) override;
+  void flush(const bus::Outbox& send) override;
+  bus::NodeCounts counts() const override;
+  std::string waiting_for() const override;
+
+ private:
+  void send_detections(const detection::ScanImagePair& pair, const bus::Outbox& send);
+
+  detection::Rig rig_;
+  detection::ScanImagePairer pairer_;
+  std::int32_t next_seq_ = 0;
+  std::int64_t num_unusable_ = 0;
+};
+
+}  // namespace orchard::procs

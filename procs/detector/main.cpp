@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <memory>
+
+#include "bus/process.hpp"
+#include "detector/detector_node.hpp"
+
+int main(int argc, char** argv) {
+  orchard::bus::ProcessInfo info;
+  info.name = "orchard-detector";
+  info.description =
+      "Finds tree trunks and other objects in each laser scan and its camera image.\n"
+      "Reads SCAN and IMAGE, sends DETECTIONS.";
+  return orchard::bus::run_node_process(
+      argc, argv, info, [](const orchard::io::Config& config) -> std::unique_ptr<orchard::bus::Node> {
+        return std::make_unique<orchard::procs::DetectorNode>(config);
+      });
+}

@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Imports and maps every recording folder that is at hand and has a rig in config/; each map in
+# out/real/NAME. The recordings are not part of the repository.
+#   scripts/real_recordings.sh [FOLDER]   the folder of recordings (default ../shared/data)
+# BUILD=DIR uses another build folder than build/.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+case "${1:-}" in -h | --help) sed -n '5s/^# //p' "$0"; exit 0 ;; esac
+data=${1:-../shared/data}
+[ -d "$data" ] || { echo "real_recordings: there is no folder $data" >&2; exit 3; }
+orchard=${BUILD:-build}/bin/orchard
+[ -x "$orchard" ] || scripts/build.sh
+
+# The rig of urg_geometry_front is config/urg_geometry_front.yaml, urg_front.yaml,
+# urg_geometry.yaml or urg.yaml.
+rig_of() {
+  local name=$1
+  for candidate in "$name" "${name%%_*}_${name##*_}" "${name%_*}" "${name%%_*}"; do
+    [ ! -f "config/$candidate.yaml" ] || { echo "config/$candidate.yaml"; return; }
+  done
+}
+
+mkdir -p out/real
+for folder in "$data"/*/; do
+  [ -f "$folder/sensors.yaml" ] || continue
+  name=$(basename "$folder")
+  rig=$(rig_of "$name")
+  [ -n "$rig" ] || { echo "$name: no rig in config/"; continue; }
+  "$orchard" import "$folder" --out "out/real/$name.lcm" >/dev/null
+  echo "$name ($rig)"
+  "$orchard" map "out/real/$name.lcm" --config "$rig" --out "out/real/$name" |
+    head -n 2 | sed 's/^/  /'
+done | tee out/real/summary.txt

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From scan to map: the time between sending the last message that a scan's place in the map needs
+// (its picture; the scan and the fix of the pose went before) and getting the MAP of that scan, with
+// the live processes, against the same hops and sizes through processes that compute nothing.
+// Both are measured in turn, 50 ms apart, ten times a second.
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <lcm/lcm-cpp.hpp>
+#include <map>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "bus/codec.hpp"
+#include "bus/in_process_replay.hpp"
+#include "child_process.hpp"
+#include "detector/detector_node.hpp"
+#include "field_drive.hpp"
+#include "live_pipeline.hpp"
+#include "mapper/mapper_node.hpp"
+#include "median.hpp"
+#include "pose/pose_node.hpp"
+#include "private_network.hpp"
+#include "relay.hpp"
+#include "result_line.hpp"
+
+namespace {
+
+using namespace orchard;
+using bus::Channel;
+using Clock = std::chrono::steady_clock;
+
+constexpr double kDriveS = 32.0;
+constexpr int kNumWarmUp = 20;  ///< sets that are sent but not counted
+constexpr double kTargetRatio = 2.5;
+constexpr double kTargetP99Ms = 5.0;
+constexpr auto kHalfPeriod = std::chrono::milliseconds(50);
+constexpr const char* kRelayUrl = "udpm://239.255.76.68:7668?ttl=0&recv_buf_size=4194304";
+
+/// The messages of one moment, the picture last, and what the pipeline makes of them.
+struct MessageSet {
+  std::vector<const bench::RawMessage*> inputs;
+  bench::RelayHeader header;
+};
+
+std::string name_of(Channel channel) { return std::string(bus::info(channel).name); }
+
+/// Complete sets in order of time; sizes of outputs from a replay in this process.
+std::vector<MessageSet> make_sets(const bench::FieldDrive& drive) {
+  std::map<std::int64_t, MessageSet> sets;
+  for (const Channel channel : {Channel::kScan, Channel::kPoseFix, Channel::kImage}) {
+    for (const bench::RawMessage& message : drive.messages) {
+      if (message.channel == channel) sets[message.utime].inputs.push_back(&message);
+    }
+  }
+  procs::DetectorNode detector(drive.config);
+  procs::PoseNode pose(drive.config);
+  procs::MapperNode mapper(drive.config);
+  bus::ReplayOptions options;
+  options.on_derived = [&sets](Channel channel, std::int64_t utime, const auto& bytes) {
+    bench::RelayHeader& header = sets[utime].header;
+    const auto size = static_cast<std::uint32_t>(bytes.size());
+    if (channel == Channel::kDetections) header.detections_bytes = size;
+    if (channel == Channel::kPose) header.pose_bytes = size;
+    if (channel == Channel::kMap) header.map_bytes = size;
+  };
+  bus::replay_in_process(drive.log_path, {&detector, &pose, &mapper}, options);
+  std::vector<MessageSet> result;
+  for (auto& [utime, set] : sets) {
+    set.header.utime = utime;
+    if (set.inputs.size() == 3) result.push_back(std::move(set));
+  }
+  return result;
+}
+
+/// Sends sets to a pipeline and waits for their MAP.
+class Probe {
+ public:
+  /// `relayed`: MAP comes from a relay and begins with a RelayHeader.
+  Probe(const std::string& url, bool relayed) : lcm_(url), relayed_(relayed) {
+    lcm_.subscribe(name_of(Channel::kMap), &Probe::on_map, this);
+  }
+
+  void send(Channel channel, const std::vector<std::uint8_t>& bytes) {
+    if (channel == Channel::kImage) sent_ = Clock::now();
+    lcm_.publish(name_of(channel), bytes.data(), static_cast<unsigned int>(bytes.size()));
+  }
+
+  /// Milliseconds since the picture was sent; negative when no MAP comes within the time.
+  double wait_for_map(std::int64_t utime, Clock::time_point until) {
+    utime_ = 0;
+    while (utime_ != utime) {
+      const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now());
+      if (left.count() <= 0) return -1.0;
+      lcm_.handleTimeout(static_cast<int>(left.count()));
+    }
+    return std::chrono::duration<double, std::milli>(received_ - sent_).count();
+  }
+
+ private:
+  void on_map(const lcm::ReceiveBuffer* buffer, const std::string&) {
+    received_ = Clock::now();
+    const auto* bytes = static_cast<const std::uint8_t*>(buffer->data);
+    bench::RelayHeader header;
+    if (buffer->data_size < sizeof header) return;
+    std::memcpy(&header, bytes, sizeof header);
+    // An LCM type begins with its hash; then comes utime, big-endian.
+    std::int64_t utime = 0;
+    for (int i = 8; i < 16; ++i) utime = utime << 8 | bytes[i];
+    utime_ = relayed_ ? header.utime : utime;
+  }
+
+  lcm::LCM lcm_;
+  bool relayed_;
+  Clock::time_point sent_;
+  Clock::time_point received_;
+  std::int64_t utime_ = 0;
+};
+
+double through_pipeline(Probe& probe, const MessageSet& set, Clock::time_point until) {
+  for (const bench::RawMessage* input : set.inputs) probe.send(input->channel, input->bytes);
+  return probe.wait_for_map(set.header.utime, until);
+}
+
+double through_relays(Probe& probe, const MessageSet& set, Clock::time_point until) {
+  for (const bench::RawMessage* input : set.inputs) {
+    std::vector<std::uint8_t> bytes(input->bytes.size());
+    std::memcpy(bytes.data(), &set.header, sizeof set.header);
+    probe.send(input->channel, bytes);
+  }
+  return probe.wait_for_map(set.header.utime, until);
+}
+
+void print_quantiles(const char* name, const std::vector<double>& times_ms) {
+  std::printf("%s, %zu scans: p50 %.3f ms, p90 %.3f ms, p99 %.3f ms, most %.3f ms\n", name,
+              times_ms.size(), bench::median(times_ms), bench::quantile(times_ms, 0.9),
+              bench::quantile(times_ms, 0.99), bench::quantile(times_ms, 1.0));
+}
+
+bool report(const std::vector<double>& pipeline_ms, const std::vector<double>& relay_ms,
+            int num_missing) {
+  print_quantiles("live processes", pipeline_ms);
+  print_quantiles("bare LCM relay", relay_ms);
+  const double ratio = bench::median(pipeline_ms) / bench::median(relay_ms);
+  const double p99_ms = bench::quantile(pipeline_ms, 0.99);
+  char text[96];
+  std::snprintf(text, sizeof text, "%.2fx (%.2f ms against %.2f ms)", ratio,
+                bench::median(pipeline_ms), bench::median(relay_ms));
+  bool met = bench::print_result("scan to map, p50, against a bare LCM relay", text, "<= 2.5x",
+                                 ratio <= kTargetRatio);
+  std::snprintf(text, sizeof text, "%.2f ms", p99_ms);
+  met &= bench::print_result("scan to map, p99", text, "<= 5 ms", p99_ms <= kTargetP99Ms);
+  met &= bench::print_result("scans without a MAP within 45 ms", std::to_string(num_missing), "0",
+                             num_missing == 0);
+  return met;
+}
+
+/// How long the detector alone computes for the median scan, without any bus [ms].
+double detector_alone_ms(const bench::FieldDrive& drive, const std::vector<MessageSet>& sets) {
+  procs::DetectorNode detector(drive.config);
+  std::vector<double> times_ms;
+  for (const MessageSet& set : sets) {
+    double sum_ms = 0.0;
+    for (const bench::RawMessage* input : set.inputs) {
+      if (input->channel == Channel::kPoseFix) continue;
+      const auto decoded = bus::decode(input->channel, input->bytes.data(), input->bytes.size());
+      const auto begin = Clock::now();
+      detector.handle(std::get<bus::Message>(decoded), [](const bus::Message&) {});
+      sum_ms += std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+    }
+    times_ms.push_back(sum_ms);
+  }
+  return bench::median(times_ms);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (bench::is_relay(argc, argv)) return bench::run_relay(argv);
+  const std::string problem = bench::enter_private_network();
+  if (!problem.empty()) {
+    std::printf("bench_latency: %s\n", problem.c_str());
+    return 1;
+  }
+  const bench::TemporaryFolder folder;
+  const bench::FieldDrive drive = bench::simulate_field_drive(folder.path(""), kDriveS, 10.0, true);
+  bench::describe_drive(drive);
+  const std::vector<MessageSet> sets = make_sets(drive);
+
+  auto processes = bench::start_live_pipeline(drive.config_path, drive.config.lcm.url, folder);
+  const auto relays = bench::start_relays(kRelayUrl, folder);
+  Probe live(drive.config.lcm.url, false);
+  Probe relay(kRelayUrl, true);
+
+  std::vector<double> pipeline_ms, relay_ms;
+  int num_missing = 0;
+  Clock::time_point next = Clock::now();
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    const auto slack = std::chrono::milliseconds(5);
+    std::this_thread::sleep_until(next);
+    next += kHalfPeriod;
+    const double pipeline = through_pipeline(live, sets[i], next - slack);
+    std::this_thread::sleep_until(next);
+    next += kHalfPeriod;
+    const double bare = through_relays(relay, sets[i], next - slack);
+    if (i < kNumWarmUp) continue;
+    if (pipeline >= 0.0) pipeline_ms.push_back(pipeline);
+    if (bare >= 0.0) relay_ms.push_back(bare);
+    num_missing += pipeline < 0.0 ? 1 : 0;
+  }
+  for (bench::ChildProcess& process : processes) process.stop();
+  if (pipeline_ms.empty() || relay_ms.empty()) {
+    std::printf("bench_latency: no MAP came back\n");
+    return 1;
+  }
+  const bool met = report(pipeline_ms, relay_ms, num_missing);
+  std::printf("the detector alone computes %.3f ms of the median scan\n",
+              detector_alone_ms(drive, sets));
+  return met ? 0 : 1;
+}

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `orchard calibrate trunks`, as people run it.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include "io/config.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+  int exit_code = -1;
+  std::string output;  ///< standard output and error
+};
+
+Outcome run(const std::string& arguments) {
+  Outcome outcome;
+  const std::string command = std::string(ORCHARD_BUILD_DIR "/bin/orchard ") + arguments + " 2>&1";
+  FILE* pipe = popen(command.c_str(), "r");
+  if (!pipe) return outcome;
+  std::array<char, 512> buffer;
+  while (std::fgets(buffer.data(), static_cast<int>(buffer.size()), pipe)) {
+    outcome.output += buffer.data();
+  }
+  const int status = pclose(pipe);
+  if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
+  return outcome;
+}
+
+std::string text_of(const fs::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+class CalibrateCommand : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("orchard_calibrate_" + std::to_string(getpid()));
+    fs::create_directories(folder_);
+    rig_ = folder_ / "rig.yaml";
+    fs::copy_file(ORCHARD_SOURCE_DIR "/config/tubes.yaml", rig_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string in_folder(const std::string& name) const { return (folder_ / name).string(); }
+  std::string simulate(int seed) const {
+    const std::string log = in_folder("tubes_" + std::to_string(seed) + ".lcm");
+    const Outcome outcome = run("simulate --scene tubes --seed " + std::to_string(seed) +
+                                " --config " + rig_.string() + " --out " + log);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+    return log;
+  }
+
+  fs::path folder_;
+  fs::path rig_;
+};
+
+TEST_F(CalibrateCommand, WritesWhatItMeasuredIntoTheRig) {
+  // A rig that believes in trunks twice as wide and of another colour.
+  std::string rig = text_of(rig_);
+  for (const auto& [key, value] : {std::pair<std::string, std::string>{"mean_m:", "0.2"},
+                                   {"hue_min_deg:", "200"}, {"hue_max_deg:", "220"}}) {
+    const std::size_t at = rig.find("    " + key) + 4 + key.size();
+    rig.replace(at, rig.find('\n', at) - at, " " + value);
+  }
+  std::ofstream(rig_) << rig;
+
+  const std::string logs = simulate(1001) + " " + simulate(1002);
+  const std::string out = in_folder("calibrated.yaml");
+  const Outcome outcome = run("calibrate trunks " + logs + " --config " + rig_.string() + " --out " + out);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  const auto config = orchard::io::load_config(out);
+  EXPECT_NEAR(config.detector.width.mean_m, 0.090, 0.003);
+  EXPECT_GT(config.detector.width.sd_m, 0.002);
+  EXPECT_LT(config.detector.width.sd_m, 0.012);
+  EXPECT_GT(config.detector.colour.hue_min_deg, 10.0);
+  EXPECT_LT(config.detector.colour.hue_max_deg, 55.0);
+  EXPECT_NE(text_of(out).find("# orchard calibrate trunks: 24 trunks"), std::string::npos);
+  EXPECT_NE(text_of(out).find("# The rig of the paper's simulated environment"), std::string::npos);
+  EXPECT_EQ(text_of(rig_), rig);  // the input stays as it was
+}
+
+TEST_F(CalibrateCommand, KeepsTheOldFileWhenItWritesInPlace) {
+  const std::string before = text_of(rig_);
+  const Outcome outcome = run("calibrate trunks " + simulate(1003) + " --config " + rig_.string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_NE(outcome.output.find("only 12 trunks"), std::string::npos);
+  EXPECT_EQ(text_of(rig_.string() + ".bak"), before);
+  EXPECT_NE(text_of(rig_), before);
+}
+
+TEST_F(CalibrateCommand, BadInputIsOneSentenceAndExitCode3) {
+  std::ofstream(in_folder("empty.lcm")).flush();
+  std::ofstream(in_folder("text.lcm")) << std::string(5000, 'x');
+  for (const char* name : {"missing.lcm", "empty.lcm", "text.lcm"}) {
+    const Outcome outcome = run("calibrate trunks " + in_folder(name) + " --config " +
+                                rig_.string() + " --out " + in_folder("out.yaml"));
+    EXPECT_EQ(outcome.exit_code, 3) << name << ": " << outcome.output;
+    EXPECT_NE(outcome.output.find(name), std::string::npos) << outcome.output;
+    EXPECT_FALSE(fs::exists(in_folder("out.yaml")));
+  }
+}
+
+}  // namespace

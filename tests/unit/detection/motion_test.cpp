@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "detection/motion.hpp"
+
+#include <gtest/gtest.h>
+
+#include "detection/detect.hpp"
+#include "detection/scan_image_pairer.hpp"
+#include "tube_rig.hpp"
+
+namespace orchard::detection {
+namespace {
+
+TEST(Motion, StraightAheadBringsThingsNearer) {
+  const PlanePoint p = after_motion({2.0, 0.5}, {0, 1.5, 0.0}, 0.1);
+  EXPECT_NEAR(p.x_m, 1.85, 1e-12);
+  EXPECT_NEAR(p.y_m, 0.5, 1e-12);
+}
+
+TEST(Motion, TurningLeftMovesThingsRight) {
+  const PlanePoint p = after_motion({2.0, 0.0}, {0, 0.0, 0.5}, 0.2);
+  EXPECT_NEAR(p.x_m, 2.0 * std::cos(0.1), 1e-12);
+  EXPECT_NEAR(p.y_m, -2.0 * std::sin(0.1), 1e-12);
+}
+
+TEST(Motion, ManySmallStepsMakeTheSameArc) {
+  const Motion motion{0, 1.2, 0.8};
+  PlanePoint p{1.5, -0.4};
+  for (int i = 0; i < 1000; ++i) p = after_motion(p, motion, 0.001);
+  const PlanePoint once = after_motion({1.5, -0.4}, motion, 1.0);
+  EXPECT_NEAR(p.x_m, once.x_m, 1e-9);
+  EXPECT_NEAR(p.y_m, once.y_m, 1e-9);
+  const PlanePoint back = after_motion(once, motion, -1.0);
+  EXPECT_NEAR(back.x_m, 1.5, 1e-12);
+  EXPECT_NEAR(back.y_m, -0.4, 1e-12);
+}
+
+TEST(Motion, DetectionsFollowTheRobotFromTheBeamToThePicture) {
+  laser::LaserConfig mount;
+  mount.mount_x_m = 0.3;
+  const Rig rig = test::tube_rig({}, true, mount);
+  const auto scan = test::scan_of({test::brown_tube(1.6, 0.3)});
+  const Motion motion{0, 1.5, 1.0};
+  // Where the laser would see the tube 50 ms after the beam that saw it.
+  const double dt_s = 0.05;
+  PlanePoint later = after_motion({1.9, 0.3}, motion, dt_s);
+  const auto beam_utime = detect(scan, nullptr, rig).detections.trunks.at(0).utime;
+  const auto image =
+      test::picture_of_tubes({test::brown_tube(later.x_m - 0.3, later.y_m)}, rig,
+                             beam_utime + static_cast<std::int64_t>(1e6 * dt_s));
+  const Detection without = detect(scan, &image, rig).detections.trunks.at(0);
+  const Detection with = detect(scan, &image, rig, motion).detections.trunks.at(0);
+  EXPECT_GT(with.roc_colour, 0.95f);
+  EXPECT_GT(with.roc_edges, 0.8f);
+  EXPECT_LT(without.roc_colour, with.roc_colour - 0.1f);
+}
+
+TEST(Motion, PairsWaitForTheMotionAtThePicture) {
+  ScanImagePairer pairer(0.06, 0.25, true);
+  laser::Scan scan;
+  scan.utime = 1'000'000;
+  vision::Image image;
+  image.utime = 1'030'000;
+  EXPECT_TRUE(pairer.add(scan).empty());
+  EXPECT_TRUE(pairer.add(image).empty());
+  EXPECT_TRUE(pairer.add(Motion{1'020'000, 1.0, 0.0}).empty());
+  const auto pairs = pairer.add(Motion{1'045'000, 2.0, 0.0});
+  ASSERT_EQ(pairs.size(), 1u);
+  ASSERT_TRUE(pairs[0].motion.has_value());
+  EXPECT_EQ(pairs[0].motion->speed_mps, 1.0);  // 10 ms away, the other 15
+}
+
+TEST(Motion, PairsDoNotWaitForMotionsForEver) {
+  ScanImagePairer pairer(0.06, 0.25, true);
+  laser::Scan scan;
+  scan.utime = 1'000'000;
+  vision::Image image;
+  image.utime = 1'000'000;
+  pairer.add(scan);
+  EXPECT_TRUE(pairer.add(image).empty());
+  image.utime = 1'300'000;
+  const auto pairs = pairer.add(image);
+  ASSERT_EQ(pairs.size(), 1u);
+  EXPECT_EQ(pairs[0].image->utime, 1'000'000);
+  EXPECT_FALSE(pairs[0].motion.has_value());
+  EXPECT_EQ(pairer.num_late(), 0);
+}
+
+}  // namespace
+}  // namespace orchard::detection

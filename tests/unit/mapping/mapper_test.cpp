@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/mapper.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <stdexcept>
+
+#include "geometry/angles.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+using detection::Detection;
+using detection::Detections;
+using detection::Label;
+
+Detection seen_at(double x_base_m, double y_base_m, Label label = Label::kTree,
+                  double width_m = 0.09) {
+  Detection d;
+  d.centre_x_m = x_base_m;
+  d.centre_y_m = y_base_m;
+  d.covariance = {4e-4, 0.0, 4e-4};
+  d.width_m = width_m;
+  d.width_sd_m = 0.01;
+  d.label = label;
+  d.roc_tree = label == Label::kTree ? 0.9f : 0.01f;
+  return d;
+}
+
+Detections scan_of(std::vector<Detection> trunks, std::int64_t utime = 0) {
+  Detections detections;
+  detections.utime = utime;
+  detections.trunks = std::move(trunks);
+  return detections;
+}
+
+TEST(Mapper, ComposesAsEquations11And12) {
+  // the paper's robot looks along Y, and its bearing turns from Y towards X
+  const double x_robot = 1.5, y_robot = -0.4, r = 2.0, bearing_rad = 0.3;
+  const double beta = geometry::paper_bearing_rad(bearing_rad);
+  pose::PoseEstimate pose;
+  pose.x_m = x_robot;
+  pose.y_m = y_robot;
+  pose.yaw_rad = 0.5 * geometry::kPi;
+  Mapper mapper({});
+  mapper.update(scan_of({seen_at(r * std::cos(bearing_rad), r * std::sin(bearing_rad))}), pose);
+  const Landmark l = mapper.landmark(1);
+  EXPECT_NEAR(l.x_m, x_robot + r * std::sin(beta), 1e-6);
+  EXPECT_NEAR(l.y_m, y_robot + r * std::cos(beta), 1e-6);
+}
+
+TEST(Mapper, StatisticsAreThePapers) {
+  const double offsets[] = {0.011, -0.007, 0.002, 0.016, -0.013};
+  Mapper mapper({});
+  double mean = 0.0;
+  for (const double o : offsets) mean += o / 5.0;
+  double square = 0.0;
+  for (const double o : offsets) {
+    mapper.update(scan_of({seen_at(2.0 + o, 1.0)}), {});
+    square += (o - mean) * (o - mean);
+  }
+  ASSERT_EQ(mapper.num_landmarks(), 1u);
+  const Landmark l = mapper.landmark(1);
+  EXPECT_EQ(l.num_observations, 5);
+  EXPECT_NEAR(l.se_x_m, std::sqrt(square / 4.0) / std::sqrt(5.0), 1e-6);
+  EXPECT_NEAR(l.se_y_m, 0.0, 1e-6);
+  EXPECT_NEAR(l.x_m, 2.0 + mean, 1e-3);
+  EXPECT_NEAR(l.roc_mean, 0.9, 1e-6);
+  EXPECT_EQ(l.label, Label::kTree);
+  EXPECT_GT(l.probability, 0.99);
+}
+
+TEST(Mapper, PairsOneToOneWithStableIds) {
+  Mapper mapper({});
+  for (int k = 0; k < 10; ++k) {
+    const double o = 0.01 * (k % 3 - 1);
+    mapper.update(scan_of({seen_at(2.0 + o, 0.0), seen_at(2.0 + o, 0.4), seen_at(3.0 + o, 1.0)}),
+                  {});
+    ASSERT_EQ(mapper.num_landmarks(), 3u);
+  }
+  EXPECT_NEAR(mapper.landmark(1).y_m, 0.0, 1e-3);
+  EXPECT_NEAR(mapper.landmark(2).y_m, 0.4, 1e-3);
+  EXPECT_NEAR(mapper.landmark(3).y_m, 1.0, 1e-3);
+  EXPECT_THROW(mapper.landmark(4), std::out_of_range);
+  EXPECT_THROW(mapper.landmark(0), std::out_of_range);
+}
+
+TEST(Mapper, AClassConflictIsOneLandmark) {
+  Mapper mapper({});
+  for (const Label label : {Label::kTree, Label::kObject, Label::kTree, Label::kTree}) {
+    mapper.update(scan_of({seen_at(2.0, 0.0, label)}), {});
+  }
+  ASSERT_EQ(mapper.num_landmarks(), 1u);
+  EXPECT_EQ(mapper.landmark(1).label, Label::kTree);
+  EXPECT_NEAR(mapper.landmark(1).roc_mean, (3 * 0.9 + 0.01) / 4, 1e-6);
+}
+
+TEST(Mapper, CountsWhatTheCameraSawOnceItSaw) {
+  Mapper mapper({});
+  mapper.update(scan_of({seen_at(2.0, 0.0, Label::kUnseen)}), {});
+  EXPECT_EQ(mapper.landmark(1).label, Label::kUnseen);
+  EXPECT_EQ(mapper.landmark(1).num_observations, 1);
+  for (int k = 0; k < 3; ++k) mapper.update(scan_of({seen_at(2.0, 0.0)}), {});
+  mapper.update(scan_of({seen_at(2.0, 0.0, Label::kUnseen)}), {});
+  ASSERT_EQ(mapper.num_landmarks(), 1u);
+  EXPECT_EQ(mapper.landmark(1).num_observations, 3);
+  EXPECT_NEAR(mapper.landmark(1).roc_mean, 0.9, 1e-6);
+}
+
+TEST(Mapper, MergesWhatTurnsOutToBeOne) {
+  MapperConfig config;
+  config.merge_m = 0.2;
+  config.gate_sigma = 2.0;
+  config.align_scans = false;
+  Mapper mapper(config);
+  mapper.update(scan_of({seen_at(2.0, 0.0)}), {});
+  mapper.update(scan_of({seen_at(2.25, 0.0)}), {});  // an outlier: a second landmark
+  ASSERT_EQ(mapper.num_landmarks(), 2u);
+  for (int k = 0; k < 8; ++k) mapper.update(scan_of({seen_at(2.20 - 0.01 * k, 0.0)}), {});
+  ASSERT_EQ(mapper.num_landmarks(), 1u);
+  EXPECT_EQ(mapper.landmark(1).num_observations, 10);
+  EXPECT_THROW(mapper.landmark(2), std::out_of_range);
+}
+
+TEST(Mapper, AnImperfectHeadingDoublesNoTree) {
+  // rows 4 m apart with a tree every 3 m; heading off by 0.05 rad (1 sigma)
+  std::mt19937_64 bits(7);
+  const auto normal = [&] {
+    double sum = -6.0;
+    for (int k = 0; k < 12; ++k) sum += static_cast<double>(bits() >> 11) * 0x1p-53;
+    return sum;
+  };
+  MapperConfig config;
+  config.gate_m = 0.8;
+  config.merge_m = 0.5;
+  config.align_kernel_m = 0.35;
+  Mapper mapper(config);
+  for (int k = 0; k < 80; ++k) {
+    const double x_robot = 0.25 * k;
+    const double yaw_error_rad = 0.05 * normal();
+    std::vector<Detection> trunks;
+    for (int tree = -1; tree < 9; ++tree) {
+      for (const double y : {-2.0, 2.0}) {
+        const double dx = 3.0 * tree - x_robot;
+        if (std::hypot(dx, y) > 8.0) continue;
+        const double c = std::cos(yaw_error_rad), s = std::sin(yaw_error_rad);
+        trunks.push_back(seen_at(c * dx + s * y + 0.02 * normal(), c * y - s * dx + 0.02 * normal()));
+      }
+    }
+    pose::PoseEstimate pose;  // claims heading 0
+    pose.x_m = x_robot;
+    pose.covariance = {1e-4, 0, 0, 1e-4, 0, 25e-4};
+    mapper.update(scan_of(trunks), pose);
+  }
+  EXPECT_EQ(mapper.landmarks(5).size(), 20u);
+  for (const Landmark& l : mapper.landmarks(5)) {
+    const double nearest = 3.0 * std::round(l.x_m / 3.0);
+    EXPECT_LT(std::hypot(l.x_m - nearest, std::abs(l.y_m) - 2.0), 0.15);
+  }
+}
+
+}  // namespace
+}  // namespace orchard::mapping

@@ -46,9 +46,9 @@ fail() { echo "demo: $*" >&2; exit 1; }
 # ---- outside: build, then find a network of our own ----------------------------------------------
 if [ "$inside" = no ]; then
   if [ $build = yes ]; then scripts/build.sh; fi
-  [ -x $bin/orchard ] || fail "$build_dir holds no programs; run without --no-build"
-  [ $keep = yes ] || rm -rf $out
-  mkdir -p $out
+  [ -x "$bin/orchard" ] || fail "$build_dir holds no programs; run without --no-build"
+  mkdir -p "$out"
+  [ $keep = yes ] || rm -rf "$out"/live "$out"/in_process "$out"/lockstep "$out"/demo.lcm "$out"/*.log
 
   again=(scripts/demo.sh --seed "$seed" --out "$out" --build "$build_dir" --inside)
   if [ "$(id -u)" -eq 0 ] && unshare -n true 2>/dev/null; then
@@ -114,27 +114,30 @@ wait_until() {
   shift 2
   until "$@"; do
     [ $SECONDS -lt $limit ] || fail "waited too long for $what; see $out/*.log"
+    for pid in "${pids[@]}"; do
+      kill -0 "$pid" 2>/dev/null || fail "a process ended while waiting for $what; see $out/*.log"
+    done
     sleep 0.1
   done
 }
 
-log=$out/demo.lcm
-rm -f $log
+log="$out/demo.lcm"
+rm -f "$log"
 say "live: lcm-logger, orchard-detector, orchard-pose, orchard-mapper, then orchard-sim-driver"
-start logger lcm-logger --lcm-url="$url" --flush-interval=50 $log
+start logger lcm-logger --lcm-url="$url" --flush-interval=50 "$log"
 logger=$pid
-start detector $bin/orchard-detector --config $config --lcm-url "$url"
+start detector "$bin/orchard-detector" --config $config --lcm-url "$url"
 detector=$pid
-start pose $bin/orchard-pose --config $config --lcm-url "$url"
+start pose "$bin/orchard-pose" --config $config --lcm-url "$url"
 pose=$pid
-start mapper $bin/orchard-mapper --config $config --lcm-url "$url" --out $out/live
+start mapper "$bin/orchard-mapper" --config $config --lcm-url "$url" --out "$out/live"
 mapper=$pid
 # The logger listens when the first STATUS of the others has reached its file.
-wait_until 20 "lcm-logger to record" test -s $log
+wait_until 20 "lcm-logger to record" test -s "$log"
 
 say "live: the robot drives (scene tubes, seed $seed)"
-start sim_driver $bin/orchard-sim-driver --config $config --lcm-url "$url" --scene tubes \
-  --seed "$seed" --truth $out/truth.csv --wait-for orchard-detector,orchard-pose,orchard-mapper
+start sim_driver "$bin/orchard-sim-driver" --config $config --lcm-url "$url" --scene tubes \
+  --seed "$seed" --truth "$out/truth.csv" --wait-for orchard-detector,orchard-pose,orchard-mapper
 sim_driver=$pid
 code=0
 wait "$sim_driver" || code=$?
@@ -148,39 +151,39 @@ stop logger "$logger"
 pids=()
 
 echo
-$bin/orchard evaluate $out/live --truth $out/truth.csv | tee $out/tables.txt
-cp $out/live/map.png $out/live/map.svg $out/
+"$bin/orchard" evaluate "$out/live" --truth "$out/truth.csv" | tee "$out/tables.txt"
+cp "$out/live/map.png" "$out/live/map.svg" "$out/"
 echo
 say "figure 11: $out/map.png and $out/map.svg"
 
 say "replay in one process: orchard map $log"
-$bin/orchard map $log --config $config --out $out/in_process >$out/in_process.log 2>&1 ||
-  { cat $out/in_process.log >&2; fail "orchard map failed"; }
+"$bin/orchard" map "$log" --config $config --out "$out/in_process" >"$out/in_process.log" 2>&1 ||
+  { cat "$out/in_process.log" >&2; fail "orchard map failed"; }
 
 say "replay in lockstep: orchard-log-player --lockstep, with fresh processes"
-start lockstep_mapper $bin/orchard-mapper --config $config --lcm-url "$url" --lockstep --out $out/lockstep
+start lockstep_mapper "$bin/orchard-mapper" --config $config --lcm-url "$url" --lockstep --out "$out/lockstep"
 mapper=$pid
-start lockstep_pose $bin/orchard-pose --config $config --lcm-url "$url" --lockstep
+start lockstep_pose "$bin/orchard-pose" --config $config --lcm-url "$url" --lockstep
 pose=$pid
-start lockstep_detector $bin/orchard-detector --config $config --lcm-url "$url" --lockstep
+start lockstep_detector "$bin/orchard-detector" --config $config --lcm-url "$url" --lockstep
 detector=$pid
-start player $bin/orchard-log-player --config $config --lcm-url "$url" --lockstep $log
+start player "$bin/orchard-log-player" --config $config --lcm-url "$url" --lockstep "$log"
 player=$pid
 code=0
 wait "$player" || code=$?
-[ $code -eq 0 ] || { tail -n 5 $out/player.log >&2; fail "orchard-log-player ended with exit code $code"; }
+[ $code -eq 0 ] || { tail -n 5 "$out/player.log" >&2; fail "orchard-log-player ended with exit code $code"; }
 stop lockstep_detector "$detector"
 stop lockstep_pose "$pose"
 stop lockstep_mapper "$mapper"
 pids=()
 
 echo
-sha256sum $out/live/map.csv $out/in_process/map.csv $out/lockstep/map.csv
-distinct=$(sha256sum $out/live/map.csv $out/in_process/map.csv $out/lockstep/map.csv |
+sha256sum "$out/live/map.csv" "$out/in_process/map.csv" "$out/lockstep/map.csv"
+distinct=$(sha256sum "$out/live/map.csv" "$out/in_process/map.csv" "$out/lockstep/map.csv" |
   cut -d' ' -f1 | sort -u | wc -l)
 if [ "$distinct" -ne 1 ]; then
-  diff $out/live/map.csv $out/in_process/map.csv || true
-  diff $out/in_process/map.csv $out/lockstep/map.csv || true
+  diff "$out/live/map.csv" "$out/in_process/map.csv" || true
+  diff "$out/in_process/map.csv" "$out/lockstep/map.csv" || true
   fail "the three maps DIFFER"
 fi
 echo "SAME: live, in one process, and in lockstep ($((SECONDS - started)) s)"

@@ -15,7 +15,7 @@ orchard=${BUILD:-build}/bin/orchard
 # The rig of urg_geometry_front is config/urg_geometry_front.yaml, urg_front.yaml,
 # urg_geometry.yaml or urg.yaml.
 rig_of() {
-  local name=$1
+  local name=${1/_geometry/}
   for candidate in "$name" "${name%%_*}_${name##*_}" "${name%_*}" "${name%%_*}"; do
     [ ! -f "config/$candidate.yaml" ] || { echo "config/$candidate.yaml"; return; }
   done

@@ -14,7 +14,7 @@ namespace orchard::detection {
 /// What a scan and its picture show.
 struct DetectResult {
   Detections detections;        ///< seq is left 0: the sender's
-  bool image_unusable = false;  ///< the picture was needed and did not decode, or is of another size
+  bool image_unusable = false;  ///< needed, but did not decode or of another size
 };
 
 /// The paper's detector: segment, width, project, colour, edges, fuse. `image` may be null.

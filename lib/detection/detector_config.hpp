@@ -20,7 +20,7 @@ struct DetectorConfig {
   double tree_threshold = 0.6;   ///< TREE from this roc_tree on
   double pairing_tolerance_s = 0.06;  ///< a picture farther in time than this is not a pair
   double image_wait_s = 0.25;    ///< of message time: how long a scan waits for pictures
-  /// Points move on by ODOMETRY from their beam's time to the picture's; scans then wait for it too.
+  /// Points move on by ODOMETRY from their beam's time to the picture's; scans then wait for it.
   bool use_odometry = false;
 };
 

@@ -22,9 +22,10 @@ struct ScanImagePair {
 
 /// Gives each scan the nearest picture within a tolerance, in order of the scans.
 ///
-/// A scan is decided when a picture at or after it has come (and, with motions, a motion at or after
-/// that picture), or when a message later by more than the wait has. So the pairs do not depend on the order in which the channels arrive as
-/// long as neither is delayed by more than the wait. Time is the messages' own.
+/// A scan is decided when a picture at or after it has come (and, with motions, a motion at or
+/// after that picture), or when a message later by more than the wait has. So the pairs do not
+/// depend on the order in which the channels arrive as long as none is delayed by more than the
+/// wait. Time is the messages' own.
 class ScanImagePairer {
  public:
   /// `with_motion`: pairs wait for motions too.

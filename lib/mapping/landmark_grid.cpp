@@ -6,10 +6,14 @@
 namespace orchard::mapping {
 namespace {
 
-/// Keeps neighbouring cells of one column (consecutive keys) in neighbouring slots, which share
-/// cache lines, and spreads the columns.
+/// Four cells in a column share a cache line; which line is mixed from all bits, so that the
+/// regular rows of an orchard do not pile up in one part of the table.
 std::uint64_t spread(std::uint64_t key) {
-  return (key >> 32) * 0x9E3779B97F4A7C15ull / 64 + (key & 0xFFFFFFFFull);
+  std::uint64_t h = (key >> 2) * 0x9E3779B97F4A7C15ull;
+  h ^= h >> 32;
+  h *= 0xD6E8FEB86659FD93ull;
+  h ^= h >> 32;
+  return (h << 2) | (key & 3);
 }
 
 }  // namespace

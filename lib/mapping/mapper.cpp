@@ -23,6 +23,9 @@ using detection::Label;
 constexpr double kLogOddsMax = 30.0;
 constexpr int kEstablished = 3;      ///< observations from which a landmark guides an alignment
 constexpr int kCentreRounds = 12;
+/// Observations, the newest, that a landmark's place is taken from: a robot that stands still for an
+/// hour must not make each scan dearer than the last.
+constexpr std::size_t kSamplesMost = 512;
 constexpr double kWidthRelativeSd = 0.15;  ///< of one thing seen from different sides
 
 /// What is kept per landmark. 104 bytes; its observations are chained in Mapper::Impl.
@@ -232,6 +235,8 @@ std::int32_t Mapper::Impl::create(const Candidate& candidate) {
   r.anchor_x_m = candidate.p_aligned.x();
   r.anchor_y_m = candidate.p_aligned.y();
   r.width_m = static_cast<float>(candidate.detection->width_m);
+  // grown by a quarter: doubling could leave half of a large map's memory unused
+  if (records.size() == records.capacity()) records.reserve(records.size() + records.size() / 4 + 64);
   records.push_back(r);
   grid.insert(index, r.anchor_x_m, r.anchor_y_m);
   ++num_alive;
@@ -402,7 +407,7 @@ Landmark Mapper::Impl::report(std::int32_t index) const {
     double weight = 0.0;
   };
   std::vector<Sample> samples;
-  samples.reserve(static_cast<std::size_t>(r.num_all));
+  samples.reserve(std::min(kSamplesMost, static_cast<std::size_t>(r.num_all)));
   for (std::int32_t k = r.last_observation; k >= 0;
        k = observations[static_cast<std::size_t>(k)].previous) {
     const Observation& o = observations[static_cast<std::size_t>(k)];
@@ -414,6 +419,7 @@ Landmark Mapper::Impl::report(std::int32_t index) const {
     T_map_base.composePoint(o.x_base_m, o.y_base_m, 0.0, sample.p.x(), sample.p.y(), z);
     sample.weight = 1.0 / std::max(1e-6, static_cast<double>(o.sd_m) * o.sd_m);
     samples.push_back(sample);
+    if (samples.size() == kSamplesMost) break;
   }
   // towards the bulk: from the mean, with a kernel that shrinks to its configured width
   Eigen::Vector2d centre(r.mean_x_m, r.mean_y_m);

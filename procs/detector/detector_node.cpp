@@ -2,6 +2,7 @@
 #include "detector/detector_node.hpp"
 
 #include <cstdio>
+#include <opencv2/core/utility.hpp>
 #include <utility>
 
 #include "detection/detect.hpp"

@@ -11,7 +11,8 @@ int main(int argc, char** argv) {
       "Finds tree trunks and other objects in each laser scan and its camera image.\n"
       "Reads SCAN and IMAGE, sends DETECTIONS.";
   return orchard::bus::run_node_process(
-      argc, argv, info, [](const orchard::io::Config& config) -> std::unique_ptr<orchard::bus::Node> {
+      argc, argv, info,
+      [](const orchard::io::Config& config) -> std::unique_ptr<orchard::bus::Node> {
         return std::make_unique<orchard::procs::DetectorNode>(config);
       });
 }

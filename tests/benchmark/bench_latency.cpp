@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "bus/bus.hpp"
 #include "bus/codec.hpp"
 #include "bus/in_process_replay.hpp"
 #include "child_process.hpp"
@@ -174,6 +175,29 @@ double detector_alone_ms(const bench::FieldDrive& drive, const std::vector<Messa
   return bench::median(times_ms);
 }
 
+/// What the processes themselves say of the time from an input's arrival to its outputs.
+class StatusWatch {
+ public:
+  explicit StatusWatch(const std::string& url) : bus_(url) {
+    bus_.subscribe_status([this](const bus::Status& status) {
+      if (status.latency_mean_s > 0.0) means_ms_[status.name].push_back(1e3 * status.latency_mean_s);
+    });
+  }
+  void print() {
+    while (bus_.handle(0)) {
+    }
+    std::printf("mean time from an input's arrival to the end of its handling:");
+    for (const auto& [name, means_ms] : means_ms_) {
+      std::printf(" %s %.3f ms;", name.c_str(), bench::median(means_ms));
+    }
+    std::printf("\n");
+  }
+
+ private:
+  bus::Bus bus_;
+  std::map<std::string, std::vector<double>> means_ms_;
+};
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -193,6 +217,7 @@ int main(int argc, char** argv) {
   Probe live(drive.config.lcm.url, false);
   Probe relay(kRelayUrl, true);
 
+  StatusWatch watch(drive.config.lcm.url);
   std::vector<double> pipeline_ms, relay_ms;
   int num_missing = 0;
   Clock::time_point next = Clock::now();
@@ -215,6 +240,7 @@ int main(int argc, char** argv) {
     return 1;
   }
   const bool met = report(pipeline_ms, relay_ms, num_missing);
+  watch.print();
   std::printf("the detector alone computes %.3f ms of the median scan\n",
               detector_alone_ms(drive, sets));
   return met ? 0 : 1;

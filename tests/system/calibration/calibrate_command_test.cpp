@@ -69,7 +69,8 @@ TEST_F(CalibrateCommand, WritesWhatItMeasuredIntoTheRig) {
   // A rig that believes in trunks twice as wide and of another colour.
   std::string rig = text_of(rig_);
   for (const auto& [key, value] : {std::pair<std::string, std::string>{"mean_m:", "0.2"},
-                                   {"hue_min_deg:", "200"}, {"hue_max_deg:", "220"}}) {
+                                   {"hue_min_deg:", "200"},
+                                   {"hue_max_deg:", "220"}}) {
     const std::size_t at = rig.find("    " + key) + 4 + key.size();
     rig.replace(at, rig.find('\n', at) - at, " " + value);
   }
@@ -77,7 +78,8 @@ TEST_F(CalibrateCommand, WritesWhatItMeasuredIntoTheRig) {
 
   const std::string logs = simulate(1001) + " " + simulate(1002);
   const std::string out = in_folder("calibrated.yaml");
-  const Outcome outcome = run("calibrate trunks " + logs + " --config " + rig_.string() + " --out " + out);
+  const Outcome outcome =
+      run("calibrate trunks " + logs + " --config " + rig_.string() + " --out " + out);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   const auto config = orchard::io::load_config(out);
   EXPECT_NEAR(config.detector.width.mean_m, 0.090, 0.003);

@@ -73,9 +73,10 @@ TEST(ConfigEdit, RefusesWhatWouldNotLoad) {
 
 TEST(ConfigEdit, EveryPrintedKeyCanBeEdited) {
   const std::string all = print_config(Config{});
-  const std::string edited = edit_config(
-      all, "rig.yaml",
-      {{"detector.width.mean_m", "0.2"}, {"detector.colour.hue_max_deg", "77"}, {"laser.mount_x_m", "1"}});
+  const std::string edited = edit_config(all, "rig.yaml",
+                                         {{"detector.width.mean_m", "0.2"},
+                                          {"detector.colour.hue_max_deg", "77"},
+                                          {"laser.mount_x_m", "1"}});
   Config config = parse_config(edited, "rig.yaml");
   EXPECT_EQ(config.detector.width.mean_m, 0.2);
   EXPECT_EQ(config.detector.colour.hue_max_deg, 77.0);

@@ -57,8 +57,8 @@ std::vector<TrunkObservation> looks_at(const std::vector<Kind>& kinds, int looks
 }
 
 TEST(TrunkModel, MeasuresTheDominantKindAndLeavesTheOthersOut) {
-  const auto looks = looks_at({{24, 0.09, 0.008, 30.0}, {6, 0.17, 0.008, 30.0},
-                               {6, 0.09, 0.008, 210.0}}, 8, 1);
+  const auto looks =
+      looks_at({{24, 0.09, 0.008, 30.0}, {6, 0.17, 0.008, 30.0}, {6, 0.09, 0.008, 210.0}}, 8, 1);
   const TrunkModel model = estimate_trunk_model(looks, {});
   EXPECT_EQ(model.num_trunks, 24);
   EXPECT_EQ(model.things.size(), 36u);
@@ -72,7 +72,8 @@ TEST(TrunkModel, MeasuresTheDominantKindAndLeavesTheOthersOut) {
 }
 
 TEST(TrunkModel, ThePapersTrees) {  // section 6.2: 230.15 mm, sd 20.45 mm
-  const TrunkModel model = estimate_trunk_model(looks_at({{20, 0.23015, 0.02045, 31.0}}, 30, 2), {});
+  const TrunkModel model =
+      estimate_trunk_model(looks_at({{20, 0.23015, 0.02045, 31.0}}, 30, 2), {});
   EXPECT_NEAR(model.width_mean_m, 0.23015, 0.003);
   EXPECT_NEAR(model.width_sd_m, 0.02045, 0.003);
 }

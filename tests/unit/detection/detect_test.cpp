@@ -110,7 +110,8 @@ TEST(Detect, ATreeHalfHiddenByAnotherIsNotTakenForAnObject) {
 
 TEST(Detect, WithoutACameraTheLaserDecides) {
   const Rig rig = tube_rig({}, false);
-  const auto result = detect(scan_of({brown_tube(1.5, 0.3), brown_tube(0.0, 1.5, 0.17)}), nullptr, rig);
+  const auto result =
+      detect(scan_of({brown_tube(1.5, 0.3), brown_tube(0.0, 1.5, 0.17)}), nullptr, rig);
   const Detection& tree = at(result.detections, 1.5, 0.3);
   EXPECT_EQ(tree.label, Label::kTree);
   EXPECT_EQ(tree.roc_tree, tree.roc_laser);

@@ -16,8 +16,7 @@ using test::jpeg_of;
 
 void expect_equal_to_opencv(const std::vector<std::uint8_t>& bytes, const PixelRect& region) {
   const cv::Mat whole = cv::imdecode(bytes, cv::IMREAD_COLOR);
-  const auto block =
-      decode_jpeg_region(bytes.data(), bytes.size(), whole.cols, whole.rows, region);
+  const auto block = decode_jpeg_region(bytes.data(), bytes.size(), whole.cols, whole.rows, region);
   ASSERT_TRUE(block.has_value());
   EXPECT_EQ(block->bgr, test::block_of(whole, region).bgr)
       << region.x_px << " " << region.y_px << " " << region.width_px << " " << region.height_px;
@@ -33,7 +32,8 @@ TEST(JpegRegion, EqualsOpenCvsPixelsForAnyRegion) {
         PixelRect region;
         region.x_px = static_cast<int>(random() % static_cast<unsigned>(size.first));
         region.y_px = static_cast<int>(random() % static_cast<unsigned>(size.second));
-        region.width_px = 1 + static_cast<int>(random() % static_cast<unsigned>(size.first - region.x_px));
+        region.width_px =
+            1 + static_cast<int>(random() % static_cast<unsigned>(size.first - region.x_px));
         region.height_px =
             1 + static_cast<int>(random() % static_cast<unsigned>(size.second - region.y_px));
         expect_equal_to_opencv(bytes, region);

@@ -47,7 +47,7 @@ awk -F' [|] ' '
     printf "%-*s | %-*s | %-*s |\n", w, "what", m, "measured", t, "target"
     for (i = 1; i <= NR; ++i)
       printf "%-*s | %-*s | %-*s | %s\n", w, what[i], m, measured[i], t, target[i], verdict[i]
-  }' $rows
+  }' $rows | tee out/benchmark/summary.txt
 if [ ${#failed[@]} -gt 0 ] || grep -q '| MISSED$' $rows; then
   echo "benchmark: not all as wanted: ${failed[*]:-}" >&2
   exit 1

@@ -50,7 +50,8 @@ ip route add 224.0.0.0/4 dev lo
 
 bin=$build_dir/bin
 channel_bytes=$build_dir/tests/channel_bytes
-[ -x "$bin/orchard" ] && [ -x "$channel_bytes" ] || fail "$build_dir holds no programs; run without --no-build"
+[ -x "$bin/orchard" ] && [ -x "$channel_bytes" ] ||
+  fail "$build_dir holds no programs; run without --no-build"
 data=${ORCHARD_DATA:-../shared/data}
 out=$(mktemp -d)
 started=$SECONDS
@@ -76,7 +77,8 @@ done
 # fingerprint DIR DERIVED_LOG: a line "SHA-256  NAME" of each file and channel.
 fingerprint() {
   "$channel_bytes" "$2" "$1/channels"
-  (cd "$1" && sha256sum map.csv && cd channels && sha256sum ./*.bytes) | sed 's/\.bytes$//; s/\.\///'
+  (cd "$1" && sha256sum map.csv && cd channels && sha256sum ./*.bytes) |
+    sed 's/\.bytes$//; s/\.\///'
 }
 
 # compare SCENE HOW DIR DERIVED_LOG: against the first run of the scene.

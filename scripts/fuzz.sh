@@ -28,7 +28,7 @@ for target in $targets; do
   echo "fuzz: $target for $seconds s"
   mkdir -p "build-fuzz/corpus/$target"
   "build-fuzz/fuzz/$target" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 \
-    -max_len=16384 -print_final_stats=0 -verbosity=0 \
+    -max_len=16384 -print_final_stats=1 -verbosity=0 \
     -artifact_prefix="build-fuzz/findings/$target-" "build-fuzz/corpus/$target"
 done
 echo "fuzz: no finding"

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Starts lcm-spy with the message types of Orchard Mapper. Options go to it, such as
-#   scripts/spy.sh -l "udpm://239.255.76.67:7667?ttl=0"
+#   spy.sh -l "udpm://239.255.76.67:7667?ttl=0"
 # (Debian's own lcm-spy passes -Xincgc, which Java 17 refuses, so lcm.spy.Spy is started here.)
 set -euo pipefail
 here=$(cd "$(dirname "$0")/.." && pwd)
@@ -21,17 +21,22 @@ first_of() {  # first_of WHAT HINT PATH...: the first path that exists
 }
 
 if [ "${1:-}" = "--help" ] || [ "${1:-}" = "-h" ]; then
-  sed -n '3,6p' "$0" | sed 's/^# \{0,1\}//'
+  sed -n '3,5p' "$0" | sed 's/^# \{0,1\}//'
   exit 0
 fi
 command -v java >/dev/null || {
   echo "spy: java is missing; install it with: sudo apt-get install default-jre" >&2
   exit 1
 }
+java_home=$(java -XshowSettings:properties -version 2>&1 | sed -n 's/^ *java\.home = //p')
+if [ -d "$java_home/lib" ] && [ ! -e "$java_home/lib/libawt_xawt.so" ]; then
+  echo "spy: this java opens no windows; install the other half with: sudo apt-get install default-jre" >&2
+  exit 1
+fi
 types=$(first_of "the jar of the message types" \
   "build it with: cmake -S . -B build -G Ninja && ninja -C build orchard_lcmtypes_jar" \
   "$here/build/orchard_lcmtypes.jar" \
-  "$here/share/orchard-mapper/orchard_lcmtypes.jar" \
+  "$here/orchard_lcmtypes.jar" \
   /usr/share/orchard-mapper/orchard_lcmtypes.jar \
   /usr/local/share/orchard-mapper/orchard_lcmtypes.jar)
 lcm=$(first_of "lcm.jar" "install it with: sudo apt-get install liblcm-java" \

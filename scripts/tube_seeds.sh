@@ -20,4 +20,5 @@ if [ "${1:-}" = --calibrate ]; then
     tail -n 2
   config=$folder/tubes.yaml
 fi
-"$build/bin/orchard_tube_seeds" "$config" "${1:-1}" "${2:-100}"
+mkdir -p out
+"$build/bin/orchard_tube_seeds" "$config" "${1:-1}" "${2:-100}" | tee out/tube_seeds.txt

@@ -13,16 +13,7 @@ tables=out/demo/tables.txt
 # insert NAME FILE: replaces what stands between the two marker lines of NAME by FILE, indented.
 insert() {
   grep -q "^<!-- $1: " README.md && grep -q "^<!-- end of $1 -->" README.md || {
-    
-if [ -s out/real/summary.txt ]; then
-  insert "real recordings" out/real/summary.txt
-  if [ -s out/real/pullally_drive_1/map.png ]; then
-    cp out/real/pullally_drive_1/map.png scripts/figures/pullally_map.png
-  fi
-else
-  echo "update_readme: no real recordings were mapped (scripts/real_recordings.sh); left as they are"
-fi
-echo "update_readme: README.md has lost its markers \"$1\"" >&2
+    echo "update_readme: README.md has lost its markers \"$1\"" >&2
     exit 1
   }
   awk -v name="$1" -v file="$2" '
@@ -36,16 +27,23 @@ echo "update_readme: README.md has lost its markers \"$1\"" >&2
   mv README.md.new README.md
 }
 
+# insert_if_made NAME FILE SCRIPT: the same where FILE is there; else says which script makes it.
+insert_if_made() {
+  if [ -s "$2" ]; then
+    insert "$1" "$2"
+  else
+    echo "update_readme: \"$1\" left as it is ($3 was not run)"
+  fi
+}
+
 insert "demo tables" $tables
 mkdir -p scripts/figures
 cp out/demo/map.png scripts/figures/demo_map.png
 
-if [ -s out/real/summary.txt ]; then
-  insert "real recordings" out/real/summary.txt
-  if [ -s out/real/pullally_drive_1/map.png ]; then
-    cp out/real/pullally_drive_1/map.png scripts/figures/pullally_map.png
-  fi
-else
-  echo "update_readme: no real recordings were mapped (scripts/real_recordings.sh); left as they are"
+insert_if_made "tube seeds" out/tube_seeds.txt scripts/tube_seeds.sh
+insert_if_made "benchmarks" out/benchmark/summary.txt scripts/benchmark.sh
+insert_if_made "real recordings" out/real/summary.txt scripts/real_recordings.sh
+if [ -s out/real/pullally_drive_1/map.png ]; then
+  cp out/real/pullally_drive_1/map.png scripts/figures/pullally_map.png
 fi
-echo "update_readme: README.md and scripts/figures/demo_map.png follow out/demo"
+echo "update_readme: README.md and scripts/figures/ follow out/"

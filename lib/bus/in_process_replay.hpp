@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -9,18 +8,16 @@
 
 #include "bus/codec.hpp"
 #include "bus/node.hpp"
+#include "bus/traffic_counts.hpp"
 #include "io/log_reader.hpp"
 
 namespace orchard::bus {
 
 /// What a replay read, made and lost.
-struct ReplayReport {
-  std::int64_t num_events = 0;                       ///< readable events of the log
-  std::array<std::int64_t, kNumChannels> num_in{};   ///< source messages handed to nodes
-  std::array<std::int64_t, kNumChannels> num_out{};  ///< derived messages made
-  std::array<std::int64_t, kNumReasons> num_rejected{};
-  std::int64_t num_duplicates = 0;
-  std::int64_t num_seq_gaps = 0;  ///< messages missing by seq
+///
+/// num_in counts source messages, num_out derived ones.
+struct ReplayReport : TrafficCounts {
+  std::int64_t num_events = 0;  ///< readable events of the log
   std::int64_t num_unknown_channel = 0;
   std::vector<io::LogGap> gaps;
   std::vector<std::string> warnings;  ///< one sentence each, for people

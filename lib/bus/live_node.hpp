@@ -26,11 +26,12 @@ class LiveNode {
 
  private:
   using Clock = std::chrono::steady_clock;
+  void log_missing_inputs();
   void take(const Message& message);
   void drain();
   void handle_oldest();
   void save_when_due();
-  void save_now(bool final);
+  void save_now(SaveKind kind);
   Status status() const;
   std::string waiting_text() const;
 
@@ -41,10 +42,12 @@ class LiveNode {
   SaveHook save_;
   Clock::duration save_period_;
   Clock::time_point next_save_;
+  Clock::time_point next_full_save_;
   bool changed_ = false;
   Clock::time_point start_;
   std::deque<std::pair<Clock::time_point, Message>> inbox_;
   int num_images_ = 0;  ///< in the inbox
+  std::string logged_missing_;
 };
 
 }  // namespace orchard::bus

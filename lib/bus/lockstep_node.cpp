@@ -64,7 +64,7 @@ void LockstepNode::on_mark(const ReplayMark& mark) {
     fresh_ = false;
     answer(Channel::kReplay, {mark.utime, mark.seq}, [this] {
       host_->flush();
-      if (save_) save_(*node_, true);
+      if (save_) save_(*node_, {SaveKind::kFinal, host_->traffic()});
       spdlog::info("lockstep: end of the log after {} inputs", host_->num_handled());
     });
     return;

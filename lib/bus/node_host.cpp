@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bus/node_host.hpp"
 
+#include <numeric>
 #include <utility>
 
 #include "bus/codec.hpp"
@@ -9,7 +10,7 @@ namespace orchard::bus {
 
 NodeHost::NodeHost(Node& node, Publish publish) : node_(node), publish_(std::move(publish)) {
   outbox_ = [this](const Message& message) {
-    ++num_published_;
+    ++traffic_.num_out[static_cast<std::size_t>(channel_of(message))];
     publish_({channel_of(message), seq_of(message), utime_of(message), encode(message)});
   };
 }
@@ -21,11 +22,25 @@ bool NodeHost::receive(const Message& input) {
 }
 
 void NodeHost::deliver(const Message& input) {
-  seen_[static_cast<std::size_t>(channel_of(input))] = true;
-  ++num_handled_;
+  ++traffic_.num_in[static_cast<std::size_t>(channel_of(input))];
   node_.handle(input, outbox_);
 }
 
 void NodeHost::flush() { node_.flush(outbox_); }
+
+std::int64_t NodeHost::num_handled() const {
+  return std::accumulate(traffic_.num_in.begin(), traffic_.num_in.end(), std::int64_t{0});
+}
+
+std::int64_t NodeHost::num_published() const {
+  return std::accumulate(traffic_.num_out.begin(), traffic_.num_out.end(), std::int64_t{0});
+}
+
+TrafficCounts NodeHost::traffic() const {
+  TrafficCounts traffic = traffic_;
+  traffic.num_duplicates = gate_.counts().num_duplicate;
+  traffic.num_seq_gaps = gate_.counts().num_lost;
+  return traffic;
+}
 
 }  // namespace orchard::bus

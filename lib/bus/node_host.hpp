@@ -7,6 +7,7 @@
 
 #include "bus/node.hpp"
 #include "bus/sequence_gate.hpp"
+#include "bus/traffic_counts.hpp"
 
 namespace orchard::bus {
 
@@ -35,9 +36,14 @@ class NodeHost {
   void flush();
 
   const SequenceCounts& sequence_counts() const { return gate_.counts(); }
-  std::int64_t num_handled() const { return num_handled_; }
-  std::int64_t num_published() const { return num_published_; }
-  bool seen(Channel channel) const { return seen_[static_cast<std::size_t>(channel)]; }
+  std::int64_t num_handled() const;
+  std::int64_t num_published() const;
+  bool seen(Channel channel) const {
+    return traffic_.num_in[static_cast<std::size_t>(channel)] > 0;
+  }
+
+  /// All but what the bus refused before it came here.
+  TrafficCounts traffic() const;
   Node& node() { return node_; }
 
  private:
@@ -45,9 +51,7 @@ class NodeHost {
   Publish publish_;
   Outbox outbox_;
   SequenceGate gate_;
-  std::array<bool, kNumChannels> seen_{};
-  std::int64_t num_handled_ = 0;
-  std::int64_t num_published_ = 0;
+  TrafficCounts traffic_;  ///< its num_in and num_out
 };
 
 }  // namespace orchard::bus

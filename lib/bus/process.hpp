@@ -8,6 +8,7 @@
 
 #include "bus/node.hpp"
 #include "bus/source.hpp"
+#include "bus/traffic_counts.hpp"
 #include "io/config.hpp"
 
 namespace orchard::bus {
@@ -30,8 +31,22 @@ struct ProcessInfo {
   std::vector<ExtraOption> options;
 };
 
-/// Called about every mapper.save_period_s of wall time while live, and once (final) after flush.
-using SaveHook = std::function<void(Node& node, bool final)>;
+/// How much a save may cost.
+enum class SaveKind {
+  kQuick,  ///< live, about every mapper.save_period_s: the node waits for it
+  kFull,   ///< live, every half minute, and only when no message waits
+  kFinal,  ///< once, after the flush
+};
+
+/// A node's state is to be saved.
+struct SaveRequest {
+  SaveKind kind = SaveKind::kFinal;
+  TrafficCounts traffic;  ///< so far
+};
+
+/// Called when something may have changed since the last time. Live, what it throws is shown in
+/// STATUS and the process goes on.
+using SaveHook = std::function<void(Node& node, const SaveRequest& request)>;
 
 /// Runs one node as a process: parses options, loads the configuration, opens the bus, hands the
 /// node what the guard lets through, sends its outputs, STATUS and CONFIG, stops at SIGINT or

@@ -7,7 +7,7 @@
 #include "bus/in_process_replay.hpp"
 #include "bus/process.hpp"
 #include "calibration/trunk_model.hpp"
-#include "cli/progress_bar.hpp"
+#include "io/progress_bar.hpp"
 #include "cli/trunk_collector.hpp"
 #include "io/config.hpp"
 #include "io/config_edit.hpp"
@@ -30,7 +30,7 @@ std::vector<calibration::TrunkObservation> look_at_logs(const CalibrateTrunksOpt
   for (std::size_t i = 0; i < options.log_paths.size(); ++i) {
     procs::PoseNode pose(config);
     TrunkCollector collector(config, static_cast<int>(i));
-    ProgressBar bar("looking", !options.quiet);
+    io::ProgressBar bar("looking", !options.quiet);
     bus::ReplayOptions replay;
     replay.progress = [&](std::uint64_t done, std::uint64_t total) { bar.update(done, total); };
     const bus::ReplayReport report =

@@ -14,15 +14,22 @@
 namespace orchard::cli {
 namespace {
 
+constexpr const char* kOpenFirewall = "sudo iptables -I INPUT -p udp -d 239.0.0.0/8 -j ACCEPT";
+constexpr const char* kFirewallNote =
+    "lets UDP multicast through the firewall; with ufw: sudo ufw allow in proto udp to 239.0.0.0/8";
+
 enum class Verdict { kOk, kWarn, kFail };
 
 /// Prints findings and remembers the worst.
 class Findings {
  public:
-  void add(Verdict verdict, const std::string& text, const std::string& fix = {}) {
+  /// `fix` is a command to type (or else says so in words); `note` says more.
+  void add(Verdict verdict, const std::string& text, const std::string& fix = {},
+           const std::string& note = {}) {
     constexpr const char* kNames[] = {"OK  ", "WARN", "FAIL"};
     std::printf("%s  %s\n", kNames[static_cast<int>(verdict)], text.c_str());
     if (verdict != Verdict::kOk && !fix.empty()) std::printf("      fix: %s\n", fix.c_str());
+    if (verdict != Verdict::kOk && !note.empty()) std::printf("      note: %s\n", note.c_str());
     worst_ = std::max(worst_, verdict);
   }
   Verdict worst() const { return worst_; }
@@ -43,11 +50,18 @@ void check_interfaces(Findings& findings, const UdpmUrl& url) {
   const std::optional<std::string> route = route_to(url.address);
   if (!route) {
     findings.add(Verdict::kFail, "no route to " + url.address + " (multicast)",
-                 "scripts/multicast_lo.sh, which does: sudo ip link set lo up multicast on && "
-                 "sudo ip route add 224.0.0.0/4 dev lo");
+                 "sudo ip link set lo up multicast on && sudo ip route add 224.0.0.0/4 dev lo",
+                 "until the next boot; scripts/multicast_lo.sh does the same");
     return;
   }
   findings.add(Verdict::kOk, "multicast to " + url.address + " goes through " + *route);
+  const auto is_other = [](const NetworkInterface& i) {
+    return i.up && !i.loopback && i.has_ipv4 && i.multicast;
+  };
+  const auto other = std::find_if(interfaces.begin(), interfaces.end(), is_other);
+  const std::string use_other =
+      other == interfaces.end() ? "use ttl=0 in lcm.url, or bring a network interface up"
+                                : "sudo ip route replace 224.0.0.0/4 dev " + other->name;
   const bool through_loopback = loopback != interfaces.end() && *route == loopback->name;
   if (through_loopback && !loopback->multicast) {
     findings.add(Verdict::kWarn, *route + " has no MULTICAST flag; some programs refuse it",
@@ -57,19 +71,17 @@ void check_interfaces(Findings& findings, const UdpmUrl& url) {
     findings.add(Verdict::kWarn,
                  "ttl=" + std::to_string(url.ttl) +
                      " asks for other machines, but multicast stays on " + *route,
-                 "sudo ip route replace 224.0.0.0/4 dev INTERFACE");
+                 use_other);
   }
   if (url.ttl > 1) {
     findings.add(Verdict::kWarn, "ttl=" + std::to_string(url.ttl) + " crosses routers",
                  "use ttl=1 for the robot's own network");
   }
-  const auto num_others = std::count_if(
-      interfaces.begin(), interfaces.end(),
-      [](const NetworkInterface& i) { return i.up && !i.loopback && i.has_ipv4 && i.multicast; });
+  const auto num_others = std::count_if(interfaces.begin(), interfaces.end(), is_other);
   if (num_others > 1 && !through_loopback) {
     findings.add(url.ttl > 0 ? Verdict::kWarn : Verdict::kOk,
                  std::to_string(num_others) + " network interfaces are up; LCM uses only " + *route,
-                 "sudo ip route replace 224.0.0.0/4 dev INTERFACE");
+                 "sudo ip route replace 224.0.0.0/4 dev INTERFACE", "INTERFACE: the one to use");
   }
 }
 
@@ -84,9 +96,9 @@ void check_buffers(Findings& findings, const UdpmUrl& url) {
     findings.add(Verdict::kWarn,
                  "receive buffers are limited to " + std::to_string(*limit) + " bytes, wanted " +
                      std::to_string(wanted) + ": bursts of pictures may be lost",
-                 "sudo sysctl -w net.core.rmem_max=" + std::to_string(wanted) +
-                     " (to keep it: a line net.core.rmem_max=" + std::to_string(wanted) +
-                     " in /etc/sysctl.d/60-lcm.conf)");
+                 "sudo sysctl -w net.core.rmem_max=" + std::to_string(wanted),
+                 "until the next boot; a line net.core.rmem_max=" + std::to_string(wanted) +
+                     " in /etc/sysctl.d/60-lcm.conf keeps it");
   } else {
     findings.add(Verdict::kOk, "receive buffers may have " + std::to_string(*limit) + " bytes");
   }
@@ -134,8 +146,7 @@ void check_traffic(Findings& findings, const std::string& lcm_url) {
     findings.add(Verdict::kFail,
                  sent ? "messages sent on " + lcm_url + " do not come back"
                       : "the network refuses what is sent on " + lcm_url,
-                 "let UDP multicast through the firewall: sudo iptables -I INPUT -p udp -d "
-                 "239.0.0.0/8 -j ACCEPT (ufw: sudo ufw allow in proto udp to 239.0.0.0/8)");
+                 kOpenFirewall, kFirewallNote);
   }
   std::string names;
   for (const std::string& name : others) names += (names.empty() ? "" : ", ") + name;
@@ -167,9 +178,7 @@ int run_doctor(const DoctorOptions& options) {
     try {
       check_traffic(findings, options.lcm_url);
     } catch (const std::exception& error) {
-      findings.add(Verdict::kFail, error.what(),
-                   "let UDP multicast through the firewall: sudo iptables -I INPUT -p udp -d "
-                   "239.0.0.0/8 -j ACCEPT");
+      findings.add(Verdict::kFail, error.what(), kOpenFirewall, kFirewallNote);
     }
   }
   constexpr const char* kResults[] = {"all is well", "usable, with warnings",

@@ -6,7 +6,7 @@
 
 #include "bus/process.hpp"
 #include "cli/log_survey.hpp"
-#include "io/log_check.hpp"
+#include "io/log_repair.hpp"
 
 namespace orchard::cli {
 namespace {
@@ -106,7 +106,7 @@ int run_log_check(const LogOptions& options) {
 }
 
 int run_log_repair(const LogOptions& options) {
-  const io::LogSummary read = io::repair_log(options.log_path, options.out_path);
+  const io::LogRepair read = io::repair_log(options.log_path, options.out_path);
   for (const io::LogGap& gap : read.gaps) print_gap(options.log_path, gap);
   std::printf("%s: recovered %" PRId64 " messages, lost %" PRIu64 " bytes in %zu places\n",
               options.out_path.c_str(), read.num_events, read.num_lost_bytes, read.gaps.size());

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <variant>
 
-#include "cli/progress_bar.hpp"
+#include "io/progress_bar.hpp"
 #include "io/file_error.hpp"
 
 namespace orchard::cli {
@@ -70,7 +70,7 @@ LogSurvey survey_log(const std::string& path) {
   io::LogReader reader(path);
   LogSurvey survey;
   survey.file_size = reader.file_size();
-  ProgressBar bar("reading " + path);
+  io::ProgressBar bar("reading " + path);
   while (const auto event = reader.next()) {
     count(*event, survey.channels[event->channel]);
     if (survey.num_events == 0) survey.first_timestamp_us = event->timestamp_us;

@@ -10,7 +10,7 @@
 
 #include "bus/in_process_replay.hpp"
 #include "bus/process.hpp"
-#include "cli/progress_bar.hpp"
+#include "io/progress_bar.hpp"
 #include "detector/detector_node.hpp"
 #include "io/config.hpp"
 #include "io/file_error.hpp"
@@ -63,30 +63,14 @@ std::uint64_t num_lost_bytes(const ReplayReport& report) {
 
 std::vector<std::pair<std::string, std::int64_t>> counts_of(const ReplayReport& report,
                                                             Pipeline& pipeline) {
-  std::vector<std::pair<std::string, std::int64_t>> counts{{"events", report.num_events}};
-  for (const bus::ChannelInfo& channel : bus::kChannels) {
-    const std::string name(channel.name);
-    if (num_in(report, channel.channel) > 0) {
-      counts.emplace_back("in_" + name, num_in(report, channel.channel));
-    }
-    if (num_out(report, channel.channel) > 0) {
-      counts.emplace_back("out_" + name, num_out(report, channel.channel));
-    }
-  }
-  for (std::size_t i = 0; i < bus::kNumReasons; ++i) {
-    counts.emplace_back("refused_" + std::string(bus::to_string(static_cast<bus::Reason>(i))),
-                        report.num_rejected[i]);
-  }
-  counts.emplace_back("duplicates", report.num_duplicates);
-  counts.emplace_back("missing_by_seq", report.num_seq_gaps);
-  counts.emplace_back("unknown_channel", report.num_unknown_channel);
-  counts.emplace_back("damaged_places", static_cast<std::int64_t>(report.gaps.size()));
-  counts.emplace_back("damaged_bytes", static_cast<std::int64_t>(num_lost_bytes(report)));
-  for (const bus::Node* node : pipeline.nodes()) {
-    counts.emplace_back(std::string(node->name()) + "_late", node->counts().num_late);
-    counts.emplace_back(std::string(node->name()) + "_unusable", node->counts().num_unusable);
-  }
-  for (auto& [name, value] : counts) std::replace(name.begin(), name.end(), ' ', '_');
+  std::vector<std::pair<std::string, std::int64_t>> counts{
+      {"events", report.num_events},
+      {"unknown_channel", report.num_unknown_channel},
+      {"damaged_places", static_cast<std::int64_t>(report.gaps.size())},
+      {"damaged_bytes", static_cast<std::int64_t>(num_lost_bytes(report))}};
+  const std::vector<bus::Node*> nodes = pipeline.nodes();
+  const auto traffic = bus::named_counts(report, {nodes.begin(), nodes.end()});
+  counts.insert(counts.end(), traffic.begin(), traffic.end());
   return counts;
 }
 
@@ -140,7 +124,7 @@ int run_map(const MapOptions& options) {
   Pipeline pipeline(config);
   io::LogWriter derived(options.out_folder + "/derived.lcm");
 
-  ProgressBar bar("mapping", !options.quiet);
+  io::ProgressBar bar("mapping", !options.quiet);
   bus::ReplayOptions replay;
   replay.strict = options.strict;
   replay.progress = [&](std::uint64_t done, std::uint64_t total) { bar.update(done, total); };

@@ -3,6 +3,7 @@
 
 #include <arpa/inet.h>
 #include <ifaddrs.h>
+#include <linux/rtnetlink.h>
 #include <net/if.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -10,6 +11,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstring>
 #include <fstream>
 #include <memory>
 #include <sstream>
@@ -84,30 +86,41 @@ std::vector<NetworkInterface> network_interfaces() {
 }
 
 std::optional<std::string> route_to(const std::string& address) {
-  // Connecting a UDP socket makes the kernel choose a route, and with it the source address;
-  // the interface is the one that has this address.
-  const int fd = socket(AF_INET, SOCK_DGRAM, 0);
+  struct Request {
+    nlmsghdr header;
+    rtmsg route;
+    rtattr attribute;
+    in_addr destination;
+  } request{};
+  request.header.nlmsg_len = sizeof(request);
+  request.header.nlmsg_type = RTM_GETROUTE;
+  request.header.nlmsg_flags = NLM_F_REQUEST;
+  request.route.rtm_family = AF_INET;
+  request.route.rtm_dst_len = 32;
+  request.attribute.rta_type = RTA_DST;
+  request.attribute.rta_len = RTA_LENGTH(sizeof(request.destination));
+  if (inet_pton(AF_INET, address.c_str(), &request.destination) != 1) return std::nullopt;
+  const int fd = socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE);
   if (fd < 0) return std::nullopt;
-  sockaddr_in destination{};
-  destination.sin_family = AF_INET;
-  destination.sin_port = htons(7667);
-  inet_pton(AF_INET, address.c_str(), &destination.sin_addr);
-  sockaddr_in source{};
-  socklen_t length = sizeof(source);
-  const bool routed =
-      connect(fd, reinterpret_cast<const sockaddr*>(&destination), sizeof(destination)) == 0 &&
-      getsockname(fd, reinterpret_cast<sockaddr*>(&source), &length) == 0;
+  alignas(nlmsghdr) char reply[4096];
+  const bool asked = send(fd, &request, sizeof(request), 0) == sizeof(request);
+  const ssize_t size = asked ? recv(fd, reply, sizeof(reply), 0) : -1;
   close(fd);
-  if (!routed) return std::nullopt;
-  ifaddrs* list = nullptr;
-  if (getifaddrs(&list) != 0) return std::nullopt;
-  const std::unique_ptr<ifaddrs, void (*)(ifaddrs*)> owner(list, freeifaddrs);
-  for (const ifaddrs* entry = list; entry != nullptr; entry = entry->ifa_next) {
-    if (entry->ifa_addr == nullptr || entry->ifa_addr->sa_family != AF_INET) continue;
-    const auto* own = reinterpret_cast<const sockaddr_in*>(entry->ifa_addr);
-    if (own->sin_addr.s_addr == source.sin_addr.s_addr) return entry->ifa_name;
+  const auto* header = reinterpret_cast<const nlmsghdr*>(reply);
+  if (size < static_cast<ssize_t>(sizeof(nlmsghdr)) || header->nlmsg_type != RTM_NEWROUTE ||
+      header->nlmsg_len > static_cast<std::size_t>(size)) {
+    return std::nullopt;  // an error: no route
   }
-  return "unknown";
+  auto* route = static_cast<rtmsg*>(NLMSG_DATA(header));
+  auto left = static_cast<int>(RTM_PAYLOAD(header));
+  for (rtattr* entry = RTM_RTA(route); RTA_OK(entry, left); entry = RTA_NEXT(entry, left)) {
+    if (entry->rta_type != RTA_OIF) continue;
+    unsigned index = 0;
+    std::memcpy(&index, RTA_DATA(entry), sizeof(index));
+    char name[IF_NAMESIZE] = {};
+    if (if_indextoname(index, name) != nullptr) return std::string(name);
+  }
+  return std::nullopt;
 }
 
 std::optional<std::int64_t> receive_buffer_limit() {

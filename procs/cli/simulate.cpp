@@ -9,7 +9,7 @@
 
 #include "bus/codec.hpp"
 #include "bus/process.hpp"
-#include "cli/progress_bar.hpp"
+#include "io/progress_bar.hpp"
 #include "io/config.hpp"
 #include "io/file_error.hpp"
 #include "io/log_writer.hpp"
@@ -27,7 +27,7 @@ bus::Message to_message(const simulation::SensorMessage& sensed) {
 std::int64_t write_log(const SimulateOptions& options, simulation::Simulator& simulator,
                        std::int64_t end_utime, std::int64_t& last_utime) {
   io::LogWriter writer(options.out_path);
-  ProgressBar bar("simulating");
+  io::ProgressBar bar("simulating");
   std::int64_t num_messages = 0;
   while (const auto sensed = simulator.next()) {
     const bus::Message message = to_message(*sensed);

@@ -2,7 +2,6 @@
 #include "log_player/player.hpp"
 
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <cstdio>
@@ -13,6 +12,7 @@
 #include "bus/stop_signal.hpp"
 #include "detector/detector_node.hpp"
 #include "io/log_writer.hpp"
+#include "io/progress_bar.hpp"
 #include "log_player/log_source.hpp"
 #include "log_player/verification.hpp"
 #include "mapper/mapper_node.hpp"
@@ -51,19 +51,6 @@ class Sink {
   std::unique_ptr<Verification> verification_;
 };
 
-/// A bar on a terminal, nothing in a pipe.
-void show_progress(std::uint64_t done, std::uint64_t total) {
-  static const bool on_terminal = isatty(STDERR_FILENO) != 0;
-  static int shown = -1;
-  const int percent = total == 0 ? 100 : static_cast<int>(100 * done / total);
-  if (!on_terminal || percent == shown) return;
-  shown = percent;
-  constexpr int kWidth = 40;
-  const std::string bar(static_cast<std::size_t>(kWidth * percent / 100), '#');
-  std::fprintf(stderr, "\r[%-*s] %3d %%%s", kWidth, bar.c_str(), percent,
-               done == total ? "\n" : "");
-}
-
 void print_report(const bus::ReplayReport& report, double elapsed_s) {
   for (const std::string& warning : report.warnings) spdlog::warn("{}", warning);
   for (const bus::ChannelInfo& channel : bus::kChannels) {
@@ -83,9 +70,10 @@ void print_report(const bus::ReplayReport& report, double elapsed_s) {
   std::printf("\n");
 }
 
-bus::ReplayOptions replay_options(const PlayerOptions& options, Sink& sink) {
+bus::ReplayOptions replay_options(const PlayerOptions& options, Sink& sink,
+                                  io::ProgressBar& bar) {
   bus::ReplayOptions replay = options.replay;
-  replay.progress = show_progress;
+  replay.progress = [&bar](std::uint64_t done, std::uint64_t total) { bar.update(done, total); };
   replay.on_derived = [&sink](bus::Channel channel, std::int64_t utime,
                               const std::vector<std::uint8_t>& bytes) {
     sink.take(channel, utime, bytes);
@@ -95,12 +83,14 @@ bus::ReplayOptions replay_options(const PlayerOptions& options, Sink& sink) {
 
 int play_in_process(const PlayerOptions& options) {
   Sink sink(options);
+  io::ProgressBar bar("replaying");
   const auto start = std::chrono::steady_clock::now();
   DetectorNode detector(options.process.config);
   PoseNode pose(options.process.config);
   MapperNode mapper(options.process.config);
   const bus::ReplayReport report = bus::replay_in_process(
-      options.log_path, {&detector, &pose, &mapper}, replay_options(options, sink));
+      options.log_path, {&detector, &pose, &mapper}, replay_options(options, sink, bar));
+  bar.finish();
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   print_report(report, elapsed.count());
   return sink.finish();
@@ -108,14 +98,16 @@ int play_in_process(const PlayerOptions& options) {
 
 int play_in_lockstep(const PlayerOptions& options) {
   Sink sink(options);
+  io::ProgressBar bar("replaying in lockstep");
   bus::StopSignal stop;
   bus::Bus bus(options.process.config.lcm.url);
   bus::LockstepOptions lockstep;
-  lockstep.replay = replay_options(options, sink);
+  lockstep.replay = replay_options(options, sink, bar);
   lockstep.nodes = options.nodes;
   lockstep.start_timeout_s = options.start_timeout_s;
   lockstep.say = [](const std::string& text) { spdlog::info("{}", text); };
   const bus::LockstepReport report = bus::replay_in_lockstep(options.log_path, bus, stop, lockstep);
+  bar.finish();
   if (report.stopped) {
     spdlog::warn("stopped before the end of the log: nothing is written");
     return bus::kExitOk;

@@ -3,12 +3,13 @@
 #include <string>
 
 #include "bus/process.hpp"
-#include "io/map_folder.hpp"
+#include "mapper/map_saver.hpp"
 #include "mapper/mapper_node.hpp"
 
 int main(int argc, char** argv) {
+  using orchard::procs::MapperNode;
   std::string folder;
-  std::int64_t config_hash = 0;
+  std::unique_ptr<orchard::procs::MapSaver> saver;
   orchard::bus::ProcessInfo info;
   info.name = "orchard-mapper";
   info.description =
@@ -19,20 +20,11 @@ int main(int argc, char** argv) {
   return orchard::bus::run_node_process(
       argc, argv, info,
       [&](const orchard::io::Config& config) -> std::unique_ptr<orchard::bus::Node> {
-        config_hash = orchard::io::config_hash(config);
-        return std::make_unique<orchard::procs::MapperNode>(config);
+        saver = std::make_unique<orchard::procs::MapSaver>(folder,
+                                                           orchard::io::config_hash(config));
+        return std::make_unique<MapperNode>(config);
       },
-      [&](orchard::bus::Node& node, bool) {
-        if (folder.empty()) return;
-        const auto& mapper = dynamic_cast<const orchard::procs::MapperNode&>(node);
-        orchard::io::MapSummary summary;
-        summary.source = "live";
-        summary.config_hash = config_hash;
-        orchard::io::MapFolderContent content = mapper.content(summary);
-        if (!content.trajectory.empty()) {
-          content.summary.first_utime = content.trajectory.front().utime;
-          content.summary.last_utime = content.trajectory.back().utime;
-        }
-        orchard::io::write_map_folder(folder, content);
+      [&](orchard::bus::Node& node, const orchard::bus::SaveRequest& request) {
+        saver->save(dynamic_cast<const MapperNode&>(node), request);
       });
 }

@@ -39,6 +39,9 @@ class MapperNode : public bus::Node {
     return mapper_.landmarks(config_.min_observations);
   }
 
+  /// All of them, however seldom seen.
+  std::size_t num_landmarks() const { return mapper_.num_landmarks(); }
+
  private:
   void release(const bus::Outbox& send);
   void drop_late();

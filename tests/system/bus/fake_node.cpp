@@ -49,7 +49,8 @@ int main(int argc, char** argv) {
     return std::make_unique<Mute>(orchard::bus::testing::make_fake_node(role),
                                   std::atoi(mute_after.c_str()));
   };
-  return orchard::bus::run_node_process(argc, argv, info, make_node, [&](Node&, bool) {
+  const auto save = [&](Node&, const orchard::bus::SaveRequest&) {
     if (!full_disk.empty()) throw std::runtime_error("map.csv: no space left on device");
-  });
+  };
+  return orchard::bus::run_node_process(argc, argv, info, make_node, save);
 }

@@ -6,8 +6,8 @@
 #include <numeric>
 
 #include "io/file_error.hpp"
-#include "io/log_check.hpp"
 #include "io/log_reader.hpp"
+#include "io/log_repair.hpp"
 #include "io/log_writer.hpp"
 #include "test_folder.hpp"
 
@@ -230,27 +230,32 @@ TEST(LogWriter, RefusesWhatCannotBeReadBack) {
   EXPECT_THROW(LogWriter(folder / "no/such/a.lcm"), FileError);
 }
 
-TEST(LogCheck, SummaryAndRepair) {
+TEST(LogRepair, WhatCanBeReadIsCopiedAndNumberedAnew) {
   const TestFolder folder;
-  std::string bad = write_log(folder / "a.lcm");
-  const auto whole = read_text(bad);
+  const std::string good = write_log(folder / "a.lcm");
+  const auto whole = read_text(good);
+  std::string bad = good;
   bad[whole[4].offset] = 0;
   write_bytes(folder / "bad.lcm", bad);
-  const LogSummary summary = repair_log(folder / "bad.lcm", folder / "good.lcm");
-  EXPECT_EQ(summary.num_events, kNumEvents - 1);
-  EXPECT_EQ(summary.num_number_jumps, 1);
-  EXPECT_EQ(summary.num_lost_bytes, whole[5].offset - whole[4].offset);
-  EXPECT_EQ(summary.channels.at("SCAN").num_events, 3);
-  EXPECT_EQ(summary.channels.at("SCAN").first_timestamp_us, 1000);
-  EXPECT_EQ(summary.channels.at("SCAN").last_timestamp_us, 1006);
-  const LogSummary repaired = summarize_log(folder / "good.lcm");
-  EXPECT_EQ(repaired.num_events, kNumEvents - 1);
-  EXPECT_EQ(repaired.num_number_jumps, 0);
-  EXPECT_TRUE(repaired.gaps.empty());
+  const LogRepair repair = repair_log(folder / "bad.lcm", folder / "good.lcm");
+  EXPECT_EQ(repair.num_events, kNumEvents - 1);
+  EXPECT_EQ(repair.num_lost_bytes, whole[5].offset - whole[4].offset);
+  std::vector<LogGap> gaps;
+  const auto events = read_text(read_bytes(folder / "good.lcm"), &gaps);
+  EXPECT_TRUE(gaps.empty());
+  ASSERT_THAT(events, SizeIs(kNumEvents - 1));
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    const int k = static_cast<int>(i) + (i >= 4 ? 1 : 0);
+    EXPECT_EQ(events[i].event_number, static_cast<std::int64_t>(i));
+    EXPECT_EQ(events[i].timestamp_us, 1000 + k);
+    EXPECT_EQ(events[i].channel, channel_of(k));
+    EXPECT_EQ(events[i].data, data_of(k));
+  }
   EXPECT_THROW(repair_log(folder / "a.lcm", folder / "a.lcm"), FileError);
+  const std::string repaired = read_bytes(folder / "good.lcm");
   write_bytes(folder / "text", "no log");
   EXPECT_THROW(repair_log(folder / "text", folder / "good.lcm"), FileError);
-  EXPECT_EQ(summarize_log(folder / "good.lcm").num_events, kNumEvents - 1);
+  EXPECT_EQ(read_bytes(folder / "good.lcm"), repaired);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/progress_bar.hpp"
+#include "io/progress_bar.hpp"
 
 #include <unistd.h>
 
@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <utility>
 
-namespace orchard::cli {
+namespace orchard::io {
 
 ProgressBar::ProgressBar(std::string label, bool enabled)
     : label_(std::move(label)), enabled_(enabled && isatty(STDERR_FILENO) == 1) {}
@@ -34,4 +34,4 @@ void ProgressBar::finish() {
   percent_ = -1;
 }
 
-}  // namespace orchard::cli
+}  // namespace orchard::io

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-namespace orchard::cli {
+namespace orchard::io {
 
 /// A bar on standard error while something long runs: on a terminal only, nothing in a pipe.
 class ProgressBar {
@@ -25,4 +25,4 @@ class ProgressBar {
   int percent_ = -1;
 };
 
-}  // namespace orchard::cli
+}  // namespace orchard::io

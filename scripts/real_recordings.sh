@@ -1,15 +1,17 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Imports and maps every recording folder that is at hand and has a rig in config/; each map in
-# out/real/NAME. The recordings are not part of the repository.
+# out/real/NAME. Where trunks pile up in the raw scans is compared with the map of pullally. The
+# recordings are not part of the repository.
 #   scripts/real_recordings.sh [FOLDER]   the folder of recordings (default ../shared/data)
 # BUILD=DIR uses another build folder than build/.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-case "${1:-}" in -h | --help) sed -n '5s/^# //p' "$0"; exit 0 ;; esac
+case "${1:-}" in -h | --help) sed -n '6s/^# //p' "$0"; exit 0 ;; esac
 data=${1:-../shared/data}
 [ -d "$data" ] || { echo "real_recordings: there is no folder $data" >&2; exit 3; }
 orchard=${BUILD:-build}/bin/orchard
+clear_trees=${BUILD:-build}/bin/orchard_clear_trees  # built with the tests
 [ -x "$orchard" ] || scripts/build.sh
 
 # The rig of urg_geometry_front is config/urg_geometry_front.yaml, urg_front.yaml,
@@ -31,4 +33,7 @@ for folder in "$data"/*/; do
   echo "$name ($rig)"
   "$orchard" map "out/real/$name.lcm" --config "$rig" --out "out/real/$name" |
     head -n 2 | sed 's/^/  /'
+  case $name in
+    pullally_*) [ ! -x "$clear_trees" ] || "$clear_trees" "$folder" "out/real/$name" | sed 's/^/  /' ;;
+  esac
 done | tee out/real/summary.txt

@@ -19,7 +19,7 @@ struct MapperConfig {
   double pose_gap_max_s = 2.0;     ///< poses farther apart are not interpolated between
   int min_observations = 1;        ///< landmarks seen less often are left out of map files
   double refresh_period_s = 2.0;   ///< of message time: between two slow refreshes of MAP
-  double save_period_s = 1.0;      ///< of wall time: between two saves while live
+  double save_period_s = 1.0;      ///< of wall time: between two live saves of map.csv
 };
 
 template <class Visitor>
@@ -49,7 +49,7 @@ void describe(Visitor& v, MapperConfig& c) {
             "landmarks seen less often stay out of map files");
   v.number("refresh_period_s", c.refresh_period_s, 0.05, 3600, "s",
            "message time between two refreshes of the whole map");
-  v.number("save_period_s", c.save_period_s, 0.1, 3600, "s", "wall time between two live saves");
+  v.number("save_period_s", c.save_period_s, 0.1, 3600, "s", "wall time between two live saves of map.csv");
   v.check(c.tree_rate_of_objects < c.tree_rate_of_trees, "tree_rate_of_objects",
           "must be below tree_rate_of_trees");
 }

@@ -32,7 +32,8 @@ int main() {
     return 1;
   }
   const bench::TemporaryFolder folder;
-  const bench::FieldDrive drive = bench::simulate_field_drive(folder.path(""), kDriveS, 10.0, false);
+  const bench::FieldDrive drive =
+      bench::simulate_field_drive(folder.path(""), kDriveS, 10.0, false);
   bench::describe_drive(drive);
   bus::Bus bus(drive.config.lcm.url);
   std::vector<bench::ChildProcess> processes =
@@ -70,7 +71,8 @@ int main() {
   if (!well) std::printf("a process did not end well\n");
   char measured[32];
   std::snprintf(measured, sizeof measured, "%.1f %%", 100.0 * total);
-  const bool met = bench::print_result("CPU of detector, pose and mapper at field rate, of one core",
-                                       measured, "<= 5 %", total <= kTarget);
+  const bool met =
+      bench::print_result("CPU of detector, pose and mapper at field rate, of one core", measured,
+                          "<= 5 %", total <= kTarget);
   return met && well ? 0 : 1;
 }

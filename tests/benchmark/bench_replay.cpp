@@ -123,8 +123,8 @@ void print_shares(const FieldDrive& drive) {
   const auto begin = Clock::now();
   bus::index_log(drive.log_path, {});
   const double index_s = seconds_since(begin);
-  std::printf("  of %.0f ms: reading, checking and sorting the log %.0f ms", 1e3 * replayed.elapsed_s,
-              1e3 * index_s);
+  std::printf("  of %.0f ms: reading, checking and sorting the log %.0f ms",
+              1e3 * replayed.elapsed_s, 1e3 * index_s);
   double known_s = index_s;
   for (const auto& node : timed) {
     const double node_s = static_cast<const TimedNode&>(*node).elapsed_s();
@@ -208,10 +208,10 @@ void bench_lockstep(const FieldDrive& drive, const Replayed& expected,
   met &= bench::print_result("replay in lockstep over multicast", factor_text(factor),
                              ">= " + factor_text(kLockstepTarget), factor >= kLockstepTarget);
   met &= bench::print_result(
-      "lost in lockstep, of " + std::to_string(5 * (total(expected.report.num_in) +
-                                                    total(expected.report.num_out))),
-      std::to_string(num_lost) + " (" + std::to_string(num_resent) + " sent again), derived bytes " +
-          (same ? "as in one process" : "DIFFER"),
+      "lost in lockstep, of " +
+          std::to_string(5 * (total(expected.report.num_in) + total(expected.report.num_out))),
+      std::to_string(num_lost) + " (" + std::to_string(num_resent) +
+          " sent again), derived bytes " + (same ? "as in one process" : "DIFFER"),
       "0", num_lost == 0 && same);
 }
 
@@ -221,8 +221,8 @@ void bench_logplayer(const FieldDrive& drive, const bench::TemporaryFolder& fold
     for (int i = 0; i < 3; ++i) {
       const std::int64_t received =
           bench::count_played(drive.log_path, drive.config.lcm.url, capacity, folder);
-      shares.push_back(1.0 - static_cast<double>(received) /
-                                 static_cast<double>(drive.messages.size()));
+      shares.push_back(1.0 -
+                       static_cast<double>(received) / static_cast<double>(drive.messages.size()));
     }
     char text[64];
     std::snprintf(text, sizeof text, "%.1f %%", 100.0 * bench::median(shares));

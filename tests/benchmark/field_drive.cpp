@@ -32,8 +32,7 @@ FieldDrive simulate_field_drive(const std::string& folder, double duration_s, do
   drive.log_path = folder + "/drive.lcm";
   io::LogWriter writer(drive.log_path);
   while (const auto sensed = simulator.next()) {
-    const bus::Message message =
-        std::visit([](const auto& m) { return bus::Message(m); }, *sensed);
+    const bus::Message message = std::visit([](const auto& m) { return bus::Message(m); }, *sensed);
     const std::int64_t utime = bus::utime_of(message);
     const double time_s = 1e-6 * static_cast<double>(utime - simulation::kEpochUtime);
     if (time_s > duration_s) break;

@@ -9,7 +9,8 @@
 namespace orchard::bench {
 
 /// Plays a log with lcm-logplayer --speed=0 on the URL and returns how many of its messages a plain
-/// LCM subscriber, a process of its own, got. `queue_capacity` is of its subscription; 0 = no limit.
+/// LCM subscriber, a process of its own, got. `queue_capacity` is of its subscription; 0 = no
+/// limit.
 std::int64_t count_played(const std::string& log_path, const std::string& lcm_url,
                           int queue_capacity, const TemporaryFolder& folder);
 

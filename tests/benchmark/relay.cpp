@@ -83,9 +83,7 @@ std::vector<ChildProcess> start_relays(const std::string& lcm_url, const Tempora
   return relays;
 }
 
-bool is_relay(int argc, char** argv) {
-  return argc == 4 && std::strcmp(argv[1], kRelayFlag) == 0;
-}
+bool is_relay(int argc, char** argv) { return argc == 4 && std::strcmp(argv[1], kRelayFlag) == 0; }
 
 int run_relay(char** argv) {
   lcm::LCM lcm(argv[2]);

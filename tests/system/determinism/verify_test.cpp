@@ -29,9 +29,8 @@ class Verify : public CliTest {
       io::LogReader reader(part);
       while (auto event = reader.next()) events_.push_back(std::move(*event));
     }
-    std::stable_sort(events_.begin(), events_.end(), [](const auto& a, const auto& b) {
-      return a.timestamp_us < b.timestamp_us;
-    });
+    std::stable_sort(events_.begin(), events_.end(),
+                     [](const auto& a, const auto& b) { return a.timestamp_us < b.timestamp_us; });
   }
 
   Result verify() {
@@ -40,8 +39,8 @@ class Verify : public CliTest {
       writer.write(event.timestamp_us, event.channel, event.data);
     }
     writer.close();
-    return run({ORCHARD_BUILD_DIR "/bin/orchard-log-player", "--in-process", "--verify",
-                "--config", config(), path("recorded.lcm")});
+    return run({ORCHARD_BUILD_DIR "/bin/orchard-log-player", "--in-process", "--verify", "--config",
+                config(), path("recorded.lcm")});
   }
 
   /// The bytes of the middle message of a channel.
@@ -67,8 +66,8 @@ TEST_F(Verify, OneByteOfDetectionsIsFoundWhereverItStands) {
   const std::vector<std::uint8_t> sound = bytes;
   ASSERT_GT(sound.size(), 40u);
   // in the type's hash, in utime, in seq, in the middle, and the last one
-  for (const std::size_t at : {std::size_t{3}, std::size_t{15}, std::size_t{19}, sound.size() / 2,
-                               sound.size() - 1}) {
+  for (const std::size_t at :
+       {std::size_t{3}, std::size_t{15}, std::size_t{19}, sound.size() / 2, sound.size() - 1}) {
     bytes = sound;
     bytes[at] ^= 1;
     const Result result = verify();

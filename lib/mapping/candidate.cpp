@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/candidate.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace orchard::mapping {
+namespace {
+
+using detection::Detection;
+
+Eigen::Matrix3d matrix_of(const std::array<double, 6>& c) {
+  Eigen::Matrix3d m;
+  m << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+  return m;
+}
+
+/// Covariance in map of a point at `arm` from the robot whose pose has `pose_covariance`.
+Eigen::Matrix2d swept(const Eigen::Matrix3d& pose_covariance, const Eigen::Vector2d& arm) {
+  Eigen::Matrix<double, 2, 3> jacobian;
+  jacobian << 1, 0, -arm.y(), 0, 1, arm.x();
+  return jacobian * pose_covariance * jacobian.transpose();
+}
+
+}  // namespace
+
+std::vector<Candidate> compose(const detection::Detections& detections,
+                               const pose::PoseEstimate& pose, const PoseComposition& composition,
+                               double range_use_max_m) {
+  const Eigen::Vector2d robot(pose.x_m, pose.y_m);
+  const Eigen::Matrix3d pose_covariance = matrix_of(pose.covariance);
+  const double c = std::cos(pose.yaw_rad);
+  const double s = std::sin(pose.yaw_rad);
+  Eigen::Matrix2d rotation;
+  rotation << c, -s, s, c;
+  std::vector<Candidate> candidates;
+  candidates.reserve(detections.trunks.size());
+  for (const Detection& d : detections.trunks) {
+    if (std::hypot(d.centre_x_m, d.centre_y_m) > range_use_max_m) continue;
+    Candidate candidate;
+    candidate.detection = &d;
+    candidate.p_map = composition.apply(d.centre_x_m, d.centre_y_m);
+    if (!candidate.p_map.allFinite() || candidate.p_map.cwiseAbs().maxCoeff() > 1e9) continue;
+    candidate.p_aligned = candidate.p_map;
+    Eigen::Matrix2d own;
+    own << d.covariance[0], d.covariance[1], d.covariance[1], d.covariance[2];
+    own = rotation * own * rotation.transpose();
+    own.diagonal().array() += 1e-6;  // 1 mm: nothing is known better
+    candidate.covariance = own + swept(pose_covariance, candidate.p_map - robot);
+    candidate.aligned_covariance = candidate.covariance;
+    candidates.push_back(candidate);
+  }
+  return candidates;
+}
+
+void align(std::vector<Candidate>& candidates, const pose::PoseEstimate& pose, double kernel_m,
+           const NearestLandmark& nearest) {
+  const Eigen::Vector2d robot(pose.x_m, pose.y_m);
+  const Eigen::Matrix3d pose_covariance = matrix_of(pose.covariance);
+  std::vector<AlignmentPoint> points;
+  for (const Candidate& c : candidates) {
+    if (c.detection->label == detection::Label::kObject) continue;
+    const Eigen::Matrix2d own = c.covariance - swept(pose_covariance, c.p_map - robot);
+    points.push_back({c.p_map, std::sqrt(std::max(1e-8, 0.5 * own.trace()))});
+  }
+  const ScanAlignment alignment = align_scan(points, robot, pose_covariance, kernel_m, nearest);
+  for (Candidate& c : candidates) {
+    const Eigen::Vector2d arm = c.p_map - robot;
+    c.p_aligned = alignment.apply(c.p_map, robot);
+    c.aligned_covariance =
+        c.covariance - swept(pose_covariance, arm) + swept(alignment.covariance, arm);
+  }
+}
+
+}  // namespace orchard::mapping

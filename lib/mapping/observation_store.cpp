@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/observation_store.hpp"
+
+#include <algorithm>
+
+namespace orchard::mapping {
+
+std::int32_t ObservationStore::prepend(Observation observation, std::int32_t head) {
+  observation.scan = last_scan();
+  observation.previous = head;
+  observations_.push_back(observation);
+  return static_cast<std::int32_t>(observations_.size()) - 1;
+}
+
+std::int32_t ObservationStore::join(std::int32_t newer, std::int32_t older) {
+  std::int32_t tail = newer;
+  while (observations_[static_cast<std::size_t>(tail)].previous >= 0) {
+    tail = observations_[static_cast<std::size_t>(tail)].previous;
+  }
+  observations_[static_cast<std::size_t>(tail)].previous = older;
+  return newer;
+}
+
+std::vector<WeightedPoint> ObservationStore::newest(std::int32_t head, std::size_t most) const {
+  std::vector<WeightedPoint> points;
+  for (std::int32_t k = head; k >= 0 && points.size() < most;) {
+    const Observation& o = observations_[static_cast<std::size_t>(k)];
+    const double variance_m2 = std::max(1e-6, static_cast<double>(o.sd_m) * o.sd_m);
+    points.push_back({scans_[static_cast<std::size_t>(o.scan)].apply(o.x_base_m, o.y_base_m),
+                      1.0 / variance_m2});
+    k = o.previous;
+  }
+  return points;
+}
+
+}  // namespace orchard::mapping

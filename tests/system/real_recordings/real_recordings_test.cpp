@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "clear_trees.hpp"
+#include "cli_fixture.hpp"
+#include "io/map_csv.hpp"
+#include "io/recording_folder.hpp"
+
+namespace orchard::test {
+namespace {
+
+const std::string kData = ORCHARD_DATA_DIR;
+
+/// Imports and maps a recording with the `orchard` tool; skips where it is absent.
+class RealRecording : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = testing::TempDir() + "orchard_real_XXXXXX";
+    ASSERT_NE(mkdtemp(folder_.data()), nullptr);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  static bool is_here(const std::string& name) {
+    return cli_test::exists(kData + "/" + name + "/sensors.yaml");
+  }
+
+  std::vector<mapping::Landmark> map_of(const std::string& name, const std::string& rig) const {
+    const std::string log = folder_ + "/" + name + ".lcm";
+    const auto imported = cli_test::orchard({"import", kData + "/" + name, "--out", log});
+    EXPECT_EQ(imported.exit_code, 0) << imported.err;
+    const auto mapped =
+        cli_test::orchard({"map", log, "--config", ORCHARD_SOURCE_DIR "/config/" + rig, "--out",
+                           folder_ + "/map", "--strict"});
+    EXPECT_EQ(mapped.exit_code, 0) << mapped.err;
+    EXPECT_EQ(mapped.err, "");
+    if (mapped.exit_code != 0) return {};
+    return io::read_map_csv(folder_ + "/map/map.csv");
+  }
+
+ private:
+  std::string folder_;
+};
+
+TEST_F(RealRecording, PullallysClearTreesAreOneLandmarkEach) {
+  const std::string name = "pullally_drive_1";
+  if (!is_here(name)) GTEST_SKIP() << "the recording " << name << " is not here";
+  const auto trees = find_clear_trees(io::read_recording_folder(kData + "/" + name));
+  ASSERT_GE(trees.size(), 30u);  // its description says about 34; a few more stand in the hedge
+  const auto comparison = compare(trees, map_of(name, "pullally.yaml"));
+  SCOPED_TRACE(report(trees, comparison));
+  EXPECT_LE(comparison.num_tree_landmarks, 75);
+  EXPECT_GE(comparison.num_with(1), 0.95 * static_cast<double>(trees.size()));
+  EXPECT_EQ(comparison.num_doubled(), 0);
+  EXPECT_LE(comparison.median_distance_m(), 0.1);
+}
+
+TEST_F(RealRecording, KoalasPolesAreMapped) {
+  if (!is_here("koala_poles")) GTEST_SKIP() << "the recording koala_poles is not here";
+  EXPECT_FALSE(map_of("koala_poles", "koala.yaml").empty());
+}
+
+TEST_F(RealRecording, UrgGeometryFrontIsMapped) {
+  const std::string name = "urg_geometry_front";
+  if (!is_here(name)) GTEST_SKIP() << "the recording " << name << " is not here";
+  EXPECT_FALSE(map_of(name, "urg_front.yaml").empty());
+}
+
+TEST_F(RealRecording, UrgGeometryRearIsMapped) {
+  const std::string name = "urg_geometry_rear";
+  if (!is_here(name)) GTEST_SKIP() << "the recording " << name << " is not here";
+  EXPECT_FALSE(map_of(name, "urg_rear.yaml").empty());
+}
+
+}  // namespace
+}  // namespace orchard::test

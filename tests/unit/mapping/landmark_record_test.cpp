@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/landmark_record.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+namespace orchard::mapping {
+namespace {
+
+using detection::Label;
+
+struct Sample {
+  Eigen::Vector2d p_map;
+  double roc = 0.0;
+};
+
+/// Observations of a tree far from the map's origin, spread over some centimetres.
+std::vector<Sample> samples(std::uint64_t seed, int n) {
+  std::mt19937_64 bits(seed);
+  const auto uniform = [&bits] { return static_cast<double>(bits() >> 11) * 0x1p-53; };
+  std::vector<Sample> all;
+  for (int k = 0; k < n; ++k) {
+    const double x_m = 812.0 + 0.06 * uniform();
+    const double y_m = -455.0 + 0.5 * (x_m - 812.0) + 0.03 * uniform();
+    all.push_back({{x_m, y_m}, uniform()});
+  }
+  return all;
+}
+
+LandmarkRecord record_of(const std::vector<Sample>& all, Label label) {
+  LandmarkRecord r;
+  for (const Sample& s : all) {
+    fuse_anchor(r, s.p_map, 1e-3);
+    fuse_width(r, 0.1 + 0.02 * s.roc, 0.01);
+    accumulate(r, s.p_map, s.roc, label, label == Label::kTree ? 0.25 : -0.25);
+    ++r.num_all;
+  }
+  return r;
+}
+
+/// In two passes, as a textbook has it.
+struct TwoPass {
+  explicit TwoPass(const std::vector<Sample>& all) {
+    n = static_cast<double>(all.size());
+    for (const Sample& s : all) mean += s.p_map / n;
+    for (const Sample& s : all) {
+      squares += (s.p_map - mean) * (s.p_map - mean).transpose();
+      roc_sum += s.roc;
+    }
+  }
+  double n = 0.0;
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d squares = Eigen::Matrix2d::Zero();
+  double roc_sum = 0.0;
+};
+
+void expect_statistics(const LandmarkRecord& r, const TwoPass& expected) {
+  EXPECT_EQ(r.num_observations, static_cast<int>(expected.n));
+  EXPECT_NEAR(r.mean_x_m, expected.mean.x(), 1e-9);
+  EXPECT_NEAR(r.mean_y_m, expected.mean.y(), 1e-9);
+  EXPECT_NEAR(r.m2_xx, expected.squares(0, 0), 1e-5 * expected.squares(0, 0));
+  EXPECT_NEAR(r.m2_xy, expected.squares(0, 1), 1e-5 * expected.squares(0, 0));
+  EXPECT_NEAR(r.m2_yy, expected.squares(1, 1), 1e-5 * expected.squares(1, 1));
+  EXPECT_NEAR(r.roc_sum, expected.roc_sum, 1e-9);
+}
+
+std::vector<Sample> both(std::vector<Sample> a, const std::vector<Sample>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+TEST(LandmarkRecord, StandardErrorIsEquation13WithNMinus1) {
+  for (const int n : {2, 3, 5, 8, 200}) {
+    const auto all = samples(static_cast<std::uint64_t>(n), n);
+    const LandmarkRecord r = record_of(all, Label::kTree);
+    double sum_x = 0.0, sum_y = 0.0, square_x = 0.0, square_y = 0.0;
+    for (const Sample& s : all) sum_x += s.p_map.x(), sum_y += s.p_map.y();
+    for (const Sample& s : all) {
+      square_x += std::pow(s.p_map.x() - sum_x / n, 2);
+      square_y += std::pow(s.p_map.y() - sum_y / n, 2);
+    }
+    const double se_x_m = std::sqrt(square_x / (n - 1)) / std::sqrt(n);
+    const double se_y_m = std::sqrt(square_y / (n - 1)) / std::sqrt(n);
+    EXPECT_NEAR(standard_error_m(r).x(), se_x_m, 1e-4 * se_x_m) << n;
+    EXPECT_NEAR(standard_error_m(r).y(), se_y_m, 1e-4 * se_y_m) << n;
+  }
+  EXPECT_EQ(standard_error_m(record_of(samples(1, 1), Label::kTree)).norm(), 0.0);
+}
+
+TEST(LandmarkRecord, AccumulatesAsTwoPassesDo) {
+  const auto all = samples(3, 60);
+  expect_statistics(record_of(all, Label::kTree), TwoPass(all));
+  expect_statistics(record_of(all, Label::kUnseen), TwoPass(all));
+}
+
+TEST(LandmarkRecord, AMergerIsOnePassOverAllObservations) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const auto a = samples(seed, static_cast<int>(1 + seed % 7));
+    const auto b = samples(seed + 100, static_cast<int>(1 + 3 * seed % 11));
+    for (const Label label : {Label::kTree, Label::kUnseen}) {
+      LandmarkRecord merged = record_of(a, label);
+      merge(merged, record_of(b, label));
+      const LandmarkRecord at_once = record_of(both(a, b), label);
+      expect_statistics(merged, TwoPass(both(a, b)));
+      EXPECT_NEAR(merged.anchor_x_m, at_once.anchor_x_m, 1e-6);
+      EXPECT_NEAR(merged.anchor_y_m, at_once.anchor_y_m, 1e-6);
+      EXPECT_NEAR(merged.anchor_information, at_once.anchor_information,
+                  1e-5 * at_once.anchor_information);
+      EXPECT_NEAR(merged.scatter_m2, at_once.scatter_m2, 1e-4 * at_once.scatter_m2 + 1e-9);
+      EXPECT_NEAR(merged.width_m, at_once.width_m, 1e-6);
+      EXPECT_NEAR(merged.log_odds, at_once.log_odds, 1e-5);
+      EXPECT_EQ(merged.num_all, at_once.num_all);
+      EXPECT_EQ(label_of(merged), label);
+    }
+  }
+}
+
+TEST(LandmarkRecord, OfAMergerTheCameraSeenHalfCounts) {
+  const auto seen = samples(1, 4);
+  const auto unseen = samples(2, 9);
+  LandmarkRecord seen_first = record_of(seen, Label::kObject);
+  merge(seen_first, record_of(unseen, Label::kUnseen));
+  LandmarkRecord seen_last = record_of(unseen, Label::kUnseen);
+  merge(seen_last, record_of(seen, Label::kObject));
+  for (const LandmarkRecord& r : {seen_first, seen_last}) {
+    expect_statistics(r, TwoPass(seen));
+    EXPECT_EQ(r.num_all, 13);
+    EXPECT_EQ(label_of(r), Label::kObject);
+  }
+}
+
+TEST(LandmarkRecord, ProbabilityIsBayesOfTheLabels) {
+  LandmarkRecord r;
+  EXPECT_EQ(probability_of_tree(r), 0.5);
+  const double evidence = std::log(0.8 / 0.2);
+  double for_tree = 1.0, for_object = 1.0;
+  for (int k = 0; k < 3; ++k) {
+    accumulate(r, {0.0, 0.0}, 0.9, Label::kTree, evidence);
+    for_tree *= 0.8;
+    for_object *= 0.2;
+  }
+  EXPECT_NEAR(probability_of_tree(r), for_tree / (for_tree + for_object), 1e-6);
+  for (int k = 0; k < 1000; ++k) accumulate(r, {0.0, 0.0}, 0.9, Label::kTree, evidence);
+  EXPECT_EQ(r.log_odds, 30.0f);
+}
+
+}  // namespace
+}  // namespace orchard::mapping

@@ -88,20 +88,14 @@ bool fits_camera(const vision::Image& image, const Rig& rig) {
 
 }  // namespace
 
-DetectResult detect(const laser::Scan& scan, const vision::Image* image, const Rig& rig,
-                    const std::optional<Motion>& motion) {
+LaserFindings find_by_laser(const laser::Scan& scan, const Rig& rig) {
   const DetectorConfig& config = rig.detector;
-  DetectResult result;
-  result.detections.utime = scan.utime;
-  result.detections.image_utime = rig.has_camera && image ? image->utime : 0;
-  std::vector<Detection>& trunks = result.detections.trunks;
-
+  LaserFindings findings;
+  findings.detections.utime = scan.utime;
+  std::vector<Detection>& trunks = findings.detections.trunks;
   const auto segments = laser::segment(scan, config.segmentation, config.width);
-  std::vector<std::optional<TrunkView>> views(segments.size());
-  vision::PixelRect reading;
   trunks.reserve(segments.size());
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    const laser::Segment& segment = segments[i];
+  for (const laser::Segment& segment : segments) {
     const double roc_laser = laser::roc_laser(segment.width_m, segment.range_m,
                                               scan.bearing_step_rad, config.width);
     const LaserVerdict verdict = judge_by_laser(segment, roc_laser, rig);
@@ -112,11 +106,28 @@ DetectResult detect(const laser::Scan& scan, const vision::Image* image, const R
     } else if (verdict == LaserVerdict::kObject) {
       trunks.back().label = Label::kObject;
       trunks.back().roc_tree = static_cast<float>(fuse_tree(roc_laser, 0.0, config.laser_weight));
-    } else if (image) {
-      const double dt_s = 1e-6 * static_cast<double>(image->utime - trunks.back().utime);
-      views[i] = view_of(segment, rig, motion, dt_s);
-      if (views[i]) reading = vision::bounding(reading, reading_area(*views[i], rig));
+    } else {
+      findings.candidates.push_back({trunks.size() - 1, segment});
     }
+  }
+  return findings;
+}
+
+DetectResult judge_by_camera(LaserFindings findings, const vision::Image* image, const Rig& rig,
+                             const std::optional<Motion>& motion) {
+  DetectResult result;
+  result.detections = std::move(findings.detections);
+  if (!rig.has_camera || !image) return result;
+  result.detections.image_utime = image->utime;
+  std::vector<Detection>& trunks = result.detections.trunks;
+
+  std::vector<std::optional<TrunkView>> views(findings.candidates.size());
+  vision::PixelRect reading;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const Candidate& candidate = findings.candidates[i];
+    const double dt_s = 1e-6 * static_cast<double>(image->utime - trunks[candidate.index].utime);
+    views[i] = view_of(candidate.segment, rig, motion, dt_s);
+    if (views[i]) reading = vision::bounding(reading, reading_area(*views[i], rig));
   }
   if (reading.empty()) return result;
 
@@ -124,13 +135,19 @@ DetectResult detect(const laser::Scan& scan, const vision::Image* image, const R
   result.image_unusable = !pixels.has_value();
   if (!pixels) return result;
   Picture picture{std::move(*pixels), std::nullopt};
-  for (std::size_t i = 0; i < trunks.size(); ++i) {
+  for (std::size_t i = 0; i < views.size(); ++i) {
     if (!views[i]) continue;
-    const double roc_vision = judge_by_vision(trunks[i], *views[i], picture, rig);
-    trunks[i].roc_vision = static_cast<float>(roc_vision);
-    decide(trunks[i], fuse_tree(trunks[i].roc_laser, roc_vision, config.laser_weight), rig);
+    Detection& d = trunks[findings.candidates[i].index];
+    const double roc_vision = judge_by_vision(d, *views[i], picture, rig);
+    d.roc_vision = static_cast<float>(roc_vision);
+    decide(d, fuse_tree(d.roc_laser, roc_vision, rig.detector.laser_weight), rig);
   }
   return result;
+}
+
+DetectResult detect(const laser::Scan& scan, const vision::Image* image, const Rig& rig,
+                    const std::optional<Motion>& motion) {
+  return judge_by_camera(find_by_laser(scan, rig), image, rig, motion);
 }
 
 }  // namespace orchard::detection

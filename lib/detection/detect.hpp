@@ -1,21 +1,43 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <vector>
 
 #include "detection/detection.hpp"
 #include "detection/motion.hpp"
 #include "detection/rig.hpp"
 #include "laser/scan.hpp"
+#include "laser/segment.hpp"
 #include "vision/image.hpp"
 
 namespace orchard::detection {
+
+/// An object that the laser takes for a possible trunk, so that the camera must look at it.
+struct Candidate {
+  std::size_t index = 0;  ///< into LaserFindings::detections.trunks
+  laser::Segment segment;
+};
+
+/// What the laser alone shows: all that can be known of a scan before its picture is there.
+struct LaserFindings {
+  Detections detections;               ///< candidates are UNSEEN still
+  std::vector<Candidate> candidates;   ///< none of a rig without a camera
+};
 
 /// What a scan and its picture show.
 struct DetectResult {
   Detections detections;        ///< seq is left 0: the sender's
   bool image_unusable = false;  ///< needed, but did not decode or of another size
 };
+
+/// The laser's half of the detector: segment, width. A rig without a camera needs no other.
+LaserFindings find_by_laser(const laser::Scan& scan, const Rig& rig);
+
+/// The camera's half: project, colour, edges, fuse. `image` and `motion` as in detect().
+DetectResult judge_by_camera(LaserFindings findings, const vision::Image* image, const Rig& rig,
+                             const std::optional<Motion>& motion = std::nullopt);
 
 /// The paper's detector: segment, width, project, colour, edges, fuse. `image` may be null.
 ///

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "vision/block_view.hpp"
+#include "vision/canny.hpp"
 #include "vision/line_fit.hpp"
 
 namespace orchard::vision {
@@ -68,13 +69,10 @@ PixelRect edge_reading_area(const PixelRect& window, const PixelRect& picture,
 EdgeMap edge_map(const PixelBlock& pixels, const EdgeConfig& config) {
   EdgeMap map;
   map.area = pixels.area;
-  map.edges.resize(static_cast<std::size_t>(map.area.width_px) *
-                   static_cast<std::size_t>(map.area.height_px));
   cv::Mat grey;
   cv::cvtColor(view_of(pixels, pixels.area), grey, cv::COLOR_BGR2GRAY);
   if (config.median_size_px > 1) cv::medianBlur(grey, grey, config.median_size_px);
-  cv::Mat edges(map.area.height_px, map.area.width_px, CV_8UC1, map.edges.data());
-  cv::Canny(grey, edges, config.canny_low, config.canny_high);
+  map.edges = canny(grey.data, grey.cols, grey.rows, config.canny_low, config.canny_high);
   return map;
 }
 

@@ -2,10 +2,7 @@
 #include "detector/detector_node.hpp"
 
 #include <cstdio>
-#include <opencv2/core/utility.hpp>
 #include <utility>
-
-#include "detection/detect.hpp"
 
 namespace orchard::procs {
 
@@ -23,7 +20,8 @@ std::vector<bus::Channel> DetectorNode::inputs() const {
 void DetectorNode::handle(const bus::Message& input, const bus::Outbox& send) {
   std::vector<detection::ScanImagePair> pairs;
   if (const auto* scan = std::get_if<laser::Scan>(&input)) {
-    if (!rig_.has_camera) return send_detections({*scan, nullptr, std::nullopt}, send);
+    if (!rig_.has_camera) return send_result(detection::detect(*scan, nullptr, rig_), send);
+    findings_.push_back(detection::find_by_laser(*scan, rig_));
     pairs = pairer_.add(*scan);
   } else if (const auto* image = std::get_if<vision::Image>(&input)) {
     if (rig_.has_camera) pairs = pairer_.add(*image);
@@ -51,8 +49,13 @@ std::string DetectorNode::waiting_for() const {
 }
 
 void DetectorNode::send_detections(const detection::ScanImagePair& pair, const bus::Outbox& send) {
-  detection::DetectResult result =
-      detection::detect(pair.scan, pair.image.get(), rig_, pair.motion);
+  detection::LaserFindings findings = std::move(findings_.front());
+  findings_.pop_front();
+  send_result(
+      detection::judge_by_camera(std::move(findings), pair.image.get(), rig_, pair.motion), send);
+}
+
+void DetectorNode::send_result(detection::DetectResult result, const bus::Outbox& send) {
   if (result.image_unusable) ++num_unusable_;
   result.detections.seq = next_seq_++;
   send(std::move(result.detections));

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <deque>
+
 #include "bus/node.hpp"
+#include "detection/detect.hpp"
 #include "detection/rig.hpp"
 #include "detection/scan_image_pairer.hpp"
 #include "io/config.hpp"
@@ -10,7 +13,8 @@ namespace orchard::procs {
 
 /// SCAN and IMAGE in, DETECTIONS out: one message per scan, in order of the scans.
 ///
-/// A rig without a camera answers each scan at once. With a camera a scan waits for its picture;
+/// A rig without a camera answers each scan at once. With a camera a scan is cut into objects as it
+/// comes, so that less is left to do once its picture is there, and waits for its picture;
 /// without one in time its trunk candidates are UNSEEN. With detector.use_odometry it waits for the
 /// ODOMETRY at the picture's time too, to account for the motion between the two.
 class DetectorNode : public bus::Node {
@@ -26,9 +30,11 @@ class DetectorNode : public bus::Node {
 
  private:
   void send_detections(const detection::ScanImagePair& pair, const bus::Outbox& send);
+  void send_result(detection::DetectResult result, const bus::Outbox& send);
 
   detection::Rig rig_;
   detection::ScanImagePairer pairer_;
+  std::deque<detection::LaserFindings> findings_;  ///< of the scans in pairer_, in its order
   std::int32_t next_seq_ = 0;
   std::int64_t num_unusable_ = 0;
 };

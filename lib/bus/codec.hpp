@@ -15,14 +15,14 @@ namespace orchard::bus {
 
 /// Why bytes from outside were refused; counted by reason.
 enum class Reason : std::int8_t {
-  kTooShort,       ///< smaller than the smallest message of its type
-  kTooLarge,       ///< beyond the size limit of its channel
-  kWrongType,      ///< another type's hash, or an old version of this one
-  kBadCount,       ///< an array count that is negative or does not fit the bytes that follow
-  kUndecodable,    ///< the generated decoder failed, threw, or left bytes over
-  kNotFinite,      ///< NaN or infinity where a number is needed
-  kOutOfRange,     ///< a value that cannot be (negative width, 400 degrees of latitude)
-  kInconsistent,   ///< contradicts its own sizes (pixels, intensities)
+  kTooShort,      ///< smaller than the smallest message of its type
+  kTooLarge,      ///< beyond the size limit of its channel
+  kWrongType,     ///< another type's hash, or an old version of this one
+  kBadCount,      ///< an array count that is negative or does not fit the bytes that follow
+  kUndecodable,   ///< the generated decoder failed, threw, or left bytes over
+  kNotFinite,     ///< NaN or infinity where a number is needed
+  kOutOfRange,    ///< a value that cannot be (negative width, 400 degrees of latitude)
+  kInconsistent,  ///< contradicts its own sizes (pixels, intensities)
 };
 inline constexpr std::size_t kNumReasons = 8;
 std::string_view to_string(Reason reason);

@@ -16,8 +16,8 @@ using Outbox = std::function<void(Message)>;
 
 /// Inputs a node had to set aside, and why; the host reports them in STATUS and summary.json.
 struct NodeCounts {
-  std::int64_t num_late = 0;       ///< came after what they belong to was decided
-  std::int64_t num_unusable = 0;   ///< well-formed, but of no use (a picture that does not decode)
+  std::int64_t num_late = 0;      ///< came after what they belong to was decided
+  std::int64_t num_unusable = 0;  ///< well-formed, but of no use (a picture that does not decode)
 };
 
 /// One role of the system (detector, pose, mapper): a pure function of its configuration and the

@@ -56,7 +56,8 @@ int run_node_process(int argc, char** argv, ProcessInfo info,
                      const SaveHook& save = {});
 
 /// Runs one driver as a process: the same, publishing what the source gives at its pace (--speed).
-int run_driver_process(int argc, char** argv, ProcessInfo info,
-                       const std::function<std::unique_ptr<Source>(const io::Config&)>& make_source);
+int run_driver_process(
+    int argc, char** argv, ProcessInfo info,
+    const std::function<std::unique_ptr<Source>(const io::Config&)>& make_source);
 
 }  // namespace orchard::bus

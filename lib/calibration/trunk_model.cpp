@@ -124,10 +124,9 @@ void measure_width(const std::vector<TrunkObservation>& looks, std::vector<std::
   const double middle_m = median(widths_m);
   for (const double width_m : widths_m) deviations_m.push_back(std::abs(width_m - middle_m));
   const double limit_m = std::max(kOutlier * kMadToSd * median(deviations_m), 0.05 * middle_m);
-  used.erase(std::remove_if(used.begin(), used.end(),
-                            [&](std::size_t i) {
-                              return std::abs(looks[i].width_m - middle_m) > limit_m;
-                            }),
+  used.erase(std::remove_if(
+                 used.begin(), used.end(),
+                 [&](std::size_t i) { return std::abs(looks[i].width_m - middle_m) > limit_m; }),
              used.end());
   const auto n = static_cast<double>(used.size());
   double sum_m = 0.0, squares_m2 = 0.0;

@@ -10,36 +10,36 @@ namespace orchard::calibration {
 
 /// How trunks are told apart and from the rest.
 struct TrunkModelOptions {
-  int wanted_trunks = 20;         ///< fewer give a warning
-  int min_observations = 3;       ///< of a thing that may be a trunk
-  double gate_m = 0.3;            ///< farther looks are at another thing
-  double width_spread = 0.25;     ///< trunks differ by at most this fraction from the typical one
-  double hue_spread_deg = 20.0;   ///< and by at most this much in their dominant hue
-  double hue_tail = 0.02;         ///< share of coloured pixels left out at each end
-  double hue_margin_deg = 2.0;    ///< beyond the rest
-  int hue_bins = 36;              ///< for dominant hues
+  int wanted_trunks = 20;        ///< fewer give a warning
+  int min_observations = 3;      ///< of a thing that may be a trunk
+  double gate_m = 0.3;           ///< farther looks are at another thing
+  double width_spread = 0.25;    ///< trunks differ by at most this fraction from the typical one
+  double hue_spread_deg = 20.0;  ///< and by at most this much in their dominant hue
+  double hue_tail = 0.02;        ///< share of coloured pixels left out at each end
+  double hue_margin_deg = 2.0;   ///< beyond the rest
+  int hue_bins = 36;             ///< for dominant hues
 };
 
 /// One thing that was seen several times.
 struct ThingSeen {
   int log = 0;
-  double x_m = 0.0;             ///< mean, or last seen when there were no poses
+  double x_m = 0.0;  ///< mean, or last seen when there were no poses
   double y_m = 0.0;
   int num_observations = 0;
   double median_width_m = 0.0;
   double dominant_hue_deg = 0.0;
-  bool is_trunk = false;        ///< belongs to the dominant population
+  bool is_trunk = false;  ///< belongs to the dominant population
 };
 
 /// What trunks are like, as eqs. 9, 10 and figure 8 need it.
 struct TrunkModel {
   double width_mean_m = 0.0;
-  double width_sd_m = 0.0;      ///< of single looks: the trunks' own scatter and the scanner's
+  double width_sd_m = 0.0;  ///< of single looks: the trunks' own scatter and the scanner's
   bool has_hue = false;
-  double hue_min_deg = 0.0;     ///< circular interval, may wrap through red
+  double hue_min_deg = 0.0;  ///< circular interval, may wrap through red
   double hue_max_deg = 0.0;
   int num_trunks = 0;
-  int num_observations = 0;     ///< looks at them that were used
+  int num_observations = 0;       ///< looks at them that were used
   std::vector<ThingSeen> things;  ///< all, in order of log and first sight
   std::vector<std::string> warnings;
 };

@@ -13,13 +13,13 @@ namespace orchard::calibration {
 
 /// One look at something that stands alone: no model of trunks has judged it yet.
 struct TrunkObservation {
-  int log = 0;              ///< which of several logs it is from
-  std::int64_t utime = 0;   ///< of the scan [us]
-  double x_m = 0.0;         ///< of its centre, in map when in_map, else in base
+  int log = 0;             ///< which of several logs it is from
+  std::int64_t utime = 0;  ///< of the scan [us]
+  double x_m = 0.0;        ///< of its centre, in map when in_map, else in base
   double y_m = 0.0;
   bool in_map = false;
-  double width_m = 0.0;     ///< as the rig's width mode measures it
-  vision::HueHistogram hues;   ///< of its colour window; num_pixels is 0 without a camera
+  double width_m = 0.0;       ///< as the rig's width mode measures it
+  vision::HueHistogram hues;  ///< of its colour window; num_pixels is 0 without a camera
 };
 
 /// Everything of a scan that can teach a trunk model: not hidden, of at least `min_beams`, and in

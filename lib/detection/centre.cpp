@@ -38,10 +38,10 @@ void place_in_base(Detection& detection, const laser::Segment& segment, const la
   detection.centre_x_m = mount.mount_x_m + centre_range_m * c;
   detection.centre_y_m = mount.mount_y_m + centre_range_m * s;
 
-  const double along_m2 = (square(mount.range_sd_m) +
-                           square(mount.range_sd_fraction * segment.range_m)) /
-                              std::max(segment.num_beams, 1) +
-                          0.25 * diameter.variance_m2;
+  const double along_m2 =
+      (square(mount.range_sd_m) + square(mount.range_sd_fraction * segment.range_m)) /
+          std::max(segment.num_beams, 1) +
+      0.25 * diameter.variance_m2;
   // Each side of an object may lie anywhere within one beam step; the middle is their mean. A
   // hidden side may lie anywhere within the trunk.
   double across_m2 = square(centre_range_m * scan.bearing_step_rad) / 12.0;

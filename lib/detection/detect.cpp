@@ -34,8 +34,8 @@ LaserVerdict judge_by_laser(const laser::Segment& segment, double roc_laser, con
 Detection laser_detection(const laser::Segment& segment, const laser::Scan& scan, double roc_laser,
                           LaserVerdict verdict, const Rig& rig) {
   Detection d;
-  d.utime = scan.utime +
-            std::llround(static_cast<double>(segment.middle_beam) * scan.beam_period_us);
+  d.utime =
+      scan.utime + std::llround(static_cast<double>(segment.middle_beam) * scan.beam_period_us);
   d.range_m = segment.range_m;
   d.bearing_rad = segment.bearing_rad;
   d.width_m = segment.width_m;
@@ -63,8 +63,7 @@ double judge_by_vision(Detection& d, const TrunkView& view, Picture& picture, co
   if (!colour.passed) return 0.0;
 
   if (!picture.edges) picture.edges = vision::edge_map(picture.pixels, config.edges);
-  const auto left =
-      vision::find_edge(*picture.edges, view.left_edge, view.left_x_px, config.edges);
+  const auto left = vision::find_edge(*picture.edges, view.left_edge, view.left_x_px, config.edges);
   const auto right =
       vision::find_edge(*picture.edges, view.right_edge, view.right_x_px, config.edges);
   const double parallel = vision::parallel_confidence(left, right, config.edges);
@@ -96,8 +95,8 @@ LaserFindings find_by_laser(const laser::Scan& scan, const Rig& rig) {
   const auto segments = laser::segment(scan, config.segmentation, config.width);
   trunks.reserve(segments.size());
   for (const laser::Segment& segment : segments) {
-    const double roc_laser = laser::roc_laser(segment.width_m, segment.range_m,
-                                              scan.bearing_step_rad, config.width);
+    const double roc_laser =
+        laser::roc_laser(segment.width_m, segment.range_m, scan.bearing_step_rad, config.width);
     const LaserVerdict verdict = judge_by_laser(segment, roc_laser, rig);
     trunks.push_back(laser_detection(segment, scan, roc_laser, verdict, rig));
     if (verdict == LaserVerdict::kHidden) continue;

@@ -22,8 +22,8 @@ struct Candidate {
 
 /// What the laser alone shows: all that can be known of a scan before its picture is there.
 struct LaserFindings {
-  Detections detections;               ///< candidates are UNSEEN still
-  std::vector<Candidate> candidates;   ///< none of a rig without a camera
+  Detections detections;              ///< candidates are UNSEEN still
+  std::vector<Candidate> candidates;  ///< none of a rig without a camera
 };
 
 /// What a scan and its picture show.

@@ -14,17 +14,17 @@ enum Occlusion : std::int8_t { kOccludedRight = 1, kOccludedLeft = 2 };
 
 /// One object that a scan, and perhaps an image, showed.
 struct Detection {
-  std::int64_t utime = 0;       ///< of its middle beam [us]
-  double range_m = 0.0;         ///< laser frame, to the surface at bearing_rad
-  double bearing_rad = 0.0;     ///< laser frame, of its middle
-  double surface_x_m = 0.0;     ///< base frame
+  std::int64_t utime = 0;    ///< of its middle beam [us]
+  double range_m = 0.0;      ///< laser frame, to the surface at bearing_rad
+  double bearing_rad = 0.0;  ///< laser frame, of its middle
+  double surface_x_m = 0.0;  ///< base frame
   double surface_y_m = 0.0;
-  double centre_x_m = 0.0;      ///< base frame: the trunk's axis
+  double centre_x_m = 0.0;  ///< base frame: the trunk's axis
   double centre_y_m = 0.0;
   std::array<double, 3> covariance{};  ///< of the centre in base: xx xy yy [m2]
   double width_m = 0.0;
   double width_sd_m = 0.0;
-  float roc_laser = 0.0f;       ///< each roc in [0, 1]; 0 when its stage was not reached
+  float roc_laser = 0.0f;  ///< each roc in [0, 1]; 0 when its stage was not reached
   float roc_colour = 0.0f;
   float roc_left_edge = 0.0f;
   float roc_right_edge = 0.0f;
@@ -34,12 +34,12 @@ struct Detection {
   float roc_tree = 0.0f;
   std::int32_t num_beams = 0;
   Label label = Label::kUnseen;
-  std::int8_t occlusion = 0;    ///< bits of Occlusion
+  std::int8_t occlusion = 0;  ///< bits of Occlusion
 };
 
 /// Every object of one scan in order of bearing.
 struct Detections {
-  std::int64_t utime = 0;        ///< of the scan [us]
+  std::int64_t utime = 0;  ///< of the scan [us]
   std::int32_t seq = 0;
   std::int64_t image_utime = 0;  ///< of the picture it was paired with; 0 = none
   std::vector<Detection> trunks;

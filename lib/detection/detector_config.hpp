@@ -15,11 +15,11 @@ struct DetectorConfig {
   vision::ColourConfig colour;
   vision::EdgeConfig edges;
   double roc_laser_threshold = 0.011108996538242306;  ///< exp(-4.5): 3 sigma. The paper's ROC_th
-  double colour_weight = 0.6;    ///< roc_vision = w colour + (1 - w) edges
-  double laser_weight = 0.5;     ///< roc_tree = w laser + (1 - w) vision
-  double tree_threshold = 0.6;   ///< TREE from this roc_tree on
+  double colour_weight = 0.6;                         ///< roc_vision = w colour + (1 - w) edges
+  double laser_weight = 0.5;                          ///< roc_tree = w laser + (1 - w) vision
+  double tree_threshold = 0.6;                        ///< TREE from this roc_tree on
   double pairing_tolerance_s = 0.06;  ///< a picture farther in time than this is not a pair
-  double image_wait_s = 0.25;    ///< of message time: how long a scan waits for pictures
+  double image_wait_s = 0.25;         ///< of message time: how long a scan waits for pictures
   /// Points move on by ODOMETRY from their beam's time to the picture's; scans then wait for it.
   bool use_odometry = false;
 };

@@ -13,8 +13,11 @@ namespace orchard::detection {
 struct Rig {
   Rig(const laser::LaserConfig& laser_config, const geometry::CameraConfig& camera_config,
       const DetectorConfig& detector_config)
-      : laser(laser_config), has_camera(camera_config.enabled), camera(camera_config.intrinsics),
-        T_camera_laser(camera_config.extrinsics), detector(detector_config) {}
+      : laser(laser_config),
+        has_camera(camera_config.enabled),
+        camera(camera_config.intrinsics),
+        T_camera_laser(camera_config.extrinsics),
+        detector(detector_config) {}
 
   laser::LaserConfig laser;
   bool has_camera = true;

@@ -20,7 +20,8 @@ std::int64_t microseconds(double seconds) { return std::llround(seconds * 1e6); 
 }  // namespace
 
 ScanImagePairer::ScanImagePairer(double tolerance_s, double wait_s, bool with_motion)
-    : tolerance_us_(microseconds(tolerance_s)), wait_us_(microseconds(wait_s)),
+    : tolerance_us_(microseconds(tolerance_s)),
+      wait_us_(microseconds(wait_s)),
       with_motion_(with_motion) {}
 
 std::vector<ScanImagePair> ScanImagePairer::add(laser::Scan scan) {
@@ -36,9 +37,9 @@ std::vector<ScanImagePair> ScanImagePairer::add(vision::Image image) {
     ++num_late_;
   }
   auto kept = std::make_shared<const vision::Image>(std::move(image));
-  const auto after = std::upper_bound(
-      images_.begin(), images_.end(), kept->utime,
-      [](std::int64_t utime, const auto& other) { return utime < other->utime; });
+  const auto after =
+      std::upper_bound(images_.begin(), images_.end(), kept->utime,
+                       [](std::int64_t utime, const auto& other) { return utime < other->utime; });
   images_.insert(after, std::move(kept));
   std::vector<ScanImagePair> pairs = release();
   forget_old();
@@ -48,9 +49,9 @@ std::vector<ScanImagePair> ScanImagePairer::add(vision::Image image) {
 std::vector<ScanImagePair> ScanImagePairer::add(const Motion& motion) {
   if (!with_motion_) return {};
   newest_utime_ = std::max(newest_utime_, motion.utime);
-  const auto after = std::upper_bound(
-      motions_.begin(), motions_.end(), motion.utime,
-      [](std::int64_t utime, const Motion& other) { return utime < other.utime; });
+  const auto after =
+      std::upper_bound(motions_.begin(), motions_.end(), motion.utime,
+                       [](std::int64_t utime, const Motion& other) { return utime < other.utime; });
   motions_.insert(after, motion);
   std::vector<ScanImagePair> pairs = release();
   forget_old();
@@ -122,12 +123,11 @@ void ScanImagePairer::forget_old() {
   const std::int64_t oldest_scan_utime =
       scans_.empty() ? newest_utime_ : std::min(newest_utime_, scans_.front().utime);
   const std::int64_t horizon = oldest_scan_utime - wait_us_ - tolerance_us_;
-  while (!images_.empty() &&
-         (images_.front()->utime < horizon || images_.size() > kMaxImages)) {
+  while (!images_.empty() && (images_.front()->utime < horizon || images_.size() > kMaxImages)) {
     images_.pop_front();
   }
-  while (!motions_.empty() && (motions_.front().utime < horizon - kMotionAgeMax_us ||
-                               motions_.size() > kMaxMotions)) {
+  while (!motions_.empty() &&
+         (motions_.front().utime < horizon - kMotionAgeMax_us || motions_.size() > kMaxMotions)) {
     motions_.pop_front();
   }
 }

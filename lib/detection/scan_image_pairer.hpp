@@ -56,7 +56,7 @@ class ScanImagePairer {
   std::int64_t wait_us_;
   std::deque<laser::Scan> scans_;                            ///< waiting, in order of arrival
   std::deque<std::shared_ptr<const vision::Image>> images_;  ///< kept, in order of utime
-  std::int64_t newest_utime_ = INT64_MIN;        ///< of any message
+  std::int64_t newest_utime_ = INT64_MIN;                    ///< of any message
   std::int64_t newest_image_utime_ = INT64_MIN;
   std::int64_t timed_out_scan_utime_ = INT64_MIN;  ///< newest scan decided without waiting longer
   std::int64_t num_late_ = 0;

@@ -12,10 +12,10 @@ namespace orchard::detection {
 
 /// Where a laser segment stands in the picture, and the windows to look at.
 struct TrunkView {
-  vision::PixelRect centre;      ///< colour window around the middle
-  vision::PixelRect left_edge;   ///< edge windows around P_start and P_end
+  vision::PixelRect centre;     ///< colour window around the middle
+  vision::PixelRect left_edge;  ///< edge windows around P_start and P_end
   vision::PixelRect right_edge;
-  double left_x_px = 0.0;        ///< columns at which the laser expects the edges
+  double left_x_px = 0.0;  ///< columns at which the laser expects the edges
   double right_x_px = 0.0;
 };
 

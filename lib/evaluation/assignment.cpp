@@ -125,8 +125,8 @@ std::vector<std::size_t> hungarian(const Matrix& cost) {
   return column_of;
 }
 
-void assign_cluster(const std::vector<Point>& truth, const std::vector<Point>& found,
-                    double gate_m, const Cluster& cluster, Assignment& assignment) {
+void assign_cluster(const std::vector<Point>& truth, const std::vector<Point>& found, double gate_m,
+                    const Cluster& cluster, Assignment& assignment) {
   const bool truth_is_rows = cluster.truth.size() <= cluster.found.size();
   const auto& rows = truth_is_rows ? cluster.truth : cluster.found;
   const auto& columns = truth_is_rows ? cluster.found : cluster.truth;

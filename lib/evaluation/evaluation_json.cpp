@@ -27,12 +27,9 @@ ordered_json landmark_json(const mapping::Landmark& landmark) {
 }
 
 ordered_json object_json(const EvaluatedObject& object) {
-  ordered_json json{{"name", object.truth.name},
-                    {"class", class_name(object.truth.label)},
-                    {"x_m", object.truth.x_m},
-                    {"y_m", object.truth.y_m},
-                    {"width_m", object.truth.width_m},
-                    {"found", object.landmark.has_value()}};
+  ordered_json json{{"name", object.truth.name},       {"class", class_name(object.truth.label)},
+                    {"x_m", object.truth.x_m},         {"y_m", object.truth.y_m},
+                    {"width_m", object.truth.width_m}, {"found", object.landmark.has_value()}};
   if (object.landmark) {
     json["landmark"] = landmark_json(*object.landmark);
     json["error_x_m"] = object.error_x_m;

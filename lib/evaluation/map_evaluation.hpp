@@ -17,7 +17,7 @@ struct EvaluatedObject {
   std::optional<mapping::Landmark> landmark;
   double error_x_m = 0.0;  ///< landmark minus truth; 0 when missed
   double error_y_m = 0.0;
-  double error_m = 0.0;    ///< length of the two
+  double error_m = 0.0;  ///< length of the two
 
   /// Found, and with the class that it has.
   bool right_class() const { return landmark && landmark->label == truth.label; }
@@ -34,16 +34,16 @@ struct ErrorSummary {
 /// A map against the truth.
 struct MapEvaluation {
   double gate_m = 0.0;
-  std::vector<EvaluatedObject> objects;    ///< in the truth's order
-  std::vector<mapping::Landmark> extra;    ///< landmarks that stand for nothing, in order of id
+  std::vector<EvaluatedObject> objects;  ///< in the truth's order
+  std::vector<mapping::Landmark> extra;  ///< landmarks that stand for nothing, in order of id
   /// confusion[truth][map], both indexed by detection::Label (kUnseen 0, kTree 1, kObject 2);
   /// matched ones only, so row kUnseen is empty.
   std::array<std::array<int, 3>, 3> confusion{};
-  int num_trees = 0;            ///< of the truth
+  int num_trees = 0;  ///< of the truth
   int num_objects = 0;
   int num_missed = 0;
   int num_wrong_class = 0;
-  ErrorSummary all;             ///< position errors over everything matched
+  ErrorSummary all;  ///< position errors over everything matched
   ErrorSummary trees;
   double roc_mean_trees = 0.0;  ///< mean of the matched trees' roc_mean
   double se_x_mean_m = 0.0;     ///< mean standard errors of the matched trees

@@ -20,9 +20,12 @@ std::string format(const char* pattern, Values... values) {
 
 const char* class_name(Label label) {
   switch (label) {
-    case Label::kTree: return "tree";
-    case Label::kObject: return "object";
-    case Label::kUnseen: break;
+    case Label::kTree:
+      return "tree";
+    case Label::kObject:
+      return "object";
+    case Label::kUnseen:
+      break;
   }
   return "unseen";
 }
@@ -61,9 +64,9 @@ std::string table(const MapEvaluation& evaluation, Label label, const char* titl
     error_sum_m += object.error_m;
   }
   if (num == 0) return text;
-  text += format("%-8s %4s %14s %10.2f %10.2f %25.2f\n", "mean", "", roc_text(roc_sum / num).c_str(),
-                 kMmPerM * se_x_sum_m / num, kMmPerM * se_y_sum_m / num,
-                 kMmPerM * error_sum_m / num);
+  text +=
+      format("%-8s %4s %14s %10.2f %10.2f %25.2f\n", "mean", "", roc_text(roc_sum / num).c_str(),
+             kMmPerM * se_x_sum_m / num, kMmPerM * se_y_sum_m / num, kMmPerM * error_sum_m / num);
   return text;
 }
 
@@ -84,9 +87,9 @@ std::string evaluation_summary(const MapEvaluation& evaluation) {
                  kMmPerM * evaluation.all.rms_m, kMmPerM * evaluation.all.mean_m,
                  kMmPerM * evaluation.all.max_m);
   for (const mapping::Landmark& landmark : evaluation.extra) {
-    text += format("extra landmark %d (%s, seen %d times) at (%.3f, %.3f) m\n", landmark.id,
-                   class_name(landmark.label), landmark.num_observations, landmark.x_m,
-                   landmark.y_m);
+    text +=
+        format("extra landmark %d (%s, seen %d times) at (%.3f, %.3f) m\n", landmark.id,
+               class_name(landmark.label), landmark.num_observations, landmark.x_m, landmark.y_m);
   }
   return text;
 }

@@ -10,7 +10,8 @@ namespace orchard::geometry {
 struct CameraConfig {
   bool enabled = true;  ///< false: a rig without a camera, laser-only
   CameraIntrinsics intrinsics;
-  LaserCameraExtrinsics extrinsics{{0.0, -0.06, 0.0}, {1.5707963267948966, 0.0, 1.5707963267948966}};
+  LaserCameraExtrinsics extrinsics{{0.0, -0.06, 0.0},
+                                   {1.5707963267948966, 0.0, 1.5707963267948966}};
 };
 
 template <class Visitor>

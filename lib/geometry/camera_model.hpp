@@ -11,10 +11,10 @@ namespace orchard::geometry {
 struct CameraIntrinsics {
   int width_px = 320;
   int height_px = 240;
-  std::array<double, 2> fc_px{250.0, 250.0};   ///< focal lengths
-  std::array<double, 2> cc_px{159.5, 119.5};   ///< principal point
-  double alpha_c = 0.0;                        ///< skew
-  std::array<double, 5> kc{};  ///< k1 k2 p1 p2 k3, in Bouguet's and OpenCV's order
+  std::array<double, 2> fc_px{250.0, 250.0};  ///< focal lengths
+  std::array<double, 2> cc_px{159.5, 119.5};  ///< principal point
+  double alpha_c = 0.0;                       ///< skew
+  std::array<double, 5> kc{};                 ///< k1 k2 p1 p2 k3, in Bouguet's and OpenCV's order
 };
 
 /// A point of the camera frame on the image plane, in pixels; pixel centres are whole numbers.

@@ -48,7 +48,9 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 class Loader {
  public:
   Loader(YAML::Node node, std::string file, std::string prefix, std::vector<std::string>& problems)
-      : node_(std::move(node)), file_(std::move(file)), prefix_(std::move(prefix)),
+      : node_(std::move(node)),
+        file_(std::move(file)),
+        prefix_(std::move(prefix)),
         problems_(problems) {}
 
   void number(const char* key, double& value, double lo, double hi, const char*, const char*) {
@@ -118,7 +120,8 @@ class Loader {
     const YAML::Node field = find(key);
     if (!field) return;
     if (!field.IsSequence() || field.size() != N) {
-      return problem(field, key, scalar(field), "must be a list of " + std::to_string(N) + " numbers");
+      return problem(field, key, scalar(field),
+                     "must be a list of " + std::to_string(N) + " numbers");
     }
     for (std::size_t i = 0; i < N; ++i) {
       read_number(field[i], std::string(key) + "[" + std::to_string(i) + "]", values[i], lo, hi);
@@ -286,7 +289,8 @@ Config parse_config(const std::string& yaml, const std::string& name) {
   try {
     root = YAML::Load(yaml);
   } catch (const YAML::Exception& error) {
-    throw ConfigError({name + ":" + std::to_string(error.mark.line + 1) + ": not YAML: " + error.msg});
+    throw ConfigError(
+        {name + ":" + std::to_string(error.mark.line + 1) + ": not YAML: " + error.msg});
   }
   if (root.IsNull()) root = YAML::Node(YAML::NodeType::Map);
   if (!root.IsMap()) {

@@ -40,8 +40,10 @@ std::size_t end_of_value(const std::string& line, std::size_t begin, bool in_flo
   const char first = line[begin];
   if (first == '"' || first == '\'') {
     for (std::size_t i = begin + 1; i < line.size(); ++i) {
-      if (first == '"' && line[i] == '\\') ++i;
-      else if (line[i] == first) return i + 1;
+      if (first == '"' && line[i] == '\\')
+        ++i;
+      else if (line[i] == first)
+        return i + 1;
     }
     return line.size();
   }

@@ -67,8 +67,7 @@ class CsvReader::GzipSource : public CsvReader::Source {
     int code = Z_OK;
     const char* message = ::gzerror(file_, &code);
     if (count < 0 || code == Z_BUF_ERROR) {  // Z_BUF_ERROR: the compressed data are cut short
-      throw FileError(path_ + ": damaged or cut short (" + message +
-                      "); fetch or record it again");
+      throw FileError(path_ + ": damaged or cut short (" + message + "); fetch or record it again");
     }
     buffer.resize(size + static_cast<std::size_t>(count));
     return count > 0;
@@ -128,8 +127,7 @@ bool CsvReader::next() {
   split();
   if (fields_.size() == columns_.size()) return true;
   fail_at_column(1, std::to_string(fields_.size()) + " fields, but the first line has " +
-                        std::to_string(columns_.size()) +
-                        "; was the file cut short or edited?");
+                        std::to_string(columns_.size()) + "; was the file cut short or edited?");
 }
 
 bool CsvReader::read_line() {
@@ -198,7 +196,8 @@ double CsvReader::number(std::size_t field) const {
 double CsvReader::number_in(std::size_t field, double lo, double hi) const {
   const double value = number(field);
   if (value >= lo && value <= hi) return value;
-  fail(field, shown(text(field)) + " must be in [" + number_text(lo) + ", " + number_text(hi) + "]");
+  fail(field,
+       shown(text(field)) + " must be in [" + number_text(lo) + ", " + number_text(hi) + "]");
 }
 
 std::int64_t CsvReader::integer(std::size_t field) const {
@@ -214,8 +213,8 @@ std::int64_t CsvReader::integer(std::size_t field) const {
 std::int64_t CsvReader::integer_in(std::size_t field, std::int64_t lo, std::int64_t hi) const {
   const std::int64_t value = integer(field);
   if (value >= lo && value <= hi) return value;
-  fail(field, shown(text(field)) + " must be in [" + std::to_string(lo) + ", " +
-                  std::to_string(hi) + "]");
+  fail(field,
+       shown(text(field)) + " must be in [" + std::to_string(lo) + ", " + std::to_string(hi) + "]");
 }
 
 void CsvReader::fail(std::size_t field, const std::string& why) const {

@@ -30,9 +30,9 @@ vision::Image read_jpeg_file(const std::string& path) {
   const std::unique_ptr<void, int (*)(void*)> decoder(tjInitDecompress(), tjDestroy);
   int subsampling = 0, colour_space = 0;
   const bool is_jpeg =
-      decoder && tjDecompressHeader3(decoder.get(), image.data.data(),
-                                     static_cast<unsigned long>(size), &image.width_px,
-                                     &image.height_px, &subsampling, &colour_space) == 0;
+      decoder &&
+      tjDecompressHeader3(decoder.get(), image.data.data(), static_cast<unsigned long>(size),
+                          &image.width_px, &image.height_px, &subsampling, &colour_space) == 0;
   if (!is_jpeg || image.width_px <= 0 || image.height_px <= 0) {
     throw FileError(path + ": is no JPEG picture; remove or replace it");
   }

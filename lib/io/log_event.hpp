@@ -9,7 +9,7 @@ namespace orchard::io {
 
 /// One event of an LCM log as it stands in the file.
 struct LogEvent {
-  std::uint64_t offset = 0;       ///< of its first byte in the file
+  std::uint64_t offset = 0;  ///< of its first byte in the file
   std::int64_t event_number = 0;
   std::int64_t timestamp_us = 0;  ///< when lcm-logger received it (wall clock)
   std::string channel;

@@ -109,8 +109,8 @@ std::optional<std::uint64_t> LogReader::believed_size(std::uint64_t offset) {
   if (!size) return std::nullopt;
   const std::uint64_t end = offset + *size;
   // Copied: the window moves below.
-  const std::int64_t next_number = static_cast<std::int64_t>(
-      static_cast<std::uint64_t>(event_number_at(offset)) + 1);
+  const std::int64_t next_number =
+      static_cast<std::int64_t>(static_cast<std::uint64_t>(event_number_at(offset)) + 1);
   const bool followed = end == window_.size() || plausible_size(end).has_value();
   const bool numbered = end == window_.size() || (followed && event_number_at(end) == next_number);
   if (followed && numbered && end != window_.size()) return size;

@@ -46,7 +46,7 @@ class LogReader {
 
   const std::vector<LogGap>& gaps() const { return gaps_; }
   std::int64_t num_events() const { return num_events_; }
-  std::uint64_t position() const { return position_; }   ///< bytes consumed, for progress
+  std::uint64_t position() const { return position_; }  ///< bytes consumed, for progress
   std::uint64_t file_size() const { return file_size_; }
   const std::string& path() const { return path_; }
 

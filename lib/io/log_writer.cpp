@@ -60,15 +60,15 @@ LogWriter::~LogWriter() = default;
 void LogWriter::write(std::int64_t timestamp_us, std::string_view channel,
                       const std::vector<std::uint8_t>& data) {
   if (!impl_) throw FileError("a log was written to after it was closed");
-  const bool printable = std::all_of(channel.begin(), channel.end(),
-                                     [](char c) { return c > 0x20 && c < 0x7F; });
+  const bool printable =
+      std::all_of(channel.begin(), channel.end(), [](char c) { return c > 0x20 && c < 0x7F; });
   if (channel.empty() || channel.size() > LogReader::kMaxChannelBytes || !printable) {
     throw FileError(impl_->target + ": \"" + std::string(channel) +
                     "\" is no channel name: it needs 1 to 63 printable characters");
   }
   if (LogEventHeader::kBytes + channel.size() + data.size() > LogReader::kMaxEventBytes) {
-    throw FileError(impl_->target + ": a message of " + std::to_string(data.size()) +
-                    " bytes on " + std::string(channel) + " is too large for a log");
+    throw FileError(impl_->target + ": a message of " + std::to_string(data.size()) + " bytes on " +
+                    std::string(channel) + " is too large for a log");
   }
   LogEventHeader header;
   header.sync = LogEventHeader::kSyncWord;

@@ -62,16 +62,18 @@ std::string number_or_empty(std::int32_t number) {
 
 const char* label_text(Label label) {
   switch (label) {
-    case Label::kTree: return "tree";
-    case Label::kObject: return "object";
-    case Label::kUnseen: break;
+    case Label::kTree:
+      return "tree";
+    case Label::kObject:
+      return "object";
+    case Label::kUnseen:
+      break;
   }
   return "unseen";
 }
 
 std::string map_csv(const std::vector<Landmark>& landmarks) {
-  std::string text =
-      "id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,position\n";
+  std::string text = "id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,position\n";
   for (const Landmark& l : landmarks) {
     text += std::to_string(l.id) + "," + label_text(l.label) + "," + fixed_text(l.x_m, 4) + "," +
             fixed_text(l.y_m, 4) + "," + std::to_string(l.num_observations) + "," +

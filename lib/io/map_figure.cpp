@@ -29,9 +29,12 @@ struct Style {
 
 Style style_of(Label label) {
   switch (label) {
-    case Label::kTree: return {{70, 180, 80}, {20, 95, 30}};
-    case Label::kObject: return {{225, 70, 60}, {130, 20, 15}};
-    case Label::kUnseen: break;
+    case Label::kTree:
+      return {{70, 180, 80}, {20, 95, 30}};
+    case Label::kObject:
+      return {{225, 70, 60}, {130, 20, 15}};
+    case Label::kUnseen:
+      break;
   }
   return {{205, 205, 205}, {140, 140, 140}};
 }
@@ -114,8 +117,12 @@ void draw_axes(const Frame& frame, Canvas& canvas) {
     canvas.text({plot.x0 - 9.0, y + 5.0}, fixed_text(k * step, decimals), kAxisTextPx, kBlack,
                 TextAnchor::kEnd);
   }
-  canvas.polyline({{plot.x0, plot.y0}, {plot.x1, plot.y0}, {plot.x1, plot.y1}, {plot.x0, plot.y1},
-                   {plot.x0, plot.y0}}, kBlack, 1.0);
+  canvas.polyline({{plot.x0, plot.y0},
+                   {plot.x1, plot.y0},
+                   {plot.x1, plot.y1},
+                   {plot.x0, plot.y1},
+                   {plot.x0, plot.y0}},
+                  kBlack, 1.0);
   canvas.text({0.5 * (plot.x0 + plot.x1), plot.y1 + 44.0}, "x (m)", kAxisTextPx, kBlack,
               TextAnchor::kMiddle);
   canvas.text({plot.x0 - 9.0, plot.y0 - 18.0}, "y (m)", kAxisTextPx, kBlack, TextAnchor::kEnd);

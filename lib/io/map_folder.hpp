@@ -14,18 +14,19 @@ namespace orchard::io {
 
 /// What summary.json says besides the map: how it was made and what was lost on the way.
 struct MapSummary {
-  std::string source;              ///< log file name (no folder), or "live"
+  std::string source;  ///< log file name (no folder), or "live"
   std::int64_t config_hash = 0;
   std::string version;
   std::int64_t first_utime = 0;
   std::int64_t last_utime = 0;
-  std::vector<std::pair<std::string, std::int64_t>> counts;  ///< messages by channel, drops by reason
+  std::vector<std::pair<std::string, std::int64_t>>
+      counts;  ///< messages by channel, drops by reason
   std::vector<std::string> warnings;
 };
 
 struct MapFolderContent {
-  std::vector<mapping::Landmark> landmarks;            ///< in order of id
-  std::vector<pose::PoseEstimate> trajectory;          ///< in order of utime
+  std::vector<mapping::Landmark> landmarks;    ///< in order of id
+  std::vector<pose::PoseEstimate> trajectory;  ///< in order of utime
   MapSummary summary;
 };
 

@@ -54,8 +54,7 @@ class MemoryFile {
   std::string bytes() const {
     vsi_l_offset size = 0;
     const GByte* data = VSIGetMemFileBuffer(path_.c_str(), &size, FALSE);
-    return data == nullptr ? std::string()
-                           : std::string(reinterpret_cast<const char*>(data), size);
+    return data == nullptr ? std::string() : std::string(reinterpret_cast<const char*>(data), size);
   }
 
  private:

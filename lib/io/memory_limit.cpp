@@ -31,7 +31,8 @@ MemoryLimit::MemoryLimit(std::uint64_t more_bytes) {
   if (has_sanitizer() || num_pages == 0 || ::getrlimit(RLIMIT_AS, &before_) != 0) return;
   rlimit limit = before_;
   const std::uint64_t used = num_pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-  limit.rlim_cur = static_cast<rlim_t>(std::min<std::uint64_t>(before_.rlim_cur, used + more_bytes));
+  limit.rlim_cur =
+      static_cast<rlim_t>(std::min<std::uint64_t>(before_.rlim_cur, used + more_bytes));
   active_ = ::setrlimit(RLIMIT_AS, &limit) == 0;
 }
 

@@ -107,8 +107,8 @@ void read_objects(const std::string& path, std::uint64_t size, RawlogCollector& 
   } catch (const std::exception& error) {
     mistake = error.what();
   }
-  const bool told = ::write(pipe_end, mistake.data(), mistake.size()) ==
-                    static_cast<ssize_t>(mistake.size());
+  const bool told =
+      ::write(pipe_end, mistake.data(), mistake.size()) == static_cast<ssize_t>(mistake.size());
   ::_exit(told ? 0 : 1);
 }
 
@@ -122,9 +122,8 @@ void require_readable(const std::string& path, std::uint64_t size) {
   ::close(ends[1]);
   std::string mistake;
   char buffer[4096];
-  for (ssize_t count = 0;
-       child > 0 && ((count = ::read(ends[0], buffer, sizeof(buffer))) > 0 ||
-                     (count < 0 && errno == EINTR));) {
+  for (ssize_t count = 0; child > 0 && ((count = ::read(ends[0], buffer, sizeof(buffer))) > 0 ||
+                                        (count < 0 && errno == EINTR));) {
     if (count > 0) mistake.append(buffer, static_cast<std::size_t>(count));
   }
   ::close(ends[0]);

@@ -13,11 +13,11 @@ namespace orchard::io {
 
 /// What a rawlog (MRPT) held.
 struct RawlogContent {
-  std::vector<SensorMessage> messages;           ///< in order of (utime, kind), numbered from 0
-  std::optional<SensorMount> laser_mount;        ///< of the first scan
-  std::string laser_label;                       ///< of the one laser that was taken
-  std::string camera_label;                      ///< of the one camera that was taken
-  std::map<std::string, std::int64_t> ignored;   ///< count by class name and reason
+  std::vector<SensorMessage> messages;          ///< in order of (utime, kind), numbered from 0
+  std::optional<SensorMount> laser_mount;       ///< of the first scan
+  std::string laser_label;                      ///< of the one laser that was taken
+  std::string camera_label;                     ///< of the one camera that was taken
+  std::map<std::string, std::int64_t> ignored;  ///< count by class name and reason
 };
 
 /// Reads an MRPT rawlog, plain or gzip-compressed, of sensory frames or of observations alone:

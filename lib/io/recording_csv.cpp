@@ -81,8 +81,7 @@ void ScanCsv::read_intensities(laser::Scan& scan) {
     intensities_->fail(0, "must be the scan's " + std::to_string(scan.utime));
   }
   for (std::size_t i = 1; i < intensities_->num_fields(); ++i) {
-    scan.intensities.push_back(
-        static_cast<float>(intensities_->number_in(i, 0.0, kMaxIntensity)));
+    scan.intensities.push_back(static_cast<float>(intensities_->number_in(i, 0.0, kMaxIntensity)));
   }
 }
 

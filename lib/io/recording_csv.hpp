@@ -13,9 +13,9 @@ namespace orchard::io {
 /// What sensors.yaml says of the laser.
 struct LaserDescription {
   int num_beams = 0;
-  double bearing_min_rad = 0.0;   ///< laser frame, x forward, counter-clockwise positive
+  double bearing_min_rad = 0.0;  ///< laser frame, x forward, counter-clockwise positive
   double bearing_step_rad = 0.0;
-  double beam_period_us = 0.0;    ///< 0 = unknown
+  double beam_period_us = 0.0;  ///< 0 = unknown
   double range_min_m = 0.0;
   double range_max_m = 0.0;
   SensorMount mount;

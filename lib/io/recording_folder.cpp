@@ -65,9 +65,9 @@ std::vector<ImageFile> list_images(const fs::path& folder) {
   }
   std::sort(files.begin(), files.end(),
             [](const ImageFile& a, const ImageFile& b) { return a.utime < b.utime; });
-  const auto twin = std::adjacent_find(
-      files.begin(), files.end(),
-      [](const ImageFile& a, const ImageFile& b) { return a.utime == b.utime; });
+  const auto twin =
+      std::adjacent_find(files.begin(), files.end(),
+                         [](const ImageFile& a, const ImageFile& b) { return a.utime == b.utime; });
   if (twin != files.end()) throw FileError(twin->path + ": another picture has the same time");
   return files;
 }

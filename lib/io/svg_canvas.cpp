@@ -14,10 +14,14 @@ std::string rgb(Colour c) {
 std::string escaped(const std::string& text) {
   std::string result;
   for (const char c : text) {
-    if (c == '<') result += "&lt;";
-    else if (c == '>') result += "&gt;";
-    else if (c == '&') result += "&amp;";
-    else result += c;
+    if (c == '<')
+      result += "&lt;";
+    else if (c == '>')
+      result += "&gt;";
+    else if (c == '&')
+      result += "&amp;";
+    else
+      result += c;
   }
   return result;
 }
@@ -57,9 +61,8 @@ class SvgCanvas : public Canvas {
             TextAnchor anchor) override {
     const char* names[] = {"start", "middle", "end"};
     text_ += "<text x=\"" + number(position.x) + "\" y=\"" + number(position.y) +
-             "\" font-size=\"" + number(size) + "\" fill=\"" + rgb(colour) +
-             "\" text-anchor=\"" + names[static_cast<int>(anchor)] + "\">" + escaped(text) +
-             "</text>\n";
+             "\" font-size=\"" + number(size) + "\" fill=\"" + rgb(colour) + "\" text-anchor=\"" +
+             names[static_cast<int>(anchor)] + "\">" + escaped(text) + "</text>\n";
   }
 
   std::string bytes() const override { return text_ + "</svg>\n"; }

@@ -5,11 +5,11 @@ namespace orchard::laser {
 
 /// Where the laser is mounted on the robot and how well it measures. Section `laser`.
 struct LaserConfig {
-  double mount_x_m = 0.0;      ///< of the laser in base
+  double mount_x_m = 0.0;  ///< of the laser in base
   double mount_y_m = 0.0;
-  double mount_yaw_rad = 0.0;  ///< rotation from base to laser, counter-clockwise
-  double range_sd_m = 0.010;         ///< 1-sigma of one range, the part that does not grow
-  double range_sd_fraction = 0.01;   ///< 1-sigma of one range per metre of range
+  double mount_yaw_rad = 0.0;       ///< rotation from base to laser, counter-clockwise
+  double range_sd_m = 0.010;        ///< 1-sigma of one range, the part that does not grow
+  double range_sd_fraction = 0.01;  ///< 1-sigma of one range per metre of range
 };
 
 template <class Visitor>

@@ -49,9 +49,7 @@ class Beams {
     if (!is_turn_ && (i < 0 || i >= size_)) return kNoReturn;
     return ranges_m_[index((i + size_) % size_)];
   }
-  double jump_m(double range_m) const {
-    return config_.jump_m + config_.jump_fraction * range_m;
-  }
+  double jump_m(double range_m) const { return config_.jump_m + config_.jump_fraction * range_m; }
   bool joined(double a_m, double b_m) const {
     return a_m > 0.0 && b_m > 0.0 && std::abs(a_m - b_m) <= jump_m(std::min(a_m, b_m));
   }
@@ -240,8 +238,8 @@ Segment measure(const Scan& scan, const Beams& beams, const Run& run,
       sum_m += i == run.first ? range_m : 0.0;
       continue;
     }
-    const bool in_front = !beams.joined(range_m, beams.range_m(i - 1)) &&
-                          i < run.last && !beams.joined(range_m, beams.range_m(i + 1));
+    const bool in_front = !beams.joined(range_m, beams.range_m(i - 1)) && i < run.last &&
+                          !beams.joined(range_m, beams.range_m(i + 1));
     if (in_front) continue;
     sum_m += range_m;
     nearest_m = std::min(nearest_m, range_m);

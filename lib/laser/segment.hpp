@@ -12,23 +12,23 @@ namespace orchard::laser {
 
 /// One object of a scan: neighbouring beams on one surface, and what the laser says of it.
 struct Segment {
-  std::size_t first_beam = 0;     ///< P_start, index into ranges_m
-  std::size_t last_beam = 0;      ///< P_end, inclusive; below first_beam across a full turn's seam
-  std::size_t middle_beam = 0;    ///< halfway between them
-  int num_beams = 0;              ///< valid beams among them
-  double range_m = 0.0;           ///< to the surface at bearing_rad
-  double bearing_rad = 0.0;       ///< laser frame, of the middle, in (-pi, pi]
+  std::size_t first_beam = 0;   ///< P_start, index into ranges_m
+  std::size_t last_beam = 0;    ///< P_end, inclusive; below first_beam across a full turn's seam
+  std::size_t middle_beam = 0;  ///< halfway between them
+  int num_beams = 0;            ///< valid beams among them
+  double range_m = 0.0;         ///< to the surface at bearing_rad
+  double bearing_rad = 0.0;     ///< laser frame, of the middle, in (-pi, pi]
   /// Where the object begins, on first_beam's side; the image's one edge. The edge lies half a
   /// beam step outside the beam (compensated) or on it (paper). Not wrapped: start and end
   /// differ by the angle the object takes up.
   double start_bearing_rad = 0.0;
-  double end_bearing_rad = 0.0;   ///< where it ends; the other edge
-  double start_range_m = 0.0;     ///< r_1 of eq. 8
-  double end_range_m = 0.0;       ///< r_2 of eq. 8
-  double width_m = 0.0;           ///< as WidthConfig::mode measures it
+  double end_bearing_rad = 0.0;  ///< where it ends; the other edge
+  double start_range_m = 0.0;    ///< r_1 of eq. 8
+  double end_range_m = 0.0;      ///< r_2 of eq. 8
+  double width_m = 0.0;          ///< as WidthConfig::mode measures it
   double width_sd_m = 0.0;
-  double depth_m = 0.0;           ///< extent of its points along the line of sight
-  bool occluded_right = false;    ///< something nearer, or the end of the scan, on that side
+  double depth_m = 0.0;         ///< extent of its points along the line of sight
+  bool occluded_right = false;  ///< something nearer, or the end of the scan, on that side
   bool occluded_left = false;
 };
 

@@ -5,12 +5,12 @@ namespace orchard::laser {
 
 /// How a scan is cut into objects. Section `detector.segmentation`.
 struct SegmentationConfig {
-  double range_min_m = 0.05;   ///< nearer returns are the robot itself
-  double range_max_m = 5.6;    ///< farther returns are not looked at
-  double jump_m = 0.10;        ///< a range step of this size separates objects
-  double jump_fraction = 0.02; ///< plus this much per metre of range
-  int min_beams = 2;           ///< objects with fewer beams are not reported
-  double width_max_m = 2.0;    ///< wider things (walls, hedges) are not reported
+  double range_min_m = 0.05;          ///< nearer returns are the robot itself
+  double range_max_m = 5.6;           ///< farther returns are not looked at
+  double jump_m = 0.10;               ///< a range step of this size separates objects
+  double jump_fraction = 0.02;        ///< plus this much per metre of range
+  int min_beams = 2;                  ///< objects with fewer beams are not reported
+  double width_max_m = 2.0;           ///< wider things (walls, hedges) are not reported
   double blind_centre_rad = 0.0;      ///< middle of a sector in which the scanner sees the robot
   double blind_half_width_rad = 0.0;  ///< half its angle; 0 = no such sector
 };

@@ -11,10 +11,10 @@ enum class WidthMode {
 /// What a trunk's width is. Section `detector.width`; calibrated from twenty trees.
 struct WidthConfig {
   WidthMode mode = WidthMode::kCompensated;
-  double mean_m = 0.090;        ///< mu of eq. 9
-  double sd_m = 0.010;          ///< sigma of eq. 9: the trees' own scatter and the scanner's
-  double sd_floor_m = 0.006;    ///< sigma never gets smaller
-  double sd_per_beam_step = 0.4; ///< sigma's growth with range, in beam steps (range x step)
+  double mean_m = 0.090;          ///< mu of eq. 9
+  double sd_m = 0.010;            ///< sigma of eq. 9: the trees' own scatter and the scanner's
+  double sd_floor_m = 0.006;      ///< sigma never gets smaller
+  double sd_per_beam_step = 0.4;  ///< sigma's growth with range, in beam steps (range x step)
 };
 
 template <class Visitor>

@@ -27,8 +27,7 @@ std::optional<double> cost_of(const Candidate& c, const LandmarkRecord& r,
       std::hypot(d.width_sd_m, kWidthRelativeSd * std::max<double>(r.width_m, d.width_m));
   const double width_term = width_difference_m / std::max(width_sd_m, 1e-3);
   // the determinant keeps a vague landmark from winning by its vagueness
-  return mahalanobis2 + std::log(covariance.determinant()) +
-         std::min(9.0, width_term * width_term);
+  return mahalanobis2 + std::log(covariance.determinant()) + std::min(9.0, width_term * width_term);
 }
 
 bool is_surer(const Pairing& a, const Pairing& b) {

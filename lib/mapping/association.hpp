@@ -15,9 +15,9 @@ namespace orchard::mapping {
 
 /// A candidate that is a landmark's.
 struct Pairing {
-  double cost = 0.0;  ///< the less, the surer; no unit
-  std::int32_t landmark = 0;   ///< index into the table
-  std::size_t candidate = 0;   ///< index into the scan's candidates
+  double cost = 0.0;          ///< the less, the surer; no unit
+  std::int32_t landmark = 0;  ///< index into the table
+  std::size_t candidate = 0;  ///< index into the scan's candidates
 };
 
 /// Who is who in one scan.

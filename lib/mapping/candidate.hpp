@@ -14,9 +14,9 @@ namespace orchard::mapping {
 /// A detection in map, on its way to a landmark.
 struct Candidate {
   const detection::Detection* detection = nullptr;  ///< lives as long as the scan's Detections
-  Eigen::Vector2d p_map;               ///< by the pose
-  Eigen::Vector2d p_aligned;           ///< and moved with its scan onto the map
-  Eigen::Matrix2d covariance;          ///< of p_map: detection and pose [m2]
+  Eigen::Vector2d p_map;                            ///< by the pose
+  Eigen::Vector2d p_aligned;                        ///< and moved with its scan onto the map
+  Eigen::Matrix2d covariance;                       ///< of p_map: detection and pose [m2]
   Eigen::Matrix2d aligned_covariance;  ///< of p_aligned: detection and what is left of the pose's
 };
 

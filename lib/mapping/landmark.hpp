@@ -20,10 +20,10 @@ struct Landmark {
   double se_y_m = 0.0;
   std::array<double, 3> covariance{};  ///< of the position: xx xy yy [m2]
   double width_m = 0.0;
-  double roc_mean = 0.0;     ///< mean roc_tree over its observations
-  double probability = 0.0;  ///< that it is a tree
-  std::int32_t row = 0;      ///< 0 = unknown
-  std::int32_t position = 0; ///< 0 = unknown
+  double roc_mean = 0.0;      ///< mean roc_tree over its observations
+  double probability = 0.0;   ///< that it is a tree
+  std::int32_t row = 0;       ///< 0 = unknown
+  std::int32_t position = 0;  ///< 0 = unknown
 };
 
 /// Landmarks that one scan changed, and some of the others (the slow refresh).

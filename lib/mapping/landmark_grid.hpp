@@ -11,8 +11,8 @@ namespace orchard::mapping {
 /// Hash grid of 2 m cells over the plane: which landmarks stand near a point.
 ///
 /// Holds indices only; positions stay with the caller. A query of radius up to half a cell visits
-/// the four cells around the point, a larger one more. Memory: 16 bytes per table entry at a load of
-/// at most 0.7, and 4 bytes per landmark.
+/// the four cells around the point, a larger one more. Memory: 16 bytes per table entry at a load
+/// of at most 0.7, and 4 bytes per landmark.
 class LandmarkGrid {
  public:
   static constexpr double kCell_m = 2.0;

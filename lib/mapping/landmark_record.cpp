@@ -24,9 +24,8 @@ void merge_anchors(LandmarkRecord& into, const LandmarkRecord& from) {
 }
 
 void merge_widths(LandmarkRecord& into, const LandmarkRecord& from) {
-  into.width_m =
-      (into.width_m * into.width_information + from.width_m * from.width_information) /
-      (into.width_information + from.width_information);
+  into.width_m = (into.width_m * into.width_information + from.width_m * from.width_information) /
+                 (into.width_information + from.width_information);
   into.width_information += from.width_information;
 }
 
@@ -63,8 +62,8 @@ void fuse_anchor(LandmarkRecord& r, const Eigen::Vector2d& p_aligned, double var
   const double total = r.anchor_information + information;
   const double share = information / total;
   const Eigen::Vector2d delta = p_aligned - r.anchor();
-  r.scatter_m2 = static_cast<float>((1.0 - share) *
-                                    (r.scatter_m2 + share * 0.5 * delta.squaredNorm()));
+  r.scatter_m2 =
+      static_cast<float>((1.0 - share) * (r.scatter_m2 + share * 0.5 * delta.squaredNorm()));
   r.anchor_x_m += share * delta.x();
   r.anchor_y_m += share * delta.y();
   r.anchor_information = static_cast<float>(total);

@@ -13,24 +13,24 @@ namespace orchard::mapping {
 /// The rest of a landmark's 156 bytes at a million of them is the grid's entry, and the quarter by
 /// which the table grows. Sums that a difference is taken of are doubles, all others floats.
 struct LandmarkRecord {
-  double anchor_x_m = 0.0;   ///< mean of the aligned observations: what association compares with
+  double anchor_x_m = 0.0;  ///< mean of the aligned observations: what association compares with
   double anchor_y_m = 0.0;
-  double mean_x_m = 0.0;     ///< plain mean of the composed observations
+  double mean_x_m = 0.0;  ///< plain mean of the composed observations
   double mean_y_m = 0.0;
   double roc_sum = 0.0;
-  float m2_xx = 0.0f;        ///< sums of squares about the mean [m2]
+  float m2_xx = 0.0f;  ///< sums of squares about the mean [m2]
   float m2_xy = 0.0f;
   float m2_yy = 0.0f;
   float anchor_information = 0.0f;  ///< 1 / m2
   float scatter_m2 = 0.0f;          ///< of the aligned observations about the anchor, per axis
   float width_m = 0.0f;
-  float width_information = 0.0f;   ///< 1 / m2
-  float log_odds = 0.0f;            ///< of being a tree
-  std::int32_t num_observations = 0;  ///< N of eq. 13
-  std::int32_t num_all = 0;           ///< UNSEEN ones too
-  std::int32_t last_observation = -1; ///< head of its chain in the ObservationStore
+  float width_information = 0.0f;      ///< 1 / m2
+  float log_odds = 0.0f;               ///< of being a tree
+  std::int32_t num_observations = 0;   ///< N of eq. 13
+  std::int32_t num_all = 0;            ///< UNSEEN ones too
+  std::int32_t last_observation = -1;  ///< head of its chain in the ObservationStore
   std::int32_t last_scan = -1;
-  bool is_seen = false;               ///< by the camera, or laser-only rig
+  bool is_seen = false;  ///< by the camera, or laser-only rig
   bool is_removed = false;
 
   Eigen::Vector2d anchor() const { return {anchor_x_m, anchor_y_m}; }

@@ -18,8 +18,8 @@ namespace {
 using detection::Detection;
 using detection::Label;
 
-/// Observations, the newest, that a landmark's place is taken from: a robot that stands still for an
-/// hour must not make each scan dearer than the last.
+/// Observations, the newest, that a landmark's place is taken from: a robot that stands still for
+/// an hour must not make each scan dearer than the last.
 constexpr std::size_t kSamplesMost = 512;
 
 /// Log likelihood ratio of a label: how much likelier it is of a tree than of an object.
@@ -27,9 +27,12 @@ double evidence_of(Label label, const MapperConfig& config) {
   const double of_tree = config.tree_rate_of_trees;
   const double of_object = config.tree_rate_of_objects;
   switch (label) {
-    case Label::kTree: return std::log(of_tree / of_object);
-    case Label::kObject: return std::log((1.0 - of_tree) / (1.0 - of_object));
-    case Label::kUnseen: break;
+    case Label::kTree:
+      return std::log(of_tree / of_object);
+    case Label::kObject:
+      return std::log((1.0 - of_tree) / (1.0 - of_object));
+    case Label::kUnseen:
+      break;
   }
   return 0.0;
 }
@@ -147,7 +150,8 @@ MapUpdate Mapper::update(const detection::Detections& detections,
     update.changed_ids.push_back(pair.landmark + 1);
   }
   for (std::size_t k = 0; k < candidates.size(); ++k) {
-    if (association.is_explained[k]) continue;  // a second echo of a known landmark is none of its own
+    if (association.is_explained[k])
+      continue;  // a second echo of a known landmark is none of its own
     const Candidate& c = candidates[k];
     const std::int32_t index = m.landmarks.add(c.p_aligned, c.detection->width_m);
     m.observe(index, c);

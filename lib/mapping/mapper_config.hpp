@@ -5,21 +5,21 @@ namespace orchard::mapping {
 
 /// How detections become landmarks. Section `mapper`.
 struct MapperConfig {
-  double gate_m = 0.30;            ///< farthest a detection may lie from its landmark
-  double gate_sigma = 3.5;         ///< the same in standard deviations of all that is uncertain
-  double width_gate_m = 0.25;      ///< largest difference between the widths of one thing
-  double merge_m = 0.10;           ///< landmarks nearer than this are one
-  double range_use_max_m = 100.0;  ///< farther detections are left out (range from base)
-  bool align_scans = true;         ///< who is who is decided after fitting the scan to the map
-  double align_kernel_m = 0.15;    ///< how far from a landmark a detection still supports a fit
-  double centre_kernel_m = 0.20;   ///< observations farther from the bulk weigh little
-  double tree_rate_of_trees = 0.8;   ///< share of a tree's observations that are labelled TREE
-  double tree_rate_of_objects = 0.2; ///< share of an object's
-  double pose_wait_s = 10.0;       ///< of message time: how long DETECTIONS wait for a POSE
-  double pose_gap_max_s = 2.0;     ///< poses farther apart are not interpolated between
-  int min_observations = 1;        ///< landmarks seen less often are left out of map files
-  double refresh_period_s = 2.0;   ///< of message time: between two slow refreshes of MAP
-  double save_period_s = 1.0;      ///< of wall time: between two live saves of map.csv
+  double gate_m = 0.30;               ///< farthest a detection may lie from its landmark
+  double gate_sigma = 3.5;            ///< the same in standard deviations of all that is uncertain
+  double width_gate_m = 0.25;         ///< largest difference between the widths of one thing
+  double merge_m = 0.10;              ///< landmarks nearer than this are one
+  double range_use_max_m = 100.0;     ///< farther detections are left out (range from base)
+  bool align_scans = true;            ///< who is who is decided after fitting the scan to the map
+  double align_kernel_m = 0.15;       ///< how far from a landmark a detection still supports a fit
+  double centre_kernel_m = 0.20;      ///< observations farther from the bulk weigh little
+  double tree_rate_of_trees = 0.8;    ///< share of a tree's observations that are labelled TREE
+  double tree_rate_of_objects = 0.2;  ///< share of an object's
+  double pose_wait_s = 10.0;          ///< of message time: how long DETECTIONS wait for a POSE
+  double pose_gap_max_s = 2.0;        ///< poses farther apart are not interpolated between
+  int min_observations = 1;           ///< landmarks seen less often are left out of map files
+  double refresh_period_s = 2.0;      ///< of message time: between two slow refreshes of MAP
+  double save_period_s = 1.0;         ///< of wall time: between two live saves of map.csv
 };
 
 template <class Visitor>
@@ -42,14 +42,16 @@ void describe(Visitor& v, MapperConfig& c) {
            "share of a tree's observations that are labelled TREE");
   v.number("tree_rate_of_objects", c.tree_rate_of_objects, 0.01, 0.99, "1",
            "share of an object's observations that are labelled TREE");
-  v.number("pose_wait_s", c.pose_wait_s, 0, 3600, "s", "message time that detections wait for a pose");
+  v.number("pose_wait_s", c.pose_wait_s, 0, 3600, "s",
+           "message time that detections wait for a pose");
   v.number("pose_gap_max_s", c.pose_gap_max_s, 0.001, 3600, "s",
            "poses farther apart are not interpolated between");
   v.integer("min_observations", c.min_observations, 1, 1000, "1",
             "landmarks seen less often stay out of map files");
   v.number("refresh_period_s", c.refresh_period_s, 0.05, 3600, "s",
            "message time between two refreshes of the whole map");
-  v.number("save_period_s", c.save_period_s, 0.1, 3600, "s", "wall time between two live saves of map.csv");
+  v.number("save_period_s", c.save_period_s, 0.1, 3600, "s",
+           "wall time between two live saves of map.csv");
   v.check(c.tree_rate_of_objects < c.tree_rate_of_trees, "tree_rate_of_objects",
           "must be below tree_rate_of_trees");
 }

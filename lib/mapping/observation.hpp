@@ -8,14 +8,14 @@ namespace orchard::mapping {
 /// One detection that became part of a landmark: all that is needed to derive the landmark anew
 /// when the pose of its scan is corrected.
 struct Observation {
-  std::int32_t scan = 0;      ///< index into the mapper's list of scans
-  std::int32_t previous = -1; ///< the same landmark's observation before this one, or -1
-  float x_base_m = 0.0f;      ///< centre in base
+  std::int32_t scan = 0;       ///< index into the mapper's list of scans
+  std::int32_t previous = -1;  ///< the same landmark's observation before this one, or -1
+  float x_base_m = 0.0f;       ///< centre in base
   float y_base_m = 0.0f;
-  float sd_m = 0.0f;          ///< of the centre in map: detection and pose together
+  float sd_m = 0.0f;  ///< of the centre in map: detection and pose together
   float roc_tree = 0.0f;
   float width_m = 0.0f;
-  std::int8_t label = 0;      ///< detection::Label
+  std::int8_t label = 0;  ///< detection::Label
 };
 
 }  // namespace orchard::mapping

@@ -21,9 +21,7 @@ class PoseTrack {
   void add(const pose::PoseEstimate& pose);
 
   /// Whether a pose at or after that time is there.
-  bool covers(std::int64_t utime) const {
-    return !poses_.empty() && poses_.back().utime >= utime;
-  }
+  bool covers(std::int64_t utime) const { return !poses_.empty() && poses_.back().utime >= utime; }
 
   /// The pose at that time: interpolated, or the first or last one when no farther than the
   /// largest gap. None inside a larger gap.

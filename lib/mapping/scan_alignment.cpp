@@ -9,8 +9,8 @@
 namespace orchard::mapping {
 namespace {
 
-constexpr double kFanSigmas = 3.0;     ///< turns are tried this far to both sides
-constexpr int kFanStepsMax = 30;       ///< to each side
+constexpr double kFanSigmas = 3.0;  ///< turns are tried this far to both sides
+constexpr int kFanStepsMax = 30;    ///< to each side
 constexpr int kRefinements = 5;
 
 double kernel(double distance_m, double width_m) {

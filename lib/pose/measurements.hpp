@@ -10,8 +10,8 @@ namespace orchard::pose {
 struct Odometry {
   std::int64_t utime = 0;  ///< time of measurement [us]
   std::int32_t seq = 0;
-  double speed_mps = 0.0;       ///< along base x
-  double yaw_rate_radps = 0.0;  ///< about base z
+  double speed_mps = 0.0;              ///< along base x
+  double yaw_rate_radps = 0.0;         ///< about base z
   std::array<double, 3> covariance{};  ///< var speed [m2/s2], cov, var yaw rate [rad2/s2]
 };
 

@@ -5,22 +5,22 @@ namespace orchard::pose {
 
 /// Where a rig's poses come from.
 enum class PoseMode {
-  kFixes,            ///< POSE_FIX alone: every fix is a pose
-  kFixesAndOdometry, ///< fixes, dead-reckoned between by ODOMETRY
-  kOdometry,         ///< dead reckoning alone, from the map's origin
-  kStationary,       ///< the robot stands at the map's origin
+  kFixes,             ///< POSE_FIX alone: every fix is a pose
+  kFixesAndOdometry,  ///< fixes, dead-reckoned between by ODOMETRY
+  kOdometry,          ///< dead reckoning alone, from the map's origin
+  kStationary,        ///< the robot stands at the map's origin
 };
 
 /// How base is placed in map. Section `pose`.
 struct PoseConfig {
   PoseMode mode = PoseMode::kFixesAndOdometry;
-  double reorder_window_s = 0.02;    ///< of message time: how far channels may lag each other
-  double fix_position_sd_m = 0.01;   ///< used when a fix states no covariance
+  double reorder_window_s = 0.02;   ///< of message time: how far channels may lag each other
+  double fix_position_sd_m = 0.01;  ///< used when a fix states no covariance
   double fix_yaw_sd_rad = 0.01;
-  double speed_sd_fraction = 0.03;   ///< used when odometry states no covariance
+  double speed_sd_fraction = 0.03;  ///< used when odometry states no covariance
   double yaw_rate_sd_radps = 0.02;
-  double odometry_gap_max_s = 1.0;   ///< a longer silence is not dead-reckoned across
-  double heading_baseline_m = 0.5;   ///< travel that gives a first heading to fixes without yaw
+  double odometry_gap_max_s = 1.0;  ///< a longer silence is not dead-reckoned across
+  double heading_baseline_m = 0.5;  ///< travel that gives a first heading to fixes without yaw
 };
 
 template <class Visitor>

@@ -39,8 +39,8 @@ Eigen::Matrix<double, 3, 2> arc_jacobian(double speed_mps, double yaw_rate_radps
   const double half_turn_rad = 0.5 * yaw_rate_radps * dt_s;
   Eigen::Matrix<double, 3, 2> J;
   J << dt_s * std::cos(half_turn_rad), -0.5 * speed_mps * dt_s * dt_s * std::sin(half_turn_rad),
-      dt_s * std::sin(half_turn_rad), 0.5 * speed_mps * dt_s * dt_s * std::cos(half_turn_rad),
-      0.0, dt_s;
+      dt_s * std::sin(half_turn_rad), 0.5 * speed_mps * dt_s * dt_s * std::cos(half_turn_rad), 0.0,
+      dt_s;
   return J;
 }
 
@@ -57,9 +57,9 @@ void PoseEstimator::add(const Odometry& odometry) {
     state_ = State{odometry.utime, Eigen::Vector3d::Zero(), Eigen::Matrix3d::Zero()};
   }
   if (state_) {
-    const bool silent = last_odometry_ && (odometry.utime - last_odometry_->utime) *
-                                                  kSecondsPerMicrosecond >
-                                              config_.odometry_gap_max_s;
+    const bool silent =
+        last_odometry_ && (odometry.utime - last_odometry_->utime) * kSecondsPerMicrosecond >
+                              config_.odometry_gap_max_s;
     if (silent) {
       ++num_gaps_;
       if (config_.mode == PoseMode::kOdometry) {

@@ -37,7 +37,7 @@ class PoseEstimator {
  private:
   struct State {
     std::int64_t utime = 0;
-    Eigen::Vector3d mean;        ///< x, y, yaw
+    Eigen::Vector3d mean;  ///< x, y, yaw
     Eigen::Matrix3d covariance;
   };
 

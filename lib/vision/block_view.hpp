@@ -17,9 +17,9 @@ inline cv::Mat view_of(const PixelBlock& pixels, const PixelRect& window) {
     throw std::invalid_argument("the window does not lie inside the decoded pixels");
   }
   const std::size_t stride = 3u * static_cast<std::size_t>(pixels.area.width_px);
-  const std::uint8_t* first =
-      pixels.bgr.data() + stride * static_cast<std::size_t>(window.y_px - pixels.area.y_px) +
-      3u * static_cast<std::size_t>(window.x_px - pixels.area.x_px);
+  const std::uint8_t* first = pixels.bgr.data() +
+                              stride * static_cast<std::size_t>(window.y_px - pixels.area.y_px) +
+                              3u * static_cast<std::size_t>(window.x_px - pixels.area.x_px);
   return {window.height_px, window.width_px, CV_8UC3, const_cast<std::uint8_t*>(first), stride};
 }
 

@@ -55,8 +55,8 @@ void fill_gradient(const std::uint8_t* grey, int width_px, int height_px, int y,
     const auto down = static_cast<std::int16_t>(d[x - 1] + 2 * d[x] + d[x + 1]);
     dx[x] = across;
     dy[x] = down;
-    size[x] = static_cast<std::int16_t>((across < 0 ? -across : across) +
-                                        (down < 0 ? -down : down));
+    size[x] =
+        static_cast<std::int16_t>((across < 0 ? -across : across) + (down < 0 ? -down : down));
   }
 }
 
@@ -82,8 +82,7 @@ void mark_ridges(const GradientRow& above, const GradientRow& here, const Gradie
     const v_int16x8 is_upright = high_dy - (wide + wide) > bound;  // tan 67.5 = tan 22.5 + 2
     const v_int16x8 falls = (dx ^ dy) >= zero;
 
-    const v_int16x8 slanting_before =
-        cv::v_select(falls, cv::v_load(up - 1), cv::v_load(up + 1));
+    const v_int16x8 slanting_before = cv::v_select(falls, cv::v_load(up - 1), cv::v_load(up + 1));
     const v_int16x8 slanting_after =
         cv::v_select(falls, cv::v_load(down + 1), cv::v_load(down - 1));
     const v_int16x8 before =

@@ -55,8 +55,7 @@ ColourEvidence colour_confidence(const HueHistogram& histogram, const ColourConf
   ColourEvidence evidence;
   if (histogram.num_coloured == 0) return evidence;
   evidence.dominant_hue_deg = dominant_hue_deg(histogram, config.hue_bins);
-  evidence.passed =
-      hue_in_range(evidence.dominant_hue_deg, config.hue_min_deg, config.hue_max_deg);
+  evidence.passed = hue_in_range(evidence.dominant_hue_deg, config.hue_min_deg, config.hue_max_deg);
   if (!evidence.passed) return evidence;
   int num_inside = 0;
   for (int hue = 0; hue < kNumHues; ++hue) {

@@ -8,7 +8,7 @@
 
 namespace orchard::vision {
 
-inline constexpr int kNumHues = 180;       ///< OpenCV's 8-bit hue: steps of 2 degrees
+inline constexpr int kNumHues = 180;  ///< OpenCV's 8-bit hue: steps of 2 degrees
 inline constexpr double kHueStep_deg = 2.0;
 
 /// How often each hue occurs among a window's coloured pixels (saturation and value not below

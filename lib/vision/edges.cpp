@@ -22,11 +22,10 @@ std::vector<EdgePoint> edge_points(const EdgeMap& map, const PixelRect& window) 
   std::vector<EdgePoint> points;
   points.reserve(256);
   for (int y = 0; y < window.height_px; ++y) {
-    const std::uint8_t* row =
-        map.edges.data() +
-        static_cast<std::size_t>(window.y_px - map.area.y_px + y) *
-            static_cast<std::size_t>(map.area.width_px) +
-        static_cast<std::size_t>(window.x_px - map.area.x_px);
+    const std::uint8_t* row = map.edges.data() +
+                              static_cast<std::size_t>(window.y_px - map.area.y_px + y) *
+                                  static_cast<std::size_t>(map.area.width_px) +
+                              static_cast<std::size_t>(window.x_px - map.area.x_px);
     for (int x = 0; x < window.width_px; ++x) {
       if (row[x] != 0) points.push_back({x, y});
     }
@@ -61,9 +60,9 @@ PixelRect edge_reading_area(const PixelRect& window, const PixelRect& picture,
                             const EdgeConfig& config) {
   // Half a median, one pixel of the gradient, one of its thinning.
   const int rim = config.median_size_px / 2 + 2;
-  return intersection({window.x_px - rim, window.y_px - rim, window.width_px + 2 * rim,
-                       window.height_px + 2 * rim},
-                      picture);
+  return intersection(
+      {window.x_px - rim, window.y_px - rim, window.width_px + 2 * rim, window.height_px + 2 * rim},
+      picture);
 }
 
 EdgeMap edge_map(const PixelBlock& pixels, const EdgeConfig& config) {
@@ -91,8 +90,8 @@ EdgeLine find_edge(const EdgeMap& map, const PixelRect& window, double expected_
     if (line) roc = line->straightness;
   } else if (points.size() >= min_points) {
     std::vector<EdgePoint> inliers =
-        points_of_best_line(points, window.width_px, window.height_px,
-                            expected_x_px - window.x_px, config.inlier_px, max_tilt_rad);
+        points_of_best_line(points, window.width_px, window.height_px, expected_x_px - window.x_px,
+                            config.inlier_px, max_tilt_rad);
     if (inliers.size() >= min_points) line = fit_total_least_squares(inliers);
     if (line) {  // once more with what is near the line that was fitted, not the one that was tried
       inliers = points_near(points, *line, config.inlier_px);

@@ -103,8 +103,7 @@ bool read_region(Codec& codec, const std::uint8_t* data, std::size_t size, int w
 }  // namespace
 
 std::optional<PixelBlock> decode_jpeg_region(const std::uint8_t* data, std::size_t size,
-                                             int width_px, int height_px,
-                                             const PixelRect& region) {
+                                             int width_px, int height_px, const PixelRect& region) {
   const PixelRect picture{0, 0, width_px, height_px};
   if (size == 0 || region.empty() || !picture.contains(region)) return std::nullopt;
   PixelBlock block;

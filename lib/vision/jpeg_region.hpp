@@ -16,7 +16,6 @@ namespace orchard::vision {
 /// has any complaint about up to the last row of `region`, or whose number of scans is absurd.
 /// `region` must lie inside the picture. Throws nothing on account of the bytes.
 std::optional<PixelBlock> decode_jpeg_region(const std::uint8_t* data, std::size_t size,
-                                             int width_px, int height_px,
-                                             const PixelRect& region);
+                                             int width_px, int height_px, const PixelRect& region);
 
 }  // namespace orchard::vision

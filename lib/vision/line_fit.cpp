@@ -97,8 +97,8 @@ std::vector<EdgePoint> points_of_best_line(const std::vector<EdgePoint>& points,
       num_points += columns[static_cast<std::size_t>(i + reach)];
       const int top = i - rim;
       const double distance_px = std::abs(top + slope * middle_y_px - expected_x_px);
-      if (num_points > best_points || (num_points == best_points && num_points > 0 &&
-                                       distance_px < best_distance_px)) {
+      if (num_points > best_points ||
+          (num_points == best_points && num_points > 0 && distance_px < best_distance_px)) {
         best_points = num_points;
         best_distance_px = distance_px;
         best_top = top;

@@ -16,7 +16,7 @@ struct EdgePoint {
 struct Line {
   double x_mean_px = 0.0;
   double y_mean_px = 0.0;
-  double tilt_rad = 0.0;   ///< from the vertical
+  double tilt_rad = 0.0;      ///< from the vertical
   double straightness = 0.0;  ///< 1 - lambda_min / lambda_max, or R^2: in [0, 1]
 
   double x_at(double y_px) const;

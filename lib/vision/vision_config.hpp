@@ -50,10 +50,10 @@ struct EdgeConfig {
   LineFit fit = LineFit::kTotalLeastSquares;
   double canny_low = 40;
   double canny_high = 100;
-  int median_size_px = 3;         ///< odd
-  int min_points = 5;             ///< fewer edge pixels make no line
-  double max_tilt_deg = 20;       ///< from the image's vertical
-  double inlier_px = 1.0;         ///< edge pixels this near a line belong to it
+  int median_size_px = 3;              ///< odd
+  int min_points = 5;                  ///< fewer edge pixels make no line
+  double max_tilt_deg = 20;            ///< from the image's vertical
+  double inlier_px = 1.0;              ///< edge pixels this near a line belong to it
   double parallel_tolerance_deg = 10;  ///< roc_parallel falls to 0 at this angle between edges
 };
 

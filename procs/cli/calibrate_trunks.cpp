@@ -7,11 +7,11 @@
 #include "bus/in_process_replay.hpp"
 #include "bus/process.hpp"
 #include "calibration/trunk_model.hpp"
-#include "io/progress_bar.hpp"
 #include "cli/trunk_collector.hpp"
 #include "io/config.hpp"
 #include "io/config_edit.hpp"
 #include "io/file_error.hpp"
+#include "io/progress_bar.hpp"
 #include "pose/pose_node.hpp"
 
 namespace orchard::cli {
@@ -97,9 +97,8 @@ int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
   if (options.log_paths.size() > 1) {
     note += " and " + std::to_string(options.log_paths.size() - 1) + " more";
   }
-  std::vector<io::ConfigValue> values{
-      {"detector.width.mean_m", decimals(model.width_mean_m, 5)},
-      {"detector.width.sd_m", decimals(model.width_sd_m, 5)}};
+  std::vector<io::ConfigValue> values{{"detector.width.mean_m", decimals(model.width_mean_m, 5)},
+                                      {"detector.width.sd_m", decimals(model.width_sd_m, 5)}};
   const std::string out = options.out_path.empty() ? options.config_path : options.out_path;
   if (model.has_hue) {
     values.push_back({"detector.colour.hue_min_deg", decimals(model.hue_min_deg, 1)});

@@ -10,8 +10,8 @@ namespace orchard::cli {
 struct CalibrateTrunksOptions {
   std::vector<std::string> log_paths;  ///< one or more drives past trunks of one kind
   std::string config_path;
-  std::string out_path;                ///< empty or config_path: that file, the old one as .bak
-  int wanted_trunks = 20;              ///< fewer give a warning
+  std::string out_path;    ///< empty or config_path: that file, the old one as .bak
+  int wanted_trunks = 20;  ///< fewer give a warning
   bool quiet = false;
 };
 

@@ -39,7 +39,8 @@ CLI::App* add_command(CLI::App& app, Run& run, const char* name, const char* des
   CLI::App* command = app.add_subcommand(name, description);
   add_options(*command, *options);
   command->footer(std::string("Examples:\n") + examples);
-  command->callback([&run, options, function] { run = [options, function] { return function(*options); }; });
+  command->callback(
+      [&run, options, function] { run = [options, function] { return function(*options); }; });
   return command;
 }
 
@@ -62,7 +63,8 @@ void add_simulate(CLI::App& app, Run& run) {
             ->type_name("CSV");
         command.add_option("--config", o.config_path, "rig; without it the defaults")
             ->type_name("FILE");
-        command.add_option("--duration", o.duration_s, "stop after that many seconds; 0 = whole scene")
+        command
+            .add_option("--duration", o.duration_s, "stop after that many seconds; 0 = whole scene")
             ->check(CLI::NonNegativeNumber)
             ->type_name("S");
       });
@@ -114,8 +116,9 @@ void add_evaluate(CLI::App& app, Run& run) {
         command.add_option("--truth", o.truth_path, "what stands there: class,x_m,y_m,width_m")
             ->required()
             ->type_name("CSV");
-        command.add_option("--poses", o.poses_path,
-                           "where the robot truly was: judge the trajectory.csv beside the map too")
+        command
+            .add_option("--poses", o.poses_path,
+                        "where the robot truly was: judge the trajectory.csv beside the map too")
             ->type_name("CSV");
         command.add_option("--gate", o.gate_m, "farthest a landmark lies from its object [m]")
             ->check(CLI::Range(0.001, 100.0))
@@ -136,16 +139,16 @@ void add_log(CLI::App& app, Run& run) {
                           "  orchard log info drive.lcm\n", run_log_info, add_path);
   add_command<LogOptions>(*log, run, "check", "What is wrong with it; exit 3 when something is",
                           "  orchard log check drive.lcm && echo sound\n", run_log_check, add_path);
-  add_command<LogOptions>(*log, run, "repair", "Write a new log of every message that can be read",
-                          "  orchard log repair broken.lcm --out repaired.lcm\n", run_log_repair,
-                          [&](CLI::App& command, LogOptions& o) {
-                            add_path(command, o);
-                            command.add_option("--out", o.out_path, "log to write")
-                                ->required()
-                                ->type_name("LOG");
-                          });
-  log->footer("Examples:\n  orchard log info drive.lcm\n  orchard log check drive.lcm\n"
-              "  orchard log repair broken.lcm --out repaired.lcm\n");
+  add_command<LogOptions>(
+      *log, run, "repair", "Write a new log of every message that can be read",
+      "  orchard log repair broken.lcm --out repaired.lcm\n", run_log_repair,
+      [&](CLI::App& command, LogOptions& o) {
+        add_path(command, o);
+        command.add_option("--out", o.out_path, "log to write")->required()->type_name("LOG");
+      });
+  log->footer(
+      "Examples:\n  orchard log info drive.lcm\n  orchard log check drive.lcm\n"
+      "  orchard log repair broken.lcm --out repaired.lcm\n");
 }
 
 void add_calibrate(CLI::App& app, Run& run) {
@@ -165,8 +168,9 @@ void add_calibrate(CLI::App& app, Run& run) {
         command.add_option("--config", o.config_path, "the rig they were recorded with")
             ->required()
             ->type_name("FILE");
-        command.add_option("--out", o.out_path,
-                           "rig to write; without it that of --config, the old one kept as .bak")
+        command
+            .add_option("--out", o.out_path,
+                        "rig to write; without it that of --config, the old one kept as .bak")
             ->type_name("FILE");
         command.add_option("--wanted-trunks", o.wanted_trunks, "fewer give a warning")
             ->check(CLI::PositiveNumber)
@@ -188,7 +192,9 @@ void add_echo(CLI::App& app, Run& run) {
       "  orchard echo SCAN --count 1 --json\n"
       "  orchard echo STATUS --lcm-url 'udpm://239.255.76.67:7667?ttl=1'\n",
       run_echo, [](CLI::App& command, EchoOptions& o) {
-        command.add_option("channel", o.channel, "as on the wire")->required()->type_name("CHANNEL");
+        command.add_option("channel", o.channel, "as on the wire")
+            ->required()
+            ->type_name("CHANNEL");
         command.add_flag("--json", o.json, "one JSON object per line");
         command.add_option("--count", o.count, "end after so many messages; 0 = until Ctrl-C")
             ->check(CLI::NonNegativeNumber)
@@ -203,8 +209,7 @@ void add_doctor(CLI::App& app, Run& run) {
       "  orchard doctor\n"
       "  orchard doctor --lcm-url 'udpm://239.255.76.67:7667?ttl=1'     (several machines)\n"
       "Exit code 1 when something keeps messages from flowing.\n",
-      run_doctor,
-      [](CLI::App& command, DoctorOptions& o) { add_lcm_url(command, o.lcm_url); });
+      run_doctor, [](CLI::App& command, DoctorOptions& o) { add_lcm_url(command, o.lcm_url); });
 }
 
 void add_all(CLI::App& app, Run& run) {

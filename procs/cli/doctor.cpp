@@ -59,9 +59,9 @@ void check_interfaces(Findings& findings, const UdpmUrl& url) {
     return i.up && !i.loopback && i.has_ipv4 && i.multicast;
   };
   const auto other = std::find_if(interfaces.begin(), interfaces.end(), is_other);
-  const std::string use_other =
-      other == interfaces.end() ? "use ttl=0 in lcm.url, or bring a network interface up"
-                                : "sudo ip route replace 224.0.0.0/4 dev " + other->name;
+  const std::string use_other = other == interfaces.end()
+                                    ? "use ttl=0 in lcm.url, or bring a network interface up"
+                                    : "sudo ip route replace 224.0.0.0/4 dev " + other->name;
   const bool through_loopback = loopback != interfaces.end() && *route == loopback->name;
   if (through_loopback && !loopback->multicast) {
     findings.add(Verdict::kWarn, *route + " has no MULTICAST flag; some programs refuse it",

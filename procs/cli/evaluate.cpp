@@ -29,11 +29,12 @@ void print_trajectory(const EvaluateOptions& options) {
   const evaluation::TrajectoryEvaluation evaluation = evaluation::evaluate_trajectory(
       io::read_trajectory_csv(path), io::read_poses_csv(options.poses_path));
   constexpr double kDegPerRad = 180.0 / geometry::kPi;
-  std::printf("trajectory: RMS %.2f mm and %.3f deg, largest %.2f mm and %.3f deg, at %d true poses"
-              " (%d outside its time)\n",
-              1e3 * evaluation.position_rms_m, kDegPerRad * evaluation.yaw_rms_rad,
-              1e3 * evaluation.position_max_m, kDegPerRad * evaluation.yaw_max_rad,
-              evaluation.num_compared, evaluation.num_outside);
+  std::printf(
+      "trajectory: RMS %.2f mm and %.3f deg, largest %.2f mm and %.3f deg, at %d true poses"
+      " (%d outside its time)\n",
+      1e3 * evaluation.position_rms_m, kDegPerRad * evaluation.yaw_rms_rad,
+      1e3 * evaluation.position_max_m, kDegPerRad * evaluation.yaw_max_rad, evaluation.num_compared,
+      evaluation.num_outside);
 }
 
 }  // namespace

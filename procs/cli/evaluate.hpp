@@ -7,12 +7,12 @@ namespace orchard::cli {
 
 /// `orchard evaluate MAP --truth CSV`.
 struct EvaluateOptions {
-  std::string map_path;         ///< a map.csv, or the folder that holds one
+  std::string map_path;  ///< a map.csv, or the folder that holds one
   std::string truth_path;
-  std::string poses_path;       ///< true poses, to judge trajectory.csv by; empty = do not
-  double gate_m = 0.3;          ///< farthest a landmark may lie from what it stands for
+  std::string poses_path;  ///< true poses, to judge trajectory.csv by; empty = do not
+  double gate_m = 0.3;     ///< farthest a landmark may lie from what it stands for
   bool json = false;
-  bool check = false;           ///< exit 1 unless the map is perfect
+  bool check = false;  ///< exit 1 unless the map is perfect
 };
 
 /// Prints the paper's tables with the error against truth; returns the exit code. Throws

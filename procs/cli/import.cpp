@@ -71,13 +71,12 @@ int run_import(const ImportOptions& options) {
   }
   const io::RawlogContent rawlog = io::read_rawlog(options.source_path);
   auto next = rawlog.messages.begin();
-  print_imported(options.out_path,
-                 write_log(
-                     [&]() -> std::optional<io::SensorMessage> {
-                       if (next == rawlog.messages.end()) return std::nullopt;
-                       return *next++;
-                     },
-                     options.out_path));
+  print_imported(options.out_path, write_log(
+                                       [&]() -> std::optional<io::SensorMessage> {
+                                         if (next == rawlog.messages.end()) return std::nullopt;
+                                         return *next++;
+                                       },
+                                       options.out_path));
   if (rawlog.laser_mount) print_mount(*rawlog.laser_mount);
   for (const auto& [what, num] : rawlog.ignored) {
     std::printf("not used: %" PRId64 " x %s\n", num, what.c_str());

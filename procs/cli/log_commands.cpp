@@ -17,16 +17,19 @@ const char* role_name(const std::string& channel) {
   const auto known = bus::find_channel(channel);
   if (!known) return "unknown";
   switch (bus::info(*known).role) {
-    case bus::Role::kSource: return "source";
-    case bus::Role::kDerived: return "derived";
-    case bus::Role::kService: break;
+    case bus::Role::kSource:
+      return "source";
+    case bus::Role::kDerived:
+      return "derived";
+    case bus::Role::kService:
+      break;
   }
   return "service";
 }
 
 void print_channels(const LogSurvey& survey) {
-  std::printf("%-14s %-14s %-8s %10s %9s %12s %10s\n", "channel", "type", "role", "messages",
-              "Hz", "bytes", "span (s)");
+  std::printf("%-14s %-14s %-8s %10s %9s %12s %10s\n", "channel", "type", "role", "messages", "Hz",
+              "bytes", "span (s)");
   for (const auto& [name, channel] : survey.channels) {
     const auto known = bus::find_channel(name);
     const std::string type = known ? std::string(bus::info(*known).type) : "?";
@@ -64,7 +67,8 @@ int print_findings(const std::string& path, const LogSurvey& survey) {
                   name.c_str(), channel.num_missing);
     }
     if (channel.num_duplicates > 0) {
-      std::printf("%s: %s: %" PRId64 " messages repeat an older seq (several senders, or a restart)\n",
+      std::printf("%s: %s: %" PRId64
+                  " messages repeat an older seq (several senders, or a restart)\n",
                   path.c_str(), name.c_str(), channel.num_duplicates);
     }
   }

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <variant>
 
-#include "io/progress_bar.hpp"
 #include "io/file_error.hpp"
+#include "io/progress_bar.hpp"
 
 namespace orchard::cli {
 namespace {
@@ -61,9 +61,8 @@ std::int64_t LogSurvey::num_refused() const {
 }
 
 bool LogSurvey::knows_a_channel() const {
-  return std::any_of(channels.begin(), channels.end(), [](const auto& entry) {
-    return bus::find_channel(entry.first).has_value();
-  });
+  return std::any_of(channels.begin(), channels.end(),
+                     [](const auto& entry) { return bus::find_channel(entry.first).has_value(); });
 }
 
 LogSurvey survey_log(const std::string& path) {

@@ -23,7 +23,7 @@ struct ChannelSurvey {
   std::int64_t last_utime = 0;
   std::int32_t last_seq = 0;
   std::array<std::int64_t, bus::kNumReasons> num_refused_by_reason{};
-  std::string first_refusal;        ///< reason and detail of the first refused message
+  std::string first_refusal;  ///< reason and detail of the first refused message
 };
 
 /// A log read from end to end.

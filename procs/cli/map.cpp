@@ -10,12 +10,12 @@
 
 #include "bus/in_process_replay.hpp"
 #include "bus/process.hpp"
-#include "io/progress_bar.hpp"
 #include "detector/detector_node.hpp"
 #include "io/config.hpp"
 #include "io/file_error.hpp"
 #include "io/log_writer.hpp"
 #include "io/map_folder.hpp"
+#include "io/progress_bar.hpp"
 #include "mapper/mapper_node.hpp"
 #include "pose/pose_node.hpp"
 
@@ -83,8 +83,7 @@ void print_summary(const MapOptions& options, const ReplayReport& report,
                    const io::MapFolderContent& content) {
   using detection::Label;
   const auto& landmarks = content.landmarks;
-  std::printf("%zu landmarks: %" PRId64 " trees, %" PRId64 " objects, %" PRId64
-              " unseen\n",
+  std::printf("%zu landmarks: %" PRId64 " trees, %" PRId64 " objects, %" PRId64 " unseen\n",
               landmarks.size(), count_label(landmarks, Label::kTree),
               count_label(landmarks, Label::kObject), count_label(landmarks, Label::kUnseen));
   std::printf("from %" PRId64 " scans and %" PRId64 " images over %.1f s\n",
@@ -100,9 +99,10 @@ void print_summary(const MapOptions& options, const ReplayReport& report,
     }
   }
   std::printf("losses: %s\n", losses.empty() ? "none" : losses.c_str());
-  std::printf("written to %s: map.csv (table), map.gpkg (QGIS), map.svg and map.png (picture),\n"
-              "  trajectory.csv, summary.json, derived.lcm (every message on the way)\n",
-              options.out_folder.c_str());
+  std::printf(
+      "written to %s: map.csv (table), map.gpkg (QGIS), map.svg and map.png (picture),\n"
+      "  trajectory.csv, summary.json, derived.lcm (every message on the way)\n",
+      options.out_folder.c_str());
 }
 
 void make_folder(const std::string& folder) {
@@ -119,7 +119,8 @@ void make_folder(const std::string& folder) {
 
 int run_map(const MapOptions& options) {
   const io::Config config = io::load_config(options.config_path);
-  io::LogReader(options.log_path);  // a log that cannot be opened is refused before anything is made
+  io::LogReader(
+      options.log_path);  // a log that cannot be opened is refused before anything is made
   make_folder(options.out_folder);
   Pipeline pipeline(config);
   io::LogWriter derived(options.out_folder + "/derived.lcm");

@@ -9,10 +9,10 @@
 
 #include "bus/codec.hpp"
 #include "bus/process.hpp"
-#include "io/progress_bar.hpp"
 #include "io/config.hpp"
 #include "io/file_error.hpp"
 #include "io/log_writer.hpp"
+#include "io/progress_bar.hpp"
 #include "io/truth_csv.hpp"
 #include "simulation/simulator.hpp"
 

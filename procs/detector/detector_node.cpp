@@ -51,8 +51,8 @@ std::string DetectorNode::waiting_for() const {
 void DetectorNode::send_detections(const detection::ScanImagePair& pair, const bus::Outbox& send) {
   detection::LaserFindings findings = std::move(findings_.front());
   findings_.pop_front();
-  send_result(
-      detection::judge_by_camera(std::move(findings), pair.image.get(), rig_, pair.motion), send);
+  send_result(detection::judge_by_camera(std::move(findings), pair.image.get(), rig_, pair.motion),
+              send);
 }
 
 void DetectorNode::send_result(detection::DetectResult result, const bus::Outbox& send) {

@@ -70,8 +70,7 @@ void print_report(const bus::ReplayReport& report, double elapsed_s) {
   std::printf("\n");
 }
 
-bus::ReplayOptions replay_options(const PlayerOptions& options, Sink& sink,
-                                  io::ProgressBar& bar) {
+bus::ReplayOptions replay_options(const PlayerOptions& options, Sink& sink, io::ProgressBar& bar) {
   bus::ReplayOptions replay = options.replay;
   replay.progress = [&bar](std::uint64_t done, std::uint64_t total) { bar.update(done, total); };
   replay.on_derived = [&sink](bus::Channel channel, std::int64_t utime,

@@ -15,13 +15,13 @@ int main(int argc, char** argv) {
   info.description =
       "Accumulates detections into the map of the orchard.\n"
       "Reads DETECTIONS and POSE, sends MAP, and saves the map's files while it runs.";
-  info.options.push_back({"--out", "DIR", "folder of the map's files (none are saved without)",
-                          &folder});
+  info.options.push_back(
+      {"--out", "DIR", "folder of the map's files (none are saved without)", &folder});
   return orchard::bus::run_node_process(
       argc, argv, info,
       [&](const orchard::io::Config& config) -> std::unique_ptr<orchard::bus::Node> {
-        saver = std::make_unique<orchard::procs::MapSaver>(folder,
-                                                           orchard::io::config_hash(config));
+        saver =
+            std::make_unique<orchard::procs::MapSaver>(folder, orchard::io::config_hash(config));
         return std::make_unique<MapperNode>(config);
       },
       [&](orchard::bus::Node& node, const orchard::bus::SaveRequest& request) {

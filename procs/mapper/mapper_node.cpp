@@ -41,7 +41,8 @@ void MapperNode::handle(const bus::Message& input, const bus::Outbox& send) {
   } else {
     return;
   }
-  newest_utime_ = has_newest_ ? std::max(newest_utime_, bus::utime_of(input)) : bus::utime_of(input);
+  newest_utime_ =
+      has_newest_ ? std::max(newest_utime_, bus::utime_of(input)) : bus::utime_of(input);
   has_newest_ = true;
   release(send);
   drop_late();
@@ -103,17 +104,15 @@ std::vector<std::int32_t> MapperNode::refresh_ids(std::int64_t utime) {
   const std::int64_t last = std::exchange(last_refresh_utime_, utime);
   if (last == 0 || utime <= last) return {};
   const double share = std::min(1.0, seconds(utime - last) / config_.refresh_period_s);
-  const auto wanted = static_cast<std::size_t>(
-      std::ceil(share * static_cast<double>(mapper_.num_landmarks())));
-  std::vector<std::int32_t> ids =
-      mapper_.ids_from(refresh_from_id_, std::min(wanted, kRefreshMax));
+  const auto wanted =
+      static_cast<std::size_t>(std::ceil(share * static_cast<double>(mapper_.num_landmarks())));
+  std::vector<std::int32_t> ids = mapper_.ids_from(refresh_from_id_, std::min(wanted, kRefreshMax));
   refresh_from_id_ = ids.empty() ? 1 : ids.back() + 1;
   return ids;
 }
 
 void MapperNode::send_tiles(std::int64_t utime, const std::vector<std::int32_t>& ids,
-                            const std::vector<std::int32_t>& removed_ids,
-                            const bus::Outbox& send) {
+                            const std::vector<std::int32_t>& removed_ids, const bus::Outbox& send) {
   std::size_t landmark = 0;
   std::size_t removed = 0;
   do {
@@ -133,10 +132,12 @@ void MapperNode::send_tiles(std::int64_t utime, const std::vector<std::int32_t>&
 
 std::string MapperNode::waiting_for() const {
   if (waiting_.empty()) {
-    return has_newest_ ? std::string() : "no DETECTIONS and no POSE yet (orchard-detector, orchard-pose)";
+    return has_newest_ ? std::string()
+                       : "no DETECTIONS and no POSE yet (orchard-detector, orchard-pose)";
   }
   char text[128];
-  std::snprintf(text, sizeof text, "DETECTIONS at %.3f s wait for a POSE at or after (orchard-pose)",
+  std::snprintf(text, sizeof text,
+                "DETECTIONS at %.3f s wait for a POSE at or after (orchard-pose)",
                 seconds(waiting_.front().utime));
   return text;
 }

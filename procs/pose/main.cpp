@@ -9,6 +9,7 @@ int main(int argc, char** argv) {
   return bus::run_node_process(
       argc, argv,
       {"orchard-pose",
-       "Says where the robot is: POSE_FIX and ODOMETRY in (as pose.mode asks), POSE out.", {}},
+       "Says where the robot is: POSE_FIX and ODOMETRY in (as pose.mode asks), POSE out.",
+       {}},
       [](const io::Config& config) { return std::make_unique<procs::PoseNode>(config); });
 }

@@ -32,9 +32,9 @@ struct Situation {
 const Situation& situation() {
   static const Situation kSituation = [] {
     Situation s;
-    const std::vector<test::Tube> tubes{
-        test::brown_tube(1.0, 0.45), test::brown_tube(1.5, 0.35), test::brown_tube(2.2, 0.0),
-        test::brown_tube(1.4, -0.3), test::brown_tube(1.1, -0.55)};
+    const std::vector<test::Tube> tubes{test::brown_tube(1.0, 0.45), test::brown_tube(1.5, 0.35),
+                                        test::brown_tube(2.2, 0.0), test::brown_tube(1.4, -0.3),
+                                        test::brown_tube(1.1, -0.55)};
     s.scan = test::scan_of(tubes);
     s.jpeg = test::picture_of_tubes(tubes, s.rig);
     cv::Mat picture(s.jpeg.height_px, s.jpeg.width_px, CV_8UC3, s.jpeg.data.data());
@@ -95,13 +95,14 @@ void print_ratio() {
   std::vector<double> ours, baseline;
   for (int i = 0; i < 600; ++i) {
     baseline.push_back(time_us([&s] { whole_frame_once(s); }));
-    ours.push_back(time_us(
-        [&s] { benchmark::DoNotOptimize(detection::detect(s.scan, &s.jpeg, s.rig)); }));
+    ours.push_back(
+        time_us([&s] { benchmark::DoNotOptimize(detection::detect(s.scan, &s.jpeg, s.rig)); }));
   }
   const double ratio = median_us(ours) / median_us(baseline);
-  std::printf("detector: JPEG of %zu bytes to detections %.0f us, whole frame by OpenCV %.0f us: "
-              "%.2fx (limit %.2fx)\n",
-              s.jpeg.data.size(), median_us(ours), median_us(baseline), ratio, kLimit);
+  std::printf(
+      "detector: JPEG of %zu bytes to detections %.0f us, whole frame by OpenCV %.0f us: "
+      "%.2fx (limit %.2fx)\n",
+      s.jpeg.data.size(), median_us(ours), median_us(baseline), ratio, kLimit);
   char measured[32];
   std::snprintf(measured, sizeof measured, "%.2fx", ratio);
   bench::print_result("detector, JPEG to detections, against the whole frame by OpenCV", measured,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Mapper::update along a robot's path on a map of 1e6 landmarks against one of 1e3, with scans
-// fitted to the map (the default) and without; prints the ratios, and the bytes per landmark at 1e6.
+// fitted to the map (the default) and without; prints the ratios, and the bytes per landmark at
+// 1e6.
 #include <benchmark/benchmark.h>
 
 #include <chrono>
@@ -73,8 +74,8 @@ void drive(benchmark::State& state) {
   const bool align_scans = state.range(1) != 0;
   Mapper mapper = orchard_of(n, align_scans);
   const int side = static_cast<int>(std::lround(std::sqrt(n)));
-  bytes_per_landmark = static_cast<double>(mapper.num_bytes()) /
-                       static_cast<double>(mapper.num_landmarks());
+  bytes_per_landmark =
+      static_cast<double>(mapper.num_bytes()) / static_cast<double>(mapper.num_landmarks());
   const int num_steps = 300;
   int lane = 0;
   for (auto _ : state) {

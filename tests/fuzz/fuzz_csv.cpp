@@ -17,9 +17,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text(reinterpret_cast<const char*>(data) + 1, size - 1);
   try {
     switch (data[0] % 7) {
-      case 0: io::parse_truth_csv(text, "truth.csv"); break;
-      case 1: io::parse_map_csv(text, "map.csv"); break;
-      case 2: io::parse_trajectory_csv(text, "trajectory.csv"); break;
+      case 0:
+        io::parse_truth_csv(text, "truth.csv");
+        break;
+      case 1:
+        io::parse_map_csv(text, "map.csv");
+        break;
+      case 2:
+        io::parse_trajectory_csv(text, "trajectory.csv");
+        break;
       case 3: {
         io::LaserDescription laser;
         laser.num_beams = 3;

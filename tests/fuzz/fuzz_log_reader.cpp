@@ -15,8 +15,9 @@ using orchard::io::LogEventHeader;
 using orchard::io::LogReader;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  LogReader reader(std::make_unique<std::istringstream>(
-                       std::string(reinterpret_cast<const char*>(data), size)), "fuzz");
+  LogReader reader(
+      std::make_unique<std::istringstream>(std::string(reinterpret_cast<const char*>(data), size)),
+      "fuzz");
   std::uint64_t num_bytes = 0;
   std::uint64_t end = 0;
   while (const auto event = reader.next()) {

@@ -27,10 +27,22 @@ std::size_t below(std::mt19937_64& random, std::size_t bound) {
 }
 
 void mutate(std::mt19937_64& random, const std::vector<std::string>& seeds, std::string& input) {
-  static const std::string kExtremes[] = {
-      std::string("\x7F\xFF\xFF\xFF", 4), std::string("\x80\x00\x00\x00", 4),
-      std::string("\xFF\xFF\xFF\xFF", 4), std::string("\x00\x00\x00\x00", 4),
-      "-1", "nan", "inf", "1e999", "9223372036854775808", ",", "\n", "\r", "\"", "[", "{", ": "};
+  static const std::string kExtremes[] = {std::string("\x7F\xFF\xFF\xFF", 4),
+                                          std::string("\x80\x00\x00\x00", 4),
+                                          std::string("\xFF\xFF\xFF\xFF", 4),
+                                          std::string("\x00\x00\x00\x00", 4),
+                                          "-1",
+                                          "nan",
+                                          "inf",
+                                          "1e999",
+                                          "9223372036854775808",
+                                          ",",
+                                          "\n",
+                                          "\r",
+                                          "\"",
+                                          "[",
+                                          "{",
+                                          ": "};
   const std::size_t at = below(random, input.size() + 1);
   const std::size_t count = below(random, std::min<std::size_t>(input.size() - at, 32) + 1);
   switch (below(random, 8)) {
@@ -40,10 +52,18 @@ void mutate(std::mt19937_64& random, const std::vector<std::string>& seeds, std:
     case 1:
       if (at < input.size()) input[at] = static_cast<char>(random());
       break;
-    case 2: input.erase(at, count); break;
-    case 3: input.insert(at, input.substr(at, count)); break;
-    case 4: input.resize(at); break;
-    case 5: input.insert(at, kExtremes[below(random, std::size(kExtremes))]); break;
+    case 2:
+      input.erase(at, count);
+      break;
+    case 3:
+      input.insert(at, input.substr(at, count));
+      break;
+    case 4:
+      input.resize(at);
+      break;
+    case 5:
+      input.insert(at, kExtremes[below(random, std::size(kExtremes))]);
+      break;
     case 6: {
       const std::string& extreme = kExtremes[below(random, std::size(kExtremes))];
       input.replace(at, std::min(extreme.size(), input.size() - at), extreme);

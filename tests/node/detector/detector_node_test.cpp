@@ -29,8 +29,7 @@ laser::Scan scan(int i) {
 
 vision::Image picture(int i, std::int64_t offset_us = 20'000) {
   const auto rig = test::tube_rig();
-  vision::Image image =
-      test::picture_of_tubes(scene(i), rig, 1'000'000 + 100'000 * i + offset_us);
+  vision::Image image = test::picture_of_tubes(scene(i), rig, 1'000'000 + 100'000 * i + offset_us);
   const cv::Mat raw(image.height_px, image.width_px, CV_8UC3, image.data.data());
   std::vector<std::uint8_t> jpeg;
   cv::imencode(".jpg", raw, jpeg, {cv::IMWRITE_JPEG_QUALITY, 88});
@@ -103,8 +102,8 @@ TEST(DetectorNode, OutputDoesNotDependOnArrivalAcrossChannels) {
     for (int i = 0; i < 12; ++i) {
       for (const bool is_scan : {true, false}) {
         std::int64_t& previous = last[is_scan ? 0 : 1];
-        previous = std::max(previous, 100'000 * std::int64_t{i} +
-                                          static_cast<std::int64_t>(random() % 110'000));
+        previous = std::max(
+            previous, 100'000 * std::int64_t{i} + static_cast<std::int64_t>(random() % 110'000));
         arrivals.push_back({previous, i, is_scan});
       }
     }
@@ -112,8 +111,10 @@ TEST(DetectorNode, OutputDoesNotDependOnArrivalAcrossChannels) {
                      [](const Arrival& a, const Arrival& b) { return a.when < b.when; });
     Bench bench;
     for (const Arrival& a : arrivals) {
-      if (a.is_scan) bench.handle(scan(a.index));
-      else bench.handle(picture(a.index));
+      if (a.is_scan)
+        bench.handle(scan(a.index));
+      else
+        bench.handle(picture(a.index));
     }
     bench.flush();
     if (round == 0) reference = bytes_of(bench.sent);

@@ -66,7 +66,8 @@ TEST(PoseNode, ArrivalOrderBetweenChannelsDoesNotMatter) {
     std::vector<std::pair<std::int64_t, bus::Message>> arrivals;
     for (const bus::Message& m : messages) {
       const bool is_fix = std::holds_alternative<pose::PoseFix>(m);
-      const std::int64_t delay_us = is_fix ? static_cast<std::int64_t>(random() % 80001) - 40000 : 0;
+      const std::int64_t delay_us =
+          is_fix ? static_cast<std::int64_t>(random() % 80001) - 40000 : 0;
       arrivals.emplace_back(bus::utime_of(m) + delay_us, m);
     }
     std::stable_sort(arrivals.begin(), arrivals.end(),

@@ -137,8 +137,7 @@ TEST_F(BadInput, ThreeMistakesInAConfigurationAreAllNamed) {
              "  colour_weigth: 0.6\n"
              "mapper:\n"
              "  gate_m: near\n");
-  const Result result =
-      orchard({"map", log(), "--config", path("rig.yaml"), "--out", path("map")});
+  const Result result = orchard({"map", log(), "--config", path("rig.yaml"), "--out", path("map")});
   EXPECT_EQ(result.exit_code, 3);
   EXPECT_THAT(result.err, HasSubstr("rig.yaml:2: detector.tree_threshold = 1.9"));
   EXPECT_THAT(result.err, HasSubstr("rig.yaml:3: detector.colour_weigth"));
@@ -179,10 +178,10 @@ TEST_F(BadInput, AFullDiskLeavesTheLastGoodMap) {
              "[ \"$before\" = \"$(cat $folder/disk/map/* | sha256sum)\" ] || exit 78\n"
              "exit $code\n");
   const std::string other = path("other.lcm");
-  ASSERT_EQ(orchard({"simulate", "--scene", "tubes", "--seed", "4", "--out", other, "--config",
-                     config()})
-                .exit_code,
-            0);
+  ASSERT_EQ(
+      orchard({"simulate", "--scene", "tubes", "--seed", "4", "--out", other, "--config", config()})
+          .exit_code,
+      0);
   const std::string folder = std::filesystem::path(script).parent_path();
   const Result result = run({"unshare", "-rm", "bash", script, folder,
                              ORCHARD_BUILD_DIR "/bin/orchard", log(), config(), other});

@@ -19,8 +19,8 @@ TEST(CommandLine, HelpIsEnoughToStart) {
 
 TEST(CommandLine, EveryCommandShowsExamples) {
   const std::vector<std::vector<std::string>> commands{
-      {"simulate"},      {"import"},        {"map"},  {"evaluate"}, {"log"},
-      {"log", "info"},   {"log", "check"},  {"echo"}, {"doctor"},   {"log", "repair"},
+      {"simulate"},           {"import"},       {"map"},  {"evaluate"}, {"log"},
+      {"log", "info"},        {"log", "check"}, {"echo"}, {"doctor"},   {"log", "repair"},
       {"calibrate", "trunks"}};
   for (std::vector<std::string> command : commands) {
     std::string words = "orchard";

@@ -17,10 +17,9 @@ class EvaluateCommand : public CliTest {
  protected:
   void SetUp() override {
     CliTest::SetUp();
-    write_file(path("map.csv"),
-               std::string(kMapHeader) +
-                   "1,tree,1.003,2.004,5,0.9,0.99,0.004,0.006,0.09,,\n"
-                   "2,object,4,0,5,0.001,0.01,0.004,0.006,0.17,,\n");
+    write_file(path("map.csv"), std::string(kMapHeader) +
+                                    "1,tree,1.003,2.004,5,0.9,0.99,0.004,0.006,0.09,,\n"
+                                    "2,object,4,0,5,0.001,0.01,0.004,0.006,0.17,,\n");
     write_file(path("truth.csv"), "class,x_m,y_m,width_m\ntree,1,2,0.09\nobject,4,0,0.17\n");
   }
   Result evaluate(const std::vector<std::string>& more = {}) const {

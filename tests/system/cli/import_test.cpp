@@ -22,9 +22,7 @@ class ImportCommand : public CliTest {
     write_file(path("drive/scans.csv"), "utime_us,r0,r1,r2\n1000000,1,2,0\n1100000,1,2,3\n");
     write_file(path("drive/poses.csv"), "utime_us,x_m,y_m,yaw_rad\n1000000,0,0,0\n");
   }
-  Result import() const {
-    return orchard({"import", path("drive"), "--out", path("drive.lcm")});
-  }
+  Result import() const { return orchard({"import", path("drive"), "--out", path("drive.lcm")}); }
 };
 
 TEST_F(ImportCommand, AFolderBecomesALog) {

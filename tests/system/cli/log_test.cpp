@@ -73,8 +73,8 @@ TEST_F(LogCommand, WhatIsNoLogIsRefused) {
       EXPECT_EQ(count_lines(result.err), 1) << result.err;
     }
   }
-  EXPECT_EQ(
-      orchard({"log", "repair", path("text.lcm"), "--out", path("repaired.lcm")}).exit_code, 3);
+  EXPECT_EQ(orchard({"log", "repair", path("text.lcm"), "--out", path("repaired.lcm")}).exit_code,
+            3);
   EXPECT_FALSE(exists(path("repaired.lcm")));
 }
 

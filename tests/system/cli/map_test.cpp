@@ -67,10 +67,9 @@ TEST_F(MapCommand, SimulationIsRepeatable) {
 }
 
 TEST_F(MapCommand, SimulationStopsAfterTheDuration) {
-  const Result result =
-      orchard({"simulate", "--scene", "orchard", "--seed", "1", "--out", path("short.lcm"),
-               "--poses", path("poses.csv"), "--duration", "1.5", "--config",
-               ORCHARD_SOURCE_DIR "/config/orchard.yaml"});
+  const Result result = orchard({"simulate", "--scene", "orchard", "--seed", "1", "--out",
+                                 path("short.lcm"), "--poses", path("poses.csv"), "--duration",
+                                 "1.5", "--config", ORCHARD_SOURCE_DIR "/config/orchard.yaml"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(num_messages(path("short.lcm"), "SCAN"), 16);      // 10 Hz from 0 to 1.5 s
   EXPECT_EQ(num_messages(path("short.lcm"), "ODOMETRY"), 76);  // 50 Hz

@@ -75,8 +75,8 @@ void write_rawlog(const std::string& log_path, const std::string& rawlog_path) {
   std::int64_t start_utime = 0;
   std::int64_t next_odometry = 0;
   while (const auto event = reader.next()) {
-    const auto decoded = bus::decode(*bus::find_channel(event->channel), event->data.data(),
-                                     event->data.size());
+    const auto decoded =
+        bus::decode(*bus::find_channel(event->channel), event->data.data(), event->data.size());
     const auto& message = std::get<bus::Message>(decoded);
     const std::int64_t utime = bus::utime_of(message);
     if (start_utime == 0) {
@@ -108,8 +108,8 @@ TEST_F(RawlogToMap, FindsWhatStandsThere) {
   const std::size_t mode = rig.find("mode: fixes");
   ASSERT_NE(mode, std::string::npos);
   write_file(path("rig.yaml"), rig.replace(mode, 11, "mode: odometry"));
-  const Result mapped = orchard(
-      {"map", path("drive.lcm"), "--config", path("rig.yaml"), "--out", path("map")});
+  const Result mapped =
+      orchard({"map", path("drive.lcm"), "--config", path("rig.yaml"), "--out", path("map")});
   ASSERT_EQ(mapped.exit_code, 0) << mapped.err;
   EXPECT_THAT(mapped.out, HasSubstr("16 landmarks: 12 trees, 4 objects"));
 

@@ -38,8 +38,7 @@ void add_free_standing(const laser::Scan& scan, const pose::PoseFix& base,
   for (std::size_t first = 0, last = 0; first < r.size(); first = last + 1) {
     last = first;
     double sum_m = r[first];
-    while (last + 1 < r.size() && r[last + 1] > 0.0f &&
-           std::abs(r[last + 1] - r[last]) < kJump_m) {
+    while (last + 1 < r.size() && r[last + 1] > 0.0f && std::abs(r[last + 1] - r[last]) < kJump_m) {
       sum_m += r[++last];
     }
     if (first == 0 || first == last || last + 1 == r.size()) continue;
@@ -49,12 +48,13 @@ void add_free_standing(const laser::Scan& scan, const pose::PoseFix& base,
     const double bearing_rad = scan.bearing_rad(0.5 * static_cast<double>(first + last));
     const auto is_behind = [&](float range_m) { return range_m == 0.0f || range_m > mean_m; };
     if (!is_behind(r[first - 1]) || !is_behind(r[last + 1])) continue;
-    if (mean_m <= kNear_m || mean_m >= kFar_m || std::abs(bearing_rad) >= kBearingMost_rad) continue;
+    if (mean_m <= kNear_m || mean_m >= kFar_m || std::abs(bearing_rad) >= kBearingMost_rad)
+      continue;
     if (width_m <= kWidthLeast_m || width_m >= kWidthMost_m) continue;
     const double centre_m = mean_m + 0.5 * width_m;
     const double heading_rad = base.yaw_rad + bearing_rad;
-    points.push_back({base.x_m + centre_m * std::cos(heading_rad),
-                      base.y_m + centre_m * std::sin(heading_rad)});
+    points.push_back(
+        {base.x_m + centre_m * std::cos(heading_rad), base.y_m + centre_m * std::sin(heading_rad)});
   }
 }
 
@@ -127,9 +127,8 @@ std::vector<ClearTree> find_clear_trees(const std::vector<io::SensorMessage>& re
   const Density density(points);
   std::vector<ClearTree> peaks;
   for (const Point& p : points) peaks.push_back(density.climb(p));
-  std::stable_sort(peaks.begin(), peaks.end(), [](const ClearTree& a, const ClearTree& b) {
-    return a.support > b.support;
-  });
+  std::stable_sort(peaks.begin(), peaks.end(),
+                   [](const ClearTree& a, const ClearTree& b) { return a.support > b.support; });
   std::vector<ClearTree> apart;
   for (const ClearTree& peak : peaks) {
     if (peak.support < kClearSupport) break;
@@ -146,8 +145,8 @@ int ClearTreeComparison::num_with(int num) const {
 }
 
 int ClearTreeComparison::num_doubled() const {
-  return static_cast<int>(std::count_if(num_landmarks.begin(), num_landmarks.end(),
-                                        [](int num) { return num > 1; }));
+  return static_cast<int>(
+      std::count_if(num_landmarks.begin(), num_landmarks.end(), [](int num) { return num > 1; }));
 }
 
 double ClearTreeComparison::median_distance_m() const {
@@ -178,9 +177,9 @@ ClearTreeComparison compare(const std::vector<ClearTree>& clear_trees,
 
 std::string report(const std::vector<ClearTree>& clear_trees,
                    const ClearTreeComparison& comparison) {
-  std::string all = text("clear trees: %zu; with one tree landmark: %d, none: %d, more: %d\n",
-                         clear_trees.size(), comparison.num_with(1), comparison.num_with(0),
-                         comparison.num_doubled());
+  std::string all =
+      text("clear trees: %zu; with one tree landmark: %d, none: %d, more: %d\n", clear_trees.size(),
+           comparison.num_with(1), comparison.num_with(0), comparison.num_doubled());
   if (!comparison.distances_m.empty()) {
     all += text("distance to the peak: median %.3f m, most %.3f m\n",
                 comparison.median_distance_m(), comparison.distances_m.back());

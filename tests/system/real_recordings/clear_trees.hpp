@@ -31,9 +31,9 @@ struct ClearTreeComparison {
   std::vector<double> distances_m;  ///< of those that have exactly one, rising
   int num_tree_landmarks = 0;       ///< seen ten times or more: only these count at all
 
-  int num_with(int num) const;      ///< clear trees that have so many
-  int num_doubled() const;          ///< clear trees that have more than one
-  double median_distance_m() const; ///< 0 without any
+  int num_with(int num) const;       ///< clear trees that have so many
+  int num_doubled() const;           ///< clear trees that have more than one
+  double median_distance_m() const;  ///< 0 without any
 };
 
 ClearTreeComparison compare(const std::vector<ClearTree>& clear_trees,

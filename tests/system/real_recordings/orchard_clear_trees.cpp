@@ -14,8 +14,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    const auto trees =
-        orchard::test::find_clear_trees(orchard::io::read_recording_folder(argv[1]));
+    const auto trees = orchard::test::find_clear_trees(orchard::io::read_recording_folder(argv[1]));
     const auto map = orchard::io::read_map_csv(std::string(argv[2]) + "/map.csv");
     const auto comparison = orchard::test::compare(trees, map);
     std::fputs(orchard::test::report(trees, comparison).c_str(), stdout);

@@ -62,18 +62,21 @@ void add(const EvaluatedObject& object, Row& row) {
 }
 
 void print_rows(const std::vector<Row>& rows) {
-  std::printf("          N            ROC_tree_mean                 SE_x (mm)           SE_y (mm)"
-              "           error (mm)\n");
-  std::printf("     paper mean    paper  mean  least - most     paper  mean  most   paper  mean"
-              "  most   mean  most\n");
+  std::printf(
+      "          N            ROC_tree_mean                 SE_x (mm)           SE_y (mm)"
+      "           error (mm)\n");
+  std::printf(
+      "     paper mean    paper  mean  least - most     paper  mean  most   paper  mean"
+      "  most   mean  most\n");
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Row& r = rows[i];
     const PaperRow& p = kPaper[i];
-    std::printf("%-4s %5d %4.1f   %6.4f %6.4f %6.4f - %6.4f  %5.2f %5.2f %5.2f   %5.2f %5.2f %5.2f"
-                "  %5.1f %5.1f\n",
-                p.name, p.n, r.n.mean(), p.roc, r.roc.mean(), r.roc.least(), r.roc.most(),
-                p.se_x_mm, r.se_x_mm.mean(), r.se_x_mm.most(), p.se_y_mm, r.se_y_mm.mean(),
-                r.se_y_mm.most(), r.error_mm.mean(), r.error_mm.most());
+    std::printf(
+        "%-4s %5d %4.1f   %6.4f %6.4f %6.4f - %6.4f  %5.2f %5.2f %5.2f   %5.2f %5.2f %5.2f"
+        "  %5.1f %5.1f\n",
+        p.name, p.n, r.n.mean(), p.roc, r.roc.mean(), r.roc.least(), r.roc.most(), p.se_x_mm,
+        r.se_x_mm.mean(), r.se_x_mm.most(), p.se_y_mm, r.se_y_mm.mean(), r.se_y_mm.most(),
+        r.error_mm.mean(), r.error_mm.most());
   }
 }
 
@@ -108,9 +111,10 @@ int run(const std::string& config_path, unsigned long first, unsigned long last)
   print_scene_figure("mean SE in y over its trees (mm)", "7.24", "at most 7", se_y_mm);
   print_scene_figure("error against truth, RMS (mm)", "-", "at most 15", rms_mm);
   const auto num_seeds = last - first + 1;
-  std::printf("%d of %lu scenes with 12 of 12 trees, 4 of 4 objects, nothing else, and all limits "
-              "kept\n",
-              num_good, num_seeds);
+  std::printf(
+      "%d of %lu scenes with 12 of 12 trees, 4 of 4 objects, nothing else, and all limits "
+      "kept\n",
+      num_good, num_seeds);
   return static_cast<unsigned long>(num_good) == num_seeds ? 0 : 1;
 }
 

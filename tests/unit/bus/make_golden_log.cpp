@@ -56,8 +56,8 @@ void add_sources(Golden& golden) {
   jpeg.seq = 1;
   jpeg.width_px = 320;
   jpeg.height_px = 240;
-  jpeg.data = {0xFF, 0xD8, 0xFF, 0xC0, 0, 17, 8, 0, 240, 1, 64, 3, 1, 0x22, 0,
-               2,    0x11, 1,    3,    0x11, 1};
+  jpeg.data = {0xFF, 0xD8, 0xFF, 0xC0, 0, 17,   8, 0, 240,  1, 64,
+               3,    1,    0x22, 0,    2, 0x11, 1, 3, 0x11, 1};
   golden.add(jpeg);
 
   pose::Odometry odometry;
@@ -166,11 +166,11 @@ void add_services(Golden& golden) {
   status.host = "robot";
   status.text = "waits";
   golden.add(Channel::kStatus, encode(status));
-  const ConfigNotice notice{golden.next_utime(), 6, 0x0123456789abcdef, "orchard-pose", "0.1.0",
-                            "pose:\n  mode: fixes\n"};
+  const ConfigNotice notice{golden.next_utime(), 6,       0x0123456789abcdef,
+                            "orchard-pose",      "0.1.0", "pose:\n  mode: fixes\n"};
   golden.add(Channel::kConfig, encode(notice));
-  const Ack ack{golden.next_utime(), 8, 2, Channel::kDetections,
-                {{Channel::kMap, 9}, {Channel::kMap, 10}}};
+  const Ack ack{
+      golden.next_utime(), 8, 2, Channel::kDetections, {{Channel::kMap, 9}, {Channel::kMap, 10}}};
   golden.add(Channel::kAck, encode(ack));
   golden.add(Channel::kReplay, encode(ReplayMark{golden.next_utime(), 0, false}));
   golden.add(Channel::kReplay, encode(ReplayMark{golden.next_utime(), 3, true}));

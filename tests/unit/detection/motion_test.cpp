@@ -44,9 +44,8 @@ TEST(Motion, DetectionsFollowTheRobotFromTheBeamToThePicture) {
   const double dt_s = 0.05;
   PlanePoint later = after_motion({1.9, 0.3}, motion, dt_s);
   const auto beam_utime = detect(scan, nullptr, rig).detections.trunks.at(0).utime;
-  const auto image =
-      test::picture_of_tubes({test::brown_tube(later.x_m - 0.3, later.y_m)}, rig,
-                             beam_utime + static_cast<std::int64_t>(1e6 * dt_s));
+  const auto image = test::picture_of_tubes({test::brown_tube(later.x_m - 0.3, later.y_m)}, rig,
+                                            beam_utime + static_cast<std::int64_t>(1e6 * dt_s));
   const Detection without = detect(scan, &image, rig).detections.trunks.at(0);
   const Detection with = detect(scan, &image, rig, motion).detections.trunks.at(0);
   EXPECT_GT(with.roc_colour, 0.95f);

@@ -36,7 +36,8 @@ Landmark landmark(int id, Label label, double x_m, double y_m) {
 }
 
 TEST(EvaluateMap, ErrorsAreThoseOfThePlaces) {
-  const std::vector<TruthObject> truth{thing(Label::kTree, 1.0, 2.0), thing(Label::kTree, 5.0, 0.0)};
+  const std::vector<TruthObject> truth{thing(Label::kTree, 1.0, 2.0),
+                                       thing(Label::kTree, 5.0, 0.0)};
   const std::vector<Landmark> map{landmark(4, Label::kTree, 5.0, -0.005),
                                   landmark(9, Label::kTree, 1.003, 2.004)};
   const MapEvaluation evaluation = evaluate_map(map, truth, 0.3);
@@ -53,7 +54,8 @@ TEST(EvaluateMap, ErrorsAreThoseOfThePlaces) {
 }
 
 TEST(EvaluateMap, RmsWeighsLargeErrorsMoreThanTheMean) {
-  const std::vector<TruthObject> truth{thing(Label::kTree, 0.0, 0.0), thing(Label::kTree, 5.0, 0.0)};
+  const std::vector<TruthObject> truth{thing(Label::kTree, 0.0, 0.0),
+                                       thing(Label::kTree, 5.0, 0.0)};
   const std::vector<Landmark> map{landmark(1, Label::kTree, 0.03, 0.0),
                                   landmark(2, Label::kTree, 5.0, 0.04)};
   const MapEvaluation evaluation = evaluate_map(map, truth, 0.3);

@@ -9,8 +9,8 @@
 namespace orchard::evaluation {
 namespace {
 
-using ::testing::HasSubstr;
 using detection::Label;
+using ::testing::HasSubstr;
 
 /// The first lines of the paper's own tables 1 and 2 and a tree that nobody found.
 MapEvaluation example() {

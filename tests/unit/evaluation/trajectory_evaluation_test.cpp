@@ -19,8 +19,9 @@ pose::PoseEstimate estimate(std::int64_t utime, double x_m, double yaw_rad) {
 }
 
 TEST(EvaluateTrajectory, InterpolatesBetweenEstimates) {
-  const TrajectoryEvaluation evaluation = evaluate_trajectory(
-      {estimate(0, 0.0, 0.0), estimate(1000, 1.0, 0.2)}, {{500, 0.5, 0.3, 0.1}, {1000, 1.0, 0.4, 0.2}});
+  const TrajectoryEvaluation evaluation =
+      evaluate_trajectory({estimate(0, 0.0, 0.0), estimate(1000, 1.0, 0.2)},
+                          {{500, 0.5, 0.3, 0.1}, {1000, 1.0, 0.4, 0.2}});
   EXPECT_EQ(evaluation.num_compared, 2);
   EXPECT_NEAR(evaluation.position_max_m, 0.4, 1e-12);
   EXPECT_NEAR(evaluation.position_rms_m, 0.35355339059327379, 1e-12);  // sqrt((0.09 + 0.16) / 2)
@@ -36,8 +37,9 @@ TEST(EvaluateTrajectory, YawGoesTheShorterWay) {
 }
 
 TEST(EvaluateTrajectory, ExtrapolatesNothing) {
-  const TrajectoryEvaluation evaluation = evaluate_trajectory(
-      {estimate(100, 0.0, 0.0), estimate(200, 0.0, 0.0)}, {{99, 0, 0, 0}, {100, 0, 0, 0}, {201, 0, 0, 0}});
+  const TrajectoryEvaluation evaluation =
+      evaluate_trajectory({estimate(100, 0.0, 0.0), estimate(200, 0.0, 0.0)},
+                          {{99, 0, 0, 0}, {100, 0, 0, 0}, {201, 0, 0, 0}});
   EXPECT_EQ(evaluation.num_compared, 1);
   EXPECT_EQ(evaluation.num_outside, 2);
 }

@@ -13,11 +13,10 @@ const double kQuarterTurn = 1.5707963267948966;
 // Eq. 2 stands for (Rx Ry Rz)^T, built here from elementary rotations.
 TEST(PaperRotation, IsTheTransposedProductOfTheThreeAxisRotations) {
   const std::array<double, 3> phi_rad{1.47, -0.08, 1.66};
-  const Eigen::Matrix3d product =
-      (Eigen::AngleAxisd(phi_rad[0], Eigen::Vector3d::UnitX()) *
-       Eigen::AngleAxisd(phi_rad[1], Eigen::Vector3d::UnitY()) *
-       Eigen::AngleAxisd(phi_rad[2], Eigen::Vector3d::UnitZ()))
-          .toRotationMatrix();
+  const Eigen::Matrix3d product = (Eigen::AngleAxisd(phi_rad[0], Eigen::Vector3d::UnitX()) *
+                                   Eigen::AngleAxisd(phi_rad[1], Eigen::Vector3d::UnitY()) *
+                                   Eigen::AngleAxisd(phi_rad[2], Eigen::Vector3d::UnitZ()))
+                                      .toRotationMatrix();
   EXPECT_TRUE(paper_rotation(phi_rad).isApprox(product.transpose(), 1e-14));
 }
 

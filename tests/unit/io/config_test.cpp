@@ -38,7 +38,8 @@ TEST(Config, RefusesWhatIsNotWhatItShouldBe) {
               ElementsAre("rig.yaml:1: camera.width_px = 3.5: must be a whole number"));
   EXPECT_THAT(problems_of("camera: {fc_px: [1, 2, 3]}\n"),
               ElementsAre(HasSubstr("must be a list of 2 numbers")));
-  EXPECT_THAT(problems_of("camera: {fc_px: [200, nan]}\n"), ElementsAre(HasSubstr("camera.fc_px[1]")));
+  EXPECT_THAT(problems_of("camera: {fc_px: [200, nan]}\n"),
+              ElementsAre(HasSubstr("camera.fc_px[1]")));
   EXPECT_THAT(problems_of("camera: 7\n"), ElementsAre(HasSubstr("must be a section")));
   EXPECT_THAT(problems_of("laser:\n  mount_x_m: 1\n  mount_x_m: 2\n"),
               ElementsAre(HasSubstr("stands here twice")));

@@ -129,7 +129,8 @@ TEST(Log, EveryUndamagedEventIsReadWhicheverByteIsDamaged) {
         const auto k = static_cast<std::size_t>(i);
         const std::uint64_t end = i + 1 < kNumEvents ? whole[k + 1].offset : good.size();
         const bool damaged = at >= whole[k].offset && at < end;
-        ASSERT_TRUE(damaged || holds(events, i)) << "byte " << at << " mask " << mask << " event " << i;
+        ASSERT_TRUE(damaged || holds(events, i))
+            << "byte " << at << " mask " << mask << " event " << i;
       }
       ASSERT_LE(events.size(), static_cast<std::size_t>(kNumEvents));
     }

@@ -4,8 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <ogrsf_frmts.h>
-#include <sys/mount.h>
 #include <sched.h>
+#include <sys/mount.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -53,7 +53,7 @@ MapFolderContent make_content(int num_landmarks) {
   return content;
 }
 
-const char* const kFiles[] = {"map.csv", "map.gpkg", "map.svg",
+const char* const kFiles[] = {"map.csv", "map.gpkg",       "map.svg",
                               "map.png", "trajectory.csv", "summary.json"};
 
 TEST(MapFolder, EqualContentGivesEqualBytes) {

@@ -30,7 +30,8 @@ using ::testing::SizeIs;
 constexpr std::int64_t kStart = 1700000000000000;
 
 mrpt::system::TTimeStamp time_of(std::int64_t utime) {
-  return mrpt::system::TTimeStamp(mrpt::system::TTimeStamp::duration(utime * 10 + 116444736000000000));
+  return mrpt::system::TTimeStamp(
+      mrpt::system::TTimeStamp::duration(utime * 10 + 116444736000000000));
 }
 
 CObservation2DRangeScan::Ptr make_scan(std::int64_t utime) {
@@ -69,8 +70,8 @@ CRawlog make_observations() {
   log.insert(gps);
   auto image = CObservationImage::Create();
   image->timestamp = time_of(kStart + 70000);
-  image->image = mrpt::img::CImage(cv::Mat(24, 32, CV_8UC3, cv::Scalar(10, 200, 30)),
-                                   mrpt::img::DEEP_COPY);
+  image->image =
+      mrpt::img::CImage(cv::Mat(24, 32, CV_8UC3, cv::Scalar(10, 200, 30)), mrpt::img::DEEP_COPY);
   log.insert(image);
   auto battery = CObservationBatteryState::Create();
   battery->timestamp = time_of(kStart);

@@ -32,7 +32,8 @@ TEST(BulkCentre, IsNotDrawnByAnotherThing) {
   const BulkCentre without = bulk_centre(alone, {0.0, 0.0}, 0.2);
   EXPECT_LT((centre.p_map - without.p_map).norm(), 1e-6);
   EXPECT_NEAR(centre.covariance(0, 0), without.covariance(0, 0), 1e-9);
-  // eleven points 1 cm apart: (2 (1 + 4 + 9 + 16 + 25) 1e-4 m2) / 10 / 11, a little less by the kernel
+  // eleven points 1 cm apart: (2 (1 + 4 + 9 + 16 + 25) 1e-4 m2) / 10 / 11, a little less by the
+  // kernel
   EXPECT_NEAR(without.covariance(0, 0), 1e-4, 2e-6);
 }
 

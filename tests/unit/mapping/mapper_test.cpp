@@ -146,7 +146,8 @@ TEST(Mapper, AnImperfectHeadingDoublesNoTree) {
         const double dx = 3.0 * tree - x_robot;
         if (std::hypot(dx, y) > 8.0) continue;
         const double c = std::cos(yaw_error_rad), s = std::sin(yaw_error_rad);
-        trunks.push_back(seen_at(c * dx + s * y + 0.02 * normal(), c * y - s * dx + 0.02 * normal()));
+        trunks.push_back(
+            seen_at(c * dx + s * y + 0.02 * normal(), c * y - s * dx + 0.02 * normal()));
       }
     }
     pose::PoseEstimate pose;  // claims heading 0

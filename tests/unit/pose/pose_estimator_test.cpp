@@ -79,8 +79,8 @@ TEST(PoseEstimator, CovarianceOfDeadReckoningIsThatOfManyDrives) {
     for (int i = 0; i <= 40; ++i) {
       // Velocity is averaged between messages, so that an interval's noise is of half the variance
       // and neighbours are correlated: over many intervals the sum's variance is as stated.
-      Odometry o = odometry(i * 100000, 1.0 + sd_speed * normal(random),
-                            0.2 + sd_yaw_rate * normal(random));
+      Odometry o =
+          odometry(i * 100000, 1.0 + sd_speed * normal(random), 0.2 + sd_yaw_rate * normal(random));
       o.covariance = {sd_speed * sd_speed, 0.0, sd_yaw_rate * sd_yaw_rate};
       estimator.add(o);
     }

@@ -30,8 +30,8 @@ void expect_opencvs_edges(const cv::Mat& grey, double low, double high) {
 TEST(Canny, EqualsOpenCvOnTextureOfEverySize) {
   cv::RNG random(5);
   for (int i = 0; i < 400; ++i) {
-    const cv::Mat grey = texture(random.uniform(1, 70), random.uniform(1, 50),
-                                 0.7 * random.uniform(0, 5), random);
+    const cv::Mat grey =
+        texture(random.uniform(1, 70), random.uniform(1, 50), 0.7 * random.uniform(0, 5), random);
     const double low = random.uniform(1.0, 200.0);
     expect_opencvs_edges(grey, low, low + random.uniform(0.0, 300.0));
   }

@@ -36,9 +36,9 @@ TEST(Colour, AnotherColourFailsAndHasNoRoc) {
 
 TEST(Colour, RocIsTheShareOfTheWindowWithATrunksHue) {
   cv::Mat picture = plain(30.0);
-  picture.rowRange(0, 5) = cv::Scalar(bgr_of(210.0, 0.5, 0.7));    // another colour
-  picture.rowRange(5, 8) = cv::Scalar(bgr_of(30.0, 0.02, 0.7));    // too pale
-  picture.rowRange(8, 10) = cv::Scalar(bgr_of(30.0, 0.5, 0.04));   // too dark
+  picture.rowRange(0, 5) = cv::Scalar(bgr_of(210.0, 0.5, 0.7));   // another colour
+  picture.rowRange(5, 8) = cv::Scalar(bgr_of(30.0, 0.02, 0.7));   // too pale
+  picture.rowRange(8, 10) = cv::Scalar(bgr_of(30.0, 0.5, 0.04));  // too dark
   EXPECT_DOUBLE_EQ(judge(picture).roc, 0.5);
 }
 

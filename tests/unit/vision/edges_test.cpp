@@ -92,9 +92,8 @@ TEST(Edges, APartOfThePictureHasTheWholesEdges) {
     for (int y = window.y_px; y < window.y_px + window.height_px; ++y) {
       for (int x = window.x_px; x < window.x_px + window.width_px; ++x) {
         const bool in_whole = whole.edges[static_cast<std::size_t>(y * 160 + x)] != 0;
-        const bool in_part =
-            part.edges[static_cast<std::size_t>((y - reading.y_px) * reading.width_px + x -
-                                                reading.x_px)] != 0;
+        const bool in_part = part.edges[static_cast<std::size_t>(
+                                 (y - reading.y_px) * reading.width_px + x - reading.x_px)] != 0;
         if (in_whole) ++num_edges;
         if (in_whole != in_part) ++num_different;
       }

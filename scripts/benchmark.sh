@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Builds and runs every benchmark of tests/benchmark, one after the other, and prints one table of
-# what was measured beside its target. Under 5 minutes; the machine should have nothing else to do.
+# what was measured beside its target. Under 2 minutes after the build; the machine should have nothing else to do.
 #   scripts/benchmark.sh [--build DIR] [--no-build]
 #     --build DIR  build folder (default build)
 #     --no-build   use it as it is

@@ -37,7 +37,7 @@ enum class Role {
 struct ChannelInfo {
   Channel channel;
   std::string_view name;  ///< on the wire
-  std::string_view type;  ///< LCM type, without the package
+  std::string_view type;  ///< LCM type that is sent, without the package
   Role role;
 };
 
@@ -49,7 +49,7 @@ inline constexpr std::array<ChannelInfo, kNumChannels> kChannels{{
     {Channel::kGnss, "GNSS", "gnss_t", Role::kSource},
     {Channel::kPoseFix, "POSE_FIX", "pose_fix_t", Role::kSource},
     {Channel::kPose, "POSE", "pose_t", Role::kDerived},
-    {Channel::kDetections, "DETECTIONS", "detections_t", Role::kDerived},
+    {Channel::kDetections, "DETECTIONS", "detections_v2_t", Role::kDerived},
     {Channel::kMap, "MAP", "map_tile_t", Role::kDerived},
     {Channel::kStatus, "STATUS", "status_t", Role::kService},
     {Channel::kConfig, "CONFIG", "config_t", Role::kService},

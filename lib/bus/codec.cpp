@@ -81,7 +81,8 @@ std::variant<Message, Rejection> decode(Channel channel, const void* data, std::
     case Channel::kPose:
       return decode_as<pose_t>(data, size);
     case Channel::kDetections:
-      return decode_as<detections_t>(data, size);
+      return is_older_form(channel, data) ? decode_as<detections_t>(data, size)
+                                          : decode_as<detections_v2_t>(data, size);
     case Channel::kMap:
       return decode_as<map_tile_t>(data, size);
     default:

@@ -151,6 +151,12 @@ void check(Check& c, const detection::Detections& detections) {
     c.within("roc_edges", trunk.roc_edges, 0, 1);
     c.within("roc_vision", trunk.roc_vision, 0, 1);
     c.within("roc_tree", trunk.roc_tree, 0, 1);
+    c.within("probability_tree", trunk.probability_tree, 0, 1);
+    c.within("probability_object", trunk.probability_object, 0, 1);
+    // single precision: the two may add up to a little more than one
+    c.within("probability_tree + probability_object",
+             trunk.probability_tree + trunk.probability_object, 0, 1.0001);
+    c.within("intensity", trunk.intensity, 0, 1e9);
     c.whole("num_beams", trunk.num_beams, 0, INT32_MAX);
     c.whole("label", static_cast<int>(trunk.label), 0, 2);
     c.whole("occlusion", trunk.occlusion, 0, 3);

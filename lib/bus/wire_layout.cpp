@@ -8,6 +8,7 @@
 #include "orchard/ack_t.hpp"
 #include "orchard/config_t.hpp"
 #include "orchard/detections_t.hpp"
+#include "orchard/detections_v2_t.hpp"
 #include "orchard/gnss_t.hpp"
 #include "orchard/image_t.hpp"
 #include "orchard/map_tile_t.hpp"
@@ -54,7 +55,7 @@ const Layout& layout_of(Channel channel) {
       {hash_of<gnss_t>, 93, kKiB, {}, 0},
       {hash_of<pose_fix_t>, 93, kKiB, {}, 0},
       {hash_of<pose_t>, 108, kKiB, {}, 0},
-      {hash_of<detections_t>, 32, kMiB, {{{20, 134, "num_trunks"}, {}}}, 0},
+      {hash_of<detections_v2_t>, 32, kMiB, {{{20, 146, "num_trunks"}, {}}}, 0},
       {hash_of<map_tile_t>,
        32,
        16 * kMiB,
@@ -66,6 +67,13 @@ const Layout& layout_of(Channel channel) {
       {hash_of<replay_t>, 21, kKiB, {}, 0},
   }};
   return layouts[static_cast<std::size_t>(channel)];
+}
+
+/// Forms of earlier releases that are still read.
+const Layout* older_layout_of(Channel channel) {
+  static const Layout detections{
+      hash_of<detections_t>, 32, kMiB, {{{20, 134, "num_trunks"}, {}}}, 0};
+  return channel == Channel::kDetections ? &detections : nullptr;
 }
 
 /// Big-endian, as LCM writes it.
@@ -86,18 +94,25 @@ std::size_t min_bytes(Channel channel) {
 
 std::size_t max_bytes(Channel channel) { return layout_of(channel).max_bytes; }
 
+bool is_older_form(Channel channel, const void* data) {
+  const Layout* older = older_layout_of(channel);
+  return older != nullptr && read_u64(static_cast<const std::uint8_t*>(data)) ==
+                                 static_cast<std::uint64_t>(older->hash());
+}
+
 std::optional<Rejection> check_layout(Channel channel, const void* data, std::size_t size) {
-  const Layout& layout = layout_of(channel);
   // A runt datagram arrives with a size of 4 GB, so the upper limit comes before any access.
-  if (size > layout.max_bytes) {
-    return Rejection{Reason::kTooLarge,
-                     std::to_string(size) + " bytes, at most " + std::to_string(layout.max_bytes)};
+  if (size > max_bytes(channel)) {
+    return Rejection{Reason::kTooLarge, std::to_string(size) + " bytes, at most " +
+                                            std::to_string(max_bytes(channel))};
   }
   if (data == nullptr || size < 8) {
     return Rejection{Reason::kTooShort, std::to_string(size) + " bytes, at least " +
                                             std::to_string(min_bytes(channel))};
   }
   const auto* bytes = static_cast<const std::uint8_t*>(data);
+  const Layout& layout =
+      is_older_form(channel, data) ? *older_layout_of(channel) : layout_of(channel);
   if (read_u64(bytes) != static_cast<std::uint64_t>(layout.hash())) {
     return Rejection{Reason::kWrongType, "not a " + std::string(info(channel).type)};
   }

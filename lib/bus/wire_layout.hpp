@@ -15,6 +15,9 @@ namespace orchard::bus {
 /// After it has let bytes through, the generated decoder cannot allocate more than `size`.
 std::optional<Rejection> check_layout(Channel channel, const void* data, std::size_t size);
 
+/// Whether the bytes (at least 8) are of a form that an earlier release sent on that channel.
+bool is_older_form(Channel channel, const void* data);
+
 /// The smallest and largest message a channel carries [bytes].
 std::size_t min_bytes(Channel channel);
 std::size_t max_bytes(Channel channel);

@@ -18,8 +18,8 @@ void copy(const double (&from)[N], std::array<double, N>& to) {
   std::copy(from, from + N, to.begin());
 }
 
-trunk_t to_wire(const detection::Detection& trunk) {
-  trunk_t wire;
+trunk_v2_t to_wire(const detection::Detection& trunk) {
+  trunk_v2_t wire;
   wire.utime = trunk.utime;
   wire.range_m = trunk.range_m;
   wire.bearing_rad = trunk.bearing_rad;
@@ -38,13 +38,18 @@ trunk_t to_wire(const detection::Detection& trunk) {
   wire.roc_edges = trunk.roc_edges;
   wire.roc_vision = trunk.roc_vision;
   wire.roc_tree = trunk.roc_tree;
+  wire.probability_tree = trunk.probability_tree;
+  wire.probability_object = trunk.probability_object;
+  wire.intensity = trunk.intensity;
   wire.num_beams = trunk.num_beams;
   wire.label = static_cast<std::int8_t>(trunk.label);
   wire.occlusion = trunk.occlusion;
   return wire;
 }
 
-detection::Detection from_wire(const trunk_t& wire) {
+/// What trunk_t and trunk_v2_t have in common.
+template <class WireTrunk>
+detection::Detection common_from_wire(const WireTrunk& wire) {
   detection::Detection trunk;
   trunk.utime = wire.utime;
   trunk.range_m = wire.range_m;
@@ -68,6 +73,27 @@ detection::Detection from_wire(const trunk_t& wire) {
   trunk.label = static_cast<detection::Label>(wire.label);
   trunk.occlusion = wire.occlusion;
   return trunk;
+}
+
+detection::Detection from_wire(const trunk_t& wire) { return common_from_wire(wire); }
+
+detection::Detection from_wire(const trunk_v2_t& wire) {
+  detection::Detection trunk = common_from_wire(wire);
+  trunk.probability_tree = wire.probability_tree;
+  trunk.probability_object = wire.probability_object;
+  trunk.intensity = wire.intensity;
+  return trunk;
+}
+
+template <class WireDetections>
+detection::Detections detections_from_wire(const WireDetections& wire) {
+  detection::Detections detections;
+  detections.utime = wire.utime;
+  detections.seq = wire.seq;
+  detections.image_utime = wire.image_utime;
+  detections.trunks.reserve(wire.trunks.size());
+  for (const auto& trunk : wire.trunks) detections.trunks.push_back(from_wire(trunk));
+  return detections;
 }
 
 landmark_t to_wire(const mapping::Landmark& landmark) {
@@ -258,8 +284,8 @@ pose::PoseEstimate from_wire(pose_t&& wire) {
   return pose;
 }
 
-detections_t to_wire(const detection::Detections& detections) {
-  detections_t wire;
+detections_v2_t to_wire(const detection::Detections& detections) {
+  detections_v2_t wire;
   wire.utime = detections.utime;
   wire.seq = detections.seq;
   wire.num_trunks = static_cast<std::int32_t>(detections.trunks.size());
@@ -271,15 +297,9 @@ detections_t to_wire(const detection::Detections& detections) {
   return wire;
 }
 
-detection::Detections from_wire(detections_t&& wire) {
-  detection::Detections detections;
-  detections.utime = wire.utime;
-  detections.seq = wire.seq;
-  detections.image_utime = wire.image_utime;
-  detections.trunks.reserve(wire.trunks.size());
-  for (const trunk_t& trunk : wire.trunks) detections.trunks.push_back(from_wire(trunk));
-  return detections;
-}
+detection::Detections from_wire(detections_v2_t&& wire) { return detections_from_wire(wire); }
+
+detection::Detections from_wire(detections_t&& wire) { return detections_from_wire(wire); }
 
 map_tile_t to_wire(const mapping::MapTile& tile) {
   map_tile_t wire;

@@ -7,6 +7,7 @@
 
 #include "bus/message.hpp"
 #include "orchard/detections_t.hpp"
+#include "orchard/detections_v2_t.hpp"
 #include "orchard/gnss_t.hpp"
 #include "orchard/image_t.hpp"
 #include "orchard/map_tile_t.hpp"
@@ -26,7 +27,7 @@ odometry_t to_wire(const pose::Odometry& odometry);
 gnss_t to_wire(const pose::Gnss& gnss);
 pose_fix_t to_wire(const pose::PoseFix& fix);
 pose_t to_wire(const pose::PoseEstimate& pose);
-detections_t to_wire(const detection::Detections& detections);
+detections_v2_t to_wire(const detection::Detections& detections);
 map_tile_t to_wire(const mapping::MapTile& tile);
 
 laser::Scan from_wire(scan_t&& wire);
@@ -36,6 +37,8 @@ pose::Gnss from_wire(gnss_t&& wire);
 /// Throws std::range_error for a has_yaw that is neither 0 nor 1.
 pose::PoseFix from_wire(pose_fix_t&& wire);
 pose::PoseEstimate from_wire(pose_t&& wire);
+detection::Detections from_wire(detections_v2_t&& wire);
+/// The first release's form: its probabilities are unknown.
 detection::Detections from_wire(detections_t&& wire);
 mapping::MapTile from_wire(map_tile_t&& wire);
 

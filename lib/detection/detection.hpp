@@ -32,6 +32,9 @@ struct Detection {
   float roc_edges = 0.0f;
   float roc_vision = 0.0f;
   float roc_tree = 0.0f;
+  float probability_tree = 0.0f;    ///< calibrated; with probability_object at most 1
+  float probability_object = 0.0f;  ///< the rest is unknown: nothing has judged it
+  float intensity = 0.0f;           ///< mean of its beams, as the scanner gives it; 0 = none
   std::int32_t num_beams = 0;
   Label label = Label::kUnseen;
   std::int8_t occlusion = 0;  ///< bits of Occlusion

@@ -5,16 +5,13 @@
 #include <algorithm>
 #include <cstdio>
 #include <exception>
-#include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "bus/process.hpp"
-#include "cli/calibrate_trunks.hpp"
+#include "cli/add_command.hpp"
 #include "cli/doctor.hpp"
 #include "cli/echo.hpp"
-#include "cli/evaluate.hpp"
 #include "cli/import.hpp"
 #include "cli/log_commands.hpp"
 #include "cli/map.hpp"
@@ -25,24 +22,6 @@
 
 namespace orchard::cli {
 namespace {
-
-/// What the command line asked for: set by the callback of the subcommand that was given.
-using Run = std::function<int()>;
-
-/// One word per subcommand, with its options on the heap of the closure: they live as long as the
-/// App that fills them.
-template <class Options>
-CLI::App* add_command(CLI::App& app, Run& run, const char* name, const char* description,
-                      const char* examples, int (*function)(const Options&),
-                      const std::function<void(CLI::App&, Options&)>& add_options) {
-  const auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(name, description);
-  add_options(*command, *options);
-  command->footer(std::string("Examples:\n") + examples);
-  command->callback(
-      [&run, options, function] { run = [options, function] { return function(*options); }; });
-  return command;
-}
 
 void add_simulate(CLI::App& app, Run& run) {
   add_command<SimulateOptions>(
@@ -103,32 +82,6 @@ void add_map(CLI::App& app, Run& run) {
       });
 }
 
-void add_evaluate(CLI::App& app, Run& run) {
-  add_command<EvaluateOptions>(
-      app, run, "evaluate", "Compare a map with the truth: the paper's tables, and the error",
-      "  orchard evaluate out/drive --truth truth.csv\n"
-      "  orchard evaluate out/drive/map.csv --truth truth.csv --json > evaluation.json\n"
-      "  orchard evaluate out/drive --truth truth.csv --check && echo perfect\n",
-      run_evaluate, [](CLI::App& command, EvaluateOptions& o) {
-        command.add_option("map", o.map_path, "map.csv, or the folder with one")
-            ->required()
-            ->type_name("FOLDER|CSV");
-        command.add_option("--truth", o.truth_path, "what stands there: class,x_m,y_m,width_m")
-            ->required()
-            ->type_name("CSV");
-        command
-            .add_option("--poses", o.poses_path,
-                        "where the robot truly was: judge the trajectory.csv beside the map too")
-            ->type_name("CSV");
-        command.add_option("--gate", o.gate_m, "farthest a landmark lies from its object [m]")
-            ->check(CLI::Range(0.001, 100.0))
-            ->capture_default_str();
-        command.add_flag("--json", o.json, "for programs; lengths in metres");
-        command.add_flag("--check", o.check,
-                         "exit 1 unless all is found once, with its class, and nothing else");
-      });
-}
-
 void add_log(CLI::App& app, Run& run) {
   CLI::App* log = app.add_subcommand("log", "Look into a log, check it, repair it");
   log->require_subcommand(1);
@@ -149,35 +102,6 @@ void add_log(CLI::App& app, Run& run) {
   log->footer(
       "Examples:\n  orchard log info drive.lcm\n  orchard log check drive.lcm\n"
       "  orchard log repair broken.lcm --out repaired.lcm\n");
-}
-
-void add_calibrate(CLI::App& app, Run& run) {
-  CLI::App* calibrate = app.add_subcommand("calibrate", "Measure a rig's models from recordings");
-  calibrate->require_subcommand(1);
-  const char* examples =
-      "  orchard calibrate trunks drive.lcm --config config/tubes.yaml --out config/mine.yaml\n"
-      "  orchard calibrate trunks one.lcm two.lcm --config config/mine.yaml\n";
-  add_command<CalibrateTrunksOptions>(
-      *calibrate, run, "trunks",
-      "Measure width and hue of the trunks in logs (the paper's initialisation) and write them "
-      "into the rig's YAML",
-      examples, run_calibrate_trunks, [](CLI::App& command, CalibrateTrunksOptions& o) {
-        command.add_option("logs", o.log_paths, "drives past trunks of one kind")
-            ->required()
-            ->type_name("LOG...");
-        command.add_option("--config", o.config_path, "the rig they were recorded with")
-            ->required()
-            ->type_name("FILE");
-        command
-            .add_option("--out", o.out_path,
-                        "rig to write; without it that of --config, the old one kept as .bak")
-            ->type_name("FILE");
-        command.add_option("--wanted-trunks", o.wanted_trunks, "fewer give a warning")
-            ->check(CLI::PositiveNumber)
-            ->capture_default_str();
-        command.add_flag("--quiet", o.quiet, "warnings and errors only");
-      });
-  calibrate->footer(std::string("Examples:\n") + examples);
 }
 
 void add_lcm_url(CLI::App& command, std::string& url) {
@@ -237,6 +161,12 @@ std::string with_suggestion(const std::string& sentence, const std::string& word
   return sentence + (near.empty() ? "" : "; did you mean " + near + "?");
 }
 
+bool takes_positionals(const CLI::App& command) {
+  const auto options = command.get_options();
+  return std::any_of(options.begin(), options.end(),
+                     [](const CLI::Option* option) { return option->get_positional(); });
+}
+
 /// The command that the leading words name, for help and messages; a misspelt word is an error
 /// sentence in `problem`.
 const CLI::App* find_command(const CLI::App& app, int argc, char** argv, std::string& problem) {
@@ -246,6 +176,7 @@ const CLI::App* find_command(const CLI::App& app, int argc, char** argv, std::st
     const std::vector<std::string> words = words_of(*command);
     if (words.empty() || word.empty() || word.front() == '-') break;
     if (std::find(words.begin(), words.end(), word) == words.end()) {
+      if (takes_positionals(*command)) break;
       problem = with_suggestion("there is no command \"" + word + "\"", word, words);
       break;
     }

@@ -86,6 +86,9 @@ Json fields(const detection::Detections& m) {
                       {"roc_edges", t.roc_edges},
                       {"roc_vision", t.roc_vision},
                       {"roc_tree", t.roc_tree},
+                      {"probability_tree", t.probability_tree},
+                      {"probability_object", t.probability_object},
+                      {"intensity", t.intensity},
                       {"num_beams", t.num_beams},
                       {"occlusion", t.occlusion}});
   }

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace orchard::cli {
+
+/// What the command line asked for: set by the callback of the subcommand that was given.
+using Run = std::function<int()>;
+
+/// A new subcommand of `app` with examples under its help.
+CLI::App& add_subcommand(CLI::App& app, const char* name, const char* description,
+                         const char* examples);
+
+/// Calls `callback` when the command line ends with this command, not one of its subcommands.
+void on_command(CLI::App& command, std::function<void()> callback);
+
+/// One word per subcommand, with its options on the heap of the closure: they live as long as the
+/// App that fills them.
+template <class Options>
+CLI::App& add_command(CLI::App& app, Run& run, const char* name, const char* description,
+                      const char* examples, int (*function)(const Options&),
+                      const std::function<void(CLI::App&, Options&)>& add_options) {
+  const auto options = std::make_shared<Options>();
+  CLI::App& command = add_subcommand(app, name, description, examples);
+  add_options(command, *options);
+  on_command(command, [&run, options, function] {
+    run = [options, function] { return function(*options); };
+  });
+  return command;
+}
+
+// The groups of commands that have a file of their own.
+void add_calibrate(CLI::App& app, Run& run);
+void add_evaluate(CLI::App& app, Run& run);
+
+}  // namespace orchard::cli

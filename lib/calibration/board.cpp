@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibration/board.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/aruco/charuco.hpp>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+#include "calibration/marker_dictionary.hpp"
+
+namespace orchard::calibration {
+namespace {
+
+/// Fewer corners of a ChArUco board do not fix its pose well enough to be of use.
+constexpr int kMinCharucoCorners = 6;
+
+double distance_px(const cv::Point2f& a, const cv::Point2f& b) {
+  return std::hypot(static_cast<double>(a.x) - b.x, static_cast<double>(a.y) - b.y);
+}
+
+/// Half the side of the window in which a corner is refined: as large as the squares allow, for
+/// the noise, but never up to the next corner.
+int refine_half_px(double spacing_px) {
+  return std::clamp(static_cast<int>(std::lround(0.4 * spacing_px)), 2, 11);
+}
+
+void refine(const cv::Mat& grey, double spacing_px, std::vector<cv::Point2f>& corners) {
+  const int half_px = refine_half_px(spacing_px);
+  cv::cornerSubPix(grey, corners, {half_px, half_px}, {-1, -1},
+                   {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 60, 1e-4});
+}
+
+/// The shortest way between neighbours of a whole grid.
+double spacing_of(const std::vector<cv::Point2f>& grid, int columns, int rows) {
+  double least_px = 1e9;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const cv::Point2f& here = grid[static_cast<std::size_t>(row * columns + column)];
+      if (column + 1 < columns) {
+        least_px =
+            std::min(least_px,
+                     distance_px(here, grid[static_cast<std::size_t>(row * columns + column + 1)]));
+      }
+      if (row + 1 < rows) {
+        least_px = std::min(
+            least_px,
+            distance_px(here, grid[static_cast<std::size_t>((row + 1) * columns + column)]));
+      }
+    }
+  }
+  return least_px;
+}
+
+/// Orders a grid so that z points into the board's back and x to the picture's right (or down).
+void orient(std::vector<cv::Point2f>& grid, int columns, int rows) {
+  const auto at = [&](int column, int row) {
+    return grid[static_cast<std::size_t>(row * columns + column)];
+  };
+  const cv::Point2f x = at(columns - 1, 0) - at(0, 0), y = at(0, rows - 1) - at(0, 0);
+  if (x.x * y.y - x.y * y.x < 0.0f) {
+    for (int row = 0; row < rows; ++row) {
+      std::reverse(grid.begin() + row * columns, grid.begin() + (row + 1) * columns);
+    }
+  }
+  const cv::Point2f along = at(columns - 1, 0) - at(0, 0);
+  const bool lies = std::abs(along.x) >= std::abs(along.y);
+  if ((lies ? along.x : along.y) < 0.0f) std::reverse(grid.begin(), grid.end());
+}
+
+std::optional<BoardView> find_chessboard(const cv::Mat& grey, const BoardConfig& board) {
+  std::vector<cv::Point2f> corners;
+  if (!cv::findChessboardCorners(grey, {board.columns, board.rows}, corners,
+                                 cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE)) {
+    return std::nullopt;
+  }
+  refine(grey, spacing_of(corners, board.columns, board.rows), corners);
+  orient(corners, board.columns, board.rows);
+  BoardView view;
+  for (int row = 0; row < board.rows; ++row) {
+    for (int column = 0; column < board.columns; ++column) {
+      const cv::Point2f& corner = corners[static_cast<std::size_t>(row * board.columns + column)];
+      view.corners_px.push_back({corner.x, corner.y});
+      view.corners_m.push_back({column * board.square_m, row * board.square_m});
+    }
+  }
+  return view;
+}
+
+std::optional<BoardView> find_charuco(const cv::Mat& grey, const BoardConfig& board) {
+  const auto dictionary = cv::aruco::getPredefinedDictionary(*marker_dictionary(board.dictionary));
+  const auto layout =
+      cv::aruco::CharucoBoard::create(board.columns, board.rows, static_cast<float>(board.square_m),
+                                      static_cast<float>(board.marker_m), dictionary);
+  std::vector<std::vector<cv::Point2f>> markers;
+  std::vector<int> ids;
+  cv::aruco::detectMarkers(grey, dictionary, markers, ids);
+  if (ids.empty()) return std::nullopt;
+  std::vector<cv::Point2f> corners;
+  std::vector<int> corner_ids;
+  if (cv::aruco::interpolateCornersCharuco(markers, ids, grey, layout, corners, corner_ids) <
+      kMinCharucoCorners) {
+    return std::nullopt;
+  }
+  double side_px = 1e9;
+  for (const auto& marker : markers) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      side_px = std::min(side_px, distance_px(marker[i], marker[(i + 1) % 4]));
+    }
+  }
+  // up to the markers, whose own edges would pull at the corner, and not beyond
+  const double gap_px = 0.5 * (board.square_m / board.marker_m - 1.0) * side_px;
+  refine(grey, std::max(2.0 * gap_px, 5.0), corners);
+
+  BoardView view;
+  bool one_row = true, one_column = true;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    // OpenCV 4.6 numbers the inner corners row by row from the upper left
+    const int column = corner_ids[i] % (board.columns - 1);
+    const int row = corner_ids[i] / (board.columns - 1);
+    view.corners_px.push_back({corners[i].x, corners[i].y});
+    view.corners_m.push_back({column * board.square_m, row * board.square_m});
+    one_row = one_row && view.corners_m[i].y_m == view.corners_m[0].y_m;
+    one_column = one_column && view.corners_m[i].x_m == view.corners_m[0].x_m;
+  }
+  if (one_row || one_column) return std::nullopt;
+  return view;
+}
+
+}  // namespace
+
+std::optional<std::string> problem_with(const BoardConfig& board) {
+  if (board.columns < 3 || board.rows < 3 || board.columns > 50 || board.rows > 50) {
+    return "a board of " + std::to_string(board.columns) + " x " + std::to_string(board.rows) +
+           " cannot be looked for; both must be 3 to 50 (inner corners of a chessboard, squares of "
+           "a ChArUco board)";
+  }
+  if (!(board.square_m > 0.0) || !(board.square_m <= 5.0)) {
+    return "the side of a square must be in metres, above 0 and up to 5; measure it on the board";
+  }
+  if (!(board.margin_m >= 0.0) || !(board.margin_m <= 5.0)) {
+    return "the board's margin must be in metres, 0 to 5; measure it on the board";
+  }
+  if (board.kind == BoardConfig::kChessboard) return std::nullopt;
+  if (!(board.marker_m > 0.0) || !(board.marker_m < board.square_m)) {
+    return "the side of a marker must be above 0 and below that of a square; measure both";
+  }
+  const auto dictionary = marker_dictionary(board.dictionary);
+  if (!dictionary) {
+    return "there is no marker dictionary \"" + board.dictionary +
+           "\"; it is 4x4, 5x5, 6x6 or 7x7, then _50, _100, _250 or _1000 (4x4_50)";
+  }
+  const int num_markers = board.columns * board.rows / 2;
+  if (num_markers > marker_count(board.dictionary)) {
+    return "the board has " + std::to_string(num_markers) + " markers, more than the dictionary " +
+           board.dictionary + " holds; give the dictionary that it was printed with";
+  }
+  return std::nullopt;
+}
+
+BoardOutline outline_of(const BoardConfig& board) {
+  const double edge_m = board.square_m + board.margin_m;
+  return {-edge_m, -edge_m, (board.corner_columns() - 1) * board.square_m + edge_m,
+          (board.corner_rows() - 1) * board.square_m + edge_m};
+}
+
+std::optional<BoardView> find_board(const GreyPicture& picture, const BoardConfig& board) {
+  if (const auto problem = problem_with(board)) throw std::invalid_argument(*problem);
+  if (picture.width_px < 16 || picture.height_px < 16) return std::nullopt;
+  const cv::Mat grey(picture.height_px, picture.width_px, CV_8UC1,
+                     const_cast<std::uint8_t*>(picture.grey.data()));
+  return board.kind == BoardConfig::kChessboard ? find_chessboard(grey, board)
+                                                : find_charuco(grey, board);
+}
+
+std::optional<BoardView> find_board(const vision::PixelBlock& pixels, const BoardConfig& board) {
+  return find_board(grey_of(pixels), board);
+}
+
+}  // namespace orchard::calibration

@@ -11,6 +11,7 @@
 #include "detection/fuse.hpp"
 #include "detection/trunk_view.hpp"
 #include "laser/segment.hpp"
+#include "vision/appearance.hpp"
 #include "vision/colour.hpp"
 #include "vision/decode.hpp"
 #include "vision/edges.hpp"
@@ -54,11 +55,28 @@ struct Picture {
   std::optional<vision::EdgeMap> edges;
 };
 
+struct ColourVerdict {
+  bool passed = false;
+  double roc = 0.0;
+};
+
+ColourVerdict judge_colour(const TrunkView& view, const vision::PixelBlock& pixels,
+                           const Rig& rig) {
+  const DetectorConfig& config = rig.detector;
+  if (config.colour_model == ColourModel::kAppearance) {
+    const auto features = vision::appearance_features(pixels, trunk_window(view, rig));
+    const double confidence = vision::appearance_confidence(features, config.appearance);
+    return {confidence >= config.appearance.confidence_min, confidence};
+  }
+  const auto hues = vision::hue_histogram(pixels, view.centre, config.colour);
+  const vision::ColourEvidence colour = vision::colour_confidence(hues, config.colour);
+  return {colour.passed, colour.roc};
+}
+
 /// Colour, and edges only of what has a trunk's colour; gives roc_vision.
 double judge_by_vision(Detection& d, const TrunkView& view, Picture& picture, const Rig& rig) {
   const DetectorConfig& config = rig.detector;
-  const auto hues = vision::hue_histogram(picture.pixels, view.centre, config.colour);
-  const vision::ColourEvidence colour = vision::colour_confidence(hues, config.colour);
+  const ColourVerdict colour = judge_colour(view, picture.pixels, rig);
   d.roc_colour = static_cast<float>(colour.roc);
   if (!colour.passed) return 0.0;
 

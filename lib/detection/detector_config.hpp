@@ -3,16 +3,25 @@
 
 #include "laser/segmentation_config.hpp"
 #include "laser/width_config.hpp"
+#include "vision/appearance_config.hpp"
 #include "vision/vision_config.hpp"
 
 namespace orchard::detection {
+
+/// What judges the colour of a window.
+enum class ColourModel {
+  kHueInterval,  ///< the paper's rule: section `detector.colour`
+  kAppearance,   ///< learnt from the rig's own trunks: section `detector.appearance`
+};
 
 /// Everything between a scan-image pair and its detections. Section `detector`.
 struct DetectorConfig {
   laser::SegmentationConfig segmentation;
   laser::WidthConfig width;
   vision::WindowConfig window;
+  ColourModel colour_model = ColourModel::kHueInterval;
   vision::ColourConfig colour;
+  vision::AppearanceConfig appearance;
   vision::EdgeConfig edges;
   double roc_laser_threshold = 0.011108996538242306;  ///< exp(-4.5): 3 sigma. The paper's ROC_th
   double colour_weight = 0.6;                         ///< roc_vision = w colour + (1 - w) edges
@@ -29,7 +38,12 @@ void describe(Visitor& v, DetectorConfig& c) {
   v.section("segmentation", c.segmentation, "cutting a scan into objects");
   v.section("width", c.width, "trunk width model, eqs. 8-10");
   v.section("window", c.window, "image windows");
-  v.section("colour", c.colour, "trunk colour");
+  v.choice("colour_model", c.colour_model, {"hue_interval", "appearance"},
+           "what gives roc_colour: the paper's hue interval, or what was learnt of trunks");
+  v.section("colour", c.colour, "trunk colour: colour_model hue_interval");
+  v.section("appearance", c.appearance, "what trunks look like: colour_model appearance");
+  v.check(c.colour_model == ColourModel::kHueInterval || c.appearance.learnt(), "colour_model",
+          "needs a learnt detector.appearance; `orchard calibrate trunks` writes one");
   v.section("edges", c.edges, "trunk edges");
   v.number("roc_laser_threshold", c.roc_laser_threshold, 0, 1, "1",
            "candidates have at least this roc_laser (the paper's ROC_th)");

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "vision/appearance.hpp"
 #include "vision/edges.hpp"
 #include "vision/window.hpp"
 
@@ -75,11 +76,22 @@ std::optional<TrunkView> view_of(const laser::Segment& segment, const Rig& rig,
   return TrunkView{*centre, *left_edge, *right_edge, left->pixel.x(), right->pixel.x()};
 }
 
+vision::PixelRect trunk_window(const TrunkView& view, const Rig& rig) {
+  vision::PixelRect between = view.centre;
+  between.x_px = static_cast<int>(std::lround(view.left_x_px));
+  between.width_px = static_cast<int>(std::lround(view.right_x_px)) - between.x_px + 1;
+  if (between.width_px < view.centre.width_px) return view.centre;
+  return vision::intersection(between, picture_of(rig));
+}
+
 vision::PixelRect reading_area(const TrunkView& view, const Rig& rig) {
   const vision::PixelRect picture = picture_of(rig);
   const auto left = vision::edge_reading_area(view.left_edge, picture, rig.detector.edges);
   const auto right = vision::edge_reading_area(view.right_edge, picture, rig.detector.edges);
-  return vision::bounding(view.centre, vision::bounding(left, right));
+  const auto windows = vision::bounding(view.centre, vision::bounding(left, right));
+  if (rig.detector.colour_model == ColourModel::kHueInterval) return windows;
+  return vision::bounding(windows,
+                          vision::appearance_reading_area(trunk_window(view, rig), picture));
 }
 
 }  // namespace orchard::detection

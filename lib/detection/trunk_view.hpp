@@ -30,6 +30,10 @@ std::optional<TrunkView> view_of(const laser::Segment& segment, const Rig& rig,
                                  const std::optional<Motion>& motion = std::nullopt,
                                  double dt_s = 0.0);
 
+/// The window between the two edges that the laser expects, over the colour window's rows and at
+/// least as wide: what `colour_model: appearance` judges. Inside the picture.
+vision::PixelRect trunk_window(const TrunkView& view, const Rig& rig);
+
 /// The part of the picture that judging the trunk reads.
 vision::PixelRect reading_area(const TrunkView& view, const Rig& rig);
 

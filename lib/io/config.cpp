@@ -16,6 +16,9 @@
 namespace orchard::io {
 namespace {
 
+/// No list of a rig is anywhere near as long; a file that has one is no rig's.
+constexpr std::size_t kMaxNumbers = 4096;
+
 std::string join(const std::vector<std::string>& lines) {
   std::string text;
   for (const std::string& line : lines) text += (text.empty() ? "" : "\n") + line;
@@ -27,6 +30,13 @@ std::string number_text(double value) {
   std::array<char, 64> buffer;
   const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
   return {buffer.data(), result.ptr};
+}
+
+/// A list as YAML writes it inline.
+std::string numbers_text(const double* values, std::size_t size) {
+  std::string text = "[";
+  for (std::size_t i = 0; i < size; ++i) text += (i > 0 ? ", " : "") + number_text(values[i]);
+  return text + "]";
 }
 
 std::size_t edit_distance(const std::string& a, const std::string& b) {
@@ -124,6 +134,21 @@ class Loader {
                      "must be a list of " + std::to_string(N) + " numbers");
     }
     for (std::size_t i = 0; i < N; ++i) {
+      read_number(field[i], std::string(key) + "[" + std::to_string(i) + "]", values[i], lo, hi);
+    }
+  }
+
+  void numbers(const char* key, std::vector<double>& values, double lo, double hi, const char*,
+               const char*) {
+    known_.insert(key);
+    const YAML::Node field = find(key);
+    if (!field) return;
+    if (!field.IsSequence() || field.size() > kMaxNumbers) {
+      return problem(field, key, scalar(field),
+                     "must be a list of numbers, at most " + std::to_string(kMaxNumbers));
+    }
+    values.assign(field.size(), 0.0);
+    for (std::size_t i = 0; i < values.size(); ++i) {
       read_number(field[i], std::string(key) + "[" + std::to_string(i) + "]", values[i], lo, hi);
     }
   }
@@ -244,12 +269,10 @@ class Printer {
     for (const char* name : names) options += std::string(options.empty() ? "" : "|") + name;
     line(key, *(names.begin() + static_cast<int>(value)), options + ": " + doc);
   }
-  template <std::size_t N>
-  void numbers(const char* key, std::array<double, N>& values, double lo, double hi,
-               const char* unit, const char* doc) {
-    std::string text;
-    for (const double value : values) text += (text.empty() ? "[" : ", ") + number_text(value);
-    line(key, text + "]", range_text(lo, hi, unit, doc));
+  template <class Numbers>  // std::array or std::vector
+  void numbers(const char* key, Numbers& values, double lo, double hi, const char* unit,
+               const char* doc) {
+    line(key, numbers_text(values.data(), values.size()), range_text(lo, hi, unit, doc));
   }
   template <class Section>
   void section(const char* key, Section& value, const char* doc) {

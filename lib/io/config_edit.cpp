@@ -3,6 +3,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
@@ -120,18 +121,28 @@ class Editor {
     }
     const auto line = static_cast<std::size_t>(value.Mark().line);
     const auto begin = static_cast<std::size_t>(value.Mark().column);
+    if (lines_[line].compare(begin, 1, "[") == 0) join_list(line, begin);
     const std::size_t end = end_of_value(lines_[line], begin, in_flow);
     lines_[line].replace(begin, end - begin, text);
     return line;
   }
 
+  /// Brings a bracketed list that goes on over several lines onto its first, without the comments
+  /// between its numbers.
+  void join_list(std::size_t line, std::size_t begin) {
+    while (lines_[line].find(']', begin) == std::string::npos && line + 1 < lines_.size()) {
+      std::string& first = lines_[line];
+      first.resize(std::min(first.size(), first.find(" #", begin)));
+      first += " " + lines_[line + 1].substr(indent_of(lines_[line + 1]));
+      lines_.erase(lines_.begin() + static_cast<std::ptrdiff_t>(line) + 1);
+    }
+  }
+
   std::size_t insert(const YAML::Node& key, const YAML::Node& section, std::size_t depth,
                      const std::vector<std::string>& path, const std::string& text, bool in_flow) {
     if (in_flow) {
-      std::string entry = path[depth] + ": " + text;
-      for (std::size_t i = depth + 1; i < path.size(); ++i) {
-        entry = path[depth] + ": {" + path[i] + ": " + text + "}";  // sections are two deep
-      }
+      std::string entry = path.back() + ": " + text;
+      for (std::size_t i = path.size() - 1; i-- > depth;) entry = path[i] + ": {" + entry + "}";
       const auto line = static_cast<std::size_t>(section.Mark().line);
       const auto brace = static_cast<std::size_t>(section.Mark().column);
       lines_[line].insert(brace + 1, entry + (section.size() > 0 ? ", " : ""));

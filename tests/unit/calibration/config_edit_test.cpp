@@ -35,6 +35,23 @@ TEST(ConfigEdit, ReplacesValuesAndKeepsTheRest) {
   EXPECT_EQ(edit_config(before, "rig.yaml", kWidth), after);
 }
 
+TEST(ConfigEdit, ReplacesAListOverSeveralLines) {
+  const std::string before =
+      "camera:\n"
+      "  fc_px: [200,  # focal lengths\n"
+      "          201]  # measured\n"
+      "  cc_px: [160, 120]\n";
+  EXPECT_EQ(edit_config(before, "rig.yaml", {{"camera.fc_px", "[300, 301]"}}),
+            "camera:\n  fc_px: [300, 301]  # measured\n  cc_px: [160, 120]\n");
+}
+
+TEST(ConfigEdit, InsertsDeepIntoSectionsInBraces) {
+  const std::vector<ConfigValue> bias{{"detector.appearance.bias", "2.5"}};
+  EXPECT_EQ(edit_config("{}", "rig.yaml", bias), "{detector: {appearance: {bias: 2.5}}}\n");
+  EXPECT_EQ(edit_config("detector: {tree_threshold: 0.5}", "rig.yaml", bias),
+            "detector: {appearance: {bias: 2.5}, tree_threshold: 0.5}\n");
+}
+
 TEST(ConfigEdit, InsertsMissingKeysAndSections) {
   EXPECT_EQ(edit_config("", "rig.yaml", kWidth),
             "detector:\n  width:\n    mean_m: 0.12\n    sd_m: 0.015\n");

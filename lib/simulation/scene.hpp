@@ -28,13 +28,27 @@ struct Cylinder {
   double radius_m = 0.0;
   double height_m = 0.0;
   double base_m = 0.0;  ///< height at which it begins
-  int target = 0;       ///< cylinders of one target share its lasting laser error
+  int target = 0;       ///< cylinders of one target share its lasting laser error; -1 = scenery
   Appearance appearance;
 };
 
-/// Everything that sensors can see.
+/// An upright box that stands on the ground: a crate, a piece of wall or hedge, a fallen branch.
+struct Box {
+  double x_m = 0.0;  ///< of its middle, map frame
+  double y_m = 0.0;
+  double yaw_rad = 0.0;   ///< of its length
+  double length_m = 0.0;  ///< along its own x
+  double width_m = 0.0;   ///< along its own y
+  double height_m = 0.0;
+  double base_m = 0.0;  ///< height at which it begins
+  int target = 0;       ///< as a cylinder's
+  Appearance appearance;
+};
+
+/// Everything that sensors can see. A target is the place of a thing in the scene's truth.
 struct World {
   std::vector<Cylinder> cylinders;
+  std::vector<Box> boxes;
   int num_targets = 0;
   bool indoors = true;             ///< floor and walls, or grass, far trees and sky
   double light_azimuth_rad = 2.0;  ///< where the light comes from, map frame

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "simulation/laser_model.hpp"
+#include "simulation/observation_truth.hpp"
 #include "simulation/orchard_scene.hpp"
 
 namespace orchard::simulation {
@@ -78,7 +79,8 @@ Pose2 Simulator::pose_at(std::int64_t utime) const {
   return scene_.stops[std::min(stop, scene_.stops.size() - 1)];
 }
 
-laser::Scan Simulator::make_scan(std::int64_t utime, Random& random) const {
+/// T_map_laser during a scan: one pose while the robot stands, or one per beam.
+std::vector<Pose2> Simulator::laser_poses(std::int64_t utime) const {
   const ScannerConfig& scanner = rig_.simulation.scanner;
   const Pose2 T_base_laser{rig_.laser.mount_x_m, rig_.laser.mount_y_m, rig_.laser.mount_yaw_rad};
   std::vector<Pose2> T_map_laser;
@@ -91,7 +93,7 @@ laser::Scan Simulator::make_scan(std::int64_t utime, Random& random) const {
       T_map_laser.push_back(compose(scene_.path.pose_at(time_s), T_base_laser));
     }
   }
-  return simulate_scan(scene_.world, T_map_laser, scanner, target_errors_, random);
+  return T_map_laser;
 }
 
 SensorMessage Simulator::make(std::size_t sensor, std::int64_t index) const {
@@ -106,7 +108,8 @@ SensorMessage Simulator::make(std::size_t sensor, std::int64_t index) const {
   const Pose2 T_map_base = pose_at(utime);
   switch (sensor) {
     case kScan:
-      return stamped(make_scan(utime, random));
+      return stamped(
+          simulate_scan(scene_.world, laser_poses(utime), config.scanner, target_errors_, random));
     case kImage:
       return stamped(renderer_.take(scene_.world, T_map_base, random));
     case kOdometry: {
@@ -149,6 +152,14 @@ std::vector<TruePose> Simulator::true_poses() const {
     poses.push_back({utime, pose.x_m, pose.y_m, pose.yaw_rad});
   }
   return poses;
+}
+
+std::vector<TrueObservation> Simulator::true_observations(std::int64_t index) const {
+  const std::int64_t utime = utime_of(kScan, index);
+  std::vector<TrueObservation> observations = observe_truth(
+      scene_.world, scene_.truth, laser_poses(utime), rig_.simulation.scanner, rig_.camera);
+  for (TrueObservation& observation : observations) observation.utime = utime;
+  return observations;
 }
 
 }  // namespace orchard::simulation

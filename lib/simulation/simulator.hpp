@@ -44,6 +44,12 @@ class Simulator {
   /// Where base truly was: at every stop, or at the first beam of every sweep.
   std::vector<TruePose> true_poses() const;
 
+  std::int64_t num_scans() const { return clocks_[0].count; }
+  std::int64_t scan_utime(std::int64_t index) const { return utime_of(0, index); }
+
+  /// What scan `index` (its seq) truly held of every thing of the world that it could see.
+  std::vector<TrueObservation> true_observations(std::int64_t index) const;
+
  private:
   static constexpr std::size_t kNumSensors = std::variant_size_v<SensorMessage>;
   struct Clock {
@@ -57,7 +63,7 @@ class Simulator {
   std::int64_t utime_of(std::size_t sensor, std::int64_t index) const;
   Pose2 pose_at(std::int64_t utime) const;
   SensorMessage make(std::size_t sensor, std::int64_t index) const;
-  laser::Scan make_scan(std::int64_t utime, Random& random) const;
+  std::vector<Pose2> laser_poses(std::int64_t utime) const;
 
   std::uint64_t seed_;
   RigConfig rig_;

@@ -28,7 +28,8 @@ void add_simulate(CLI::App& app, Run& run) {
       app, run, "simulate", "Drive through a simulated scene and write the log of it",
       "  orchard simulate --scene tubes --seed 1 --out tubes.lcm --truth tubes_truth.csv\n"
       "  orchard simulate --scene orchard --seed 7 --out drive.lcm --truth truth.csv \\\n"
-      "      --poses poses.csv --config config/orchard.yaml --duration 60\n",
+      "      --poses poses.csv --observations observations.csv \\\n"
+      "      --config config/orchard.yaml --duration 60\n",
       run_simulate, [](CLI::App& command, SimulateOptions& o) {
         command.add_option("--scene", o.scene, "tubes (the paper's) or orchard")
             ->required()
@@ -39,6 +40,10 @@ void add_simulate(CLI::App& app, Run& run) {
         command.add_option("--truth", o.truth_path, "also write what stands there")
             ->type_name("CSV");
         command.add_option("--poses", o.poses_path, "also write where the robot truly was")
+            ->type_name("CSV");
+        command
+            .add_option("--observations", o.observations_path,
+                        "also write what each scan truly held of every thing")
             ->type_name("CSV");
         command.add_option("--config", o.config_path, "rig; without it the defaults")
             ->type_name("FILE");

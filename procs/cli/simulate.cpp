@@ -6,12 +6,14 @@
 #include <cmath>
 #include <cstdio>
 #include <variant>
+#include <vector>
 
 #include "bus/codec.hpp"
 #include "bus/process.hpp"
 #include "io/config.hpp"
 #include "io/file_error.hpp"
 #include "io/log_writer.hpp"
+#include "io/observation_csv.hpp"
 #include "io/progress_bar.hpp"
 #include "io/truth_csv.hpp"
 #include "simulation/simulator.hpp"
@@ -42,6 +44,18 @@ std::int64_t write_log(const SimulateOptions& options, simulation::Simulator& si
   bar.finish();
   writer.close();
   return num_messages;
+}
+
+/// What each scan until `end_utime` truly held.
+std::vector<simulation::TrueObservation> observe_all(const simulation::Simulator& simulator,
+                                                     std::int64_t end_utime) {
+  std::vector<simulation::TrueObservation> all;
+  for (std::int64_t scan = 0; scan < simulator.num_scans(); ++scan) {
+    if (simulator.scan_utime(scan) > end_utime) break;
+    const auto observations = simulator.true_observations(scan);
+    all.insert(all.end(), observations.begin(), observations.end());
+  }
+  return all;
 }
 
 }  // namespace
@@ -79,6 +93,12 @@ int run_simulate(const SimulateOptions& options) {
   if (!options.poses_path.empty()) {
     io::write_poses_csv(options.poses_path, poses);
     std::printf("%s: %zu true poses\n", options.poses_path.c_str(), poses.size());
+  }
+  if (!options.observations_path.empty()) {
+    const auto observations = observe_all(simulator, end_utime);
+    io::write_observation_csv(options.observations_path, observations);
+    std::printf("%s: %zu true observations\n", options.observations_path.c_str(),
+                observations.size());
   }
   return bus::kExitOk;
 }

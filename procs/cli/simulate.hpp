@@ -11,10 +11,11 @@ struct SimulateOptions {
   std::string scene;
   std::uint64_t seed = 1;
   std::string out_path;
-  std::string truth_path;   ///< CSV of what stands there; empty = do not write
-  std::string poses_path;   ///< CSV of where base truly was; empty = do not write
-  std::string config_path;  ///< empty = the defaults
-  double duration_s = 0.0;  ///< 0 = until the scene ends
+  std::string truth_path;         ///< CSV of what stands there; empty = do not write
+  std::string poses_path;         ///< CSV of where base truly was; empty = do not write
+  std::string observations_path;  ///< CSV of what each scan truly held; empty = do not write
+  std::string config_path;        ///< empty = the defaults
+  double duration_s = 0.0;        ///< 0 = until the scene ends
 };
 
 /// Writes a log of a simulated drive, and its truth; returns the exit code. Equal options give

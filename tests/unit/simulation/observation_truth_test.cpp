@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/observation_truth.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "geometry/angles.hpp"
+#include "rig.hpp"
+#include "simulation/angular_interval.hpp"
+#include "simulation/orchard_scene.hpp"
+#include "simulation/random.hpp"
+
+namespace orchard::simulation {
+namespace {
+
+struct Nearest {
+  double range_m = 1e9;
+  int target = -1;
+};
+
+/// Walks along a ray in small steps until it is inside something: slow, and nothing like the
+/// closed forms under test. Good to the step.
+Nearest march(const World& world, double x_m, double y_m, double direction_rad, double height_m,
+              double range_max_m, int only_target = -1) {
+  constexpr double kStep_m = 0.002;
+  const double dx = std::cos(direction_rad), dy = std::sin(direction_rad);
+  std::vector<Cylinder> cylinders;
+  std::vector<Box> boxes;
+  for (const Cylinder& c : world.cylinders) {
+    const double ex = c.x_m - x_m, ey = c.y_m - y_m;
+    if (only_target >= 0 && c.target != only_target) continue;
+    if (height_m < c.base_m || height_m > c.base_m + c.height_m) continue;
+    if (std::abs(ex * dy - ey * dx) <= c.radius_m && ex * dx + ey * dy > 0) cylinders.push_back(c);
+  }
+  for (const Box& b : world.boxes) {
+    if (only_target >= 0 && b.target != only_target) continue;
+    if (height_m >= b.base_m && height_m <= b.base_m + b.height_m) boxes.push_back(b);
+  }
+  if (cylinders.empty() && boxes.empty()) return {};
+  for (double t_m = 0.0; t_m <= range_max_m; t_m += kStep_m) {
+    const double px = x_m + t_m * dx, py = y_m + t_m * dy;
+    for (const Cylinder& c : cylinders) {
+      if (std::hypot(px - c.x_m, py - c.y_m) <= c.radius_m) return {t_m, c.target};
+    }
+    for (const Box& b : boxes) {
+      const double ex = px - b.x_m, ey = py - b.y_m;
+      const double along_m = std::cos(b.yaw_rad) * ex + std::sin(b.yaw_rad) * ey;
+      const double across_m = -std::sin(b.yaw_rad) * ex + std::cos(b.yaw_rad) * ey;
+      if (std::abs(along_m) <= b.length_m / 2 && std::abs(across_m) <= b.width_m / 2) {
+        return {t_m, b.target};
+      }
+    }
+  }
+  return {};
+}
+
+/// Things of every kind that do not touch: trunks, crates, one bush of many twigs.
+struct TestWorld {
+  World world;
+  std::vector<TruthObject> truth;
+};
+
+TestWorld random_world(std::uint64_t seed) {
+  Random random(seed);
+  TestWorld made;
+  const auto place = [&](double reach_m, double& x_m, double& y_m) {
+    for (;;) {
+      const double bearing_rad = random.uniform(-3.1, 3.1), range_m = random.uniform(0.8, 4.6);
+      x_m = range_m * std::cos(bearing_rad);
+      y_m = range_m * std::sin(bearing_rad);
+      if (std::none_of(made.truth.begin(), made.truth.end(), [&](const TruthObject& t) {
+            return std::hypot(t.x_m - x_m, t.y_m - y_m) < reach_m + 0.75 * t.width_m;
+          })) {
+        return;
+      }
+    }
+  };
+  for (int i = 0; i < 14; ++i) {
+    Cylinder trunk;
+    trunk.radius_m = random.uniform(0.03, 0.15);
+    place(trunk.radius_m, trunk.x_m, trunk.y_m);
+    trunk.height_m = 1.0;
+    trunk.target = static_cast<int>(made.truth.size());
+    made.truth.push_back({detection::Label::kTree, trunk.x_m, trunk.y_m, 2.0 * trunk.radius_m, ""});
+    made.world.cylinders.push_back(trunk);
+  }
+  for (int i = 0; i < 4; ++i) {
+    Box crate;
+    crate.length_m = random.uniform(0.3, 0.8);
+    crate.width_m = random.uniform(0.1, 0.3);
+    crate.yaw_rad = random.uniform(-3.0, 3.0);
+    place(crate.length_m, crate.x_m, crate.y_m);
+    crate.height_m = 1.0;
+    crate.target = static_cast<int>(made.truth.size());
+    made.truth.push_back({detection::Label::kObject, crate.x_m, crate.y_m, crate.length_m, ""});
+    made.world.boxes.push_back(crate);
+  }
+  TruthObject bush{detection::Label::kObject, 0.0, 0.0, 0.6, ""};
+  place(0.5, bush.x_m, bush.y_m);
+  for (int i = 0; i < 15; ++i) {
+    Cylinder twig;
+    twig.radius_m = 0.02;
+    twig.x_m = bush.x_m + random.uniform(-0.2, 0.2);
+    twig.y_m = bush.y_m + random.uniform(-0.2, 0.2);
+    twig.height_m = 1.0;
+    twig.target = static_cast<int>(made.truth.size());
+    made.world.cylinders.push_back(twig);
+  }
+  made.truth.push_back(bush);
+  Cylinder low;  // below the scan plane: hides nothing
+  low.x_m = 0.4;
+  low.radius_m = 0.2;
+  low.height_m = 0.1;
+  low.target = -1;
+  made.world.cylinders.push_back(low);
+  return made;
+}
+
+TEST(ObservationTruth, IsWhatMarchingAlongTheRaysFinds) {
+  const RigConfig rig = test_rig();
+  ScannerConfig scanner = rig.simulation.scanner;
+  int num_half_hidden = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const TestWorld made = random_world(seed);
+    const Pose2 pose{0.05, -0.1, 0.3 * static_cast<double>(seed)};
+    std::map<int, int> num_beams;
+    for (int i = 0; i < scanner.num_beams; ++i) {
+      const double direction_rad =
+          pose.yaw_rad + scanner.bearing_min_rad + i * scanner.bearing_step_rad;
+      const Nearest hit = march(made.world, pose.x_m, pose.y_m, direction_rad, scanner.height_m,
+                                scanner.range_max_m);
+      ++num_beams[hit.target];
+    }
+    for (const TrueObservation& seen :
+         observe_truth(made.world, made.truth, {pose}, scanner, rig.camera)) {
+      // grazing beams may fall on either side of the march's step
+      EXPECT_NEAR(seen.num_beams, num_beams[seen.object], seen.object < 18 ? 1 : 3)
+          << "seed " << seed << " object " << seen.object;
+      // the share of fine rays on the thing alone that meet something else before
+      const double distance_m = seen.range_m + 0.5 * seen.width_m;
+      const double reach_rad =
+          std::min(1.2, 0.8 * seen.width_m / (distance_m - 0.4 * seen.width_m));
+      int num_own = 0, num_visible = 0;
+      constexpr int kRays = 500;
+      for (int i = 0; i < kRays; ++i) {
+        const double off_rad = reach_rad * (2.0 * (i + 0.5) / kRays - 1.0);
+        const double bearing_rad = seen.bearing_rad + off_rad;
+        if (std::abs(bearing_rad) > -scanner.bearing_min_rad) continue;  // outside the view
+        const double direction_rad = pose.yaw_rad + bearing_rad;
+        const Nearest own = march(made.world, pose.x_m, pose.y_m, direction_rad, scanner.height_m,
+                                  6.0, seen.object);
+        if (own.target < 0) continue;
+        ++num_own;
+        const Nearest any =
+            march(made.world, pose.x_m, pose.y_m, direction_rad, scanner.height_m, 6.0);
+        if (any.target == seen.object) ++num_visible;
+      }
+      ASSERT_GT(num_own, 0);
+      const double hidden = 1.0 - static_cast<double>(num_visible) / num_own;
+      EXPECT_NEAR(seen.hidden_fraction, hidden, 6.0 / num_own + 0.01)
+          << "seed " << seed << " object " << seen.object;
+      if (hidden > 0.1 && hidden < 0.9) ++num_half_hidden;
+      num_beams.erase(seen.object);
+    }
+    num_beams.erase(-1);
+    for (const auto& [target, n] : num_beams) EXPECT_LE(n, 1) << "unlisted target " << target;
+  }
+  EXPECT_GT(num_half_hidden, 5);  // the worlds are crowded enough to mean something
+}
+
+TEST(ObservationTruth, AMovingScannerIsWhereItsBeamPassesOver) {
+  const RigConfig rig = test_rig();
+  const ScannerConfig& scanner = rig.simulation.scanner;
+  World world;
+  std::vector<TruthObject> truth;
+  for (const double y_m : {-3.0, 3.0}) {
+    Cylinder trunk;
+    trunk.x_m = 2.0;
+    trunk.y_m = y_m;
+    trunk.radius_m = 0.1;
+    trunk.height_m = 1.0;
+    trunk.target = static_cast<int>(truth.size());
+    world.cylinders.push_back(trunk);
+    truth.push_back({detection::Label::kTree, 2.0, y_m, 0.2, ""});
+  }
+  std::vector<Pose2> poses;
+  for (int i = 0; i < scanner.num_beams; ++i) poses.push_back({0.0003 * i, 0.0, 0.0});
+  const auto seen = observe_truth(world, truth, poses, scanner, rig.camera);
+  ASSERT_EQ(seen.size(), 2u);
+  for (const TrueObservation& o : seen) {
+    const double beam = (o.bearing_rad - scanner.bearing_min_rad) / scanner.bearing_step_rad;
+    const double x_m = 0.0003 * std::round(beam);
+    EXPECT_NEAR(o.range_m, std::hypot(2.0 - x_m, 3.0) - 0.1, 1e-3);
+    EXPECT_NEAR(o.bearing_rad, std::atan2(o.y_m, 2.0 - x_m), 1e-3);
+  }
+  EXPECT_GT(std::abs(seen[0].range_m - seen[1].range_m), 0.03);  // 5 cm farther along by then
+  EXPECT_THROW(observe_truth(world, truth, std::vector<Pose2>(3), scanner, rig.camera),
+               std::invalid_argument);
+}
+
+TEST(ObservationTruth, PictureHoldsWhatItsWholeWidthProjectsInto) {
+  RigConfig rig = test_rig();
+  rig.camera.intrinsics.kc = {};
+  rig.camera.intrinsics.fc_px = {200.0, 200.0};
+  rig.camera.intrinsics.cc_px = {159.5, 119.5};
+  rig.camera.extrinsics.phi_rad = {geometry::kPi / 2.0, 0.0, geometry::kPi / 2.0};
+  rig.camera.extrinsics.delta_m = {0.0, 0.0, 0.0};
+  World world;
+  std::vector<TruthObject> truth;
+  // the picture ends 159.5 (160.5 with its last half pixel) pixels from its middle: 38.6 degrees
+  for (const double bearing_deg : {0.0, 35.0, 38.0, 41.0, 45.0, -35.0, -41.0}) {
+    Cylinder trunk;
+    trunk.x_m = 3.0 * std::cos(bearing_deg * geometry::kPi / 180.0);
+    trunk.y_m = 3.0 * std::sin(bearing_deg * geometry::kPi / 180.0);
+    trunk.radius_m = 0.06;  // 1.15 degrees to each side
+    trunk.height_m = 1.0;
+    trunk.target = static_cast<int>(truth.size());
+    world.cylinders.push_back(trunk);
+    truth.push_back({detection::Label::kTree, trunk.x_m, trunk.y_m, 0.12, ""});
+  }
+  const auto seen = observe_truth(world, truth, {Pose2{}}, rig.simulation.scanner, rig.camera);
+  ASSERT_EQ(seen.size(), truth.size());
+  const std::array<bool, 7> expected{true, true, false, false, false, true, false};
+  for (std::size_t i = 0; i < seen.size(); ++i) EXPECT_EQ(seen[i].in_picture, expected[i]) << i;
+  rig.camera.enabled = false;
+  for (const auto& o : observe_truth(world, truth, {Pose2{}}, rig.simulation.scanner, rig.camera)) {
+    EXPECT_FALSE(o.in_picture);
+  }
+}
+
+TEST(AngularInterval, UnitesAndCutsOut) {
+  const auto together = united({{2.0, 3.0}, {0.0, 1.0}, {0.5, 1.5}, {2.5, 2.6}, {4.0, 3.9}});
+  ASSERT_EQ(together.size(), 2u);
+  EXPECT_DOUBLE_EQ(together[0].high_rad, 1.5);
+  EXPECT_DOUBLE_EQ(total_width_rad(together), 2.5);
+  const auto rest = without({0.0, 10.0}, {{-1.0, 1.0}, {4.0, 5.0}, {4.5, 6.0}, {9.5, 12.0}});
+  ASSERT_EQ(rest.size(), 2u);
+  EXPECT_DOUBLE_EQ(rest[0].low_rad, 1.0);
+  EXPECT_DOUBLE_EQ(rest[0].high_rad, 4.0);
+  EXPECT_DOUBLE_EQ(rest[1].low_rad, 6.0);
+  EXPECT_DOUBLE_EQ(rest[1].high_rad, 9.5);
+  EXPECT_TRUE(without({0.0, 1.0}, {{-1.0, 2.0}}).empty());
+}
+
+}  // namespace
+}  // namespace orchard::simulation

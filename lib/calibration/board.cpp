@@ -15,7 +15,9 @@ namespace orchard::calibration {
 namespace {
 
 /// Fewer corners of a ChArUco board do not fix its pose well enough to be of use.
-constexpr int kMinCharucoCorners = 6;
+constexpr std::size_t kMinCharucoCorners = 6;
+/// Narrower pictures are also looked at in twice their size [px].
+constexpr int kSmall_px = 800;
 
 double distance_px(const cv::Point2f& a, const cv::Point2f& b) {
   return std::hypot(static_cast<double>(a.x) - b.x, static_cast<double>(a.y) - b.y);
@@ -70,22 +72,68 @@ void orient(std::vector<cv::Point2f>& grid, int columns, int rows) {
   if ((lies ? along.x : along.y) < 0.0f) std::reverse(grid.begin(), grid.end());
 }
 
+/// Whether a corner lies farther than a quarter of a square from where the plane through most of
+/// them has it: a wrong one. What the lens bends is far less. Places are in squares.
+std::vector<bool> far_from_plane(const std::vector<cv::Point2f>& places,
+                                 const std::vector<cv::Point2f>& corners) {
+  std::vector<bool> far(corners.size(), true);
+  const cv::Mat H_picture_board = cv::findHomography(places, corners, cv::LMEDS);
+  if (H_picture_board.empty()) return far;
+  const auto expected = [&](const cv::Point2f& place) {
+    std::vector<cv::Point2f> pixel;
+    cv::perspectiveTransform(std::vector<cv::Point2f>{place}, pixel, H_picture_board);
+    return pixel[0];
+  };
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const cv::Point2f here = expected(places[i]);
+    const double square_px = std::min(distance_px(here, expected(places[i] + cv::Point2f(1, 0))),
+                                      distance_px(here, expected(places[i] + cv::Point2f(0, 1))));
+    far[i] = !(distance_px(corners[i], here) <= 0.25 * square_px);
+  }
+  return far;
+}
+
+/// The picture in twice its size, in which squares and markers of ten pixels are found.
+cv::Mat doubled(const cv::Mat& grey) {
+  cv::Mat twice;
+  cv::resize(grey, twice, {}, 2.0, 2.0, cv::INTER_LINEAR);
+  return twice;
+}
+
+void halve(std::vector<cv::Point2f>& corners) {
+  const cv::Point2f half(0.5f, 0.5f);  // pixel centres are whole numbers in both
+  for (cv::Point2f& corner : corners) corner = 0.5f * (corner + half) - half;
+}
+
+/// A whole grid, not yet refined.
+bool find_grid(const cv::Mat& grey, cv::Size size, std::vector<cv::Point2f>& corners) {
+  if (cv::findChessboardCornersSB(grey, size, corners)) return true;
+  if (grey.cols > kSmall_px || !cv::findChessboardCornersSB(doubled(grey), size, corners)) {
+    return false;
+  }
+  halve(corners);
+  return true;
+}
+
+void add_corner(const cv::Point2f& corner, const cv::Point2f& place, const BoardConfig& board,
+                BoardView& view) {
+  view.corners_px.push_back({corner.x, corner.y});
+  view.corners_m.push_back({place.x * board.square_m, place.y * board.square_m});
+}
+
 std::optional<BoardView> find_chessboard(const cv::Mat& grey, const BoardConfig& board) {
   std::vector<cv::Point2f> corners;
-  if (!cv::findChessboardCorners(grey, {board.columns, board.rows}, corners,
-                                 cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE)) {
-    return std::nullopt;
-  }
+  if (!find_grid(grey, {board.columns, board.rows}, corners)) return std::nullopt;
   refine(grey, spacing_of(corners, board.columns, board.rows), corners);
   orient(corners, board.columns, board.rows);
-  BoardView view;
+  std::vector<cv::Point2f> places;
   for (int row = 0; row < board.rows; ++row) {
-    for (int column = 0; column < board.columns; ++column) {
-      const cv::Point2f& corner = corners[static_cast<std::size_t>(row * board.columns + column)];
-      view.corners_px.push_back({corner.x, corner.y});
-      view.corners_m.push_back({column * board.square_m, row * board.square_m});
-    }
+    for (int column = 0; column < board.columns; ++column) places.emplace_back(column, row);
   }
+  const std::vector<bool> far = far_from_plane(places, corners);
+  if (std::find(far.begin(), far.end(), true) != far.end()) return std::nullopt;
+  BoardView view;
+  for (std::size_t i = 0; i < corners.size(); ++i) add_corner(corners[i], places[i], board, view);
   return view;
 }
 
@@ -96,14 +144,16 @@ std::optional<BoardView> find_charuco(const cv::Mat& grey, const BoardConfig& bo
                                       static_cast<float>(board.marker_m), dictionary);
   std::vector<std::vector<cv::Point2f>> markers;
   std::vector<int> ids;
-  cv::aruco::detectMarkers(grey, dictionary, markers, ids);
+  const bool is_small = grey.cols <= kSmall_px;
+  cv::aruco::detectMarkers(is_small ? doubled(grey) : grey, dictionary, markers, ids);
+  if (is_small) {
+    for (auto& marker : markers) halve(marker);
+  }
   if (ids.empty()) return std::nullopt;
   std::vector<cv::Point2f> corners;
   std::vector<int> corner_ids;
-  if (cv::aruco::interpolateCornersCharuco(markers, ids, grey, layout, corners, corner_ids) <
-      kMinCharucoCorners) {
-    return std::nullopt;
-  }
+  cv::aruco::interpolateCornersCharuco(markers, ids, grey, layout, corners, corner_ids);
+  if (corners.size() < kMinCharucoCorners) return std::nullopt;
   double side_px = 1e9;
   for (const auto& marker : markers) {
     for (std::size_t i = 0; i < 4; ++i) {
@@ -114,17 +164,21 @@ std::optional<BoardView> find_charuco(const cv::Mat& grey, const BoardConfig& bo
   const double gap_px = 0.5 * (board.square_m / board.marker_m - 1.0) * side_px;
   refine(grey, std::max(2.0 * gap_px, 5.0), corners);
 
+  // OpenCV 4.6 numbers the inner corners row by row from the upper left
+  std::vector<cv::Point2f> places;
+  for (const int id : corner_ids) {
+    places.emplace_back(id % board.corner_columns(), id / board.corner_columns());
+  }
+  const std::vector<bool> far = far_from_plane(places, corners);
   BoardView view;
   bool one_row = true, one_column = true;
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    // OpenCV 4.6 numbers the inner corners row by row from the upper left
-    const int column = corner_ids[i] % (board.columns - 1);
-    const int row = corner_ids[i] / (board.columns - 1);
-    view.corners_px.push_back({corners[i].x, corners[i].y});
-    view.corners_m.push_back({column * board.square_m, row * board.square_m});
-    one_row = one_row && view.corners_m[i].y_m == view.corners_m[0].y_m;
-    one_column = one_column && view.corners_m[i].x_m == view.corners_m[0].x_m;
+    if (far[i]) continue;
+    add_corner(corners[i], places[i], board, view);
+    one_row = one_row && view.corners_m.back().y_m == view.corners_m[0].y_m;
+    one_column = one_column && view.corners_m.back().x_m == view.corners_m[0].x_m;
   }
+  if (view.corners_px.size() < kMinCharucoCorners) return std::nullopt;
   if (one_row || one_column) return std::nullopt;
   return view;
 }

@@ -5,7 +5,6 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -131,34 +130,76 @@ vision::AppearanceConfig fit(const Samples& samples, double penalty) {
 
 /// What a penalty scores on groups that were left out.
 struct CrossValidation {
-  double log_loss = 0.0;
+  double penalty = 0.0;
+  double log_loss = 0.0;  ///< mean over the folds
   double area = 0.5;
+  std::vector<double> fold_losses;
 };
+
+double balanced_loss(const Samples& samples, const vision::AppearanceConfig& config) {
+  const ClassWeights weights(samples);
+  double sum = 0.0;
+  for (const AppearanceSample* sample : samples) {
+    const double log_odds = vision::appearance_log_odds(sample->features, config);
+    sum += weights.of(*sample) * loss_of(sample->is_trunk ? log_odds : -log_odds);
+  }
+  return sum / static_cast<double>(samples.size());
+}
 
 CrossValidation cross_validate(const std::vector<AppearanceSample>& samples,
                                const std::map<int, int>& fold_of_group, int num_folds,
                                double penalty) {
+  CrossValidation result;
+  result.penalty = penalty;
   std::vector<double> trunk, other;
-  double trunk_loss = 0.0, other_loss = 0.0;
   for (int fold = 0; fold < num_folds; ++fold) {
     Samples kept, left_out;
     for (const AppearanceSample& sample : samples) {
       (fold_of_group.at(sample.group) == fold ? left_out : kept).push_back(&sample);
     }
-    if (!has_both_classes(kept)) continue;
+    if (!has_both_classes(kept) || !has_both_classes(left_out)) continue;
     const vision::AppearanceConfig config = fit(kept, penalty);
     for (const AppearanceSample* sample : left_out) {
-      const double log_odds = vision::appearance_log_odds(sample->features, config);
-      (sample->is_trunk ? trunk : other).push_back(log_odds);
-      (sample->is_trunk ? trunk_loss : other_loss) +=
-          loss_of(sample->is_trunk ? log_odds : -log_odds);
+      (sample->is_trunk ? trunk : other)
+          .push_back(vision::appearance_log_odds(sample->features, config));
     }
+    result.fold_losses.push_back(balanced_loss(left_out, config));
   }
-  CrossValidation result;
   result.area = roc_area(trunk, other);
-  result.log_loss = 0.5 * (trunk_loss / std::max<double>(1.0, static_cast<double>(trunk.size())) +
-                           other_loss / std::max<double>(1.0, static_cast<double>(other.size())));
+  for (const double loss : result.fold_losses) {
+    result.log_loss += loss / static_cast<double>(result.fold_losses.size());
+  }
   return result;
+}
+
+/// Whether a score is worse than the best by no more than the standard error of the difference,
+/// fold by fold: then nothing shows that it is worse.
+bool as_good_as(const CrossValidation& score, const CrossValidation& best) {
+  const auto n = static_cast<double>(best.fold_losses.size());
+  const double mean = score.log_loss - best.log_loss;
+  double squares = 0.0;
+  for (std::size_t i = 0; i < best.fold_losses.size(); ++i) {
+    const double d = score.fold_losses[i] - best.fold_losses[i] - mean;
+    squares += d * d;
+  }
+  return n > 1.0 && mean <= std::sqrt(squares / (n * (n - 1.0)));
+}
+
+/// The strongest penalty that is as good as the best one: smaller weights meet new light better.
+CrossValidation choose_penalty(const std::vector<AppearanceSample>& samples,
+                               const std::map<int, int>& fold_of_group, int num_folds,
+                               const std::vector<double>& penalties) {
+  std::vector<CrossValidation> scores;
+  for (const double penalty : penalties) {
+    scores.push_back(cross_validate(samples, fold_of_group, num_folds, penalty));
+  }
+  const auto less = [](const auto& a, const auto& b) { return a.log_loss < b.log_loss; };
+  const CrossValidation best = *std::min_element(scores.begin(), scores.end(), less);
+  CrossValidation chosen = best;
+  for (const CrossValidation& score : scores) {
+    if (score.penalty > chosen.penalty && as_good_as(score, best)) chosen = score;
+  }
+  return chosen;
 }
 
 void check(const std::vector<AppearanceSample>& samples, const AppearanceFit& found) {
@@ -191,16 +232,13 @@ AppearanceFit learn_appearance(const std::vector<AppearanceSample>& samples,
   int next = 0;
   for (auto& [group, fold] : fold_of_group) fold = next++ % num_folds;
 
-  found.penalty = options.penalties.front();
+  found.penalty = options.penalties.at(options.penalties.size() / 2);
   if (num_folds > 1) {
-    found.log_loss = std::numeric_limits<double>::infinity();
-    for (const double penalty : options.penalties) {
-      const CrossValidation score = cross_validate(samples, fold_of_group, num_folds, penalty);
-      if (score.log_loss >= found.log_loss) continue;
-      found.penalty = penalty;
-      found.log_loss = score.log_loss;
-      found.area = score.area;
-    }
+    const CrossValidation chosen =
+        choose_penalty(samples, fold_of_group, num_folds, options.penalties);
+    found.penalty = chosen.penalty;
+    found.log_loss = chosen.log_loss;
+    found.area = chosen.area;
   }
   Samples all;
   for (const AppearanceSample& sample : samples) all.push_back(&sample);

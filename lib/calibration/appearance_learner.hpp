@@ -18,7 +18,7 @@ struct AppearanceSample {
 
 /// How the model is learnt.
 struct AppearanceLearnOptions {
-  /// Ridge penalties to choose from, in units of the log likelihood of one window.
+  /// Ridge penalties to choose from, rising, in units of the log likelihood of one window.
   std::vector<double> penalties{0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0};
   int max_folds = 10;
 };
@@ -35,7 +35,8 @@ struct AppearanceFit {
 };
 
 /// Learns what trunks look like: a logistic regression on standardised features, both classes
-/// weighing the same, with the ridge penalty that does best in cross-validation over groups.
+/// weighing the same, with the strongest ridge penalty that does as well as the best in
+/// cross-validation over groups (with one group: the middle one of those given).
 ///
 /// The same samples in the same order give the same bits. Throws std::runtime_error with one
 /// sentence when there are fewer than ten windows of a class or a feature is not finite.

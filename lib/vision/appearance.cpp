@@ -35,6 +35,17 @@ struct Planes {
   Plane brightness, red, blue;
 };
 
+/// A mean colour by brightness, red over green and blue over green, as logs.
+struct Tone {
+  double brightness = 0.0, red = 0.0, blue = 0.0;
+};
+
+Tone tone_of(const cv::Mat& pixels) {
+  const cv::Scalar mean = cv::mean(pixels);
+  const double blue = mean[0] + 1.0, green = mean[1] + 1.0, red = mean[2] + 1.0;
+  return {std::log(blue + green + red), std::log(red / green), std::log(blue / green)};
+}
+
 PixelRect band(const PixelRect& window, Part part) {
   PixelRect rect = window;
   rect.x_px += (part - 1) * window.width_px;
@@ -211,7 +222,7 @@ double log_of(double spread) { return std::log(spread + kSpreadFloor); }
 }  // namespace
 
 PixelRect appearance_reading_area(const PixelRect& window, const PixelRect& picture) {
-  return intersection(bounding(band(window, kLeft), band(window, kRight)), picture);
+  return intersection({picture.x_px, window.y_px, picture.width_px, window.height_px}, picture);
 }
 
 AppearanceFeatures appearance_features(const PixelBlock& pixels, const PixelRect& window) {
@@ -231,6 +242,13 @@ AppearanceFeatures appearance_features(const PixelBlock& pixels, const PixelRect
   for (const auto& q : s) {
     f[n++] = common(q[kWindow].mean - q[kLeft].mean, q[kWindow].mean - q[kRight].mean);
   }
+  PixelRect strip = pixels.area;
+  strip.y_px = window.y_px;
+  strip.height_px = window.height_px;
+  const Tone scene = tone_of(view_of(pixels, strip)), own = tone_of(view_of(pixels, window));
+  f[n++] = own.brightness - scene.brightness;
+  f[n++] = own.red - scene.red;
+  f[n++] = own.blue - scene.blue;
   for (const auto& q : s) f[n++] = std::abs(q[kLeft].mean - q[kRight].mean);
   for (const auto& q : s) f[n++] = log_of(q[kWindow].sd);
   for (const auto& q : s) f[n++] = log_of(0.5 * (q[kLeft].sd + q[kRight].sd));

@@ -7,17 +7,17 @@
 
 namespace orchard::vision {
 
-/// What the features of a window read: the window and a band of its width on either side, as far
-/// as the picture goes.
+/// What the features of a window read: its rows over the whole width of the picture.
 PixelRect appearance_reading_area(const PixelRect& window, const PixelRect& picture);
 
 /// Colour, contrast, edges and texture of a window - the columns between a trunk's two edges, over
 /// some of its rows - beside what surrounds it at the same height.
 ///
-/// Every colour is measured against the mean of the window and its bands, channel by channel, so
-/// that exposure, white balance and shade over all of it cancel. A band that the block does not
-/// hold is replaced by the other one. Depends on no other pixels of the block. Throws
-/// std::invalid_argument when the window is empty or does not lie inside the block.
+/// `pixels` must be as wide as the picture. Every colour is measured against means over the same
+/// rows, channel by channel, so that exposure and white balance cancel: of the window and a band
+/// of its width on either side, and of the whole rows. A band beyond the picture is replaced by
+/// the other one. Other rows of the block have no influence. Throws std::invalid_argument when
+/// the window is empty or does not lie inside the block.
 AppearanceFeatures appearance_features(const PixelBlock& pixels, const PixelRect& window);
 
 /// Log of the odds that a window is a trunk's. Throws as appearance_confidence() does.

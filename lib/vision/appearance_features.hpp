@@ -17,6 +17,8 @@ inline constexpr std::array kAppearanceFeatureNames{
     "brightness_contrast", "red_contrast", "blue_contrast",
     // the smaller of the differences to either band, 0 where they point different ways
     "brightness_stands_out", "red_stands_out", "blue_stands_out",
+    // the window's mean against that of its rows over the whole picture
+    "brightness_in_scene", "red_in_scene", "blue_in_scene",
     // how the bands differ from one another
     "brightness_bands_differ", "red_bands_differ", "blue_bands_differ",
     // logs of standard deviations

@@ -7,6 +7,7 @@
 #include "bus/in_process_replay.hpp"
 #include "bus/process.hpp"
 #include "calibration/trunk_model.hpp"
+#include "cli/calibrate_pictures.hpp"
 #include "cli/trunk_collector.hpp"
 #include "io/config.hpp"
 #include "io/config_edit.hpp"
@@ -72,6 +73,11 @@ void print_table(const calibration::TrunkModel& model) {
 }  // namespace
 
 int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
+  if (!options.pictures.picture_folder.empty()) {
+    CalibratePicturesOptions pictures{options.pictures, options.config_path, options.out_path};
+    pictures.pictures.quiet = options.quiet;
+    return run_calibrate_pictures(pictures);
+  }
   const io::Config config = io::load_config(options.config_path);
   if (options.log_paths.empty()) throw io::FileError("no log was given to learn trunks from");
   const auto looks = look_at_logs(options, config);

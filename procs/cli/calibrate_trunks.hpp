@@ -4,14 +4,17 @@
 #include <string>
 #include <vector>
 
+#include "cli/mask_windows_reader.hpp"
+
 namespace orchard::cli {
 
-/// `orchard calibrate trunks LOG... --config IN --out OUT`.
+/// `orchard calibrate trunks LOG... --config IN --out OUT`, or with --images (calibrate_pictures).
 struct CalibrateTrunksOptions {
   std::vector<std::string> log_paths;  ///< one or more drives past trunks of one kind
   std::string config_path;
-  std::string out_path;    ///< empty or config_path: that file, the old one as .bak
-  int wanted_trunks = 20;  ///< fewer give a warning
+  std::string out_path;           ///< empty or config_path: that file, the old one as .bak
+  int wanted_trunks = 20;         ///< fewer give a warning
+  MaskedPictureOptions pictures;  ///< instead of logs, when it names folders
   bool quiet = false;
 };
 

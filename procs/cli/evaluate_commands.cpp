@@ -4,6 +4,7 @@
 
 #include "cli/add_command.hpp"
 #include "cli/evaluate.hpp"
+#include "cli/evaluate_windows.hpp"
 
 namespace orchard::cli {
 
@@ -28,13 +29,56 @@ void add_map_options(CLI::App& command, EvaluateOptions& o, bool required) {
                    "exit 1 unless all is found once, with its class, and nothing else");
 }
 
+void add_window_options(CLI::App& command, EvaluateWindowsOptions& o) {
+  MaskedPictureOptions& pictures = o.pictures;
+  calibration::MaskWindowOptions& windows = pictures.windows;
+  command.add_option("--images", pictures.picture_folder, "pictures")->required()->type_name("DIR");
+  command.add_option("--masks", pictures.mask_folder, "masks of the same names, trunks red")
+      ->required()
+      ->type_name("DIR");
+  command.add_option("--model", o.model_path, "rig with a learnt detector.appearance")
+      ->required()
+      ->type_name("FILE");
+  command.add_option("--only", pictures.only, "numbers of the pictures, such as 020-118");
+  command.add_flag("--json", o.json, "for programs");
+  command.add_option("--worst", o.worst_path, "also draw the worst mistakes")->type_name("PNG");
+  command.add_option("--per-picture", windows.per_class, "windows of each kind in a picture")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command.add_option("--aspect-min", windows.aspect_min, "height of windows over their width")
+      ->check(CLI::Range(0.1, 20.0))
+      ->capture_default_str();
+  command.add_option("--aspect-max", windows.aspect_max, "and of the tallest")
+      ->check(CLI::Range(0.1, 20.0))
+      ->capture_default_str();
+  command.add_option("--width-scale", windows.width_scale, "of the trunk's width")
+      ->check(CLI::Range(0.1, 10.0))
+      ->capture_default_str();
+  command
+      .add_option("--scatter", windows.scatter,
+                  "windows are off by up to this share of their width")
+      ->check(CLI::Range(0.0, 0.9))
+      ->capture_default_str();
+  command.add_option("--seed", windows.seed, "where windows lie follows from it")
+      ->capture_default_str();
+  command.add_option("--exposure", o.disturbance.exposure_ev, "brighten the pictures first [EV]")
+      ->check(CLI::Range(-8.0, 8.0));
+  command.add_option("--red-gain", o.disturbance.red_gain, "of the light: a wrong white balance")
+      ->check(CLI::Range(0.1, 10.0));
+  command.add_option("--blue-gain", o.disturbance.blue_gain, "of the light")
+      ->check(CLI::Range(0.1, 10.0));
+  command.add_option("--blur", o.disturbance.blur_px, "blur the pictures first [px]")
+      ->check(CLI::Range(0.0, 100.0));
+}
+
 }  // namespace
 
 void add_evaluate(CLI::App& app, Run& run) {
   const char* examples =
       "  orchard evaluate out/drive --truth truth.csv        (evaluate map, in short)\n"
       "  orchard evaluate map out/drive/map.csv --truth truth.csv --json > evaluation.json\n"
-      "  orchard evaluate out/drive --truth truth.csv --check && echo perfect\n";
+      "  orchard evaluate out/drive --truth truth.csv --check && echo perfect\n"
+      "  orchard evaluate windows --images pictures --masks masks --model model.yaml\n";
   CLI::App& evaluate = add_subcommand(
       app, "evaluate", "Compare results with the truth: the paper's tables, and the errors",
       examples);
@@ -49,6 +93,14 @@ void add_evaluate(CLI::App& app, Run& run) {
   add_command<EvaluateOptions>(
       evaluate, run, "map", "Compare a map with the truth", examples, run_evaluate,
       [](CLI::App& command, EvaluateOptions& o) { add_map_options(command, o, true); });
+  add_command<EvaluateWindowsOptions>(
+      evaluate, run, "windows",
+      "Tell how well a learnt model tells windows on trunks from windows elsewhere",
+      "  orchard evaluate windows --images pictures --masks masks --model model.yaml --only "
+      "020-118\n"
+      "  orchard evaluate windows --images pictures --masks masks --model model.yaml --json \\\n"
+      "      --exposure -1 --blur 1.5\n",
+      run_evaluate_windows, add_window_options);
 }
 
 }  // namespace orchard::cli

@@ -23,9 +23,10 @@ enum class Channel : std::int8_t {
   kConfig = 9,
   kAck = 10,
   kReplay = 11,
+  kAdaptation = 12,
 };
 
-inline constexpr std::size_t kNumChannels = 12;
+inline constexpr std::size_t kNumChannels = 13;
 
 /// What a channel is for, and with that what a replay does with it.
 enum class Role {
@@ -55,6 +56,7 @@ inline constexpr std::array<ChannelInfo, kNumChannels> kChannels{{
     {Channel::kConfig, "CONFIG", "config_t", Role::kService},
     {Channel::kAck, "ACK", "ack_t", Role::kService},
     {Channel::kReplay, "REPLAY", "replay_t", Role::kService},
+    {Channel::kAdaptation, "ADAPTATION", "adaptation_t", Role::kDerived},
 }};
 
 constexpr const ChannelInfo& info(Channel channel) {

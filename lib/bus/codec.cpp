@@ -85,6 +85,8 @@ std::variant<Message, Rejection> decode(Channel channel, const void* data, std::
                                           : decode_as<detections_v2_t>(data, size);
     case Channel::kMap:
       return decode_as<map_tile_t>(data, size);
+    case Channel::kAdaptation:
+      return decode_as<adaptation_t>(data, size);
     default:
       throw std::invalid_argument("decode: no such channel");
   }

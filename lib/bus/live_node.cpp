@@ -38,6 +38,7 @@ const char* publisher_of(Channel channel) {
     case Channel::kPose:
       return "orchard-pose";
     case Channel::kDetections:
+    case Channel::kAdaptation:
       return "orchard-detector";
     case Channel::kMap:
       return "orchard-mapper";

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "bus/channel.hpp"
+#include "detection/adaptation_step.hpp"
 #include "detection/detection.hpp"
 #include "laser/scan.hpp"
 #include "mapping/landmark.hpp"
@@ -16,10 +17,15 @@ namespace orchard::bus {
 
 /// What a node reads and writes. The alternative decides the channel.
 using Message = std::variant<laser::Scan, vision::Image, pose::Odometry, pose::Gnss, pose::PoseFix,
-                             pose::PoseEstimate, detection::Detections, mapping::MapTile>;
+                             pose::PoseEstimate, detection::Detections, mapping::MapTile,
+                             detection::AdaptationStep>;
 
-/// The channel a message travels on: the variant's alternatives stand in the order of Channel.
-inline Channel channel_of(const Message& message) { return static_cast<Channel>(message.index()); }
+/// The channel a message travels on: the variant's alternatives stand in the order of Channel,
+/// those that came after the service channels apart.
+inline Channel channel_of(const Message& message) {
+  if (std::holds_alternative<detection::AdaptationStep>(message)) return Channel::kAdaptation;
+  return static_cast<Channel>(message.index());
+}
 
 /// Time of measurement of any message [us].
 inline std::int64_t utime_of(const Message& message) {

@@ -185,6 +185,18 @@ void check(Check& c, const mapping::MapTile& tile) {
   for (const std::int32_t id : tile.removed_ids) c.whole("removed_ids", id, 0, INT32_MAX);
 }
 
+void check(Check& c, const detection::AdaptationStep& step) {
+  c.whole("action", static_cast<int>(step.action), 1, 5);
+  c.whole("reason", static_cast<int>(step.reason), 0, 4);
+  c.whole("num_width_trees", step.num_width_trees, 0, INT32_MAX);
+  c.whole("num_colour_trees", step.num_colour_trees, 0, INT32_MAX);
+  c.within("confident_share", step.confident_share, 0, 1);
+  c.within("width_mean_m", step.model.width_mean_m, 0, 1e5);
+  c.within("light_blue", step.model.light.blue, -10, 10);
+  c.within("light_red", step.model.light.red, -10, 10);
+  c.within("light_green", step.model.light.green, -10, 10);
+}
+
 }  // namespace
 
 std::optional<Rejection> check_content(const Message& message) {

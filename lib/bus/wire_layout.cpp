@@ -6,6 +6,7 @@
 #include <string>
 
 #include "orchard/ack_t.hpp"
+#include "orchard/adaptation_t.hpp"
 #include "orchard/config_t.hpp"
 #include "orchard/detections_t.hpp"
 #include "orchard/detections_v2_t.hpp"
@@ -65,6 +66,7 @@ const Layout& layout_of(Channel channel) {
       {hash_of<config_t>, 28, kMiB, {}, 3},
       {hash_of<ack_t>, 26, kMiB, {{{20, 5, "num_outputs"}, {}}}, 0},
       {hash_of<replay_t>, 21, kKiB, {}, 0},
+      {hash_of<adaptation_t>, 70, kKiB, {}, 0},
   }};
   return layouts[static_cast<std::size_t>(channel)];
 }

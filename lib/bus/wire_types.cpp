@@ -327,4 +327,34 @@ mapping::MapTile from_wire(map_tile_t&& wire) {
   return tile;
 }
 
+adaptation_t to_wire(const detection::AdaptationStep& step) {
+  adaptation_t wire;
+  wire.utime = step.utime;
+  wire.seq = step.seq;
+  wire.action = static_cast<std::int8_t>(step.action);
+  wire.reason = static_cast<std::int8_t>(step.reason);
+  wire.num_width_trees = step.num_width_trees;
+  wire.num_colour_trees = step.num_colour_trees;
+  wire.confident_share = step.confident_share;
+  wire.width_mean_m = step.model.width_mean_m;
+  wire.light_blue = step.model.light.blue;
+  wire.light_red = step.model.light.red;
+  wire.light_green = step.model.light.green;
+  return wire;
+}
+
+detection::AdaptationStep from_wire(adaptation_t&& wire) {
+  detection::AdaptationStep step;
+  step.utime = wire.utime;
+  step.seq = wire.seq;
+  step.action = static_cast<detection::AdaptationAction>(wire.action);
+  step.reason = static_cast<detection::AdaptationReason>(wire.reason);
+  step.num_width_trees = wire.num_width_trees;
+  step.num_colour_trees = wire.num_colour_trees;
+  step.confident_share = wire.confident_share;
+  step.model.width_mean_m = wire.width_mean_m;
+  step.model.light = {wire.light_blue, wire.light_red, wire.light_green};
+  return step;
+}
+
 }  // namespace orchard::bus

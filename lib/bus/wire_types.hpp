@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bus/message.hpp"
+#include "orchard/adaptation_t.hpp"
 #include "orchard/detections_t.hpp"
 #include "orchard/detections_v2_t.hpp"
 #include "orchard/gnss_t.hpp"
@@ -29,6 +30,7 @@ pose_fix_t to_wire(const pose::PoseFix& fix);
 pose_t to_wire(const pose::PoseEstimate& pose);
 detections_v2_t to_wire(const detection::Detections& detections);
 map_tile_t to_wire(const mapping::MapTile& tile);
+adaptation_t to_wire(const detection::AdaptationStep& step);
 
 laser::Scan from_wire(scan_t&& wire);
 vision::Image from_wire(image_t&& wire);
@@ -41,6 +43,7 @@ detection::Detections from_wire(detections_v2_t&& wire);
 /// The first release's form: its probabilities are unknown.
 detection::Detections from_wire(detections_t&& wire);
 mapping::MapTile from_wire(map_tile_t&& wire);
+detection::AdaptationStep from_wire(adaptation_t&& wire);
 
 /// The bytes of any generated type.
 template <class Wire>

@@ -98,6 +98,10 @@ void decide(Detection& d, double roc_tree, const Rig& rig) {
   d.label = label_of(roc_tree, rig.detector.tree_threshold);
 }
 
+AdaptationLook look_at(const Detection& d, const std::optional<vision::WindowLight>& light) {
+  return {d.centre_x_m, d.centre_y_m, d.width_m, d.roc_laser, d.roc_colour, d.roc_vision, light};
+}
+
 bool fits_camera(const vision::Image& image, const Rig& rig) {
   return image.width_px == rig.camera.intrinsics().width_px &&
          image.height_px == rig.camera.intrinsics().height_px;
@@ -151,6 +155,14 @@ DetectResult judge_by_camera(LaserFindings findings, const vision::Image* image,
   auto pixels = fits_camera(*image, rig) ? vision::decode(*image, reading) : std::nullopt;
   result.image_unusable = !pixels.has_value();
   if (!pixels) return result;
+  // Light is measured as the camera gives it, before it is undone.
+  std::vector<std::optional<vision::WindowLight>> lights(views.size());
+  if (rig.detector.adaptation.enabled) {
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      if (views[i]) lights[i] = vision::window_light(*pixels, views[i]->centre);
+    }
+  }
+  vision::apply(rig.light_gains, *pixels);
   Picture picture{std::move(*pixels), std::nullopt};
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (!views[i]) continue;
@@ -158,6 +170,7 @@ DetectResult judge_by_camera(LaserFindings findings, const vision::Image* image,
     const double roc_vision = judge_by_vision(d, *views[i], picture, rig);
     d.roc_vision = static_cast<float>(roc_vision);
     decide(d, fuse_tree(d.roc_laser, roc_vision, rig.detector.laser_weight), rig);
+    if (rig.detector.adaptation.enabled) result.looks.push_back(look_at(d, lights[i]));
   }
   return result;
 }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "detection/adaptation.hpp"
 #include "detection/detection.hpp"
 #include "detection/motion.hpp"
 #include "detection/rig.hpp"
@@ -28,8 +29,9 @@ struct LaserFindings {
 
 /// What a scan and its picture show.
 struct DetectResult {
-  Detections detections;        ///< seq is left 0: the sender's
-  bool image_unusable = false;  ///< needed, but did not decode or of another size
+  Detections detections;              ///< seq is left 0: the sender's
+  bool image_unusable = false;        ///< needed, but did not decode or of another size
+  std::vector<AdaptationLook> looks;  ///< at candidates; none unless adaptation is enabled
 };
 
 /// The laser's half of the detector: segment, width. A rig without a camera needs no other.

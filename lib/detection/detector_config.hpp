@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "detection/adaptation_config.hpp"
 #include "laser/segmentation_config.hpp"
 #include "laser/width_config.hpp"
 #include "vision/appearance_config.hpp"
@@ -31,6 +32,7 @@ struct DetectorConfig {
   double image_wait_s = 0.25;         ///< of message time: how long a scan waits for pictures
   /// Points move on by ODOMETRY from their beam's time to the picture's; scans then wait for it.
   bool use_odometry = false;
+  AdaptationConfig adaptation;
 };
 
 template <class Visitor>
@@ -56,6 +58,7 @@ void describe(Visitor& v, DetectorConfig& c) {
            "message time that a scan waits for pictures");
   v.flag("use_odometry", c.use_odometry,
          "move points by ODOMETRY from their beam's time to the picture's");
+  v.section("adaptation", c.adaptation, "models that follow the trees while driving");
 }
 
 }  // namespace orchard::detection

@@ -6,6 +6,7 @@
 #include "geometry/camera_model.hpp"
 #include "geometry/laser_camera.hpp"
 #include "laser/laser_config.hpp"
+#include "vision/light.hpp"
 
 namespace orchard::detection {
 
@@ -24,6 +25,7 @@ struct Rig {
   geometry::CameraModel camera;
   geometry::LaserToCamera T_camera_laser;
   DetectorConfig detector;
+  vision::ChannelGains light_gains;  ///< bring pictures to the light of the calibration
 };
 
 }  // namespace orchard::detection

@@ -118,6 +118,21 @@ Json fields(const mapping::MapTile& m) {
           {"removed_ids", m.removed_ids}};
 }
 
+Json fields(const detection::AdaptationStep& m) {
+  constexpr const char* kActions[] = {"", "step", "freeze", "resume", "rollback", "reset"};
+  constexpr const char* kReasons[] = {"", "too few trees", "sensors disagree", "two populations",
+                                      "confidence collapsed"};
+  return {{"action", kActions[static_cast<int>(m.action)]},
+          {"reason", kReasons[static_cast<int>(m.reason)]},
+          {"num_width_trees", m.num_width_trees},
+          {"num_colour_trees", m.num_colour_trees},
+          {"confident_share", m.confident_share},
+          {"width_mean_m", m.model.width_mean_m},
+          {"light_blue", m.model.light.blue},
+          {"light_red", m.model.light.red},
+          {"light_green", m.model.light.green}};
+}
+
 /// One value in words: numbers short, arrays with their beginning only, objects in braces.
 std::string words(const Json& value) {
   if (value.is_number_float()) {

@@ -9,7 +9,11 @@ namespace orchard::procs {
 DetectorNode::DetectorNode(const io::Config& config)
     : rig_(config.laser, config.camera, config.detector),
       pairer_(config.detector.pairing_tolerance_s, config.detector.image_wait_s,
-              config.detector.use_odometry) {}
+              config.detector.use_odometry) {
+  if (config.detector.adaptation.enabled && rig_.has_camera) {
+    adaptation_.emplace(config.detector.adaptation, config.detector.width.mean_m);
+  }
+}
 
 std::vector<bus::Channel> DetectorNode::inputs() const {
   if (!rig_.has_camera) return {bus::Channel::kScan};
@@ -21,7 +25,7 @@ void DetectorNode::handle(const bus::Message& input, const bus::Outbox& send) {
   std::vector<detection::ScanImagePair> pairs;
   if (const auto* scan = std::get_if<laser::Scan>(&input)) {
     if (!rig_.has_camera) return send_result(detection::detect(*scan, nullptr, rig_), send);
-    findings_.push_back(detection::find_by_laser(*scan, rig_));
+    findings_.push_back({detection::find_by_laser(*scan, rig_), width_model_});
     pairs = pairer_.add(*scan);
   } else if (const auto* image = std::get_if<vision::Image>(&input)) {
     if (rig_.has_camera) pairs = pairer_.add(*image);
@@ -49,10 +53,31 @@ std::string DetectorNode::waiting_for() const {
 }
 
 void DetectorNode::send_detections(const detection::ScanImagePair& pair, const bus::Outbox& send) {
-  detection::LaserFindings findings = std::move(findings_.front());
+  Findings findings = std::move(findings_.front());
   findings_.pop_front();
-  send_result(detection::judge_by_camera(std::move(findings), pair.image.get(), rig_, pair.motion),
-              send);
+  // The scans before this one have moved the width since it came: judge it by where they led, as
+  // if it had come after them.
+  if (findings.width_model != width_model_) {
+    findings.laser = detection::find_by_laser(pair.scan, rig_);
+  }
+  detection::DetectResult result =
+      detection::judge_by_camera(std::move(findings.laser), pair.image.get(), rig_, pair.motion);
+  const std::int64_t utime = result.detections.utime;
+  const auto looks = std::move(result.looks);
+  send_result(std::move(result), send);
+  adapt(utime, looks, send);
+}
+
+void DetectorNode::adapt(std::int64_t utime, const std::vector<detection::AdaptationLook>& looks,
+                         const bus::Outbox& send) {
+  if (!adaptation_) return;
+  const auto steps = adaptation_->add(utime, looks);
+  if (steps.empty()) return;
+  const detection::AdaptedModel& model = adaptation_->model();
+  if (rig_.detector.width.mean_m != model.width_mean_m) ++width_model_;
+  rig_.detector.width.mean_m = model.width_mean_m;
+  rig_.light_gains = detection::undoing(model.light);
+  for (const auto& step : steps) send(step);
 }
 
 void DetectorNode::send_result(detection::DetectResult result, const bus::Outbox& send) {

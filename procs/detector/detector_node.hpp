@@ -2,8 +2,10 @@
 #pragma once
 
 #include <deque>
+#include <optional>
 
 #include "bus/node.hpp"
+#include "detection/adaptation.hpp"
 #include "detection/detect.hpp"
 #include "detection/rig.hpp"
 #include "detection/scan_image_pairer.hpp"
@@ -17,6 +19,8 @@ namespace orchard::procs {
 /// comes, so that less is left to do once its picture is there, and waits for its picture;
 /// without one in time its trunk candidates are UNSEEN. With detector.use_odometry it waits for the
 /// ODOMETRY at the picture's time too, to account for the motion between the two.
+/// With detector.adaptation.enabled each scan is judged by the models that the scans before it have
+/// led to, whatever order the channels arrive in, and ADAPTATION says what became of them.
 class DetectorNode : public bus::Node {
  public:
   explicit DetectorNode(const io::Config& config);
@@ -29,12 +33,21 @@ class DetectorNode : public bus::Node {
   std::string waiting_for() const override;
 
  private:
+  /// A scan's laser half, and which state of the width model it was made with.
+  struct Findings {
+    detection::LaserFindings laser;
+    std::int64_t width_model = 0;
+  };
   void send_detections(const detection::ScanImagePair& pair, const bus::Outbox& send);
+  void adapt(std::int64_t utime, const std::vector<detection::AdaptationLook>& looks,
+             const bus::Outbox& send);
   void send_result(detection::DetectResult result, const bus::Outbox& send);
 
   detection::Rig rig_;
   detection::ScanImagePairer pairer_;
-  std::deque<detection::LaserFindings> findings_;  ///< of the scans in pairer_, in its order
+  std::deque<Findings> findings_;  ///< of the scans in pairer_, in its order
+  std::optional<detection::Adaptation> adaptation_;
+  std::int64_t width_model_ = 0;  ///< +1 with every change of the width model
   std::int32_t next_seq_ = 0;
   std::int64_t num_unusable_ = 0;
 };

@@ -57,6 +57,9 @@ std::vector<std::uint8_t> hash_of(bus::Channel channel) {
     case bus::Channel::kReplay:
       bytes = bus::encode(bus::ReplayMark{});
       break;
+    case bus::Channel::kAdaptation:
+      bytes = bus::encode(bus::Message(detection::AdaptationStep{}));
+      break;
   }
   bytes.resize(8);
   return bytes;

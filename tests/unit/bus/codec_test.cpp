@@ -116,6 +116,13 @@ TEST(Codec, ServiceChannelsHaveTheirOwnDecoders) {
   EXPECT_THROW(decode(Channel::kStatus, nullptr, 0), std::invalid_argument);
 }
 
+Message sample_of(Channel channel) {
+  for (Message& message : sample_messages()) {
+    if (channel_of(message) == channel) return message;
+  }
+  throw std::invalid_argument("no sample of this channel");
+}
+
 struct Spoilt {
   const char* what;
   Channel channel;
@@ -132,6 +139,7 @@ TEST(Codec, ContentThatCannotBeIsRefused) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
   using detection::Detections;
+  using Step = detection::AdaptationStep;
   using laser::Scan;
   using mapping::MapTile;
   using pose::Gnss;
@@ -208,9 +216,21 @@ TEST(Codec, ContentThatCannotBeIsRefused) {
        on<MapTile>([nan](MapTile& m) { m.landmarks[0].probability = nan; }), Reason::kNotFinite},
       {"total < 0", Channel::kMap, on<MapTile>([](MapTile& m) { m.num_landmarks_total = -1; }),
        Reason::kOutOfRange},
+      {"action 0", Channel::kAdaptation,
+       on<Step>([](Step& m) { m.action = static_cast<detection::AdaptationAction>(0); }),
+       Reason::kOutOfRange},
+      {"reason 5", Channel::kAdaptation,
+       on<Step>([](Step& m) { m.reason = static_cast<detection::AdaptationReason>(5); }),
+       Reason::kOutOfRange},
+      {"share 1.1", Channel::kAdaptation, on<Step>([](Step& m) { m.confident_share = 1.1; }),
+       Reason::kOutOfRange},
+      {"trees < 0", Channel::kAdaptation, on<Step>([](Step& m) { m.num_width_trees = -1; }),
+       Reason::kOutOfRange},
+      {"light nan", Channel::kAdaptation, on<Step>([nan](Step& m) { m.model.light.red = nan; }),
+       Reason::kNotFinite},
   };
   for (const Spoilt& spoilt : cases) {
-    Message message = sample_messages()[static_cast<std::size_t>(spoilt.channel)];
+    Message message = sample_of(spoilt.channel);
     spoilt.spoil(message);
     EXPECT_EQ(reason_of(spoilt.channel, encode(message)), spoilt.reason) << spoilt.what;
   }

@@ -63,6 +63,20 @@ void add_detections(Golden& golden) {
   golden.add(detections);
 }
 
+void add_adaptation(Golden& golden) {
+  detection::AdaptationStep step;
+  step.utime = golden.next_utime();
+  step.seq = 4;
+  step.action = detection::AdaptationAction::kRollback;
+  step.reason = detection::AdaptationReason::kConfidenceCollapsed;
+  step.num_width_trees = 12;
+  step.num_colour_trees = 9;
+  step.confident_share = 0.375;
+  step.model.width_mean_m = 0.125;
+  step.model.light = {-0.25, 0.0625, 0.5};
+  golden.add(step);
+}
+
 }  // namespace
 }  // namespace orchard::bus
 
@@ -74,6 +88,7 @@ int main(int argc, char** argv) {
   try {
     orchard::bus::Golden golden(argv[1]);
     add_detections(golden);
+    add_adaptation(golden);
     golden.close();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "make_golden_log: %s\n", error.what());

@@ -150,7 +150,17 @@ inline std::vector<Message> sample_messages(std::int64_t utime = 170000000000000
   tile.landmarks = {landmark, landmark};
   tile.removed_ids = {3, 4};
 
-  return {scan, image, odometry, gnss, fix, pose, detections, tile};
+  detection::AdaptationStep step;
+  step.utime = utime;
+  step.seq = seq;
+  step.action = detection::AdaptationAction::kRollback;
+  step.reason = detection::AdaptationReason::kConfidenceCollapsed;
+  step.num_width_trees = 11;
+  step.num_colour_trees = 9;
+  step.confident_share = 0.4;
+  step.model = {0.123, {-0.2, 0.1, 0.3}};
+
+  return {scan, image, odometry, gnss, fix, pose, detections, tile, step};
 }
 
 }  // namespace orchard::bus::testing

@@ -23,14 +23,10 @@ double distance_px(const cv::Point2f& a, const cv::Point2f& b) {
   return std::hypot(static_cast<double>(a.x) - b.x, static_cast<double>(a.y) - b.y);
 }
 
-/// Half the side of the window in which a corner is refined: as large as the squares allow, for
-/// the noise, but never up to the next corner.
-int refine_half_px(double spacing_px) {
-  return std::clamp(static_cast<int>(std::lround(0.4 * spacing_px)), 2, 11);
-}
-
-void refine(const cv::Mat& grey, double spacing_px, std::vector<cv::Point2f>& corners) {
-  const int half_px = refine_half_px(spacing_px);
+/// Moves corners to where the edges around them meet, within windows that reach `reach_px` to each
+/// side: as large as the pattern allows, for the noise.
+void refine(const cv::Mat& grey, double reach_px, std::vector<cv::Point2f>& corners) {
+  const int half_px = std::clamp(static_cast<int>(std::lround(reach_px)), 2, 11);
   cv::cornerSubPix(grey, corners, {half_px, half_px}, {-1, -1},
                    {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 60, 1e-4});
 }
@@ -124,7 +120,7 @@ void add_corner(const cv::Point2f& corner, const cv::Point2f& place, const Board
 std::optional<BoardView> find_chessboard(const cv::Mat& grey, const BoardConfig& board) {
   std::vector<cv::Point2f> corners;
   if (!find_grid(grey, {board.columns, board.rows}, corners)) return std::nullopt;
-  refine(grey, spacing_of(corners, board.columns, board.rows), corners);
+  refine(grey, 0.4 * spacing_of(corners, board.columns, board.rows), corners);
   orient(corners, board.columns, board.rows);
   std::vector<cv::Point2f> places;
   for (int row = 0; row < board.rows; ++row) {
@@ -160,9 +156,13 @@ std::optional<BoardView> find_charuco(const cv::Mat& grey, const BoardConfig& bo
       side_px = std::min(side_px, distance_px(marker[i], marker[(i + 1) % 4]));
     }
   }
-  // up to the markers, whose own edges would pull at the corner, and not beyond
-  const double gap_px = 0.5 * (board.square_m / board.marker_m - 1.0) * side_px;
-  refine(grey, std::max(2.0 * gap_px, 5.0), corners);
+  // OpenCV 4.6 counts these from the pixel's corner, everything else from its centre
+  for (cv::Point2f& corner : corners) corner -= cv::Point2f(0.5f, 0.5f);
+  const std::vector<cv::Point2f> coarse = corners;
+  // up to the markers, whose own edges would pull at the corner
+  const double square_px = side_px * board.square_m / board.marker_m;
+  refine(grey, 0.5 * (square_px - side_px), corners);
+  const double most_moved_px = std::max(0.3, 0.02 * square_px);
 
   // OpenCV 4.6 numbers the inner corners row by row from the upper left
   std::vector<cv::Point2f> places;
@@ -173,7 +173,8 @@ std::optional<BoardView> find_charuco(const cv::Mat& grey, const BoardConfig& bo
   BoardView view;
   bool one_row = true, one_column = true;
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    if (far[i]) continue;
+    // a corner that two looks disagree on was pulled away by something else
+    if (far[i] || distance_px(corners[i], coarse[i]) > most_moved_px) continue;
     add_corner(corners[i], places[i], board, view);
     one_row = one_row && view.corners_m.back().y_m == view.corners_m[0].y_m;
     one_column = one_column && view.corners_m.back().x_m == view.corners_m[0].x_m;

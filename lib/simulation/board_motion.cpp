@@ -57,7 +57,7 @@ std::vector<Eigen::Isometry3d> show_board(const geometry::CameraIntrinsics& came
               .toRotationMatrix();
       T_camera_board.translation() = Eigen::Vector3d(ray.x() * z_m, ray.y() * z_m, z_m) -
                                      T_camera_board.linear() * middle_board;
-      if (!in_view(model, board, T_camera_board)) continue;
+      if (config.whole_board && !in_view(model, board, T_camera_board)) continue;
       poses.push_back(T_camera_board);
       break;
     }

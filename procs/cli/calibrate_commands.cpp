@@ -3,13 +3,82 @@
 #include <string>
 
 #include "cli/add_command.hpp"
+#include "cli/calibrate_camera.hpp"
 #include "cli/calibrate_trunks.hpp"
 
 namespace orchard::cli {
+namespace {
+
+void add_board_options(CLI::App& command, calibration::BoardConfig& board, std::string& kind) {
+  command.add_option("--board", kind, "chessboard or charuco")
+      ->check(CLI::IsMember({"chessboard", "charuco"}))
+      ->capture_default_str();
+  command
+      .add_option("--columns", board.columns,
+                  "inner corners (chessboard) or squares (charuco) along a row")
+      ->capture_default_str();
+  command.add_option("--rows", board.rows, "and along a column")->capture_default_str();
+  command.add_option("--square-m", board.square_m, "side of a square, measured on the board [m]")
+      ->capture_default_str();
+  command.add_option("--marker-m", board.marker_m, "side of a charuco marker [m]")
+      ->capture_default_str();
+  command.add_option("--dictionary", board.dictionary, "of the charuco markers")
+      ->capture_default_str();
+}
+
+constexpr const char* kCameraExamples =
+    "  orchard calibrate camera pictures/ --columns 8 --rows 6 --square-m 0.03 --out "
+    "config/mine.yaml\n"
+    "  orchard calibrate camera board.lcm --board charuco --columns 7 --rows 5 --square-m 0.04 \\\n"
+    "      --marker-m 0.03 --config config/tubes.yaml --out config/mine.yaml --coverage seen.png\n"
+    "  orchard calibrate camera --import Calib_Results.m --out config/mine.yaml\n";
+
+void add_camera(CLI::App& calibrate, Run& run) {
+  add_command<CalibrateCameraOptions>(
+      calibrate, run, "camera",
+      "Measure a camera's intrinsics from pictures of a board, judge them, and write them into the "
+      "rig's YAML; or import them",
+      (std::string(kCameraExamples) +
+       "Show the board 20 times: in every corner of the picture, tilted to all four sides, near "
+       "and\n"
+       "far. A result that should not be used is not written: exit code 3, with what is missing.\n"
+       "--import reads Bouguet's Calib_Results.m, ROS camera_info (plumb_bob) and OpenCV YAML.\n")
+          .c_str(),
+      run_calibrate_camera, [](CLI::App& command, CalibrateCameraOptions& o) {
+        command
+            .add_option("pictures", o.paths,
+                        "JPEG or PNG files, folders of them, or one log with IMAGE messages")
+            ->type_name("PICTURES...|LOG");
+        command.add_option("--import", o.import_path, "another tool's result instead of pictures")
+            ->type_name("FILE");
+        add_board_options(command, o.board, o.board_kind);
+        command.add_option("--config", o.config_path, "rig to start from")->type_name("FILE");
+        command
+            .add_option("--out", o.out_path,
+                        "rig to write; without it that of --config, the old one kept as .bak; "
+                        "without both nothing is written")
+            ->type_name("FILE");
+        command
+            .add_option("--coverage", o.coverage_path,
+                        "draw where corners were seen and how far the model misses them")
+            ->type_name("PNG");
+        command.add_option("--max-views", o.max_views, "the most different ones are used")
+            ->check(CLI::Range(3, 200))
+            ->capture_default_str();
+        command.add_flag("--k3", o.estimate_k3,
+                         "also estimate k3: wide lenses at more than 640 pixels");
+        command.add_flag("--force", o.force,
+                         "write a result that should not be used, or of another picture size");
+        command.add_flag("--quiet", o.quiet, "warnings and errors only");
+      });
+}
+
+}  // namespace
 
 void add_calibrate(CLI::App& app, Run& run) {
   CLI::App* calibrate = app.add_subcommand("calibrate", "Measure a rig's models from recordings");
   calibrate->require_subcommand(1);
+  add_camera(*calibrate, run);
   const char* examples =
       "  orchard calibrate trunks drive.lcm --config config/tubes.yaml --out config/mine.yaml\n"
       "  orchard calibrate trunks one.lcm two.lcm --config config/mine.yaml\n"
@@ -59,7 +128,7 @@ void add_calibrate(CLI::App& app, Run& run) {
           if (o.out_path.empty() && o.config_path.empty()) throw CLI::RequiredError("--out");
         });
       });
-  calibrate->footer(std::string("Examples:\n") + examples);
+  calibrate->footer(std::string("Examples:\n") + kCameraExamples + examples);
 }
 
 }  // namespace orchard::cli

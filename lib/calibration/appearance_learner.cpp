@@ -5,7 +5,9 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <string>
 
@@ -128,78 +130,124 @@ vision::AppearanceConfig fit(const Samples& samples, double penalty) {
   return config;
 }
 
-/// What a penalty scores on groups that were left out.
-struct CrossValidation {
-  double penalty = 0.0;
-  double log_loss = 0.0;  ///< mean over the folds
-  double area = 0.5;
-  std::vector<double> fold_losses;
+/// The samples of one fold, and all others.
+struct Fold {
+  Samples inside, outside;
 };
 
-double balanced_loss(const Samples& samples, const vision::AppearanceConfig& config) {
-  const ClassWeights weights(samples);
-  double sum = 0.0;
-  for (const AppearanceSample* sample : samples) {
-    const double log_odds = vision::appearance_log_odds(sample->features, config);
-    sum += weights.of(*sample) * loss_of(sample->is_trunk ? log_odds : -log_odds);
+/// Whole groups per fold, those with and those without trunks dealt out in turn; only folds that
+/// have both classes inside and outside.
+std::vector<Fold> deal_folds(const std::vector<AppearanceSample>& samples, int max_folds) {
+  std::map<int, bool> has_trunk;
+  for (const AppearanceSample& sample : samples) has_trunk[sample.group] |= sample.is_trunk;
+  const int num_folds = std::min(static_cast<int>(has_trunk.size()), max_folds);
+  std::map<int, int> fold_of;
+  int next_with = 0, next_without = 0;
+  for (const auto& [group, with] : has_trunk) {
+    fold_of[group] = (with ? next_with++ : next_without++) % num_folds;
   }
-  return sum / static_cast<double>(samples.size());
+  std::vector<Fold> folds(static_cast<std::size_t>(num_folds));
+  for (const AppearanceSample& sample : samples) {
+    for (std::size_t i = 0; i < folds.size(); ++i) {
+      const bool is_inside = fold_of.at(sample.group) == static_cast<int>(i);
+      (is_inside ? folds[i].inside : folds[i].outside).push_back(&sample);
+    }
+  }
+  const auto useless = [](const Fold& fold) {
+    return !has_both_classes(fold.inside) || !has_both_classes(fold.outside);
+  };
+  folds.erase(std::remove_if(folds.begin(), folds.end(), useless), folds.end());
+  return folds;
 }
 
-CrossValidation cross_validate(const std::vector<AppearanceSample>& samples,
-                               const std::map<int, int>& fold_of_group, int num_folds,
-                               double penalty) {
-  CrossValidation result;
-  result.penalty = penalty;
+/// Log odds given to windows, by their truth.
+struct Judged {
   std::vector<double> trunk, other;
-  for (int fold = 0; fold < num_folds; ++fold) {
-    Samples kept, left_out;
-    for (const AppearanceSample& sample : samples) {
-      (fold_of_group.at(sample.group) == fold ? left_out : kept).push_back(&sample);
-    }
-    if (!has_both_classes(kept) || !has_both_classes(left_out)) continue;
-    const vision::AppearanceConfig config = fit(kept, penalty);
-    for (const AppearanceSample* sample : left_out) {
+
+  void add(const Samples& samples, const vision::AppearanceConfig& config) {
+    for (const AppearanceSample* sample : samples) {
       (sample->is_trunk ? trunk : other)
           .push_back(vision::appearance_log_odds(sample->features, config));
     }
-    result.fold_losses.push_back(balanced_loss(left_out, config));
   }
-  result.area = roc_area(trunk, other);
-  for (const double loss : result.fold_losses) {
-    result.log_loss += loss / static_cast<double>(result.fold_losses.size());
-  }
-  return result;
-}
+};
 
-/// Whether a score is worse than the best by no more than the standard error of the difference,
-/// fold by fold: then nothing shows that it is worse.
-bool as_good_as(const CrossValidation& score, const CrossValidation& best) {
-  const auto n = static_cast<double>(best.fold_losses.size());
-  const double mean = score.log_loss - best.log_loss;
-  double squares = 0.0;
-  for (std::size_t i = 0; i < best.fold_losses.size(); ++i) {
-    const double d = score.fold_losses[i] - best.fold_losses[i] - mean;
-    squares += d * d;
-  }
-  return n > 1.0 && mean <= std::sqrt(squares / (n * (n - 1.0)));
-}
-
-/// The strongest penalty that is as good as the best one: smaller weights meet new light better.
-CrossValidation choose_penalty(const std::vector<AppearanceSample>& samples,
-                               const std::map<int, int>& fold_of_group, int num_folds,
-                               const std::vector<double>& penalties) {
-  std::vector<CrossValidation> scores;
+/// The strongest of the penalties with which a fit to one fold ranks all others best: an orchard
+/// has more trees and more light than those it was learnt from, so the few must speak for the
+/// many.
+double choose_penalty(const std::vector<Fold>& folds, const std::vector<double>& penalties) {
+  constexpr double kAlike = 1e-4;  // areas nearer than this say nothing
+  if (folds.empty()) return penalties.at(penalties.size() / 2);
+  std::vector<double> areas;
   for (const double penalty : penalties) {
-    scores.push_back(cross_validate(samples, fold_of_group, num_folds, penalty));
+    double area = 0.0;
+    for (const Fold& fold : folds) {
+      Judged judged;
+      judged.add(fold.outside, fit(fold.inside, penalty));
+      area += roc_area(judged.trunk, judged.other) / static_cast<double>(folds.size());
+    }
+    areas.push_back(area);
   }
-  const auto less = [](const auto& a, const auto& b) { return a.log_loss < b.log_loss; };
-  const CrossValidation best = *std::min_element(scores.begin(), scores.end(), less);
-  CrossValidation chosen = best;
-  for (const CrossValidation& score : scores) {
-    if (score.penalty > chosen.penalty && as_good_as(score, best)) chosen = score;
+  const double best = *std::max_element(areas.begin(), areas.end());
+  double chosen = 0.0;
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    if (areas[i] >= best - kAlike) chosen = std::max(chosen, penalties[i]);
   }
   return chosen;
+}
+
+/// What makes log odds true: a + b x.
+struct Calibration {
+  double offset = 0.0;
+  double slope = 1.0;
+};
+
+/// Logistic regression of the truth on the log odds of windows left out, both classes weighing the
+/// same; targets a little inside 0 and 1 keep it finite. Source: Platt 1999.
+Calibration calibrate(const Judged& judged) {
+  const auto target = [](const std::vector<double>& scores) {
+    const auto n = static_cast<double>(scores.size());
+    return (n + 1.0) / (n + 2.0);
+  };
+  Calibration c;
+  for (int step = 0; step < kMaxSteps; ++step) {
+    Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
+    Eigen::Matrix2d hessian = 1e-9 * Eigen::Matrix2d::Identity();
+    const auto add = [&](const std::vector<double>& scores, double truth) {
+      for (const double score : scores) {
+        const double p = 1.0 / (1.0 + std::exp(-c.offset - c.slope * score));
+        const double weight = 1.0 / static_cast<double>(scores.size());
+        const Eigen::Vector2d x(1.0, score);
+        gradient += weight * (p - truth) * x;
+        hessian += weight * std::max(p * (1.0 - p), 1e-3) * x * x.transpose();
+      }
+    };
+    add(judged.trunk, target(judged.trunk));
+    add(judged.other, 1.0 - target(judged.other));
+    const Eigen::Vector2d move = hessian.ldlt().solve(gradient);
+    c.offset -= move[0];
+    c.slope -= move[1];
+    if (move.norm() < 1e-9) break;
+  }
+  return c;
+}
+
+/// Judges every fold by fits to all others; gives what makes their log odds true.
+Calibration cross_validate(const std::vector<Fold>& folds, AppearanceFit& found) {
+  Judged judged;
+  for (const Fold& fold : folds) judged.add(fold.inside, fit(fold.outside, found.penalty));
+  if (folds.empty()) return {};
+  found.area = roc_area(judged.trunk, judged.other);
+  const Calibration c = calibrate(judged);
+  for (const double score : judged.trunk) {
+    found.log_loss +=
+        0.5 * loss_of(c.offset + c.slope * score) / static_cast<double>(judged.trunk.size());
+  }
+  for (const double score : judged.other) {
+    found.log_loss +=
+        0.5 * loss_of(-c.offset - c.slope * score) / static_cast<double>(judged.other.size());
+  }
+  return c;
 }
 
 void check(const std::vector<AppearanceSample>& samples, const AppearanceFit& found) {
@@ -221,28 +269,21 @@ void check(const std::vector<AppearanceSample>& samples, const AppearanceFit& fo
 AppearanceFit learn_appearance(const std::vector<AppearanceSample>& samples,
                                const AppearanceLearnOptions& options) {
   AppearanceFit found;
-  std::map<int, int> fold_of_group;
+  std::set<int> groups;
   for (const AppearanceSample& sample : samples) {
     ++(sample.is_trunk ? found.num_trunk : found.num_other);
-    fold_of_group[sample.group] = 0;
+    groups.insert(sample.group);
   }
   check(samples, found);
-  found.num_groups = static_cast<int>(fold_of_group.size());
-  const int num_folds = std::min(found.num_groups, options.max_folds);
-  int next = 0;
-  for (auto& [group, fold] : fold_of_group) fold = next++ % num_folds;
-
-  found.penalty = options.penalties.at(options.penalties.size() / 2);
-  if (num_folds > 1) {
-    const CrossValidation chosen =
-        choose_penalty(samples, fold_of_group, num_folds, options.penalties);
-    found.penalty = chosen.penalty;
-    found.log_loss = chosen.log_loss;
-    found.area = chosen.area;
-  }
+  found.num_groups = static_cast<int>(groups.size());
+  const std::vector<Fold> folds = deal_folds(samples, options.max_folds);
+  found.penalty = choose_penalty(folds, options.penalties);
+  const Calibration calibration = cross_validate(folds, found);
   Samples all;
   for (const AppearanceSample& sample : samples) all.push_back(&sample);
   found.config = fit(all, found.penalty);
+  for (double& weight : found.config.weights) weight *= calibration.slope;
+  found.config.bias = calibration.offset + calibration.slope * found.config.bias;
   return found;
 }
 

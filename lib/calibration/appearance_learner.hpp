@@ -19,7 +19,7 @@ struct AppearanceSample {
 /// How the model is learnt.
 struct AppearanceLearnOptions {
   /// Ridge penalties to choose from, rising, in units of the log likelihood of one window.
-  std::vector<double> penalties{0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0};
+  std::vector<double> penalties{1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0};
   int max_folds = 10;
 };
 
@@ -27,16 +27,17 @@ struct AppearanceLearnOptions {
 struct AppearanceFit {
   vision::AppearanceConfig config;  ///< confidence_min is left at its default
   double penalty = 0.0;
-  double area = 0.5;      ///< area under the ROC curve, of windows left out; 0.5 with one group
-  double log_loss = 0.0;  ///< mean over windows left out, both classes alike [nat]
+  double area = 0.5;      ///< area under the ROC curve, of windows left out; 0.5 if none could be
+  double log_loss = 0.0;  ///< mean over windows left out, both classes alike [nat]; 0 likewise
   int num_trunk = 0;      ///< windows
   int num_other = 0;
   int num_groups = 0;
 };
 
 /// Learns what trunks look like: a logistic regression on standardised features, both classes
-/// weighing the same, with the strongest ridge penalty that does as well as the best in
-/// cross-validation over groups (with one group: the middle one of those given).
+/// weighing the same. The ridge penalty is the strongest with which fits to a part of the groups
+/// rank all others best (the middle one of those given where the groups cannot be parted); then
+/// the log odds are scaled to be true of groups left out.
 ///
 /// The same samples in the same order give the same bits. Throws std::runtime_error with one
 /// sentence when there are fewer than ten windows of a class or a feature is not finite.

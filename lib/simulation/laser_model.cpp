@@ -19,6 +19,7 @@ constexpr double kSameSurface_m = 0.10;  ///< rays of one spot nearer than this 
 struct Hit {
   double range_m = kNoHit;
   int target = -1;
+  double strength = 0.0;  ///< reflectivity times the cosine of incidence
 };
 
 /// Distance along a ray to a circle's near side, or kNoHit. Ray and circle in one frame.
@@ -29,6 +30,35 @@ double ray_circle(double dx, double dy, double cx, double cy, double radius_m) {
   if (inside < 0.0 || along_m <= 0.0) return kNoHit;
   const double range_m = along_m - std::sqrt(inside);
   return range_m > 0.0 ? range_m : kNoHit;
+}
+
+/// Where a ray enters a box, and the cosine of incidence there. Ray and box in one frame.
+struct BoxHit {
+  double range_m = kNoHit;
+  double cosine = 0.0;
+};
+
+BoxHit ray_box(double dx, double dy, double cx, double cy, const Box& box) {
+  // into the box's own axes: slabs
+  const double c = std::cos(box.yaw_rad), s = std::sin(box.yaw_rad);
+  const std::array<double, 2> towards{c * dx + s * dy, -s * dx + c * dy};
+  const std::array<double, 2> from{-(c * cx + s * cy), -(-s * cx + c * cy)};
+  const std::array<double, 2> half{0.5 * box.length_m, 0.5 * box.width_m};
+  double enter_m = 0.0, leave_m = kNoHit, cosine = 0.0;
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    if (std::abs(towards[axis]) < 1e-12) {
+      if (std::abs(from[axis]) > half[axis]) return {};
+      continue;
+    }
+    const double one_m = (-half[axis] - from[axis]) / towards[axis];
+    const double other_m = (half[axis] - from[axis]) / towards[axis];
+    if (std::min(one_m, other_m) > enter_m) {
+      enter_m = std::min(one_m, other_m);
+      cosine = std::abs(towards[axis]);
+    }
+    leave_m = std::min(leave_m, std::max(one_m, other_m));
+  }
+  return enter_m > 0.0 && enter_m < leave_m ? BoxHit{enter_m, cosine} : BoxHit{};
 }
 
 /// What every ray of every beam hits first.
@@ -48,15 +78,36 @@ class RayFan {
   }
 
   void add(const Cylinder& cylinder) {
-    const double dx = cylinder.x_m - middle_.x_m, dy = cylinder.y_m - middle_.y_m;
-    const double distance_m = std::hypot(dx, dy);
-    const double clear_m = distance_m - cylinder.radius_m - moved_m_;
-    if (clear_m > scanner_.range_max_m * 1.1) return;
     const double z_m = scanner_.height_m;
     if (z_m < cylinder.base_m || z_m > cylinder.base_m + cylinder.height_m) return;
+    const bool moves = cylinder.velocity_x_mps != 0.0 || cylinder.velocity_y_mps != 0.0;
+    const double way_m =
+        moves ? std::hypot(cylinder.velocity_x_mps, cylinder.velocity_y_mps) * std::abs(time_s(0))
+              : 0.0;
+    for_each_beam(cylinder.x_m, cylinder.y_m, cylinder.radius_m + way_m,
+                  [&](int beam) { cast(cylinder, beam); });
+  }
+
+  void add(const Box& box) {
+    const double z_m = scanner_.height_m;
+    if (z_m < box.base_m || z_m > box.base_m + box.height_m) return;
+    for_each_beam(box.x_m, box.y_m, 0.5 * std::hypot(box.length_m, box.width_m),
+                  [&](int beam) { cast(box, beam); });
+  }
+
+  const Hit* beam(int index) const { return &hits_[static_cast<std::size_t>(index) * num_rays_]; }
+
+ private:
+  /// Every beam that may meet a circle, whose middle and radius are given.
+  template <class Function>
+  void for_each_beam(double x_m, double y_m, double radius_m, const Function& function) {
+    const double dx = x_m - middle_.x_m, dy = y_m - middle_.y_m;
+    const double distance_m = std::hypot(dx, dy);
+    const double clear_m = distance_m - radius_m - moved_m_;
+    if (clear_m > scanner_.range_max_m * 1.1) return;
     double half_rad = geometry::kPi;
     if (clear_m > 1e-3) {
-      half_rad = std::asin(std::min(1.0, cylinder.radius_m / distance_m)) + turned_rad_ +
+      half_rad = std::asin(std::min(1.0, radius_m / distance_m)) + turned_rad_ +
                  std::asin(std::min(1.0, moved_m_ / distance_m)) + 0.5 * scanner_.spot_rad;
     }
     const double bearing_rad = std::atan2(dy, dx) - middle_.yaw_rad;
@@ -69,26 +120,55 @@ class RayFan {
       const double first = std::max(0.0, std::ceil(centre - half_rad / step));
       const double last = std::min(scanner_.num_beams - 1.0, std::floor(centre + half_rad / step));
       for (int beam = static_cast<int>(first); beam <= static_cast<int>(last); ++beam) {
-        cast(cylinder, beam);
+        function(beam);
       }
     }
   }
 
-  const Hit* beam(int index) const { return &hits_[static_cast<std::size_t>(index) * num_rays_]; }
+  /// Of a beam, counted from the middle of the sweep.
+  double time_s(int beam) const {
+    return (beam - scanner_.num_beams / 2) * scanner_.beam_period_us * 1e-6;
+  }
 
- private:
-  void cast(const Cylinder& cylinder, int beam) {
-    const Pose2& pose = poses_.size() == 1 ? poses_[0] : poses_[beam];
-    const double cx = cylinder.x_m - pose.x_m, cy = cylinder.y_m - pose.y_m;
+  double angle_rad(const Pose2& pose, int beam, int ray) const {
     const double axis_rad =
         pose.yaw_rad + scanner_.bearing_min_rad + beam * scanner_.bearing_step_rad;
+    const double offset = num_rays_ == 1 ? 0.0 : (ray + 0.5) / num_rays_ - 0.5;
+    return axis_rad + offset * scanner_.spot_rad;
+  }
+
+  const Pose2& pose_of(int beam) const { return poses_.size() == 1 ? poses_[0] : poses_[beam]; }
+  Hit& hit_of(int beam, int ray) { return hits_[static_cast<std::size_t>(beam) * num_rays_ + ray]; }
+
+  void cast(const Cylinder& cylinder, int beam) {
+    const Pose2& pose = pose_of(beam);
+    double cx = cylinder.x_m - pose.x_m, cy = cylinder.y_m - pose.y_m;
+    if (cylinder.velocity_x_mps != 0.0 || cylinder.velocity_y_mps != 0.0) {
+      cx += cylinder.velocity_x_mps * time_s(beam);
+      cy += cylinder.velocity_y_mps * time_s(beam);
+    }
     for (int ray = 0; ray < num_rays_; ++ray) {
-      const double offset = num_rays_ == 1 ? 0.0 : (ray + 0.5) / num_rays_ - 0.5;
-      const double angle_rad = axis_rad + offset * scanner_.spot_rad;
-      const double range_m =
-          ray_circle(std::cos(angle_rad), std::sin(angle_rad), cx, cy, cylinder.radius_m);
-      Hit& hit = hits_[static_cast<std::size_t>(beam) * num_rays_ + ray];
-      if (range_m < hit.range_m) hit = {range_m, cylinder.target};
+      const double angle = angle_rad(pose, beam, ray);
+      const double dx = std::cos(angle), dy = std::sin(angle);
+      const double range_m = ray_circle(dx, dy, cx, cy, cylinder.radius_m);
+      Hit& hit = hit_of(beam, ray);
+      if (!(range_m < hit.range_m)) continue;
+      const double cosine =
+          ((cx - range_m * dx) * dx + (cy - range_m * dy) * dy) / cylinder.radius_m;
+      hit = {range_m, cylinder.target, cylinder.appearance.reflectivity * std::abs(cosine)};
+    }
+  }
+
+  void cast(const Box& box, int beam) {
+    const Pose2& pose = pose_of(beam);
+    for (int ray = 0; ray < num_rays_; ++ray) {
+      const double angle = angle_rad(pose, beam, ray);
+      const BoxHit entered =
+          ray_box(std::cos(angle), std::sin(angle), box.x_m - pose.x_m, box.y_m - pose.y_m, box);
+      Hit& hit = hit_of(beam, ray);
+      if (entered.range_m < hit.range_m) {
+        hit = {entered.range_m, box.target, box.appearance.reflectivity * entered.cosine};
+      }
     }
   }
 
@@ -108,15 +188,17 @@ Hit read_spot(const Hit* rays, double mixed_draw, double mixed_probability) {
     if (rays[i].range_m < nearest.range_m) nearest = rays[i];
   }
   if (nearest.range_m == kNoHit) return nearest;
-  double near_sum_m = 0.0, far_sum_m = 0.0;
+  double near_sum_m = 0.0, far_sum_m = 0.0, near_strength = 0.0, far_strength = 0.0;
   int num_near = 0, num_far = 0, far_target = -1;
   for (int i = 0; i < kNumRays; ++i) {
     if (rays[i].range_m == kNoHit) continue;
     if (rays[i].range_m < nearest.range_m + kSameSurface_m) {
       near_sum_m += rays[i].range_m;
+      near_strength += rays[i].strength;
       ++num_near;
     } else {
       far_sum_m += rays[i].range_m;
+      far_strength += rays[i].strength;
       far_target = rays[i].target;
       ++num_far;
     }
@@ -125,11 +207,31 @@ Hit read_spot(const Hit* rays, double mixed_draw, double mixed_probability) {
   const bool split = num_far > 0 && num_near > kNumRays / 4 && num_far > kNumRays / 4;
   if (split && mixed_draw < mixed_probability) {
     // a phase-shift scanner reads between two surfaces that share its spot
-    return {(near_sum_m + far_sum_m) / (num_near + num_far), nearest.target};
+    return {(near_sum_m + far_sum_m) / (num_near + num_far), nearest.target,
+            (near_strength + far_strength) / kNumRays};
   }
-  if (num_near >= kMajority) return {near_sum_m / num_near, nearest.target};
-  if (num_far >= kMajority) return {far_sum_m / num_far, far_target};
+  if (num_near >= kMajority) {
+    return {near_sum_m / num_near, nearest.target, near_strength / kNumRays};
+  }
+  if (num_far >= kMajority) return {far_sum_m / num_far, far_target, far_strength / kNumRays};
   return {};
+}
+
+constexpr double kGroundStrength = 0.05;  ///< grazing
+
+/// Where a beam of a tilted scan plane meets the level ground.
+double ground_range_m(const ScannerConfig& scanner, const Tilt& tilt, int beam) {
+  const double bearing_rad = scanner.bearing_min_rad + beam * scanner.bearing_step_rad;
+  const double down =
+      tilt.pitch_rad * std::cos(bearing_rad) - tilt.roll_rad * std::sin(bearing_rad);
+  return down > 1e-6 ? scanner.height_m / std::sin(std::min(down, 1.5)) : kNoHit;
+}
+
+/// In units of a white sheet's return, times 1000: scanners take the loss with range back.
+float intensity_of(const Hit& hit, double noise) {
+  constexpr double kNoise = 0.04;
+  return static_cast<float>(
+      std::round(std::max(1.0, 1000.0 * hit.strength * (1.0 + kNoise * noise))));
 }
 
 laser::Scan empty_scan(const ScannerConfig& scanner) {
@@ -154,13 +256,14 @@ std::vector<double> draw_target_errors(int num_targets, const ScannerConfig& sca
 
 laser::Scan simulate_scan(const World& world, const std::vector<Pose2>& T_map_laser,
                           const ScannerConfig& scanner, const std::vector<double>& target_errors,
-                          Random& random) {
+                          Random& random, const Tilt& tilt) {
   if (T_map_laser.size() != 1 &&
       T_map_laser.size() != static_cast<std::size_t>(scanner.num_beams)) {
     throw std::invalid_argument("simulate_scan: wants one pose, or one per beam");
   }
   RayFan fan(T_map_laser, scanner, kNumRays);
   for (const Cylinder& cylinder : world.cylinders) fan.add(cylinder);
+  for (const Box& box : world.boxes) fan.add(box);
 
   std::vector<double> errors(static_cast<std::size_t>(world.num_targets));
   for (std::size_t i = 0; i < errors.size(); ++i) {
@@ -169,12 +272,15 @@ laser::Scan simulate_scan(const World& world, const std::vector<Pose2>& T_map_la
   }
 
   laser::Scan scan = empty_scan(scanner);
+  if (scanner.intensities) scan.intensities.assign(scan.ranges_m.size(), 0.0f);
   for (int i = 0; i < scanner.num_beams; ++i) {
     // drawn for every beam, hit or not: one target more leaves the others' noise as it was
     const double mixed_draw = random.uniform();
     const double dropout_draw = random.uniform();
     const double noise = random.normal();
-    const Hit hit = read_spot(fan.beam(i), mixed_draw, scanner.mixed_probability);
+    Hit hit = read_spot(fan.beam(i), mixed_draw, scanner.mixed_probability);
+    const double ground_m = ground_range_m(scanner, tilt, i);
+    if (ground_m < hit.range_m) hit = {ground_m, -1, kGroundStrength};
     if (hit.range_m == kNoHit || dropout_draw < scanner.dropout_probability) continue;
     const double of_target =
         hit.target >= 0 && hit.target < world.num_targets ? errors[hit.target] : 0.0;
@@ -186,6 +292,7 @@ laser::Scan simulate_scan(const World& world, const std::vector<Pose2>& T_map_la
     if (range_m < scanner.range_min_m || range_m > scanner.range_max_m) continue;
     scan.ranges_m[i] =
         static_cast<float>(std::round(range_m / scanner.resolution_m) * scanner.resolution_m);
+    if (scanner.intensities) scan.intensities[i] = intensity_of(hit, noise);
   }
   return scan;
 }
@@ -195,6 +302,7 @@ laser::Scan simulate_perfect_scan(const World& world, const Pose2& T_map_laser,
   const std::vector<Pose2> poses{T_map_laser};
   RayFan fan(poses, scanner, 1);
   for (const Cylinder& cylinder : world.cylinders) fan.add(cylinder);
+  for (const Box& box : world.boxes) fan.add(box);
   laser::Scan scan = empty_scan(scanner);
   for (int i = 0; i < scanner.num_beams; ++i) {
     const double range_m = fan.beam(i)->range_m;

@@ -22,6 +22,7 @@ struct Outline {
   double yaw_rad = 0.0;  ///< of a rectangle
   double half_length_m = 0.0, half_width_m = 0.0;
   int target = 0;
+  double velocity_x_mps = 0.0, velocity_y_mps = 0.0;
 
   double reach_m() const {
     return radius_m > 0.0 ? radius_m : std::hypot(half_length_m, half_width_m);
@@ -87,9 +88,11 @@ struct Outline {
 class TruthObserver {
  public:
   TruthObserver(const World& world, const std::vector<Pose2>& T_map_laser,
-                const ScannerConfig& scanner, const geometry::CameraConfig& camera)
+                const ScannerConfig& scanner, const geometry::CameraConfig& camera,
+                const Tilt& tilt)
       : poses_(T_map_laser),
         scanner_(scanner),
+        tilt_(tilt),
         has_camera_(camera.enabled),
         camera_(camera.intrinsics),
         T_camera_laser_(camera.extrinsics) {
@@ -98,25 +101,30 @@ class TruthObserver {
       return z_m >= shape.base_m && z_m <= shape.base_m + shape.height_m;
     };
     for (const Cylinder& c : world.cylinders) {
-      if (in_plane(c)) shapes_.push_back({c.x_m, c.y_m, c.radius_m, 0.0, 0.0, 0.0, c.target});
+      if (in_plane(c))
+        shapes_.push_back({c.x_m, c.y_m, c.radius_m, 0.0, 0.0, 0.0, c.target, c.velocity_x_mps,
+                           c.velocity_y_mps});
     }
     for (const Box& b : world.boxes) {
       if (in_plane(b)) {
         shapes_.push_back(
-            {b.x_m, b.y_m, 0.0, b.yaw_rad, 0.5 * b.length_m, 0.5 * b.width_m, b.target});
+            {b.x_m, b.y_m, 0.0, b.yaw_rad, 0.5 * b.length_m, 0.5 * b.width_m, b.target, 0.0, 0.0});
       }
     }
   }
 
   /// Whether truth[index] belongs into the scan's list; fills `seen`.
   bool observe(int index, const TruthObject& thing, TrueObservation& seen) {
-    const Pose2 pose = pose_over(thing);
-    const double dx = thing.x_m - pose.x_m, dy = thing.y_m - pose.y_m;
+    const Passing passing = passing_over(thing);
+    const Pose2& pose = passing.pose;
+    seen.x_m = thing.x_m + thing.velocity_x_mps * passing.time_s;
+    seen.y_m = thing.y_m + thing.velocity_y_mps * passing.time_s;
+    const double dx = seen.x_m - pose.x_m, dy = seen.y_m - pose.y_m;
     const double middle_rad = std::atan2(dy, dx);
     const double distance_m = std::hypot(dx, dy);
     if (distance_m - thing.width_m > 1.5 * scanner_.range_max_m) return false;
     const AngularInterval view = field_of_view(middle_rad - pose.yaw_rad);
-    gather(index, pose, middle_rad, view);
+    gather(index, passing, middle_rad, view);
     std::vector<AngularInterval> own;
     for (const Piece& piece : own_) own.push_back(piece.interval);
     own = united(std::move(own));
@@ -125,8 +133,6 @@ class TruthObserver {
 
     seen.object = index;
     seen.label = thing.label;
-    seen.x_m = thing.x_m;
-    seen.y_m = thing.y_m;
     seen.width_m = thing.width_m;
     seen.range_m = distance_m - 0.5 * thing.width_m;
     seen.bearing_rad = geometry::wrap_angle_rad(middle_rad - pose.yaw_rad);
@@ -137,6 +143,7 @@ class TruthObserver {
     }
     visible = united(std::move(visible));
     seen.hidden_fraction = std::clamp(1.0 - total_width_rad(visible) / width_rad, 0.0, 1.0);
+    if (ground_m(seen.bearing_rad) < seen.range_m) seen.hidden_fraction = 1.0;
     seen.num_beams = count_beams(visible, middle_rad, pose.yaw_rad);
     seen.in_picture = in_picture(own, distance_m, middle_rad - pose.yaw_rad);
     return true;
@@ -148,18 +155,34 @@ class TruthObserver {
     AngularInterval interval;
   };
 
-  /// Where the laser is when its beam passes over the thing's middle.
-  Pose2 pose_over(const TruthObject& thing) const {
-    Pose2 pose = poses_[poses_.size() / 2];
-    if (poses_.size() == 1) return pose;
+  /// When and from where the scanner's beam passes over the thing's middle.
+  struct Passing {
+    Pose2 pose;
+    double time_s = 0.0;  ///< from the middle of the sweep
+  };
+
+  Passing passing_over(const TruthObject& thing) const {
+    Passing passing{poses_[poses_.size() / 2], 0.0};
     for (int i = 0; i < 3; ++i) {
+      const double x_m = thing.x_m + thing.velocity_x_mps * passing.time_s;
+      const double y_m = thing.y_m + thing.velocity_y_mps * passing.time_s;
       const double bearing_rad = geometry::wrap_angle_rad(
-          std::atan2(thing.y_m - pose.y_m, thing.x_m - pose.x_m) - pose.yaw_rad);
-      const double beam = (bearing_rad - scanner_.bearing_min_rad) / scanner_.bearing_step_rad;
-      pose = poses_[static_cast<std::size_t>(
-          std::clamp(std::lround(beam), 0L, static_cast<long>(poses_.size()) - 1))];
+          std::atan2(y_m - passing.pose.y_m, x_m - passing.pose.x_m) - passing.pose.yaw_rad);
+      const long beam = std::clamp(
+          std::lround((bearing_rad - scanner_.bearing_min_rad) / scanner_.bearing_step_rad), 0L,
+          scanner_.num_beams - 1L);
+      passing.time_s =
+          static_cast<double>(beam - scanner_.num_beams / 2) * scanner_.beam_period_us * 1e-6;
+      if (poses_.size() > 1) passing.pose = poses_[static_cast<std::size_t>(beam)];
     }
-    return pose;
+    return passing;
+  }
+
+  /// Distance at which the tilted scan plane meets the ground.
+  double ground_m(double bearing_rad) const {
+    const double falls =
+        tilt_.pitch_rad * std::cos(bearing_rad) - tilt_.roll_rad * std::sin(bearing_rad);
+    return falls > 0.0 ? scanner_.height_m / falls : std::numeric_limits<double>::infinity();
   }
 
   /// Directions that the scanner looks into, counted from a bearing.
@@ -174,13 +197,13 @@ class TruthObserver {
   }
 
   /// The thing's own pieces within reach and view, and everything that may stand before them.
-  void gather(int index, const Pose2& pose, double middle_rad, const AngularInterval& view) {
+  void gather(int index, const Passing& passing, double middle_rad, const AngularInterval& view) {
     own_.clear();
     others_.clear();
     AngularInterval hull{geometry::kPi, -geometry::kPi};
     for (const Outline& shape : shapes_) {
       if (shape.target != index) continue;
-      const Outline moved = seen_from(shape, pose);
+      const Outline moved = seen_from(shape, passing);
       if (std::hypot(moved.x_m, moved.y_m) - moved.reach_m() > scanner_.range_max_m) continue;
       const AngularInterval interval = overlap(moved.interval(middle_rad), view);
       if (interval.width_rad() <= 0.0) continue;
@@ -191,7 +214,7 @@ class TruthObserver {
     if (own_.empty()) return;
     for (const Outline& shape : shapes_) {
       if (shape.target == index) continue;
-      const Outline moved = seen_from(shape, pose);
+      const Outline moved = seen_from(shape, passing);
       const double distance_m = std::hypot(moved.x_m, moved.y_m);
       if (distance_m - moved.reach_m() > scanner_.range_max_m) continue;
       const AngularInterval interval = moved.interval(middle_rad);
@@ -199,9 +222,9 @@ class TruthObserver {
     }
   }
 
-  static Outline seen_from(Outline shape, const Pose2& pose) {
-    shape.x_m -= pose.x_m;
-    shape.y_m -= pose.y_m;
+  static Outline seen_from(Outline shape, const Passing& passing) {
+    shape.x_m += shape.velocity_x_mps * passing.time_s - passing.pose.x_m;
+    shape.y_m += shape.velocity_y_mps * passing.time_s - passing.pose.y_m;
     return shape;
   }
 
@@ -233,7 +256,10 @@ class TruthObserver {
         for (double beam = first; beam <= last; beam += 1.0) {
           const double direction_rad = beam * step_rad - zero_rad + middle_rad;
           const double range_m = own_range_m(direction_rad, middle_rad);
-          if (range_m >= scanner_.range_min_m && range_m <= scanner_.range_max_m) ++num_beams;
+          if (range_m >= scanner_.range_min_m && range_m <= scanner_.range_max_m &&
+              range_m < ground_m(direction_rad - yaw_rad)) {
+            ++num_beams;
+          }
         }
       }
     }
@@ -264,6 +290,7 @@ class TruthObserver {
 
   const std::vector<Pose2>& poses_;
   const ScannerConfig& scanner_;
+  Tilt tilt_;
   bool has_camera_;
   geometry::CameraModel camera_;
   geometry::LaserToCamera T_camera_laser_;
@@ -278,12 +305,12 @@ std::vector<TrueObservation> observe_truth(const World& world,
                                            const std::vector<TruthObject>& truth,
                                            const std::vector<Pose2>& T_map_laser,
                                            const ScannerConfig& scanner,
-                                           const geometry::CameraConfig& camera) {
+                                           const geometry::CameraConfig& camera, const Tilt& tilt) {
   if (T_map_laser.size() != 1 &&
       T_map_laser.size() != static_cast<std::size_t>(scanner.num_beams)) {
     throw std::invalid_argument("observe_truth: wants one pose, or one per beam");
   }
-  TruthObserver observer(world, T_map_laser, scanner, camera);
+  TruthObserver observer(world, T_map_laser, scanner, camera, tilt);
   std::vector<TrueObservation> observations;
   for (std::size_t i = 0; i < truth.size(); ++i) {
     TrueObservation seen;

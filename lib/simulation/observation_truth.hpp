@@ -6,6 +6,7 @@
 
 #include "geometry/camera_config.hpp"
 #include "simulation/drive_path.hpp"
+#include "simulation/laser_model.hpp"
 #include "simulation/scene.hpp"
 #include "simulation/simulation_config.hpp"
 #include "simulation/world.hpp"
@@ -16,13 +17,15 @@ namespace orchard::simulation {
 /// beam step of the field of view, hidden ones included, in the order of `truth`.
 ///
 /// Computed from angular intervals, not from rays, so that it is no copy of simulate_scan.
-/// T_map_laser: one pose, or one per beam. Leaves utime 0. Shapes that overlap without one being
+/// T_map_laser: one pose, or one per beam; world and truth are those of the middle of the sweep.
+/// Leaves utime 0. Shapes that overlap without one being
 /// wholly before the other are ordered by their ranges in the middle of the shared angle.
 /// Throws std::invalid_argument for any other number of poses.
 std::vector<TrueObservation> observe_truth(const World& world,
                                            const std::vector<TruthObject>& truth,
                                            const std::vector<Pose2>& T_map_laser,
                                            const ScannerConfig& scanner,
-                                           const geometry::CameraConfig& camera);
+                                           const geometry::CameraConfig& camera,
+                                           const Tilt& tilt = {});
 
 }  // namespace orchard::simulation

@@ -16,7 +16,10 @@ constexpr double kRowsBegin_m = 4.0;  ///< from the robot's start to the first t
 class OrchardSceneBuilder {
  public:
   OrchardSceneBuilder(std::uint64_t seed, const OrchardConfig& config)
-      : config_(config), place_(seed, Stream::kScene), look_(seed, Stream::kAppearance) {
+      : seed_(seed),
+        config_(config),
+        place_(seed, Stream::kScene),
+        look_(seed, Stream::kAppearance) {
     World& world = scene_.world;
     world.indoors = false;
     world.texture_seed = static_cast<std::uint32_t>(look_.bits());
@@ -46,8 +49,11 @@ class OrchardSceneBuilder {
           std::clamp(place_.normal(config_.trunk_width_m, config_.trunk_width_sd_m),
                      0.6 * config_.trunk_width_m, 1.5 * config_.trunk_width_m);
       if (!missing) {
-        add({x_m, y_m, width_m / 2.0, 1.6, 0.0, 0, bark()}, detection::Label::kTree,
-            "T" + std::to_string(++num_trees_));
+        Cylinder trunk{x_m, y_m, width_m / 2.0, 1.6, 0.0, 0, bark()};
+        Random lean(seed_, Stream::kLean, static_cast<std::uint64_t>(num_trees_));
+        trunk.lean_x = lean.normal(0.0, config_.lean_sd_rad);
+        trunk.lean_y = lean.normal(0.0, config_.lean_sd_rad);
+        add(trunk, detection::Label::kTree, "T" + std::to_string(++num_trees_));
       }
     }
     if (config_.post_every_m <= 0.0) return;
@@ -106,11 +112,38 @@ class OrchardSceneBuilder {
     scene_.path = DrivePath({0.0, 0.0, geometry::kPi / 2.0}, config_.speed_mps);
     const int num_alleys = std::max(1, config_.num_rows - 1);
     for (int alley = 0; alley < num_alleys; ++alley) {
-      scene_.path.append(alley == 0 ? straight_m : between_m, 0.0);
+      drive_alley(alley == 0 ? straight_m : between_m);
       if (alley + 1 < num_alleys) {
         const double side = alley % 2 == 0 ? -1.0 : 1.0;  // first to the right, towards +x
         scene_.path.append(geometry::kPi / curvature, side * curvature);
       }
+    }
+    if (config_.stop_every_m <= 0.0) return;
+    scene_.stepped = true;
+    scene_.stop_period_s = config_.stop_every_m / config_.speed_mps;  // as long as the drive takes
+    for (double s_m = 0.0; s_m <= scene_.path.length_m(); s_m += config_.stop_every_m) {
+      scene_.stops.push_back(scene_.path.pose_at(s_m / config_.speed_mps));
+    }
+  }
+
+  /// Straight on, or with a yaw of a sin(2 pi t / period), which ends where the straight does.
+  void drive_alley(double length_m) {
+    if (config_.weave_radps <= 0.0) return scene_.path.append(length_m, 0.0);
+    const double rate = 2.0 * geometry::kPi / config_.weave_period_s;
+    const double most_rad = config_.weave_radps / rate;
+    constexpr int kPieces = 32;  // of a period
+    double cosines = 0.0;
+    for (int i = 0; i < kPieces; ++i) {
+      cosines += std::cos(most_rad * std::sin(2.0 * geometry::kPi * (i + 0.5) / kPieces));
+    }
+    const double wanted_m = config_.speed_mps * config_.weave_period_s;  // driven in a period
+    const double forward = cosines / kPieces;
+    const double num_periods = std::max(1.0, std::round(length_m / (wanted_m * forward)));
+    const double piece_m = length_m / (num_periods * forward * kPieces);
+    for (int i = 0; i < static_cast<int>(num_periods) * kPieces; ++i) {
+      const double turn_rad = most_rad * (std::sin(2.0 * geometry::kPi * (i + 1) / kPieces) -
+                                          std::sin(2.0 * geometry::kPi * i / kPieces));
+      scene_.path.append(piece_m, turn_rad / piece_m);
     }
   }
 
@@ -122,10 +155,11 @@ class OrchardSceneBuilder {
 
   Appearance bark() {
     Appearance look;
-    look.hue_deg = look_.uniform(20.0, 34.0);
-    look.saturation = look_.uniform(0.30, 0.48);
-    look.value = look_.uniform(0.45, 0.65);
-    look.texture = Appearance::Texture::kBark;
+    look.hue_deg = look_.uniform(config_.bark_hue_min_deg, config_.bark_hue_max_deg);
+    look.saturation = look_.uniform(config_.bark_saturation_min, config_.bark_saturation_max);
+    look.value = look_.uniform(config_.bark_value_min, config_.bark_value_max);
+    look.texture =
+        config_.rough_bark ? Appearance::Texture::kRoughBark : Appearance::Texture::kBark;
     look.texture_seed = static_cast<std::uint32_t>(look_.bits());
     return look;
   }
@@ -143,6 +177,7 @@ class OrchardSceneBuilder {
     return place_.uniform(-config_.jitter_m, config_.jitter_m) * share;
   }
 
+  std::uint64_t seed_;
   const OrchardConfig& config_;
   Random place_;
   Random look_;

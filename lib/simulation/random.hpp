@@ -19,6 +19,19 @@ enum class Stream : std::uint64_t {
   kGnss,
   kPoseFix,
   kBench,
+  kTilt,
+  kPosts,
+  kStakes,
+  kTwins,
+  kCrates,
+  kGrass,
+  kTwigs,
+  kBranches,
+  kPeople,
+  kHedges,
+  kCrowns,
+  kReflectors,
+  kLean,
 };
 
 /// Seeded random numbers that are the same on every standard library.

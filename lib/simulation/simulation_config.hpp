@@ -3,6 +3,9 @@
 
 #include <array>
 
+#include "simulation/clutter_config.hpp"
+#include "simulation/light_config.hpp"
+
 namespace orchard::simulation {
 
 /// The simulated scanner; the defaults are a Hokuyo URG-04LX-UG01. Section `simulation.scanner`.
@@ -30,6 +33,8 @@ struct ScannerConfig {
   double limit_m = 0.03;                ///< the class limit nearer than that
   double resolution_m = 0.001;          ///< ranges are whole multiples of it
   double height_m = 0.27;               ///< of the scan plane above the ground
+  bool intensities = false;             ///< whether it reports them
+  double tilt_sd_rad = 0.0;             ///< pitch and roll of each sweep on uneven ground
 };
 
 template <class Visitor>
@@ -56,6 +61,9 @@ void describe(Visitor& v, ScannerConfig& c) {
   v.number("limit_m", c.limit_m, 0, 1, "m", "class limit of the error below 1 m");
   v.number("resolution_m", c.resolution_m, 1e-6, 0.1, "m", "step of the ranges");
   v.number("height_m", c.height_m, 0.02, 5, "m", "scan plane above the ground");
+  v.flag("intensities", c.intensities, "report the strength of each return");
+  v.number("tilt_sd_rad", c.tilt_sd_rad, 0, 0.3, "rad",
+           "pitch and roll of each sweep on uneven ground");
   v.check(c.range_min_m < c.range_max_m, "range_min_m", "must be below range_max_m");
 }
 
@@ -66,6 +74,7 @@ struct ImageConfig {
   double noise_sd = 2.5;    ///< of every pixel and channel
   double blur_px = 0.6;     ///< sigma of lens and sensor
   int jpeg_quality = 88;
+  double stamp_delay_s = 0.0;  ///< a picture's utime comes this much after its exposure
 };
 
 template <class Visitor>
@@ -75,6 +84,8 @@ void describe(Visitor& v, ImageConfig& c) {
   v.number("noise_sd", c.noise_sd, 0, 50, "grey", "noise of every pixel");
   v.number("blur_px", c.blur_px, 0, 5, "px", "sigma of the blur; 0 = none");
   v.integer("jpeg_quality", c.jpeg_quality, 10, 100, "1", "of the JPEG encoder");
+  v.number("stamp_delay_s", c.stamp_delay_s, -0.5, 0.5, "s",
+           "a picture's time stamp comes this much after its exposure");
 }
 
 /// The paper's simulated environment. Section `simulation.tubes`.
@@ -117,6 +128,17 @@ struct OrchardConfig {
   double post_width_m = 0.08;
   double wide_post_fraction = 0.25;  ///< of the posts are as wide as a trunk
   int num_bushes = 6;
+  double bark_hue_min_deg = 20.0;  ///< of the trunks; each draws its own
+  double bark_hue_max_deg = 34.0;
+  double bark_saturation_min = 0.30;
+  double bark_saturation_max = 0.48;
+  double bark_value_min = 0.45;
+  double bark_value_max = 0.65;
+  bool rough_bark = false;      ///< patches of moss and grey, bands, instead of even streaks
+  double lean_sd_rad = 0.0;     ///< of the trunks, in the pictures
+  double stop_every_m = 0.0;    ///< stands still for every scan and picture; 0 = drives on
+  double weave_radps = 0.0;     ///< most that the robot turns left and right between the rows
+  double weave_period_s = 4.0;  ///< of that weaving
   double speed_mps = 1.0;
   double headland_m = 3.0;    ///< driven beyond a row's end before turning
   double fix_rate_hz = 10.0;  ///< of POSE_FIX; 0 = none
@@ -138,11 +160,27 @@ void describe(Visitor& v, OrchardConfig& c) {
   v.number("post_width_m", c.post_width_m, 0.02, 1, "m", "width of a post");
   v.number("wide_post_fraction", c.wide_post_fraction, 0, 1, "1", "posts as wide as a trunk");
   v.integer("num_bushes", c.num_bushes, 0, 1000, "1", "bushes among the trees");
+  v.number("bark_hue_min_deg", c.bark_hue_min_deg, 0, 360, "deg", "least hue of a trunk");
+  v.number("bark_hue_max_deg", c.bark_hue_max_deg, 0, 360, "deg", "greatest hue of a trunk");
+  v.number("bark_saturation_min", c.bark_saturation_min, 0, 1, "1", "least saturation of a trunk");
+  v.number("bark_saturation_max", c.bark_saturation_max, 0, 1, "1", "greatest of it");
+  v.number("bark_value_min", c.bark_value_min, 0, 1, "1", "least value of a trunk");
+  v.number("bark_value_max", c.bark_value_max, 0, 1, "1", "greatest of it");
+  v.flag("rough_bark", c.rough_bark, "bands and patches of moss and grey, not even streaks");
+  v.number("lean_sd_rad", c.lean_sd_rad, 0, 0.3, "rad", "of the trunks, in the pictures");
+  v.number("stop_every_m", c.stop_every_m, 0, 10, "m",
+           "stand still for every scan, picture and fix; 0 = drive on");
+  v.number("weave_radps", c.weave_radps, 0, 2, "rad/s", "most it turns left and right in a row");
+  v.number("weave_period_s", c.weave_period_s, 0.5, 60, "s", "of that weaving");
   v.number("speed_mps", c.speed_mps, 0.05, 10, "m/s", "the robot's speed");
   v.number("headland_m", c.headland_m, 0.5, 50, "m", "driven beyond a row before turning");
   v.number("fix_rate_hz", c.fix_rate_hz, 0, 100, "Hz", "POSE_FIX; 0 = none");
   v.number("fix_sd_m", c.fix_sd_m, 0, 10, "m", "of the fixes' position");
   v.number("fix_yaw_sd_rad", c.fix_yaw_sd_rad, 0, 1, "rad", "of the fixes' heading");
+  v.check(c.bark_hue_min_deg <= c.bark_hue_max_deg, "bark_hue_min_deg", "must not pass the max");
+  v.check(c.bark_saturation_min <= c.bark_saturation_max, "bark_saturation_min",
+          "must not pass the max");
+  v.check(c.bark_value_min <= c.bark_value_max, "bark_value_min", "must not pass the max");
 }
 
 /// Odometry and GNSS while driving. Section `simulation.motion`.
@@ -178,6 +216,9 @@ struct SimulationConfig {
   ImageConfig image;
   TubesConfig tubes;
   OrchardConfig orchard;
+  ClutterConfig clutter;
+  LightConfig light;
+  CameraResponseConfig camera_response;
   MotionConfig motion;
 };
 
@@ -187,6 +228,9 @@ void describe(Visitor& v, SimulationConfig& c) {
   v.section("image", c.image, "the camera's pictures");
   v.section("tubes", c.tubes, "scene tubes: the paper's simulated environment");
   v.section("orchard", c.orchard, "scene orchard");
+  v.section("clutter", c.clutter, "what else stands and moves in scene orchard");
+  v.section("light", c.light, "sun, sky and shadows in the pictures");
+  v.section("camera_response", c.camera_response, "what the camera makes of that light");
   v.section("motion", c.motion, "odometry and GNSS of scene orchard");
 }
 

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <utility>
 
-#include "simulation/laser_model.hpp"
+#include "geometry/angles.hpp"
+#include "simulation/clutter.hpp"
+#include "simulation/moving_world.hpp"
 #include "simulation/observation_truth.hpp"
 #include "simulation/orchard_scene.hpp"
 
@@ -21,8 +23,10 @@ Stream stream_of(std::size_t sensor) {
 }
 
 Scene make_scene(SceneKind kind, std::uint64_t seed, const RigConfig& rig) {
-  return kind == SceneKind::kTubes ? make_tube_scene(seed, rig)
-                                   : make_orchard_scene(seed, rig.simulation.orchard);
+  if (kind == SceneKind::kTubes) return make_tube_scene(seed, rig);
+  Scene scene = make_orchard_scene(seed, rig.simulation.orchard);
+  add_clutter(seed, rig.simulation, scene);
+  return scene;
 }
 
 }  // namespace
@@ -34,7 +38,8 @@ std::optional<SceneKind> find_scene(std::string_view name) {
 }
 
 Simulator::Simulator(SceneKind kind, std::uint64_t seed, const RigConfig& rig)
-    : seed_(seed), rig_(rig), scene_(make_scene(kind, seed, rig)), renderer_(rig) {
+    : kind_(kind), seed_(seed), rig_(rig), scene_(make_scene(kind, seed, rig)), renderer_(rig) {
+  if (rig.camera.enabled) renderer_.cast_shadows(scene_.world);
   Random targets(seed, Stream::kTargets);
   target_errors_ = draw_target_errors(scene_.world.num_targets, rig.simulation.scanner, targets);
   Random wheels(seed, Stream::kOdometryRun);
@@ -79,6 +84,47 @@ Pose2 Simulator::pose_at(std::int64_t utime) const {
   return scene_.stops[std::min(stop, scene_.stops.size() - 1)];
 }
 
+double Simulator::sweep_middle_s(std::int64_t utime) const {
+  const ScannerConfig& scanner = rig_.simulation.scanner;
+  return static_cast<double>(utime - kEpochUtime) * 1e-6 +
+         (scanner.num_beams / 2) * scanner.beam_period_us * 1e-6;
+}
+
+Tilt Simulator::tilt_of(std::int64_t scan) const {
+  const double sd_rad = rig_.simulation.scanner.tilt_sd_rad;
+  if (sd_rad <= 0.0) return {};
+  Random random(seed_, Stream::kTilt, static_cast<std::uint64_t>(scan));
+  const double pitch_rad = random.normal(0.0, sd_rad);
+  return {pitch_rad, random.normal(0.0, sd_rad)};
+}
+
+World Simulator::world_at_time(double time_s) const {
+  return has_motion(scene_) ? world_at(scene_, time_s) : scene_.world;
+}
+
+vision::Image Simulator::take_picture(std::int64_t utime, Random& random) const {
+  const auto delay_us = std::llround(rig_.simulation.image.stamp_delay_s * 1e6);
+  const std::int64_t exposed = utime - delay_us;
+  Exposure exposure;
+  exposure.time_s = static_cast<double>(exposed - kEpochUtime) * 1e-6;
+  if (!scene_.stepped) {
+    constexpr double kHalf_s = 0.005;
+    exposure.yaw_rate_radps =
+        geometry::wrap_angle_rad(scene_.path.pose_at(exposure.time_s + kHalf_s).yaw_rad -
+                                 scene_.path.pose_at(exposure.time_s - kHalf_s).yaw_rad) /
+        (2.0 * kHalf_s);
+  }
+  return renderer_.take(world_at_time(exposure.time_s), pose_at(exposed), random, exposure);
+}
+
+std::vector<TruthObject> Simulator::truth() const {
+  std::vector<TruthObject> standing;
+  for (const TruthObject& thing : scene_.truth) {
+    if (!thing.moving) standing.push_back(thing);
+  }
+  return standing;
+}
+
 /// T_map_laser during a scan: one pose while the robot stands, or one per beam.
 std::vector<Pose2> Simulator::laser_poses(std::int64_t utime) const {
   const ScannerConfig& scanner = rig_.simulation.scanner;
@@ -108,10 +154,10 @@ SensorMessage Simulator::make(std::size_t sensor, std::int64_t index) const {
   const Pose2 T_map_base = pose_at(utime);
   switch (sensor) {
     case kScan:
-      return stamped(
-          simulate_scan(scene_.world, laser_poses(utime), config.scanner, target_errors_, random));
+      return stamped(simulate_scan(world_at_time(sweep_middle_s(utime)), laser_poses(utime),
+                                   config.scanner, target_errors_, random, tilt_of(index)));
     case kImage:
-      return stamped(renderer_.take(scene_.world, T_map_base, random));
+      return stamped(take_picture(utime, random));
     case kOdometry: {
       const double period_s = clocks_[kOdometry].period_s;
       const double time_s = static_cast<double>(utime - kEpochUtime) * 1e-6;
@@ -121,10 +167,11 @@ SensorMessage Simulator::make(std::size_t sensor, std::int64_t index) const {
     case kGnss:
       return stamped(simulate_gnss(T_map_base, config.motion, random));
     default:
-      return stamped(scene_.stepped ? simulate_fix(T_map_base, config.tubes.fix_sd_m,
-                                                   config.tubes.fix_yaw_sd_rad, random)
-                                    : simulate_fix(T_map_base, config.orchard.fix_sd_m,
-                                                   config.orchard.fix_yaw_sd_rad, random));
+      return stamped(
+          kind_ == SceneKind::kTubes
+              ? simulate_fix(T_map_base, config.tubes.fix_sd_m, config.tubes.fix_yaw_sd_rad, random)
+              : simulate_fix(T_map_base, config.orchard.fix_sd_m, config.orchard.fix_yaw_sd_rad,
+                             random));
   }
 }
 
@@ -156,8 +203,10 @@ std::vector<TruePose> Simulator::true_poses() const {
 
 std::vector<TrueObservation> Simulator::true_observations(std::int64_t index) const {
   const std::int64_t utime = utime_of(kScan, index);
-  std::vector<TrueObservation> observations = observe_truth(
-      scene_.world, scene_.truth, laser_poses(utime), rig_.simulation.scanner, rig_.camera);
+  const double middle_s = sweep_middle_s(utime);
+  std::vector<TrueObservation> observations =
+      observe_truth(world_at_time(middle_s), truth_at(scene_, middle_s), laser_poses(utime),
+                    rig_.simulation.scanner, rig_.camera, tilt_of(index));
   for (TrueObservation& observation : observations) observation.utime = utime;
   return observations;
 }

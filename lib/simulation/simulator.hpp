@@ -11,6 +11,7 @@
 #include "laser/scan.hpp"
 #include "pose/measurements.hpp"
 #include "simulation/camera_renderer.hpp"
+#include "simulation/laser_model.hpp"
 #include "simulation/motion_sensors.hpp"
 #include "simulation/scene.hpp"
 #include "simulation/tube_scene.hpp"
@@ -38,7 +39,8 @@ class Simulator {
   /// The next message, or none at the end of the run.
   std::optional<SensorMessage> next();
 
-  const std::vector<TruthObject>& truth() const { return scene_.truth; }
+  /// What stands in the world; people are in true_observations() only.
+  std::vector<TruthObject> truth() const;
   const Scene& scene() const { return scene_; }
 
   /// Where base truly was: at every stop, or at the first beam of every sweep.
@@ -64,7 +66,12 @@ class Simulator {
   Pose2 pose_at(std::int64_t utime) const;
   SensorMessage make(std::size_t sensor, std::int64_t index) const;
   std::vector<Pose2> laser_poses(std::int64_t utime) const;
+  double sweep_middle_s(std::int64_t utime) const;
+  Tilt tilt_of(std::int64_t scan) const;
+  World world_at_time(double time_s) const;
+  vision::Image take_picture(std::int64_t utime, Random& random) const;
 
+  SceneKind kind_;
   std::uint64_t seed_;
   RigConfig rig_;
   Scene scene_;

@@ -113,6 +113,26 @@ Bgr surface_colour(const Appearance& appearance, const Bgr& base, float angle_ra
           value_noise(around_m * 60.0f, height_m * 60.0f, seed) * visible(footprint_m, 0.016f);
       return base * (1.0f + 0.35f * leaf);
     }
+    case Appearance::Texture::kRoughBark: {
+      const float streak =
+          value_noise(around_m * 110.0f, height_m * 14.0f, seed) * visible(footprint_m, 0.009f);
+      const float band =
+          value_noise(around_m * 16.0f, height_m * 80.0f, seed + 1) * visible(footprint_m, 0.012f);
+      const float patch = value_noise(around_m * 12.0f, height_m * 4.5f, seed + 2);
+      const float grey = 0.114f * base.b + 0.587f * base.g + 0.299f * base.r;
+      const Bgr lichen{grey * 1.10f, grey * 1.22f, grey * 1.18f};
+      const Bgr moss{base.b * 0.62f, base.g * 0.98f, base.r * 0.78f};
+      const Bgr skin = patch > 0.0f ? mix(base, lichen, std::min(1.0f, 1.2f * patch))
+                                    : mix(base, moss, std::min(1.0f, -1.2f * patch));
+      const float dark = band > 0.3f ? 0.9f * (band - 0.3f) : 0.0f;  // lenticels run around
+      return skin * std::max(0.15f, 1.0f + 0.38f * streak - dark);
+    }
+    case Appearance::Texture::kWood: {
+      const float grain =
+          value_noise(around_m * 130.0f, height_m * 3.0f, seed) * visible(footprint_m, 0.008f);
+      const float stain = value_noise(around_m * 9.0f, height_m * 2.5f, seed + 1);
+      return base * (1.0f + 0.12f * grain + 0.10f * stain);
+    }
   }
   return base;
 }

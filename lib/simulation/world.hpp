@@ -15,7 +15,10 @@ struct TruthObject {
   double x_m = 0.0;
   double y_m = 0.0;
   double width_m = 0.0;
-  std::string name;  ///< as figures show it (T1, B2); not in the CSV
+  std::string name;     ///< as figures show it (T1, B2); not in the CSV
+  bool moving = false;  ///< walks: in no truth CSV, only in observations
+  double velocity_x_mps = 0.0;
+  double velocity_y_mps = 0.0;
 };
 
 /// One thing of the true world in one scan, as an observation CSV states it. Seen from where the

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+namespace orchard::simulation {
+
+/// What stands, hangs, lies and walks about in scene orchard. Section `simulation.clutter`.
+/// Everything is off by default; no entry moves a tree or a post, and each kind has random numbers
+/// of its own.
+struct ClutterConfig {
+  double trunk_post_fraction = 0.0;  ///< posts as wide as a trunk, per tree place
+  double stake_fraction = 0.0;       ///< of the trees have a stake beside them
+  double twin_fraction = 0.0;        ///< of the trees have a second stem that touches
+  int num_crates = 0;
+  double bush_sway_m = 0.0;     ///< amplitude with which a bush's twigs move
+  double grass_per_tree = 0.0;  ///< mean number of stalks around a trunk that reach the scan plane
+  double twigs_per_tree = 0.0;  ///< mean number of twigs that hang into the scan plane
+  double sway_m = 0.0;          ///< amplitude with which stalks and twigs move in the wind
+  int num_branches = 0;         ///< fallen branches at the height of the scan plane
+  int num_people = 0;
+  double person_speed_mps = 1.3;
+  bool row_end_hedges = false;
+  double foliage = 0.0;  ///< share of a crown that leaves fill, for the camera; 0 = no crowns
+  double reflector_tree_fraction = 0.0;  ///< trees with a reflector band (in intensities)
+  double reflector_post_fraction = 0.0;
+};
+
+template <class Visitor>
+void describe(Visitor& v, ClutterConfig& c) {
+  v.number("trunk_post_fraction", c.trunk_post_fraction, 0, 1, "1",
+           "posts as wide as a trunk, per tree place");
+  v.number("stake_fraction", c.stake_fraction, 0, 1, "1", "trees with a stake beside them");
+  v.number("twin_fraction", c.twin_fraction, 0, 1, "1", "trees with a second stem that touches");
+  v.integer("num_crates", c.num_crates, 0, 1000, "1", "crates beside the rows");
+  v.number("bush_sway_m", c.bush_sway_m, 0, 0.2, "m", "amplitude of a bush's moving twigs");
+  v.number("grass_per_tree", c.grass_per_tree, 0, 100, "1",
+           "mean number of stalks near a trunk that reach the scan plane");
+  v.number("twigs_per_tree", c.twigs_per_tree, 0, 100, "1",
+           "mean number of twigs that hang into the scan plane");
+  v.number("sway_m", c.sway_m, 0, 0.2, "m", "amplitude of stalks and twigs in the wind");
+  v.integer("num_branches", c.num_branches, 0, 1000, "1", "fallen branches at scan height");
+  v.integer("num_people", c.num_people, 0, 100, "1", "people who walk along and through the rows");
+  v.number("person_speed_mps", c.person_speed_mps, 0.1, 3, "m/s", "how fast they walk");
+  v.flag("row_end_hedges", c.row_end_hedges, "hedges beyond both ends of the rows");
+  v.number("foliage", c.foliage, 0, 1, "1", "share of a crown that leaves fill; 0 = no crowns");
+  v.number("reflector_tree_fraction", c.reflector_tree_fraction, 0, 1, "1",
+           "trees with a reflector band");
+  v.number("reflector_post_fraction", c.reflector_post_fraction, 0, 1, "1",
+           "posts with a reflector band");
+}
+
+}  // namespace orchard::simulation

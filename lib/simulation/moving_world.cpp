@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/moving_world.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/angles.hpp"
+#include "simulation/random.hpp"
+
+namespace orchard::simulation {
+namespace {
+
+// a grown person in trousers; stride and step width as gait studies give them for 1.3 m/s
+constexpr double kStride_m = 1.4;     ///< two steps
+constexpr double kLegSwing_m = 0.28;  ///< of a knee before and behind the hips
+constexpr double kLegApart_m = 0.18;
+constexpr double kLegRadius_m = 0.065;
+constexpr double kHip_m = 0.85;
+
+Cylinder part(double x_m, double y_m, double radius_m, double base_m, double top_m,
+              const Person& person) {
+  Cylinder cylinder;
+  cylinder.x_m = x_m;
+  cylinder.y_m = y_m;
+  cylinder.radius_m = radius_m;
+  cylinder.base_m = base_m;
+  cylinder.height_m = top_m - base_m;
+  cylinder.target = person.target;
+  cylinder.appearance = person.clothes;
+  return cylinder;
+}
+
+void add_person(const Person& person, double time_s, World& world) {
+  const double c = std::cos(person.heading_rad), s = std::sin(person.heading_rad);
+  const double x_m = person.x_m + c * person.speed_mps * time_s;
+  const double y_m = person.y_m + s * person.speed_mps * time_s;
+  const double rate_radps = 2.0 * geometry::kPi * person.speed_mps / kStride_m;
+  for (const double side : {-1.0, 1.0}) {
+    const double ahead_m = side * kLegSwing_m * std::sin(rate_radps * time_s);
+    const double beside_m = side * 0.5 * kLegApart_m;
+    Cylinder leg = part(x_m + c * ahead_m - s * beside_m, y_m + s * ahead_m + c * beside_m,
+                        kLegRadius_m, 0.0, kHip_m, person);
+    const double speed_mps =
+        person.speed_mps + side * kLegSwing_m * rate_radps * std::cos(rate_radps * time_s);
+    leg.velocity_x_mps = c * speed_mps;
+    leg.velocity_y_mps = s * speed_mps;
+    world.cylinders.push_back(leg);
+  }
+  Cylinder body = part(x_m, y_m, 0.19, kHip_m, 1.45, person);
+  body.appearance.hue_deg = std::fmod(body.appearance.hue_deg + 140.0, 360.0);
+  Cylinder head = part(x_m, y_m, 0.095, 1.48, 1.73, person);
+  head.appearance.hue_deg = 20.0;
+  head.appearance.saturation = 0.35;
+  head.appearance.value = 0.6;
+  for (Cylinder* upper : {&body, &head}) {
+    upper->velocity_x_mps = c * person.speed_mps;
+    upper->velocity_y_mps = s * person.speed_mps;
+    world.cylinders.push_back(*upper);
+  }
+}
+
+}  // namespace
+
+bool has_motion(const Scene& scene) {
+  return !scene.people.empty() ||
+         std::any_of(scene.world.cylinders.begin(), scene.world.cylinders.end(),
+                     [](const Cylinder& c) { return c.sway_m > 0.0; });
+}
+
+World world_at(const Scene& scene, double time_s) {
+  World world = scene.world;
+  for (std::size_t i = 0; i < world.cylinders.size(); ++i) {
+    Cylinder& cylinder = world.cylinders[i];
+    if (cylinder.sway_m <= 0.0) continue;
+    // each at a rate of its own between 0.4 and 1.6 Hz
+    const std::uint64_t bits = mix_bits(cylinder.appearance.texture_seed + 0x51ed270bull * i);
+    const double rate_hz = 0.4 + 1.2 * static_cast<double>(bits & 0xffff) / 65536.0;
+    const double phase = static_cast<double>((bits >> 16) & 0xffff) / 65536.0;
+    const double other_phase = static_cast<double>((bits >> 32) & 0xffff) / 65536.0;
+    const double turns = rate_hz * time_s;
+    cylinder.x_m += cylinder.sway_m * std::sin(2.0 * geometry::kPi * (turns + phase));
+    cylinder.y_m += cylinder.sway_m * std::sin(2.0 * geometry::kPi * (turns + other_phase));
+  }
+  for (const Person& person : scene.people) add_person(person, time_s, world);
+  return world;
+}
+
+std::vector<TruthObject> truth_at(const Scene& scene, double time_s) {
+  std::vector<TruthObject> truth = scene.truth;
+  for (const Person& person : scene.people) {
+    TruthObject& thing = truth[static_cast<std::size_t>(person.target)];
+    thing.velocity_x_mps = person.speed_mps * std::cos(person.heading_rad);
+    thing.velocity_y_mps = person.speed_mps * std::sin(person.heading_rad);
+    thing.x_m = person.x_m + thing.velocity_x_mps * time_s;
+    thing.y_m = person.y_m + thing.velocity_y_mps * time_s;
+  }
+  return truth;
+}
+
+}  // namespace orchard::simulation

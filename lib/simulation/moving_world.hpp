@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "simulation/scene.hpp"
+
+namespace orchard::simulation {
+
+/// Whether anything in the scene moves.
+bool has_motion(const Scene& scene);
+
+/// The scene's world at a time of the run [s]: people where they are, what sways where it is.
+World world_at(const Scene& scene, double time_s);
+
+/// The scene's truth at a time of the run [s]: people where they are.
+std::vector<TruthObject> truth_at(const Scene& scene, double time_s);
+
+}  // namespace orchard::simulation

@@ -15,7 +15,7 @@ std::vector<TrunkObservation> observe_trunks(const laser::Scan& scan, const visi
   std::vector<TrunkObservation> observations;
   if (rig.has_camera && !image) return observations;
   for (const laser::Segment& segment :
-       laser::segment(scan, rig.detector.segmentation, rig.detector.width)) {
+       laser::segment(scan, rig.detector.segmentation, rig.detector.width, rig.laser)) {
     if (segment.occluded_left || segment.occluded_right || segment.num_beams < min_beams) continue;
     detection::Detection placed;
     detection::place_in_base(placed, segment, scan, false, rig);

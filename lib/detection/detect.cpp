@@ -21,6 +21,18 @@ namespace {
 
 enum class LaserVerdict { kCandidate, kObject, kHidden };
 
+/// What reflectors say of an object; nobody can tell when the scanner gives no intensities.
+enum class ReflectorVerdict { kNothing, kNoTree, kUntold };
+
+ReflectorVerdict judge_by_reflector(const laser::Segment& segment, const laser::Scan& scan,
+                                    const laser::SegmentationConfig& config) {
+  if (config.reflector == laser::ReflectorUse::kIgnored) return ReflectorVerdict::kNothing;
+  if (!scan.has_intensities()) return ReflectorVerdict::kUntold;
+  const bool marks_trees = config.reflector == laser::ReflectorUse::kOnly;
+  return segment.is_reflector == marks_trees ? ReflectorVerdict::kNothing
+                                             : ReflectorVerdict::kNoTree;
+}
+
 /// An object with a hidden side is at least as wide as what shows of it: too wide is an object,
 /// anything less cannot be told.
 LaserVerdict judge_by_laser(const laser::Segment& segment, double roc_laser, const Rig& rig) {
@@ -42,6 +54,7 @@ Detection laser_detection(const laser::Segment& segment, const laser::Scan& scan
   d.width_m = segment.width_m;
   d.width_sd_m = segment.width_sd_m;
   d.num_beams = segment.num_beams;
+  d.intensity = static_cast<float>(segment.intensity);
   d.occlusion = static_cast<std::int8_t>((segment.occluded_right ? kOccludedRight : 0) |
                                          (segment.occluded_left ? kOccludedLeft : 0));
   d.roc_laser = static_cast<float>(roc_laser);
@@ -113,16 +126,23 @@ LaserFindings find_by_laser(const laser::Scan& scan, const Rig& rig) {
   const DetectorConfig& config = rig.detector;
   LaserFindings findings;
   findings.detections.utime = scan.utime;
+  findings.intensities_missing =
+      config.segmentation.reflector != laser::ReflectorUse::kIgnored && !scan.has_intensities();
   std::vector<Detection>& trunks = findings.detections.trunks;
-  const auto segments = laser::segment(scan, config.segmentation, config.width);
+  const auto segments = laser::segment(scan, config.segmentation, config.width, rig.laser);
   trunks.reserve(segments.size());
   for (const laser::Segment& segment : segments) {
     const double roc_laser =
         laser::roc_laser(segment.width_m, segment.range_m, scan.bearing_step_rad, config.width);
-    const LaserVerdict verdict = judge_by_laser(segment, roc_laser, rig);
+    const ReflectorVerdict reflector = judge_by_reflector(segment, scan, config.segmentation);
+    LaserVerdict verdict = judge_by_laser(segment, roc_laser, rig);
+    if (reflector == ReflectorVerdict::kNoTree) verdict = LaserVerdict::kObject;
+    if (reflector == ReflectorVerdict::kUntold) verdict = LaserVerdict::kHidden;
     trunks.push_back(laser_detection(segment, scan, roc_laser, verdict, rig));
     if (verdict == LaserVerdict::kHidden) continue;
-    if (!rig.has_camera) {
+    if (!rig.has_camera && reflector == ReflectorVerdict::kNoTree) {
+      trunks.back().label = Label::kObject;
+    } else if (!rig.has_camera) {
       decide(trunks.back(), roc_laser, rig);
     } else if (verdict == LaserVerdict::kObject) {
       trunks.back().label = Label::kObject;
@@ -138,6 +158,7 @@ DetectResult judge_by_camera(LaserFindings findings, const vision::Image* image,
                              const std::optional<Motion>& motion) {
   DetectResult result;
   result.detections = std::move(findings.detections);
+  result.intensities_missing = findings.intensities_missing;
   if (!rig.has_camera || !image) return result;
   result.detections.image_utime = image->utime;
   std::vector<Detection>& trunks = result.detections.trunks;

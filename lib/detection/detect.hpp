@@ -25,12 +25,15 @@ struct Candidate {
 struct LaserFindings {
   Detections detections;              ///< candidates are UNSEEN still
   std::vector<Candidate> candidates;  ///< none of a rig without a camera
+  /// Reflectors count (segmentation.reflector) but the scan has no intensities: all is UNSEEN.
+  bool intensities_missing = false;
 };
 
 /// What a scan and its picture show.
 struct DetectResult {
   Detections detections;              ///< seq is left 0: the sender's
   bool image_unusable = false;        ///< needed, but did not decode or of another size
+  bool intensities_missing = false;   ///< as in LaserFindings
   std::vector<AdaptationLook> looks;  ///< at candidates; none unless adaptation is enabled
 };
 

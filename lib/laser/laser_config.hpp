@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
+
 namespace orchard::laser {
 
 /// Where the laser is mounted on the robot and how well it measures. Section `laser`.
@@ -10,6 +12,11 @@ struct LaserConfig {
   double mount_yaw_rad = 0.0;       ///< rotation from base to laser, counter-clockwise
   double range_sd_m = 0.010;        ///< 1-sigma of one range, the part that does not grow
   double range_sd_fraction = 0.01;  ///< 1-sigma of one range per metre of range
+
+  /// 1-sigma of one range.
+  double range_sd_at(double range_m) const {
+    return std::hypot(range_sd_m, range_sd_fraction * range_m);
+  }
 };
 
 template <class Visitor>

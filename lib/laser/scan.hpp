@@ -22,6 +22,10 @@ struct Scan {
   /// Bearing of a beam in the laser frame [rad]; `beam` may lie between two beams.
   double bearing_rad(double beam) const { return bearing_min_rad + beam * bearing_step_rad; }
 
+  bool has_intensities() const {
+    return !intensities.empty() && intensities.size() == ranges_m.size();
+  }
+
   /// Whether beam `i` returned something within the scanner's believable range.
   bool valid(std::size_t i) const {
     const double range_m = ranges_m[i];

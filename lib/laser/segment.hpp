@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
+#include <optional>
 #include <vector>
 
+#include "laser/circle_fit.hpp"
+#include "laser/laser_config.hpp"
 #include "laser/scan.hpp"
 #include "laser/segmentation_config.hpp"
 #include "laser/width_config.hpp"
 
 namespace orchard::laser {
+
+/// What Segment::gap_left_m and gap_right_m are where nothing returns nearer than this.
+inline constexpr double kGapMax_m = 2.0;
 
 /// One object of a scan: neighbouring beams on one surface, and what the laser says of it.
 struct Segment {
@@ -28,22 +34,44 @@ struct Segment {
   double width_m = 0.0;          ///< as WidthConfig::mode measures it
   double width_sd_m = 0.0;
   double depth_m = 0.0;         ///< extent of its points along the line of sight
-  bool occluded_right = false;  ///< something nearer, or the end of the scan, on that side
+  bool occluded_right = false;  ///< something nearer, or the end of the scan, hides that side
   bool occluded_left = false;
+  int num_fronts = 0;  ///< thin things (grass, twigs) in front of it that hide beams of it
+
+  /// The circle through its visible arc, laser frame; of SegmentationConfig::min_beams_circle beams
+  /// or more, and only if one fits.
+  std::optional<CircleFit> circle;
+  /// Share of the circle's angular width that shows; 1 unless a side is hidden and a circle known.
+  double visible_fraction = 1.0;
+  // The shape, of five beams or more; else 0.
+  double circle_rms_m = 0.0;  ///< of its points about the circle; 0 = no circle fits
+  double line_rms_m = 0.0;    ///< of its points about the best straight line
+  double raggedness = 0.0;    ///< the lesser of both over the scanner's noise: about 1 if smooth
+  double straightness = 0.0;  ///< from 0 (a circle explains it better) to 1 (a line does)
+  /// From its end on that side to the next return beyond, at most kGapMax_m.
+  double gap_left_m = kGapMax_m;
+  double gap_right_m = kGapMax_m;
+
+  double intensity = 0.0;  ///< mean of its beams, as the scanner gives it; 0 = none
+  double intensity_max = 0.0;
+  bool is_reflector = false;  ///< reaches SegmentationConfig::reflectivity_min
 };
 
 /// Cuts a scan into objects in order of bearing (Shalal et al. 2013, section 4.1, figures 5-7).
 ///
 /// An object lies between two spikes of d(ranges)/d(steps). One missing beam (or one beam on
 /// something nearer) inside an object is bridged; a single beam between two surfaces, where the
-/// footprint covers both, belongs to neither. Scans of a full turn have no seam.
+/// footprint covers both, belongs to neither. What grass or a twig parts is one object again when
+/// one circle fits; what two circles fit much better than one is two. Scans of a full turn have no
+/// seam.
 /// Refuses nothing: beams without a believable return (0, NaN, infinity, out of range, in the
 /// blind sector) count as no return.
 ///
 /// Width, `paper`: eq. 8 with its root. `compensated`: the beam step that eq. 8 loses on average
 /// is added to the angle, and all ranges count instead of the two noisy ones at the edges.
+/// `laser` tells how well it measures: what a circle is held against.
 std::vector<Segment> segment(const Scan& scan, const SegmentationConfig& segmentation,
-                             const WidthConfig& width);
+                             const WidthConfig& width, const LaserConfig& laser = {});
 
 /// Standard deviation of a measured width about mu: the trees' own (with its floor) and the part
 /// that grows as the beam step does [m].

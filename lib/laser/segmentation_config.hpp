@@ -3,6 +3,13 @@
 
 namespace orchard::laser {
 
+/// What a reflector (an object one beam of which is at least reflectivity_min bright) means.
+enum class ReflectorUse {
+  kIgnored,  ///< nothing
+  kOnly,     ///< trees carry one: whatever has none is an object
+  kExclude,  ///< posts and other marks carry one: whatever has one is an object
+};
+
 /// How a scan is cut into objects. Section `detector.segmentation`.
 struct SegmentationConfig {
   double range_min_m = 0.05;          ///< nearer returns are the robot itself
@@ -13,6 +20,11 @@ struct SegmentationConfig {
   double width_max_m = 2.0;           ///< wider things (walls, hedges) are not reported
   double blind_centre_rad = 0.0;      ///< middle of a sector in which the scanner sees the robot
   double blind_half_width_rad = 0.0;  ///< half its angle; 0 = no such sector
+  int bridge_beams = 3;               ///< grass and twigs in front hide at most this many beams
+  bool split_touching = true;         ///< two circles that fit better than one are two objects
+  int min_beams_circle = 5;           ///< objects of fewer beams get no circle
+  ReflectorUse reflector = ReflectorUse::kIgnored;
+  double reflectivity_min = 0.0;  ///< an intensity from here on is a reflector's
 };
 
 template <class Visitor>
@@ -27,6 +39,19 @@ void describe(Visitor& v, SegmentationConfig& c) {
            "laser frame: middle of a sector that shows the robot itself");
   v.number("blind_half_width_rad", c.blind_half_width_rad, 0, 3.1416, "rad",
            "half the angle of that sector; 0 for none");
+  v.integer(
+      "bridge_beams", c.bridge_beams, 0, 20, "beams",
+      "most beams that grass or a twig in front hides of an object; 0 = such parts stay apart");
+  v.flag("split_touching", c.split_touching,
+         "part what two circles fit clearly better than one: trunks that touch");
+  v.integer("min_beams_circle", c.min_beams_circle, 3, 1000, "beams",
+            "fewest beams to which a circle is fitted");
+  v.choice("reflector", c.reflector, {"ignored", "only", "exclude"},
+           "reflectors mark nothing | the trees, and only they can be trees | what is no tree");
+  v.number("reflectivity_min", c.reflectivity_min, 0, 1e9, "as the scanner's intensities",
+           "one beam this bright makes an object a reflector");
+  v.check(c.reflector == ReflectorUse::kIgnored || c.reflectivity_min > 0.0, "reflectivity_min",
+          "must be above 0 when reflector is not ignored; `orchard echo SCAN` shows intensities");
   v.check(c.range_min_m < c.range_max_m, "range_min_m", "must be below range_max_m");
 }
 

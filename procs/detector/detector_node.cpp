@@ -43,6 +43,10 @@ void DetectorNode::flush(const bus::Outbox& send) {
 bus::NodeCounts DetectorNode::counts() const { return {pairer_.num_late(), num_unusable_}; }
 
 std::string DetectorNode::waiting_for() const {
+  if (intensities_missing_) {
+    return "SCAN waits for intensities: detector.segmentation.reflector needs them and the laser "
+           "driver sends none; switch them on there or set reflector to ignored";
+  }
   const auto utime = pairer_.waiting_scan_utime();
   if (!utime) return {};
   char seconds[32];
@@ -81,7 +85,8 @@ void DetectorNode::adapt(std::int64_t utime, const std::vector<detection::Adapta
 }
 
 void DetectorNode::send_result(detection::DetectResult result, const bus::Outbox& send) {
-  if (result.image_unusable) ++num_unusable_;
+  if (result.image_unusable || result.intensities_missing) ++num_unusable_;
+  intensities_missing_ = result.intensities_missing;
   result.detections.seq = next_seq_++;
   send(std::move(result.detections));
 }

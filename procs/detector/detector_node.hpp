@@ -49,7 +49,8 @@ class DetectorNode : public bus::Node {
   std::optional<detection::Adaptation> adaptation_;
   std::int64_t width_model_ = 0;  ///< +1 with every change of the width model
   std::int32_t next_seq_ = 0;
-  std::int64_t num_unusable_ = 0;
+  std::int64_t num_unusable_ = 0;     ///< pictures, and scans without the intensities wanted
+  bool intensities_missing_ = false;  ///< of the newest scan answered
 };
 
 }  // namespace orchard::procs

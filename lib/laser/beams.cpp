@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "laser/beams.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/angles.hpp"
+
+namespace orchard::laser {
+namespace {
+
+using geometry::kPi;
+using geometry::wrap_angle_rad;
+
+/// Scanners tell in ranges below this why a beam did not return (SCIP: 0 to 19 mm).
+constexpr float kErrorCodes_m = 0.02f;
+
+}  // namespace
+
+Beams::Beams(const Scan& scan, const SegmentationConfig& config)
+    : config_(config),
+      size_(static_cast<std::ptrdiff_t>(scan.ranges_m.size())),
+      step_rad_(std::abs(scan.bearing_step_rad)) {
+  const double turn_rad = step_rad_ * static_cast<double>(size_);
+  is_turn_ = size_ > 2 && std::abs(turn_rad - 2.0 * kPi) <= 1.5 * step_rad_;
+  believe(scan);
+  if (is_turn_) start_ = first_gap();
+}
+
+void Beams::believe(const Scan& scan) {
+  const double nearest_m = std::max(scan.range_min_m, config_.range_min_m);
+  const double farthest_m = std::min(scan.range_max_m, config_.range_max_m);
+  ranges_m_.assign(scan.ranges_m.size(), 0.0f);
+  blocked_.assign(scan.ranges_m.size(), 0);
+  const bool has_blind_sector = config_.blind_half_width_rad > 0.0;
+  const float no_return_m = static_cast<float>(scan.range_max_m);
+  for (std::size_t i = 0; i < ranges_m_.size(); ++i) {
+    const float range_m = scan.ranges_m[i];
+    const bool blind =
+        has_blind_sector &&
+        std::abs(wrap_angle_rad(scan.bearing_rad(static_cast<double>(i)) -
+                                config_.blind_centre_rad)) <= config_.blind_half_width_rad;
+    if (blind) {
+      blocked_[i] = 1;
+    } else if (!(range_m >= kErrorCodes_m) || range_m == no_return_m) {
+      // NaN, an error code, or the farthest range as drivers give it for nothing: no return
+    } else if (range_m >= nearest_m && range_m <= farthest_m) {
+      ranges_m_[i] = range_m;
+    } else {
+      // what goes on just beyond the farthest range ends where it is cut, not where it ends
+      const bool cut_off = range_m > farthest_m && range_m <= farthest_m + jump_m(farthest_m);
+      blocked_[i] = cut_off || range_m < nearest_m;
+    }
+  }
+}
+
+std::ptrdiff_t Beams::first_gap() const {
+  const auto at = [&](std::ptrdiff_t i) {
+    return ranges_m_[static_cast<std::size_t>((i % size_ + size_) % size_)];
+  };
+  // nothing joins over this place, not even what is rejoined behind a twig
+  const std::ptrdiff_t across = std::max(config_.bridge_beams, 1) + 1;
+  const auto is_gap = [&](std::ptrdiff_t i) {
+    for (std::ptrdiff_t before = 1; before <= across; ++before) {
+      for (std::ptrdiff_t after = 0; before + after <= across; ++after) {
+        if (joined(at(i - before), at(i + after))) return false;
+      }
+    }
+    return true;
+  };
+  for (std::ptrdiff_t i = 0; i < size_; ++i) {
+    if (is_gap(i)) return i;
+  }
+  return 0;
+}
+
+}  // namespace orchard::laser

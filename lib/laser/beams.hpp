@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "laser/scan.hpp"
+#include "laser/segmentation_config.hpp"
+
+namespace orchard::laser {
+
+/// The beams of a scan in the order in which they are cut: what each one returned, made believable
+/// once. A full turn starts at a gap, so that no object lies across the seam.
+///
+/// Positions run from 0 to size() - 1; beams beyond are the other end of a full turn, and of any
+/// other scan nothing.
+class Beams {
+ public:
+  Beams(const Scan& scan, const SegmentationConfig& config);
+
+  std::ptrdiff_t size() const { return size_; }
+  double step_rad() const { return step_rad_; }  ///< between neighbours, positive
+
+  /// Index into the scan's ranges_m of a position in [-size(), 2 size()).
+  std::size_t index(std::ptrdiff_t i) const {
+    const std::ptrdiff_t shifted = i + start_;
+    return static_cast<std::size_t>(shifted >= size_ ? shifted - size_
+                                    : shifted < 0    ? shifted + size_
+                                                     : shifted);
+  }
+  /// The believable range [m] at a position in [0, size()); 0 = no return.
+  float range_m(std::ptrdiff_t i) const { return ranges_m_[index(i)]; }
+  /// As range_m(), beyond the ends too.
+  float range_around_m(std::ptrdiff_t i) const {
+    if (!is_turn_ && (i < 0 || i >= size_)) return 0.0f;
+    return ranges_m_[index((i + size_) % size_)];
+  }
+  /// Whether something (the robot, the end of the scan) keeps the laser from seeing there.
+  bool blocked(std::ptrdiff_t i) const {
+    if (!is_turn_ && (i < 0 || i >= size_)) return true;
+    return blocked_[index((i + size_) % size_)] != 0;
+  }
+  /// The range step that separates objects at a range.
+  double jump_m(double range_m) const { return config_.jump_m + config_.jump_fraction * range_m; }
+  bool joined(double a_m, double b_m) const {
+    return a_m > 0.0 && b_m > 0.0 &&
+           (a_m < b_m ? b_m - a_m <= jump_m(a_m) : a_m - b_m <= jump_m(b_m));
+  }
+
+ private:
+  void believe(const Scan& scan);
+  std::ptrdiff_t first_gap() const;
+
+  const SegmentationConfig& config_;
+  std::ptrdiff_t size_;
+  double step_rad_;
+  std::ptrdiff_t start_ = 0;
+  bool is_turn_ = false;
+  std::vector<float> ranges_m_;
+  std::vector<std::uint8_t> blocked_;
+};
+
+}  // namespace orchard::laser

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "laser/measure.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/angles.hpp"
+#include "laser/sides.hpp"
+
+namespace orchard::laser {
+namespace {
+
+using geometry::kPi;
+using geometry::wrap_angle_rad;
+
+/// Shape is judged from this many beams on: a line takes two, a circle three.
+constexpr std::size_t kFewestBeamsOfAShape = 5;
+
+double square(double x) { return x * x; }
+
+double chord_m(double r1_m, double r2_m, double angle_rad) {
+  const double square_m2 = r1_m * r1_m + r2_m * r2_m - 2.0 * r1_m * r2_m * std::cos(angle_rad);
+  return std::sqrt(std::max(0.0, square_m2));
+}
+
+/// From an object's end to the next return beyond it.
+double gap_m(const Beams& beams, std::ptrdiff_t end, std::ptrdiff_t outwards) {
+  const double range_m = beams.range_m(end);
+  for (std::ptrdiff_t k = 1; k < beams.size(); ++k) {
+    const double angle_rad = static_cast<double>(k) * beams.step_rad();
+    if (range_m * std::sin(std::min(angle_rad, 0.5 * kPi)) > kGapMax_m) break;
+    const double next_m = beams.range_around_m(end + k * outwards);
+    if (next_m > 0.0) return std::min(chord_m(range_m, next_m, angle_rad), kGapMax_m);
+  }
+  return kGapMax_m;
+}
+
+/// Root mean square distance of the points from the line that fits them best.
+double line_rms_m(const Arc& arc) {
+  double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+  for (std::size_t i = 0; i < arc.ranges_m.size(); ++i) {
+    const double x_m = arc.ranges_m[i] * std::cos(arc.bearings_rad[i]) - arc.ranges_m[0];
+    const double y_m = arc.ranges_m[i] * std::sin(arc.bearings_rad[i]);
+    x += x_m;
+    y += y_m;
+    xx += x_m * x_m;
+    xy += x_m * y_m;
+    yy += y_m * y_m;
+  }
+  const double n = static_cast<double>(arc.ranges_m.size());
+  const double cxx = xx - x * x / n, cxy = xy - x * y / n, cyy = yy - y * y / n;
+  const double smallest = 0.5 * (cxx + cyy) - std::hypot(0.5 * (cxx - cyy), cxy);
+  return std::sqrt(std::max(0.0, smallest) / (n - 2.0));
+}
+
+double circle_rms_m(const Arc& arc, const CircleFit& circle) {
+  double sum_m2 = 0.0;
+  for (std::size_t i = 0; i < arc.ranges_m.size(); ++i) {
+    const double x_m = arc.ranges_m[i] * std::cos(arc.bearings_rad[i]) - circle.x_m;
+    const double y_m = arc.ranges_m[i] * std::sin(arc.bearings_rad[i]) - circle.y_m;
+    sum_m2 += square(std::hypot(x_m, y_m) - circle.radius_m);
+  }
+  return std::sqrt(sum_m2 / (static_cast<double>(arc.ranges_m.size()) - 3.0));
+}
+
+/// From the arc's frame to the laser's: turned to its first beam, mirrored for clockwise scanners.
+CircleFit in_laser_frame(const CircleFit& local, double bearing_rad, bool clockwise) {
+  const double c = std::cos(bearing_rad), s = std::sin(bearing_rad);
+  const double m = clockwise ? -1.0 : 1.0;
+  CircleFit fit = local;
+  fit.x_m = c * local.x_m - s * m * local.y_m;
+  fit.y_m = s * local.x_m + c * m * local.y_m;
+  const auto& [xx, mirrored_xy, yy, xr, mirrored_yr, rr] = local.covariance;
+  const double xy = m * mirrored_xy, yr = m * mirrored_yr;
+  fit.covariance = {c * c * xx - 2.0 * c * s * xy + s * s * yy,
+                    c * s * (xx - yy) + (c * c - s * s) * xy,
+                    s * s * xx + 2.0 * c * s * xy + c * c * yy,
+                    c * xr - s * yr,
+                    s * xr + c * yr,
+                    rr};
+  return fit;
+}
+
+void measure_intensity(const Scan& scan, const Beams& beams, const Run& run, double brightest_from,
+                       Segment& s) {
+  if (!scan.has_intensities()) return;
+  double sum = 0.0;
+  int count = 0;
+  for_each_beam(beams, run, [&](std::ptrdiff_t i) {
+    const double intensity = scan.intensities[beams.index(i)];
+    if (!std::isfinite(intensity)) return;
+    sum += intensity;
+    s.intensity_max = std::max(s.intensity_max, intensity);
+    ++count;
+  });
+  if (count > 0) s.intensity = sum / count;
+  s.is_reflector = brightest_from > 0.0 && s.intensity_max >= brightest_from;
+}
+
+/// The circle, the line, and what they say of the shape.
+void measure_shape(const Scan& scan, const Beams& beams, const Run& run, const Sides& sides,
+                   const SegmentationConfig& config, const LaserConfig& laser, Arc& arc,
+                   Segment& s) {
+  arc_of(beams, run, sides, arc);
+  const std::size_t n = arc.ranges_m.size();
+  if (static_cast<int>(n) < config.min_beams_circle && n < kFewestBeamsOfAShape) return;
+  const double range_sd_m = laser.range_sd_at(s.range_m);
+  const auto circle = fit_circle(arc, beams.step_rad(), range_sd_m, config.width_max_m);
+  if (n >= kFewestBeamsOfAShape) {
+    s.line_rms_m = line_rms_m(arc);
+    s.circle_rms_m = circle ? circle_rms_m(arc, *circle) : 0.0;
+    const double best_m = circle ? std::min(s.line_rms_m, s.circle_rms_m) : s.line_rms_m;
+    s.raggedness = best_m / range_sd_m;
+    const double line2_m2 = square(s.line_rms_m), circle2_m2 = square(s.circle_rms_m);
+    s.straightness = !circle                       ? 1.0
+                     : line2_m2 + circle2_m2 > 0.0 ? circle2_m2 / (line2_m2 + circle2_m2)
+                                                   : 0.5;
+  }
+  if (!circle || static_cast<int>(n) < config.min_beams_circle) return;
+  const double full_rad =
+      2.0 * std::asin(std::min(1.0, circle->radius_m / std::hypot(circle->x_m, circle->y_m)));
+  if (sides.before.hidden || sides.after.hidden) {
+    s.visible_fraction = std::min(1.0, (arc.high_side_rad - arc.low_side_rad) / full_rad);
+  }
+  s.circle = in_laser_frame(*circle, scan.bearing_rad(static_cast<double>(s.first_beam)),
+                            scan.bearing_step_rad < 0.0);
+}
+
+}  // namespace
+
+Segment measure(const Scan& scan, const Beams& beams, const Run& run,
+                const SegmentationConfig& config, const WidthConfig& width,
+                const LaserConfig& laser, Arc& arc) {
+  const double step_rad = beams.step_rad();
+  const double span_beams = static_cast<double>(run.last - run.first);
+  const Sides sides = sides_of(beams, run, config);
+  Segment s;
+  s.first_beam = beams.index(run.first);
+  s.last_beam = beams.index(run.last);
+  s.middle_beam = beams.index(run.first + (run.last - run.first) / 2);
+  s.num_beams = run.num_beams;
+  s.start_range_m = beams.range_m(run.first);
+  s.end_range_m = beams.range_m(run.last);
+
+  double sum_m = 0.0;
+  double nearest_m = s.start_range_m;
+  double farthest_m = s.start_range_m;
+  for_each_beam(beams, run, [&](std::ptrdiff_t i) {
+    const double range_m = beams.range_m(i);
+    sum_m += range_m;
+    nearest_m = std::min(nearest_m, range_m);
+    farthest_m = std::max(farthest_m, range_m);
+  });
+  const double mean_m = sum_m / run.num_beams;
+  s.depth_m = farthest_m - nearest_m;
+
+  const double edge_beams_before =
+      width.mode == WidthMode::kPaper ? 0.0 : sides.before.beyond_beams;
+  const double edge_beams_after = width.mode == WidthMode::kPaper ? 0.0 : sides.after.beyond_beams;
+  // A circle of radius R at distance D fills the angle 2 asin(R / D), and its surface lies on
+  // average D - pi/4 R away over that angle.
+  const double filled_beams = span_beams + sides.before.beyond_beams + sides.after.beyond_beams;
+  const double half_angle_rad = std::min(0.5 * filled_beams * step_rad, 0.5 * kPi);
+  const double sine = std::sin(half_angle_rad);
+  const double radius_m = mean_m * sine / (1.0 - 0.25 * kPi * sine);
+  const double to_front_m = (1.0 - 0.25 * kPi) * radius_m;
+  s.range_m = std::clamp(mean_m - to_front_m, nearest_m, farthest_m);
+
+  const double paper_m = chord_m(s.start_range_m, s.end_range_m, span_beams * step_rad);
+  if (width.mode == WidthMode::kPaper) {
+    s.width_m = paper_m;
+  } else {
+    // what is not round but slants away is as wide as its slant
+    const double slant_m = std::abs(s.end_range_m - s.start_range_m);
+    const bool slants = slant_m > radius_m + config.jump_m;
+    s.width_m = slants ? std::max(2.0 * radius_m, paper_m + mean_m * step_rad) : 2.0 * radius_m;
+  }
+  const double sides_sd_beams = std::hypot(sides.before.sd_beams, sides.after.sd_beams);
+  s.width_sd_m = std::max(mean_m * step_rad * sides_sd_beams, 0.1 * width.sd_floor_m);
+
+  const double first = static_cast<double>(s.first_beam);
+  s.start_bearing_rad = scan.bearing_rad(first - edge_beams_before);
+  s.end_bearing_rad = scan.bearing_rad(first + span_beams + edge_beams_after);
+  s.bearing_rad = wrap_angle_rad(0.5 * (s.start_bearing_rad + s.end_bearing_rad));
+
+  const bool upwards = scan.bearing_step_rad > 0.0;
+  s.occluded_right = upwards ? sides.before.hidden : sides.after.hidden;
+  s.occluded_left = upwards ? sides.after.hidden : sides.before.hidden;
+  const double gap_before_m = gap_m(beams, run.first, -1), gap_after_m = gap_m(beams, run.last, 1);
+  s.gap_right_m = upwards ? gap_before_m : gap_after_m;
+  s.gap_left_m = upwards ? gap_after_m : gap_before_m;
+  s.num_fronts = run.num_fronts;
+  measure_intensity(scan, beams, run, config.reflectivity_min, s);
+  measure_shape(scan, beams, run, sides, config, laser, arc, s);
+  return s;
+}
+
+}  // namespace orchard::laser

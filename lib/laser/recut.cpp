@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "laser/recut.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+#include "laser/circle_fit.hpp"
+#include "laser/sides.hpp"
+
+namespace orchard::laser {
+namespace {
+
+/// A circle whose chi2 per degree of freedom is below this fits.
+constexpr double kGoodFit = 3.0;
+/// Two circles have three parameters more than one; noise alone gains this much in 1 of 10^5.
+constexpr double kClearlyBetter = 25.0;
+/// Ranges between two bulges stand out by this many sigmas before circles are tried.
+constexpr double kProminence = 3.0;
+constexpr int kFewestBeamsOfAPart = 3;
+
+/// Fits circles to runs with one set of buffers.
+class Fitter {
+ public:
+  Fitter(const Beams& beams, const SegmentationConfig& config, const LaserConfig& laser)
+      : beams_(beams), config_(config), laser_(laser) {}
+
+  std::optional<CircleFit> operator()(const Run& run) {
+    arc_of(beams_, run, sides_of(beams_, run, config_), arc_);
+    return fit_circle(arc_, beams_.step_rad(), laser_.range_sd_at(beams_.range_m(run.first)),
+                      0.5 * config_.width_max_m);
+  }
+
+ private:
+  const Beams& beams_;
+  const SegmentationConfig& config_;
+  const LaserConfig& laser_;
+  Arc arc_;
+};
+
+bool fits(const std::optional<CircleFit>& fit) { return fit && fit->chi2_per_dof() < kGoodFit; }
+
+/// Whether all beams between two runs are nearer, and one is on another surface.
+bool is_thin_front(const Beams& beams, const Run& before, const Run& after) {
+  const float nearest_m = std::min(beams.range_m(before.last), beams.range_m(after.first));
+  bool another = false;
+  for (std::ptrdiff_t i = before.last + 1; i < after.first; ++i) {
+    const float range_m = beams.range_m(i);
+    if (range_m <= 0.0f || range_m >= nearest_m) return false;
+    another = another || !beams.joined(range_m, nearest_m);
+  }
+  return another;
+}
+
+Run joined_run(const Run& before, const Run& after) {
+  Run run = before;
+  run.last = after.last;
+  run.num_beams += after.num_beams;
+  run.fronts[run.num_fronts++] = {before.last + 1, after.first - 1};
+  for (int k = 0; k < after.num_fronts; ++k) run.fronts[run.num_fronts++] = after.fronts[k];
+  return run;
+}
+
+/// The part of a run from one beam to another.
+Run part_of(const Beams& beams, const Run& run, std::ptrdiff_t first, std::ptrdiff_t last) {
+  Run part = run;
+  part.first = first;
+  part.last = last;
+  part.num_fronts = 0;
+  for (int k = 0; k < run.num_fronts; ++k) {
+    const Run::Front& front = run.fronts[k];
+    if (front.first > first && front.last < last) part.fronts[part.num_fronts++] = front;
+  }
+  part.num_beams = 0;
+  for_each_beam(beams, part, [&](std::ptrdiff_t) { ++part.num_beams; });
+  return part;
+}
+
+/// The beam that stands out farthest between two nearer ones, if it does by more than noise.
+class Valley {
+ public:
+  std::optional<std::ptrdiff_t> find(const Beams& beams, const Run& run, double range_sd_m) {
+    positions_.clear();
+    for_each_beam(beams, run, [&](std::ptrdiff_t i) { positions_.push_back(i); });
+    const std::size_t n = positions_.size();
+    if (n < 2 * kFewestBeamsOfAPart) return std::nullopt;
+    nearest_after_m_.assign(n, std::numeric_limits<float>::infinity());
+    for (std::size_t k = n - 1; k-- > 0;) {
+      nearest_after_m_[k] = std::min(nearest_after_m_[k + 1], beams.range_m(positions_[k + 1]));
+    }
+    float nearest_before_m = beams.range_m(positions_[0]);
+    double highest_m = kProminence * range_sd_m;
+    std::optional<std::ptrdiff_t> best;
+    for (std::size_t k = 1; k + 1 < n; ++k) {
+      const float range_m = beams.range_m(positions_[k]);
+      const double prominence_m = range_m - std::max(nearest_before_m, nearest_after_m_[k]);
+      if (prominence_m > highest_m) {
+        highest_m = prominence_m;
+        best = positions_[k];
+      }
+      nearest_before_m = std::min(nearest_before_m, range_m);
+    }
+    return best;
+  }
+
+ private:
+  std::vector<std::ptrdiff_t> positions_;
+  std::vector<float> nearest_after_m_;
+};
+
+}  // namespace
+
+void rejoin(const Beams& beams, const SegmentationConfig& config, const LaserConfig& laser,
+            std::vector<Run>& runs) {
+  if (config.bridge_beams < 1) return;
+  Fitter fit(beams, config, laser);
+  std::vector<char> taken(runs.size(), 0);
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    if (taken[k]) continue;
+    for (std::size_t m = k + 1; m < runs.size() && runs[k].num_fronts < Run::kMaxFronts; ++m) {
+      const std::ptrdiff_t hidden = runs[m].first - runs[k].last - 1;
+      if (hidden > config.bridge_beams) break;
+      if (!beams.joined(beams.range_m(runs[k].last), beams.range_m(runs[m].first)) ||
+          !is_thin_front(beams, runs[k], runs[m])) {
+        continue;
+      }
+      const Run both = joined_run(runs[k], runs[m]);
+      if (!fits(fit(both))) continue;
+      runs[k] = both;
+      taken[m] = 1;
+    }
+  }
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    if (!taken[k]) runs[kept++] = runs[k];
+  }
+  runs.resize(kept);
+}
+
+void split_touching(const Beams& beams, const SegmentationConfig& config, const LaserConfig& laser,
+                    std::vector<Run>& runs) {
+  if (!config.split_touching) return;
+  Fitter fit(beams, config, laser);
+  Valley valley;
+  for (std::size_t k = 0; k < runs.size();) {
+    const Run run = runs[k];
+    const double range_m = beams.range_m(run.first);
+    const double span_m = static_cast<double>(run.last - run.first) * beams.step_rad() * range_m;
+    const auto middle = span_m < 2.0 * config.width_max_m
+                            ? valley.find(beams, run, laser.range_sd_at(range_m))
+                            : std::nullopt;
+    ++k;
+    if (!middle) continue;
+    Run before = part_of(beams, run, run.first, *middle);
+    Run after = part_of(beams, run, *middle + 1, run.last);
+    before.touches_after = after.touches_before = true;
+    if (before.num_beams < kFewestBeamsOfAPart || after.num_beams < kFewestBeamsOfAPart) continue;
+    const auto first = fit(before), second = fit(after);
+    if (!fits(first) || !fits(second)) continue;
+    const auto one = fit(run);
+    if (one && one->chi2 - first->chi2 - second->chi2 < kClearlyBetter) continue;
+    runs[k - 1] = before;
+    runs.insert(runs.begin() + static_cast<std::ptrdiff_t>(k), after);
+    --k;  // three may touch
+  }
+}
+
+}  // namespace orchard::laser

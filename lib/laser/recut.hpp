@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "laser/beams.hpp"
+#include "laser/cut.hpp"
+#include "laser/laser_config.hpp"
+#include "laser/segmentation_config.hpp"
+
+namespace orchard::laser {
+
+/// Joins runs again that something thin in front (grass, a twig: at most bridge_beams beams, all of
+/// them nearer) has parted, when one circle fits both. The thin thing stays an object of its own.
+void rejoin(const Beams& beams, const SegmentationConfig& config, const LaserConfig& laser,
+            std::vector<Run>& runs);
+
+/// Cuts runs at the farthest beam between two bulges when two circles fit clearly better than one:
+/// two trunks that touch.
+void split_touching(const Beams& beams, const SegmentationConfig& config, const LaserConfig& laser,
+                    std::vector<Run>& runs);
+
+}  // namespace orchard::laser

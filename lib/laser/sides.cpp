@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "laser/sides.hpp"
+
+#include <cmath>
+
+namespace orchard::laser {
+namespace {
+
+const double kUniformSd = 1.0 / std::sqrt(12.0);
+
+Side side_at(const Beams& beams, std::ptrdiff_t end, std::ptrdiff_t outwards, bool touches,
+             const SegmentationConfig& config) {
+  Side side;
+  if (touches) {
+    side.sd_beams = 1.0;
+    return side;
+  }
+  if (beams.blocked(end + outwards)) {
+    side.hidden = true;
+    return side;
+  }
+  const double range_m = beams.range_m(end);
+  const auto nearer = [&](std::ptrdiff_t k) {
+    const double outside_m = beams.range_around_m(end + k * outwards);
+    return outside_m > 0.0 && outside_m < range_m - beams.jump_m(outside_m);
+  };
+  const double next_m = beams.range_around_m(end + outwards);
+  if (next_m > range_m + beams.jump_m(range_m)) return side;  // the background shows beside it
+  // a beam between the two may lie before what is nearer
+  const std::ptrdiff_t first = nearer(1) ? 1 : 2;
+  if (!nearer(first)) return side;
+  std::ptrdiff_t beyond = first + 1;
+  while (beyond - first <= config.bridge_beams && nearer(beyond)) ++beyond;
+  // what shows beside something thin is not the object's: its edge lies behind the thin thing
+  const std::ptrdiff_t farther = end + beyond * outwards;
+  const double beyond_m = beams.range_around_m(farther);
+  const bool thin = beyond - first <= config.bridge_beams && !beams.blocked(farther) &&
+                    !beams.joined(beyond_m, range_m);
+  if (!thin) {
+    side.hidden = true;
+    return side;
+  }
+  const double unseen_beams = static_cast<double>(beyond);
+  side.beyond_beams = 0.5 * unseen_beams;
+  side.sd_beams = kUniformSd * unseen_beams;
+  return side;
+}
+
+}  // namespace
+
+Sides sides_of(const Beams& beams, const Run& run, const SegmentationConfig& config) {
+  return {side_at(beams, run.first, -1, run.touches_before, config),
+          side_at(beams, run.last, 1, run.touches_after, config)};
+}
+
+void arc_of(const Beams& beams, const Run& run, const Sides& sides, Arc& arc) {
+  const double step_rad = beams.step_rad();
+  arc.ranges_m.clear();
+  arc.bearings_rad.clear();
+  for_each_beam(beams, run, [&](std::ptrdiff_t i) {
+    arc.ranges_m.push_back(beams.range_m(i));
+    arc.bearings_rad.push_back(static_cast<double>(i - run.first) * step_rad);
+  });
+  const double last = static_cast<double>(run.last - run.first);
+  arc.low_side_rad = -sides.before.beyond_beams * step_rad;
+  arc.high_side_rad = (last + sides.after.beyond_beams) * step_rad;
+  arc.low_side_sd_rad = sides.before.hidden ? 0.0 : sides.before.sd_beams * step_rad;
+  arc.high_side_sd_rad = sides.after.hidden ? 0.0 : sides.after.sd_beams * step_rad;
+}
+
+}  // namespace orchard::laser

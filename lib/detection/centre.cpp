@@ -2,6 +2,7 @@
 #include "detection/centre.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace orchard::detection {
@@ -9,19 +10,64 @@ namespace {
 
 double square(double x) { return x * x; }
 
-struct Diameter {
-  double mean_m = 0.0;
-  double variance_m2 = 0.0;
+struct Estimate {
+  double mean = 0.0;
+  double variance = 0.0;
 };
 
-Diameter diameter_of(const laser::Segment& segment, bool is_trunk, const Rig& rig) {
-  const Diameter measured{segment.width_m, square(std::max(segment.width_sd_m, 1e-4))};
-  if (!is_trunk) return measured;
+/// What trunks of the model have, as a radius.
+Estimate model_radius(const Rig& rig) {
   const laser::WidthConfig& trunks = rig.detector.width;
-  const double prior_variance_m2 = square(std::max(trunks.sd_m, trunks.sd_floor_m));
-  const double weight = prior_variance_m2 / (prior_variance_m2 + measured.variance_m2);
-  return {trunks.mean_m + weight * (measured.mean_m - trunks.mean_m),
-          weight * measured.variance_m2};
+  return {0.5 * trunks.mean_m, 0.25 * square(std::max(trunks.sd_m, trunks.sd_floor_m))};
+}
+
+Estimate radius_of(const laser::Segment& segment, bool is_trunk, const Rig& rig) {
+  const Estimate measured{0.5 * segment.width_m, 0.25 * square(std::max(segment.width_sd_m, 1e-4))};
+  if (!is_trunk) return measured;
+  const Estimate model = model_radius(rig);
+  const double weight = model.variance / (model.variance + measured.variance);
+  return {model.mean + weight * (measured.mean - model.mean), weight * measured.variance};
+}
+
+/// A place in the laser frame and its covariance xx xy yy.
+struct Place {
+  double x_m = 0.0, y_m = 0.0;
+  std::array<double, 3> covariance{};
+};
+
+/// Range to the bark plus radius, in the middle of what shows.
+Place by_range(const laser::Segment& segment, const laser::Scan& scan, bool is_trunk, bool hidden,
+               const Rig& rig) {
+  const Estimate radius = radius_of(segment, is_trunk, rig);
+  const double c = std::cos(segment.bearing_rad), s = std::sin(segment.bearing_rad);
+  const double range_m = segment.range_m + radius.mean;
+  const double along_m2 =
+      square(rig.laser.range_sd_at(segment.range_m)) / std::max(segment.num_beams, 1) +
+      radius.variance;
+  // Each side of an object may lie anywhere within one beam step; the middle is their mean. A
+  // hidden side may lie anywhere within the trunk.
+  double across_m2 = square(range_m * scan.bearing_step_rad) / 12.0;
+  if (hidden) {
+    across_m2 += square(0.5 * rig.detector.width.mean_m);
+  }
+  return {range_m * c,
+          range_m * s,
+          {c * c * along_m2 + s * s * across_m2, c * s * (along_m2 - across_m2),
+           s * s * along_m2 + c * c * across_m2}};
+}
+
+/// The circle's centre; of a trunk, the one that goes with the radius that its model and the circle
+/// agree on (a Kalman update with the model's radius).
+Place by_circle(const laser::CircleFit& circle, bool is_trunk, const Rig& rig) {
+  const auto& [xx, xy, yy, xr, yr, rr] = circle.covariance;
+  if (!is_trunk) return {circle.x_m, circle.y_m, {xx, xy, yy}};
+  const Estimate model = model_radius(rig);
+  const double innovation_m = model.mean - circle.radius_m;
+  const double total_m2 = rr + model.variance;
+  const double gain_x = xr / total_m2, gain_y = yr / total_m2;
+  return {circle.x_m + gain_x * innovation_m,
+          circle.y_m + gain_y * innovation_m,
+          {xx - gain_x * xr, xy - gain_x * yr, yy - gain_y * yr}};
 }
 
 }  // namespace
@@ -29,25 +75,25 @@ Diameter diameter_of(const laser::Segment& segment, bool is_trunk, const Rig& ri
 void place_in_base(Detection& detection, const laser::Segment& segment, const laser::Scan& scan,
                    bool is_trunk, const Rig& rig) {
   const laser::LaserConfig& mount = rig.laser;
-  const double bearing_base_rad = mount.mount_yaw_rad + segment.bearing_rad;
-  const double c = std::cos(bearing_base_rad), s = std::sin(bearing_base_rad);
-  const Diameter diameter = diameter_of(segment, is_trunk, rig);
-  const double centre_range_m = segment.range_m + 0.5 * diameter.mean_m;
-  detection.surface_x_m = mount.mount_x_m + segment.range_m * c;
-  detection.surface_y_m = mount.mount_y_m + segment.range_m * s;
-  detection.centre_x_m = mount.mount_x_m + centre_range_m * c;
-  detection.centre_y_m = mount.mount_y_m + centre_range_m * s;
+  Place place = segment.circle ? by_circle(*segment.circle, is_trunk, rig)
+                               : by_range(segment, scan, is_trunk, detection.occlusion != 0, rig);
+  // what all beams share moves the centre along the line of sight
+  const double shared2 = square(mount.target_sd_fraction);
+  auto& [xx, xy, yy] = place.covariance;
+  xx += shared2 * square(place.x_m);
+  xy += shared2 * place.x_m * place.y_m;
+  yy += shared2 * square(place.y_m);
 
-  const double along_m2 =
-      (square(mount.range_sd_m) + square(mount.range_sd_fraction * segment.range_m)) /
-          std::max(segment.num_beams, 1) +
-      0.25 * diameter.variance_m2;
-  // Each side of an object may lie anywhere within one beam step; the middle is their mean. A
-  // hidden side may lie anywhere within the trunk.
-  double across_m2 = square(centre_range_m * scan.bearing_step_rad) / 12.0;
-  if (detection.occlusion != 0) across_m2 += square(0.5 * rig.detector.width.mean_m);
-  detection.covariance = {c * c * along_m2 + s * s * across_m2, c * s * (along_m2 - across_m2),
-                          s * s * along_m2 + c * c * across_m2};
+  const double c = std::cos(mount.mount_yaw_rad), s = std::sin(mount.mount_yaw_rad);
+  detection.surface_x_m =
+      mount.mount_x_m + segment.range_m * std::cos(mount.mount_yaw_rad + segment.bearing_rad);
+  detection.surface_y_m =
+      mount.mount_y_m + segment.range_m * std::sin(mount.mount_yaw_rad + segment.bearing_rad);
+  detection.centre_x_m = mount.mount_x_m + c * place.x_m - s * place.y_m;
+  detection.centre_y_m = mount.mount_y_m + s * place.x_m + c * place.y_m;
+  detection.covariance = {c * c * xx - 2.0 * c * s * xy + s * s * yy,
+                          c * s * (xx - yy) + (c * c - s * s) * xy,
+                          s * s * xx + 2.0 * c * s * xy + c * c * yy};
 }
 
 }  // namespace orchard::detection

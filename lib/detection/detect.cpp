@@ -33,15 +33,19 @@ ReflectorVerdict judge_by_reflector(const laser::Segment& segment, const laser::
                                              : ReflectorVerdict::kNoTree;
 }
 
-/// An object with a hidden side is at least as wide as what shows of it: too wide is an object,
-/// anything less cannot be told.
-LaserVerdict judge_by_laser(const laser::Segment& segment, double roc_laser, const Rig& rig) {
-  const bool passed = roc_laser >= rig.detector.roc_laser_threshold;
+/// An object with a hidden side is at least as wide as what shows of it, or as its circle says:
+/// too wide is an object, anything less cannot be told.
+LaserVerdict judge_by_laser(const laser::Segment& segment, double roc_laser,
+                            double bearing_step_rad, const DetectorConfig& config) {
   if (segment.occluded_left || segment.occluded_right) {
-    const bool too_wide = !passed && segment.width_m > rig.detector.width.mean_m;
+    const double least_width_m =
+        segment.circle ? segment.width_m - 2.0 * segment.width_sd_m : segment.width_m;
+    const bool too_wide = least_width_m > config.width.mean_m &&
+                          laser::roc_laser(least_width_m, segment.range_m, bearing_step_rad,
+                                           config.width) < config.roc_laser_threshold;
     return too_wide ? LaserVerdict::kObject : LaserVerdict::kHidden;
   }
-  return passed ? LaserVerdict::kCandidate : LaserVerdict::kObject;
+  return roc_laser >= config.roc_laser_threshold ? LaserVerdict::kCandidate : LaserVerdict::kObject;
 }
 
 Detection laser_detection(const laser::Segment& segment, const laser::Scan& scan, double roc_laser,
@@ -54,7 +58,7 @@ Detection laser_detection(const laser::Segment& segment, const laser::Scan& scan
   d.width_m = segment.width_m;
   d.width_sd_m = segment.width_sd_m;
   d.num_beams = segment.num_beams;
-  d.intensity = static_cast<float>(segment.intensity);
+  d.intensity = static_cast<float>(std::max(segment.intensity, 0.0));
   d.occlusion = static_cast<std::int8_t>((segment.occluded_right ? kOccludedRight : 0) |
                                          (segment.occluded_left ? kOccludedLeft : 0));
   d.roc_laser = static_cast<float>(roc_laser);
@@ -135,7 +139,7 @@ LaserFindings find_by_laser(const laser::Scan& scan, const Rig& rig) {
     const double roc_laser =
         laser::roc_laser(segment.width_m, segment.range_m, scan.bearing_step_rad, config.width);
     const ReflectorVerdict reflector = judge_by_reflector(segment, scan, config.segmentation);
-    LaserVerdict verdict = judge_by_laser(segment, roc_laser, rig);
+    LaserVerdict verdict = judge_by_laser(segment, roc_laser, scan.bearing_step_rad, config);
     if (reflector == ReflectorVerdict::kNoTree) verdict = LaserVerdict::kObject;
     if (reflector == ReflectorVerdict::kUntold) verdict = LaserVerdict::kHidden;
     trunks.push_back(laser_detection(segment, scan, roc_laser, verdict, rig));

@@ -15,7 +15,9 @@ namespace {
 constexpr int kMaxIterations = 12;
 constexpr double kSmallestRadius_m = 1e-3;
 /// Beams that meet the surface flatter than this say little of range; the sides say it better.
-constexpr double kGrazingCosine = 0.3;
+/// Their weight falls between these two, so that no beam comes and goes as the circle settles.
+constexpr double kGrazingCosine = 0.2;
+constexpr double kSteepCosine = 0.4;
 /// Residuals beyond this many sigmas weigh less.
 constexpr double kHuber = 2.5;
 
@@ -31,9 +33,9 @@ struct Normal {
   double chi2 = 0.0;
   int count = 0;
 
-  void add(double residual, const Eigen::Vector3d& jacobian, double sd) {
+  void add(double residual, const Eigen::Vector3d& jacobian, double sd, double share = 1.0) {
     const double sigmas = std::abs(residual) / sd;
-    const double weight = (sigmas <= kHuber ? 1.0 : kHuber / sigmas) / (sd * sd);
+    const double weight = share * (sigmas <= kHuber ? 1.0 : kHuber / sigmas) / (sd * sd);
     information += weight * jacobian * jacobian.transpose();
     gradient += weight * residual * jacobian;
     chi2 += weight * residual * residual;
@@ -48,15 +50,17 @@ void add_ranges(const Arc& arc, const Circle& c, double step_rad, double range_s
     const double cosine = std::cos(offset_rad), sine = std::sin(offset_rad);
     const double across_m = c.range_m * sine;
     const double half_chord2_m2 = radius2_m2 - across_m * across_m;
-    if (half_chord2_m2 < kGrazingCosine * kGrazingCosine * radius2_m2) continue;
+    if (half_chord2_m2 <= kGrazingCosine * kGrazingCosine * radius2_m2) continue;
     const double half_chord_m = std::sqrt(half_chord2_m2);
+    const double share = std::min(
+        1.0, (half_chord_m / c.radius_m - kGrazingCosine) / (kSteepCosine - kGrazingCosine));
     const double expected_m = c.range_m * cosine - half_chord_m;
     const double by_bearing = -c.range_m * sine + c.range_m * across_m * cosine / half_chord_m;
     const Eigen::Vector3d jacobian(cosine + across_m * sine / half_chord_m, -by_bearing,
                                    -c.radius_m / half_chord_m);
     // the spot is about a step wide, and what it reads lies somewhere in it
     const double spread_m = by_bearing * step_rad * 0.25;
-    sum.add(arc.ranges_m[i] - expected_m, jacobian, std::hypot(range_sd_m, spread_m));
+    sum.add(arc.ranges_m[i] - expected_m, jacobian, std::hypot(range_sd_m, spread_m), share);
   }
 }
 

@@ -12,6 +12,8 @@ struct LaserConfig {
   double mount_yaw_rad = 0.0;       ///< rotation from base to laser, counter-clockwise
   double range_sd_m = 0.010;        ///< 1-sigma of one range, the part that does not grow
   double range_sd_fraction = 0.01;  ///< 1-sigma of one range per metre of range
+  /// 1-sigma per metre of range of the error that all beams of one object share.
+  double target_sd_fraction = 0.0;
 
   /// 1-sigma of one range.
   double range_sd_at(double range_m) const {
@@ -26,6 +28,8 @@ void describe(Visitor& v, LaserConfig& c) {
   v.number("mount_yaw_rad", c.mount_yaw_rad, -6.2832, 6.2832, "rad", "laser in base, turned left");
   v.number("range_sd_m", c.range_sd_m, 0, 1, "m", "1-sigma of a range, constant part");
   v.number("range_sd_fraction", c.range_sd_fraction, 0, 0.2, "1", "1-sigma per metre of range");
+  v.number("target_sd_fraction", c.target_sd_fraction, 0, 0.2, "1",
+           "1-sigma per metre of range of what all beams of an object share");
 }
 
 }  // namespace orchard::laser

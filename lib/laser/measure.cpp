@@ -15,6 +15,8 @@ using geometry::wrap_angle_rad;
 
 /// Shape is judged from this many beams on: a line takes two, a circle three.
 constexpr std::size_t kFewestBeamsOfAShape = 5;
+/// A circle with more chi2 than this per degree of freedom is none.
+constexpr double kWorstFit = 4.0;
 
 double square(double x) { return x * x; }
 
@@ -103,7 +105,9 @@ void measure_shape(const Scan& scan, const Beams& beams, const Run& run, const S
                    Segment& s) {
   arc_of(beams, run, sides, arc);
   const std::size_t n = arc.ranges_m.size();
-  if (static_cast<int>(n) < config.min_beams_circle && n < kFewestBeamsOfAShape) return;
+  const bool hidden = sides.before.hidden || sides.after.hidden;
+  const bool enough = static_cast<int>(n) >= config.min_beams_circle * (hidden ? 2 : 1);
+  if (!enough && n < kFewestBeamsOfAShape) return;
   const double range_sd_m = laser.range_sd_at(s.range_m);
   const auto circle = fit_circle(arc, beams.step_rad(), range_sd_m, config.width_max_m);
   if (n >= kFewestBeamsOfAShape) {
@@ -116,10 +120,10 @@ void measure_shape(const Scan& scan, const Beams& beams, const Run& run, const S
                      : line2_m2 + circle2_m2 > 0.0 ? circle2_m2 / (line2_m2 + circle2_m2)
                                                    : 0.5;
   }
-  if (!circle || static_cast<int>(n) < config.min_beams_circle) return;
+  if (!circle || !enough || circle->chi2_per_dof() > kWorstFit) return;
   const double full_rad =
       2.0 * std::asin(std::min(1.0, circle->radius_m / std::hypot(circle->x_m, circle->y_m)));
-  if (sides.before.hidden || sides.after.hidden) {
+  if (hidden) {
     s.visible_fraction = std::min(1.0, (arc.high_side_rad - arc.low_side_rad) / full_rad);
   }
   s.circle = in_laser_frame(*circle, scan.bearing_rad(static_cast<double>(s.first_beam)),
@@ -192,6 +196,10 @@ Segment measure(const Scan& scan, const Beams& beams, const Run& run,
   s.num_fronts = run.num_fronts;
   measure_intensity(scan, beams, run, config.reflectivity_min, s);
   measure_shape(scan, beams, run, sides, config, laser, arc, s);
+  if (s.circle && (s.occluded_left || s.occluded_right) && width.mode == WidthMode::kCompensated) {
+    s.width_m = 2.0 * s.circle->radius_m;
+    s.width_sd_m = std::max(2.0 * std::sqrt(s.circle->covariance[5]), s.width_sd_m);
+  }
   return s;
 }
 

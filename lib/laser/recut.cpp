@@ -17,6 +17,8 @@ constexpr double kGoodFit = 3.0;
 constexpr double kClearlyBetter = 25.0;
 /// Ranges between two bulges stand out by this many sigmas before circles are tried.
 constexpr double kProminence = 3.0;
+/// From here on they stand out without a circle through all to compare with.
+constexpr double kClearProminence = 8.0;
 constexpr int kFewestBeamsOfAPart = 3;
 
 /// Fits circles to runs with one set of buffers.
@@ -77,9 +79,14 @@ Run part_of(const Beams& beams, const Run& run, std::ptrdiff_t first, std::ptrdi
 }
 
 /// The beam that stands out farthest between two nearer ones, if it does by more than noise.
-class Valley {
+struct Valley {
+  std::ptrdiff_t position = 0;
+  double sigmas = 0.0;
+};
+
+class ValleyFinder {
  public:
-  std::optional<std::ptrdiff_t> find(const Beams& beams, const Run& run, double range_sd_m) {
+  std::optional<Valley> operator()(const Beams& beams, const Run& run, double range_sd_m) {
     positions_.clear();
     for_each_beam(beams, run, [&](std::ptrdiff_t i) { positions_.push_back(i); });
     const std::size_t n = positions_.size();
@@ -90,13 +97,13 @@ class Valley {
     }
     float nearest_before_m = beams.range_m(positions_[0]);
     double highest_m = kProminence * range_sd_m;
-    std::optional<std::ptrdiff_t> best;
+    std::optional<Valley> best;
     for (std::size_t k = 1; k + 1 < n; ++k) {
       const float range_m = beams.range_m(positions_[k]);
       const double prominence_m = range_m - std::max(nearest_before_m, nearest_after_m_[k]);
       if (prominence_m > highest_m) {
         highest_m = prominence_m;
-        best = positions_[k];
+        best = Valley{positions_[k], prominence_m / range_sd_m};
       }
       nearest_before_m = std::min(nearest_before_m, range_m);
     }
@@ -141,24 +148,26 @@ void split_touching(const Beams& beams, const SegmentationConfig& config, const 
                     std::vector<Run>& runs) {
   if (!config.split_touching) return;
   Fitter fit(beams, config, laser);
-  Valley valley;
+  ValleyFinder find_valley;
   for (std::size_t k = 0; k < runs.size();) {
     const Run run = runs[k];
     const double range_m = beams.range_m(run.first);
     const double span_m = static_cast<double>(run.last - run.first) * beams.step_rad() * range_m;
-    const auto middle = span_m < 2.0 * config.width_max_m
-                            ? valley.find(beams, run, laser.range_sd_at(range_m))
+    const auto valley = span_m < 2.0 * config.width_max_m
+                            ? find_valley(beams, run, laser.range_sd_at(range_m))
                             : std::nullopt;
     ++k;
-    if (!middle) continue;
-    Run before = part_of(beams, run, run.first, *middle);
-    Run after = part_of(beams, run, *middle + 1, run.last);
+    if (!valley) continue;
+    Run before = part_of(beams, run, run.first, valley->position);
+    Run after = part_of(beams, run, valley->position + 1, run.last);
     before.touches_after = after.touches_before = true;
     if (before.num_beams < kFewestBeamsOfAPart || after.num_beams < kFewestBeamsOfAPart) continue;
     const auto first = fit(before), second = fit(after);
     if (!fits(first) || !fits(second)) continue;
     const auto one = fit(run);
-    if (one && one->chi2 - first->chi2 - second->chi2 < kClearlyBetter) continue;
+    const bool better = one ? one->chi2 - first->chi2 - second->chi2 > kClearlyBetter
+                            : valley->sigmas > kClearProminence;
+    if (!better) continue;
     runs[k - 1] = before;
     runs.insert(runs.begin() + static_cast<std::ptrdiff_t>(k), after);
     --k;  // three may touch

@@ -31,7 +31,9 @@ struct Segment {
   double end_bearing_rad = 0.0;  ///< where it ends; the other edge
   double start_range_m = 0.0;    ///< r_1 of eq. 8
   double end_range_m = 0.0;      ///< r_2 of eq. 8
-  double width_m = 0.0;          ///< as WidthConfig::mode measures it
+  /// As WidthConfig::mode measures it. With a side hidden, the circle's (`compensated`, if there is
+  /// one) or what shows.
+  double width_m = 0.0;
   double width_sd_m = 0.0;
   double depth_m = 0.0;         ///< extent of its points along the line of sight
   bool occluded_right = false;  ///< something nearer, or the end of the scan, hides that side
@@ -39,7 +41,7 @@ struct Segment {
   int num_fronts = 0;  ///< thin things (grass, twigs) in front of it that hide beams of it
 
   /// The circle through its visible arc, laser frame; of SegmentationConfig::min_beams_circle beams
-  /// or more, and only if one fits.
+  /// or more (twice that with a side hidden), and only if one fits.
   std::optional<CircleFit> circle;
   /// Share of the circle's angular width that shows; 1 unless a side is hidden and a circle known.
   double visible_fraction = 1.0;

@@ -22,7 +22,7 @@ struct SegmentationConfig {
   double blind_half_width_rad = 0.0;  ///< half its angle; 0 = no such sector
   int bridge_beams = 3;               ///< grass and twigs in front hide at most this many beams
   bool split_touching = true;         ///< two circles that fit better than one are two objects
-  int min_beams_circle = 5;           ///< objects of fewer beams get no circle
+  int min_beams_circle = 3;  ///< objects of fewer beams get no circle; half hidden: twice that
   ReflectorUse reflector = ReflectorUse::kIgnored;
   double reflectivity_min = 0.0;  ///< an intensity from here on is a reflector's
 };
@@ -45,7 +45,7 @@ void describe(Visitor& v, SegmentationConfig& c) {
   v.flag("split_touching", c.split_touching,
          "part what two circles fit clearly better than one: trunks that touch");
   v.integer("min_beams_circle", c.min_beams_circle, 3, 1000, "beams",
-            "fewest beams to which a circle is fitted");
+            "fewest beams to which a circle is fitted; twice that with a side hidden");
   v.choice("reflector", c.reflector, {"ignored", "only", "exclude"},
            "reflectors mark nothing | the trees, and only they can be trees | what is no tree");
   v.number("reflectivity_min", c.reflectivity_min, 0, 1e9, "as the scanner's intensities",

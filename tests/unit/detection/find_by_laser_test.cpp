@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The laser's half of the detector: what becomes a candidate, an object, or stays untold.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "detection/detect.hpp"
+#include "tube_rig.hpp"
+
+namespace orchard::detection {
+namespace {
+
+using test::brown_tube;
+using test::scan_of;
+using test::Tube;
+using test::tube_rig;
+
+TEST(FindByLaser, NothingOfAnEmptyOrBrokenScan) {
+  const Rig rig = tube_rig();
+  EXPECT_TRUE(find_by_laser(laser::Scan{}, rig).detections.trunks.empty());
+  laser::Scan scan = scan_of({brown_tube(1.5, 0.0)});
+  scan.bearing_step_rad = 0.0;
+  EXPECT_TRUE(find_by_laser(scan, rig).detections.trunks.empty());
+  scan.bearing_step_rad = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(find_by_laser(scan, rig).detections.trunks.empty());
+  EXPECT_EQ(find_by_laser(scan, rig).detections.utime, scan.utime);
+}
+
+TEST(FindByLaser, CandidatesPointAtTheirDetections) {
+  const Rig rig = tube_rig();
+  const auto findings = find_by_laser(
+      scan_of({brown_tube(1.5, -0.6), brown_tube(1.5, 0.0, 0.20), brown_tube(1.5, 0.6)}), rig);
+  ASSERT_EQ(findings.detections.trunks.size(), 3u);
+  ASSERT_EQ(findings.candidates.size(), 2u);
+  for (const Candidate& candidate : findings.candidates) {
+    const Detection& d = findings.detections.trunks.at(candidate.index);
+    EXPECT_EQ(d.range_m, candidate.segment.range_m);
+    EXPECT_EQ(d.bearing_rad, candidate.segment.bearing_rad);
+    EXPECT_EQ(d.label, Label::kUnseen);
+  }
+  EXPECT_EQ(findings.detections.trunks[1].label, Label::kObject);
+}
+
+TEST(FindByLaser, TheLaserThresholdParts) {
+  Rig rig = tube_rig();
+  const auto scan = scan_of({brown_tube(1.5, 0.0, 0.11)});
+  const double roc = find_by_laser(scan, rig).detections.trunks.at(0).roc_laser;
+  ASSERT_GT(roc, 0.01);
+  ASSERT_LT(roc, 0.9);
+  rig.detector.roc_laser_threshold = roc - 0.001;
+  EXPECT_EQ(find_by_laser(scan, rig).candidates.size(), 1u);
+  rig.detector.roc_laser_threshold = roc + 0.001;
+  const auto above = find_by_laser(scan, rig);
+  EXPECT_TRUE(above.candidates.empty());
+  EXPECT_EQ(above.detections.trunks.at(0).label, Label::kObject);
+}
+
+TEST(FindByLaser, AHiddenSideIsUntoldUntilWhatShowsIsTooWide) {
+  for (const bool has_camera : {true, false}) {
+    const Rig rig = tube_rig({}, has_camera);
+    // the nearer tube hides the right part of the farther one
+    for (const double width_m : {0.09, 0.40}) {
+      const Tube hidden = brown_tube(2.0, 0.05 + 0.5 * width_m, width_m);
+      const auto trunks =
+          find_by_laser(scan_of({brown_tube(1.0, 0.0), hidden}), rig).detections.trunks;
+      const Detection* behind = nullptr;
+      for (const Detection& d : trunks) {
+        if (d.range_m > 1.5) behind = &d;
+      }
+      ASSERT_NE(behind, nullptr);
+      EXPECT_EQ(behind->occlusion, kOccludedRight);
+      EXPECT_EQ(behind->label, width_m < 0.2 ? Label::kUnseen : Label::kObject);
+    }
+  }
+}
+
+TEST(FindByLaser, AHalfHiddenTrunkLiesWhereItIsNotWhereItShows) {
+  const Rig rig = tube_rig();
+  const Tube hidden = brown_tube(1.2, 0.07, 0.09);
+  const auto trunks =
+      find_by_laser(scan_of({brown_tube(0.6, -0.005, 0.07), hidden}), rig).detections.trunks;
+  const Detection* behind = nullptr;
+  for (const Detection& d : trunks) {
+    if (d.range_m > 0.9) behind = &d;
+  }
+  ASSERT_NE(behind, nullptr);
+  EXPECT_NE(behind->occlusion, 0);
+  EXPECT_NEAR(behind->centre_x_m, hidden.x_m, 0.010);
+  EXPECT_NEAR(behind->centre_y_m, hidden.y_m, 0.010);
+  // and says how well that is known: far better than half a trunk
+  EXPECT_LT(std::sqrt(behind->covariance[2]), 0.02);
+}
+
+TEST(FindByLaser, ReflectorsMarkTreesOrWhatIsNone) {
+  auto scan = scan_of({brown_tube(1.5, -0.5), brown_tube(1.5, 0.5)});
+  scan.intensities.assign(scan.ranges_m.size(), 100.0f);
+  // the left one wears a reflector
+  for (std::size_t i = 341; i < scan.ranges_m.size(); ++i) scan.intensities[i] = 900.0f;
+  for (const bool has_camera : {true, false}) {
+    detection::DetectorConfig config;
+    config.segmentation.reflectivity_min = 500.0;
+    const Label passed = has_camera ? Label::kUnseen : Label::kTree;
+
+    auto found = find_by_laser(scan, tube_rig(config, has_camera));
+    EXPECT_EQ(found.detections.trunks.at(0).label, passed);
+    EXPECT_EQ(found.detections.trunks.at(1).label, passed);
+    EXPECT_FLOAT_EQ(found.detections.trunks.at(0).intensity, 100.0f);
+    EXPECT_FLOAT_EQ(found.detections.trunks.at(1).intensity, 900.0f);
+
+    config.segmentation.reflector = laser::ReflectorUse::kOnly;
+    found = find_by_laser(scan, tube_rig(config, has_camera));
+    EXPECT_EQ(found.detections.trunks.at(0).label, Label::kObject);
+    EXPECT_EQ(found.detections.trunks.at(1).label, passed);
+    EXPECT_FALSE(found.intensities_missing);
+
+    config.segmentation.reflector = laser::ReflectorUse::kExclude;
+    found = find_by_laser(scan, tube_rig(config, has_camera));
+    EXPECT_EQ(found.detections.trunks.at(0).label, passed);
+    EXPECT_EQ(found.detections.trunks.at(1).label, Label::kObject);
+    EXPECT_EQ(found.candidates.size(), has_camera ? 1u : 0u);
+  }
+}
+
+TEST(FindByLaser, ReflectorsWithoutIntensitiesTellNothingAndThatIsSaid) {
+  detection::DetectorConfig config;
+  config.segmentation.reflectivity_min = 500.0;
+  const auto scan = scan_of({brown_tube(1.5, 0.0)});
+  EXPECT_FALSE(find_by_laser(scan, tube_rig(config)).intensities_missing);
+  for (const auto use : {laser::ReflectorUse::kOnly, laser::ReflectorUse::kExclude}) {
+    config.segmentation.reflector = use;
+    for (const bool has_camera : {true, false}) {
+      const Rig rig = tube_rig(config, has_camera);
+      const auto found = find_by_laser(scan, rig);
+      EXPECT_TRUE(found.intensities_missing);
+      EXPECT_TRUE(found.candidates.empty());
+      EXPECT_EQ(found.detections.trunks.at(0).label, Label::kUnseen);
+      EXPECT_TRUE(detect(scan, nullptr, rig).intensities_missing);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace orchard::detection

@@ -253,6 +253,17 @@ TEST(RealScan, CodesForNothingAreNothing) {
   }
 }
 
+TEST(RealScan, TheFarthestRangeItselfMeansNothing) {
+  SegmentationConfig config;
+  config.min_beams = 1;
+  config.range_max_m = 40.0;
+  Scan scan = urg().empty();
+  scan.ranges_m[100] = static_cast<float>(scan.range_max_m);
+  EXPECT_TRUE(segments_of(scan, config).empty());
+  scan.ranges_m[100] = static_cast<float>(scan.range_max_m - 0.1);
+  EXPECT_EQ(segments_of(scan, config).size(), 1u);
+}
+
 TEST(RealScan, ReflectorsAreBright) {
   Scan scan = exact_scan({{{2.0, 0.0, 0.05}, {2.0, 0.5, 0.05}}, {}}, urg());
   SegmentationConfig config;

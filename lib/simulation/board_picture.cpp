@@ -64,7 +64,7 @@ calibration::GreyPicture BoardPainter::take(const std::optional<Eigen::Isometry3
   const Ray* ray = rays_.data();
   for (int v = 0; v < height_px; ++v) {
     for (int u = 0; u < width_px; ++u) {
-      double sum = 0.0;
+      double sum = 0.0, clutter = -1.0;  // behind the board one look per pixel is enough
       for (int i = 0; i < samples; ++i, ++ray) {
         double grey = -1.0;
         if (T_camera_board) {
@@ -79,7 +79,11 @@ calibration::GreyPicture BoardPainter::take(const std::optional<Eigen::Isometry3
           }
         }
         if (grey < 0.0) {
-          grey = clutter_at(ray->x, ray->y, seed, static_cast<float>(config_.clutter));
+          if (clutter < 0.0) {
+            clutter = std::max(
+                0.0f, clutter_at(ray->x, ray->y, seed, static_cast<float>(config_.clutter)));
+          }
+          grey = clutter;
         }
         sum += grey;
       }

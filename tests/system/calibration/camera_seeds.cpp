@@ -59,6 +59,7 @@ void run(const geometry::CameraIntrinsics& lens, bool charuco, int first, int la
   Figure focal, centre, distortion;
   int num_found = 0, num_shown = 0, num_refused = 0;
   double rms_px = 0.0;
+  std::string first_reason;
   for (int seed = first; seed <= last; ++seed) {
     simulation::Random random(static_cast<std::uint64_t>(seed), simulation::Stream::kImage);
     std::vector<calibration::NamedView> views;
@@ -70,7 +71,9 @@ void run(const geometry::CameraIntrinsics& lens, bool charuco, int first, int la
     }
     num_found += static_cast<int>(views.size());
     const auto result = calibration::calibrate_camera(views, lens.width_px, lens.height_px);
-    num_refused += !calibration::verdict_on(result).empty();
+    const std::vector<std::string> reasons = calibration::verdict_on(result);
+    num_refused += !reasons.empty();
+    if (!reasons.empty() && first_reason.empty()) first_reason = reasons.front();
     rms_px += result.rms_px / (last - first + 1);
     for (std::size_t i = 0; i < 2; ++i) {
       focal.add(result.intrinsics.fc_px[i] - lens.fc_px[i], result.fc_sd_px[i],
@@ -86,6 +89,7 @@ void run(const geometry::CameraIntrinsics& lens, bool charuco, int first, int la
       "results refused by the verdict\n",
       charuco ? "ChArUco 7 x 6" : "chessboard 8 x 6", num_views, first, last, num_found, num_shown,
       rms_px, num_refused, last - first + 1);
+  if (!first_reason.empty()) std::printf("  the first for: %s\n", first_reason.c_str());
   const auto print = [](const char* what, const Figure& figure, const char* limit) {
     std::printf(
         "  %-22s max %8.4f  rms %8.4f  wanted at most %-6s  in its 95 %% interval: %5.1f %%\n",
@@ -103,6 +107,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: camera_seeds FIRST LAST [VIEWS]\n");
     return 2;
   }
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
   const int first = std::atoi(argv[1]), last = std::atoi(argv[2]);
   const int num_views = argc > 3 ? std::atoi(argv[3]) : 25;
   const auto lens =

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "geometry/laser_camera.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace orchard::geometry {
@@ -16,6 +17,12 @@ Eigen::Matrix3d paper_rotation(const std::array<double, 3>& phi_rad) {
                sy,               -sx * cy,                cx * cy;
   // clang-format on
   return phi;
+}
+
+std::array<double, 3> paper_angles_rad(const Eigen::Matrix3d& R) {
+  const double phi_y = std::asin(std::clamp(R(0, 2), -1.0, 1.0));
+  if (std::hypot(R(1, 2), R(2, 2)) < 1e-9) return {std::atan2(R(2, 1), R(1, 1)), phi_y, 0.0};
+  return {std::atan2(-R(1, 2), R(2, 2)), phi_y, std::atan2(-R(0, 1), R(0, 0))};
 }
 
 LaserToCamera::LaserToCamera(const LaserCameraExtrinsics& extrinsics)

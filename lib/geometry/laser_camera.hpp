@@ -17,6 +17,11 @@ struct LaserCameraExtrinsics {
 /// Source: Shalal et al. 2013, eq. 2.
 Eigen::Matrix3d paper_rotation(const std::array<double, 3>& phi_rad);
 
+/// The angles of eq. 2 of a rotation from laser to camera: the inverse of
+/// LaserToCamera::rotation(), phi_y in [-pi/2, pi/2]. At phi_y = +-pi/2, where only the sum or
+/// difference of the others counts, phi_z is 0.
+std::array<double, 3> paper_angles_rad(const Eigen::Matrix3d& R_camera_laser);
+
 /// T_camera_laser: takes points of the laser frame to the camera frame.
 /// Source: the inverse of Shalal et al. 2013, eq. 1.
 class LaserToCamera {

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "simulation/board_scene_config.hpp"
 #include "simulation/clutter_config.hpp"
 #include "simulation/light_config.hpp"
 
@@ -220,6 +221,7 @@ struct SimulationConfig {
   LightConfig light;
   CameraResponseConfig camera_response;
   MotionConfig motion;
+  BoardSceneConfig board;
 };
 
 template <class Visitor>
@@ -232,6 +234,7 @@ void describe(Visitor& v, SimulationConfig& c) {
   v.section("light", c.light, "sun, sky and shadows in the pictures");
   v.section("camera_response", c.camera_response, "what the camera makes of that light");
   v.section("motion", c.motion, "odometry and GNSS of scene orchard");
+  v.section("board", c.board, "scene board: a chessboard before laser and camera");
 }
 
 }  // namespace orchard::simulation

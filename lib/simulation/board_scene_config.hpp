@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+namespace orchard::simulation {
+
+/// How a person moves a board. The first is how it should be done; under each of the others a
+/// laser's place at the camera cannot be found.
+enum class BoardHandling {
+  kCareful,          ///< other places, distances, tilts to all sides
+  kParallel,         ///< other places, but always parallel to the picture
+  kTurnedOnly,       ///< tilted about the camera's y axis only: left and right
+  kLeanedOnly,       ///< tilted about the camera's x axis only: forward and back
+  kTwoOrientations,  ///< other places, two orientations
+  kStill,            ///< one place, one orientation
+  kSmallTilts,       ///< to all sides, but by 5 degrees at most
+};
+
+/// Who sees the board.
+enum class BoardAudience { kBoth, kCameraOnly, kLaserOnly };
+
+/// How a badly set up camera driver sends its pictures.
+enum class PictureFlip { kNone, kLeftRight, kTopBottom };
+
+/// The scene for `orchard calibrate laser-camera`. Section `simulation.board`.
+struct BoardSceneConfig {
+  int columns = 7;  ///< inner corners of the chessboard
+  int rows = 5;
+  double square_m = 0.08;
+  double margin_m = 0.04;  ///< of white board beyond the outer squares
+  int num_poses = 24;      ///< that it is held still in
+  double hold_s = 0.8;
+  double move_s = 0.5;         ///< from one pose to the next
+  double range_min_m = 0.8;    ///< from the laser to the board's middle
+  double range_max_m = 1.9;    ///< farther, the squares get too small for 320x240 pixels
+  double tilt_max_rad = 0.7;   ///< of the board's normal from the line of sight
+  double tremor_m = 0.0003;    ///< standard deviation of a held board's place
+  double tremor_rad = 0.0005;  ///< and of its orientation
+  BoardHandling handling = BoardHandling::kCareful;
+  BoardAudience seen_by = BoardAudience::kBoth;
+  PictureFlip flip = PictureFlip::kNone;
+};
+
+template <class Visitor>
+void describe(Visitor& v, BoardSceneConfig& c) {
+  v.integer("columns", c.columns, 3, 40, "corners", "inner corners of a row of the chessboard");
+  v.integer("rows", c.rows, 3, 40, "corners", "inner corners of a column");
+  v.number("square_m", c.square_m, 0.005, 1, "m", "side of a square");
+  v.number("margin_m", c.margin_m, 0, 1, "m", "white board beyond the outer squares");
+  v.integer("num_poses", c.num_poses, 1, 1000, "poses", "in which the board is held still");
+  v.number("hold_s", c.hold_s, 0.1, 100, "s", "that it is held still in each");
+  v.number("move_s", c.move_s, 0, 100, "s", "from one pose to the next");
+  v.number("range_min_m", c.range_min_m, 0.2, 50, "m", "laser to the board's middle, nearest");
+  v.number("range_max_m", c.range_max_m, 0.2, 50, "m", "laser to the board's middle, farthest");
+  v.number("tilt_max_rad", c.tilt_max_rad, 0, 1.3, "rad", "largest tilt from the line of sight");
+  v.number("tremor_m", c.tremor_m, 0, 0.1, "m", "1-sigma of a held board's place");
+  v.number("tremor_rad", c.tremor_rad, 0, 0.1, "rad", "1-sigma of a held board's orientation");
+  v.choice("handling", c.handling,
+           {"careful", "parallel", "turned_only", "leaned_only", "two_orientations", "still",
+            "small_tilts"},
+           "how the person moves it");
+  v.choice("seen_by", c.seen_by, {"both", "camera_only", "laser_only"}, "who sees the board");
+  v.choice("flip", c.flip, {"none", "left_right", "top_bottom"}, "mirrored pictures");
+  v.check(c.range_min_m <= c.range_max_m, "range_min_m", "must not be above range_max_m");
+}
+
+}  // namespace orchard::simulation

@@ -16,8 +16,8 @@ if [ "${1:-}" = --calibrate ]; then
     "$build/bin/orchard" simulate --scene tubes --seed "$seed" --config "$config" \
       --out "$folder/tubes_$seed.lcm" >/dev/null
   done
-  "$build/bin/orchard" calibrate trunks "${logs[@]}" --config "$config" --out "$folder/tubes.yaml" |
-    tail -n 2
+  "$build/bin/orchard" calibrate trunks "${logs[@]}" --colour-model hue_interval --config "$config" --out "$folder/tubes.yaml" |
+    tail -n 12
   config=$folder/tubes.yaml
 fi
 mkdir -p out

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
+#include <map>
 #include <string>
 
 #include "cli/add_command.hpp"
@@ -82,6 +83,9 @@ void add_calibrate(CLI::App& app, Run& run) {
   const char* examples =
       "  orchard calibrate trunks drive.lcm --config config/tubes.yaml --out config/mine.yaml\n"
       "  orchard calibrate trunks one.lcm two.lcm --config config/mine.yaml\n"
+      "  orchard calibrate trunks drive.lcm --config config/mine.yaml --list out/things\n"
+      "  orchard calibrate trunks drive.lcm --config config/mine.yaml --trees 3,7,9-20\n"
+      "  orchard calibrate trunks drive.lcm --config config/mine.yaml --map out/drive --ids 4,8\n"
       "  orchard calibrate trunks --images pictures --masks masks --only 000-019 --out "
       "model.yaml\n";
   add_command<CalibrateTrunksOptions>(
@@ -115,6 +119,33 @@ void add_calibrate(CLI::App& app, Run& run) {
         command.add_option("--wanted-trunks", o.wanted_trunks, "fewer give a warning")
             ->check(CLI::PositiveNumber)
             ->capture_default_str();
+        const std::map<std::string, ColourChoice> choices{
+            {"auto", ColourChoice::kAuto},
+            {"hue_interval", ColourChoice::kHueInterval},
+            {"appearance", ColourChoice::kAppearance}};
+        command
+            .add_option("--colour-model", o.colour_model,
+                        "hue_interval, appearance, or auto: the one that tells trunks better")
+            ->transform(CLI::CheckedTransformer(choices))
+            ->type_name("MODEL");
+        CLI::Option* list =
+            command
+                .add_option("--list", o.list_folder,
+                            "write a page with a picture of each thing seen, to pick from; "
+                            "changes no rig")
+                ->type_name("DIR");
+        CLI::Option* trees =
+            command
+                .add_option("--trees", o.trees, "the things of that page that are trunks: 3,7,9-20")
+                ->excludes(list);
+        CLI::Option* map =
+            command.add_option("--map", o.map_folder, "a first map, whose landmarks --ids names")
+                ->excludes(list)
+                ->excludes(trees)
+                ->type_name("DIR");
+        CLI::Option* ids = command.add_option("--ids", o.ids, "its landmarks that are trunks: 4,8");
+        ids->needs(map);
+        map->needs(ids);
         command.add_flag("--quiet", o.quiet, "warnings and errors only");
         command.parse_complete_callback([&o] {
           const MaskedPictureOptions& p = o.pictures;

@@ -36,11 +36,12 @@ std::optional<Pose2> pose_at(const std::vector<pose::PoseEstimate>& poses, std::
 
 }  // namespace
 
-TrunkCollector::TrunkCollector(const io::Config& config, int log)
+TrunkCollector::TrunkCollector(const io::Config& config, int log, bool crops)
     : rig_(config.laser, config.camera, config.detector),
       pairer_(config.detector.pairing_tolerance_s, config.detector.image_wait_s),
       pose_gap_max_us_(std::llround(config.mapper.pose_gap_max_s * 1e6)),
-      log_(log) {}
+      log_(log),
+      crops_(crops) {}
 
 std::vector<bus::Channel> TrunkCollector::inputs() const {
   std::vector<bus::Channel> channels{bus::Channel::kScan, bus::Channel::kPose};
@@ -79,7 +80,10 @@ std::vector<calibration::TrunkObservation> TrunkCollector::observations() const 
 
 void TrunkCollector::look(const detection::ScanImagePair& pair) {
   if (pair.image || !rig_.has_camera) ++num_pairs_;
-  for (auto& seen : calibration::observe_trunks(pair.scan, pair.image.get(), rig_, kMinBeams)) {
+  calibration::ObserveOptions options;
+  options.min_beams = kMinBeams;
+  options.crops = crops_;
+  for (auto& seen : calibration::observe_trunks(pair.scan, pair.image.get(), rig_, options)) {
     seen.log = log_;
     in_base_.push_back(std::move(seen));
   }

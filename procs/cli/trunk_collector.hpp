@@ -13,7 +13,7 @@ namespace orchard::cli {
 /// A node that looks at everything in a log's scan-image pairs, for calibration; sends nothing.
 class TrunkCollector : public bus::Node {
  public:
-  TrunkCollector(const io::Config& config, int log);
+  TrunkCollector(const io::Config& config, int log, bool crops = false);
 
   std::string_view name() const override { return "calibration"; }
   std::vector<bus::Channel> inputs() const override;
@@ -31,6 +31,7 @@ class TrunkCollector : public bus::Node {
   detection::ScanImagePairer pairer_;
   std::int64_t pose_gap_max_us_;
   int log_;
+  bool crops_;
   int num_pairs_ = 0;
   std::vector<calibration::TrunkObservation> in_base_;
   std::vector<pose::PoseEstimate> poses_;  ///< in order of utime

@@ -113,4 +113,78 @@ TEST_F(CalibrateCommand, BadInputIsOneSentenceAndExitCode3) {
   }
 }
 
+TEST_F(CalibrateCommand, ListsWhatItSawAndLearnsFromThosePicked) {
+  const std::string log = simulate(1004);
+  const std::string before = text_of(rig_);
+  const Outcome listed = run("calibrate trunks " + log + " --config " + rig_.string() + " --list " +
+                             in_folder("things"));
+  ASSERT_EQ(listed.exit_code, 0) << listed.output;
+  EXPECT_EQ(text_of(rig_), before);
+  EXPECT_FALSE(fs::exists(rig_.string() + ".bak"));
+  EXPECT_GT(fs::file_size(in_folder("things/thing_1.png")), 100u);
+  EXPECT_NE(text_of(in_folder("things/index.html")).find("thing_1.png"), std::string::npos);
+  std::istringstream csv(text_of(in_folder("things/things.csv")));
+  std::string trees, line;
+  int num_picked = 0;
+  for (std::getline(csv, line); std::getline(csv, line);) {
+    if (line.find(",trunk,") == std::string::npos || num_picked == 6) continue;
+    trees += (trees.empty() ? "" : ",") + line.substr(0, line.find(','));
+    ++num_picked;
+  }
+  ASSERT_EQ(num_picked, 6);
+  const Outcome picked =
+      run("calibrate trunks " + log + " --config " + rig_.string() + " --out " +
+          in_folder("picked.yaml") + " --colour-model hue_interval --trees " + trees);
+  ASSERT_EQ(picked.exit_code, 0) << picked.output;
+  EXPECT_NE(text_of(in_folder("picked.yaml")).find("6 trunks"), std::string::npos);
+  EXPECT_NE(text_of(in_folder("picked.yaml")).find("picked by number"), std::string::npos);
+  const auto config = orchard::io::load_config(in_folder("picked.yaml"));
+  EXPECT_NEAR(config.detector.width.mean_m, 0.090, 0.004);
+  EXPECT_EQ(config.detector.colour_model, orchard::detection::ColourModel::kHueInterval);
+  EXPECT_GT(config.detector.adaptation.reference_green, 10.0);
+}
+
+TEST_F(CalibrateCommand, LearnsAppearanceAndTrunksOfAFirstMap) {
+  const std::string log = simulate(1005);
+  ASSERT_EQ(
+      run("map " + log + " --config " + rig_.string() + " --out " + in_folder("map")).exit_code, 0);
+  std::istringstream csv(text_of(in_folder("map/map.csv")));
+  std::string ids, line;
+  for (std::getline(csv, line); std::getline(csv, line);) {
+    if (line.find(",tree,") == std::string::npos) continue;
+    ids += (ids.empty() ? "" : ",") + line.substr(0, line.find(','));
+  }
+  const std::string command = "calibrate trunks " + log + " --config " + rig_.string() + " --map " +
+                              in_folder("map") + " --out " + in_folder("out.yaml") +
+                              " --colour-model appearance --ids ";
+  const Outcome outcome = run(command + ids);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_NE(outcome.output.find("area under the ROC curve"), std::string::npos);
+  const auto config = orchard::io::load_config(in_folder("out.yaml"));
+  EXPECT_EQ(config.detector.colour_model, orchard::detection::ColourModel::kAppearance);
+  EXPECT_NEAR(config.detector.width.mean_m, 0.090, 0.004);
+
+  fs::remove(in_folder("out.yaml"));
+  for (const char* bad : {"9999", "4,x", "7-3"}) {
+    const Outcome refused = run(command + bad);
+    EXPECT_EQ(refused.exit_code, 3) << refused.output;
+    EXPECT_NE(refused.output.find(bad[0] == '9' ? "no landmark 9999" : "is no number"),
+              std::string::npos)
+        << refused.output;
+    EXPECT_FALSE(fs::exists(in_folder("out.yaml")));
+  }
+}
+
+TEST_F(CalibrateCommand, ALogWithoutPicturesIsRefused) {
+  const std::string log = in_folder("blind.lcm");
+  const std::string config = ORCHARD_SOURCE_DIR "/config/urg_front.yaml";
+  ASSERT_EQ(run("simulate --scene tubes --seed 7 --config " + config + " --out " + log).exit_code,
+            0);
+  const Outcome outcome = run("calibrate trunks " + log + " --config " + rig_.string() + " --out " +
+                              in_folder("out.yaml"));
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.output;
+  EXPECT_NE(outcome.output.find("no scan with an image"), std::string::npos) << outcome.output;
+  EXPECT_FALSE(fs::exists(in_folder("out.yaml")));
+}
+
 }  // namespace

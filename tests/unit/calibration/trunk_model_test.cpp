@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <random>
+#include <stdexcept>
+#include <string>
 
 #include "calibration/hue_interval.hpp"
 
@@ -154,6 +156,62 @@ TEST(HueInterval, AllHuesMakeAFullCircle) {
   EXPECT_EQ(interval.width_deg, 360.0);
   EXPECT_TRUE(vision::hue_in_range(123.0, interval.min_deg, interval.max_deg));
   EXPECT_THROW(hue_interval({}, 0.01, 2.0), std::invalid_argument);
+}
+
+bool warns_of(const TrunkModel& model, const std::string& words) {
+  for (const std::string& warning : model.warnings) {
+    if (warning.find(words) != std::string::npos) return true;
+  }
+  return false;
+}
+
+TEST(TrunkModel, PicksByNumberAreTheTrunks) {
+  const auto looks = looks_at({{24, 0.09, 0.004, 30.0}, {6, 0.17, 0.004, 210.0}}, 8, 5);
+  TrunkModelOptions options;
+  options.wanted_trunks = 5;
+  options.picked = {25, 26, 27, 28, 30};
+  const TrunkModel model = estimate_trunk_model(looks, options);
+  EXPECT_EQ(model.num_trunks, 5);
+  EXPECT_NEAR(model.width_mean_m, 0.17, 0.003);
+  EXPECT_FALSE(model.things[28].is_trunk);
+  options.picked = {31};
+  EXPECT_THROW(estimate_trunk_model(looks, options), std::runtime_error);
+}
+
+TEST(TrunkModel, PicksByPlaceAreTheTrunksThatStandThere) {
+  const auto looks = looks_at({{4, 0.09, 0.004, 30.0}, {3, 0.17, 0.004, 30.0}}, 8, 6);
+  TrunkModelOptions options;
+  options.picked_places = {{7, 8.05, 0.0}, {9, 12.0, 0.1}};
+  const TrunkModel model = estimate_trunk_model(looks, options);
+  EXPECT_EQ(model.num_trunks, 2);
+  EXPECT_NEAR(model.width_mean_m, 0.17, 0.004);
+  options.picked_places.push_back({11, 40.0, 0.0});
+  try {
+    estimate_trunk_model(looks, options);
+    FAIL() << "a place where nothing stands";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("landmark 11"), std::string::npos) << error.what();
+  }
+}
+
+TEST(TrunkModel, WarnsWhenTwoPopulationsDoNotSeparate) {
+  // Clear of each other in hue: nothing to say.
+  const auto apart = looks_at({{24, 0.12, 0.004, 30.0}, {8, 0.12, 0.004, 200.0}}, 8, 7);
+  EXPECT_TRUE(estimate_trunk_model(apart, {}).warnings.empty());
+  // Wide scatter of both: the second group begins where the first ends.
+  std::vector<Kind> kinds;
+  for (int i = 0; i < 40; ++i) kinds.push_back({1, 0.10 + 0.002 * i, 0.001, 30.0});
+  EXPECT_TRUE(warns_of(estimate_trunk_model(looks_at(kinds, 8, 8), {}), "do not separate"));
+}
+
+TEST(TrunkModel, WarnsWhenTheOthersAreAsMany) {
+  const auto looks = looks_at({{24, 0.12, 0.004, 30.0}, {20, 0.12, 0.004, 200.0}}, 8, 9);
+  EXPECT_TRUE(warns_of(estimate_trunk_model(looks, {}), "about as many"));
+}
+
+TEST(TrunkModel, WarnsOfAMixedOrchard) {
+  const auto mixed = looks_at({{12, 0.10, 0.002, 30.0}, {12, 0.125, 0.002, 30.0}}, 8, 10);
+  EXPECT_TRUE(warns_of(estimate_trunk_model(mixed, {}), "two kinds"));
 }
 
 }  // namespace

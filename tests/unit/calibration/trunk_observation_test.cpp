@@ -16,7 +16,7 @@ TEST(TrunkObservation, LooksAtEverythingWhateverItsWidthAndColour) {
   const std::vector<test::Tube> tubes{brown_tube(1.5, 0.5), brown_tube(1.5, 0.0, 0.17),
                                       blue_tube(1.5, -0.5)};
   const auto image = test::picture_of_tubes(tubes, rig);
-  const auto looks = observe_trunks(test::scan_of(tubes), &image, rig, 4);
+  const auto looks = observe_trunks(test::scan_of(tubes), &image, rig, {4, false});
   ASSERT_EQ(looks.size(), 3u);  // from right to left
   EXPECT_NEAR(vision::dominant_hue_deg(looks[0].hues, 36), 215.0, 6.0);
   EXPECT_NEAR(looks[1].width_m, 0.17, 0.01);
@@ -31,13 +31,14 @@ TEST(TrunkObservation, LeavesOutWhatIsHiddenThinOrOutOfView) {
   const std::vector<test::Tube> tubes{brown_tube(1.0, 0.0), brown_tube(2.0, 0.11),
                                       brown_tube(0.0, 1.5), brown_tube(3.0, -0.8, 0.03)};
   const auto image = test::picture_of_tubes(tubes, rig);
-  EXPECT_EQ(observe_trunks(test::scan_of(tubes), &image, rig, 4).size(), 1u);
+  EXPECT_EQ(observe_trunks(test::scan_of(tubes), &image, rig, {4, false}).size(), 1u);
 }
 
 TEST(TrunkObservation, ARigWithACameraLearnsNothingWithoutAPicture) {
   const std::vector<test::Tube> tubes{brown_tube(1.5, 0.5)};
-  EXPECT_TRUE(observe_trunks(test::scan_of(tubes), nullptr, test::tube_rig(), 4).empty());
-  const auto looks = observe_trunks(test::scan_of(tubes), nullptr, test::tube_rig({}, false), 4);
+  EXPECT_TRUE(observe_trunks(test::scan_of(tubes), nullptr, test::tube_rig(), {4, false}).empty());
+  const auto looks =
+      observe_trunks(test::scan_of(tubes), nullptr, test::tube_rig({}, false), {4, false});
   ASSERT_EQ(looks.size(), 1u);
   EXPECT_EQ(looks[0].hues.num_pixels, 0);
 }

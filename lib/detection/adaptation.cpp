@@ -17,8 +17,6 @@ constexpr double kNewestWeight = 0.1;
 /// A model is good while this part of the good share is confirmed.
 constexpr double kStillGood = 0.9;
 constexpr double kGoodShareGain = 0.1;
-constexpr double kMadToSd = 1.4826;
-constexpr double kMedianToMeanError = 1.2533;
 /// Groups smaller than this are stragglers, no population.
 constexpr double kPopulationShare = 0.25;
 /// Populations must differ by this much at least to matter: a fraction of the width, a log.
@@ -27,28 +25,20 @@ constexpr double kColourApart = 0.12;
 
 std::int64_t microseconds(double seconds) { return std::llround(seconds * 1e6); }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
+/// The middle of some numbers: the mean without the outer fifth on either side. (A median jumps
+/// between two kinds of bark.)
+double middle_of(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t cut = values.size() / 5;
+  double sum = 0.0;
+  for (std::size_t i = cut; i < values.size() - cut; ++i) sum += values[i];
+  return sum / static_cast<double>(values.size() - 2 * cut);
 }
 
-/// Standard error of a median, from the numbers' own scatter.
-double median_error(const std::vector<double>& values, double middle) {
-  std::vector<double> deviations;
-  deviations.reserve(values.size());
-  for (const double value : values) deviations.push_back(std::abs(value - middle));
-  return kMedianToMeanError * kMadToSd * median(std::move(deviations)) /
-         std::sqrt(static_cast<double>(values.size()));
-}
-
-/// A value moved towards the median, by no more than `most` and only by what is beyond scatter.
-double moved(double value, const std::vector<double>& values, double most) {
-  const double middle = median(values);
-  const double way = middle - value;
-  const double beyond = std::max(std::abs(way) - median_error(values, middle), 0.0);
-  return value + std::copysign(std::min(beyond, most), way);
+/// A value moved towards the middle of what trees say: by a share of the way, by `most` at most.
+double moved(double value, const std::vector<double>& values, double share, double most) {
+  const double way = middle_of(values) - value;
+  return value + std::clamp(share * way, -most, most);
 }
 
 double bounded(double value, double centre, double limit) {
@@ -159,7 +149,7 @@ void Adaptation::find_reference() {
     green.push_back(thing.raw_green.value);
   }
   if (blue.size() < static_cast<std::size_t>(config_.min_trees)) return;
-  reference_ = vision::WindowLight{median(blue), median(red), median(green)};
+  reference_ = vision::WindowLight{middle_of(blue), middle_of(red), middle_of(green)};
 }
 
 Adaptation::Evidence Adaptation::gather() const {
@@ -262,19 +252,20 @@ void Adaptation::consider(double dt_s, std::vector<AdaptationStep>& steps) {
     steps.push_back(step_of(action, obstacle, evidence));
   }
   const AdaptedModel before = model_;
+  const double share = std::min(dt_s / config_.smoothing_s, 1.0);
   if (width == AdaptationReason::kNone) {
     const double mean_m = calibrated_.width_mean_m;
-    model_.width_mean_m = bounded(
-        moved(model_.width_mean_m, evidence.widths_m, config_.width_rate_per_s * dt_s * mean_m),
-        mean_m, config_.width_limit * mean_m);
+    model_.width_mean_m = bounded(moved(model_.width_mean_m, evidence.widths_m, share,
+                                        config_.width_rate_per_s * dt_s * mean_m),
+                                  mean_m, config_.width_limit * mean_m);
   }
   if (light == AdaptationReason::kNone) {
     Light& l = model_.light;
     const double most = config_.colour_rate_per_s * dt_s;
-    l.blue = bounded(moved(l.blue, evidence.blue, most), 0.0, config_.colour_limit);
-    l.red = bounded(moved(l.red, evidence.red, most), 0.0, config_.colour_limit);
-    l.green = bounded(moved(l.green, evidence.green, config_.brightness_rate_per_s * dt_s), 0.0,
-                      config_.brightness_limit);
+    l.blue = bounded(moved(l.blue, evidence.blue, share, most), 0.0, config_.colour_limit);
+    l.red = bounded(moved(l.red, evidence.red, share, most), 0.0, config_.colour_limit);
+    l.green = bounded(moved(l.green, evidence.green, share, config_.brightness_rate_per_s * dt_s),
+                      0.0, config_.brightness_limit);
   }
   if (!same(model_, before)) {
     steps.push_back(step_of(AdaptationAction::kStep, AdaptationReason::kNone, evidence));

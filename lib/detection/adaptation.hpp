@@ -28,7 +28,7 @@ struct AdaptationLook {
 /// What one sensor is sure of teaches the other's model, never its own: the camera's trees the
 /// width, the laser's the colour. A post of trunk width fools the laser, so colour also asks for
 /// nearness to the colour model as it is. Each thing counts once however long it is looked at;
-/// the median over things leads, less what their scatter explains; steps are bounded per second
+/// the middle of all things leads; steps are bounded per second
 /// of message time and in all. Few trees, sensors that disagree or two populations freeze a model;
 /// when far less is confirmed than before it goes back to where it was last good, and if that does
 /// not help, to the calibration. A function of the looks in their order only.

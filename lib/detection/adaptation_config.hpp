@@ -9,11 +9,12 @@ struct AdaptationConfig {
   bool enabled = false;
   double period_s = 1.0;            ///< between looks at what the trees teach
   double window_s = 40.0;           ///< older trees teach nothing
-  int window_trees = 16;            ///< nor do more than this many newest ones
-  int min_trees = 5;                ///< fewer freeze a model
+  int window_trees = 12;            ///< nor do more than this many newest ones
+  int min_trees = 4;                ///< fewer freeze a model
+  double smoothing_s = 5.0;         ///< a model goes this fast to where the trees are, e-fold
   double teach_laser = 0.3;         ///< roc_laser of a tree that teaches colour
   double teach_vision = 0.55;       ///< roc_vision of a tree that teaches width
-  double teach_colour = 0.2;        ///< roc_colour, besides, of a tree that teaches colour
+  double teach_colour = 0.1;        ///< roc_colour, besides, of a tree that teaches colour
   double colour_gate = 0.3;         ///< largest distance of its colour from the current model's
   double width_rate_per_s = 0.002;  ///< of the calibrated width
   double width_limit = 0.15;        ///< of the calibrated width
@@ -37,6 +38,8 @@ void describe(Visitor& v, AdaptationConfig& c) {
   v.number("window_s", c.window_s, 1, 3600, "s", "trees seen longer ago teach nothing");
   v.integer("window_trees", c.window_trees, 2, 1000, "trees", "the newest teach, at most these");
   v.integer("min_trees", c.min_trees, 2, 1000, "trees", "fewer freeze a model");
+  v.number("smoothing_s", c.smoothing_s, 0.05, 3600, "s",
+           "time constant with which a model goes to where its trees are");
   v.number("teach_laser", c.teach_laser, 0, 1, "1", "least roc_laser of what teaches colour");
   v.number("teach_vision", c.teach_vision, 0, 1, "1", "least roc_vision of what teaches width");
   v.number("teach_colour", c.teach_colour, 0, 1, "1", "least roc_colour of what teaches colour");

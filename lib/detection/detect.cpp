@@ -9,6 +9,7 @@
 
 #include "detection/centre.hpp"
 #include "detection/fuse.hpp"
+#include "detection/probability.hpp"
 #include "detection/trunk_view.hpp"
 #include "laser/segment.hpp"
 #include "vision/appearance.hpp"
@@ -119,6 +120,19 @@ AdaptationLook look_at(const Detection& d, const std::optional<vision::WindowLig
   return {d.centre_x_m, d.centre_y_m, d.width_m, d.roc_laser, d.roc_colour, d.roc_vision, light};
 }
 
+/// States the probabilities of all detections; labels by them where the rig decides so.
+void judge_probabilities(std::vector<Detection>& trunks, const Rig& rig) {
+  const DetectorConfig& config = rig.detector;
+  if (!config.probability.enabled) return;
+  for (Detection& d : trunks) {
+    const auto p = tree_probability(d, config.width.mean_m, config.probability);
+    d.probability_tree = static_cast<float>(p.tree);
+    d.probability_object = static_cast<float>(p.object);
+    if (config.decision != Decision::kProbability || d.label == Label::kUnseen) continue;
+    d.label = label_of(p.tree, 0.5);
+  }
+}
+
 bool fits_camera(const vision::Image& image, const Rig& rig) {
   return image.width_px == rig.camera.intrinsics().width_px &&
          image.height_px == rig.camera.intrinsics().height_px;
@@ -158,8 +172,10 @@ LaserFindings find_by_laser(const laser::Scan& scan, const Rig& rig) {
   return findings;
 }
 
-DetectResult judge_by_camera(LaserFindings findings, const vision::Image* image, const Rig& rig,
-                             const std::optional<Motion>& motion) {
+namespace {
+
+DetectResult look_at_candidates(LaserFindings findings, const vision::Image* image, const Rig& rig,
+                                const std::optional<Motion>& motion) {
   DetectResult result;
   result.detections = std::move(findings.detections);
   result.intensities_missing = findings.intensities_missing;
@@ -197,6 +213,15 @@ DetectResult judge_by_camera(LaserFindings findings, const vision::Image* image,
     decide(d, fuse_tree(d.roc_laser, roc_vision, rig.detector.laser_weight), rig);
     if (rig.detector.adaptation.enabled) result.looks.push_back(look_at(d, lights[i]));
   }
+  return result;
+}
+
+}  // namespace
+
+DetectResult judge_by_camera(LaserFindings findings, const vision::Image* image, const Rig& rig,
+                             const std::optional<Motion>& motion) {
+  DetectResult result = look_at_candidates(std::move(findings), image, rig, motion);
+  judge_probabilities(result.detections.trunks, rig);
   return result;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "detection/adaptation_config.hpp"
+#include "detection/probability_config.hpp"
 #include "laser/segmentation_config.hpp"
 #include "laser/width_config.hpp"
 #include "vision/appearance_config.hpp"
@@ -13,6 +14,12 @@ namespace orchard::detection {
 enum class ColourModel {
   kHueInterval,  ///< the paper's rule: section `detector.colour`
   kAppearance,   ///< learnt from the rig's own trunks: section `detector.appearance`
+};
+
+/// What turns measurements into TREE or OBJECT.
+enum class Decision {
+  kRoc,          ///< the paper's: roc_tree against tree_threshold
+  kProbability,  ///< probability_tree of at least one half: section `detector.probability`
 };
 
 /// Everything between a scan-image pair and its detections. Section `detector`.
@@ -28,6 +35,8 @@ struct DetectorConfig {
   double colour_weight = 0.6;                         ///< roc_vision = w colour + (1 - w) edges
   double laser_weight = 0.5;                          ///< roc_tree = w laser + (1 - w) vision
   double tree_threshold = 0.6;                        ///< TREE from this roc_tree on
+  Decision decision = Decision::kRoc;
+  ProbabilityConfig probability;
   double pairing_tolerance_s = 0.06;  ///< a picture farther in time than this is not a pair
   double image_wait_s = 0.25;         ///< of message time: how long a scan waits for pictures
   /// Points move on by ODOMETRY from their beam's time to the picture's; scans then wait for it.
@@ -52,6 +61,11 @@ void describe(Visitor& v, DetectorConfig& c) {
   v.number("colour_weight", c.colour_weight, 0, 1, "1", "share of colour in roc_vision");
   v.number("laser_weight", c.laser_weight, 0, 1, "1", "share of the laser in roc_tree");
   v.number("tree_threshold", c.tree_threshold, 0, 1, "1", "TREE from this roc_tree on");
+  v.choice("decision", c.decision, {"roc", "probability"},
+           "TREE by roc_tree and tree_threshold (the paper's), or by a probability of 0.5");
+  v.section("probability", c.probability, "calibrated probabilities of tree and object");
+  v.check(c.decision == Decision::kRoc || c.probability.enabled, "decision",
+          "probability needs detector.probability.enabled: true");
   v.number("pairing_tolerance_s", c.pairing_tolerance_s, 0, 10, "s",
            "largest time between a scan and its picture");
   v.number("image_wait_s", c.image_wait_s, 0, 60, "s",

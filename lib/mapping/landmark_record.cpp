@@ -9,7 +9,10 @@ namespace {
 
 using detection::Label;
 
-constexpr double kLogOddsMax = 30.0;
+/// One look's probability is believed between this and 1 minus it.
+constexpr double kLeastProbability = 0.005;
+
+double logit(double p) { return std::log(p / (1.0 - p)); }
 
 void merge_anchors(LandmarkRecord& into, const LandmarkRecord& from) {
   const double total = into.anchor_information + from.anchor_information;
@@ -37,6 +40,7 @@ void take_statistics(LandmarkRecord& into, const LandmarkRecord& from) {
   into.m2_yy = from.m2_yy;
   into.roc_sum = from.roc_sum;
   into.num_observations = from.num_observations;
+  into.log_odds = from.log_odds;
   into.is_seen = from.is_seen;
 }
 
@@ -53,6 +57,7 @@ void add_statistics(LandmarkRecord& into, const LandmarkRecord& from) {
   into.mean_y_m += n_from / (n_into + n_from) * y_m;
   into.num_observations += from.num_observations;
   into.roc_sum += from.roc_sum;
+  into.log_odds += from.log_odds;
 }
 
 }  // namespace
@@ -76,13 +81,14 @@ void fuse_width(LandmarkRecord& r, double width_m, double width_sd_m) {
 }
 
 void accumulate(LandmarkRecord& r, const Eigen::Vector2d& p_map, double roc_tree, Label label,
-                double evidence) {
+                double evidence, double log_odds_max) {
   const bool is_seen = label != Label::kUnseen;
   if (is_seen && !r.is_seen) {
     r.is_seen = true;
     r.num_observations = 0;
     r.mean_x_m = r.mean_y_m = r.roc_sum = 0.0;
     r.m2_xx = r.m2_xy = r.m2_yy = 0.0f;
+    r.log_odds = 0.0f;
   }
   if (!is_seen && r.is_seen) return;
   ++r.num_observations;
@@ -95,11 +101,10 @@ void accumulate(LandmarkRecord& r, const Eigen::Vector2d& p_map, double roc_tree
   r.m2_xy += static_cast<float>(dx * (p_map.y() - r.mean_y_m));
   r.m2_yy += static_cast<float>(dy * (p_map.y() - r.mean_y_m));
   r.roc_sum += roc_tree;
-  if (!is_seen) return;
-  r.log_odds = static_cast<float>(std::clamp(r.log_odds + evidence, -kLogOddsMax, kLogOddsMax));
+  r.log_odds = static_cast<float>(std::clamp(r.log_odds + evidence, -log_odds_max, log_odds_max));
 }
 
-void merge(LandmarkRecord& into, const LandmarkRecord& from) {
+void merge(LandmarkRecord& into, const LandmarkRecord& from, double log_odds_max) {
   merge_anchors(into, from);
   merge_widths(into, from);
   if (from.is_seen && !into.is_seen) {
@@ -107,8 +112,8 @@ void merge(LandmarkRecord& into, const LandmarkRecord& from) {
   } else if (from.is_seen == into.is_seen) {
     add_statistics(into, from);
   }
-  into.log_odds = static_cast<float>(
-      std::clamp<double>(into.log_odds + from.log_odds, -kLogOddsMax, kLogOddsMax));
+  into.log_odds =
+      static_cast<float>(std::clamp<double>(into.log_odds, -log_odds_max, log_odds_max));
   into.num_all += from.num_all;
   into.last_scan = std::max(into.last_scan, from.last_scan);
 }
@@ -120,13 +125,44 @@ Eigen::Vector2d standard_error_m(const LandmarkRecord& r) {
   return {std::sqrt(std::max(0.0, scale * r.m2_xx)), std::sqrt(std::max(0.0, scale * r.m2_yy))};
 }
 
-double probability_of_tree(const LandmarkRecord& r) {
-  return 1.0 / (1.0 + std::exp(-static_cast<double>(r.log_odds)));
+double log_odds_max(const MapperConfig& config) {
+  return config.evidence == Evidence::kLabels ? kLogOddsMax : 1e9;
 }
 
-Label label_of(const LandmarkRecord& r) {
+double evidence_of(const detection::Detection& look, const MapperConfig& config) {
+  if (config.evidence == Evidence::kProbability) {
+    if (look.probability_tree + look.probability_object <= 0.0f) return 0.0;
+    const double p =
+        std::clamp<double>(look.probability_tree, kLeastProbability, 1.0 - kLeastProbability);
+    return logit(p) - logit(config.evidence_base_rate);
+  }
+  const double of_tree = config.tree_rate_of_trees;
+  const double of_object = config.tree_rate_of_objects;
+  switch (look.label) {
+    case Label::kTree:
+      return std::log(of_tree / of_object);
+    case Label::kObject:
+      return std::log((1.0 - of_tree) / (1.0 - of_object));
+    case Label::kUnseen:
+      break;
+  }
+  return 0.0;
+}
+
+double log_odds_of_tree(double sum, int num_looks, const MapperConfig& config) {
+  if (config.evidence == Evidence::kLabels) return sum;
+  const double repeats = 1.0 + std::max(0, num_looks - 1) * config.evidence_correlation;
+  return std::clamp(logit(config.evidence_prior) + sum / repeats, -kLogOddsMax, kLogOddsMax);
+}
+
+double probability_of_tree(const LandmarkRecord& r, const MapperConfig& config) {
+  return 1.0 / (1.0 + std::exp(-log_odds_of_tree(r.log_odds, r.num_observations, config)));
+}
+
+Label label_of(const LandmarkRecord& r, const MapperConfig& config) {
   if (!r.is_seen) return Label::kUnseen;
-  return r.log_odds > 0.0f ? Label::kTree : Label::kObject;
+  return log_odds_of_tree(r.log_odds, r.num_observations, config) > 0.0 ? Label::kTree
+                                                                        : Label::kObject;
 }
 
 }  // namespace orchard::mapping

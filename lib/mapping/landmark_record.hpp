@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "detection/detection.hpp"
+#include "mapping/mapper_config.hpp"
 
 namespace orchard::mapping {
 
@@ -25,7 +26,7 @@ struct LandmarkRecord {
   float scatter_m2 = 0.0f;          ///< of the aligned observations about the anchor, per axis
   float width_m = 0.0f;
   float width_information = 0.0f;      ///< 1 / m2
-  float log_odds = 0.0f;               ///< of being a tree
+  float log_odds = 0.0f;               ///< of being a tree: sum of what the looks say
   std::int32_t num_observations = 0;   ///< N of eq. 13
   std::int32_t num_all = 0;            ///< UNSEEN ones too
   std::int32_t last_observation = -1;  ///< head of its chain in the ObservationStore
@@ -37,6 +38,13 @@ struct LandmarkRecord {
 };
 static_assert(sizeof(LandmarkRecord) == 96, "an orchard has a million of them");
 
+/// However many labels agree, a landmark can still be talked out of its class.
+inline constexpr double kLogOddsMax = 30.0;
+
+/// Most that the sum of log odds may grow to: kLogOddsMax of labels; probabilities are tempered
+/// when they are read, so their sum is not cut.
+double log_odds_max(const MapperConfig& config);
+
 /// Moves the anchor towards an aligned observation by its share of the information, and takes the
 /// distance into the scatter.
 void fuse_anchor(LandmarkRecord& record, const Eigen::Vector2d& p_aligned, double variance_m2);
@@ -47,21 +55,30 @@ void fuse_width(LandmarkRecord& record, double width_m, double width_sd_m);
 /// Takes one composed observation into the paper's statistics (Welford) and into the log odds.
 ///
 /// Observations that the camera did not see count until the first that it saw; from then on only
-/// those it sees do, as in the paper's tables. `evidence` is the label's log likelihood ratio.
+/// those it sees do, as in the paper's tables. `evidence` is the look's log likelihood ratio.
 void accumulate(LandmarkRecord& record, const Eigen::Vector2d& p_map, double roc_tree,
-                detection::Label label, double evidence);
+                detection::Label label, double evidence, double log_odds_max = kLogOddsMax);
 
 /// Makes `into` what it would be had it made the observations of `from` too: sums of two samples
 /// (Chan et al. 1979). The chains of observations are the caller's.
-void merge(LandmarkRecord& into, const LandmarkRecord& from);
+void merge(LandmarkRecord& into, const LandmarkRecord& from, double log_odds_max = kLogOddsMax);
 
 /// Standard error of the mean in x and y [m], with N - 1: Shalal et al. 2013, eq. 13. 0 for N = 1.
 Eigen::Vector2d standard_error_m(const LandmarkRecord& record);
 
-/// That the landmark is a tree, from the labels alone, prior 1/2.
-double probability_of_tree(const LandmarkRecord& record);
+/// Log likelihood ratio of one look: how much likelier a tree gives it than anything else does. By
+/// its label, or by its calibrated probability; 0 for a look that nothing judged.
+double evidence_of(const detection::Detection& look, const MapperConfig& config);
+
+/// Log odds of being a tree from `num_looks` looks whose evidence sums to `sum`. Evidence labels:
+/// the sum. Evidence probability: the prior, and the sum tempered, as looks at one thing repeat
+/// each other: n of them count as n / (1 + (n - 1) evidence_correlation). Within 30.
+double log_odds_of_tree(double sum, int num_looks, const MapperConfig& config);
+
+/// That the landmark is a tree: of labels with prior 1/2, of probabilities as configured.
+double probability_of_tree(const LandmarkRecord& record, const MapperConfig& config);
 
 /// Tree or object by the log odds; unseen while no camera saw it.
-detection::Label label_of(const LandmarkRecord& record);
+detection::Label label_of(const LandmarkRecord& record, const MapperConfig& config);
 
 }  // namespace orchard::mapping

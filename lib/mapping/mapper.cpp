@@ -16,26 +16,10 @@ namespace orchard::mapping {
 namespace {
 
 using detection::Detection;
-using detection::Label;
 
 /// Observations, the newest, that a landmark's place is taken from: a robot that stands still for
 /// an hour must not make each scan dearer than the last.
 constexpr std::size_t kSamplesMost = 512;
-
-/// Log likelihood ratio of a label: how much likelier it is of a tree than of an object.
-double evidence_of(Label label, const MapperConfig& config) {
-  const double of_tree = config.tree_rate_of_trees;
-  const double of_object = config.tree_rate_of_objects;
-  switch (label) {
-    case Label::kTree:
-      return std::log(of_tree / of_object);
-    case Label::kObject:
-      return std::log((1.0 - of_tree) / (1.0 - of_object));
-    case Label::kUnseen:
-      break;
-  }
-  return 0.0;
-}
 
 Observation observation_of(const Candidate& candidate) {
   const Detection& d = *candidate.detection;
@@ -69,7 +53,7 @@ void Mapper::Impl::observe(std::int32_t index, const Candidate& c) {
   landmarks.change(index, [&](LandmarkRecord& r) {
     fuse_anchor(r, c.p_aligned, std::max(1e-6, 0.5 * c.aligned_covariance.trace()));
     fuse_width(r, d.width_m, std::max(d.width_sd_m, 0.005));
-    accumulate(r, c.p_map, d.roc_tree, d.label, evidence_of(d.label, config));
+    accumulate(r, c.p_map, d.roc_tree, d.label, evidence_of(d, config), log_odds_max(config));
     r.last_observation = observations.prepend(observation_of(c), r.last_observation);
     r.last_scan = observations.last_scan();
     ++r.num_all;
@@ -80,7 +64,7 @@ void Mapper::Impl::unite(std::int32_t keep, std::int32_t drop) {
   const LandmarkRecord dropped = landmarks[drop];
   landmarks.remove(drop);
   landmarks.change(keep, [&](LandmarkRecord& kept) {
-    merge(kept, dropped);
+    merge(kept, dropped, log_odds_max(config));
     kept.last_observation = observations.join(dropped.last_observation, kept.last_observation);
   });
 }
@@ -112,7 +96,7 @@ Landmark Mapper::Impl::report(std::int32_t index) const {
                                         {r.mean_x_m, r.mean_y_m}, config.centre_kernel_m);
   Landmark l;
   l.id = index + 1;
-  l.label = label_of(r);
+  l.label = label_of(r, config);
   l.num_observations = r.num_observations;
   l.x_m = centre.p_map.x();
   l.y_m = centre.p_map.y();
@@ -121,7 +105,7 @@ Landmark Mapper::Impl::report(std::int32_t index) const {
   l.covariance = {centre.covariance(0, 0), centre.covariance(0, 1), centre.covariance(1, 1)};
   l.width_m = r.width_m;
   l.roc_mean = r.roc_sum / r.num_observations;
-  l.probability = probability_of_tree(r);
+  l.probability = probability_of_tree(r, config);
   return l;
 }
 

@@ -27,8 +27,9 @@ struct MapUpdate {
 /// Of a landmark, roc_mean, n and SE are the paper's plain statistics: of the observations the
 /// camera saw (all of them while it saw none: class unseen). x, y and covariance are those of the
 /// bulk of all its observations, composed with the poses as given and weighted by their variance.
-/// probability is Bayes' from the labels alone, prior 1/2: each TREE or OBJECT counts as the
-/// configured shares of trees' and of objects' labels say, within 30 of log odds.
+/// probability is Bayes'. `evidence: labels`: from the labels alone, prior 1/2; each TREE or OBJECT
+/// counts as the configured shares of trees' and of objects' labels say, within 30 of log odds.
+/// `evidence: probability`: from the looks' calibrated probabilities, see log_odds_of_tree().
 class Mapper {
  public:
   explicit Mapper(const MapperConfig& config);

@@ -3,6 +3,12 @@
 
 namespace orchard::mapping {
 
+/// What a look says of a landmark's class.
+enum class Evidence {
+  kLabels,       ///< its label, by the shares below
+  kProbability,  ///< its calibrated probability_tree
+};
+
 /// How detections become landmarks. Section `mapper`.
 struct MapperConfig {
   double gate_m = 0.30;               ///< farthest a detection may lie from its landmark
@@ -15,6 +21,10 @@ struct MapperConfig {
   double centre_kernel_m = 0.20;      ///< observations farther from the bulk weigh little
   double tree_rate_of_trees = 0.8;    ///< share of a tree's observations that are labelled TREE
   double tree_rate_of_objects = 0.2;  ///< share of an object's
+  Evidence evidence = Evidence::kLabels;
+  double evidence_prior = 0.5;        ///< share of trees among landmarks
+  double evidence_base_rate = 0.5;    ///< share of trees among looks, where they were calibrated
+  double evidence_correlation = 0.2;  ///< of two looks at one thing, beyond what the class explains
   double pose_wait_s = 10.0;          ///< of message time: how long DETECTIONS wait for a POSE
   double pose_gap_max_s = 2.0;        ///< poses farther apart are not interpolated between
   int min_observations = 1;           ///< landmarks seen less often are left out of map files
@@ -42,6 +52,14 @@ void describe(Visitor& v, MapperConfig& c) {
            "share of a tree's observations that are labelled TREE");
   v.number("tree_rate_of_objects", c.tree_rate_of_objects, 0.01, 0.99, "1",
            "share of an object's observations that are labelled TREE");
+  v.choice("evidence", c.evidence, {"labels", "probability"},
+           "what a look says of a landmark's class: its label, or its calibrated probability");
+  v.number("evidence_prior", c.evidence_prior, 0.01, 0.99, "1",
+           "evidence probability: share of trees among landmarks");
+  v.number("evidence_base_rate", c.evidence_base_rate, 0.01, 0.99, "1",
+           "evidence probability: share of trees among the looks that were learnt from");
+  v.number("evidence_correlation", c.evidence_correlation, 0, 1, "1",
+           "evidence probability: n looks count as n / (1 + (n - 1) x this)");
   v.number("pose_wait_s", c.pose_wait_s, 0, 3600, "s",
            "message time that detections wait for a pose");
   v.number("pose_gap_max_s", c.pose_gap_max_s, 0.001, 3600, "s",

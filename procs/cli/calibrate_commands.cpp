@@ -5,6 +5,7 @@
 
 #include "cli/add_command.hpp"
 #include "cli/calibrate_camera.hpp"
+#include "cli/calibrate_probability.hpp"
 #include "cli/calibrate_trunks.hpp"
 
 namespace orchard::cli {
@@ -70,6 +71,35 @@ void add_camera(CLI::App& calibrate, Run& run) {
                          "also estimate k3: wide lenses at more than 640 pixels");
         command.add_flag("--force", o.force,
                          "write a result that should not be used, or of another picture size");
+        command.add_flag("--quiet", o.quiet, "warnings and errors only");
+      });
+}
+
+void add_probability(CLI::App& calibrate, Run& run) {
+  const char* examples =
+      "  orchard calibrate probability a.lcm b.lcm --observations a.csv b.csv \\\n"
+      "    --config config/orchard.yaml --out config/mine.yaml\n";
+  add_command<CalibrateProbabilityOptions>(
+      calibrate, run, "probability",
+      "Learn from logs with a known truth what probability of a tree the detector's measurements "
+      "stand for, and write it into the rig's YAML",
+      examples, run_calibrate_probability, [](CLI::App& command, CalibrateProbabilityOptions& o) {
+        command
+            .add_option("logs", o.log_paths,
+                        "drives (with scans: this rig's detector looks at them anew; else their "
+                        "detections are taken)")
+            ->required()
+            ->type_name("LOG...");
+        command
+            .add_option("--observations", o.observation_paths,
+                        "what each scan truly held (orchard simulate --observations), one per log")
+            ->required()
+            ->type_name("CSV...");
+        command.add_option("--config", o.config_path, "the rig")->required()->type_name("FILE");
+        command
+            .add_option("--out", o.out_path,
+                        "rig to write; without it that of --config, the old one kept as .bak")
+            ->type_name("FILE");
         command.add_flag("--quiet", o.quiet, "warnings and errors only");
       });
 }
@@ -159,6 +189,7 @@ void add_calibrate(CLI::App& app, Run& run) {
           if (o.out_path.empty() && o.config_path.empty()) throw CLI::RequiredError("--out");
         });
       });
+  add_probability(*calibrate, run);
   calibrate->footer(std::string("Examples:\n") + kCameraExamples + examples);
 }
 

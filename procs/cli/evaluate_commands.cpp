@@ -5,6 +5,7 @@
 #include "cli/add_command.hpp"
 #include "cli/evaluate.hpp"
 #include "cli/evaluate_windows.hpp"
+#include "cli/evaluate_detections.hpp"
 
 namespace orchard::cli {
 
@@ -71,6 +72,56 @@ void add_window_options(CLI::App& command, EvaluateWindowsOptions& o) {
       ->check(CLI::Range(0.0, 100.0));
 }
 
+void add_detections(CLI::App& evaluate, Run& run) {
+  const char* examples =
+      "  orchard simulate --scene orchard --seed 1 --out drive.lcm --truth truth.csv \\\n"
+      "    --observations looks.csv --config config/orchard.yaml\n"
+      "  orchard map drive.lcm --config config/orchard.yaml --out out/drive\n"
+      "  orchard evaluate detections out/drive --observations looks.csv --truth truth.csv \\\n"
+      "    --html out/detections.html\n"
+      "  orchard evaluate detections noon evening --observations noon.csv evening.csv   (by "
+      "light)\n";
+  add_command<EvaluateDetectionsOptions>(
+      evaluate, run, "detections",
+      "Compare detections with the truth of each scan: precision, recall and F1 of class tree, the "
+      "paper's three tests, and whether probabilities mean what they say",
+      examples, run_evaluate_detections, [](CLI::App& command, EvaluateDetectionsOptions& o) {
+        command.add_option("recordings", o.paths, "map folders, or logs with detections")
+            ->required()
+            ->type_name("FOLDER|LOG...");
+        command
+            .add_option("--observations", o.observation_paths,
+                        "what each scan truly held (orchard simulate --observations), one per "
+                        "recording")
+            ->required()
+            ->type_name("CSV...");
+        command
+            .add_option("--truth", o.truth_paths,
+                        "what stands there, one per recording: judge the landmarks too")
+            ->type_name("CSV...");
+        command.add_option("--html", o.html_path, "write tables and plots as one page")
+            ->type_name("PAGE");
+        command.add_flag("--json", o.json, "for programs; lengths in metres");
+        command.add_option("--range", o.rules.range_max_m, "count what is nearer than this [m]")
+            ->check(CLI::Range(0.1, 100.0))
+            ->capture_default_str();
+        command.add_option("--min-beams", o.rules.num_beams_min, "count what so many beams hit")
+            ->check(CLI::Range(1, 10000))
+            ->capture_default_str();
+        command
+            .add_option("--hidden", o.rules.hidden_max,
+                        "count what has at most this share behind nearer things")
+            ->check(CLI::Range(0.0, 1.0))
+            ->capture_default_str();
+        command
+            .add_option("--gate", o.rules.gate_m, "farthest a detection lies from its thing [m]")
+            ->check(CLI::Range(0.001, 10.0))
+            ->capture_default_str();
+        command.add_flag("--without-picture", o.without_picture,
+                         "count what is not whole in a picture, too (a rig without a camera)");
+      });
+}
+
 }  // namespace
 
 void add_evaluate(CLI::App& app, Run& run) {
@@ -101,6 +152,7 @@ void add_evaluate(CLI::App& app, Run& run) {
       "  orchard evaluate windows --images pictures --masks masks --model model.yaml --json \\\n"
       "      --exposure -1 --blur 1.5\n",
       run_evaluate_windows, add_window_options);
+  add_detections(evaluate, run);
 }
 
 }  // namespace orchard::cli

@@ -113,7 +113,7 @@ TEST(LandmarkRecord, AMergerIsOnePassOverAllObservations) {
       EXPECT_NEAR(merged.width_m, at_once.width_m, 1e-6);
       EXPECT_NEAR(merged.log_odds, at_once.log_odds, 1e-5);
       EXPECT_EQ(merged.num_all, at_once.num_all);
-      EXPECT_EQ(label_of(merged), label);
+      EXPECT_EQ(label_of(merged, {}), label);
     }
   }
 }
@@ -128,13 +128,13 @@ TEST(LandmarkRecord, OfAMergerTheCameraSeenHalfCounts) {
   for (const LandmarkRecord& r : {seen_first, seen_last}) {
     expect_statistics(r, TwoPass(seen));
     EXPECT_EQ(r.num_all, 13);
-    EXPECT_EQ(label_of(r), Label::kObject);
+    EXPECT_EQ(label_of(r, {}), Label::kObject);
   }
 }
 
 TEST(LandmarkRecord, ProbabilityIsBayesOfTheLabels) {
   LandmarkRecord r;
-  EXPECT_EQ(probability_of_tree(r), 0.5);
+  EXPECT_EQ(probability_of_tree(r, {}), 0.5);
   const double evidence = std::log(0.8 / 0.2);
   double for_tree = 1.0, for_object = 1.0;
   for (int k = 0; k < 3; ++k) {
@@ -142,9 +142,80 @@ TEST(LandmarkRecord, ProbabilityIsBayesOfTheLabels) {
     for_tree *= 0.8;
     for_object *= 0.2;
   }
-  EXPECT_NEAR(probability_of_tree(r), for_tree / (for_tree + for_object), 1e-6);
+  EXPECT_NEAR(probability_of_tree(r, {}), for_tree / (for_tree + for_object), 1e-6);
   for (int k = 0; k < 1000; ++k) accumulate(r, {0.0, 0.0}, 0.9, Label::kTree, evidence);
   EXPECT_EQ(r.log_odds, 30.0f);
+}
+
+/// What the mapper makes of looks with these probabilities, judged by the camera or not.
+double probability_from(const std::vector<double>& looks, const MapperConfig& config,
+                        Label label = Label::kObject) {
+  LandmarkRecord r;
+  for (const double p : looks) {
+    detection::Detection d;
+    d.label = label;
+    d.probability_tree = static_cast<float>(p);
+    d.probability_object = static_cast<float>(1.0 - p);
+    accumulate(r, {0.0, 0.0}, 0.5, d.label, evidence_of(d, config), log_odds_max(config));
+  }
+  EXPECT_EQ(label_of(r, config) == Label::kTree, label != Label::kUnseen &&
+                                                     r.num_observations > 0 &&
+                                                     probability_of_tree(r, config) > 0.5);
+  return probability_of_tree(r, config);
+}
+
+TEST(LandmarkRecord, ProbabilityIsBayesOfCalibratedLooks) {
+  MapperConfig config;
+  config.evidence = Evidence::kProbability;
+  config.evidence_base_rate = 0.4;
+  config.evidence_prior = 0.7;
+  config.evidence_correlation = 0.0;
+  EXPECT_NEAR(probability_from({}, config), 0.7, 1e-12);
+  // independent looks: odds multiply, each without the base rate it holds already
+  const double odds = (0.7 / 0.3) * (0.8 / 0.2) / (0.4 / 0.6) * (0.3 / 0.7) / (0.4 / 0.6);
+  EXPECT_NEAR(probability_from({0.8, 0.3}, config), odds / (1.0 + odds), 1e-6);
+  // looks that repeat each other wholly say what one says
+  config.evidence_correlation = 1.0;
+  EXPECT_NEAR(probability_from({0.8, 0.8, 0.8}, config), probability_from({0.8}, config), 1e-6);
+  // a look that says what is said of everything says nothing
+  EXPECT_NEAR(probability_from({0.4, 0.4}, config), 0.7, 1e-6);
+}
+
+TEST(LandmarkRecord, OnceTheCameraLooksItsLooksAloneSpeak) {
+  MapperConfig config;
+  config.evidence = Evidence::kProbability;
+  LandmarkRecord r, later;
+  const auto add = [&](LandmarkRecord& record, Label label, float p) {
+    detection::Detection d;
+    d.label = label;
+    d.probability_tree = p;
+    d.probability_object = 1.0f - p;
+    accumulate(record, {0, 0}, 0.5, label, evidence_of(d, config), log_odds_max(config));
+  };
+  add(r, Label::kUnseen, 0.9f);
+  EXPECT_EQ(label_of(r, config), Label::kUnseen);
+  EXPECT_NEAR(probability_of_tree(r, config), 0.9, 1e-6);
+  add(r, Label::kObject, 0.2f);
+  add(r, Label::kUnseen, 0.9f);
+  EXPECT_NEAR(probability_of_tree(r, config), 0.2, 1e-6);
+  // and so of a merger, whichever is the older
+  add(later, Label::kUnseen, 0.9f);
+  LandmarkRecord merged = later;
+  for (LandmarkRecord* record : {&merged, &r}) {
+    record->anchor_information = record->width_information = 1.0f;
+  }
+  merge(merged, r, log_odds_max(config));
+  EXPECT_NEAR(probability_of_tree(merged, config), 0.2, 1e-6);
+}
+
+TEST(LandmarkRecord, ALookThatNothingJudgedSaysNothing) {
+  MapperConfig config;
+  config.evidence = Evidence::kProbability;
+  detection::Detection d;
+  d.label = Label::kObject;
+  EXPECT_EQ(evidence_of(d, config), 0.0);
+  config.evidence = Evidence::kLabels;
+  EXPECT_NEAR(evidence_of(d, config), std::log(0.2 / 0.8), 1e-12);
 }
 
 }  // namespace

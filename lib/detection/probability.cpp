@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "detection/probability.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace orchard::detection {
+namespace {
+
+constexpr double kZMost = 5.0;
+constexpr double kLogOddsMost = 5.0;
+
+double log_odds(double share) {
+  if (share <= 0.0) return -kLogOddsMost;
+  if (share >= 1.0) return kLogOddsMost;
+  return std::clamp(std::log(share / (1.0 - share)), -kLogOddsMost, kLogOddsMost);
+}
+
+double score(const std::vector<double>& weights, const ProbabilityFeatures& features) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < weights.size(); ++i) sum += weights[i] * features[i];
+  return sum;
+}
+
+}  // namespace
+
+ViewKind view_kind(const Detection& d) {
+  if (d.label != Label::kUnseen) return ViewKind::kJudged;
+  return d.occlusion == 0 ? ViewKind::kLaserOnly : ViewKind::kHidden;
+}
+
+ProbabilityFeatures probability_features(const Detection& d, double width_mean_m) {
+  const double z = d.roc_laser > 0.0f
+                       ? std::min(kZMost, std::sqrt(std::max(0.0, -2.0 * std::log(d.roc_laser))))
+                       : kZMost;
+  const double hidden_sides =
+      (d.occlusion & kOccludedRight ? 1.0 : 0.0) + (d.occlusion & kOccludedLeft ? 1.0 : 0.0);
+  return {1.0,
+          d.width_m < width_mean_m ? -z : z,
+          0.2 * z * z,
+          d.range_m,
+          std::log(0.1 * std::max(1, d.num_beams)),
+          hidden_sides,
+          log_odds(d.roc_colour),
+          d.roc_colour > 0.0f ? 0.0 : 1.0,
+          d.roc_edges,
+          d.roc_edges > 0.0f ? 0.0 : 1.0};
+}
+
+TreeProbability tree_probability(const Detection& d, double width_mean_m,
+                                 const ProbabilityConfig& config) {
+  const ViewKind view = view_kind(d);
+  if (!config.enabled || view == ViewKind::kHidden) return {};
+  const bool judged = view == ViewKind::kJudged;
+  const ProbabilityFeatures features = probability_features(d, width_mean_m);
+  const double tree = score(judged ? config.judged_tree : config.laser_tree, features);
+  const double object = score(judged ? config.judged_object : config.laser_object, features);
+  const double most = std::max({0.0, tree, object});  // so that no exponential overflows
+  const double e_tree = std::exp(tree - most), e_object = std::exp(object - most);
+  const double sum = e_tree + e_object + std::exp(-most);
+  return {e_tree / sum, e_object / sum};
+}
+
+}  // namespace orchard::detection

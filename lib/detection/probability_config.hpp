@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace orchard::detection {
+
+/// Features of what the camera or a sure laser judged; see probability_features().
+inline constexpr std::size_t kNumJudgedFeatures = 10;
+/// Features of what only the laser saw: the first of them.
+inline constexpr std::size_t kNumLaserFeatures = 6;
+
+/// Weights that turn what the detector measured into probabilities of tree, object and unknown.
+/// Section `detector.probability`. Written by `orchard calibrate probability`, not by hand.
+///
+/// Order of each list: 1, width_z, width_z^2 / 5, range_m, log(beams / 10), hidden sides; judged
+/// ones also: log odds of roc_colour, roc_colour is 0, roc_edges, roc_edges is 0.
+struct ProbabilityConfig {
+  bool enabled = false;
+  std::vector<double> judged_tree;  ///< log odds of tree against unknown, per feature
+  std::vector<double> judged_object;
+  std::vector<double> laser_tree;  ///< the same while no camera has looked
+  std::vector<double> laser_object;
+
+  bool learnt() const { return !judged_tree.empty(); }
+};
+
+/// Whether the lists fit together: all empty, or each with one number per feature.
+inline bool fits_features(const ProbabilityConfig& c) {
+  const std::size_t judged = c.learnt() ? kNumJudgedFeatures : 0;
+  const std::size_t laser = c.learnt() ? kNumLaserFeatures : 0;
+  return c.judged_tree.size() == judged && c.judged_object.size() == judged &&
+         c.laser_tree.size() == laser && c.laser_object.size() == laser;
+}
+
+template <class Visitor>
+void describe(Visitor& v, ProbabilityConfig& c) {
+  v.flag("enabled", c.enabled, "state probability_tree and probability_object of each detection");
+  v.numbers("judged_tree", c.judged_tree, -1e3, 1e3, "1",
+            "log odds of tree against unknown per: 1, width z, z^2 / 5, range in m, "
+            "log(beams / 10), hidden sides, log odds of roc_colour, roc_colour is 0, roc_edges, "
+            "roc_edges is 0");
+  v.numbers("judged_object", c.judged_object, -1e3, 1e3, "1", "the same of object");
+  v.numbers("laser_tree", c.laser_tree, -1e3, 1e3, "1",
+            "of tree while no camera has looked: the first six only");
+  v.numbers("laser_object", c.laser_object, -1e3, 1e3, "1", "the same of object");
+  v.check(fits_features(c), "judged_tree",
+          "the four lists must have 10, 10, 6 and 6 numbers, or all be empty; run `orchard "
+          "calibrate probability` again");
+  v.check(!c.enabled || c.learnt(), "enabled",
+          "needs weights; `orchard calibrate probability` writes them");
+}
+
+}  // namespace orchard::detection

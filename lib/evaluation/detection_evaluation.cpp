@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluation/detection_evaluation.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "evaluation/score_test.hpp"
+
+namespace orchard::evaluation {
+namespace {
+
+using detection::Detection;
+using detection::Label;
+
+constexpr std::array<double, 9> kRangeEdgesM{0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0};
+
+bool is_called_tree(const Look& look) {
+  return look.detection && look.detection->label == Label::kTree;
+}
+
+class ErrorSum {
+ public:
+  void add(double error_m) {
+    ++sum_.num;
+    sum_.mean_m += error_m;
+    sum_.rms_m += error_m * error_m;
+    sum_.max_m = std::max(sum_.max_m, error_m);
+  }
+  ErrorSummary summary() const {
+    ErrorSummary result = sum_;
+    if (result.num == 0) return result;
+    result.mean_m /= result.num;
+    result.rms_m = std::sqrt(result.rms_m / result.num);
+    return result;
+  }
+
+ private:
+  ErrorSummary sum_;
+};
+
+Slice slice_of(const std::vector<Look>& looks, DetectionRules rules, const std::string& name,
+               double from_m, double to_m) {
+  Slice slice;
+  slice.name = name;
+  slice.from_m = from_m;
+  slice.to_m = to_m;
+  rules.range_max_m = to_m;
+  std::vector<Look> inside;
+  for (const Look& look : looks) {
+    if (look.range_m() >= from_m && look.range_m() < to_m) inside.push_back(look);
+  }
+  slice.counts = count_labels(inside, rules);
+  slice.centre = centre_errors(inside, rules, from_m, to_m);
+  return slice;
+}
+
+}  // namespace
+
+double Counts::precision() const {
+  const int called = num_right + num_wrong;
+  return called > 0 ? static_cast<double>(num_right) / called : 1.0;
+}
+
+double Counts::recall() const {
+  const int trees = num_right + num_missed;
+  return trees > 0 ? static_cast<double>(num_right) / trees : 1.0;
+}
+
+double Counts::f1() const {
+  const int all = 2 * num_right + num_wrong + num_missed;
+  return all > 0 ? 2.0 * num_right / all : 1.0;
+}
+
+Counts& operator+=(Counts& into, const Counts& more) {
+  into.num_right += more.num_right;
+  into.num_wrong += more.num_wrong;
+  into.num_missed += more.num_missed;
+  into.num_wrong_on_object += more.num_wrong_on_object;
+  into.num_unseen += more.num_unseen;
+  into.num_not_detected += more.num_not_detected;
+  return into;
+}
+
+Counts count_labels(const std::vector<Look>& looks, const DetectionRules& rules) {
+  Counts counts;
+  for (const Look& look : looks) count_look(look, is_called_tree(look), rules, counts);
+  return counts;
+}
+
+ErrorSummary centre_errors(const std::vector<Look>& looks, const DetectionRules& rules,
+                           double from_m, double to_m) {
+  DetectionRules within = rules;
+  within.range_max_m = to_m;
+  ErrorSum sum;
+  for (const Look& look : looks) {
+    if (!is_called_tree(look) || !look.is_tree() || !counts_as_tree(look, within)) continue;
+    if (look.truth->range_m >= from_m) sum.add(look.centre_error_m);
+  }
+  return sum.summary();
+}
+
+std::vector<Forecast> forecasts_of(const std::vector<Look>& looks) {
+  std::vector<Forecast> forecasts;
+  for (const Look& look : looks) {
+    if (!look.detection) continue;
+    const Detection& d = *look.detection;
+    if (d.probability_tree + d.probability_object <= 0.0f) continue;
+    forecasts.push_back({std::clamp<double>(d.probability_tree, 0.0, 1.0), look.is_tree()});
+  }
+  return forecasts;
+}
+
+DetectionEvaluation evaluate_detections(const std::vector<Look>& looks,
+                                        const std::vector<std::string>& names,
+                                        const DetectionRules& rules) {
+  DetectionEvaluation evaluation;
+  evaluation.rules = rules;
+  evaluation.num_looks = static_cast<int>(looks.size());
+  evaluation.counts = count_labels(looks, rules);
+  for (std::size_t i = 0; i + 1 < kRangeEdgesM.size(); ++i) {
+    char name[32];
+    std::snprintf(name, sizeof name, "%.0f to %.0f m", kRangeEdgesM[i], kRangeEdgesM[i + 1]);
+    Slice slice = slice_of(looks, rules, name, kRangeEdgesM[i], kRangeEdgesM[i + 1]);
+    const Counts& c = slice.counts;
+    if (c.num_right + c.num_wrong + c.num_missed > 0) {
+      evaluation.by_range.push_back(std::move(slice));
+    }
+  }
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    std::vector<Look> own;
+    for (const Look& look : looks) {
+      if (look.recording == static_cast<int>(i)) own.push_back(look);
+    }
+    evaluation.by_recording.push_back(slice_of(own, rules, names[i], 0.0, rules.range_max_m));
+  }
+  evaluation.tests = score_tests(looks, rules);
+  const auto forecasts = forecasts_of(looks);
+  evaluation.has_probability = !forecasts.empty();
+  evaluation.reliability = reliability(forecasts);
+  return evaluation;
+}
+
+std::vector<bool> looked_at(const std::vector<Look>& looks, std::size_t num_things,
+                            const DetectionRules& rules) {
+  std::vector<bool> result(num_things, false);
+  for (const Look& look : looks) {
+    if (!look.truth || look.truth->object < 0 || !counts(look, rules)) continue;
+    const auto thing = static_cast<std::size_t>(look.truth->object);
+    if (thing < num_things) result[thing] = true;
+  }
+  return result;
+}
+
+LandmarkEvaluation evaluate_landmarks(const std::vector<mapping::Landmark>& landmarks,
+                                      const std::vector<simulation::TruthObject>& truth,
+                                      const std::vector<bool>& is_looked_at, double gate_m,
+                                      std::vector<Forecast>* forecasts_out) {
+  LandmarkEvaluation result;
+  const MapEvaluation map = evaluate_map(landmarks, truth, gate_m);
+  std::vector<Forecast> forecasts;
+  ErrorSum errors;
+  const auto forecast = [&](const mapping::Landmark& l, bool is_tree) {
+    if (l.label != Label::kUnseen) forecasts.push_back({l.probability, is_tree});
+  };
+  for (std::size_t i = 0; i < map.objects.size(); ++i) {
+    const EvaluatedObject& thing = map.objects[i];
+    const bool is_tree = thing.truth.label == Label::kTree;
+    const bool called = thing.landmark && thing.landmark->label == Label::kTree;
+    if (thing.landmark) forecast(*thing.landmark, is_tree);
+    if (is_tree && called) {
+      ++result.num_trees;
+      ++result.counts.num_right;
+      errors.add(thing.error_m);
+    } else if (is_tree && (i >= is_looked_at.size() || is_looked_at[i])) {
+      ++result.num_trees;
+      ++result.counts.num_missed;
+      if (!thing.landmark) ++result.counts.num_not_detected;
+      if (thing.landmark && thing.landmark->label == Label::kUnseen) ++result.counts.num_unseen;
+    } else if (!is_tree && called) {
+      ++result.counts.num_wrong;
+      ++result.counts.num_wrong_on_object;
+    }
+  }
+  for (const mapping::Landmark& l : map.extra) {
+    forecast(l, false);
+    if (l.label == Label::kTree) ++result.counts.num_wrong;
+  }
+  result.trees = errors.summary();
+  result.reliability = reliability(forecasts);
+  if (forecasts_out) {
+    forecasts_out->insert(forecasts_out->end(), forecasts.begin(), forecasts.end());
+  }
+  return result;
+}
+
+}  // namespace orchard::evaluation

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace orchard::cli {
+
+/// `orchard calibrate probability LOG... --observations CSV... --config IN --out OUT`.
+struct CalibrateProbabilityOptions {
+  std::vector<std::string> log_paths;          ///< with scans, or derived ones
+  std::vector<std::string> observation_paths;  ///< what each truly held, in the same order
+  std::string config_path;
+  std::string out_path;  ///< empty or config_path: that file, the old one as .bak
+  bool quiet = false;
+};
+
+/// Learns what probability of a tree the detector's measurements stand for and writes it, and the
+/// mapper's prior and correlation, into a rig's YAML; returns the exit code. Throws io::FileError
+/// and io::ConfigError, and then writes nothing.
+int run_calibrate_probability(const CalibrateProbabilityOptions& options);
+
+}  // namespace orchard::cli

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "cli_fixture.hpp"
+
+namespace orchard::cli_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A drive through the tube scene with the truth of each scan, and its map.
+class EvaluateDetections : public CliTest {
+ protected:
+  void SetUp() override {
+    CliTest::SetUp();
+    ASSERT_EQ(orchard({"simulate", "--scene", "tubes", "--seed", "5", "--config", config(), "--out",
+                       path("drive.lcm"), "--truth", path("truth.csv"), "--observations",
+                       path("looks.csv")})
+                  .exit_code,
+              0);
+    ASSERT_EQ(map(path("drive.lcm")).exit_code, 0);
+  }
+  Result evaluate(const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{"evaluate", "detections"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return orchard(arguments);
+  }
+  void expect_refused(const Result& result, const std::string& why) const {
+    EXPECT_EQ(result.exit_code, 3) << result.out;
+    EXPECT_THAT(result.err, HasSubstr(why));
+    EXPECT_EQ(count_lines(result.err), 1) << result.err;
+  }
+};
+
+TEST_F(EvaluateDetections, TubesAreFoundScanByScan) {
+  const Result result = evaluate({path("map"), "--observations", path("looks.csv"), "--truth",
+                                  path("truth.csv"), "--json", "--html", path("page.html")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json["observations"]["num_wrong"], 0);
+  EXPECT_GT(json["observations"]["num_right"], 40);
+  EXPECT_GT(json["observations"]["recall"], 0.8);
+  EXPECT_EQ(json["landmarks"]["num_right"], 12);
+  EXPECT_LT(json["by_range"][0]["centre_error"]["rms_m"], 0.03);
+  EXPECT_THAT(read_file(path("page.html")), HasSubstr("</svg>"));
+}
+
+TEST_F(EvaluateDetections, ProbabilitiesAreLearntAndThenStated) {
+  const Result learnt =
+      orchard({"calibrate", "probability", path("drive.lcm"), "--observations", path("looks.csv"),
+               "--config", config(), "--out", path("rig.yaml")});
+  ASSERT_EQ(learnt.exit_code, 0) << learnt.err;
+  EXPECT_THAT(learnt.out, HasSubstr("roc_edges"));
+  // from the derived log the same is learnt, to the byte
+  const Result again =
+      orchard({"calibrate", "probability", path("map/derived.lcm"), "--observations",
+               path("looks.csv"), "--config", config(), "--out", path("again.yaml"), "--quiet"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  const auto weights = [](const std::string& yaml) {
+    return yaml.substr(yaml.find("judged_tree"), 300);
+  };
+  EXPECT_EQ(weights(read_file(path("rig.yaml"))), weights(read_file(path("again.yaml"))));
+
+  ASSERT_EQ(
+      orchard({"map", path("drive.lcm"), "--config", path("rig.yaml"), "--out", path("stated")})
+          .exit_code,
+      0);
+  const auto json = nlohmann::json::parse(
+      evaluate({path("stated"), "--observations", path("looks.csv"), "--json"}).out);
+  EXPECT_LT(json["probability"]["expected_calibration_error"], 0.1);
+}
+
+TEST_F(EvaluateDetections, FilesThatAreNotWhatTheyShouldBe) {
+  expect_refused(evaluate({path("map"), "--observations", path("truth.csv")}), "truth.csv:1");
+  expect_refused(evaluate({path("map"), path("map"), "--observations", path("looks.csv")}),
+                 "one --observations per recording");
+  expect_refused(evaluate({path("drive.lcm"), "--observations", path("looks.csv")}),
+                 "holds no usable DETECTIONS message");
+  expect_refused(evaluate({path("none"), "--observations", path("looks.csv")}), "none");
+  std::string other = read_file(path("looks.csv"));
+  for (auto at = other.find("\n13"); at != std::string::npos; at = other.find("\n13", at + 1)) {
+    other[at + 2] = '4';  // another year
+  }
+  write_file(path("other.csv"), other);
+  expect_refused(evaluate({path("map"), "--observations", path("other.csv")}),
+                 "not one time is the same");
+  expect_refused(orchard({"calibrate", "probability", path("drive.lcm"), "--observations",
+                          path("other.csv"), "--config", config(), "--out", path("rig.yaml")}),
+                 "not one time is the same");
+  EXPECT_FALSE(exists(path("rig.yaml")));
+}
+
+}  // namespace
+}  // namespace orchard::cli_test

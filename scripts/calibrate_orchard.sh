@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Learns every model of config/orchard_hard.yaml anew, from simulated drives of seeds 1001 and up
-# that no reported figure uses, each under another light: trunk width and colour
-# (`orchard calibrate trunks`), then probabilities (`orchard calibrate probability`).
+# that no reported figure uses, each under another light: trunk width and hue (`orchard calibrate
+# trunks`), what trunks look like (`orchard calibrate appearance`), then what probability all that
+# stands for (`orchard calibrate probability`).
 #   scripts/calibrate_orchard.sh [OUT.yaml]    RIG=config/orchard_hard.yaml DRIVES=12
 # Without OUT.yaml the rig itself is rewritten (the old one kept as .bak). Drives are kept in
 # out/orchard_fit. Needs a build in build/ (or BUILD=folder).
@@ -30,5 +31,8 @@ if [ "${TRUNKS:-1}" = 1 ]; then
   "$orchard" calibrate trunks "${logs[@]}" --config "$rig" --out "$result" | tail -n 4
   rig=$result
 fi
+"$orchard" calibrate appearance "${logs[@]}" --observations "${looks[@]}" --config "$rig" \
+  --out "$result"
+rig=$result
 "$orchard" calibrate probability "${logs[@]}" --observations "${looks[@]}" --config "$rig" \
   --out "$result"

@@ -75,6 +75,7 @@ void match_scan(const Detections& message, const std::vector<const TrueObservati
   std::vector<char> used(found_points.size(), 0);
   Look look;
   look.recording = recording;
+  look.scan_utime = message.utime;
   look.has_image = message.image_utime != 0;
   for (std::size_t i = 0; i < truth.size(); ++i) {
     look.truth = *truth[i];
@@ -84,6 +85,7 @@ void match_scan(const Detections& message, const std::vector<const TrueObservati
       const auto k = static_cast<std::size_t>(assignment[i]);
       used[k] = 1;
       look.detection = message.trunks[k];
+      look.detection_index = k;
       look.centre_error_m = std::hypot(found_points[k].x_m - true_points[i].x_m,
                                        found_points[k].y_m - true_points[i].y_m);
     }
@@ -94,6 +96,7 @@ void match_scan(const Detections& message, const std::vector<const TrueObservati
   for (std::size_t k = 0; k < used.size(); ++k) {
     if (used[k]) continue;
     look.detection = message.trunks[k];
+    look.detection_index = k;
     looks.push_back(look);
   }
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -12,6 +14,8 @@ namespace orchard::evaluation {
 /// One scan's look at one thing: what truly was there, what was detected, or both.
 struct Look {
   int recording = 0;  ///< which log; looks of one log are not independent
+  std::int64_t scan_utime = 0;
+  std::size_t detection_index = 0;  ///< in its message; meaningless without a detection
   std::optional<simulation::TrueObservation> truth;
   std::optional<detection::Detection> detection;
   bool has_image = false;  ///< the scan was paired with a picture

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "cli/add_command.hpp"
+#include "cli/calibrate_appearance.hpp"
 #include "cli/calibrate_camera.hpp"
 #include "cli/calibrate_probability.hpp"
 #include "cli/calibrate_trunks.hpp"
@@ -71,6 +72,35 @@ void add_camera(CLI::App& calibrate, Run& run) {
                          "also estimate k3: wide lenses at more than 640 pixels");
         command.add_flag("--force", o.force,
                          "write a result that should not be used, or of another picture size");
+        command.add_flag("--quiet", o.quiet, "warnings and errors only");
+      });
+}
+
+void add_appearance(CLI::App& calibrate, Run& run) {
+  const char* examples =
+      "  orchard calibrate appearance a.lcm b.lcm --observations a.csv b.csv \\\n"
+      "    --config config/orchard.yaml --out config/mine.yaml\n";
+  add_command<CalibrateAppearanceOptions>(
+      calibrate, run, "appearance",
+      "Learn what trunks look like from drives with a known truth, and write it into the rig's "
+      "YAML (from pictures with masks: calibrate trunks)",
+      examples, run_calibrate_appearance, [](CLI::App& command, CalibrateAppearanceOptions& o) {
+        command.add_option("logs", o.log_paths, "drives with scans and pictures")
+            ->required()
+            ->type_name("LOG...");
+        command
+            .add_option("--observations", o.observation_paths,
+                        "what each scan truly held (orchard simulate --observations), one per log")
+            ->required()
+            ->type_name("CSV...");
+        command.add_option("--config", o.config_path, "the rig")->required()->type_name("FILE");
+        command
+            .add_option("--out", o.out_path,
+                        "rig to write; without it that of --config, the old one kept as .bak")
+            ->type_name("FILE");
+        command.add_option("--stride", o.stride, "look at every how manieth scan")
+            ->check(CLI::Range(1, 1000))
+            ->capture_default_str();
         command.add_flag("--quiet", o.quiet, "warnings and errors only");
       });
 }
@@ -189,6 +219,7 @@ void add_calibrate(CLI::App& app, Run& run) {
           if (o.out_path.empty() && o.config_path.empty()) throw CLI::RequiredError("--out");
         });
       });
+  add_appearance(*calibrate, run);
   add_probability(*calibrate, run);
   calibrate->footer(std::string("Examples:\n") + kCameraExamples + examples);
 }

@@ -4,8 +4,8 @@
 
 #include "cli/add_command.hpp"
 #include "cli/evaluate.hpp"
-#include "cli/evaluate_windows.hpp"
 #include "cli/evaluate_detections.hpp"
+#include "cli/evaluate_windows.hpp"
 
 namespace orchard::cli {
 

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/appearance_collector.hpp"
+
+#include <utility>
+
+#include "detection/trunk_view.hpp"
+#include "vision/appearance.hpp"
+#include "vision/decode.hpp"
+
+namespace orchard::cli {
+namespace {
+
+/// Everything whole is a candidate: what has another width than a trunk must be learnt from, too.
+detection::Rig open_to_all(io::Config config) {
+  config.detector.roc_laser_threshold = 0.0;
+  return {config.laser, config.camera, config.detector};
+}
+
+}  // namespace
+
+AppearanceCollector::AppearanceCollector(io::Config config, int stride)
+    : rig_(open_to_all(config)),
+      pairer_(config.detector.pairing_tolerance_s, config.detector.image_wait_s),
+      stride_(stride) {}
+
+std::vector<bus::Channel> AppearanceCollector::inputs() const {
+  return {bus::Channel::kScan, bus::Channel::kImage};
+}
+
+void AppearanceCollector::handle(const bus::Message& input, const bus::Outbox&) {
+  if (const auto* scan = std::get_if<laser::Scan>(&input)) {
+    for (const auto& pair : pairer_.add(*scan)) look(pair);
+  } else if (const auto* image = std::get_if<vision::Image>(&input)) {
+    for (const auto& pair : pairer_.add(*image)) look(pair);
+  }
+}
+
+void AppearanceCollector::flush(const bus::Outbox&) {
+  for (const auto& pair : pairer_.flush()) look(pair);
+}
+
+void AppearanceCollector::look(const detection::ScanImagePair& pair) {
+  if (!pair.image || num_pairs_++ % stride_ != 0) return;
+  detection::LaserFindings findings = detection::find_by_laser(pair.scan, rig_);
+  findings.detections.image_utime = pair.image->utime;
+  const auto pixels = vision::decode(*pair.image, detection::picture_of(rig_));
+  if (!pixels) return;
+  for (const detection::Candidate& candidate : findings.candidates) {
+    const auto view = detection::view_of(candidate.segment, rig_);
+    if (!view) continue;
+    windows_.push_back(
+        {findings.detections.utime, candidate.index,
+         vision::appearance_features(*pixels, detection::trunk_window(*view, rig_))});
+  }
+  messages_.push_back(std::move(findings.detections));
+}
+
+}  // namespace orchard::cli

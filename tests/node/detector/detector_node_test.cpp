@@ -188,6 +188,7 @@ io::Config adapting() {
   config.detector.width.mean_m = 0.080;
   config.detector.adaptation.enabled = true;
   config.detector.adaptation.period_s = 0.2;
+  config.detector.adaptation.smoothing_s = 0.4;
   config.detector.adaptation.min_trees = 2;
   config.detector.adaptation.width_rate_per_s = 0.05;
   config.detector.adaptation.colour_rate_per_s = 0.05;

@@ -22,9 +22,10 @@ bool is_step_between_surfaces(const Beams& beams, std::ptrdiff_t before, std::pt
   const double step_m = high_m - low_m;
   if (std::abs(step_m) <= beams.jump_m(std::min(low_m, high_m))) return false;
   if ((here_m - low_m) * step_m <= 0.0 || (high_m - here_m) * step_m <= 0.0) return false;
-  // what lies within the noise of one surface is on it
+  // what lies within the noise of one surface is on it: both parts behind a twig end in such beams
   const double noise_m = kRimNoiseShare * beams.jump_m(std::min(low_m, high_m));
-  if (std::abs(here_m - low_m) < noise_m || std::abs(high_m - here_m) < noise_m) return false;
+  const bool on_one = std::abs(here_m - low_m) < noise_m || std::abs(high_m - here_m) < noise_m;
+  if (beams.rejoins() && on_one) return false;
   const auto flat = [&](double a_m, double b_m) {
     return a_m <= 0.0 || b_m <= 0.0 || std::abs(a_m - b_m) < 0.25 * std::abs(step_m);
   };

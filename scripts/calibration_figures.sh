@@ -8,4 +8,14 @@ build=${BUILD:-build}
 mkdir -p out
 {
   "$build/bin/orchard_camera_seeds" "${1:-1}" "${2:-50}"
+  # laser to camera: 20 views, one picture (pixels) and one scan of the URG each; with the ends of
+  # the lines on the board's measured edges, and without
+  "$build/bin/orchard_laser_camera_seeds" "${1:-1}" "${2:-50}" 20 1 edges 2>/dev/null
+  "$build/bin/orchard_laser_camera_seeds" "${1:-1}" "${2:-50}" 20 1 no-edges 2>/dev/null
+  # degenerate handling (1 parallel, 2 turned only, 3 leaned only, 4 two orientations, 5 still,
+  # 6 small tilts): every seed must be refused
+  for handling in 1 2 3 4 5 6; do
+    "$build/bin/orchard_laser_camera_seeds" "${1:-1}" "$((${1:-1} + 2))" 20 1 edges "$handling" 2>/dev/null |
+      grep -v -e rotation -e translation -e intervals
+  done
 } | tee out/calibration_figures.txt

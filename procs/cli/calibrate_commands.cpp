@@ -221,6 +221,7 @@ void add_calibrate(CLI::App& app, Run& run) {
       });
   add_appearance(*calibrate, run);
   add_probability(*calibrate, run);
+  add_calibrate_laser_camera(*calibrate, run);
   calibrate->footer(std::string("Examples:\n") + kCameraExamples + examples);
 }
 

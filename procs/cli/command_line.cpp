@@ -31,9 +31,11 @@ void add_simulate(CLI::App& app, Run& run) {
       "      --poses poses.csv --observations observations.csv \\\n"
       "      --config config/orchard.yaml --duration 60\n",
       run_simulate, [](CLI::App& command, SimulateOptions& o) {
-        command.add_option("--scene", o.scene, "tubes (the paper's) or orchard")
+        command
+            .add_option("--scene", o.scene,
+                        "tubes (the paper's), orchard, or board (for calibrate laser-camera)")
             ->required()
-            ->check(CLI::IsMember({"tubes", "orchard"}));
+            ->check(CLI::IsMember({"tubes", "orchard", "board"}));
         command.add_option("--seed", o.seed, "all noise and layout follow from it")
             ->capture_default_str();
         command.add_option("--out", o.out_path, "log to write")->required()->type_name("LOG");

@@ -10,6 +10,7 @@
 
 #include "bus/codec.hpp"
 #include "bus/process.hpp"
+#include "cli/simulate_board.hpp"
 #include "io/config.hpp"
 #include "io/file_error.hpp"
 #include "io/log_writer.hpp"
@@ -61,6 +62,7 @@ std::vector<simulation::TrueObservation> observe_all(const simulation::Simulator
 }  // namespace
 
 int run_simulate(const SimulateOptions& options) {
+  if (options.scene == "board") return run_simulate_board(options);
   const auto scene = simulation::find_scene(options.scene);
   if (!scene) throw io::FileError("there is no scene \"" + options.scene + "\"");
   const io::Config config =

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `orchard calibrate laser-camera`, as people run it.
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include "io/config.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+struct Outcome {
+  int exit_code = -1;
+  std::string output;  ///< standard output and error
+};
+
+Outcome run(const std::string& arguments) {
+  Outcome outcome;
+  const std::string command = std::string(ORCHARD_BUILD_DIR "/bin/orchard ") + arguments + " 2>&1";
+  FILE* pipe = popen(command.c_str(), "r");
+  if (!pipe) return outcome;
+  std::array<char, 512> buffer;
+  while (std::fgets(buffer.data(), static_cast<int>(buffer.size()), pipe)) {
+    outcome.output += buffer.data();
+  }
+  const int status = pclose(pipe);
+  if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
+  return outcome;
+}
+
+std::string text_of(const fs::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+class CalibrateLaserCamera : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("orchard_laser_camera_" + std::to_string(getpid()));
+    fs::create_directories(folder_);
+    true_rig_ = text_of(ORCHARD_SOURCE_DIR "/config/tubes.yaml");
+    // what the user believes: the camera square under the laser
+    std::string rig = true_rig_;
+    replace(rig, "delta_m: [0.004, -0.060, -0.012]", "delta_m: [0.0, -0.05, 0.0]");
+    replace(rig, "phi_rad: [1.5788, 0.0065, 1.5628]", "phi_rad: [1.5708, 0.0, 1.5708]");
+    rig_text_ = rig;
+    std::ofstream(path("rig.yaml")) << rig;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  static void replace(std::string& text, const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+  }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  std::string simulate(const std::string& board_keys, int num_poses = 14) const {
+    std::ofstream(path("true.yaml")) << true_rig_ << "  board:\n    num_poses: " << num_poses
+                                     << "\n    hold_s: 0.3\n    move_s: 0.2\n"
+                                     << board_keys;
+    const Outcome outcome = run("simulate --scene board --seed 5 --config " + path("true.yaml") +
+                                " --out " + path("board.lcm"));
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+    return path("board.lcm");
+  }
+  Outcome calibrate(const std::string& log, const std::string& more = {}) const {
+    return run("calibrate laser-camera " + log + " --config " + path("rig.yaml") +
+               " --columns 7 --rows 5 --square-m 0.08 --board-width-m 0.72 --board-height-m 0.56 " +
+               "--out " + path("out.yaml") + " " + more);
+  }
+  void expect_refused(const Outcome& outcome, const std::string& reason) const {
+    EXPECT_EQ(outcome.exit_code, 3) << outcome.output;
+    EXPECT_THAT(outcome.output, HasSubstr(reason));
+    EXPECT_FALSE(fs::exists(path("out.yaml")));
+    EXPECT_EQ(text_of(path("rig.yaml")), rig_text_);
+  }
+
+  fs::path folder_;
+  std::string true_rig_, rig_text_;
+};
+
+TEST_F(CalibrateLaserCamera, FindsTheMountFromPixelsAndScansTheSameEveryTime) {
+  const std::string log = simulate("");
+  const Outcome outcome = calibrate(log);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  const auto camera = orchard::io::load_config(path("out.yaml")).camera;
+  const std::array<double, 3> delta{0.004, -0.060, -0.012}, phi{1.5788, 0.0065, 1.5628};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(camera.extrinsics.delta_m[i], delta[i], 0.02) << outcome.output;
+    EXPECT_NEAR(camera.extrinsics.phi_rad[i], phi[i], 0.015) << outcome.output;
+  }
+  const std::string first = text_of(path("out.yaml"));
+  EXPECT_THAT(first, HasSubstr("# orchard calibrate laser-camera: "));
+  ASSERT_EQ(calibrate(log).exit_code, 0);
+  EXPECT_EQ(text_of(path("out.yaml")), first);
+}
+
+TEST_F(CalibrateLaserCamera, ABoardSeenByOneSensorOnlyIsRefused) {
+  expect_refused(calibrate(simulate("    seen_by: laser_only\n", 6)), "the camera never saw");
+}
+
+TEST_F(CalibrateLaserCamera, MirroredPicturesAreRefusedUnlessTheMountIsSaidToBeSo) {
+  const std::string log = simulate("    flip: left_right\n");
+  expect_refused(calibrate(log), "mirrored left to right");
+  EXPECT_EQ(calibrate(log, "--any-mount").exit_code, 0);
+}
+
+TEST_F(CalibrateLaserCamera, OtherBadInputIsOneSentence) {
+  std::ofstream(path("empty.lcm")).flush();
+  expect_refused(calibrate(path("empty.lcm")), "empty.lcm");
+  const std::string log = simulate("    handling: turned_only\n", 10);
+  expect_refused(calibrate(log), "about one axis only");
+  std::string other = rig_text_;
+  replace(other, "width_px: 320", "width_px: 640");
+  std::ofstream(path("rig.yaml")) << other;
+  const Outcome outcome = calibrate(log);
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr("the YAML of another camera"));
+}
+
+TEST_F(CalibrateLaserCamera, ImportsTheToolbox) {
+  std::ofstream(path("toolbox.txt")) << "Delta = [0.01 -0.05 0.02] m\nPhi = [0.5 -1 -179] deg\n";
+  const Outcome outcome = run("calibrate laser-camera --import " + path("toolbox.txt") +
+                              " --config " + path("rig.yaml") + " --out " + path("out.yaml"));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_NEAR(orchard::io::load_config(path("out.yaml")).camera.extrinsics.delta_m[1], -0.05, 1e-9);
+}
+
+}  // namespace

@@ -23,6 +23,7 @@ void BoardCollector::handle(const bus::Message& input, const bus::Outbox&) {
   } else if (const auto* image = std::get_if<vision::Image>(&input)) {
     ++num_images_;
     if (image->width_px != intrinsics_.width_px || image->height_px != intrinsics_.height_px) {
+      ++num_wrong_size_;
       wrong_size_ = std::to_string(image->width_px) + "x" + std::to_string(image->height_px);
       return;
     }
@@ -38,7 +39,10 @@ void BoardCollector::look(const detection::ScanImagePair& pair) {
   if (!pair.image) return;
   ++num_pairs_;
   const auto grey = calibration::grey_of(*pair.image);
-  if (!grey) return;
+  if (!grey) {
+    ++num_unreadable_;
+    return;
+  }
   if (auto board = calibration::find_board(*grey, board_)) {
     pairs_.push_back({pair.scan, std::move(*board)});
   }

@@ -26,7 +26,11 @@ class BoardCollector : public bus::Node {
   int num_scans() const { return num_scans_; }
   int num_images() const { return num_images_; }
   int num_pairs() const { return num_pairs_; }
-  /// A picture whose size is not the configured one: "640x480"; empty when none is.
+  /// Pictures that could not be read, of those in pairs.
+  int num_unreadable() const { return num_unreadable_; }
+  /// Pictures whose size is not the configured one.
+  int num_wrong_size() const { return num_wrong_size_; }
+  /// The size of the last of them, "640x480"; empty when there is none.
   const std::string& wrong_size() const { return wrong_size_; }
 
  private:
@@ -39,6 +43,8 @@ class BoardCollector : public bus::Node {
   int num_scans_ = 0;
   int num_images_ = 0;
   int num_pairs_ = 0;
+  int num_unreadable_ = 0;
+  int num_wrong_size_ = 0;
   std::string wrong_size_;
 };
 

@@ -57,12 +57,19 @@ std::vector<calibration::StillView> read_views(const CalibrateLaserCameraOptions
     std::fprintf(stderr, "orchard calibrate laser-camera: warning: %s\n", warning.c_str());
   }
   const std::string& log = options.log_path;
-  if (!collector.wrong_size().empty()) {
+  const auto& lens = config.camera.intrinsics;
+  if (collector.num_wrong_size() > 0 && collector.num_wrong_size() < collector.num_images()) {
     throw io::FileError(
-        text("%s: its pictures are %s, but camera in %s is %dx%d: the YAML of "
-             "another camera?",
+        text("%s: its pictures are of different sizes, %d of %d are not %dx%d (as %s says) but "
+             "e.g. %s: record again at one resolution",
+             log.c_str(), collector.num_wrong_size(), collector.num_images(), lens.width_px,
+             lens.height_px, options.config_path.c_str(), collector.wrong_size().c_str()));
+  }
+  if (collector.num_wrong_size() > 0) {
+    throw io::FileError(
+        text("%s: its pictures are %s, but camera in %s is %dx%d: the YAML of another camera?",
              log.c_str(), collector.wrong_size().c_str(), options.config_path.c_str(),
-             config.camera.intrinsics.width_px, config.camera.intrinsics.height_px));
+             lens.width_px, lens.height_px));
   }
   if (collector.num_scans() == 0) throw io::FileError(log + ": holds no usable SCAN");
   if (collector.num_images() == 0) throw io::FileError(log + ": holds no usable IMAGE");
@@ -72,13 +79,18 @@ std::vector<calibration::StillView> read_views(const CalibrateLaserCameraOptions
              "(detector.pairing_tolerance_s): are both stamped with one clock?",
              log.c_str(), config.detector.pairing_tolerance_s));
   }
+  if (collector.num_unreadable() == collector.num_pairs()) {
+    throw io::FileError(
+        text("%s: none of its %d pictures can be decoded; record JPEG, or raw pixels of the size "
+             "that the message states",
+             log.c_str(), collector.num_pairs()));
+  }
   if (collector.pairs().empty()) {
     throw io::FileError(
-        text("%s: the camera never saw the board: no %s of %dx%d in any of %d "
-             "pictures; is it wholly in view, and are --columns and --rows its "
-             "inner corners?",
+        text("%s: the camera never saw the board: no %s of %dx%d %s in any of %d pictures; show it "
+             "wholly, in good light, and check --columns and --rows",
              log.c_str(), options.board_kind.c_str(), options.board.columns, options.board.rows,
-             collector.num_pairs()));
+             options.board_kind == "charuco" ? "squares" : "inner corners", collector.num_pairs()));
   }
   const double shift_max_px = kStillShift * config.camera.intrinsics.width_px;
   auto views = calibration::still_views(collector.pairs(), shift_max_px);
@@ -91,7 +103,7 @@ std::vector<calibration::StillView> read_views(const CalibrateLaserCameraOptions
     views = calibration::single_views(collector.pairs());
   }
   if (!options.quiet) {
-    std::printf("%d scans with a picture, %zu of them with the board, %zu views\n",
+    std::printf("%d scans with a picture, %zu of them show the board, held still in %zu views\n",
                 collector.num_pairs(), collector.pairs().size(), views.size());
   }
   return calibration::spread_subset(views, options.max_views);
@@ -113,8 +125,8 @@ const char* fate_text(LaserCameraView::Fate fate) {
 void print_views(const calibration::LaserCameraCalibration& result,
                  const std::vector<calibration::MountView>& views,
                  const std::vector<std::int64_t>& utimes) {
-  std::printf("%-5s %-17s %5s %10s %9s %8s %8s %7s  %s\n", "view", "utime", "pairs", "distance m",
-              "corner px", "mean mm", "rms mm", "sigmas", "");
+  std::printf("%-5s %-17s %5s %10s %9s %8s %8s %7s\n", "view", "utime", "scans", "distance m",
+              "corner px", "mean mm", "rms mm", "sigmas");
   for (std::size_t i = 0; i < views.size(); ++i) {
     const LaserCameraView& view = result.views[i];
     std::printf("%-5zu %-17lld %5d %10.3f %9.3f ", i + 1, static_cast<long long>(utimes[i]),
@@ -126,17 +138,29 @@ void print_views(const calibration::LaserCameraCalibration& result,
     }
     std::printf("%s\n", fate_text(view.fate));
   }
+  std::printf(
+      "(corner px: how well the corners fit a flat board; mean, rms: of the scan's points off that "
+      "board; sigmas: how far the view disagrees with the others)\n");
+}
+
+bool has_outlier(const calibration::LaserCameraCalibration& result) {
+  for (const LaserCameraView& view : result.views) {
+    if (view.fate == LaserCameraView::Fate::kOutlier) return true;
+  }
+  return false;
 }
 
 void print_result(const calibration::LaserCameraCalibration& result) {
   const auto sd = [&](int i) { return std::sqrt(result.covariance(i, i)); };
-  std::printf("delta_m %s, sd %.1f %.1f %.1f mm\n", three(result.extrinsics.delta_m).c_str(),
-              1e3 * sd(0), 1e3 * sd(1), 1e3 * sd(2));
-  std::printf("phi_rad %s, turn's sd %.2f %.2f %.2f deg about the camera's x, y, z\n",
-              three(result.extrinsics.phi_rad).c_str(), sd(3) / kDeg, sd(4) / kDeg, sd(5) / kDeg);
-  std::printf("95 %% intervals: %.2f standard deviations\n", result.interval95_factor);
-  std::printf("%d of %zu views, points off the boards by %.1f mm (RMS)\n", result.num_used,
-              result.views.size(), 1e3 * result.rms_m);
+  std::printf("%d of %zu views used, their points lie %.1f mm (RMS) off the boards\n",
+              result.num_used, result.views.size(), 1e3 * result.rms_m);
+  std::printf("delta_m %s, standard deviations %.1f, %.1f, %.1f mm (camera's x, y, z)\n",
+              three(result.extrinsics.delta_m).c_str(), 1e3 * sd(0), 1e3 * sd(1), 1e3 * sd(2));
+  std::printf(
+      "phi_rad %s, standard deviations %.2f, %.2f, %.2f deg (turn about the camera's x, y, z)\n",
+      three(result.extrinsics.phi_rad).c_str(), sd(3) / kDeg, sd(4) / kDeg, sd(5) / kDeg);
+  std::printf("95 %% of the time the truth is within %.2f standard deviations\n",
+              result.interval95_factor);
 }
 
 Mount mount_of(const geometry::LaserCameraExtrinsics& extrinsics) {
@@ -189,7 +213,7 @@ int run_calibrate_laser_camera(const CalibrateLaserCameraOptions& options) {
   }
   if (!options.import_path.empty()) return import_file(options);
   if (options.log_path.empty()) {
-    throw io::FileError("no log was given (nor --import FILE)");
+    throw io::FileError("no log was given: name one, or --import FILE");
   }
   CalibrateLaserCameraOptions o = options;
   o.board.kind = o.board_kind == "charuco" ? calibration::BoardConfig::kCharuco
@@ -222,7 +246,10 @@ int run_calibrate_laser_camera(const CalibrateLaserCameraOptions& options) {
   calibration::LaserCameraOptions rules = calibration::laser_camera_options(config.laser);
   rules.use_edges = measured;
   const auto result = calibration::calibrate_laser_camera(views, outline, rules);
-  if (!result.refusal.empty()) throw io::FileError(o.log_path + ": " + result.refusal);
+  if (!result.refusal.empty()) {
+    if (!o.quiet && has_outlier(result)) print_views(result, views, utimes);
+    throw io::FileError(o.log_path + ": " + result.refusal);
+  }
   const std::string contradiction =
       calibration::mount_contradiction(result.mount, mount_of(config.camera.extrinsics));
   if (!contradiction.empty() && !o.any_mount) {
@@ -239,8 +266,8 @@ int run_calibrate_laser_camera(const CalibrateLaserCameraOptions& options) {
     print_result(result);
     if (!measured) {
       std::printf(
-          "with --board-width-m and --board-height-m the ends of the lines would count "
-          "too, and the result be about twice as certain\n");
+          "give the board's outer size (--board-width-m, --board-height-m) and the ends of the "
+          "lines count too: the result gets more certain\n");
     }
   }
   const auto sd = [&](int i) { return std::sqrt(result.covariance(i, i)); };

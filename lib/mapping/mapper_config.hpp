@@ -27,6 +27,9 @@ struct MapperConfig {
   double evidence_correlation = 0.2;  ///< of two looks at one thing, beyond what the class explains
   double pose_wait_s = 10.0;          ///< of message time: how long DETECTIONS wait for a POSE
   double pose_gap_max_s = 2.0;        ///< poses farther apart are not interpolated between
+  /// Poses at least this often place each detection at its own beam's time, sparser ones all of a
+  /// scan at its first beam's: a robot that is measured at stops does not move while it scans.
+  double sweep_pose_gap_max_s = 0.25;
   int min_observations = 1;           ///< landmarks seen less often are left out of map files
   double refresh_period_s = 2.0;      ///< of message time: between two slow refreshes of MAP
   double save_period_s = 1.0;         ///< of wall time: between two live saves of map.csv
@@ -64,6 +67,8 @@ void describe(Visitor& v, MapperConfig& c) {
            "message time that detections wait for a pose");
   v.number("pose_gap_max_s", c.pose_gap_max_s, 0.001, 3600, "s",
            "poses farther apart are not interpolated between");
+  v.number("sweep_pose_gap_max_s", c.sweep_pose_gap_max_s, 0, 10, "s",
+           "poses at least this often undo the motion within a scan; 0 = never");
   v.integer("min_observations", c.min_observations, 1, 1000, "1",
             "landmarks seen less often stay out of map files");
   v.number("refresh_period_s", c.refresh_period_s, 0.05, 3600, "s",

@@ -22,6 +22,14 @@ void PoseTrack::add(const pose::PoseEstimate& pose) {
   poses_.insert(at, pose);
 }
 
+bool PoseTrack::is_dense_at(std::int64_t utime, std::int64_t gap_max_us) const {
+  const auto after = std::upper_bound(
+      poses_.begin(), poses_.end(), utime,
+      [](std::int64_t t, const pose::PoseEstimate& pose) { return t < pose.utime; });
+  if (after - poses_.begin() < 2) return false;
+  return (after - 1)->utime - (after - 2)->utime <= gap_max_us;
+}
+
 std::optional<pose::PoseEstimate> PoseTrack::at(std::int64_t utime) const {
   if (poses_.empty()) return std::nullopt;
   const auto after = std::lower_bound(poses_.begin(), poses_.end(), utime, is_before);

@@ -23,6 +23,10 @@ class PoseTrack {
   /// Whether a pose at or after that time is there.
   bool covers(std::int64_t utime) const { return !poses_.empty() && poses_.back().utime >= utime; }
 
+  /// Whether the last two poses at or before that time lie no farther apart than this, so that
+  /// the motion within a scan can be told from them. False before there are two.
+  bool is_dense_at(std::int64_t utime, std::int64_t gap_max_us) const;
+
   /// The pose at that time: interpolated, or the first or last one when no farther than the
   /// largest gap. None inside a larger gap.
   std::optional<pose::PoseEstimate> at(std::int64_t utime) const;

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "mapping/sweep.hpp"
+
 namespace orchard::procs {
 namespace {
 
@@ -45,25 +47,45 @@ void MapperNode::handle(const bus::Message& input, const bus::Outbox& send) {
       has_newest_ ? std::max(newest_utime_, bus::utime_of(input)) : bus::utime_of(input);
   has_newest_ = true;
   release(send);
-  drop_late();
+  drop_late(send);
+}
+
+bool MapperNode::undoes_sweep(const detection::Detections& detections) const {
+  const auto gap_max_us = static_cast<std::int64_t>(1e6 * config_.sweep_pose_gap_max_s);
+  return gap_max_us > 0 && track_.is_dense_at(detections.utime, gap_max_us);
+}
+
+/// By poses alone, so that it does not depend on when the scans come.
+bool MapperNode::can_be_placed(const detection::Detections& detections) const {
+  if (!track_.covers(detections.utime)) return false;
+  return !undoes_sweep(detections) || track_.covers(mapping::last_utime_of(detections));
 }
 
 void MapperNode::release(const bus::Outbox& send) {
-  while (!waiting_.empty() && track_.covers(waiting_.front().utime)) {
-    const detection::Detections detections = std::move(waiting_.front());
-    waiting_.pop_front();
-    last_used_utime_ = detections.utime;
-    if (const auto pose = track_.at(detections.utime)) {
-      use(detections, *pose, send);
-    } else {
-      ++counts_.num_unusable;  // inside a gap of the track
-    }
+  while (!waiting_.empty() && can_be_placed(waiting_.front())) place_front(send);
+}
+
+void MapperNode::place_front(const bus::Outbox& send) {
+  const detection::Detections detections = std::move(waiting_.front());
+  waiting_.pop_front();
+  last_used_utime_ = detections.utime;
+  const auto pose = track_.at(detections.utime);
+  if (!pose) {
+    ++(track_.covers(detections.utime) ? counts_.num_unusable : counts_.num_late);
+  } else if (undoes_sweep(detections)) {
+    use(mapping::unswept(detections, track_, *pose), *pose, send);
+  } else {
+    use(detections, *pose, send);
   }
 }
 
-void MapperNode::drop_late() {
+void MapperNode::drop_late(const bus::Outbox& send) {
   while (!waiting_.empty() &&
          seconds(newest_utime_ - waiting_.front().utime) > config_.pose_wait_s) {
+    if (track_.covers(waiting_.front().utime)) {
+      place_front(send);  // the pose at its last beam has not come
+      continue;
+    }
     last_used_utime_ = waiting_.front().utime;
     waiting_.pop_front();
     ++counts_.num_late;
@@ -71,20 +93,11 @@ void MapperNode::drop_late() {
 }
 
 void MapperNode::flush(const bus::Outbox& send) {
-  std::int64_t utime = last_used_utime_.value_or(0);
-  while (!waiting_.empty()) {
-    const detection::Detections detections = std::move(waiting_.front());
-    waiting_.pop_front();
-    last_used_utime_ = utime = detections.utime;
-    if (const auto pose = track_.at(detections.utime)) {
-      use(detections, *pose, send);
-    } else {
-      ++counts_.num_late;
-    }
-  }
+  while (!waiting_.empty()) place_front(send);
   // the whole map once more, so that a recorded log ends with it
   if (mapper_.num_landmarks() > 0) {
-    send_tiles(utime, mapper_.ids_from(1, mapper_.num_landmarks()), {}, send);
+    send_tiles(last_used_utime_.value_or(0), mapper_.ids_from(1, mapper_.num_landmarks()), {},
+               send);
   }
 }
 

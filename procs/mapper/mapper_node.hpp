@@ -17,9 +17,10 @@ namespace orchard::procs {
 
 /// Puts detections on the map: one MAP tile or more per scan used.
 ///
-/// DETECTIONS(t) wait for a POSE at or after t, however the two channels arrive; what has waited
-/// mapper.pose_wait_s of message time is counted late and left out. So the map does not depend on
-/// how far one channel runs ahead of the other within that time.
+/// DETECTIONS(t) wait for a POSE at or after t (with frequent poses: at or after the last object of
+/// the scan, so that each is placed at its own time), however the two channels arrive; what has
+/// waited mapper.pose_wait_s of message time is counted late and left out. So the map does not
+/// depend on how far one channel runs ahead of the other within that time.
 class MapperNode : public bus::Node {
  public:
   explicit MapperNode(const io::Config& config);
@@ -43,8 +44,11 @@ class MapperNode : public bus::Node {
   std::size_t num_landmarks() const { return mapper_.num_landmarks(); }
 
  private:
+  bool undoes_sweep(const detection::Detections& detections) const;
+  bool can_be_placed(const detection::Detections& detections) const;
   void release(const bus::Outbox& send);
-  void drop_late();
+  void place_front(const bus::Outbox& send);
+  void drop_late(const bus::Outbox& send);
   void use(const detection::Detections& detections, const pose::PoseEstimate& T_map_base,
            const bus::Outbox& send);
   void send_tiles(std::int64_t utime, const std::vector<std::int32_t>& ids,

@@ -178,6 +178,10 @@ Status LiveNode::status() const {
   status.num_published = host_.num_published();
   status.text = waiting_text();
   status.level = !status.text.empty() ? Level::kWaiting : Level::kOk;
+  if (const std::string warning = node_.warning(); !warning.empty()) {
+    status.level = Level::kWarning;
+    status.text = warning + (status.text.empty() ? "" : "; " + status.text);
+  }
   if (bus_.counts().num_bad() > 0) {
     if (status.level == Level::kOk) status.level = Level::kWarning;
     status.text += status.text.empty() ? "refused" : "; refused";

@@ -42,6 +42,10 @@ class Node {
   /// What it waits for, in words for a person ("SCAN at 12.3 s waits for an IMAGE"); empty if
   /// nothing.
   virtual std::string waiting_for() const { return {}; }
+
+  /// What is wrong with what it is given, in words for a person (a camera that is turned); empty if
+  /// nothing. Shown in STATUS with level WARNING. After flush(): what was wrong at any time.
+  virtual std::string warning() const { return {}; }
 };
 
 }  // namespace orchard::bus

@@ -146,6 +146,7 @@ LaserFindings find_by_laser(const laser::Scan& scan, const Rig& rig) {
   findings.detections.utime = scan.utime;
   findings.intensities_missing =
       config.segmentation.reflector != laser::ReflectorUse::kIgnored && !scan.has_intensities();
+  findings.beam_period_s = 1e-6 * scan.beam_period_us;
   std::vector<Detection>& trunks = findings.detections.trunks;
   const auto segments = laser::segment(scan, config.segmentation, config.width, rig.laser);
   trunks.reserve(segments.size());
@@ -172,11 +173,20 @@ LaserFindings find_by_laser(const laser::Scan& scan, const Rig& rig) {
   return findings;
 }
 
+std::optional<ScanToPicture> to_picture(const LaserFindings& findings, const vision::Image& image,
+                                        const Rig& rig, const std::optional<Motion>& motion) {
+  if (!motion) return std::nullopt;
+  const double stamped_dt_s = 1e-6 * static_cast<double>(image.utime - findings.detections.utime);
+  return ScanToPicture{*motion, stamped_dt_s - rig.camera_delay_s, findings.beam_period_s};
+}
+
 namespace {
 
 DetectResult look_at_candidates(LaserFindings findings, const vision::Image* image, const Rig& rig,
                                 const std::optional<Motion>& motion) {
   DetectResult result;
+  const auto to_exposure =
+      image ? to_picture(findings, *image, rig, motion) : std::optional<ScanToPicture>();
   result.detections = std::move(findings.detections);
   result.intensities_missing = findings.intensities_missing;
   if (!rig.has_camera || !image) return result;
@@ -186,9 +196,7 @@ DetectResult look_at_candidates(LaserFindings findings, const vision::Image* ima
   std::vector<std::optional<TrunkView>> views(findings.candidates.size());
   vision::PixelRect reading;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    const Candidate& candidate = findings.candidates[i];
-    const double dt_s = 1e-6 * static_cast<double>(image->utime - trunks[candidate.index].utime);
-    views[i] = view_of(candidate.segment, rig, motion, dt_s);
+    views[i] = view_of(findings.candidates[i].segment, rig, to_exposure);
     if (views[i]) reading = vision::bounding(reading, reading_area(*views[i], rig));
   }
   if (reading.empty()) return result;

@@ -27,6 +27,7 @@ struct LaserFindings {
   std::vector<Candidate> candidates;  ///< none of a rig without a camera
   /// Reflectors count (segmentation.reflector) but the scan has no intensities: all is UNSEEN.
   bool intensities_missing = false;
+  double beam_period_s = 0.0;         ///< of the scan; 0 = unknown
 };
 
 /// What a scan and its picture show.
@@ -40,6 +41,11 @@ struct DetectResult {
 /// The laser's half of the detector: segment, width. A rig without a camera needs no other.
 LaserFindings find_by_laser(const laser::Scan& scan, const Rig& rig);
 
+/// From each beam to the exposure of a picture, camera.delay_s before its utime; none without a
+/// motion.
+std::optional<ScanToPicture> to_picture(const LaserFindings& findings, const vision::Image& image,
+                                        const Rig& rig, const std::optional<Motion>& motion);
+
 /// The camera's half: project, colour, edges, fuse. `image` and `motion` as in detect().
 DetectResult judge_by_camera(LaserFindings findings, const vision::Image* image, const Rig& rig,
                              const std::optional<Motion>& motion = std::nullopt);
@@ -51,7 +57,7 @@ DetectResult judge_by_camera(LaserFindings findings, const vision::Image* image,
 /// stays 0. Of a rig without a camera roc_tree is roc_laser. A pure function; only the windows of
 /// the picture are decoded. Source: Shalal et al. 2013, section 4 and figure 4.
 /// `motion` of base about the picture's time, where known, moves each object's points from their
-/// beams' time to the picture's.
+/// own beams' time to the picture's exposure.
 DetectResult detect(const laser::Scan& scan, const vision::Image* image, const Rig& rig,
                     const std::optional<Motion>& motion = std::nullopt);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "detection/adaptation_config.hpp"
+#include "detection/consistency_config.hpp"
 #include "detection/probability_config.hpp"
 #include "laser/segmentation_config.hpp"
 #include "laser/width_config.hpp"
@@ -42,6 +43,7 @@ struct DetectorConfig {
   /// Points move on by ODOMETRY from their beam's time to the picture's; scans then wait for it.
   bool use_odometry = false;
   AdaptationConfig adaptation;
+  ConsistencyConfig consistency;
 };
 
 template <class Visitor>
@@ -73,6 +75,7 @@ void describe(Visitor& v, DetectorConfig& c) {
   v.flag("use_odometry", c.use_odometry,
          "move points by ODOMETRY from their beam's time to the picture's");
   v.section("adaptation", c.adaptation, "models that follow the trees while driving");
+  v.section("consistency", c.consistency, "warning when laser and image edges disagree for long");
 }
 
 }  // namespace orchard::detection

@@ -13,6 +13,20 @@ struct Motion {
   double yaw_rate_radps = 0.0;  ///< about base z
 };
 
+/// How base moves from each beam of a scan to the exposure of its picture.
+///
+/// A beam's own time counts: at 0.5 rad/s the last beam of a 75 ms sweep sees a trunk 37 mrad
+/// (8 px at f = 222 px) from where the first would. What remains inside one object is below half a
+/// pixel: both its sides are moved by their own time. Its width is left as measured: the sweep
+/// turns 60 rad/s, so a robot at 0.5 rad/s makes a trunk 0.8 % wider or narrower, 1 mm of 125 mm.
+struct ScanToPicture {
+  Motion motion;
+  double first_beam_dt_s = 0.0;  ///< from the scan's first beam to the exposure
+  double beam_period_s = 0.0;
+
+  double dt_s(double beam) const { return first_beam_dt_s - beam * beam_period_s; }
+};
+
 /// A point of the plane, in the base or laser frame.
 struct PlanePoint {
   double x_m = 0.0;

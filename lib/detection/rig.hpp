@@ -18,12 +18,14 @@ struct Rig {
         has_camera(camera_config.enabled),
         camera(camera_config.intrinsics),
         T_camera_laser(camera_config.extrinsics),
+        camera_delay_s(camera_config.delay_s),
         detector(detector_config) {}
 
   laser::LaserConfig laser;
   bool has_camera = true;
   geometry::CameraModel camera;
   geometry::LaserToCamera T_camera_laser;
+  double camera_delay_s = 0.0;  ///< exposure = a picture's utime - this
   DetectorConfig detector;
   vision::ChannelGains light_gains;  ///< bring pictures to the light of the calibration
 };

@@ -19,9 +19,11 @@ std::int64_t microseconds(double seconds) { return std::llround(seconds * 1e6); 
 
 }  // namespace
 
-ScanImagePairer::ScanImagePairer(double tolerance_s, double wait_s, bool with_motion)
+ScanImagePairer::ScanImagePairer(double tolerance_s, double wait_s, bool with_motion,
+                                 double delay_s)
     : tolerance_us_(microseconds(tolerance_s)),
       wait_us_(microseconds(wait_s)),
+      delay_us_(microseconds(delay_s)),
       with_motion_(with_motion) {}
 
 std::vector<ScanImagePair> ScanImagePairer::add(laser::Scan scan) {
@@ -31,16 +33,17 @@ std::vector<ScanImagePair> ScanImagePairer::add(laser::Scan scan) {
 }
 
 std::vector<ScanImagePair> ScanImagePairer::add(vision::Image image) {
-  newest_utime_ = std::max(newest_utime_, image.utime);
-  newest_image_utime_ = std::max(newest_image_utime_, image.utime);
-  if (timed_out_scan_utime_ != INT64_MIN && image.utime <= timed_out_scan_utime_ + tolerance_us_) {
+  const std::int64_t exposure_utime = image.utime - delay_us_;
+  newest_utime_ = std::max(newest_utime_, exposure_utime);
+  newest_image_utime_ = std::max(newest_image_utime_, exposure_utime);
+  if (timed_out_scan_utime_ != INT64_MIN &&
+      exposure_utime <= timed_out_scan_utime_ + tolerance_us_) {
     ++num_late_;
   }
-  auto kept = std::make_shared<const vision::Image>(std::move(image));
-  const auto after =
-      std::upper_bound(images_.begin(), images_.end(), kept->utime,
-                       [](std::int64_t utime, const auto& other) { return utime < other->utime; });
-  images_.insert(after, std::move(kept));
+  const auto after = std::upper_bound(
+      images_.begin(), images_.end(), exposure_utime,
+      [](std::int64_t utime, const Exposed& other) { return utime < other.utime; });
+  images_.insert(after, {exposure_utime, std::make_shared<const vision::Image>(std::move(image))});
   std::vector<ScanImagePair> pairs = release();
   forget_old();
   return pairs;
@@ -49,6 +52,7 @@ std::vector<ScanImagePair> ScanImagePairer::add(vision::Image image) {
 std::vector<ScanImagePair> ScanImagePairer::add(const Motion& motion) {
   if (!with_motion_) return {};
   newest_utime_ = std::max(newest_utime_, motion.utime);
+  newest_motion_utime_ = std::max(newest_motion_utime_, motion.utime);
   const auto after =
       std::upper_bound(motions_.begin(), motions_.end(), motion.utime,
                        [](std::int64_t utime, const Motion& other) { return utime < other.utime; });
@@ -69,6 +73,11 @@ std::optional<std::int64_t> ScanImagePairer::waiting_scan_utime() const {
   return scans_.front().utime;
 }
 
+std::optional<std::int64_t> ScanImagePairer::newest_motion_utime() const {
+  if (newest_motion_utime_ == INT64_MIN) return std::nullopt;
+  return newest_motion_utime_;
+}
+
 std::vector<ScanImagePair> ScanImagePairer::release() {
   std::vector<ScanImagePair> pairs;
   while (!scans_.empty()) {
@@ -84,9 +93,9 @@ std::vector<ScanImagePair> ScanImagePairer::release() {
 bool ScanImagePairer::decided(std::int64_t scan_utime) const {
   if (newest_image_utime_ < scan_utime) return false;
   if (!with_motion_) return true;
-  for (const auto& image : images_) {
-    if (image->utime < scan_utime) continue;
-    return !motions_.empty() && motions_.back().utime >= image->utime;
+  for (const Exposed& exposed : images_) {
+    if (exposed.utime < scan_utime) continue;
+    return !motions_.empty() && motions_.back().utime >= exposed.utime;
   }
   return true;  // the picture is forgotten already: nothing to wait for
 }
@@ -107,14 +116,17 @@ ScanImagePair ScanImagePairer::pair_front(bool timed_out) {
   scans_.pop_front();
   if (timed_out) timed_out_scan_utime_ = std::max(timed_out_scan_utime_, pair.scan.utime);
   std::int64_t best_us = tolerance_us_;
-  for (const auto& image : images_) {  // the earlier of equals
-    const std::int64_t distance_us = std::llabs(image->utime - pair.scan.utime);
+  std::int64_t exposure_utime = 0;
+  for (const Exposed& exposed : images_) {  // the earlier of equals
+    const std::int64_t distance_us = std::llabs(exposed.utime - pair.scan.utime);
     if (distance_us < best_us || (!pair.image && distance_us == best_us)) {
       best_us = distance_us;
-      pair.image = image;
+      pair.image = exposed.image;
+      exposure_utime = exposed.utime;
     }
   }
-  if (pair.image) pair.motion = motion_at(pair.image->utime);
+  if (pair.image) pair.motion = motion_at(exposure_utime);
+  if (pair.image && with_motion_ && !pair.motion) ++num_without_motion_;
   return pair;
 }
 
@@ -123,7 +135,7 @@ void ScanImagePairer::forget_old() {
   const std::int64_t oldest_scan_utime =
       scans_.empty() ? newest_utime_ : std::min(newest_utime_, scans_.front().utime);
   const std::int64_t horizon = oldest_scan_utime - wait_us_ - tolerance_us_;
-  while (!images_.empty() && (images_.front()->utime < horizon || images_.size() > kMaxImages)) {
+  while (!images_.empty() && (images_.front().utime < horizon || images_.size() > kMaxImages)) {
     images_.pop_front();
   }
   while (!motions_.empty() &&

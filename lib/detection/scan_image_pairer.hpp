@@ -17,10 +17,11 @@ namespace orchard::detection {
 struct ScanImagePair {
   laser::Scan scan;
   std::shared_ptr<const vision::Image> image;  ///< null when none was near enough
-  std::optional<Motion> motion;  ///< at the picture's time, when motions are given and known
+  std::optional<Motion> motion;  ///< at its exposure, when motions are given and known
 };
 
-/// Gives each scan the nearest picture within a tolerance, in order of the scans.
+/// Gives each scan the nearest picture within a tolerance, in order of the scans. The time of a
+/// picture is that of its exposure, a fixed delay before its utime.
 ///
 /// A scan is decided when a picture at or after it has come (and, with motions, a motion at or
 /// after that picture), or when a message later by more than the wait has. So the pairs do not
@@ -28,8 +29,9 @@ struct ScanImagePair {
 /// wait. Time is the messages' own.
 class ScanImagePairer {
  public:
-  /// `with_motion`: pairs wait for motions too.
-  ScanImagePairer(double tolerance_s, double wait_s, bool with_motion = false);
+  /// `with_motion`: pairs wait for motions too. `delay_s`: camera.delay_s.
+  ScanImagePairer(double tolerance_s, double wait_s, bool with_motion = false,
+                  double delay_s = 0.0);
 
   /// Takes a scan; gives the pairs that are decided now.
   std::vector<ScanImagePair> add(laser::Scan scan);
@@ -42,10 +44,19 @@ class ScanImagePairer {
 
   /// Pictures that came after the scan they belong to was decided without them.
   std::int64_t num_late() const { return num_late_; }
+  /// Pairs that were decided with a picture, but without the motion they waited for.
+  std::int64_t num_without_motion() const { return num_without_motion_; }
+  /// The newest motion that has come, or none.
+  std::optional<std::int64_t> newest_motion_utime() const;
   /// The scan that waits longest, or none.
   std::optional<std::int64_t> waiting_scan_utime() const;
 
  private:
+  struct Exposed {
+    std::int64_t utime;  ///< of the exposure
+    std::shared_ptr<const vision::Image> image;
+  };
+
   std::vector<ScanImagePair> release();
   ScanImagePair pair_front(bool timed_out);
   bool decided(std::int64_t scan_utime) const;
@@ -54,12 +65,15 @@ class ScanImagePairer {
 
   std::int64_t tolerance_us_;
   std::int64_t wait_us_;
-  std::deque<laser::Scan> scans_;                            ///< waiting, in order of arrival
-  std::deque<std::shared_ptr<const vision::Image>> images_;  ///< kept, in order of utime
-  std::int64_t newest_utime_ = INT64_MIN;                    ///< of any message
+  std::int64_t delay_us_;
+  std::deque<laser::Scan> scans_;          ///< waiting, in order of arrival
+  std::deque<Exposed> images_;             ///< kept, in order of exposure
+  std::int64_t newest_utime_ = INT64_MIN;  ///< of any scan, motion and exposure
   std::int64_t newest_image_utime_ = INT64_MIN;
   std::int64_t timed_out_scan_utime_ = INT64_MIN;  ///< newest scan decided without waiting longer
+  std::int64_t newest_motion_utime_ = INT64_MIN;
   std::int64_t num_late_ = 0;
+  std::int64_t num_without_motion_ = 0;
   bool with_motion_;
   std::deque<Motion> motions_;  ///< kept, in order of utime
 };

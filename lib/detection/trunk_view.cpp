@@ -31,12 +31,15 @@ PlanePoint moved(const PlanePoint& p_laser, const laser::LaserConfig& mount, con
 /// Takes points of the laser frame, at the beams' time, to the picture.
 struct Projection {
   const Rig& rig;
-  const std::optional<Motion>& motion;
-  double dt_s;
+  const std::optional<ScanToPicture>& motion;
 
-  std::optional<ProjectedPoint> operator()(double range_m, double bearing_rad) const {
+  std::optional<ProjectedPoint> operator()(double range_m, double bearing_rad,
+                                           std::size_t beam) const {
     PlanePoint p_laser{range_m * std::cos(bearing_rad), range_m * std::sin(bearing_rad)};
-    if (motion) p_laser = moved(p_laser, rig.laser, *motion, dt_s);
+    if (motion) {
+      const double dt_s = motion->dt_s(static_cast<double>(beam));
+      p_laser = moved(p_laser, rig.laser, motion->motion, dt_s);
+    }
     const Eigen::Vector3d p_camera =
         rig.T_camera_laser(Eigen::Vector3d(p_laser.x_m, p_laser.y_m, 0.0));
     const auto pixel = rig.camera.project(p_camera);
@@ -60,11 +63,11 @@ vision::PixelRect picture_of(const Rig& rig) {
 }
 
 std::optional<TrunkView> view_of(const laser::Segment& segment, const Rig& rig,
-                                 const std::optional<Motion>& motion, double dt_s) {
-  const Projection project{rig, motion, dt_s};
-  const auto middle = project(segment.range_m, segment.bearing_rad);
-  auto left = project(segment.start_range_m, segment.start_bearing_rad);
-  auto right = project(segment.end_range_m, segment.end_bearing_rad);
+                                 const std::optional<ScanToPicture>& motion) {
+  const Projection project{rig, motion};
+  const auto middle = project(segment.range_m, segment.bearing_rad, segment.middle_beam);
+  auto left = project(segment.start_range_m, segment.start_bearing_rad, segment.first_beam);
+  auto right = project(segment.end_range_m, segment.end_bearing_rad, segment.last_beam);
   if (!middle || !left || !right) return std::nullopt;
   if (left->pixel.x() > right->pixel.x()) std::swap(left, right);
 
@@ -74,6 +77,14 @@ std::optional<TrunkView> view_of(const laser::Segment& segment, const Rig& rig,
   const auto right_edge = window(*right, sizes.edge_width_m, sizes.edge_height_m, rig);
   if (!centre || !left_edge || !right_edge) return std::nullopt;
   return TrunkView{*centre, *left_edge, *right_edge, left->pixel.x(), right->pixel.x()};
+}
+
+std::optional<Eigen::Vector2d> project_beam(double range_m, double bearing_rad, std::size_t beam,
+                                            const Rig& rig,
+                                            const std::optional<ScanToPicture>& motion) {
+  const auto point = Projection{rig, motion}(range_m, bearing_rad, beam);
+  if (!point) return std::nullopt;
+  return point->pixel;
 }
 
 vision::PixelRect trunk_window(const TrunkView& view, const Rig& rig) {

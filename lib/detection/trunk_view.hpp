@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
+#include <cstddef>
 #include <optional>
 
 #include "detection/motion.hpp"
@@ -23,12 +25,17 @@ struct TrunkView {
 vision::PixelRect picture_of(const Rig& rig);
 
 /// Projects a segment's P_start, P_end and middle into the picture and lays windows around them.
-/// With a motion, the points first move on for `dt_s`, from their beams' time to the picture's.
+/// With a motion, each point first moves on from its own beam's time to the picture's exposure.
 /// None when the camera has no full view of it: behind or beside the picture, or too small in it.
 /// Source: Shalal et al. 2013, sections 3.3 and 4.2.
 std::optional<TrunkView> view_of(const laser::Segment& segment, const Rig& rig,
-                                 const std::optional<Motion>& motion = std::nullopt,
-                                 double dt_s = 0.0);
+                                 const std::optional<ScanToPicture>& motion = std::nullopt);
+
+/// The column and row at which the camera sees a point of the scan, moved as view_of() does. None
+/// outside the picture.
+std::optional<Eigen::Vector2d> project_beam(double range_m, double bearing_rad, std::size_t beam,
+                                            const Rig& rig,
+                                            const std::optional<ScanToPicture>& motion);
 
 /// The window between the two edges that the laser expects, over the colour window's rows and at
 /// least as wide: what `colour_model: appearance` judges. Inside the picture.

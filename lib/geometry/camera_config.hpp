@@ -9,6 +9,8 @@ namespace orchard::geometry {
 /// The camera of a rig and where it looks. Section `camera`.
 struct CameraConfig {
   bool enabled = true;  ///< false: a rig without a camera, laser-only
+  /// The camera's fixed delay: a picture was truly exposed this much before its utime.
+  double delay_s = 0.0;
   CameraIntrinsics intrinsics;
   LaserCameraExtrinsics extrinsics{{0.0, -0.06, 0.0},
                                    {1.5707963267948966, 0.0, 1.5707963267948966}};
@@ -17,6 +19,8 @@ struct CameraConfig {
 template <class Visitor>
 void describe(Visitor& v, CameraConfig& c) {
   v.flag("enabled", c.enabled, "false for a rig without a camera: laser-only detection");
+  v.number("delay_s", c.delay_s, -0.5, 0.5, "s",
+           "pictures were exposed this much before their utime (`orchard calibrate delay`)");
   v.integer("width_px", c.intrinsics.width_px, 16, 8192, "px", "image width");
   v.integer("height_px", c.intrinsics.height_px, 16, 8192, "px", "image height");
   v.numbers("fc_px", c.intrinsics.fc_px, 1, 1e5, "px", "focal lengths x, y");

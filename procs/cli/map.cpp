@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <numeric>
 #include <string_view>
+#include <utility>
 
 #include "bus/in_process_replay.hpp"
 #include "bus/process.hpp"
@@ -135,7 +136,13 @@ int run_map(const MapOptions& options) {
   };
   const ReplayReport report = bus::replay_in_process(options.log_path, pipeline.nodes(), replay);
   bar.finish();
-  for (const std::string& warning : report.warnings) {
+  std::vector<std::string> warnings = report.warnings;
+  for (const bus::Node* node : pipeline.nodes()) {
+    if (std::string warning = node->warning(); !warning.empty()) {
+      warnings.push_back(std::move(warning));
+    }
+  }
+  for (const std::string& warning : warnings) {
     std::fprintf(stderr, "orchard map: warning: %s\n", warning.c_str());
   }
   require_usable(options, report);
@@ -147,7 +154,7 @@ int run_map(const MapOptions& options) {
   summary.first_utime = report.first_utime;
   summary.last_utime = report.last_utime;
   summary.counts = counts_of(report, pipeline);
-  summary.warnings = report.warnings;
+  summary.warnings = std::move(warnings);
   io::MapFolderContent content = pipeline.mapper.content(summary);
   if (content.landmarks.empty()) {
     content.summary.warnings.push_back("nothing was mapped: no object was seen often enough");

@@ -38,7 +38,8 @@ std::optional<Pose2> pose_at(const std::vector<pose::PoseEstimate>& poses, std::
 
 TrunkCollector::TrunkCollector(const io::Config& config, int log, bool crops)
     : rig_(config.laser, config.camera, config.detector),
-      pairer_(config.detector.pairing_tolerance_s, config.detector.image_wait_s),
+      pairer_(config.detector.pairing_tolerance_s, config.detector.image_wait_s, false,
+              config.camera.delay_s),
       pose_gap_max_us_(std::llround(config.mapper.pose_gap_max_s * 1e6)),
       log_(log),
       crops_(crops) {}

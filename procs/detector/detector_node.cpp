@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "detector/detector_node.hpp"
 
+#include <cmath>
 #include <cstdio>
 #include <utility>
+
+#include "detection/edge_offset.hpp"
+#include "geometry/angles.hpp"
 
 namespace orchard::procs {
 
 DetectorNode::DetectorNode(const io::Config& config)
     : rig_(config.laser, config.camera, config.detector),
       pairer_(config.detector.pairing_tolerance_s, config.detector.image_wait_s,
-              config.detector.use_odometry) {
+              config.detector.use_odometry, config.camera.delay_s),
+      monitor_(config.detector.consistency, config.camera.intrinsics.fc_px[0]),
+      edge_reach_px_(config.camera.intrinsics.fc_px[0] *
+                     std::tan(config.detector.consistency.reach_deg * geometry::kPi / 180.0)) {
   if (config.detector.adaptation.enabled && rig_.has_camera) {
     adaptation_.emplace(config.detector.adaptation, config.detector.width.mean_m);
   }
@@ -38,6 +45,7 @@ void DetectorNode::handle(const bus::Message& input, const bus::Outbox& send) {
 
 void DetectorNode::flush(const bus::Outbox& send) {
   for (const auto& pair : pairer_.flush()) send_detections(pair, send);
+  ended_ = true;
 }
 
 bus::NodeCounts DetectorNode::counts() const { return {pairer_.num_late(), num_unusable_}; }
@@ -56,6 +64,34 @@ std::string DetectorNode::waiting_for() const {
                                      : " (from the camera driver)");
 }
 
+std::string DetectorNode::warning() const {
+  std::string text = ended_ ? monitor_.whole_run() : monitor_.warning();
+  if (const std::string odometry = odometry_warning(); !odometry.empty()) {
+    text += (text.empty() ? "" : "; ") + odometry;
+  }
+  return text;
+}
+
+std::string DetectorNode::odometry_warning() const {
+  const std::int64_t num_without = pairer_.num_without_motion();
+  if (num_without == 0 || (!ended_ && !last_without_motion_)) return {};
+  return "no ODOMETRY (from the base) for " + std::to_string(num_without) + " of " +
+         std::to_string(num_pictures_) +
+         " pictures: used without the motion between scan and picture (detector.use_odometry)";
+}
+
+/// Looks for itself, more widely than the detector: what it finds never reaches DETECTIONS.
+void DetectorNode::compare_edges(const detection::LaserFindings& findings,
+                                 const detection::ScanImagePair& pair) {
+  if (!pair.image || !monitor_.is_due(pair.scan.utime)) return;
+  std::vector<double> offsets_px;
+  for (const auto& seen :
+       detection::look_for_edges(findings, *pair.image, rig_, pair.motion, edge_reach_px_)) {
+    offsets_px.push_back(seen.offsets.front().middle_px());
+  }
+  monitor_.add(pair.scan.utime, offsets_px);
+}
+
 void DetectorNode::send_detections(const detection::ScanImagePair& pair, const bus::Outbox& send) {
   Findings findings = std::move(findings_.front());
   findings_.pop_front();
@@ -64,6 +100,11 @@ void DetectorNode::send_detections(const detection::ScanImagePair& pair, const b
   if (findings.width_model != width_model_) {
     findings.laser = detection::find_by_laser(pair.scan, rig_);
   }
+  if (pair.image) {
+    ++num_pictures_;
+    last_without_motion_ = rig_.detector.use_odometry && !pair.motion;
+  }
+  compare_edges(findings.laser, pair);
   detection::DetectResult result =
       detection::judge_by_camera(std::move(findings.laser), pair.image.get(), rig_, pair.motion);
   const std::int64_t utime = result.detections.utime;

@@ -6,6 +6,7 @@
 
 #include "bus/node.hpp"
 #include "detection/adaptation.hpp"
+#include "detection/consistency_monitor.hpp"
 #include "detection/detect.hpp"
 #include "detection/rig.hpp"
 #include "detection/scan_image_pairer.hpp"
@@ -18,7 +19,9 @@ namespace orchard::procs {
 /// A rig without a camera answers each scan at once. With a camera a scan is cut into objects as it
 /// comes, so that less is left to do once its picture is there, and waits for its picture;
 /// without one in time its trunk candidates are UNSEEN. With detector.use_odometry it waits for the
-/// ODOMETRY at the picture's time too, to account for the motion between the two.
+/// ODOMETRY at the picture's time too, to account for the motion between the two; where none comes
+/// within image_wait_s the pair is used without it, and warning() says so. Warns too when laser and
+/// image edges disagree for long (detector.consistency).
 /// With detector.adaptation.enabled each scan is judged by the models that the scans before it have
 /// led to, whatever order the channels arrive in, and ADAPTATION says what became of them.
 class DetectorNode : public bus::Node {
@@ -31,6 +34,7 @@ class DetectorNode : public bus::Node {
   void flush(const bus::Outbox& send) override;
   bus::NodeCounts counts() const override;
   std::string waiting_for() const override;
+  std::string warning() const override;
 
  private:
   /// A scan's laser half, and which state of the width model it was made with.
@@ -41,6 +45,9 @@ class DetectorNode : public bus::Node {
   void send_detections(const detection::ScanImagePair& pair, const bus::Outbox& send);
   void adapt(std::int64_t utime, const std::vector<detection::AdaptationLook>& looks,
              const bus::Outbox& send);
+  void compare_edges(const detection::LaserFindings& findings,
+                     const detection::ScanImagePair& pair);
+  std::string odometry_warning() const;
   void send_result(detection::DetectResult result, const bus::Outbox& send);
 
   detection::Rig rig_;
@@ -51,6 +58,11 @@ class DetectorNode : public bus::Node {
   std::int32_t next_seq_ = 0;
   std::int64_t num_unusable_ = 0;     ///< pictures, and scans without the intensities wanted
   bool intensities_missing_ = false;  ///< of the newest scan answered
+  detection::ConsistencyMonitor monitor_;
+  double edge_reach_px_;
+  std::int64_t num_pictures_ = 0;     ///< that belonged to a scan
+  bool last_without_motion_ = false;  ///< the newest of them, where motion was asked for
+  bool ended_ = false;
 };
 
 }  // namespace orchard::procs

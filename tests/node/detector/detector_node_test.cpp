@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <opencv2/imgcodecs.hpp>
 #include <random>
 
@@ -251,6 +252,85 @@ TEST(DetectorNode, AdaptationDoesNotDependOnArrivalAcrossChannels) {
     EXPECT_EQ(bench.all, reference) << "round " << round;
   }
   EXPECT_GT(reference.size(), 27u);  // steps among them
+}
+
+TEST(DetectorNode, GoesOnWithoutOdometryAndSaysSo) {
+  io::Config config;
+  config.detector.use_odometry = true;
+  Bench bench(config);
+  pose::Odometry odometry;
+  odometry.utime = 1'000'000;
+  bench.handle(odometry);
+  bench.handle(scan(0));
+  bench.handle(picture(0));
+  odometry.utime = 1'040'000;
+  bench.handle(odometry);
+  ASSERT_EQ(bench.sent.size(), 1u);
+  EXPECT_EQ(bench.node.warning(), "");
+  for (int i = 1; i < 12; ++i) {  // the wheels fall silent
+    bench.handle(scan(i));
+    bench.handle(picture(i));
+  }
+  EXPECT_GE(bench.sent.size(), 9u);  // never more than image_wait_s behind
+  EXPECT_NE(bench.node.warning().find("no ODOMETRY"), std::string::npos);
+  odometry.utime = 2'130'000;
+  bench.handle(odometry);
+  bench.handle(scan(12));
+  odometry.utime = 2'230'000;
+  bench.handle(picture(12));
+  bench.handle(odometry);
+  ASSERT_EQ(bench.sent.size(), 13u);
+  EXPECT_EQ(bench.node.warning(), "");  // it is back
+  bench.flush();
+  EXPECT_NE(bench.node.warning().find(" of 13 pictures"), std::string::npos);
+}
+
+/// Half a minute of two tubes; `turned_rad`: how far the rig is wrong about where the camera looks.
+std::vector<Detections> watch(io::Config config, double turned_rad, std::string& warning) {
+  config.camera.extrinsics.phi_rad[2] += turned_rad;
+  Bench bench(config);
+  for (int i = 0; i < 300; ++i) {
+    const std::vector<test::Tube> tubes{test::brown_tube(1.7 + 0.003 * (i % 50), 0.3),
+                                        test::brown_tube(1.9 - 0.002 * (i % 50), -0.35)};
+    laser::Scan s = test::scan_of(tubes, 1'000'000 + 100'000 * i);
+    s.seq = i;
+    bench.handle(s);
+    vision::Image image =
+        test::picture_of_tubes(tubes, test::tube_rig(), 1'000'000 + 100'000 * i + 20'000);
+    image.seq = i;
+    bench.handle(image);
+  }
+  warning = bench.node.warning();
+  bench.flush();
+  EXPECT_EQ(bench.node.warning().empty(), warning.empty());
+  return bench.sent;
+}
+
+TEST(DetectorNode, WarnsOfACameraThatIsTurned) {
+  std::string warning;
+  for (const double turned_rad : {0.03, -0.03}) {  // beyond the detector's own windows
+    watch({}, turned_rad, warning);
+    double offset_px = 0.0;
+    ASSERT_EQ(std::sscanf(warning.c_str(), "laser and image edges disagree by %lf px", &offset_px),
+              1)
+        << warning;
+    // f tan(bearing +- 0.03) - f tan(bearing) at the tubes' bearings of some 10 degrees
+    EXPECT_NEAR(offset_px, 7.7, 1.0);
+    EXPECT_NE(warning.find("camera.phi_rad"), std::string::npos) << warning;
+  }
+  watch({}, 0.0, warning);
+  EXPECT_EQ(warning, "");
+}
+
+TEST(DetectorNode, WatchingTheEdgesDoesNotTouchDetections) {
+  std::string warning;
+  io::Config blind;
+  blind.detector.consistency.enabled = false;
+  const auto watched = bytes_of(watch({}, 0.03, warning));
+  EXPECT_FALSE(warning.empty());
+  const auto unwatched = bytes_of(watch(blind, 0.03, warning));
+  EXPECT_TRUE(warning.empty());
+  EXPECT_EQ(watched, unwatched);
 }
 
 TEST(DetectorNode, WhatItSendsPassesTheGuard) {

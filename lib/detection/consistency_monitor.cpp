@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "detection/consistency_monitor.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "geometry/angles.hpp"
+
+namespace orchard::detection {
+namespace {
+
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double seconds(std::int64_t duration_us) { return 1e-6 * static_cast<double>(duration_us); }
+
+}  // namespace
+
+ConsistencyMonitor::ConsistencyMonitor(const ConsistencyConfig& config, double focal_px)
+    : config_(config), focal_px_(focal_px) {}
+
+bool ConsistencyMonitor::is_due(std::int64_t utime) const {
+  if (!config_.enabled) return false;
+  return last_utime_ == INT64_MIN || seconds(utime - last_utime_) >= config_.look_period_s;
+}
+
+void ConsistencyMonitor::add(std::int64_t utime, const std::vector<double>& offsets_px) {
+  if (first_utime_ == INT64_MIN) first_utime_ = utime;
+  if (raised_) raised_us_ += utime - last_utime_;
+  last_utime_ = utime;
+  for (const double offset_px : offsets_px) looks_.push_back({utime, offset_px});
+  while (!looks_.empty() && seconds(utime - looks_.front().utime) > config_.window_s) {
+    looks_.pop_front();
+  }
+  const bool is_long = seconds(utime - first_utime_) >= config_.window_s;
+  if (!is_long || num_looks() < config_.min_looks) return;  // too little to change its mind
+  std::vector<double> values;
+  values.reserve(looks_.size());
+  for (const Look& look : looks_) values.push_back(look.offset_px);
+  median_px_ = median_of(std::move(values));
+  const double size_deg = std::abs(degrees(median_px_));
+  raised_ = size_deg >= (raised_ ? config_.clear_deg : config_.warn_deg);
+  if (raised_ && std::abs(median_px_) > std::abs(worst_px_)) worst_px_ = median_px_;
+}
+
+double ConsistencyMonitor::degrees(double offset_px) const {
+  return std::atan(offset_px / focal_px_) * 180.0 / geometry::kPi;
+}
+
+std::string ConsistencyMonitor::disagreement(const char* verb, double offset_px,
+                                             double duration_s) const {
+  char text[240];
+  std::snprintf(text, sizeof text,
+                "laser and image edges %s by %.1f px (%.1f deg, image to the %s) for %.0f s: check "
+                "camera.phi_rad (orchard calibrate laser-camera) or camera.delay_s (orchard "
+                "calibrate delay)",
+                verb, std::abs(offset_px), std::abs(degrees(offset_px)),
+                offset_px > 0.0 ? "right" : "left", duration_s);
+  return text;
+}
+
+std::string ConsistencyMonitor::warning() const {
+  if (!raised_) return {};
+  return disagreement("disagree", median_px_, config_.window_s + seconds(raised_us_));
+}
+
+std::string ConsistencyMonitor::whole_run() const {
+  if (worst_px_ == 0.0) return {};
+  return disagreement("disagreed", worst_px_, config_.window_s + seconds(raised_us_));
+}
+
+}  // namespace orchard::detection

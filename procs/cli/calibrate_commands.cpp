@@ -6,6 +6,7 @@
 #include "cli/add_command.hpp"
 #include "cli/calibrate_appearance.hpp"
 #include "cli/calibrate_camera.hpp"
+#include "cli/calibrate_delay.hpp"
 #include "cli/calibrate_probability.hpp"
 #include "cli/calibrate_trunks.hpp"
 
@@ -72,6 +73,29 @@ void add_camera(CLI::App& calibrate, Run& run) {
                          "also estimate k3: wide lenses at more than 640 pixels");
         command.add_flag("--force", o.force,
                          "write a result that should not be used, or of another picture size");
+        command.add_flag("--quiet", o.quiet, "warnings and errors only");
+      });
+}
+
+const char* const kDelayExamples =
+    "  orchard calibrate delay curves.lcm --config config/mine.yaml --out config/timed.yaml\n";
+
+void add_calibrate_delay(CLI::App& calibrate, Run& run) {
+  add_command<CalibrateDelayOptions>(
+      calibrate, run, "delay",
+      "Measure how much earlier than its time stamp a picture is exposed, from drives with curves "
+      "past trunks, and write camera.delay_s into the rig's YAML",
+      kDelayExamples, run_calibrate_delay, [](CLI::App& command, CalibrateDelayOptions& o) {
+        command.add_option("logs", o.log_paths, "drives with curves to both sides past trunks")
+            ->required()
+            ->type_name("LOG...");
+        command.add_option("--config", o.config_path, "the rig they were recorded with")
+            ->required()
+            ->type_name("FILE");
+        command
+            .add_option("--out", o.out_path,
+                        "rig to write; without it that of --config, the old one kept as .bak")
+            ->type_name("FILE");
         command.add_flag("--quiet", o.quiet, "warnings and errors only");
       });
 }
@@ -222,7 +246,8 @@ void add_calibrate(CLI::App& app, Run& run) {
   add_appearance(*calibrate, run);
   add_probability(*calibrate, run);
   add_calibrate_laser_camera(*calibrate, run);
-  calibrate->footer(std::string("Examples:\n") + kCameraExamples + examples);
+  add_calibrate_delay(*calibrate, run);
+  calibrate->footer(std::string("Examples:\n") + kCameraExamples + examples + kDelayExamples);
 }
 
 }  // namespace orchard::cli

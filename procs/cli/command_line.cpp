@@ -15,6 +15,7 @@
 #include "cli/import.hpp"
 #include "cli/log_commands.hpp"
 #include "cli/map.hpp"
+#include "cli/overlay.hpp"
 #include "cli/simulate.hpp"
 #include "cli/suggestion.hpp"
 #include "io/config.hpp"
@@ -111,6 +112,30 @@ void add_log(CLI::App& app, Run& run) {
       "  orchard log repair broken.lcm --out repaired.lcm\n");
 }
 
+void add_overlay(CLI::App& app, Run& run) {
+  add_command<OverlayOptions>(
+      app, run, "overlay", "Draw what laser and detector see onto a log's picture",
+      "  orchard overlay drive.lcm --at 12.5 --config config/orchard.yaml --out overlay.png\n"
+      "  orchard overlay drive.lcm --at 1385942412500000 --config config/mine.yaml --out o.png\n"
+      "Scan points by range (red near, blue far), colour windows (white), edge windows (grey) "
+      "with\n"
+      "the columns the laser expects (ticks) and the edges found (cyan), confidences below.\n",
+      run_overlay, [](CLI::App& command, OverlayOptions& o) {
+        command.add_option("log", o.log_path, "log with SCAN and IMAGE")
+            ->required()
+            ->type_name("LOG");
+        command
+            .add_option("--at", o.at,
+                        "seconds from the log's start, or a utime [us]; the nearest pair is drawn")
+            ->required()
+            ->type_name("TIME");
+        command.add_option("--config", o.config_path, "the rig it was recorded with")
+            ->required()
+            ->type_name("FILE");
+        command.add_option("--out", o.out_path, "picture to write")->required()->type_name("PNG");
+      });
+}
+
 void add_lcm_url(CLI::App& command, std::string& url) {
   url = io::LcmConfig().url;
   command.add_option("--lcm-url", url, "LCM network")->type_name("URL")->capture_default_str();
@@ -148,6 +173,7 @@ void add_all(CLI::App& app, Run& run) {
   add_import(app, run);
   add_map(app, run);
   add_evaluate(app, run);
+  add_overlay(app, run);
   add_log(app, run);
   add_echo(app, run);
   add_doctor(app, run);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <deque>
 #include <utility>
 #include <variant>
 
@@ -12,50 +11,12 @@
 #include "mapper/mapper_node.hpp"
 #include "pose/pose_node.hpp"
 #include "simulation/simulator.hpp"
+#include "wiring.hpp"
 
 namespace orchard::test {
 namespace {
 
 constexpr double kGate_m = 0.2;
-
-/// Hands every message, and what follows from it, to the nodes that read its channel.
-class Wiring {
- public:
-  explicit Wiring(std::vector<bus::Node*> nodes) : nodes_(std::move(nodes)) {}
-
-  void put(bus::Message message) {
-    waiting_.push_back(std::move(message));
-    drain();
-  }
-
-  void flush() {
-    for (bus::Node* node : nodes_) {
-      node->flush(outbox());
-      drain();
-    }
-  }
-
- private:
-  bus::Outbox outbox() {
-    return [this](bus::Message message) { waiting_.push_back(std::move(message)); };
-  }
-
-  void drain() {
-    while (!waiting_.empty()) {
-      const bus::Message message = std::move(waiting_.front());
-      waiting_.pop_front();
-      for (bus::Node* node : nodes_) {
-        const auto channels = node->inputs();
-        if (std::count(channels.begin(), channels.end(), bus::channel_of(message)) > 0) {
-          node->handle(message, outbox());
-        }
-      }
-    }
-  }
-
-  std::vector<bus::Node*> nodes_;
-  std::deque<bus::Message> waiting_;
-};
 
 class Complaints {
  public:

@@ -5,6 +5,7 @@
 
 #include "detection/detect.hpp"
 #include "detection/scan_image_pairer.hpp"
+#include "detection/trunk_view.hpp"
 #include "tube_rig.hpp"
 
 namespace orchard::detection {
@@ -52,6 +53,44 @@ TEST(Motion, DetectionsFollowTheRobotFromTheBeamToThePicture) {
     EXPECT_GT(with.roc_edges, 0.8f);
     EXPECT_LT(without.roc_colour, with.roc_colour - 0.1f);
   }
+}
+
+TEST(Motion, EachSideOfAnObjectMovesFromItsOwnBeam) {
+  // A slow scanner, so that the robot turns while it passes one trunk.
+  const Rig rig = test::tube_rig();
+  auto scan = test::scan_of({test::brown_tube(1.5, 0.0)});
+  scan.beam_period_us = 2000.0;
+  const auto segment = laser::segment(scan, rig.detector.segmentation, rig.detector.width).at(0);
+  const double yaw_rate_radps = 0.5;
+  const double first_dt_s = 0.75;
+  const ScanToPicture motion{{0, 0.0, yaw_rate_radps}, first_dt_s, 2e-3};
+  const auto moved = view_of(segment, rig, motion);
+  ASSERT_TRUE(moved.has_value());
+  const auto column = [&](double bearing_rad, double beam) {
+    const double turned_rad = yaw_rate_radps * (first_dt_s - 2e-3 * beam);
+    const auto& camera = rig.camera.intrinsics();
+    return camera.cc_px[0] - camera.fc_px[0] * std::tan(bearing_rad - turned_rad);
+  };
+  EXPECT_NEAR(moved->right_x_px,
+              column(segment.start_bearing_rad, static_cast<double>(segment.first_beam)), 1e-6);
+  EXPECT_NEAR(moved->left_x_px,
+              column(segment.end_bearing_rad, static_cast<double>(segment.last_beam)), 1e-6);
+}
+
+TEST(Motion, ThePictureCountsAtItsExposure) {
+  geometry::CameraConfig camera;
+  camera.delay_s = 0.05;
+  const Rig rig({}, camera, {});
+  LaserFindings findings;
+  findings.detections.utime = 1'000'000;
+  findings.beam_period_s = 1e-4;
+  vision::Image image;
+  image.utime = 1'080'000;
+  EXPECT_FALSE(to_picture(findings, image, rig, std::nullopt).has_value());
+  const auto motion = to_picture(findings, image, rig, Motion{0, 1.0, 0.0});
+  ASSERT_TRUE(motion.has_value());
+  EXPECT_NEAR(motion->dt_s(0.0), 0.03, 1e-12);
+  EXPECT_NEAR(motion->dt_s(500.0), -0.02, 1e-12);
 }
 
 TEST(Motion, PairsWaitForTheMotionAtThePicture) {

@@ -121,6 +121,29 @@ TEST(ScanImagePairer, PairsDoNotDependOnArrivalAcrossChannels) {
   }
 }
 
+TEST(ScanImagePairer, PicturesCountAtTheirExposure) {
+  ScanImagePairer pairer(0.06, 0.25, false, 0.08);
+  pairer.add(image_at(1'000'000));  // exposed 80 ms before: too early
+  EXPECT_TRUE(pairer.add(scan_at(1'000'000)).empty());
+  const Pairs pairs = pairer.add(image_at(1'100'000));
+  ASSERT_EQ(pairs.size(), 1u);
+  ASSERT_NE(pairs[0].image, nullptr);
+  EXPECT_EQ(pairs[0].image->utime, 1'100'000);  // its own utime stays
+}
+
+TEST(ScanImagePairer, CountsPicturesThatFoundNoMotion) {
+  ScanImagePairer pairer(0.06, 0.25, true);
+  pairer.add(Motion{1'000'000, 1.0, 0.0});
+  for (int i = 0; i < 20; ++i) {
+    pairer.add(scan_at(1'000'000 + 100'000 * i));
+    pairer.add(image_at(1'010'000 + 100'000 * i));
+  }
+  EXPECT_EQ(pairer.newest_motion_utime(), 1'000'000);
+  EXPECT_GT(pairer.num_without_motion(), 10);  // decided although none came for two seconds
+  pairer.flush();
+  EXPECT_EQ(pairer.num_without_motion(), 18);  // the first two are within 200 ms of the motion
+}
+
 TEST(ScanImagePairer, ImagesWithoutScansDoNotFillTheMemory) {
   ScanImagePairer pairer(0.06, 0.25);
   std::weak_ptr<const vision::Image> first;

@@ -27,7 +27,7 @@ struct LaserFindings {
   std::vector<Candidate> candidates;  ///< none of a rig without a camera
   /// Reflectors count (segmentation.reflector) but the scan has no intensities: all is UNSEEN.
   bool intensities_missing = false;
-  double beam_period_s = 0.0;         ///< of the scan; 0 = unknown
+  double beam_period_s = 0.0;  ///< of the scan; 0 = unknown
 };
 
 /// What a scan and its picture show.

@@ -30,9 +30,9 @@ struct MapperConfig {
   /// Poses at least this often place each detection at its own beam's time, sparser ones all of a
   /// scan at its first beam's: a robot that is measured at stops does not move while it scans.
   double sweep_pose_gap_max_s = 0.25;
-  int min_observations = 1;           ///< landmarks seen less often are left out of map files
-  double refresh_period_s = 2.0;      ///< of message time: between two slow refreshes of MAP
-  double save_period_s = 1.0;         ///< of wall time: between two live saves of map.csv
+  int min_observations = 1;       ///< landmarks seen less often are left out of map files
+  double refresh_period_s = 2.0;  ///< of message time: between two slow refreshes of MAP
+  double save_period_s = 1.0;     ///< of wall time: between two live saves of map.csv
 };
 
 template <class Visitor>

@@ -16,6 +16,6 @@ mkdir -p out
   # 6 small tilts): every seed must be refused
   for handling in 1 2 3 4 5 6; do
     "$build/bin/orchard_laser_camera_seeds" "${1:-1}" "$((${1:-1} + 2))" 20 1 edges "$handling" 2>/dev/null |
-      grep -v -e rotation -e translation -e intervals
+      grep -v '^  '
   done
 } | tee out/calibration_figures.txt

@@ -19,6 +19,7 @@ constexpr double kDirectionGate = 0.25;     ///< of n . R l on the grid
 constexpr int kMaxStarts = 60;              ///< rotations that are refined
 constexpr double kWideGate_m = 0.30;        ///< of a line's distance from the board at first
 constexpr double kGate_m = 0.04;            ///< and at last
+constexpr double kLeastRivalGate_m = 0.01;  ///< however well the best mount fits
 constexpr double kOutsideBoard_m = 0.06;    ///< that a line's middle may lie outside
 constexpr double kSameRotation_rad = 0.17;  ///< two mounts nearer than this are one
 constexpr double kSameShift_m = 0.10;
@@ -114,8 +115,8 @@ class Matcher {
            p.y() > outline_.y_min_m - kOutsideBoard_m && p.y() < outline_.y_max_m + kOutsideBoard_m;
   }
 
-  /// Fills the lines that fit; the cost is one per view without.
-  double judge(const Mount& mount, Association& out) const {
+  /// Fills the lines that fit to gate_m; the cost is one per view without.
+  double judge(const Mount& mount, double gate_m, Association& out) const {
     out.mount = mount;
     out.line_of_view.assign(views_.size(), -1);
     out.num_fitting = 0;
@@ -125,7 +126,7 @@ class Matcher {
       for (std::size_t j = 0; j < views_[i].lines.size(); ++j) {
         const BoardLine& line = views_[i].lines[j];
         const double off_m = off(i, mount, line, false);
-        if (off_m < best.off_m && off_m < kGate_m && on_board(i, mount, line)) {
+        if (off_m < best.off_m && off_m < gate_m && on_board(i, mount, line)) {
           best = {static_cast<int>(j), off_m};
         }
       }
@@ -133,7 +134,7 @@ class Matcher {
         cost += 1.0;
         continue;
       }
-      cost += best.off_m * best.off_m / (kGate_m * kGate_m);
+      cost += best.off_m * best.off_m / (gate_m * gate_m);
       out.line_of_view[i] = best.line;
       ++out.num_fitting;
     }
@@ -220,11 +221,7 @@ Association associate_board_lines(const std::vector<MountView>& views,
   Association best;
   best.line_of_view.assign(views.size(), -1);
   double best_cost = 1e18;
-  struct Rival {
-    double cost;
-    Association association;
-  };
-  std::vector<Rival> all;
+  std::vector<Mount> all;
   for (const Start& start : starts) {
     if (static_cast<int>(tried.size()) >= kMaxStarts) break;
     const bool near = std::any_of(tried.begin(), tried.end(), [&](const Eigen::Matrix3d& R) {
@@ -233,17 +230,23 @@ Association associate_board_lines(const std::vector<MountView>& views,
     if (near) continue;
     tried.push_back(start.R);
     Association found;
-    const double cost = matcher.judge(matcher.refine(start.R), found);
-    all.push_back({cost, found});
+    const double cost = matcher.judge(matcher.refine(start.R), kGate_m, found);
+    all.push_back(found.mount);
     if (cost < best_cost) {
       best_cost = cost;
       best = std::move(found);
     }
   }
-  for (const Rival& rival : all) {
-    if (!same_mount(rival.association.mount, best.mount)) {
-      best.rival_fitting = std::max(best.rival_fitting, rival.association.num_fitting);
-    }
+  // a rival explains the views as well only if its lines lie as near to the boards
+  const double num_missing = static_cast<double>(views.size()) - best.num_fitting;
+  const double best_rms_m =
+      kGate_m * std::sqrt(std::max(0.0, best_cost - num_missing) / std::max(1, best.num_fitting));
+  const double rival_gate_m = std::clamp(3.0 * best_rms_m, kLeastRivalGate_m, kGate_m);
+  for (const Mount& mount : all) {
+    if (same_mount(mount, best.mount)) continue;
+    Association rival;
+    matcher.judge(mount, rival_gate_m, rival);
+    best.rival_fitting = std::max(best.rival_fitting, rival.num_fitting);
   }
   return best;
 }

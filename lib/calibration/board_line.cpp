@@ -211,6 +211,16 @@ class LineFinder {
     return line;
   }
 
+  /// Is a beam beyond an edge between the edge and what is behind it, nearer than what comes next?
+  bool mixed_at(std::ptrdiff_t i, int step, double edge_range_m) const {
+    const std::ptrdiff_t next = i + step;
+    if (next < 0 || next >= static_cast<std::ptrdiff_t>(scan_.ranges_m.size())) return false;
+    if (!scan_.valid(static_cast<std::size_t>(next))) return false;
+    const double range_m = scan_.ranges_m[static_cast<std::size_t>(i)];
+    const double behind_m = scan_.ranges_m[static_cast<std::size_t>(next)];
+    return behind_m - range_m > std::max(0.15, 0.2 * (behind_m - edge_range_m));
+  }
+
   /// Looks outward from a line's last beam for where the scanner sees farther.
   LineEnd end_at(const Beam& last, int step) const {
     LineEnd end;
@@ -225,8 +235,14 @@ class LineFinder {
       if (!nothing && range_m < last.range_m - 0.05) return end;  // hidden by something nearer
       if (nothing || range_m > last.range_m + 0.15) {
         end.seen = true;
-        end.bearing_rad = 0.5 * (last.bearing_rad + bearing_rad);
-        end.half_gap_rad = 0.5 * std::abs(bearing_rad - last.bearing_rad);
+        if (!nothing && mixed_at(i, step, last.range_m)) {
+          // its spot lay on both, so that it is not beyond the edge but on it
+          end.bearing_rad = bearing_rad;
+          end.half_gap_rad = 0.5 * std::abs(scan_.bearing_step_rad);
+        } else {
+          end.bearing_rad = 0.5 * (last.bearing_rad + bearing_rad);
+          end.half_gap_rad = 0.5 * std::abs(bearing_rad - last.bearing_rad);
+        }
         return end;
       }
     }

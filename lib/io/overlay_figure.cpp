@@ -19,7 +19,7 @@ constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
 constexpr double kFontScale = 0.55;
 const cv::Scalar kWhite(255, 255, 255), kGrey(170, 170, 170), kBlack(0, 0, 0);
 const cv::Scalar kTree(60, 220, 60), kObject(60, 60, 240), kUnseen(60, 200, 250);
-const cv::Scalar kLine(255, 255, 0);
+const cv::Scalar kLine(255, 255, 0), kLineNotJudged(150, 150, 0);
 
 /// Red at half a metre to blue at 6 m.
 cv::Scalar colour_of_range(double range_m) {
@@ -110,14 +110,14 @@ class Sheet {
 };
 
 void draw_edge(Sheet& sheet, const vision::EdgeLine& edge, const vision::PixelRect& window,
-               double expected_x_px) {
+               double expected_x_px, bool judged) {
   sheet.box(window, kGrey, 1);
   const double top = window.y_px, bottom = window.y_px + window.height_px - 1.0;
   sheet.line(expected_x_px, top - 2.0, expected_x_px, top, kWhite, 2);
   sheet.line(expected_x_px, bottom, expected_x_px, bottom + 2.0, kWhite, 2);
   if (!edge.found) return;
   const double lean = std::tan(edge.tilt_rad) * 0.5 * (bottom - top);
-  sheet.line(edge.x_px - lean, top, edge.x_px + lean, bottom, kLine, 2);
+  sheet.line(edge.x_px - lean, top, edge.x_px + lean, bottom, judged ? kLine : kLineNotJudged, 2);
 }
 
 /// What the table holds of a candidate, by column.
@@ -127,7 +127,11 @@ constexpr std::array<const char*, 13> kHeads{"",       "label", "range",  "width
 constexpr std::array<int, 13> kColumns_px{10,  50,  150, 240, 335, 425, 515,
                                           605, 695, 810, 900, 990, 1080};
 
-std::array<std::string, 13> cells_of(const detection::Detection& d, int number) {
+std::array<std::string, 13> cells_of(const OverlayCandidate& c, int number) {
+  const detection::Detection& d = c.detection;
+  const auto of_edges = [&c](float roc) {
+    return c.edges_judged ? decimals(roc, 2) : std::string("-");
+  };
   const bool has_probability = d.probability_tree > 0.0f || d.probability_object > 0.0f;
   return {std::to_string(number),
           name_of(d.label),
@@ -135,10 +139,10 @@ std::array<std::string, 13> cells_of(const detection::Detection& d, int number) 
           decimals(1e3 * d.width_m, 0) + " mm",
           decimals(d.roc_laser, 2),
           decimals(d.roc_colour, 2),
-          decimals(d.roc_left_edge, 2),
-          decimals(d.roc_right_edge, 2),
-          decimals(d.roc_parallel, 2),
-          decimals(d.roc_edges, 2),
+          of_edges(d.roc_left_edge),
+          of_edges(d.roc_right_edge),
+          of_edges(d.roc_parallel),
+          of_edges(d.roc_edges),
           decimals(d.roc_vision, 2),
           decimals(d.roc_tree, 2),
           has_probability ? decimals(d.probability_tree, 2) : "-"};
@@ -155,14 +159,14 @@ std::string overlay_png(const OverlayContent& content) {
   int number = 0;
   for (const OverlayCandidate& c : content.candidates) {
     ++number;
-    draw_edge(sheet, c.left, c.view.left_edge, c.view.left_x_px);
-    draw_edge(sheet, c.right, c.view.right_edge, c.view.right_x_px);
+    draw_edge(sheet, c.left, c.view.left_edge, c.view.left_x_px, c.edges_judged);
+    draw_edge(sheet, c.right, c.view.right_edge, c.view.right_x_px, c.edges_judged);
     const cv::Scalar colour = colour_of(c.detection.label);
     sheet.box(c.view.centre, kWhite, 1);
     const double top = std::min(c.view.centre.y_px, c.view.left_edge.y_px);
     sheet.label(0.5 * (c.view.left_x_px + c.view.right_x_px), top - 3.0, std::to_string(number),
                 colour);
-    const auto cells = cells_of(c.detection, number);
+    const auto cells = cells_of(c, number);
     for (std::size_t i = 0; i < cells.size(); ++i) {
       sheet.cell(number + 1, kColumns_px[i], cells[i], i < 2 ? colour : kWhite);
     }

@@ -23,6 +23,7 @@ struct OverlayCandidate {
   detection::TrunkView view;
   vision::EdgeLine left;
   vision::EdgeLine right;
+  bool edges_judged = false;  ///< the detector looks at edges only of what has a trunk's colour
   detection::Detection detection;
 };
 
@@ -36,8 +37,9 @@ struct OverlayContent {
 
 /// A PNG: the picture, enlarged so that text is readable, with scan points coloured by range (red
 /// near, blue far), each candidate's colour window (white) and edge windows (grey), the columns
-/// where the laser expects its edges (ticks), the lines that were found, and a table of its
-/// confidences below. The same content gives the same bytes.
+/// where the laser expects its edges (ticks), the lines that were found (cyan; dark where the
+/// detector did not look at them), and a table of its confidences below. The same content gives the
+/// same bytes.
 std::string overlay_png(const OverlayContent& content);
 
 }  // namespace orchard::io

@@ -135,21 +135,28 @@ io::OverlayContent content_of(const OverlayOptions& options, const detection::Sc
   const auto judged = detection::judge_by_camera(findings, &image, rig, pair.motion);
   const auto edges = vision::edge_map(*picture, config.detector.edges);
   io::OverlayContent content;
+  int num_outside = 0;
   content.points = points_of(pair.scan, rig, motion);
   for (const detection::Candidate& candidate : findings.candidates) {
     const auto view = detection::view_of(candidate.segment, rig, motion);
-    if (!view) continue;
+    if (!view) {
+      ++num_outside;
+      continue;
+    }
+    const detection::Detection& d = judged.detections.trunks[candidate.index];
     content.candidates.push_back(
         {*view, vision::find_edge(edges, view->left_edge, view->left_x_px, config.detector.edges),
          vision::find_edge(edges, view->right_edge, view->right_x_px, config.detector.edges),
-         judged.detections.trunks[candidate.index]});
+         d.roc_vision > 0.0f, d});
   }
-  const double exposed_s = 1e-6 * static_cast<double>(image.utime - pair.scan.utime);
+  char exposed[32];
+  std::snprintf(exposed, sizeof exposed, "%+.3f",
+                1e-6 * static_cast<double>(image.utime - pair.scan.utime) - config.camera.delay_s);
   content.title = "scan " +
                   seconds_text(1e-6 * static_cast<double>(pair.scan.utime - first_utime)) +
-                  " s (utime " + std::to_string(pair.scan.utime) + "), picture exposed " +
-                  seconds_text(exposed_s - config.camera.delay_s) + " s after its first beam" +
+                  " s (utime " + std::to_string(pair.scan.utime) + "), picture " + exposed + " s" +
                   (motion ? ", moved by odometry" : "") + "; points red near, blue far";
+  if (num_outside > 0) content.title += "; " + std::to_string(num_outside) + " more outside";
   content.picture = std::move(*picture);
   return content;
 }

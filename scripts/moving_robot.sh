@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # A robot that drives curves (1 m/s, 0.5 rad/s) past trees against one that stops for every scan, and
 # the camera delays that are found, over seeds 1-10 (or those given: FIRST LAST). A drive weaves
-# between two rows of 12 trees, some 30 s; positions come with 3 mm and 1 mrad of noise only, so that
+# between two rows of 12 trees, some 25 s; positions come with 3 mm and 1 mrad of noise only, so that
 # the pose hides nothing. The two run beside each other. Needs a build in build/ (or BUILD=folder).
 set -euo pipefail
 cd "$(dirname "$0")/.."

@@ -21,7 +21,8 @@ constexpr double kLeftPx = 70.0, kRightPx = 30.0, kTopPx = 50.0, kBottomPx = 60.
 constexpr double kMinTickPx = 60.0;
 constexpr double kAxisTextPx = 14.0;
 
-constexpr Colour kBlack{30, 30, 30}, kGrid{228, 228, 228}, kPath{60, 110, 200};
+constexpr Colour kBlack{30, 30, 30}, kGrid{228, 228, 228}, kPath{60, 110, 200}, kRow{170, 205, 170},
+    kRowText{90, 140, 90};
 
 struct Style {
   Colour fill, stroke;
@@ -145,6 +146,22 @@ void draw_path(const Frame& frame, const std::vector<pose::PoseEstimate>& path, 
   }
 }
 
+/// A line per row, and its number before its first place.
+void draw_rows(const Frame& frame, const std::vector<mapping::Row>& rows, Canvas& canvas) {
+  for (const mapping::Row& row : rows) {
+    std::vector<PixelPoint> points;
+    for (const mapping::RowPlace& place : row.places) {
+      points.push_back(frame.at(place.p_map.x(), place.p_map.y()));
+    }
+    if (points.size() < 2) continue;
+    canvas.polyline(points, kRow, 1.5);
+    const double dx = points[0].x - points[1].x, dy = points[0].y - points[1].y;
+    const double length = std::max(1e-9, std::hypot(dx, dy));
+    canvas.text({points[0].x + 18.0 * dx / length, points[0].y + 18.0 * dy / length + 5.0},
+                "R" + std::to_string(row.number), kAxisTextPx, kRowText, TextAnchor::kMiddle);
+  }
+}
+
 double radius_px(const Frame& frame, const Landmark& l, double least_px) {
   return std::max(least_px, 0.5 * l.width_m * frame.px_per_m());
 }
@@ -203,11 +220,13 @@ void draw_legend(const std::vector<Landmark>& landmarks, Canvas& canvas) {
 }
 
 void draw(const Frame& frame, const std::vector<Landmark>& landmarks,
-          const std::vector<pose::PoseEstimate>& path, Canvas& canvas) {
+          const std::vector<pose::PoseEstimate>& path, const std::vector<mapping::Row>& rows,
+          Canvas& canvas) {
   const bool crowded = landmarks.size() > 100;
   const double least_px = crowded ? 3.0 : 6.0;
   const double text_px = landmarks.size() > 300 ? 9.0 : crowded ? 10.0 : 14.0;
   draw_axes(frame, canvas);
+  draw_rows(frame, rows, canvas);
   draw_path(frame, path, canvas);
   for (const Label label : {Label::kUnseen, Label::kObject, Label::kTree}) {  // trees on top
     for (const Landmark& l : landmarks) {
@@ -223,14 +242,17 @@ void draw(const Frame& frame, const std::vector<Landmark>& landmarks,
 }  // namespace
 
 MapFigure draw_map(const std::vector<Landmark>& landmarks,
-                   const std::vector<pose::PoseEstimate>& trajectory) {
+                   const std::vector<pose::PoseEstimate>& trajectory,
+                   const std::vector<mapping::Row>& rows) {
   const Frame frame(landmarks, trajectory);
   const Box plot = frame.plot();
   const int width_px = std::max(470, static_cast<int>(std::ceil(plot.x1 + kRightPx)));
   const int height_px = static_cast<int>(std::ceil(plot.y1 + kBottomPx));
   const auto svg = make_svg_canvas(width_px, height_px);
   const auto png = make_png_canvas(width_px, height_px);
-  for (Canvas* canvas : {svg.get(), png.get()}) draw(frame, landmarks, trajectory, *canvas);
+  for (Canvas* canvas : {svg.get(), png.get()}) {
+    draw(frame, landmarks, trajectory, rows, *canvas);
+  }
   return {svg->bytes(), png->bytes()};
 }
 

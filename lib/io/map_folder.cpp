@@ -22,10 +22,11 @@ void write_map_folder(const std::string& folder, const MapFolderContent& content
                     "; give another place for the map");
   }
   const fs::path path(folder);
-  const MapFigure figure = draw_map(content.landmarks, content.trajectory);
+  const MapFigure figure = draw_map(content.landmarks, content.trajectory, content.rows);
   FileReplacement files;
   files.write((path / "map.csv").string(), map_csv(content.landmarks));
-  files.write((path / "map.gpkg").string(), map_geopackage(content.landmarks, content.trajectory));
+  files.write((path / "map.gpkg").string(),
+              map_geopackage(content.landmarks, content.trajectory, content.rows));
   files.write((path / "map.svg").string(), figure.svg);
   files.write((path / "map.png").string(), figure.png);
   files.write((path / "trajectory.csv").string(), trajectory_csv(content.trajectory));

@@ -8,6 +8,7 @@
 
 #include "io/map_csv.hpp"
 #include "mapping/landmark.hpp"
+#include "mapping/rows.hpp"
 #include "pose/pose_estimate.hpp"
 
 namespace orchard::io {
@@ -28,6 +29,7 @@ struct MapFolderContent {
   std::vector<mapping::Landmark> landmarks;    ///< in order of id
   std::vector<pose::PoseEstimate> trajectory;  ///< in order of utime
   MapSummary summary;
+  std::vector<mapping::Row> rows;  ///< in order of number
 };
 
 /// Writes map.csv, map.gpkg, map.svg, map.png, trajectory.csv and summary.json into `folder`

@@ -135,10 +135,44 @@ void write_path(GDALDataset& dataset, OGRSpatialReference& srs, const ErrorColle
   require(layer->CreateFeature(&feature) == OGRERR_NONE, errors);
 }
 
+void write_rows(GDALDataset& dataset, OGRSpatialReference& srs, const ErrorCollector& errors,
+                const std::vector<mapping::Row>& rows) {
+  OGRLayer* lines = dataset.CreateLayer("rows", &srs, wkbLineString, nullptr);
+  require(lines != nullptr, errors);
+  for (const char* name : {"row", "trees", "gaps"}) add_field(*lines, name, OFTInteger);
+  add_field(*lines, "spacing_m", OFTReal);
+  OGRLayer* gaps = dataset.CreateLayer("gaps", &srs, wkbPoint, nullptr);
+  require(gaps != nullptr, errors);
+  for (const char* name : {"row", "position"}) add_field(*gaps, name, OFTInteger);
+  for (const mapping::Row& row : rows) {
+    OGRLineString line;
+    int num_gaps = 0;
+    for (const mapping::RowPlace& place : row.places) {
+      line.addPoint(place.p_map.x(), place.p_map.y());
+      if (place.landmark_id != 0) continue;
+      ++num_gaps;
+      OGRFeature gap(gaps->GetLayerDefn());
+      gap.SetField(0, row.number);
+      gap.SetField(1, place.position);
+      const OGRPoint point(place.p_map.x(), place.p_map.y());
+      gap.SetGeometry(&point);
+      require(gaps->CreateFeature(&gap) == OGRERR_NONE, errors);
+    }
+    OGRFeature feature(lines->GetLayerDefn());
+    feature.SetField(0, row.number);
+    feature.SetField(1, static_cast<int>(row.places.size()) - num_gaps);
+    feature.SetField(2, num_gaps);
+    feature.SetField(3, row.spacing_m);
+    feature.SetGeometry(&line);
+    require(lines->CreateFeature(&feature) == OGRERR_NONE, errors);
+  }
+}
+
 }  // namespace
 
 std::string map_geopackage(const std::vector<mapping::Landmark>& landmarks,
-                           const std::vector<pose::PoseEstimate>& trajectory) {
+                           const std::vector<pose::PoseEstimate>& trajectory,
+                           const std::vector<mapping::Row>& rows) {
   GDALAllRegister();
   const CPLConfigOptionSetter fixed_date("OGR_CURRENT_DATE", kFixedDate, false);
   const ErrorCollector errors;
@@ -152,6 +186,7 @@ std::string map_geopackage(const std::vector<mapping::Landmark>& landmarks,
   require(dataset->StartTransaction() == OGRERR_NONE, errors);
   write_landmarks(*dataset, srs, errors, landmarks);
   write_path(*dataset, srs, errors, trajectory);
+  write_rows(*dataset, srs, errors, rows);
   require(dataset->CommitTransaction() == OGRERR_NONE, errors);
   dataset.reset();
   std::string bytes = file.bytes();

@@ -46,6 +46,15 @@ std::string summary_json(const MapFolderContent& content) {
   json["landmarks"]["tree"] = count_of(content, detection::Label::kTree);
   json["landmarks"]["object"] = count_of(content, detection::Label::kObject);
   json["landmarks"]["unseen"] = count_of(content, detection::Label::kUnseen);
+  json["rows"] = Json::array();
+  for (const mapping::Row& row : content.rows) {
+    const auto gaps = std::count_if(row.places.begin(), row.places.end(),
+                                    [](const auto& place) { return place.landmark_id == 0; });
+    json["rows"].push_back({{"row", row.number},
+                            {"trees", static_cast<std::int64_t>(row.places.size()) - gaps},
+                            {"gaps", gaps},
+                            {"spacing_m", std::round(row.spacing_m * 1e3) / 1e3}});
+  }
   json["path"]["num_poses"] = content.trajectory.size();
   // to the millimetre, as everything that is written here
   json["path"]["length_m"] = std::round(path_length_m(content.trajectory) * 1e3) / 1e3;

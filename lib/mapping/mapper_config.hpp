@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "mapping/rows_config.hpp"
+
 namespace orchard::mapping {
 
 /// What a look says of a landmark's class.
@@ -33,6 +35,7 @@ struct MapperConfig {
   int min_observations = 1;       ///< landmarks seen less often are left out of map files
   double refresh_period_s = 2.0;  ///< of message time: between two slow refreshes of MAP
   double save_period_s = 1.0;     ///< of wall time: between two live saves of map.csv
+  RowsConfig rows;
 };
 
 template <class Visitor>
@@ -75,6 +78,7 @@ void describe(Visitor& v, MapperConfig& c) {
            "message time between two refreshes of the whole map");
   v.number("save_period_s", c.save_period_s, 0.1, 3600, "s",
            "wall time between two live saves of map.csv");
+  v.section("rows", c.rows, "rows and numbers");
   v.check(c.tree_rate_of_objects < c.tree_rate_of_trees, "tree_rate_of_objects",
           "must be below tree_rate_of_trees");
 }

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "mapping/rows.hpp"
 #include "mapping/sweep.hpp"
 
 namespace orchard::procs {
@@ -96,8 +97,11 @@ void MapperNode::flush(const bus::Outbox& send) {
   while (!waiting_.empty()) place_front(send);
   // the whole map once more, so that a recorded log ends with it
   if (mapper_.num_landmarks() > 0) {
-    send_tiles(last_used_utime_.value_or(0), mapper_.ids_from(1, mapper_.num_landmarks()), {},
-               send);
+    std::vector<mapping::Landmark> all = mapper_.landmarks();
+    if (config_.rows.enabled) {
+      mapping::number_landmarks(mapping::find_rows(landmarks(), config_.rows), all);
+    }
+    send_tiles(last_used_utime_.value_or(0), std::move(all), {}, send);
   }
 }
 
@@ -109,7 +113,10 @@ void MapperNode::use(const detection::Detections& detections, const pose::PoseEs
   ids.insert(ids.end(), refreshed.begin(), refreshed.end());
   std::sort(ids.begin(), ids.end());
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-  send_tiles(detections.utime, ids, update.removed_ids, send);
+  std::vector<mapping::Landmark> landmarks;
+  landmarks.reserve(ids.size());
+  for (const std::int32_t id : ids) landmarks.push_back(mapper_.landmark(id));
+  send_tiles(detections.utime, std::move(landmarks), update.removed_ids, send);
 }
 
 std::vector<std::int32_t> MapperNode::refresh_ids(std::int64_t utime) {
@@ -124,7 +131,7 @@ std::vector<std::int32_t> MapperNode::refresh_ids(std::int64_t utime) {
   return ids;
 }
 
-void MapperNode::send_tiles(std::int64_t utime, const std::vector<std::int32_t>& ids,
+void MapperNode::send_tiles(std::int64_t utime, std::vector<mapping::Landmark> landmarks,
                             const std::vector<std::int32_t>& removed_ids, const bus::Outbox& send) {
   std::size_t landmark = 0;
   std::size_t removed = 0;
@@ -133,14 +140,14 @@ void MapperNode::send_tiles(std::int64_t utime, const std::vector<std::int32_t>&
     tile.utime = utime;
     tile.seq = next_seq_++;
     tile.num_landmarks_total = static_cast<std::int32_t>(mapper_.num_landmarks());
-    for (; landmark < ids.size() && tile.landmarks.size() < kLandmarksPerTile; ++landmark) {
-      tile.landmarks.push_back(mapper_.landmark(ids[landmark]));
+    for (; landmark < landmarks.size() && tile.landmarks.size() < kLandmarksPerTile; ++landmark) {
+      tile.landmarks.push_back(std::move(landmarks[landmark]));
     }
     for (; removed < removed_ids.size() && tile.removed_ids.size() < kRemovedPerTile; ++removed) {
       tile.removed_ids.push_back(removed_ids[removed]);
     }
     send(std::move(tile));
-  } while (landmark < ids.size() || removed < removed_ids.size());
+  } while (landmark < landmarks.size() || removed < removed_ids.size());
 }
 
 std::string MapperNode::waiting_for() const {
@@ -156,7 +163,12 @@ std::string MapperNode::waiting_for() const {
 }
 
 io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {
-  return {landmarks(), track_.poses(), summary};
+  io::MapFolderContent content{landmarks(), track_.poses(), summary, {}};
+  if (config_.rows.enabled) {
+    content.rows = mapping::find_rows(content.landmarks, config_.rows);
+    mapping::number_landmarks(content.rows, content.landmarks);
+  }
+  return content;
 }
 
 }  // namespace orchard::procs

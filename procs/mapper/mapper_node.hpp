@@ -32,10 +32,11 @@ class MapperNode : public bus::Node {
   bus::NodeCounts counts() const override { return counts_; }
   std::string waiting_for() const override;
 
-  /// The map so far, for its files: landmarks with at least mapper.min_observations, and all POSE.
+  /// The map so far, for its files: landmarks with at least mapper.min_observations, numbered by
+  /// their rows, and all POSE.
   io::MapFolderContent content(const io::MapSummary& summary) const;
 
-  /// Its landmarks alone, in order of id.
+  /// Its landmarks alone, in order of id, not numbered: rows are found over the whole map.
   std::vector<mapping::Landmark> landmarks() const {
     return mapper_.landmarks(config_.min_observations);
   }
@@ -51,7 +52,7 @@ class MapperNode : public bus::Node {
   void drop_late(const bus::Outbox& send);
   void use(const detection::Detections& detections, const pose::PoseEstimate& T_map_base,
            const bus::Outbox& send);
-  void send_tiles(std::int64_t utime, const std::vector<std::int32_t>& ids,
+  void send_tiles(std::int64_t utime, std::vector<mapping::Landmark> landmarks,
                   const std::vector<std::int32_t>& removed_ids, const bus::Outbox& send);
   std::vector<std::int32_t> refresh_ids(std::int64_t utime);
 

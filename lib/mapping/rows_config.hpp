@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+
+namespace orchard::mapping {
+
+enum class RowNumbering {
+  kAutomatic,  ///< positions count towards +y (or +x for rows along x), rows from the left
+  kOrigin,     ///< row 1, position 1 lie at the corner nearest to origin_m
+  kDirection,  ///< positions count towards forward_deg, rows from the left
+};
+
+/// How trees become numbered rows. Section `mapper.rows`.
+struct RowsConfig {
+  bool enabled = true;
+  RowNumbering numbering = RowNumbering::kAutomatic;
+  std::array<double, 2> origin_m{0.0, 0.0};
+  double forward_deg = 90.0;
+  int first_row = 1;
+  int first_position = 1;
+  int min_trees = 3;              ///< fewer in line make no row
+  double gap_max_spacings = 8.0;  ///< a wider gap ends a row
+};
+
+template <class Visitor>
+void describe(Visitor& v, RowsConfig& c) {
+  v.flag("enabled", c.enabled, "find rows and number them");
+  v.choice("numbering", c.numbering, {"automatic", "origin", "direction"},
+           "where numbers begin: by the map's axes, at the corner nearest to origin_m, or along "
+           "forward_deg");
+  v.numbers("origin_m", c.origin_m, -1e7, 1e7, "m", "map frame; for numbering: origin");
+  v.number("forward_deg", c.forward_deg, -360, 360, "deg",
+           "map frame, from x to y; for numbering: direction");
+  v.integer("first_row", c.first_row, 1, 100000, "1", "number of the first row");
+  v.integer("first_position", c.first_position, 1, 100000, "1", "number of a row's first place");
+  v.integer("min_trees", c.min_trees, 2, 1000, "trees", "fewer in line make no row");
+  v.number("gap_max_spacings", c.gap_max_spacings, 1.5, 100, "1",
+           "a gap of more tree spacings ends a row");
+}
+
+}  // namespace orchard::mapping

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 #include <system_error>
 
@@ -196,9 +197,16 @@ void edit_config_file(const std::string& path, const std::string& out_path,
     throw FileError(path + ": cannot be read; give an existing configuration");
   }
   const std::string edited = edit_config(text.str(), path, values, tag, note);
+  // What stands at out_path may be another rig's only copy.
   std::error_code error;
-  if (std::filesystem::equivalent(path, out_path, error)) {
-    write_file_atomically(path + ".bak", text.str());
+  if (std::filesystem::is_regular_file(out_path, error)) {
+    std::ifstream replaced(out_path, std::ios::binary);
+    const std::string old((std::istreambuf_iterator<char>(replaced)), {});
+    if (replaced.bad() || !replaced.is_open()) {
+      throw FileError(out_path + ": cannot be read, so no backup of it can be kept; give another " +
+                      "file to write");
+    }
+    write_file_atomically(out_path + ".bak", old);
   }
   write_file_atomically(out_path, edited);
 }

@@ -22,8 +22,8 @@ std::string edit_config(const std::string& yaml, const std::string& name,
                         const std::vector<ConfigValue>& values, const std::string& tag = {},
                         const std::string& note = {});
 
-/// edit_config() on a file, into `out_path` (which may be the same file; then the old text is kept
-/// as "<path>.bak"). Throws ConfigError or FileError and then leaves every file as it was.
+/// edit_config() on a file, into `out_path` (which may be the same file). What stood there is kept
+/// as "<out_path>.bak". Throws ConfigError or FileError and then leaves every file as it was.
 void edit_config_file(const std::string& path, const std::string& out_path,
                       const std::vector<ConfigValue>& values, const std::string& tag,
                       const std::string& note);

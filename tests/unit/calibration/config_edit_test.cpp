@@ -2,6 +2,12 @@
 #include "io/config_edit.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
 
 #include "io/config.hpp"
 
@@ -80,6 +86,33 @@ TEST(ConfigEdit, TheNoteStandsAboveAndIsReplacedNextTime) {
   EXPECT_EQ(once, "detector:\n  width:\n    # calibrated: 20 trunks\n    mean_m: 0.12\n");
   EXPECT_EQ(edit_config(once, "rig.yaml", {kWidth[0]}, "calibrated", "25 trunks"),
             "detector:\n  width:\n    # calibrated: 25 trunks\n    mean_m: 0.12\n");
+}
+
+TEST(ConfigEdit, KeepsWhatStoodInTheFileItWrites) {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() /
+                                       ("orchard_config_edit_" + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder);
+  const auto write = [](const std::filesystem::path& path, const std::string& text) {
+    std::ofstream(path) << text;
+  };
+  const auto read = [](const std::filesystem::path& path) {
+    std::ifstream file(path);
+    return std::string((std::istreambuf_iterator<char>(file)), {});
+  };
+  const auto rig = folder / "rig.yaml", other = folder / "other.yaml";
+  write(rig, "detector:\n  width:\n    mean_m: 0.09\n");
+  write(other, "lcm:\n");
+  edit_config_file(rig.string(), other.string(), kWidth, "test", "note");
+  EXPECT_EQ(read(other.string() + ".bak"), "lcm:\n");
+  EXPECT_EQ(read(rig), "detector:\n  width:\n    mean_m: 0.09\n");
+  EXPECT_EQ(load_config(other.string()).detector.width.mean_m, 0.12);
+  // nothing is touched when the result would be no good
+  EXPECT_THROW(edit_config_file(rig.string(), other.string(), {{"detector.width.mean_m", "-3"}},
+                                "test", "note"),
+               ConfigError);
+  EXPECT_EQ(load_config(other.string()).detector.width.mean_m, 0.12);
+  EXPECT_EQ(read(other.string() + ".bak"), "lcm:\n");
+  std::filesystem::remove_all(folder);
 }
 
 TEST(ConfigEdit, RefusesWhatWouldNotLoad) {

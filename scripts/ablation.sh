@@ -67,20 +67,27 @@ set_key() {
 
 step=0
 rows=
+appearance=0 probability=0
 # judge NAME: learns, maps and evaluates $work/rig.yaml; one row of the table
 judge() {
   step=$((step + 1))
   local dir="$work/$step"
   mkdir -p "$dir"
   "$orchard" calibrate trunks "${fit_logs[@]}" --config "$work/rig.yaml" --out "$work/rig.yaml" \
-    --quiet
-  if grep -q '^  colour_model: appearance' "$work/rig.yaml"; then
+    --colour-model hue_interval --quiet
+  if [ "$appearance" = 1 ]; then
     "$orchard" calibrate appearance "${fit_logs[@]}" --observations "${fit_looks[@]}" \
-      --config "$work/rig.yaml" --out "$work/rig.yaml" --quiet
+      --config "$work/rig.yaml" --out "$work/rig.yaml" --stride 3 --quiet
+    # a look then counts by its probability, not by a gate before it
+    if [ "$probability" = 1 ]; then
+      set_key "$work/rig.yaml" detector.appearance confidence_min 0.0
+    fi
   fi
-  if grep -q '^  decision: probability' "$work/rig.yaml"; then
+  if [ "$probability" = 1 ]; then
     "$orchard" calibrate probability "${fit_logs[@]}" --observations "${fit_looks[@]}" \
       --config "$work/rig.yaml" --out "$work/rig.yaml" --quiet
+    set_key "$work/rig.yaml" detector decision probability
+    set_key "$work/rig.yaml" mapper evidence probability
   fi
   cp "$work/rig.yaml" "$dir/rig.yaml"
   local recordings=() looks=() truths=()
@@ -106,6 +113,8 @@ set_key "$work/rig.yaml" detector colour_model hue_interval
 set_key "$work/rig.yaml" detector use_odometry false
 set_key "$work/rig.yaml" detector decision roc
 set_key "$work/rig.yaml" mapper evidence labels
+set_key "$work/rig.yaml" mapper min_observations 1
+set_key "$work/rig.yaml" mapper sweep_pose_gap_max_s 0
 set_key "$work/rig.yaml" detector.adaptation enabled false
 set_key "$work/rig.yaml" detector.segmentation bridge_beams 0
 set_key "$work/rig.yaml" detector.segmentation split_touching false
@@ -117,16 +126,16 @@ set_key "$work/rig.yaml" detector.segmentation bridge_beams 3
 set_key "$work/rig.yaml" detector.segmentation split_touching true
 set_key "$work/rig.yaml" detector.segmentation min_beams_circle 3
 judge "segmentation"
-"$orchard" calibrate appearance "${fit_logs[@]}" --observations "${fit_looks[@]}" \
-  --config "$work/rig.yaml" --out "$work/rig.yaml" --quiet
+appearance=1
 judge "appearance"
 set_key "$work/rig.yaml" detector use_odometry true
-judge "odometry"
-"$orchard" calibrate probability "${fit_logs[@]}" --observations "${fit_looks[@]}" \
-  --config "$work/rig.yaml" --out "$work/rig.yaml" --quiet
-set_key "$work/rig.yaml" detector decision probability
-set_key "$work/rig.yaml" mapper evidence probability
+set_key "$work/rig.yaml" detector pairing_tolerance_s 0.1
+set_key "$work/rig.yaml" mapper sweep_pose_gap_max_s 0.25
+judge "motion within the scan and to the picture"
+probability=1
 judge "probability"
+set_key "$work/rig.yaml" mapper min_observations 6
+judge "landmarks seen six times"
 set_key "$work/rig.yaml" detector.adaptation enabled true
 judge "adaptation"
 

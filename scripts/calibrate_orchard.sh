@@ -28,11 +28,12 @@ for ((i = 0; i < ${DRIVES:-12}; ++i)); do
 done
 wait
 if [ "${TRUNKS:-1}" = 1 ]; then
-  "$orchard" calibrate trunks "${logs[@]}" --config "$rig" --out "$result" | tail -n 4
+  "$orchard" calibrate trunks "${logs[@]}" --config "$rig" --out "$result" \
+    --colour-model hue_interval | tail -n 4
   rig=$result
 fi
 "$orchard" calibrate appearance "${logs[@]}" --observations "${looks[@]}" --config "$rig" \
-  --out "$result"
+  --out "$result" --stride 3
 rig=$result
 "$orchard" calibrate probability "${logs[@]}" --observations "${looks[@]}" --config "$rig" \
   --out "$result"

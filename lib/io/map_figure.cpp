@@ -246,7 +246,7 @@ MapFigure draw_map(const std::vector<Landmark>& landmarks,
                    const std::vector<mapping::Row>& rows) {
   const Frame frame(landmarks, trajectory);
   const Box plot = frame.plot();
-  const int width_px = std::max(470, static_cast<int>(std::ceil(plot.x1 + kRightPx)));
+  const int width_px = std::max(560, static_cast<int>(std::ceil(plot.x1 + kRightPx)));
   const int height_px = static_cast<int>(std::ceil(plot.y1 + kBottomPx));
   const auto svg = make_svg_canvas(width_px, height_px);
   const auto png = make_png_canvas(width_px, height_px);

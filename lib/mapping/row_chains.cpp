@@ -17,6 +17,9 @@ constexpr double kLeastStep_spacings = 0.3;
 /// A step sideways costs more than one along: the next tree is ahead.
 constexpr double kCostBeside = 3.0;
 
+/// A row does not turn by more than this (cosine of 30 degrees) from one tree to the next.
+constexpr double kTurnMost_cos = 0.866;
+
 struct Step {
   double along_m = 0.0;   ///< positive ahead
   double beside_m = 0.0;  ///< positive to the left
@@ -67,6 +70,14 @@ class Linker {
     return {u.dot(d), u.x() * d.y() - u.y() * d.x()};
   }
 
+  /// Whether both trees' rows and the way from one to the other point alike.
+  bool in_line(std::int32_t i, std::int32_t j) const {
+    const Eigen::Vector2d &u = directions_[index(i)], &v = directions_[index(j)];
+    const Eigen::Vector2d way = (p_map_[index(j)] - p_map_[index(i)]).normalized();
+    return u.dot(v) > kTurnMost_cos && std::abs(way.dot(u)) > kTurnMost_cos &&
+           std::abs(way.dot(v)) > kTurnMost_cos;
+  }
+
   /// Median distance to the nearest tree beside, in another row.
   double row_spacing_m() const {
     std::vector<double> beside_m;
@@ -93,6 +104,7 @@ class Linker {
     const Eigen::Vector2d& p = p_map_[index(i)];
     grid_.near(p.x(), p.y(), reach_m, [&](std::int32_t j) {
       if (j == i || (ahead ? previous_ : next_)[index(j)] != kNone) return;
+      if (!in_line(i, j)) return;
       const Step s = step(i, j);
       const double along_m = ahead ? s.along_m : -s.along_m;
       if (along_m < kLeastStep_spacings * spacing_m_ || along_m > reach_m) return;

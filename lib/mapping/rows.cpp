@@ -16,6 +16,9 @@ namespace {
 
 using Eigen::Vector2d;
 
+/// What stands across the rows by more than this (cosine of 60 degrees) is a hedge or a headland.
+constexpr double kAcross_cos = 0.5;
+
 /// The trees, in an order of their own: the result must not depend on that of the landmarks.
 std::vector<const Landmark*> trees_of(const std::vector<Landmark>& landmarks) {
   std::vector<const Landmark*> trees;
@@ -80,10 +83,14 @@ std::vector<Row> find_rows(const std::vector<Landmark>& landmarks, const RowsCon
     for (Vector2d& u : lines.rows.directions) u = -u;
   }
   lines.chains = row_chains(lines.p_map, lines.rows, config.gap_max_spacings);
-  const auto too_short = [&](const RowChain& chain) {
-    return chain.size() < static_cast<std::size_t>(config.min_trees);
+  const Vector2d forward = forward_of(lines.rows.directions, config).normalized();
+  const auto is_no_row = [&](const RowChain& chain) {
+    if (chain.size() < static_cast<std::size_t>(config.min_trees)) return true;
+    const Vector2d chord = lines.p_map[static_cast<std::size_t>(chain.back())] -
+                           lines.p_map[static_cast<std::size_t>(chain.front())];
+    return chord.dot(forward) < kAcross_cos * chord.norm();
   };
-  lines.chains.erase(std::remove_if(lines.chains.begin(), lines.chains.end(), too_short),
+  lines.chains.erase(std::remove_if(lines.chains.begin(), lines.chains.end(), is_no_row),
                      lines.chains.end());
   if (lines.chains.empty()) return {};
   order_from_left(lines.p_map, lines.rows, lines.chains);

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # scripts/adaptation.sh [FIRST_SEED LAST_SEED] [CONFIG]: what adaptation while driving is worth as the
 # light changes, and what posts of trunk width do to it. Several minutes. The keys of
-# detector.adaptation were chosen on seeds 1-3; the figures of the README are of 101-110.
+# detector.adaptation were chosen on seeds 1-2; the figures of the README are of 101-110.
 set -e
 cd "$(dirname "$0")/.."
 first=${1:-101}

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // From scan to map: the time between sending the last message that a scan's place in the map needs
-// (its picture; the scan and the fix of the pose went before) and getting the MAP of that scan,
-// with the live processes, against the same hops and sizes through processes that compute nothing.
+// (its picture; the scan, the odometry and the poses up to the end of its sweep went before) and
+// getting the MAP of that scan, with the live processes, against the same hops and sizes through
+// processes that compute nothing.
 // Both are measured in turn, 50 ms apart, ten times a second.
 #include <algorithm>
 #include <chrono>
@@ -40,7 +41,7 @@ constexpr double kTargetP99Ms = 5.0;
 constexpr auto kHalfPeriod = std::chrono::milliseconds(50);
 constexpr const char* kRelayUrl = "udpm://239.255.76.68:7668?ttl=0&recv_buf_size=4194304";
 
-/// The messages of one moment, the picture last, and what the pipeline makes of them.
+/// What a scan's place in the map needs, the picture last, and what the pipeline makes of it.
 struct MessageSet {
   std::vector<const bench::RawMessage*> inputs;
   bench::RelayHeader header;
@@ -48,32 +49,69 @@ struct MessageSet {
 
 std::string name_of(Channel channel) { return std::string(bus::info(channel).name); }
 
-/// Complete sets in order of time; sizes of outputs from a replay in this process.
-std::vector<MessageSet> make_sets(const bench::FieldDrive& drive) {
-  std::map<std::int64_t, MessageSet> sets;
-  for (const Channel channel : {Channel::kScan, Channel::kPoseFix, Channel::kImage}) {
-    for (const bench::RawMessage& message : drive.messages) {
-      if (message.channel == channel) sets[message.utime].inputs.push_back(&message);
-    }
-  }
+/// Sizes of what the pipeline makes of each scan, from a replay in this process.
+std::map<std::int64_t, bench::RelayHeader> derived_sizes(const bench::FieldDrive& drive) {
+  std::map<std::int64_t, bench::RelayHeader> headers;
   procs::DetectorNode detector(drive.config);
   procs::PoseNode pose(drive.config);
   procs::MapperNode mapper(drive.config);
   bus::ReplayOptions options;
-  options.on_derived = [&sets](Channel channel, std::int64_t utime, const auto& bytes) {
-    bench::RelayHeader& header = sets[utime].header;
+  options.on_derived = [&headers](Channel channel, std::int64_t utime, const auto& bytes) {
+    bench::RelayHeader& header = headers[utime];
     const auto size = static_cast<std::uint32_t>(bytes.size());
     if (channel == Channel::kDetections) header.detections_bytes = size;
     if (channel == Channel::kPose) header.pose_bytes = size;
     if (channel == Channel::kMap) header.map_bytes = size;
   };
   bus::replay_in_process(drive.log_path, {&detector, &pose, &mapper}, options);
-  std::vector<MessageSet> result;
-  for (auto& [utime, set] : sets) {
-    set.header.utime = utime;
-    if (set.inputs.size() == 3) result.push_back(std::move(set));
+  return headers;
+}
+
+std::vector<const bench::RawMessage*> messages_of(const bench::FieldDrive& drive, Channel channel) {
+  std::vector<const bench::RawMessage*> messages;
+  for (const bench::RawMessage& message : drive.messages) {
+    if (message.channel == channel) messages.push_back(&message);
   }
-  return result;
+  return messages;
+}
+
+/// One set per scan, in order of time: the scan, everything of the wheels and of the poses until
+/// the next scan begins (a sweep takes nearly as long, and its last object is placed by the pose
+/// then), and the picture, which takes the longest to be compressed and sent.
+std::vector<MessageSet> make_sets(const bench::FieldDrive& drive) {
+  const auto headers = derived_sizes(drive);
+  const auto scans = messages_of(drive, Channel::kScan);
+  const auto images = messages_of(drive, Channel::kImage);
+  std::vector<MessageSet> sets;
+  std::int64_t sent_until = INT64_MIN;
+  for (std::size_t i = 0; i + 1 < scans.size(); ++i) {
+    const std::int64_t utime = scans[i]->utime, next_utime = scans[i + 1]->utime;
+    const auto image = std::find_if(images.begin(), images.end(), [utime](const auto* message) {
+      return message->utime == utime;
+    });
+    if (image == images.end()) continue;
+    MessageSet set;
+    set.inputs.push_back(scans[i]);
+    for (const Channel channel : {Channel::kOdometry, Channel::kPoseFix}) {
+      for (const bench::RawMessage* message : messages_of(drive, channel)) {
+        if (message->utime > sent_until && message->utime <= next_utime) {
+          set.inputs.push_back(message);
+        }
+      }
+      if (channel == Channel::kOdometry) {
+        set.header.num_detector_inputs = static_cast<std::uint32_t>(set.inputs.size()) + 1;
+      }
+    }
+    set.inputs.push_back(*image);
+    const bench::RelayHeader& sizes = headers.at(utime);
+    set.header.utime = utime;
+    set.header.detections_bytes = sizes.detections_bytes;
+    set.header.pose_bytes = sizes.pose_bytes;
+    set.header.map_bytes = sizes.map_bytes;
+    sent_until = next_utime;
+    sets.push_back(std::move(set));
+  }
+  return sets;
 }
 
 /// Sends sets to a pipeline and waits for their MAP.

@@ -21,7 +21,6 @@ FieldDrive simulate_field_drive(const std::string& folder, double duration_s, do
   simulation.orchard.fix_rate_hz = fix_rate_hz;
   if (fixes_only) {
     drive.config.pose.mode = pose::PoseMode::kFixes;
-    simulation.motion.odometry_rate_hz = 0.0;
     simulation.image.offset_s = 0.0;
   }
   drive.config_path = folder + "/rig.yaml";

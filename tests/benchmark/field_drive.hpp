@@ -28,8 +28,8 @@ struct FieldDrive {
 };
 
 /// Simulates the drive and writes its log and configuration into a folder. `fix_rate_hz` is of
-/// POSE_FIX. With `fixes_only` there is no odometry, and image and scan have one time: sets that
-/// belong together.
+/// POSE_FIX. With `fixes_only` each fix is a pose (odometry serves the detector alone), and image
+/// and scan have one time.
 FieldDrive simulate_field_drive(const std::string& folder, double duration_s, double fix_rate_hz,
                                 bool fixes_only);
 

@@ -23,6 +23,7 @@ class Relay {
     };
     if (role == "detector") {
       listen("SCAN");
+      listen("ODOMETRY");
       listen("IMAGE");
     } else if (role == "pose") {
       listen("POSE_FIX");
@@ -30,7 +31,6 @@ class Relay {
       listen("DETECTIONS");
       listen("POSE");
     }
-    needed_ = role == "pose" ? 1 : 2;
     role_ = role;
   }
 
@@ -42,10 +42,15 @@ class Relay {
     std::memcpy(&header, buffer->data, sizeof header);
     num_of_set_ = header.utime == utime_ ? num_of_set_ + 1 : 1;
     utime_ = header.utime;
-    if (num_of_set_ < needed_) return;
+    if (num_of_set_ < needed(header)) return;
     if (role_ == "detector") return send("DETECTIONS", header, header.detections_bytes);
     if (role_ == "pose") return send("POSE", header, header.pose_bytes);
     send("MAP", header, header.map_bytes);
+  }
+
+  std::uint32_t needed(const RelayHeader& header) const {
+    if (role_ == "detector") return header.num_detector_inputs;
+    return role_ == "pose" ? 1 : 2;
   }
 
   void send(const char* channel, const RelayHeader& header, std::uint32_t size) {
@@ -56,9 +61,8 @@ class Relay {
 
   lcm::LCM& lcm_;
   std::string role_;
-  int needed_ = 1;
   std::int64_t utime_ = -1;
-  int num_of_set_ = 0;
+  std::uint32_t num_of_set_ = 0;
 };
 
 bool is_ready(const std::string& path) {

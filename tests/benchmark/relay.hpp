@@ -10,11 +10,12 @@
 namespace orchard::bench {
 
 /// The same hops as detector, pose and mapper, of processes that compute nothing: bare LCM with raw
-/// handlers. A set of messages travels as  SCAN, IMAGE -> DETECTIONS,  POSE_FIX -> POSE,
+/// handlers. A set of messages travels as  SCAN, ODOMETRY, IMAGE -> DETECTIONS,  POSE_FIX -> POSE,
 /// DETECTIONS and POSE -> MAP;  each starts with a RelayHeader and is filled up to its real size.
 struct RelayHeader {
   std::int64_t utime = 0;
-  std::uint32_t detections_bytes = 0;  ///< size that the DETECTIONS of this set is to have
+  std::uint32_t num_detector_inputs = 0;  ///< SCAN, ODOMETRY and IMAGE of the set
+  std::uint32_t detections_bytes = 0;     ///< size that the DETECTIONS of this set is to have
   std::uint32_t pose_bytes = 0;
   std::uint32_t map_bytes = 0;
 };

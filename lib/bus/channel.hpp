@@ -24,9 +24,11 @@ enum class Channel : std::int8_t {
   kAck = 10,
   kReplay = 11,
   kAdaptation = 12,
+  kImu = 13,
+  kTrajectory = 14,
 };
 
-inline constexpr std::size_t kNumChannels = 13;
+inline constexpr std::size_t kNumChannels = 15;
 
 /// What a channel is for, and with that what a replay does with it.
 enum class Role {
@@ -57,6 +59,8 @@ inline constexpr std::array<ChannelInfo, kNumChannels> kChannels{{
     {Channel::kAck, "ACK", "ack_t", Role::kService},
     {Channel::kReplay, "REPLAY", "replay_t", Role::kService},
     {Channel::kAdaptation, "ADAPTATION", "adaptation_t", Role::kDerived},
+    {Channel::kImu, "IMU", "imu_t", Role::kSource},
+    {Channel::kTrajectory, "TRAJECTORY", "trajectory_t", Role::kDerived},
 }};
 
 constexpr const ChannelInfo& info(Channel channel) {

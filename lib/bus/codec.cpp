@@ -87,6 +87,10 @@ std::variant<Message, Rejection> decode(Channel channel, const void* data, std::
       return decode_as<map_tile_t>(data, size);
     case Channel::kAdaptation:
       return decode_as<adaptation_t>(data, size);
+    case Channel::kImu:
+      return decode_as<imu_t>(data, size);
+    case Channel::kTrajectory:
+      return decode_as<trajectory_t>(data, size);
     default:
       throw std::invalid_argument("decode: no such channel");
   }

@@ -35,7 +35,10 @@ const char* publisher_of(Channel channel) {
       return "a GNSS driver";
     case Channel::kPoseFix:
       return "orchard-sim-driver or who knows the robot's position";
+    case Channel::kImu:
+      return "an IMU driver";
     case Channel::kPose:
+    case Channel::kTrajectory:
       return "orchard-pose";
     case Channel::kDetections:
     case Channel::kAdaptation:

@@ -11,6 +11,7 @@
 #include "mapping/landmark.hpp"
 #include "pose/measurements.hpp"
 #include "pose/pose_estimate.hpp"
+#include "pose/trajectory.hpp"
 #include "vision/image.hpp"
 
 namespace orchard::bus {
@@ -18,13 +19,16 @@ namespace orchard::bus {
 /// What a node reads and writes. The alternative decides the channel.
 using Message = std::variant<laser::Scan, vision::Image, pose::Odometry, pose::Gnss, pose::PoseFix,
                              pose::PoseEstimate, detection::Detections, mapping::MapTile,
-                             detection::AdaptationStep>;
+                             detection::AdaptationStep, pose::Imu, pose::TrajectoryPage>;
 
 /// The channel a message travels on: the variant's alternatives stand in the order of Channel,
-/// those that came after the service channels apart.
+/// the service channels left out.
 inline Channel channel_of(const Message& message) {
-  if (std::holds_alternative<detection::AdaptationStep>(message)) return Channel::kAdaptation;
-  return static_cast<Channel>(message.index());
+  constexpr auto kFirstService = static_cast<std::size_t>(Channel::kStatus);
+  constexpr auto kAfterService = static_cast<std::size_t>(Channel::kAdaptation);
+  const std::size_t index = message.index();
+  return static_cast<Channel>(index < kFirstService ? index
+                                                    : index - kFirstService + kAfterService);
 }
 
 /// Time of measurement of any message [us].

@@ -197,6 +197,31 @@ void check(Check& c, const detection::AdaptationStep& step) {
   c.within("light_green", step.model.light.green, -10, 10);
 }
 
+void check(Check& c, const pose::Imu& imu) {
+  for (const double rate : imu.angular_rate_radps) c.within("angular_rate_radps", rate, -1e3, 1e3);
+  for (const double a : imu.acceleration_mps2) c.within("acceleration_mps2", a, -1e4, 1e4);
+  c.within("angular_rate_variance", imu.angular_rate_variance, 0, 1e6);
+  c.within("acceleration_variance", imu.acceleration_variance, 0, 1e8);
+  c.within("roll_rad", imu.roll_rad, -4 * kPi, 4 * kPi);
+  c.within("pitch_rad", imu.pitch_rad, -4 * kPi, 4 * kPi);
+  c.within("yaw_rad", imu.yaw_rad, -4 * kPi, 4 * kPi);
+  c.within("orientation_variance", imu.orientation_variance, 0, 1e3);
+}
+
+void check(Check& c, const pose::TrajectoryPage& page) {
+  c.whole("revision", page.revision, 1, INT32_MAX);
+  c.whole("num_pages", page.num_pages, 1, INT32_MAX);
+  c.whole("page", page.page, 0, page.num_pages - 1);
+  std::int64_t before = -1;
+  for (const pose::PoseEstimate& pose : page.poses) {
+    c.whole("pose utime", pose.utime, 0, kUtimeEnd - 1);
+    c.that(pose.utime > before, Reason::kInconsistent, "its poses are not in order of utime");
+    check(c, pose);
+    if (!c.ok()) return;
+    before = pose.utime;
+  }
+}
+
 }  // namespace
 
 std::optional<Rejection> check_content(const Message& message) {

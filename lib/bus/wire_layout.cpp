@@ -12,6 +12,7 @@
 #include "orchard/detections_v2_t.hpp"
 #include "orchard/gnss_t.hpp"
 #include "orchard/image_t.hpp"
+#include "orchard/imu_t.hpp"
 #include "orchard/map_tile_t.hpp"
 #include "orchard/odometry_t.hpp"
 #include "orchard/pose_fix_t.hpp"
@@ -19,6 +20,7 @@
 #include "orchard/replay_t.hpp"
 #include "orchard/scan_t.hpp"
 #include "orchard/status_t.hpp"
+#include "orchard/trajectory_t.hpp"
 
 namespace orchard::bus {
 namespace {
@@ -67,6 +69,8 @@ const Layout& layout_of(Channel channel) {
       {hash_of<ack_t>, 26, kMiB, {{{20, 5, "num_outputs"}, {}}}, 0},
       {hash_of<replay_t>, 21, kKiB, {}, 0},
       {hash_of<adaptation_t>, 70, kKiB, {}, 0},
+      {hash_of<imu_t>, 117, kKiB, {}, 0},
+      {hash_of<trajectory_t>, 36, 64 * kKiB, {{{20, 80, "num_poses"}, {}}}, 0},
   }};
   return layouts[static_cast<std::size_t>(channel)];
 }

@@ -357,4 +357,76 @@ detection::AdaptationStep from_wire(adaptation_t&& wire) {
   return step;
 }
 
+imu_t to_wire(const pose::Imu& imu) {
+  imu_t wire;
+  wire.utime = imu.utime;
+  wire.seq = imu.seq;
+  copy(imu.angular_rate_radps, wire.angular_rate_radps);
+  copy(imu.acceleration_mps2, wire.acceleration_mps2);
+  wire.angular_rate_variance = imu.angular_rate_variance;
+  wire.acceleration_variance = imu.acceleration_variance;
+  wire.roll_rad = imu.roll_rad;
+  wire.pitch_rad = imu.pitch_rad;
+  wire.yaw_rad = imu.yaw_rad;
+  wire.orientation_variance = imu.orientation_variance;
+  wire.has_orientation = imu.has_orientation ? 1 : 0;
+  return wire;
+}
+
+pose::Imu from_wire(imu_t&& wire) {
+  if (wire.has_orientation != 0 && wire.has_orientation != 1) {
+    throw std::range_error("has_orientation = " + std::to_string(wire.has_orientation));
+  }
+  pose::Imu imu;
+  imu.utime = wire.utime;
+  imu.seq = wire.seq;
+  copy(wire.angular_rate_radps, imu.angular_rate_radps);
+  copy(wire.acceleration_mps2, imu.acceleration_mps2);
+  imu.angular_rate_variance = wire.angular_rate_variance;
+  imu.acceleration_variance = wire.acceleration_variance;
+  imu.roll_rad = wire.roll_rad;
+  imu.pitch_rad = wire.pitch_rad;
+  imu.yaw_rad = wire.yaw_rad;
+  imu.orientation_variance = wire.orientation_variance;
+  imu.has_orientation = wire.has_orientation == 1;
+  return imu;
+}
+
+trajectory_t to_wire(const pose::TrajectoryPage& page) {
+  trajectory_t wire;
+  wire.utime = page.utime;
+  wire.seq = page.seq;
+  wire.num_poses = static_cast<std::int32_t>(page.poses.size());
+  wire.revision = page.revision;
+  wire.page = page.page;
+  wire.num_pages = page.num_pages;
+  wire.poses.resize(page.poses.size());
+  for (std::size_t i = 0; i < page.poses.size(); ++i) {
+    wire.poses[i].utime = page.poses[i].utime;
+    wire.poses[i].x_m = page.poses[i].x_m;
+    wire.poses[i].y_m = page.poses[i].y_m;
+    wire.poses[i].yaw_rad = page.poses[i].yaw_rad;
+    copy(page.poses[i].covariance, wire.poses[i].covariance);
+  }
+  return wire;
+}
+
+pose::TrajectoryPage from_wire(trajectory_t&& wire) {
+  pose::TrajectoryPage page;
+  page.utime = wire.utime;
+  page.seq = wire.seq;
+  page.revision = wire.revision;
+  page.page = wire.page;
+  page.num_pages = wire.num_pages;
+  page.poses.resize(wire.poses.size());
+  for (std::size_t i = 0; i < wire.poses.size(); ++i) {
+    page.poses[i].utime = wire.poses[i].utime;
+    page.poses[i].x_m = wire.poses[i].x_m;
+    page.poses[i].y_m = wire.poses[i].y_m;
+    page.poses[i].yaw_rad = wire.poses[i].yaw_rad;
+    copy(wire.poses[i].covariance, page.poses[i].covariance);
+  }
+  return page;
+}
+
 }  // namespace orchard::bus

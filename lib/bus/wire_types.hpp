@@ -11,11 +11,13 @@
 #include "orchard/detections_v2_t.hpp"
 #include "orchard/gnss_t.hpp"
 #include "orchard/image_t.hpp"
+#include "orchard/imu_t.hpp"
 #include "orchard/map_tile_t.hpp"
 #include "orchard/odometry_t.hpp"
 #include "orchard/pose_fix_t.hpp"
 #include "orchard/pose_t.hpp"
 #include "orchard/scan_t.hpp"
+#include "orchard/trajectory_t.hpp"
 
 namespace orchard::bus {
 
@@ -31,6 +33,8 @@ pose_t to_wire(const pose::PoseEstimate& pose);
 detections_v2_t to_wire(const detection::Detections& detections);
 map_tile_t to_wire(const mapping::MapTile& tile);
 adaptation_t to_wire(const detection::AdaptationStep& step);
+imu_t to_wire(const pose::Imu& imu);
+trajectory_t to_wire(const pose::TrajectoryPage& page);
 
 laser::Scan from_wire(scan_t&& wire);
 vision::Image from_wire(image_t&& wire);
@@ -44,6 +48,9 @@ detection::Detections from_wire(detections_v2_t&& wire);
 detection::Detections from_wire(detections_t&& wire);
 mapping::MapTile from_wire(map_tile_t&& wire);
 detection::AdaptationStep from_wire(adaptation_t&& wire);
+/// Throws std::range_error for a has_orientation that is neither 0 nor 1.
+pose::Imu from_wire(imu_t&& wire);
+pose::TrajectoryPage from_wire(trajectory_t&& wire);
 
 /// The bytes of any generated type.
 template <class Wire>

@@ -6,23 +6,25 @@
 #include <deque>
 #include <limits>
 #include <optional>
-#include <variant>
 
-#include "pose/measurements.hpp"
+#include "pose/measurement.hpp"
 
 namespace orchard::pose {
 
-using Measurement = std::variant<Odometry, PoseFix>;
+/// How long each kind of measurement is waited for [s of message time], by MeasurementKind; none
+/// for a kind that is not expected.
+using MeasurementWaits = std::array<std::optional<double>, kNumMeasurementKinds>;
 
-/// Puts the measurements of several channels into one order of time, whatever the order in which
-/// they arrive: a measurement comes out when every expected channel has reached its time, or when
-/// any channel is more than the window ahead of it. What arrives after its place in the order has
-/// gone out is counted and dropped. Ties come out in the order of the variant's alternatives.
+/// Puts the measurements of several kinds into one order of time, whatever the order in which
+/// they arrive: a measurement comes out when every expected kind has reached its time, or when any
+/// kind is further ahead of it than the missing one is waited for. What arrives after its place in
+/// the order has gone out is counted and dropped. Ties come out in the order of the variant's
+/// alternatives.
 class MeasurementQueue {
  public:
-  MeasurementQueue(bool expects_odometry, bool expects_fixes, double window_s);
+  explicit MeasurementQueue(const MeasurementWaits& waits_s);
 
-  void push(const Measurement& measurement);
+  void push(Measurement measurement);
 
   /// The next one in order that may come out; none when it must wait.
   std::optional<Measurement> pop();
@@ -35,20 +37,19 @@ class MeasurementQueue {
 
   std::int64_t num_late() const { return num_late_; }
 
-  /// Index (of the variant) of the channel that holds the next measurement back; none if none.
-  std::optional<std::size_t> waits_for() const;
+  /// The kind that holds the next measurement back; none if none does.
+  std::optional<MeasurementKind> waits_for() const;
   std::optional<std::int64_t> next_utime() const;
 
  private:
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
 
-  std::optional<std::size_t> next_channel() const;
-  Measurement take(std::size_t channel);
+  std::optional<std::size_t> next_kind() const;
+  Measurement take(std::size_t kind);
 
-  std::array<bool, 2> expected_;
-  std::int64_t window_us_;
-  std::array<std::deque<Measurement>, 2> queues_;
-  std::array<std::int64_t, 2> newest_utime_{kNever, kNever};
+  std::array<std::optional<std::int64_t>, kNumMeasurementKinds> waits_us_;
+  std::array<std::deque<Measurement>, kNumMeasurementKinds> queues_;
+  std::array<std::int64_t, kNumMeasurementKinds> newest_utime_;
   std::int64_t released_utime_ = kNever;
   std::int64_t num_late_ = 0;
 };

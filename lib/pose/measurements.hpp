@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 namespace orchard::pose {
 
@@ -35,6 +36,46 @@ struct PoseFix {
   double yaw_rad = 0.0;                ///< meaningful when has_yaw
   std::array<double, 6> covariance{};  ///< of (x, y, yaw): xx xy xyaw yy yyaw yawyaw
   bool has_yaw = true;
+};
+
+/// One sample of an inertial unit, in the axes of base (x forward, y left, z up).
+struct Imu {
+  std::int64_t utime = 0;
+  std::int32_t seq = 0;
+  std::array<double, 3> angular_rate_radps{};
+  std::array<double, 3> acceleration_mps2{};  ///< specific force: (0, 0, +9.8) at rest
+  double angular_rate_variance = 0.0;         ///< of each axis [rad2/s2]; 0 = unknown
+  double acceleration_variance = 0.0;         ///< of each axis [m2/s4]; 0 = unknown
+  double roll_rad = 0.0;                      ///< of base; meaningful when has_orientation
+  double pitch_rad = 0.0;
+  double yaw_rad = 0.0;               ///< from east, or from where the unit was switched on
+  double orientation_variance = 0.0;  ///< of each angle [rad2]; 0 = unknown
+  bool has_orientation = false;
+};
+
+/// What the detector took something for; the numbers of detection::Label.
+enum class SeenLabel : std::int8_t { kUnseen = 0, kTree = 1, kObject = 2 };
+
+/// One object that a scan showed, as a landmark to find one's place by.
+struct SeenTrunk {
+  std::int64_t utime = 0;  ///< of its middle beam [us]
+  double x_base_m = 0.0;   ///< its axis
+  double y_base_m = 0.0;
+  std::array<double, 3> covariance{};  ///< of the axis in base: xx xy yy [m2]
+  double width_m = 0.0;
+  double width_sd_m = 0.0;
+  double probability_tree = 0.0;  ///< calibrated; 0 where no probability was learnt
+  double roc_tree = 0.0;
+  SeenLabel label = SeenLabel::kUnseen;
+  std::int8_t occlusion = 0;  ///< bits of detection::Occlusion
+  std::int32_t num_beams = 0;
+};
+
+/// Every object of one scan in order of bearing.
+struct SeenTrunks {
+  std::int64_t utime = 0;  ///< of the scan's first beam [us]
+  std::int32_t seq = 0;
+  std::vector<SeenTrunk> trunks;
 };
 
 }  // namespace orchard::pose

@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <variant>
 
 #include "geometry/angles.hpp"
 
@@ -51,6 +52,11 @@ CPosePDFGaussian gaussian(const Eigen::Vector3d& mean, const Eigen::Matrix3d& co
 }  // namespace
 
 PoseEstimator::PoseEstimator(const PoseConfig& config) : config_(config) {}
+
+void PoseEstimator::add(const Measurement& measurement) {
+  if (const auto* odometry = std::get_if<Odometry>(&measurement)) add(*odometry);
+  if (const auto* fix = std::get_if<PoseFix>(&measurement)) add(*fix);
+}
 
 void PoseEstimator::add(const Odometry& odometry) {
   if (config_.mode == PoseMode::kOdometry && !state_) {

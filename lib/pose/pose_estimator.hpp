@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "pose/measurements.hpp"
+#include "pose/localiser.hpp"
 #include "pose/pose_config.hpp"
 #include "pose/pose_estimate.hpp"
 
@@ -17,9 +17,11 @@ namespace orchard::pose {
 /// Takes measurements in order of time; a pure function of that sequence. Without odometry every
 /// fix is a pose of its own, as the paper places its robot by hand (Shalal et al. 2013, section
 /// 6.1). Fixes without yaw give no pose until the robot has travelled heading_baseline_m.
-class PoseEstimator {
+class PoseEstimator : public Localiser {
  public:
   explicit PoseEstimator(const PoseConfig& config);
+
+  void add(const Measurement& measurement) override;
 
   /// Dead-reckons to the odometry's time. Velocity is taken to change linearly between messages;
   /// a silence longer than odometry_gap_max_s forgets the pose until the next fix (in mode
@@ -30,7 +32,7 @@ class PoseEstimator {
   void add(const PoseFix& fix);
 
   /// The pose at the time of the last measurement; none while it is unknown.
-  std::optional<PoseEstimate> estimate() const;
+  std::optional<PoseEstimate> estimate() const override;
 
   std::int64_t num_gaps() const { return num_gaps_; }
 

@@ -133,6 +133,36 @@ Json fields(const detection::AdaptationStep& m) {
           {"light_green", m.model.light.green}};
 }
 
+Json fields(const pose::Imu& m) {
+  Json json = {{"angular_rate_radps", m.angular_rate_radps},
+               {"acceleration_mps2", m.acceleration_mps2},
+               {"angular_rate_variance", m.angular_rate_variance},
+               {"acceleration_variance", m.acceleration_variance}};
+  if (m.has_orientation) {
+    json.update({{"roll_rad", m.roll_rad},
+                 {"pitch_rad", m.pitch_rad},
+                 {"yaw_rad", m.yaw_rad},
+                 {"orientation_variance", m.orientation_variance}});
+  }
+  return json;
+}
+
+Json fields(const pose::TrajectoryPage& m) {
+  Json poses = Json::array();
+  for (const pose::PoseEstimate& p : m.poses) {
+    poses.push_back({{"utime", p.utime},
+                     {"x_m", p.x_m},
+                     {"y_m", p.y_m},
+                     {"yaw_rad", p.yaw_rad},
+                     {"covariance", p.covariance}});
+  }
+  return {{"revision", m.revision},
+          {"page", m.page},
+          {"num_pages", m.num_pages},
+          {"num_poses", m.poses.size()},
+          {"poses", poses}};
+}
+
 /// One value in words: numbers short, arrays with their beginning only, objects in braces.
 std::string words(const Json& value) {
   if (value.is_number_float()) {

@@ -1,63 +1,104 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/pose_node.hpp"
 
+#include <array>
+#include <utility>
 #include <variant>
 
 namespace orchard::procs {
 namespace {
 
-using pose::PoseMode;
+/// The channel of each kind of measurement.
+constexpr std::array<bus::Channel, pose::kNumMeasurementKinds> kChannelOfKind{
+    bus::Channel::kOdometry, bus::Channel::kImu,  bus::Channel::kScan,
+    bus::Channel::kPoseFix,  bus::Channel::kGnss, bus::Channel::kDetections};
 
-bool uses_odometry(PoseMode mode) {
-  return mode == PoseMode::kOdometry || mode == PoseMode::kFixesAndOdometry;
+pose::SeenTrunks seen_trunks(const detection::Detections& detections) {
+  pose::SeenTrunks seen;
+  seen.utime = detections.utime;
+  seen.seq = detections.seq;
+  seen.trunks.reserve(detections.trunks.size());
+  for (const detection::Detection& d : detections.trunks) {
+    pose::SeenTrunk trunk;
+    trunk.utime = d.utime;
+    trunk.x_base_m = d.centre_x_m;
+    trunk.y_base_m = d.centre_y_m;
+    trunk.covariance = d.covariance;
+    trunk.width_m = d.width_m;
+    trunk.width_sd_m = d.width_sd_m;
+    trunk.probability_tree = d.probability_tree;
+    trunk.roc_tree = d.roc_tree;
+    trunk.label = static_cast<pose::SeenLabel>(d.label);
+    trunk.occlusion = d.occlusion;
+    trunk.num_beams = d.num_beams;
+    seen.trunks.push_back(trunk);
+  }
+  return seen;
 }
-bool uses_fixes(PoseMode mode) {
-  return mode == PoseMode::kFixes || mode == PoseMode::kFixesAndOdometry;
+
+/// None for a message that is no measurement.
+std::optional<pose::Measurement> measurement_of(const bus::Message& input) {
+  if (const auto* detections = std::get_if<detection::Detections>(&input)) {
+    return seen_trunks(*detections);
+  }
+  return std::visit(
+      [](const auto& m) -> std::optional<pose::Measurement> {
+        if constexpr (std::is_constructible_v<pose::Measurement, decltype(m)>) {
+          return pose::Measurement(m);
+        } else {
+          return std::nullopt;
+        }
+      },
+      input);
 }
 
 }  // namespace
 
 PoseNode::PoseNode(const io::Config& config)
-    : mode_(config.pose.mode),
-      queue_(uses_odometry(mode_), uses_fixes(mode_), config.pose.reorder_window_s),
-      estimator_(config.pose) {}
+    : waits_s_(pose::expected_measurements(config.pose)),
+      queue_(waits_s_),
+      localiser_(pose::make_localiser(config.pose)) {}
 
 std::vector<bus::Channel> PoseNode::inputs() const {
-  // A robot that stands still has nothing to say where it is; its scans say when it was there.
-  if (mode_ == PoseMode::kStationary) return {bus::Channel::kScan};
   std::vector<bus::Channel> channels;
-  if (uses_odometry(mode_)) channels.push_back(bus::Channel::kOdometry);
-  if (uses_fixes(mode_)) channels.push_back(bus::Channel::kPoseFix);
+  for (std::size_t kind = 0; kind < waits_s_.size(); ++kind) {
+    if (waits_s_[kind]) channels.push_back(kChannelOfKind[kind]);
+  }
   return channels;
 }
 
 void PoseNode::handle(const bus::Message& input, const bus::Outbox& send) {
-  if (const auto* scan = std::get_if<laser::Scan>(&input)) {
-    pose::PoseEstimate origin;
-    origin.utime = scan->utime;
-    send_pose(origin, send);
-  } else if (const auto* odometry = std::get_if<pose::Odometry>(&input)) {
-    queue_.push(*odometry);
-  } else if (const auto* fix = std::get_if<pose::PoseFix>(&input)) {
-    queue_.push(*fix);
+  if (std::optional<pose::Measurement> measurement = measurement_of(input)) {
+    queue_.push(*std::move(measurement));
   }
   while (const auto measurement = queue_.pop()) take(*measurement, send);
 }
 
 void PoseNode::flush(const bus::Outbox& send) {
   while (const auto measurement = queue_.pop_flushed()) take(*measurement, send);
+  localiser_->finish();
+  send_correction(send);
 }
 
 void PoseNode::take(const pose::Measurement& measurement, const bus::Outbox& send) {
-  std::visit([&](const auto& m) { estimator_.add(m); }, measurement);
-  const std::optional<pose::PoseEstimate> estimate = estimator_.estimate();
+  localiser_->add(measurement);
+  std::optional<pose::PoseEstimate> estimate = localiser_->estimate();
   // Measurements of one time make one pose.
-  if (estimate && !queue_.next_is_at(estimate->utime)) send_pose(*estimate, send);
+  if (estimate && estimate->utime > last_utime_ && !queue_.next_is_at(estimate->utime)) {
+    last_utime_ = estimate->utime;
+    estimate->seq = next_seq_++;
+    send(*estimate);
+  }
+  send_correction(send);
 }
 
-void PoseNode::send_pose(pose::PoseEstimate estimate, const bus::Outbox& send) {
-  estimate.seq = next_seq_++;
-  send(estimate);
+void PoseNode::send_correction(const bus::Outbox& send) {
+  const std::optional<pose::Trajectory> trajectory = localiser_->take_correction();
+  if (!trajectory) return;
+  for (pose::TrajectoryPage& page : pose::paginate(*trajectory)) {
+    page.seq = next_page_seq_++;
+    send(std::move(page));
+  }
 }
 
 bus::NodeCounts PoseNode::counts() const {
@@ -67,9 +108,9 @@ bus::NodeCounts PoseNode::counts() const {
 }
 
 std::string PoseNode::waiting_for() const {
-  const std::optional<std::size_t> channel = queue_.waits_for();
-  if (!channel) return {};
-  const bus::Channel missing = *channel == 0 ? bus::Channel::kOdometry : bus::Channel::kPoseFix;
+  const std::optional<pose::MeasurementKind> kind = queue_.waits_for();
+  if (!kind) return {};
+  const bus::Channel missing = kChannelOfKind[static_cast<std::size_t>(*kind)];
   return "the pose at " + std::to_string(*queue_.next_utime()) + " us waits for " +
          std::string(bus::info(missing).name) + " of that time or later";
 }

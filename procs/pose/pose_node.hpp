@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <limits>
+#include <memory>
+
 #include "bus/node.hpp"
 #include "io/config.hpp"
+#include "pose/localiser.hpp"
 #include "pose/measurement_queue.hpp"
-#include "pose/pose_estimator.hpp"
 
 namespace orchard::procs {
 
-/// Says where the robot is: one POSE per time of measurement, in order of time.
+/// Says where the robot is: one POSE per time of measurement, in order of time, and TRAJECTORY
+/// whenever the past was corrected.
 class PoseNode : public bus::Node {
  public:
   explicit PoseNode(const io::Config& config);
@@ -19,15 +24,18 @@ class PoseNode : public bus::Node {
   void flush(const bus::Outbox& send) override;
   bus::NodeCounts counts() const override;
   std::string waiting_for() const override;
+  std::string warning() const override { return localiser_->warning(); }
 
  private:
   void take(const pose::Measurement& measurement, const bus::Outbox& send);
-  void send_pose(pose::PoseEstimate estimate, const bus::Outbox& send);
+  void send_correction(const bus::Outbox& send);
 
-  pose::PoseMode mode_;
+  pose::MeasurementWaits waits_s_;
   pose::MeasurementQueue queue_;
-  pose::PoseEstimator estimator_;
+  std::unique_ptr<pose::Localiser> localiser_;
+  std::int64_t last_utime_ = std::numeric_limits<std::int64_t>::min();  ///< of the last POSE
   std::int32_t next_seq_ = 0;
+  std::int32_t next_page_seq_ = 0;
 };
 
 }  // namespace orchard::procs

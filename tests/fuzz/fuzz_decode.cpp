@@ -60,6 +60,12 @@ std::vector<std::uint8_t> hash_of(bus::Channel channel) {
     case bus::Channel::kAdaptation:
       bytes = bus::encode(bus::Message(detection::AdaptationStep{}));
       break;
+    case bus::Channel::kImu:
+      bytes = bus::encode(bus::Message(pose::Imu{}));
+      break;
+    case bus::Channel::kTrajectory:
+      bytes = bus::encode(bus::Message(pose::TrajectoryPage{}));
+      break;
   }
   bytes.resize(8);
   return bytes;

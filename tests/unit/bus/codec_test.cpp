@@ -140,6 +140,8 @@ TEST(Codec, ContentThatCannotBeIsRefused) {
   const double inf = std::numeric_limits<double>::infinity();
   using detection::Detections;
   using Step = detection::AdaptationStep;
+  using Imu = pose::Imu;
+  using Page = pose::TrajectoryPage;
   using laser::Scan;
   using mapping::MapTile;
   using pose::Gnss;
@@ -226,6 +228,18 @@ TEST(Codec, ContentThatCannotBeIsRefused) {
        Reason::kOutOfRange},
       {"trees < 0", Channel::kAdaptation, on<Step>([](Step& m) { m.num_width_trees = -1; }),
        Reason::kOutOfRange},
+      {"rate nan", Channel::kImu, on<Imu>([nan](Imu& m) { m.angular_rate_radps[1] = nan; }),
+       Reason::kNotFinite},
+      {"variance < 0", Channel::kImu, on<Imu>([](Imu& m) { m.acceleration_variance = -1; }),
+       Reason::kOutOfRange},
+      {"page 3 of 3", Channel::kTrajectory, on<Page>([](Page& m) { m.page = 3; }),
+       Reason::kOutOfRange},
+      {"revision 0", Channel::kTrajectory, on<Page>([](Page& m) { m.revision = 0; }),
+       Reason::kOutOfRange},
+      {"poses out of order", Channel::kTrajectory,
+       on<Page>([](Page& m) { m.poses[1].utime = m.poses[0].utime; }), Reason::kInconsistent},
+      {"pose inf", Channel::kTrajectory, on<Page>([inf](Page& m) { m.poses[1].x_m = inf; }),
+       Reason::kNotFinite},
       {"light nan", Channel::kAdaptation, on<Step>([nan](Step& m) { m.model.light.red = nan; }),
        Reason::kNotFinite},
   };

@@ -152,6 +152,31 @@ void put(Values& v, const detection::AdaptationStep& m) {
   v.put("ADAPTATION.light_green", m.model.light.green);
 }
 
+void put(Values& v, const pose::Imu& m) {
+  v.put("IMU.angular_rate_radps[2]", m.angular_rate_radps[2]);
+  v.put("IMU.acceleration_mps2[0]", m.acceleration_mps2[0]);
+  v.put("IMU.angular_rate_variance", m.angular_rate_variance);
+  v.put("IMU.acceleration_variance", m.acceleration_variance);
+  v.put("IMU.roll_rad", m.roll_rad);
+  v.put("IMU.pitch_rad", m.pitch_rad);
+  v.put("IMU.yaw_rad", m.yaw_rad);
+  v.put("IMU.orientation_variance", m.orientation_variance);
+  v.put("IMU.has_orientation", m.has_orientation);
+}
+
+void put(Values& v, const pose::TrajectoryPage& m) {
+  v.put("TRAJECTORY.revision", m.revision);
+  v.put("TRAJECTORY.page", m.page);
+  v.put("TRAJECTORY.num_pages", m.num_pages);
+  v.put("TRAJECTORY.num_poses", m.poses.size());
+  const pose::PoseEstimate& pose = m.poses.at(1);
+  v.put("TRAJECTORY.pose.utime", pose.utime);
+  v.put("TRAJECTORY.pose.x_m", pose.x_m);
+  v.put("TRAJECTORY.pose.y_m", pose.y_m);
+  v.put("TRAJECTORY.pose.yaw_rad", pose.yaw_rad);
+  v.put("TRAJECTORY.pose.covariance[5]", pose.covariance[5]);
+}
+
 void put_status(Values& v, const Status& m) {
   v.put("STATUS.level", static_cast<int>(m.level));
   v.put("STATUS.num_good", m.num_good);
@@ -266,7 +291,10 @@ TEST(GoldenLog, LogsOfTheFirstReleaseStayReadable) {
   expect_stays_readable("golden", kNumFirstChannels);
 }
 
-TEST(GoldenLog, LogsOfLaterTypesStayReadable) { expect_stays_readable("golden_2", 2); }
+TEST(GoldenLog, LogsOfLaterTypesStayReadable) {
+  expect_stays_readable("golden_2", 2);
+  expect_stays_readable("golden_3", 2);
+}
 
 TEST(GoldenLog, OlderFormsAreGuardedAsTheNewOnesAre) {
   io::LogReader reader(ORCHARD_SOURCE_DIR "/tests/data/golden.lcm");

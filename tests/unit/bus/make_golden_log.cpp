@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// make_golden_log FILE: wrote tests/data/golden_2.lcm, a log with messages of the types that came
-// after the first release. Values are chosen by hand; tests/data/golden_2.txt states them, and
-// golden_log_test reads both. (golden.lcm was written by the first release's form of this.)
+// make_golden_log FILE: wrote tests/data/golden_3.lcm, a log with messages of the newest types.
+// Values are chosen by hand; tests/data/golden_3.txt states them, and golden_log_test reads both.
+// (golden.lcm and golden_2.lcm were written by earlier forms of this.)
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -29,52 +29,37 @@ class Golden {
   std::int64_t utime_ = kStart - 1000;
 };
 
-void add_detections(Golden& golden) {
-  detection::Detection trunk;
-  trunk.utime = kStart + 5;
-  trunk.range_m = 2;
-  trunk.bearing_rad = 0.25;
-  trunk.surface_x_m = 1.875;
-  trunk.surface_y_m = 0.625;
-  trunk.centre_x_m = 1.9375;
-  trunk.centre_y_m = 0.65625;
-  trunk.covariance = {0.25, 0.0625, 0.5};
-  trunk.width_m = 0.09375;
-  trunk.width_sd_m = 0.0078125;
-  trunk.roc_laser = 0.875f;
-  trunk.roc_colour = 0.75f;
-  trunk.roc_left_edge = 0.625f;
-  trunk.roc_right_edge = 0.5f;
-  trunk.roc_parallel = 0.375f;
-  trunk.roc_edges = 0.25f;
-  trunk.roc_vision = 0.125f;
-  trunk.roc_tree = 0.9375f;
-  trunk.probability_tree = 0.625f;
-  trunk.probability_object = 0.25f;
-  trunk.intensity = 1234.5f;
-  trunk.num_beams = 9;
-  trunk.label = detection::Label::kTree;
-  trunk.occlusion = detection::kOccludedLeft;
-  detection::Detections detections;
-  detections.utime = golden.next_utime();
-  detections.image_utime = kStart + 2;
-  detections.trunks = {trunk, trunk};
-  detections.trunks[1].label = detection::Label::kUnseen;
-  golden.add(detections);
+void add_imu(Golden& golden) {
+  pose::Imu imu;
+  imu.utime = golden.next_utime();
+  imu.seq = 7;
+  imu.angular_rate_radps = {0.125, -0.25, 0.5};
+  imu.acceleration_mps2 = {0.75, -0.5, 9.75};
+  imu.angular_rate_variance = 0.0078125;
+  imu.acceleration_variance = 0.0625;
+  imu.roll_rad = 0.03125;
+  imu.pitch_rad = -0.0625;
+  imu.yaw_rad = 1.5;
+  imu.orientation_variance = 0.00390625;
+  imu.has_orientation = true;
+  golden.add(imu);
 }
 
-void add_adaptation(Golden& golden) {
-  detection::AdaptationStep step;
-  step.utime = golden.next_utime();
-  step.seq = 4;
-  step.action = detection::AdaptationAction::kRollback;
-  step.reason = detection::AdaptationReason::kConfidenceCollapsed;
-  step.num_width_trees = 12;
-  step.num_colour_trees = 9;
-  step.confident_share = 0.375;
-  step.model.width_mean_m = 0.125;
-  step.model.light = {-0.25, 0.0625, 0.5};
-  golden.add(step);
+void add_trajectory(Golden& golden) {
+  pose::TrajectoryPage page;
+  page.utime = golden.next_utime();
+  page.seq = 5;
+  page.revision = 2;
+  page.page = 1;
+  page.num_pages = 3;
+  page.poses.resize(2);
+  page.poses[0].utime = kStart + 10;
+  page.poses[1].utime = kStart + 20;
+  page.poses[1].x_m = 12.5;
+  page.poses[1].y_m = -3.75;
+  page.poses[1].yaw_rad = -2.5;
+  page.poses[1].covariance = {0.5, 0.25, 0.125, 1, 0.0625, 0.03125};
+  golden.add(page);
 }
 
 }  // namespace
@@ -87,8 +72,8 @@ int main(int argc, char** argv) {
   }
   try {
     orchard::bus::Golden golden(argv[1]);
-    add_detections(golden);
-    add_adaptation(golden);
+    add_imu(golden);
+    add_trajectory(golden);
     golden.close();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "make_golden_log: %s\n", error.what());

@@ -160,7 +160,31 @@ inline std::vector<Message> sample_messages(std::int64_t utime = 170000000000000
   step.confident_share = 0.4;
   step.model = {0.123, {-0.2, 0.1, 0.3}};
 
-  return {scan, image, odometry, gnss, fix, pose, detections, tile, step};
+  pose::Imu imu;
+  imu.utime = utime;
+  imu.seq = seq;
+  imu.angular_rate_radps = {0.01, -0.02, 0.3};
+  imu.acceleration_mps2 = {0.5, -0.25, 9.8};
+  imu.angular_rate_variance = 1e-6;
+  imu.acceleration_variance = 1e-3;
+  imu.roll_rad = 0.02;
+  imu.pitch_rad = -0.03;
+  imu.yaw_rad = 1.5;
+  imu.orientation_variance = 1e-4;
+  imu.has_orientation = true;
+
+  pose::TrajectoryPage page;
+  page.utime = utime;
+  page.seq = seq;
+  page.revision = 2;
+  page.page = 1;
+  page.num_pages = 3;
+  page.poses = {pose, pose};
+  page.poses[0].seq = page.poses[1].seq = 0;
+  page.poses[0].utime = utime - 2000;
+  page.poses[1].utime = utime - 1000;
+
+  return {scan, image, odometry, gnss, fix, pose, detections, tile, step, imu, page};
 }
 
 }  // namespace orchard::bus::testing

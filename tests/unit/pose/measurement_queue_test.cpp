@@ -22,6 +22,16 @@ PoseFix fix_at(std::int64_t utime) {
   return fix;
 }
 
+/// Waits for odometry and for fixes, as long for each.
+MeasurementQueue odometry_and_fixes(double wait_s) {
+  MeasurementWaits waits_s;
+  waits_s[static_cast<std::size_t>(MeasurementKind::kOdometry)] = wait_s;
+  waits_s[static_cast<std::size_t>(MeasurementKind::kPoseFix)] = wait_s;
+  return MeasurementQueue(waits_s);
+}
+
+constexpr std::size_t kFix = static_cast<std::size_t>(MeasurementKind::kPoseFix);
+
 std::vector<std::pair<std::int64_t, std::size_t>> drain(MeasurementQueue& queue) {
   std::vector<std::pair<std::int64_t, std::size_t>> out;
   while (const auto m = queue.pop()) {
@@ -31,17 +41,17 @@ std::vector<std::pair<std::int64_t, std::size_t>> drain(MeasurementQueue& queue)
 }
 
 TEST(MeasurementQueue, HoldsAMeasurementUntilTheOtherChannelReachesItsTime) {
-  MeasurementQueue queue(true, true, 0.1);
+  MeasurementQueue queue = odometry_and_fixes(0.1);
   queue.push(odometry_at(1000));
   EXPECT_FALSE(queue.pop());
-  EXPECT_EQ(queue.waits_for(), std::optional<std::size_t>(1));
+  EXPECT_EQ(queue.waits_for(), MeasurementKind::kPoseFix);
   queue.push(fix_at(1000));
   EXPECT_EQ(drain(queue),
-            (std::vector<std::pair<std::int64_t, std::size_t>>{{1000, 0}, {1000, 1}}));
+            (std::vector<std::pair<std::int64_t, std::size_t>>{{1000, 0}, {1000, kFix}}));
 }
 
 TEST(MeasurementQueue, TheWindowReleasesWhatASilentChannelHoldsBack) {
-  MeasurementQueue queue(true, true, 0.02);
+  MeasurementQueue queue = odometry_and_fixes(0.02);
   queue.push(odometry_at(0));
   queue.push(odometry_at(20000));
   EXPECT_FALSE(queue.pop());
@@ -51,8 +61,31 @@ TEST(MeasurementQueue, TheWindowReleasesWhatASilentChannelHoldsBack) {
   EXPECT_EQ(queue.num_late(), 1);
 }
 
+TEST(MeasurementQueue, EachKindIsWaitedForAsLongAsItsOwnWindow) {
+  MeasurementWaits waits_s;
+  waits_s[static_cast<std::size_t>(MeasurementKind::kOdometry)] = 0.02;
+  waits_s[kFix] = 0.01;
+  waits_s[static_cast<std::size_t>(MeasurementKind::kSeenTrunks)] = 0.5;
+  MeasurementQueue queue(waits_s);
+  queue.push(odometry_at(0));
+  queue.push(odometry_at(100000));
+  // the fix is waited for no longer, the trunks still are
+  EXPECT_EQ(queue.waits_for(), MeasurementKind::kSeenTrunks);
+  queue.push(odometry_at(500001));
+  EXPECT_EQ(drain(queue).size(), 1u);
+  SeenTrunks trunks;
+  trunks.utime = 100000;
+  queue.push(trunks);
+  // equal times: motion first; the odometry at 500001 waits on
+  EXPECT_EQ(drain(queue),
+            (std::vector<std::pair<std::int64_t, std::size_t>>{
+                {100000, 0}, {100000, static_cast<std::size_t>(MeasurementKind::kSeenTrunks)}}));
+}
+
 TEST(MeasurementQueue, OneChannelAloneNeverWaits) {
-  MeasurementQueue queue(false, true, 0.02);
+  MeasurementWaits waits_s;
+  waits_s[kFix] = 0.02;
+  MeasurementQueue queue(waits_s);
   queue.push(fix_at(5));
   EXPECT_EQ(drain(queue).size(), 1u);
 }
@@ -68,7 +101,7 @@ TEST(MeasurementQueue, ArrivalOrderBetweenChannelsWithinTheWindowDoesNotMatter) 
     for (int i = 0; i < 10; ++i) arrivals.emplace_back(i * 100000 + delay_us, fix_at(i * 100000));
     std::stable_sort(arrivals.begin(), arrivals.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
-    MeasurementQueue queue(true, true, 0.05);
+    MeasurementQueue queue = odometry_and_fixes(0.05);
     std::vector<std::pair<std::int64_t, std::size_t>> out;
     for (const auto& arrival : arrivals) {
       queue.push(arrival.second);

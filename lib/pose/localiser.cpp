@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/localiser.hpp"
+
+#include "pose/pose_estimator.hpp"
+#include "pose/stationary.hpp"
+
+namespace orchard::pose {
+
+std::unique_ptr<Localiser> make_localiser(const PoseConfig& config) {
+  switch (config.mode) {
+    case PoseMode::kStationary:
+      return std::make_unique<Stationary>();
+    case PoseMode::kFixes:
+    case PoseMode::kFixesAndOdometry:
+    case PoseMode::kOdometry:
+      break;
+  }
+  return std::make_unique<PoseEstimator>(config);
+}
+
+MeasurementWaits expected_measurements(const PoseConfig& config) {
+  MeasurementWaits waits_s;
+  const auto expect = [&waits_s](MeasurementKind kind, double wait_s) {
+    waits_s[static_cast<std::size_t>(kind)] = wait_s;
+  };
+  switch (config.mode) {
+    case PoseMode::kStationary:
+      expect(MeasurementKind::kScan, config.reorder_window_s);
+      break;
+    case PoseMode::kFixes:
+      expect(MeasurementKind::kPoseFix, config.reorder_window_s);
+      break;
+    case PoseMode::kFixesAndOdometry:
+      expect(MeasurementKind::kPoseFix, config.reorder_window_s);
+      expect(MeasurementKind::kOdometry, config.reorder_window_s);
+      break;
+    case PoseMode::kOdometry:
+      expect(MeasurementKind::kOdometry, config.reorder_window_s);
+      break;
+  }
+  return waits_s;
+}
+
+}  // namespace orchard::pose

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <variant>
+
+#include "laser/scan.hpp"
+#include "pose/measurements.hpp"
+
+namespace orchard::pose {
+
+/// Anything that says where the robot is or how it moved. Of measurements at one time, motion is
+/// taken first, then what is absolute, then trunks: the order of the alternatives.
+using Measurement = std::variant<Odometry, Imu, laser::Scan, PoseFix, Gnss, SeenTrunks>;
+
+inline constexpr std::size_t kNumMeasurementKinds = std::variant_size_v<Measurement>;
+
+/// Index of an alternative of Measurement.
+enum class MeasurementKind : std::size_t { kOdometry, kImu, kScan, kPoseFix, kGnss, kSeenTrunks };
+
+inline MeasurementKind kind_of(const Measurement& measurement) {
+  return static_cast<MeasurementKind>(measurement.index());
+}
+
+/// Time of any measurement [us].
+inline std::int64_t utime_of(const Measurement& measurement) {
+  return std::visit([](const auto& m) { return m.utime; }, measurement);
+}
+
+}  // namespace orchard::pose

@@ -3,8 +3,18 @@
 
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 namespace orchard::mapping {
+
+LandmarkTable::LandmarkTable(std::vector<LandmarkRecord> records) : records_(std::move(records)) {
+  for (std::int32_t index = 0; index < num_indices(); ++index) {
+    const LandmarkRecord& r = (*this)[index];
+    if (r.is_removed) continue;
+    grid_.insert(index, r.anchor_x_m, r.anchor_y_m);
+    ++num_alive_;
+  }
+}
 
 std::int32_t LandmarkTable::add(const Eigen::Vector2d& anchor, double width_m) {
   if (records_.size() >= static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max() - 1)) {

@@ -15,6 +15,11 @@ namespace orchard::mapping {
 /// together, or not at all. An index is never used again, also when its landmark was merged away.
 class LandmarkTable {
  public:
+  LandmarkTable() = default;
+
+  /// A table of these records, each at its own index; those that are removed hold nothing.
+  explicit LandmarkTable(std::vector<LandmarkRecord> records);
+
   /// A landmark with its anchor there and nothing accumulated. Throws std::length_error when the
   /// indices are used up.
   std::int32_t add(const Eigen::Vector2d& anchor, double width_m);

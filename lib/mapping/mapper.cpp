@@ -9,6 +9,7 @@
 #include "mapping/association.hpp"
 #include "mapping/bulk_centre.hpp"
 #include "mapping/candidate.hpp"
+#include "mapping/id_keeping.hpp"
 #include "mapping/landmark_table.hpp"
 #include "mapping/observation_store.hpp"
 
@@ -29,8 +30,29 @@ Observation observation_of(const Candidate& candidate) {
   o.sd_m = static_cast<float>(std::sqrt(0.5 * candidate.covariance.trace()));
   o.roc_tree = static_cast<float>(d.roc_tree);
   o.width_m = static_cast<float>(d.width_m);
+  o.width_sd_m = static_cast<float>(d.width_sd_m);
+  o.covariance_xx = static_cast<float>(d.covariance[0]);
+  o.covariance_xy = static_cast<float>(d.covariance[1]);
+  o.covariance_yy = static_cast<float>(d.covariance[2]);
+  o.probability_tree = d.probability_tree;
+  o.probability_object = d.probability_object;
   o.label = static_cast<std::int8_t>(d.label);
   return o;
+}
+
+/// All of a detection that the map depends on.
+Detection detection_of(const Observation& o) {
+  Detection d;
+  d.centre_x_m = o.x_base_m;
+  d.centre_y_m = o.y_base_m;
+  d.covariance = {o.covariance_xx, o.covariance_xy, o.covariance_yy};
+  d.width_m = o.width_m;
+  d.width_sd_m = o.width_sd_m;
+  d.roc_tree = o.roc_tree;
+  d.probability_tree = o.probability_tree;
+  d.probability_object = o.probability_object;
+  d.label = static_cast<detection::Label>(o.label);
+  return d;
 }
 
 }  // namespace
@@ -42,10 +64,15 @@ struct Mapper::Impl {
   LandmarkTable landmarks;  ///< id = index + 1
   ObservationStore observations;
 
+  /// Appends the index of each trunk that became an observation to `observed`, in their order.
+  MapUpdate place(const detection::Detections& detections, const pose::PoseEstimate& T_map_base,
+                  std::vector<std::size_t>* observed = nullptr);
+  void renumber(const std::vector<std::int32_t>& kept);
   void observe(std::int32_t index, const Candidate& candidate);
   void unite(std::int32_t keep, std::int32_t drop);
   void merge_changed(MapUpdate& update);
   Landmark report(std::int32_t index) const;
+  std::vector<std::int32_t> landmark_of_observation() const;
 };
 
 void Mapper::Impl::observe(std::int32_t index, const Candidate& c) {
@@ -114,35 +141,108 @@ Mapper::~Mapper() = default;
 Mapper::Mapper(Mapper&&) noexcept = default;
 Mapper& Mapper::operator=(Mapper&&) noexcept = default;
 
-MapUpdate Mapper::update(const detection::Detections& detections,
-                         const pose::PoseEstimate& T_map_base) {
-  Impl& m = *impl_;
-  m.observations.add_scan(T_map_base);
+MapUpdate Mapper::Impl::place(const detection::Detections& detections,
+                              const pose::PoseEstimate& T_map_base,
+                              std::vector<std::size_t>* observed) {
+  observations.add_scan(T_map_base);
   std::vector<Candidate> candidates =
-      compose(detections, T_map_base, m.observations.last_composition(), m.config.range_use_max_m);
-  if (m.config.align_scans) {
-    align(candidates, T_map_base, m.config.align_kernel_m,
+      compose(detections, T_map_base, observations.last_composition(), config.range_use_max_m);
+  if (config.align_scans) {
+    align(candidates, T_map_base, config.align_kernel_m,
           [&](const Eigen::Vector2d& p_map, double reach_m) {
-            return nearest_established(m.landmarks, p_map, reach_m);
+            return nearest_established(landmarks, p_map, reach_m);
           });
   }
-  const Association association = associate(candidates, m.landmarks, m.config);
+  const Association association = associate(candidates, landmarks, config);
 
   MapUpdate update;
-  for (const Pairing& pair : association.pairs) {
-    m.observe(pair.landmark, candidates[pair.candidate]);
-    update.changed_ids.push_back(pair.landmark + 1);
-  }
+  const auto take = [&](std::int32_t index, const Candidate& c) {
+    observe(index, c);
+    update.changed_ids.push_back(index + 1);
+    if (observed != nullptr) {
+      observed->push_back(static_cast<std::size_t>(c.detection - detections.trunks.data()));
+    }
+  };
+  for (const Pairing& pair : association.pairs) take(pair.landmark, candidates[pair.candidate]);
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     if (association.is_explained[k])
       continue;  // a second echo of a known landmark is none of its own
     const Candidate& c = candidates[k];
-    const std::int32_t index = m.landmarks.add(c.p_aligned, c.detection->width_m);
-    m.observe(index, c);
-    update.changed_ids.push_back(index + 1);
+    take(landmarks.add(c.p_aligned, c.detection->width_m), c);
   }
-  m.merge_changed(update);
+  merge_changed(update);
   return update;
+}
+
+/// Gives the landmark of index i the index kept[i]; indices that nobody has are removed ones.
+void Mapper::Impl::renumber(const std::vector<std::int32_t>& kept) {
+  LandmarkRecord removed;
+  removed.is_removed = true;
+  std::int32_t num_indices = 0;
+  for (const std::int32_t index : kept) num_indices = std::max(num_indices, index + 1);
+  std::vector<LandmarkRecord> records(static_cast<std::size_t>(num_indices), removed);
+  for (std::int32_t i = 0; i < landmarks.num_indices(); ++i) {
+    const std::int32_t index = kept[static_cast<std::size_t>(i)];
+    if (index >= 0) records[static_cast<std::size_t>(index)] = landmarks[i];
+  }
+  landmarks = LandmarkTable(std::move(records));
+}
+
+/// Index of the landmark that each observation belongs to; -1 for one of none.
+std::vector<std::int32_t> Mapper::Impl::landmark_of_observation() const {
+  std::vector<std::int32_t> landmark_of(static_cast<std::size_t>(observations.num_observations()),
+                                        -1);
+  for (std::int32_t i = 0; i < landmarks.num_indices(); ++i) {
+    if (landmarks[i].is_removed) continue;
+    for (std::int32_t k = landmarks[i].last_observation; k >= 0; k = observations[k].previous) {
+      landmark_of[static_cast<std::size_t>(k)] = i;
+    }
+  }
+  return landmark_of;
+}
+
+MapUpdate Mapper::update(const detection::Detections& detections,
+                         const pose::PoseEstimate& T_map_base) {
+  return impl_->place(detections, T_map_base);
+}
+
+MapUpdate Mapper::rederive(
+    const std::function<pose::PoseEstimate(const pose::PoseEstimate&)>& corrected) {
+  const Impl& was = *impl_;
+  const std::vector<std::int32_t> landmark_then = was.landmark_of_observation();
+  Impl now(was.config);
+  // Observations of a scan stand together before and after, but not in the same order.
+  std::vector<std::int32_t> then_of;  // per observation of now: its landmark's index in was
+  for (std::int32_t scan = 0; scan < was.observations.num_scans(); ++scan) {
+    const std::int32_t first = was.observations.first_of(scan);
+    detection::Detections detections;
+    for (std::int32_t k = first; k < was.observations.first_of(scan + 1); ++k) {
+      detections.trunks.push_back(detection_of(was.observations[k]));
+    }
+    std::vector<std::size_t> observed;
+    now.place(detections, corrected(was.observations.pose(scan)), &observed);
+    for (const std::size_t trunk : observed) {
+      then_of.push_back(landmark_then[static_cast<std::size_t>(first) + trunk]);
+    }
+  }
+  const std::vector<std::int32_t> kept =
+      keep_indices(then_of, now.landmark_of_observation(), now.landmarks.num_indices(),
+                   was.landmarks.num_indices());
+  MapUpdate update;
+  now.renumber(kept);
+  for (std::int32_t i = 0; i < now.landmarks.num_indices(); ++i) {
+    if (!now.landmarks[i].is_removed) {
+      update.changed_ids.push_back(i + 1);
+    } else if (i < was.landmarks.num_indices() && !was.landmarks[i].is_removed) {
+      update.removed_ids.push_back(i + 1);
+    }
+  }
+  *impl_ = std::move(now);
+  return update;
+}
+
+std::size_t Mapper::num_observations() const {
+  return static_cast<std::size_t>(impl_->observations.num_observations());
 }
 
 Landmark Mapper::landmark(std::int32_t id) const {

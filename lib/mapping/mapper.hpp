@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -39,6 +40,16 @@ class Mapper {
 
   /// Takes the detections of one scan, seen from T_map_base at the scan's time.
   MapUpdate update(const detection::Detections& detections, const pose::PoseEstimate& T_map_base);
+
+  /// Derives the whole map anew after the past was corrected: every observation goes through
+  /// update() once more, from where `corrected` puts its scan (it is given the pose as known so
+  /// far). Ids are kept: a landmark has the id of that earlier one with which it shares most
+  /// observations; new ids are never ones that were used before.
+  MapUpdate rederive(
+      const std::function<pose::PoseEstimate(const pose::PoseEstimate& T_map_base)>& corrected);
+
+  /// Observations that rederive() would go through.
+  std::size_t num_observations() const;
 
   /// Landmark by id; throws std::out_of_range for an unknown one.
   Landmark landmark(std::int32_t id) const;

@@ -27,6 +27,7 @@ struct MapperConfig {
   double evidence_prior = 0.5;        ///< share of trees among landmarks
   double evidence_base_rate = 0.5;    ///< share of trees among looks, where they were calibrated
   double evidence_correlation = 0.2;  ///< of two looks at one thing, beyond what the class explains
+  double rederive_m = 0.02;           ///< of corrected poses, before landmarks are derived anew
   double pose_wait_s = 10.0;          ///< of message time: how long DETECTIONS wait for a POSE
   double pose_gap_max_s = 2.0;        ///< poses farther apart are not interpolated between
   /// Poses at least this often place each detection at its own beam's time, sparser ones all of a
@@ -66,6 +67,8 @@ void describe(Visitor& v, MapperConfig& c) {
            "evidence probability: share of trees among the looks that were learnt from");
   v.number("evidence_correlation", c.evidence_correlation, 0, 1, "1",
            "evidence probability: n looks count as n / (1 + (n - 1) x this)");
+  v.number("rederive_m", c.rederive_m, 0.001, 10, "m",
+           "corrections of the past that together move base farther derive the landmarks anew");
   v.number("pose_wait_s", c.pose_wait_s, 0, 3600, "s",
            "message time that detections wait for a pose");
   v.number("pose_gap_max_s", c.pose_gap_max_s, 0.001, 3600, "s",

@@ -15,6 +15,12 @@ struct Observation {
   float sd_m = 0.0f;  ///< of the centre in map: detection and pose together
   float roc_tree = 0.0f;
   float width_m = 0.0f;
+  float width_sd_m = 0.0f;
+  float covariance_xx = 0.0f;  ///< of the centre in base [m2]
+  float covariance_xy = 0.0f;
+  float covariance_yy = 0.0f;
+  float probability_tree = 0.0f;
+  float probability_object = 0.0f;
   std::int8_t label = 0;  ///< detection::Label
 };
 

@@ -26,8 +26,7 @@ std::vector<WeightedPoint> ObservationStore::newest(std::int32_t head, std::size
   for (std::int32_t k = head; k >= 0 && points.size() < most;) {
     const Observation& o = observations_[static_cast<std::size_t>(k)];
     const double variance_m2 = std::max(1e-6, static_cast<double>(o.sd_m) * o.sd_m);
-    points.push_back({scans_[static_cast<std::size_t>(o.scan)].apply(o.x_base_m, o.y_base_m),
-                      1.0 / variance_m2});
+    points.push_back({at(o.scan).composition.apply(o.x_base_m, o.y_base_m), 1.0 / variance_m2});
     k = o.previous;
   }
   return points;

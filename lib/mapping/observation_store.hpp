@@ -17,11 +17,27 @@ namespace orchard::mapping {
 class ObservationStore {
  public:
   /// Starts the next scan.
-  void add_scan(const pose::PoseEstimate& T_map_base) { scans_.emplace_back(T_map_base); }
+  void add_scan(const pose::PoseEstimate& T_map_base) {
+    scans_.push_back({T_map_base, PoseComposition(T_map_base), num_observations()});
+  }
 
   /// Index of the scan that was started last.
   std::int32_t last_scan() const { return static_cast<std::int32_t>(scans_.size()) - 1; }
-  const PoseComposition& last_composition() const { return scans_.back(); }
+  const PoseComposition& last_composition() const { return scans_.back().composition; }
+
+  std::int32_t num_scans() const { return static_cast<std::int32_t>(scans_.size()); }
+  std::int32_t num_observations() const { return static_cast<std::int32_t>(observations_.size()); }
+
+  /// T_map_base of a scan as it was given.
+  const pose::PoseEstimate& pose(std::int32_t scan) const { return at(scan).T_map_base; }
+
+  /// Observations of a scan: those from first_of(scan) up to first_of(scan + 1), not included.
+  std::int32_t first_of(std::int32_t scan) const {
+    return scan < num_scans() ? at(scan).first : num_observations();
+  }
+  const Observation& operator[](std::int32_t observation) const {
+    return observations_[static_cast<std::size_t>(observation)];
+  }
 
   /// Puts an observation of the last scan before the chain that starts at `head`; the new head.
   std::int32_t prepend(Observation observation, std::int32_t head);
@@ -33,7 +49,14 @@ class ObservationStore {
   std::vector<WeightedPoint> newest(std::int32_t head, std::size_t most) const;
 
  private:
-  std::vector<PoseComposition> scans_;
+  struct Scan {
+    pose::PoseEstimate T_map_base;
+    PoseComposition composition;
+    std::int32_t first = 0;  ///< of its observations
+  };
+  const Scan& at(std::int32_t scan) const { return scans_[static_cast<std::size_t>(scan)]; }
+
+  std::vector<Scan> scans_;
   std::vector<Observation> observations_;
 };
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pose/pose_estimate.hpp"
+#include "pose/trajectory.hpp"
 
 namespace orchard::mapping {
 
@@ -30,6 +31,12 @@ class PoseTrack {
   /// The pose at that time: interpolated, or the first or last one when no farther than the
   /// largest gap. None inside a larger gap.
   std::optional<pose::PoseEstimate> at(std::int64_t utime) const;
+
+  /// Corrects every pose before trajectory.utime: by what the trajectory says of its key times,
+  /// interpolated between them, and as at the first and the last of them beyond; their covariances
+  /// likewise. Poses from that time on were told with the correction. The farthest that base has
+  /// moved [m].
+  double correct(const pose::Trajectory& trajectory);
 
   const std::vector<pose::PoseEstimate>& poses() const { return poses_; }
 

@@ -12,7 +12,8 @@ namespace orchard::pose {
 
 /// The corrected past: where base was at key times, T_map_base in rising order of utime, by all
 /// that is known now. Replaces every earlier revision whole. Between two key times a consumer
-/// interpolates the correction of the POSE that it was told, not the poses themselves.
+/// interpolates the correction of the POSE that it was told, not the poses themselves. It
+/// corrects POSE before `utime`; those at and after that time were told with the correction.
 struct Trajectory {
   std::int64_t utime = 0;           ///< of the newest measurement that it takes account of
   std::int32_t revision = 1;        ///< +1 per correction

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <utility>
 
 #include "mapping/rows.hpp"
@@ -26,7 +27,7 @@ MapperNode::MapperNode(const io::Config& config)
     : config_(config.mapper), mapper_(config.mapper), track_(config.mapper.pose_gap_max_s) {}
 
 std::vector<bus::Channel> MapperNode::inputs() const {
-  return {bus::Channel::kPose, bus::Channel::kDetections};
+  return {bus::Channel::kPose, bus::Channel::kDetections, bus::Channel::kTrajectory};
 }
 
 void MapperNode::handle(const bus::Message& input, const bus::Outbox& send) {
@@ -41,6 +42,8 @@ void MapperNode::handle(const bus::Message& input, const bus::Outbox& send) {
         waiting_.begin(), waiting_.end(), detections->utime,
         [](std::int64_t utime, const detection::Detections& d) { return utime < d.utime; });
     waiting_.insert(at, *detections);
+  } else if (const auto* page = std::get_if<pose::TrajectoryPage>(&input)) {
+    if (auto trajectory = collector_.add(*page)) corrections_.push_back(*std::move(trajectory));
   } else {
     return;
   }
@@ -69,6 +72,7 @@ void MapperNode::release(const bus::Outbox& send) {
 void MapperNode::place_front(const bus::Outbox& send) {
   const detection::Detections detections = std::move(waiting_.front());
   waiting_.pop_front();
+  correct_up_to(detections.utime, send);
   last_used_utime_ = detections.utime;
   const auto pose = track_.at(detections.utime);
   if (!pose) {
@@ -78,6 +82,29 @@ void MapperNode::place_front(const bus::Outbox& send) {
   } else {
     use(detections, *pose, send);
   }
+}
+
+void MapperNode::correct_up_to(std::int64_t utime, const bus::Outbox& send) {
+  while (!corrections_.empty() && corrections_.front().utime <= utime) {
+    moved_m_ += track_.correct(corrections_.front());
+    corrections_.pop_front();
+  }
+  if (is_worth_rederiving()) rederive(send);
+}
+
+/// All of it costs as much as the drive is long: small corrections wait until the drive has grown
+/// by a tenth, so that all of them together cost no more than ten drives.
+bool MapperNode::is_worth_rederiving() const {
+  if (moved_m_ < config_.rederive_m) return false;
+  return moved_m_ >= config_.gate_m || 10 * mapper_.num_observations() >= 11 * num_rederived_;
+}
+
+void MapperNode::rederive(const bus::Outbox& send) {
+  moved_m_ = 0.0;
+  num_rederived_ = mapper_.num_observations();
+  const mapping::MapUpdate update = mapper_.rederive(
+      [this](const pose::PoseEstimate& was) { return track_.at(was.utime).value_or(was); });
+  send_landmarks(last_used_utime_.value_or(0), update.changed_ids, update.removed_ids, send);
 }
 
 void MapperNode::drop_late(const bus::Outbox& send) {
@@ -95,6 +122,8 @@ void MapperNode::drop_late(const bus::Outbox& send) {
 
 void MapperNode::flush(const bus::Outbox& send) {
   while (!waiting_.empty()) place_front(send);
+  correct_up_to(std::numeric_limits<std::int64_t>::max(), send);
+  if (moved_m_ > 0.0) rederive(send);
   // the whole map once more, so that a recorded log ends with it
   if (mapper_.num_landmarks() > 0) {
     std::vector<mapping::Landmark> all = mapper_.landmarks();
@@ -113,10 +142,22 @@ void MapperNode::use(const detection::Detections& detections, const pose::PoseEs
   ids.insert(ids.end(), refreshed.begin(), refreshed.end());
   std::sort(ids.begin(), ids.end());
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  send_landmarks(detections.utime, ids, update.removed_ids, send);
+}
+
+void MapperNode::send_landmarks(std::int64_t utime, const std::vector<std::int32_t>& ids,
+                                const std::vector<std::int32_t>& removed_ids,
+                                const bus::Outbox& send) {
   std::vector<mapping::Landmark> landmarks;
   landmarks.reserve(ids.size());
   for (const std::int32_t id : ids) landmarks.push_back(mapper_.landmark(id));
-  send_tiles(detections.utime, std::move(landmarks), update.removed_ids, send);
+  send_tiles(utime, std::move(landmarks), removed_ids, send);
+}
+
+bus::NodeCounts MapperNode::counts() const {
+  bus::NodeCounts counts = counts_;
+  counts.num_unusable += collector_.num_incomplete();
+  return counts;
 }
 
 std::vector<std::int32_t> MapperNode::refresh_ids(std::int64_t utime) {

@@ -12,6 +12,7 @@
 #include "io/map_folder.hpp"
 #include "mapping/mapper.hpp"
 #include "mapping/pose_track.hpp"
+#include "pose/trajectory.hpp"
 
 namespace orchard::procs {
 
@@ -21,6 +22,10 @@ namespace orchard::procs {
 /// the scan, so that each is placed at its own time), however the two channels arrive; what has
 /// waited mapper.pose_wait_s of message time is counted late and left out. So the map does not
 /// depend on how far one channel runs ahead of the other within that time.
+///
+/// TRAJECTORY corrects the past: poses before its utime move, and once they have moved by
+/// mapper.rederive_m all landmarks are derived anew from their observations, with their ids kept.
+/// It takes its turn before the first DETECTIONS at or after its utime; the end of the log flushes.
 class MapperNode : public bus::Node {
  public:
   explicit MapperNode(const io::Config& config);
@@ -29,7 +34,7 @@ class MapperNode : public bus::Node {
   std::vector<bus::Channel> inputs() const override;
   void handle(const bus::Message& input, const bus::Outbox& send) override;
   void flush(const bus::Outbox& send) override;
-  bus::NodeCounts counts() const override { return counts_; }
+  bus::NodeCounts counts() const override;
   std::string waiting_for() const override;
 
   /// The map so far, for its files: landmarks with at least mapper.min_observations, numbered by
@@ -49,6 +54,11 @@ class MapperNode : public bus::Node {
   bool can_be_placed(const detection::Detections& detections) const;
   void release(const bus::Outbox& send);
   void place_front(const bus::Outbox& send);
+  void correct_up_to(std::int64_t utime, const bus::Outbox& send);
+  bool is_worth_rederiving() const;
+  void rederive(const bus::Outbox& send);
+  void send_landmarks(std::int64_t utime, const std::vector<std::int32_t>& ids,
+                      const std::vector<std::int32_t>& removed_ids, const bus::Outbox& send);
   void drop_late(const bus::Outbox& send);
   void use(const detection::Detections& detections, const pose::PoseEstimate& T_map_base,
            const bus::Outbox& send);
@@ -60,6 +70,10 @@ class MapperNode : public bus::Node {
   mapping::Mapper mapper_;
   mapping::PoseTrack track_;
   std::deque<detection::Detections> waiting_;  ///< in order of utime
+  pose::TrajectoryCollector collector_;
+  std::deque<pose::Trajectory> corrections_;  ///< that have not had their turn, in order of utime
+  double moved_m_ = 0.0;                      ///< by corrections since landmarks were derived last
+  std::size_t num_rederived_ = 0;             ///< observations when that was
   std::optional<std::int64_t> last_used_utime_;
   std::int64_t newest_utime_ = 0;  ///< message time
   bool has_newest_ = false;

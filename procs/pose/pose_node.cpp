@@ -82,6 +82,8 @@ void PoseNode::flush(const bus::Outbox& send) {
 
 void PoseNode::take(const pose::Measurement& measurement, const bus::Outbox& send) {
   localiser_->add(measurement);
+  // Before the pose of that time: poses from there on are told with the correction.
+  send_correction(send);
   std::optional<pose::PoseEstimate> estimate = localiser_->estimate();
   // Measurements of one time make one pose.
   if (estimate && estimate->utime > last_utime_ && !queue_.next_is_at(estimate->utime)) {
@@ -89,7 +91,6 @@ void PoseNode::take(const pose::Measurement& measurement, const bus::Outbox& sen
     estimate->seq = next_seq_++;
     send(*estimate);
   }
-  send_correction(send);
 }
 
 void PoseNode::send_correction(const bus::Outbox& send) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <random>
+#include <utility>
 
 #include "bus/codec.hpp"
 
@@ -118,6 +119,76 @@ TEST(MapperNode, TilesStayBelowTheSizeOfADatagram) {
   node.handle(pose_at(0, kStart_us), send);
   EXPECT_EQ(num_landmarks, 1200u);
   EXPECT_LT(largest, 60000u);
+}
+
+/// A drive past the trees that drifts to the side by 0.2 m/s; at every tenth scan the past is
+/// corrected, and poses from then on start from there.
+struct CorrectedDrive {
+  std::vector<bus::Message> pose_messages;  ///< POSE and TRAJECTORY in the order of their sender
+  std::vector<bus::Message> scans;
+  std::int32_t num_revisions = 0;
+};
+
+CorrectedDrive corrected_drive() {
+  CorrectedDrive drive;
+  std::int32_t page_seq = 0;
+  for (int k = 0; k < 30; ++k) {
+    const std::int64_t utime = kStart_us + 100000 * k;
+    if (k % 10 == 9) {
+      pose::Trajectory trajectory;
+      trajectory.utime = utime;
+      trajectory.revision = ++drive.num_revisions;
+      for (int i = 0; i < k; i += 2) {
+        trajectory.poses.push_back(pose_at(0, kStart_us + 100000 * i));
+      }
+      for (pose::TrajectoryPage& page : pose::paginate(trajectory, 4)) {
+        page.seq = page_seq++;
+        drive.pose_messages.emplace_back(std::move(page));
+      }
+    }
+    pose::PoseEstimate pose = pose_at(k, utime);
+    pose.y_m = 0.02 * ((k + 1) % 10);
+    pose.covariance = {1e-2, 0, 0, 1e-2, 0, 1e-6};
+    drive.pose_messages.emplace_back(pose);
+    drive.scans.emplace_back(scan_at(k, utime));
+  }
+  return drive;
+}
+
+TEST(MapperNode, ACorrectedPastMovesTheLandmarksAndThePath) {
+  const CorrectedDrive drive = corrected_drive();
+  MapperNode node{io::Config{}};
+  const bus::Outbox send = [](const bus::Message&) {};
+  for (const bus::Message& scan : drive.scans) node.handle(scan, send);
+  for (const bus::Message& message : drive.pose_messages) node.handle(message, send);
+  node.flush(send);
+  const std::vector<mapping::Landmark> landmarks = node.landmarks();
+  ASSERT_EQ(landmarks.size(), 4u);
+  for (const mapping::Landmark& l : landmarks) EXPECT_NEAR(l.y_m, 1.0, 0.003);
+  const auto path = node.content({}).trajectory;
+  ASSERT_EQ(path.size(), 30u);
+  for (const pose::PoseEstimate& pose : path) EXPECT_NEAR(pose.y_m, 0.0, 0.021);  // corrected at 28
+  EXPECT_EQ(node.counts().num_unusable, 0);
+}
+
+TEST(MapperNode, WhenACorrectionArrivesBesideTheScansDoesNotMatter) {
+  const CorrectedDrive drive = corrected_drive();
+  std::vector<std::vector<std::uint8_t>> expected;
+  std::mt19937_64 bits(9);
+  for (int round = 0; round < 30; ++round) {
+    MapperNode node{io::Config{}};
+    std::vector<std::vector<std::uint8_t>> out;
+    const bus::Outbox send = [&](const bus::Message& m) { out.push_back(bus::encode(m)); };
+    std::size_t p = 0, s = 0;
+    while (p < drive.pose_messages.size() || s < drive.scans.size()) {
+      const bool pose_next = s == drive.scans.size() ||
+                             (p < drive.pose_messages.size() && bits() % 3 < 1 + bits() % 2);
+      node.handle(pose_next ? drive.pose_messages[p++] : drive.scans[s++], send);
+    }
+    node.flush(send);
+    if (round == 0) expected = out;
+    EXPECT_EQ(out, expected) << "round " << round;
+  }
 }
 
 }  // namespace

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/id_keeping.hpp"
+
+#include <gtest/gtest.h>
+
+namespace orchard::mapping {
+namespace {
+
+using Indices = std::vector<std::int32_t>;
+
+TEST(IdKeeping, TheLargestShareOfObservationsDecides) {
+  // new 0 has two observations of then 4 and one of then 2; new 1 has three of then 2
+  EXPECT_EQ(keep_indices({4, 4, 2, 2, 2, 2}, {0, 0, 0, 1, 1, 1}, 2, 5), (Indices{4, 2}));
+}
+
+TEST(IdKeeping, WhatWasSplitKeepsTheIdOnceAndTheOtherHalfGetsANewOne) {
+  EXPECT_EQ(keep_indices({3, 3, 3, 3, 3}, {0, 0, 1, 1, 1}, 2, 7), (Indices{7, 3}));
+}
+
+TEST(IdKeeping, WhatWasMergedKeepsTheIdOfTheLargerPart) {
+  EXPECT_EQ(keep_indices({0, 1, 1}, {0, 0, 0}, 1, 2), (Indices{1}));
+}
+
+TEST(IdKeeping, EqualSharesGoToTheLowerIndices) {
+  EXPECT_EQ(keep_indices({0, 1, 0, 1}, {0, 0, 1, 1}, 2, 2), (Indices{0, 1}));
+}
+
+TEST(IdKeeping, NoIndexIsGivenTwiceAndNewOnesWereNeverUsed) {
+  // observation 2 belonged to none before; new 2 has no observation any more
+  EXPECT_EQ(keep_indices({0, 0, -1}, {1, 1, 0}, 3, 9), (Indices{9, 0, -1}));
+}
+
+}  // namespace
+}  // namespace orchard::mapping

@@ -23,6 +23,7 @@ std::int32_t ObservationStore::join(std::int32_t newer, std::int32_t older) {
 
 std::vector<WeightedPoint> ObservationStore::newest(std::int32_t head, std::size_t most) const {
   std::vector<WeightedPoint> points;
+  points.reserve(std::min<std::size_t>(most, 64));
   for (std::int32_t k = head; k >= 0 && points.size() < most;) {
     const Observation& o = observations_[static_cast<std::size_t>(k)];
     const double variance_m2 = std::max(1e-6, static_cast<double>(o.sd_m) * o.sd_m);

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <random>
 #include <vector>
 
 namespace orchard::mapping {
@@ -35,6 +38,52 @@ TEST(BulkCentre, IsNotDrawnByAnotherThing) {
   // eleven points 1 cm apart: (2 (1 + 4 + 9 + 16 + 25) 1e-4 m2) / 10 / 11, a little less by the
   // kernel
   EXPECT_NEAR(without.covariance(0, 0), 1e-4, 2e-6);
+}
+
+/// Mean shift as its comment says, point by point, with the library's exponential.
+BulkCentre plain_mean_shift(const std::vector<WeightedPoint>& points, Eigen::Vector2d centre,
+                            double kernel_m) {
+  const auto weight_at = [&](const WeightedPoint& point, double width_m) {
+    const double u2 = (point.p_map - centre).squaredNorm() / (width_m * width_m);
+    return point.weight * std::exp(-0.5 * std::min(u2, 60.0));
+  };
+  double sum = 0.0, sum2 = 0.0;
+  for (int round = 0; round < 12; ++round) {
+    Eigen::Vector2d next = Eigen::Vector2d::Zero();
+    sum = sum2 = 0.0;
+    for (const WeightedPoint& point : points) {
+      const double weight = weight_at(point, kernel_m * std::max(1.0, 4.0 - 0.5 * round));
+      next += weight * point.p_map;
+      sum += weight;
+      sum2 += weight * weight;
+    }
+    centre = next / sum;
+  }
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
+  for (const WeightedPoint& point : points) {
+    const Eigen::Vector2d delta = point.p_map - centre;
+    scatter += weight_at(point, kernel_m) * delta * delta.transpose();
+  }
+  scatter /= sum * std::max(1.0, std::max(1.0, sum * sum / sum2) - 1.0);
+  return {centre, scatter};
+}
+
+TEST(BulkCentre, IsMeanShiftToTheLastDigits) {
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal;
+  for (const std::size_t size : {2, 3, 7, 40, 512}) {
+    for (const double spread_m : {0.01, 0.1, 0.6}) {  // from a heap to far outside the kernel
+      std::vector<WeightedPoint> points;
+      for (std::size_t k = 0; k < size; ++k) {
+        points.push_back({{120.0 + spread_m * normal(random), -80.0 + spread_m * normal(random)},
+                          400.0 + 100.0 * std::abs(normal(random))});
+      }
+      const BulkCentre centre = bulk_centre(points, {120.0, -80.0}, 0.2);
+      const BulkCentre plain = plain_mean_shift(points, {120.0, -80.0}, 0.2);
+      EXPECT_LT((centre.p_map - plain.p_map).norm(), 1e-10);
+      EXPECT_LT((centre.covariance - plain.covariance).norm(), 1e-8 * plain.covariance.norm());
+    }
+  }
 }
 
 }  // namespace

@@ -34,12 +34,12 @@ class Beams {
   /// As range_m(), beyond the ends too.
   float range_around_m(std::ptrdiff_t i) const {
     if (!is_turn_ && (i < 0 || i >= size_)) return 0.0f;
-    return ranges_m_[index((i + size_) % size_)];
+    return ranges_m_[index(around(i))];
   }
   /// Whether something (the robot, the end of the scan) keeps the laser from seeing there.
   bool blocked(std::ptrdiff_t i) const {
     if (!is_turn_ && (i < 0 || i >= size_)) return true;
-    return blocked_[index((i + size_) % size_)] != 0;
+    return blocked_[index(around(i))] != 0;
   }
   /// Whether what something thin in front parts is to be one object again.
   bool rejoins() const { return config_.bridge_beams > 0; }
@@ -51,6 +51,10 @@ class Beams {
   }
 
  private:
+  /// The position in [0, size()) of any at or after -size() of a full turn.
+  std::ptrdiff_t around(std::ptrdiff_t i) const {
+    return i >= 0 && i < size_ ? i : (i + size_) % size_;  // dividing is slow, and rarely needed
+  }
   void believe(const Scan& scan);
   std::ptrdiff_t first_gap() const;
 

@@ -28,9 +28,11 @@ double chord_m(double r1_m, double r2_m, double angle_rad) {
 /// From an object's end to the next return beyond it.
 double gap_m(const Beams& beams, std::ptrdiff_t end, std::ptrdiff_t outwards) {
   const double range_m = beams.range_m(end);
+  // no return is nearer than its distance from the line of sight to the end
+  const double farthest_rad = range_m > kGapMax_m ? std::asin(kGapMax_m / range_m) : 2.0 * kPi;
   for (std::ptrdiff_t k = 1; k < beams.size(); ++k) {
     const double angle_rad = static_cast<double>(k) * beams.step_rad();
-    if (range_m * std::sin(std::min(angle_rad, 0.5 * kPi)) > kGapMax_m) break;
+    if (angle_rad > farthest_rad) break;
     const double next_m = beams.range_around_m(end + k * outwards);
     if (next_m > 0.0) return std::min(chord_m(range_m, next_m, angle_rad), kGapMax_m);
   }

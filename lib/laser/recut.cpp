@@ -162,8 +162,10 @@ void split_touching(const Beams& beams, const SegmentationConfig& config, const 
     Run after = part_of(beams, run, valley->position + 1, run.last);
     before.touches_after = after.touches_before = true;
     if (before.num_beams < kFewestBeamsOfAPart || after.num_beams < kFewestBeamsOfAPart) continue;
-    const auto first = fit(before), second = fit(after);
-    if (!fits(first) || !fits(second)) continue;
+    const auto first = fit(before);
+    if (!fits(first)) continue;
+    const auto second = fit(after);
+    if (!fits(second)) continue;
     const auto one = fit(run);
     const bool better = one ? one->chi2 - first->chi2 - second->chi2 > kClearlyBetter
                             : valley->sigmas > kClearProminence;

@@ -74,6 +74,7 @@ void mark_ridges(const GradientRow& above, const GradientRow& here, const Gradie
     const std::int16_t* level = here.size.data() + i;
     const std::int16_t* down = below.size.data() + i;
     const v_int16x8 size = cv::v_load(level);
+    if (!cv::v_check_any(size > lowest)) continue;  // the marks are kNone already
     const v_int16x8 dx = cv::v_load(here.dx.data() + i), dy = cv::v_load(here.dy.data() + i);
     const v_int16x8 wide = cv::v_max(dx, zero - dx), high_dy = cv::v_max(dy, zero - dy);
     // |dx| tan(22.5 deg), rounded down: never whole but at 0, so that "below it" is "up to it".
@@ -98,6 +99,20 @@ void mark_ridges(const GradientRow& above, const GradientRow& here, const Gradie
   }
 }
 
+/// Whether one of the eight marks around is weak: the three of each row are looked at together.
+bool has_weak_neighbour(const std::uint8_t* mark, std::ptrdiff_t step) {
+  std::uint32_t any = 0;
+  for (const std::ptrdiff_t offset : {-step, std::ptrdiff_t{0}, step}) {
+    std::uint32_t four;
+    std::memcpy(&four, mark + offset - 1, sizeof four);
+    any |= four;
+  }
+  constexpr std::uint8_t kThree[] = {kWeak, kWeak, kWeak, 0};  // in whatever order bytes have
+  std::uint32_t three;
+  std::memcpy(&three, kThree, sizeof three);
+  return (any & three) != 0;
+}
+
 /// Makes every weak mark strong that hangs together with a strong one. Marks have a rim of kNone.
 void spread_strong(std::vector<std::uint8_t>& marks, std::size_t stride) {
   std::vector<std::uint8_t*> waiting;
@@ -115,6 +130,7 @@ void spread_strong(std::vector<std::uint8_t>& marks, std::size_t stride) {
     while (!waiting.empty()) {
       std::uint8_t* mark = waiting.back();
       waiting.pop_back();
+      if (!has_weak_neighbour(mark, step)) continue;
       for (const std::ptrdiff_t offset : neighbours) {
         if (mark[offset] != kWeak) continue;
         mark[offset] = kStrong;

@@ -141,7 +141,8 @@ std::vector<DelayLook> look_at_delay(const detection::LaserFindings& findings,
   detection::ScanToPicture before = *to_exposure, after = *to_exposure;
   before.first_beam_dt_s -= kRateStep_s;
   after.first_beam_dt_s += kRateStep_s;
-  for (const auto& seen : detection::look_for_edges(findings, image, rig, motion, reach_px)) {
+  vision::PictureReader reader(image);
+  for (const auto& seen : detection::look_for_edges(findings, reader, rig, motion, reach_px)) {
     const laser::Segment& segment = findings.candidates[seen.candidate].segment;
     const auto early = detection::view_of(segment, rig, before);
     const auto late = detection::view_of(segment, rig, after);

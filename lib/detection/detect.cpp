@@ -14,7 +14,6 @@
 #include "laser/segment.hpp"
 #include "vision/appearance.hpp"
 #include "vision/colour.hpp"
-#include "vision/decode.hpp"
 #include "vision/edges.hpp"
 
 namespace orchard::detection {
@@ -68,8 +67,8 @@ Detection laser_detection(const laser::Segment& segment, const laser::Scan& scan
 }
 
 /// What is decoded of a picture, and its edges from the first time somebody asks for them.
-struct Picture {
-  vision::PixelBlock pixels;
+struct Pixels {
+  vision::PixelBlock block;
   std::optional<vision::EdgeMap> edges;
 };
 
@@ -92,16 +91,16 @@ ColourVerdict judge_colour(const TrunkView& view, const vision::PixelBlock& pixe
 }
 
 /// Colour, and edges only of what has a trunk's colour; gives roc_vision.
-double judge_by_vision(Detection& d, const TrunkView& view, Picture& picture, const Rig& rig) {
+double judge_by_vision(Detection& d, const TrunkView& view, Pixels& pixels, const Rig& rig) {
   const DetectorConfig& config = rig.detector;
-  const ColourVerdict colour = judge_colour(view, picture.pixels, rig);
+  const ColourVerdict colour = judge_colour(view, pixels.block, rig);
   d.roc_colour = static_cast<float>(colour.roc);
   if (!colour.passed) return 0.0;
 
-  if (!picture.edges) picture.edges = vision::edge_map(picture.pixels, config.edges);
-  const auto left = vision::find_edge(*picture.edges, view.left_edge, view.left_x_px, config.edges);
+  if (!pixels.edges) pixels.edges = vision::edge_map(pixels.block, config.edges);
+  const auto left = vision::find_edge(*pixels.edges, view.left_edge, view.left_x_px, config.edges);
   const auto right =
-      vision::find_edge(*picture.edges, view.right_edge, view.right_x_px, config.edges);
+      vision::find_edge(*pixels.edges, view.right_edge, view.right_x_px, config.edges);
   const double parallel = vision::parallel_confidence(left, right, config.edges);
   const double edges = fuse_edges(left.roc, right.roc, parallel);
   d.roc_left_edge = static_cast<float>(left.roc);
@@ -182,15 +181,15 @@ std::optional<ScanToPicture> to_picture(const LaserFindings& findings, const vis
 
 namespace {
 
-DetectResult look_at_candidates(LaserFindings findings, const vision::Image* image, const Rig& rig,
-                                const std::optional<Motion>& motion) {
+DetectResult look_at_candidates(LaserFindings findings, vision::PictureReader* picture,
+                                const Rig& rig, const std::optional<Motion>& motion) {
   DetectResult result;
-  const auto to_exposure =
-      image ? to_picture(findings, *image, rig, motion) : std::optional<ScanToPicture>();
+  const auto to_exposure = picture ? to_picture(findings, picture->image(), rig, motion)
+                                   : std::optional<ScanToPicture>();
   result.detections = std::move(findings.detections);
   result.intensities_missing = findings.intensities_missing;
-  if (!rig.has_camera || !image) return result;
-  result.detections.image_utime = image->utime;
+  if (!rig.has_camera || !picture) return result;
+  result.detections.image_utime = picture->image().utime;
   std::vector<Detection>& trunks = result.detections.trunks;
 
   std::vector<std::optional<TrunkView>> views(findings.candidates.size());
@@ -201,7 +200,7 @@ DetectResult look_at_candidates(LaserFindings findings, const vision::Image* ima
   }
   if (reading.empty()) return result;
 
-  auto pixels = fits_camera(*image, rig) ? vision::decode(*image, reading) : std::nullopt;
+  auto pixels = fits_camera(picture->image(), rig) ? picture->read(reading) : std::nullopt;
   result.image_unusable = !pixels.has_value();
   if (!pixels) return result;
   // Light is measured as the camera gives it, before it is undone.
@@ -212,11 +211,11 @@ DetectResult look_at_candidates(LaserFindings findings, const vision::Image* ima
     }
   }
   vision::apply(rig.light_gains, *pixels);
-  Picture picture{std::move(*pixels), std::nullopt};
+  Pixels seen{std::move(*pixels), std::nullopt};
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (!views[i]) continue;
     Detection& d = trunks[findings.candidates[i].index];
-    const double roc_vision = judge_by_vision(d, *views[i], picture, rig);
+    const double roc_vision = judge_by_vision(d, *views[i], seen, rig);
     d.roc_vision = static_cast<float>(roc_vision);
     decide(d, fuse_tree(d.roc_laser, roc_vision, rig.detector.laser_weight), rig);
     if (rig.detector.adaptation.enabled) result.looks.push_back(look_at(d, lights[i]));
@@ -226,16 +225,18 @@ DetectResult look_at_candidates(LaserFindings findings, const vision::Image* ima
 
 }  // namespace
 
-DetectResult judge_by_camera(LaserFindings findings, const vision::Image* image, const Rig& rig,
+DetectResult judge_by_camera(LaserFindings findings, vision::PictureReader* picture, const Rig& rig,
                              const std::optional<Motion>& motion) {
-  DetectResult result = look_at_candidates(std::move(findings), image, rig, motion);
+  DetectResult result = look_at_candidates(std::move(findings), picture, rig, motion);
   judge_probabilities(result.detections.trunks, rig);
   return result;
 }
 
 DetectResult detect(const laser::Scan& scan, const vision::Image* image, const Rig& rig,
                     const std::optional<Motion>& motion) {
-  return judge_by_camera(find_by_laser(scan, rig), image, rig, motion);
+  if (!image) return judge_by_camera(find_by_laser(scan, rig), nullptr, rig, motion);
+  vision::PictureReader picture(*image);
+  return judge_by_camera(find_by_laser(scan, rig), &picture, rig, motion);
 }
 
 }  // namespace orchard::detection

@@ -12,6 +12,7 @@
 #include "laser/scan.hpp"
 #include "laser/segment.hpp"
 #include "vision/image.hpp"
+#include "vision/picture_reader.hpp"
 
 namespace orchard::detection {
 
@@ -46,8 +47,8 @@ LaserFindings find_by_laser(const laser::Scan& scan, const Rig& rig);
 std::optional<ScanToPicture> to_picture(const LaserFindings& findings, const vision::Image& image,
                                         const Rig& rig, const std::optional<Motion>& motion);
 
-/// The camera's half: project, colour, edges, fuse. `image` and `motion` as in detect().
-DetectResult judge_by_camera(LaserFindings findings, const vision::Image* image, const Rig& rig,
+/// The camera's half: project, colour, edges, fuse. `picture` may be null; `motion` as in detect().
+DetectResult judge_by_camera(LaserFindings findings, vision::PictureReader* picture, const Rig& rig,
                              const std::optional<Motion>& motion = std::nullopt);
 
 /// The paper's detector: segment, width, project, colour, edges, fuse. `image` may be null.

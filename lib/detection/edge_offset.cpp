@@ -5,8 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "vision/decode.hpp"
-
 namespace orchard::detection {
 namespace {
 
@@ -80,8 +78,9 @@ std::vector<EdgeOffset> edge_offsets(const vision::EdgeMap& map, const TrunkView
 }
 
 std::vector<CandidateEdges> look_for_edges(const LaserFindings& findings,
-                                           const vision::Image& image, const Rig& rig,
+                                           vision::PictureReader& picture, const Rig& rig,
                                            const std::optional<Motion>& motion, double reach_px) {
+  const vision::Image& image = picture.image();
   std::vector<CandidateEdges> seen;
   const auto to_exposure = to_picture(findings, image, rig, motion);
   vision::PixelRect reading;
@@ -90,11 +89,12 @@ std::vector<CandidateEdges> look_for_edges(const LaserFindings& findings,
     if (!view) continue;
     seen.push_back({i, *view, {}});
     reading = vision::bounding(reading, edge_offset_area(*view, reach_px, rig));
+    picture.expect(reading_area(*view, rig));
   }
   const bool fits = image.width_px == rig.camera.intrinsics().width_px &&
                     image.height_px == rig.camera.intrinsics().height_px;
   if (reading.empty() || !fits) return {};
-  const auto pixels = vision::decode(image, reading);
+  const auto pixels = picture.read(reading);
   if (!pixels) return {};
   const vision::EdgeMap map = vision::edge_map(*pixels, rig.detector.edges);
   for (CandidateEdges& candidate : seen) {

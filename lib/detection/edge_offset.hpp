@@ -37,9 +37,9 @@ struct CandidateEdges {
 };
 
 /// edge_offsets() of every candidate that the camera sees. Empty for a picture that does not
-/// decode.
+/// decode. What judge_by_camera() will read of it is decoded along.
 std::vector<CandidateEdges> look_for_edges(const LaserFindings& findings,
-                                           const vision::Image& image, const Rig& rig,
+                                           vision::PictureReader& picture, const Rig& rig,
                                            const std::optional<Motion>& motion, double reach_px);
 
 }  // namespace orchard::detection

@@ -12,9 +12,9 @@ namespace orchard::vision {
 namespace {
 
 // Fancy upsampling mixes a chroma sample with its neighbours, and the codec treats the rim of what
-// it decodes as the rim of the picture. One block row or column more on each side keeps the
-// pixels that are asked for equal to those of a whole decode.
-constexpr int kMargin_px = 16;
+// it decodes as the rim of the picture. A chroma sample spans four pixels at most: that many more
+// on each side keep the pixels that are asked for equal to those of a whole decode.
+constexpr int kMargin_px = 4;
 constexpr int kMaxScans = 64;
 
 struct Codec {
@@ -46,10 +46,12 @@ void orchard_jpeg_progress(j_common_ptr info) {
 
 }  // extern "C"
 
-/// Fills `out` with `region`. `row` has room for a whole row of the picture. False when the bytes
-/// are of no use. Only trivial objects live here, because errors leave by longjmp.
+/// Appends the pixels of `region` to `out`, which has room for them. `row` has room for a whole row
+/// of the picture. False when the bytes are of no use. Only trivial objects live here, because
+/// errors leave by longjmp.
 bool read_region(Codec& codec, const std::uint8_t* data, std::size_t size, int width_px,
-                 int height_px, const PixelRect& region, std::uint8_t* row, std::uint8_t* out) {
+                 int height_px, const PixelRect& region, std::uint8_t* row,
+                 std::vector<std::uint8_t>& out) {
   std::memset(&codec, 0, sizeof codec);
   jpeg_decompress_struct& info = codec.info;
   info.err = jpeg_std_error(&codec.error);
@@ -92,9 +94,7 @@ bool read_region(Codec& codec, const std::uint8_t* data, std::size_t size, int w
       jpeg_destroy_decompress(&info);
       return false;
     }
-    if (y_px >= region.y_px) {
-      std::memcpy(out + row_bytes * static_cast<std::size_t>(y_px - region.y_px), first, row_bytes);
-    }
+    if (y_px >= region.y_px) out.insert(out.end(), first, first + row_bytes);
   }
   jpeg_destroy_decompress(&info);
   return true;
@@ -108,11 +108,11 @@ std::optional<PixelBlock> decode_jpeg_region(const std::uint8_t* data, std::size
   if (size == 0 || region.empty() || !picture.contains(region)) return std::nullopt;
   PixelBlock block;
   block.area = region;
-  block.bgr.resize(3u * static_cast<std::size_t>(region.width_px) *
-                   static_cast<std::size_t>(region.height_px));
+  block.bgr.reserve(3u * static_cast<std::size_t>(region.width_px) *
+                    static_cast<std::size_t>(region.height_px));
   std::vector<std::uint8_t> row(3u * static_cast<std::size_t>(width_px));
   Codec codec;
-  if (!read_region(codec, data, size, width_px, height_px, region, row.data(), block.bgr.data())) {
+  if (!read_region(codec, data, size, width_px, height_px, region, row.data(), block.bgr)) {
     return std::nullopt;
   }
   return block;

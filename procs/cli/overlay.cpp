@@ -132,7 +132,8 @@ io::OverlayContent content_of(const OverlayOptions& options, const detection::Sc
   }
   const auto findings = detection::find_by_laser(pair.scan, rig);
   const auto motion = detection::to_picture(findings, image, rig, pair.motion);
-  const auto judged = detection::judge_by_camera(findings, &image, rig, pair.motion);
+  vision::PictureReader reader(image);
+  const auto judged = detection::judge_by_camera(findings, &reader, rig, pair.motion);
   const auto edges = vision::edge_map(*picture, config.detector.edges);
   io::OverlayContent content;
   int num_outside = 0;

@@ -82,11 +82,12 @@ std::string DetectorNode::odometry_warning() const {
 
 /// Looks for itself, more widely than the detector: what it finds never reaches DETECTIONS.
 void DetectorNode::compare_edges(const detection::LaserFindings& findings,
-                                 const detection::ScanImagePair& pair) {
-  if (!pair.image || !monitor_.is_due(pair.scan.utime)) return;
+                                 const detection::ScanImagePair& pair,
+                                 vision::PictureReader& picture) {
+  if (!monitor_.is_due(pair.scan.utime)) return;
   std::vector<double> offsets_px;
   for (const auto& seen :
-       detection::look_for_edges(findings, *pair.image, rig_, pair.motion, edge_reach_px_)) {
+       detection::look_for_edges(findings, picture, rig_, pair.motion, edge_reach_px_)) {
     offsets_px.push_back(seen.offsets.front().middle_px());
   }
   monitor_.add(pair.scan.utime, offsets_px);
@@ -100,13 +101,15 @@ void DetectorNode::send_detections(const detection::ScanImagePair& pair, const b
   if (findings.width_model != width_model_) {
     findings.laser = detection::find_by_laser(pair.scan, rig_);
   }
+  std::optional<vision::PictureReader> picture;
   if (pair.image) {
+    picture.emplace(*pair.image);
     ++num_pictures_;
     last_without_motion_ = rig_.detector.use_odometry && !pair.motion;
+    compare_edges(findings.laser, pair, *picture);
   }
-  compare_edges(findings.laser, pair);
-  detection::DetectResult result =
-      detection::judge_by_camera(std::move(findings.laser), pair.image.get(), rig_, pair.motion);
+  detection::DetectResult result = detection::judge_by_camera(
+      std::move(findings.laser), picture ? &*picture : nullptr, rig_, pair.motion);
   const std::int64_t utime = result.detections.utime;
   const auto looks = std::move(result.looks);
   send_result(std::move(result), send);

@@ -45,8 +45,8 @@ class DetectorNode : public bus::Node {
   void send_detections(const detection::ScanImagePair& pair, const bus::Outbox& send);
   void adapt(std::int64_t utime, const std::vector<detection::AdaptationLook>& looks,
              const bus::Outbox& send);
-  void compare_edges(const detection::LaserFindings& findings,
-                     const detection::ScanImagePair& pair);
+  void compare_edges(const detection::LaserFindings& findings, const detection::ScanImagePair& pair,
+                     vision::PictureReader& picture);
   std::string odometry_warning() const;
   void send_result(detection::DetectResult result, const bus::Outbox& send);
 

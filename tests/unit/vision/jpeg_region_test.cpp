@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <turbojpeg.h>
+
 #include <cstring>
 
 #include "test_pictures.hpp"
@@ -38,6 +40,34 @@ TEST(JpegRegion, EqualsOpenCvsPixelsForAnyRegion) {
             1 + static_cast<int>(random() % static_cast<unsigned>(size.second - region.y_px));
         expect_equal_to_opencv(bytes, region);
       }
+    }
+  }
+}
+
+/// A JPEG with chroma samples as large as `subsampling` (TJSAMP_...) says; cameras differ in it.
+std::vector<std::uint8_t> jpeg_subsampled(const cv::Mat& picture, int subsampling) {
+  const tjhandle codec = tjInitCompress();
+  unsigned char* data = nullptr;
+  unsigned long size = 0;
+  tjCompress2(codec, picture.data, picture.cols, 0, picture.rows, TJPF_BGR, &data, &size,
+              subsampling, 88, 0);
+  const std::vector<std::uint8_t> bytes(data, data + size);
+  tjFree(data);
+  tjDestroy(codec);
+  return bytes;
+}
+
+TEST(JpegRegion, EqualsOpenCvsPixelsWhateverTheChromaSamplesSpan) {
+  std::mt19937 random(2);
+  const auto upto = [&random](int most) {
+    return static_cast<int>(random() % static_cast<unsigned>(most));
+  };
+  for (const int subsampling : {TJSAMP_444, TJSAMP_422, TJSAMP_420, TJSAMP_440, TJSAMP_411}) {
+    const auto bytes = jpeg_subsampled(busy_picture(157, 101, 9), subsampling);
+    ASSERT_FALSE(bytes.empty());
+    for (int i = 0; i < 120; ++i) {
+      const int x_px = upto(157), y_px = upto(101);
+      expect_equal_to_opencv(bytes, {x_px, y_px, 1 + upto(157 - x_px), 1 + upto(101 - y_px)});
     }
   }
 }

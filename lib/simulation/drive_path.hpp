@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 namespace orchard::simulation {
@@ -15,7 +16,8 @@ struct Pose2 {
 /// `a` followed by `b` (T_a_c = T_a_b T_b_c).
 Pose2 compose(const Pose2& T_a_b, const Pose2& T_b_c);
 
-/// Straight lines and arcs driven one after the other at one speed.
+/// Straight lines and arcs driven one after the other at one speed, and at most one leap: the
+/// robot is lifted, carried through the air and put down elsewhere on its way.
 class DrivePath {
  public:
   DrivePath() = default;
@@ -24,12 +26,30 @@ class DrivePath {
   /// Appends an arc; curvature is positive to the left, 0 for a straight line.
   void append(double length_m, double curvature_per_m);
 
-  double length_m() const { return length_m_; }
-  double duration_s() const { return speed_mps_ > 0.0 ? length_m_ / speed_mps_ : 0.0; }
+  /// The robot begins `begin_m` along the way and ends at `end_m` instead of driving all of it.
+  void drive_only(double begin_m, double end_m);
+
+  /// Lifts the robot at a time of the drive, and puts it down `for_s` later `to_m` along the way.
+  void carry(double at_s, double for_s, double to_m);
+
+  double length_m() const { return length_m_; }  ///< of the whole way
+  double duration_s() const;
   double speed_mps() const { return speed_mps_; }
 
   /// T_map_base; before the start and after the end the robot stands still.
   Pose2 pose_at(double time_s) const;
+
+  /// Whether the wheels are off the ground.
+  bool carried_at(double time_s) const;
+
+  /// How far along the way the robot is; while it is carried, where it was lifted [m].
+  double way_at(double time_s) const;
+
+  /// Which of the appended arcs it is on, from 0.
+  std::size_t piece_at(double time_s) const;
+
+  /// What an ideal gyroscope says at a time [rad/s].
+  double yaw_rate_at(double time_s) const;
 
  private:
   struct Piece {
@@ -37,11 +57,21 @@ class DrivePath {
     double begin_m;
     double curvature_per_m;
   };
+  struct Leap {
+    double at_s = 0.0;
+    double for_s = 0.0;
+    double to_m = 0.0;
+  };
+  std::size_t piece_of(double s_m) const;
   Pose2 pose_at_length(double s_m) const;
+  bool has_leap() const { return leap_.for_s > 0.0; }
 
   Pose2 start_;
   double speed_mps_ = 0.0;
   double length_m_ = 0.0;
+  double begin_m_ = 0.0;
+  double end_m_ = 0.0;
+  Leap leap_;
   std::vector<Piece> pieces_;
 };
 

@@ -59,6 +59,19 @@ void add_person(const Person& person, double time_s, World& world) {
   }
 }
 
+/// Where the `i`-th cylinder of a scene swings to.
+void sway(Cylinder& cylinder, std::size_t i, double time_s) {
+  if (cylinder.sway_m <= 0.0) return;
+  // each at a rate of its own between 0.4 and 1.6 Hz
+  const std::uint64_t bits = mix_bits(cylinder.appearance.texture_seed + 0x51ed270bull * i);
+  const double rate_hz = 0.4 + 1.2 * static_cast<double>(bits & 0xffff) / 65536.0;
+  const double phase = static_cast<double>((bits >> 16) & 0xffff) / 65536.0;
+  const double other_phase = static_cast<double>((bits >> 32) & 0xffff) / 65536.0;
+  const double turns = rate_hz * time_s;
+  cylinder.x_m += cylinder.sway_m * std::sin(2.0 * geometry::kPi * (turns + phase));
+  cylinder.y_m += cylinder.sway_m * std::sin(2.0 * geometry::kPi * (turns + other_phase));
+}
+
 }  // namespace
 
 bool has_motion(const Scene& scene) {
@@ -69,17 +82,21 @@ bool has_motion(const Scene& scene) {
 
 World world_at(const Scene& scene, double time_s) {
   World world = scene.world;
-  for (std::size_t i = 0; i < world.cylinders.size(); ++i) {
-    Cylinder& cylinder = world.cylinders[i];
-    if (cylinder.sway_m <= 0.0) continue;
-    // each at a rate of its own between 0.4 and 1.6 Hz
-    const std::uint64_t bits = mix_bits(cylinder.appearance.texture_seed + 0x51ed270bull * i);
-    const double rate_hz = 0.4 + 1.2 * static_cast<double>(bits & 0xffff) / 65536.0;
-    const double phase = static_cast<double>((bits >> 16) & 0xffff) / 65536.0;
-    const double other_phase = static_cast<double>((bits >> 32) & 0xffff) / 65536.0;
-    const double turns = rate_hz * time_s;
-    cylinder.x_m += cylinder.sway_m * std::sin(2.0 * geometry::kPi * (turns + phase));
-    cylinder.y_m += cylinder.sway_m * std::sin(2.0 * geometry::kPi * (turns + other_phase));
+  for (std::size_t i = 0; i < world.cylinders.size(); ++i) sway(world.cylinders[i], i, time_s);
+  for (const Person& person : scene.people) add_person(person, time_s, world);
+  return world;
+}
+
+World world_near(const Scene& scene, const WorldIndex& index, double x_m, double y_m,
+                 double radius_m, double time_s) {
+  World world;
+  world.num_targets = scene.world.num_targets;
+  for (const std::size_t i : index.cylinders_near(x_m, y_m, radius_m)) {
+    world.cylinders.push_back(scene.world.cylinders[i]);
+    sway(world.cylinders.back(), i, time_s);
+  }
+  for (const std::size_t i : index.boxes_near(x_m, y_m, radius_m)) {
+    world.boxes.push_back(scene.world.boxes[i]);
   }
   for (const Person& person : scene.people) add_person(person, time_s, world);
   return world;

@@ -6,18 +6,18 @@
 #include <string>
 
 #include "geometry/angles.hpp"
+#include "simulation/orchard_path.hpp"
 #include "simulation/random.hpp"
 
 namespace orchard::simulation {
 namespace {
 
-constexpr double kRowsBegin_m = 4.0;  ///< from the robot's start to the first trees
-
 class OrchardSceneBuilder {
  public:
-  OrchardSceneBuilder(std::uint64_t seed, const OrchardConfig& config)
+  OrchardSceneBuilder(std::uint64_t seed, const OrchardConfig& config, const CarryConfig& carry)
       : seed_(seed),
         config_(config),
+        carry_(carry),
         place_(seed, Stream::kScene),
         look_(seed, Stream::kAppearance) {
     World& world = scene_.world;
@@ -48,7 +48,9 @@ class OrchardSceneBuilder {
       const double width_m =
           std::clamp(place_.normal(config_.trunk_width_m, config_.trunk_width_sd_m),
                      0.6 * config_.trunk_width_m, 1.5 * config_.trunk_width_m);
-      if (!missing) {
+      if (missing) {
+        scene_.gaps.push_back({detection::Label::kTree, x_m, y_m, width_m, ""});
+      } else {
         Cylinder trunk{x_m, y_m, width_m / 2.0, 1.6, 0.0, 0, bark()};
         Random lean(seed_, Stream::kLean, static_cast<std::uint64_t>(num_trees_));
         trunk.lean_x = lean.normal(0.0, config_.lean_sd_rad);
@@ -106,44 +108,13 @@ class OrchardSceneBuilder {
   }
 
   void add_path() {
-    const double straight_m = kRowsBegin_m + row_length_m_ + config_.headland_m;
-    const double between_m = row_length_m_ + 2.0 * config_.headland_m;
-    const double curvature = 2.0 / config_.row_spacing_m;  // half circles from alley to alley
-    scene_.path = DrivePath({0.0, 0.0, geometry::kPi / 2.0}, config_.speed_mps);
-    const int num_alleys = std::max(1, config_.num_rows - 1);
-    for (int alley = 0; alley < num_alleys; ++alley) {
-      drive_alley(alley == 0 ? straight_m : between_m);
-      if (alley + 1 < num_alleys) {
-        const double side = alley % 2 == 0 ? -1.0 : 1.0;  // first to the right, towards +x
-        scene_.path.append(geometry::kPi / curvature, side * curvature);
-      }
-    }
+    scene_.path = make_orchard_path(seed_, config_, carry_);
     if (config_.stop_every_m <= 0.0) return;
     scene_.stepped = true;
     scene_.stop_period_s = config_.stop_every_m / config_.speed_mps;  // as long as the drive takes
-    for (double s_m = 0.0; s_m <= scene_.path.length_m(); s_m += config_.stop_every_m) {
+    const double way_m = scene_.path.duration_s() * config_.speed_mps;
+    for (double s_m = 0.0; s_m <= way_m; s_m += config_.stop_every_m) {
       scene_.stops.push_back(scene_.path.pose_at(s_m / config_.speed_mps));
-    }
-  }
-
-  /// Straight on, or with a yaw of a sin(2 pi t / period), which ends where the straight does.
-  void drive_alley(double length_m) {
-    if (config_.weave_radps <= 0.0) return scene_.path.append(length_m, 0.0);
-    const double rate = 2.0 * geometry::kPi / config_.weave_period_s;
-    const double most_rad = config_.weave_radps / rate;
-    constexpr int kPieces = 32;  // of a period
-    double cosines = 0.0;
-    for (int i = 0; i < kPieces; ++i) {
-      cosines += std::cos(most_rad * std::sin(2.0 * geometry::kPi * (i + 0.5) / kPieces));
-    }
-    const double wanted_m = config_.speed_mps * config_.weave_period_s;  // driven in a period
-    const double forward = cosines / kPieces;
-    const double num_periods = std::max(1.0, std::round(length_m / (wanted_m * forward)));
-    const double piece_m = length_m / (num_periods * forward * kPieces);
-    for (int i = 0; i < static_cast<int>(num_periods) * kPieces; ++i) {
-      const double turn_rad = most_rad * (std::sin(2.0 * geometry::kPi * (i + 1) / kPieces) -
-                                          std::sin(2.0 * geometry::kPi * i / kPieces));
-      scene_.path.append(piece_m, turn_rad / piece_m);
     }
   }
 
@@ -179,6 +150,7 @@ class OrchardSceneBuilder {
 
   std::uint64_t seed_;
   const OrchardConfig& config_;
+  const CarryConfig& carry_;
   Random place_;
   Random look_;
   Scene scene_;
@@ -190,8 +162,9 @@ class OrchardSceneBuilder {
 
 }  // namespace
 
-Scene make_orchard_scene(std::uint64_t seed, const OrchardConfig& config) {
-  return OrchardSceneBuilder(seed, config).build();
+Scene make_orchard_scene(std::uint64_t seed, const OrchardConfig& config,
+                         const CarryConfig& carry) {
+  return OrchardSceneBuilder(seed, config, carry).build();
 }
 
 }  // namespace orchard::simulation

@@ -9,8 +9,8 @@
 namespace orchard::simulation {
 
 /// An orchard: rows of trees along map y, unevenly spaced, some missing; posts and bushes in the
-/// rows; a robot that starts at the origin, drives up and down every alley and turns in half
-/// circles beyond the rows' ends.
-Scene make_orchard_scene(std::uint64_t seed, const OrchardConfig& config);
+/// rows; a robot that drives through it as make_orchard_path() says.
+Scene make_orchard_scene(std::uint64_t seed, const OrchardConfig& config,
+                         const CarryConfig& carry = {});
 
 }  // namespace orchard::simulation

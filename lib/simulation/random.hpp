@@ -32,6 +32,15 @@ enum class Stream : std::uint64_t {
   kCrowns,
   kReflectors,
   kLean,
+  kStart,
+  kCarry,
+  kChange,
+  kSlip,
+  kCanopy,
+  kGnssJump,
+  kImu,
+  kImuRun,
+  kTargetScan,
 };
 
 /// Seeded random numbers that are the same on every standard library.

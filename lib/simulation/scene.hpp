@@ -89,8 +89,11 @@ struct Scene {
   World world;  ///< what stands
   std::vector<Person> people;
   std::vector<TruthObject> truth;  ///< people last
-  bool stepped = false;            ///< stops at `stops` for every pair, or drives along `path`
-  std::vector<Pose2> stops;        ///< T_map_base
+  std::vector<TruthObject> gaps;   ///< empty places of the rows, with the trees that they lack
+  /// Of every target, its number before change_orchard(); empty when nothing was changed.
+  std::vector<int> former_targets;
+  bool stepped = false;      ///< stops at `stops` for every pair, or drives along `path`
+  std::vector<Pose2> stops;  ///< T_map_base
   double stop_period_s = 1.0;
   DrivePath path;
 };

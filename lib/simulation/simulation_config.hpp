@@ -4,7 +4,9 @@
 #include <array>
 
 #include "simulation/board_scene_config.hpp"
+#include "simulation/change_config.hpp"
 #include "simulation/clutter_config.hpp"
+#include "simulation/drive_config.hpp"
 #include "simulation/light_config.hpp"
 
 namespace orchard::simulation {
@@ -141,8 +143,10 @@ struct OrchardConfig {
   double weave_radps = 0.0;     ///< most that the robot turns left and right between the rows
   double weave_period_s = 4.0;  ///< of that weaving
   double speed_mps = 1.0;
-  double headland_m = 3.0;    ///< driven beyond a row's end before turning
-  double fix_rate_hz = 10.0;  ///< of POSE_FIX; 0 = none
+  double headland_m = 3.0;      ///< driven beyond a row's end before turning
+  int laps = 0;                 ///< times round, back to the start; 0 = to the last alley's end
+  bool start_anywhere = false;  ///< somewhere on the lap instead of at the map's origin
+  double fix_rate_hz = 10.0;    ///< of POSE_FIX; 0 = none
   double fix_sd_m = 0.015;
   double fix_yaw_sd_rad = 0.005;
 };
@@ -175,6 +179,9 @@ void describe(Visitor& v, OrchardConfig& c) {
   v.number("weave_period_s", c.weave_period_s, 0.5, 60, "s", "of that weaving");
   v.number("speed_mps", c.speed_mps, 0.05, 10, "m/s", "the robot's speed");
   v.number("headland_m", c.headland_m, 0.5, 50, "m", "driven beyond a row before turning");
+  v.integer("laps", c.laps, 0, 1000, "1",
+            "times through all alleys and back to the start; 0 = to the last alley's end");
+  v.flag("start_anywhere", c.start_anywhere, "begin somewhere on the lap; needs laps");
   v.number("fix_rate_hz", c.fix_rate_hz, 0, 100, "Hz", "POSE_FIX; 0 = none");
   v.number("fix_sd_m", c.fix_sd_m, 0, 10, "m", "of the fixes' position");
   v.number("fix_yaw_sd_rad", c.fix_yaw_sd_rad, 0, 1, "rad", "of the fixes' heading");
@@ -182,6 +189,7 @@ void describe(Visitor& v, OrchardConfig& c) {
   v.check(c.bark_saturation_min <= c.bark_saturation_max, "bark_saturation_min",
           "must not pass the max");
   v.check(c.bark_value_min <= c.bark_value_max, "bark_value_min", "must not pass the max");
+  v.check(!c.start_anywhere || c.laps > 0, "start_anywhere", "needs laps, to go round");
 }
 
 /// Odometry and GNSS while driving. Section `simulation.motion`.
@@ -221,6 +229,10 @@ struct SimulationConfig {
   LightConfig light;
   CameraResponseConfig camera_response;
   MotionConfig motion;
+  WheelsConfig wheels;
+  ReceiverConfig gnss;
+  CarryConfig carry;
+  ChangeConfig change;
   BoardSceneConfig board;
 };
 
@@ -234,6 +246,11 @@ void describe(Visitor& v, SimulationConfig& c) {
   v.section("light", c.light, "sun, sky and shadows in the pictures");
   v.section("camera_response", c.camera_response, "what the camera makes of that light");
   v.section("motion", c.motion, "odometry and GNSS of scene orchard");
+  v.section("wheels", c.wheels, "what else wheel encoders get wrong");
+  v.section("gnss", c.gnss,
+            "where the satellite receiver's antenna is, and what goes wrong with it");
+  v.section("carry", c.carry, "the robot is lifted and put down in another alley");
+  v.section("change", c.change, "scene orchard on a later day");
   v.section("board", c.board, "scene board: a chessboard before laser and camera");
 }
 

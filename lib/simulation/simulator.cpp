@@ -9,10 +9,13 @@
 #include "simulation/clutter.hpp"
 #include "simulation/moving_world.hpp"
 #include "simulation/observation_truth.hpp"
+#include "simulation/orchard_change.hpp"
 #include "simulation/orchard_scene.hpp"
 
 namespace orchard::simulation {
 namespace {
+
+constexpr double kSweepWay_m = 5.0;  ///< more than a robot moves while it scans
 
 enum Sensor : std::size_t { kScan, kImage, kOdometry, kGnss, kPoseFix };
 
@@ -24,9 +27,23 @@ Stream stream_of(std::size_t sensor) {
 
 Scene make_scene(SceneKind kind, std::uint64_t seed, const RigConfig& rig) {
   if (kind == SceneKind::kTubes) return make_tube_scene(seed, rig);
-  Scene scene = make_orchard_scene(seed, rig.simulation.orchard);
+  Scene scene = make_orchard_scene(seed, rig.simulation.orchard, rig.simulation.carry);
   add_clutter(seed, rig.simulation, scene);
+  change_orchard(seed, rig.simulation.change, scene);
   return scene;
+}
+
+/// The lasting range errors of a scene's targets: a later day changes nothing in what stays.
+std::vector<double> target_errors(std::uint64_t seed, const Scene& scene,
+                                  const ScannerConfig& scanner) {
+  Random random(seed, Stream::kTargets);
+  const std::vector<int>& former = scene.former_targets;
+  if (former.empty()) return draw_target_errors(scene.world.num_targets, scanner, random);
+  const int num_ever = *std::max_element(former.begin(), former.end()) + 1;
+  const std::vector<double> drawn = draw_target_errors(num_ever, scanner, random);
+  std::vector<double> errors;
+  for (const int target : former) errors.push_back(drawn[static_cast<std::size_t>(target)]);
+  return errors;
 }
 
 }  // namespace
@@ -38,12 +55,17 @@ std::optional<SceneKind> find_scene(std::string_view name) {
 }
 
 Simulator::Simulator(SceneKind kind, std::uint64_t seed, const RigConfig& rig)
-    : kind_(kind), seed_(seed), rig_(rig), scene_(make_scene(kind, seed, rig)), renderer_(rig) {
+    : kind_(kind),
+      seed_(seed),
+      rig_(rig),
+      scene_(make_scene(kind, seed, rig)),
+      index_(scene_.world),
+      renderer_(rig),
+      receiver_(seed, rig.simulation) {
   if (rig.camera.enabled) renderer_.cast_shadows(scene_.world);
-  Random targets(seed, Stream::kTargets);
-  target_errors_ = draw_target_errors(scene_.world.num_targets, rig.simulation.scanner, targets);
+  target_errors_ = target_errors(seed, scene_, rig.simulation.scanner);
   Random wheels(seed, Stream::kOdometryRun);
-  odometry_errors_ = draw_odometry_errors(rig.simulation.motion, wheels);
+  odometry_errors_ = draw_odometry_errors(rig.simulation.motion, rig.simulation.wheels, wheels);
 
   const SimulationConfig& config = rig.simulation;
   if (scene_.stepped) {
@@ -102,6 +124,14 @@ World Simulator::world_at_time(double time_s) const {
   return has_motion(scene_) ? world_at(scene_, time_s) : scene_.world;
 }
 
+/// What the scanner may reach during a sweep: nothing while the robot is carried above it all.
+World Simulator::world_in_reach(double time_s, const Pose2& T_map_laser) const {
+  if (scene_.path.carried_at(time_s)) return {};
+  // truth is told of things up to 1.5 ranges away, and what is in reach may hide them
+  const double reach_m = 1.5 * rig_.simulation.scanner.range_max_m + kSweepWay_m;
+  return world_near(scene_, index_, T_map_laser.x_m, T_map_laser.y_m, reach_m, time_s);
+}
+
 vision::Image Simulator::take_picture(std::int64_t utime, Random& random) const {
   const auto delay_us = std::llround(rig_.simulation.image.stamp_delay_s * 1e6);
   const std::int64_t exposed = utime - delay_us;
@@ -142,30 +172,40 @@ std::vector<Pose2> Simulator::laser_poses(std::int64_t utime) const {
   return T_map_laser;
 }
 
-SensorMessage Simulator::make(std::size_t sensor, std::int64_t index) const {
+std::optional<SensorMessage> Simulator::make(std::size_t sensor, std::int64_t index,
+                                             std::int32_t seq) const {
   const std::int64_t utime = utime_of(sensor, index);
+  const double time_s = static_cast<double>(utime - kEpochUtime) * 1e-6;
   Random random(seed_, stream_of(sensor), static_cast<std::uint64_t>(index));
   const auto stamped = [&](auto message) -> SensorMessage {
     message.utime = utime;
-    message.seq = static_cast<std::int32_t>(index);
+    message.seq = seq;
     return message;
   };
   const SimulationConfig& config = rig_.simulation;
   const Pose2 T_map_base = pose_at(utime);
   switch (sensor) {
-    case kScan:
-      return stamped(simulate_scan(world_at_time(sweep_middle_s(utime)), laser_poses(utime),
-                                   config.scanner, target_errors_, random, tilt_of(index)));
+    case kScan: {
+      const std::vector<Pose2> T_map_laser = laser_poses(utime);
+      return stamped(
+          simulate_scan(world_in_reach(sweep_middle_s(utime), T_map_laser[T_map_laser.size() / 2]),
+                        T_map_laser, config.scanner, target_errors_, random, tilt_of(index)));
+    }
     case kImage:
       return stamped(take_picture(utime, random));
     case kOdometry: {
-      const double period_s = clocks_[kOdometry].period_s;
-      const double time_s = static_cast<double>(utime - kEpochUtime) * 1e-6;
-      return stamped(simulate_odometry(scene_.path, time_s, period_s, odometry_errors_,
-                                       config.motion, random));
+      const bool carried = scene_.path.carried_at(time_s);
+      if (config.wheels.outage.number_at(time_s) >= 0) return std::nullopt;
+      if (carried && !config.carry.odometry) return std::nullopt;
+      return stamped(simulate_odometry(scene_.path, time_s, clocks_[kOdometry].period_s,
+                                       odometry_errors_, config.motion, config.wheels,
+                                       turn_slip_at(time_s), random));
     }
-    case kGnss:
-      return stamped(simulate_gnss(T_map_base, config.motion, random));
+    case kGnss: {
+      const auto fix = receiver_.fix(scene_.path, index, time_s);
+      if (!fix) return std::nullopt;
+      return stamped(*fix);
+    }
     default:
       return stamped(
           kind_ == SceneKind::kTubes
@@ -175,7 +215,25 @@ SensorMessage Simulator::make(std::size_t sensor, std::int64_t index) const {
   }
 }
 
+double Simulator::turn_slip_at(double time_s) const {
+  const double sd = rig_.simulation.wheels.turn_slip_sd;
+  if (sd <= 0.0) return 0.0;
+  return Random(seed_, Stream::kSlip, scene_.path.piece_at(time_s)).normal(0.0, sd);
+}
+
 std::optional<SensorMessage> Simulator::next() {
+  while (const std::optional<std::size_t> sensor = next_sensor()) {
+    Clock& clock = clocks_[*sensor];
+    const auto seq = static_cast<std::int32_t>(clock.num_sent);
+    if (auto message = make(*sensor, clock.next++, seq)) {
+      ++clock.num_sent;
+      return message;
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<std::size_t> Simulator::next_sensor() const {
   std::optional<std::size_t> first;
   std::int64_t first_utime = 0;
   for (std::size_t sensor = 0; sensor < kNumSensors; ++sensor) {
@@ -187,8 +245,7 @@ std::optional<SensorMessage> Simulator::next() {
       first_utime = utime;
     }
   }
-  if (!first) return std::nullopt;
-  return make(*first, clocks_[*first].next++);
+  return first;
 }
 
 std::vector<TruePose> Simulator::true_poses() const {
@@ -204,9 +261,11 @@ std::vector<TruePose> Simulator::true_poses() const {
 std::vector<TrueObservation> Simulator::true_observations(std::int64_t index) const {
   const std::int64_t utime = utime_of(kScan, index);
   const double middle_s = sweep_middle_s(utime);
+  const std::vector<Pose2> T_map_laser = laser_poses(utime);
+  const World world = world_in_reach(middle_s, T_map_laser[T_map_laser.size() / 2]);
   std::vector<TrueObservation> observations =
-      observe_truth(world_at_time(middle_s), truth_at(scene_, middle_s), laser_poses(utime),
-                    rig_.simulation.scanner, rig_.camera, tilt_of(index));
+      observe_truth(world, truth_at(scene_, middle_s), T_map_laser, rig_.simulation.scanner,
+                    rig_.camera, tilt_of(index));
   for (TrueObservation& observation : observations) observation.utime = utime;
   return observations;
 }

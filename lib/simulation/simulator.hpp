@@ -13,8 +13,10 @@
 #include "simulation/camera_renderer.hpp"
 #include "simulation/laser_model.hpp"
 #include "simulation/motion_sensors.hpp"
+#include "simulation/satellite_receiver.hpp"
 #include "simulation/scene.hpp"
 #include "simulation/tube_scene.hpp"
+#include "simulation/world_index.hpp"
 #include "vision/image.hpp"
 
 namespace orchard::simulation {
@@ -55,8 +57,9 @@ class Simulator {
  private:
   static constexpr std::size_t kNumSensors = std::variant_size_v<SensorMessage>;
   struct Clock {
-    std::int64_t count = 0;  ///< messages in the whole run
-    std::int64_t next = 0;   ///< index of the next one
+    std::int64_t count = 0;     ///< messages in the whole run, were there no outages
+    std::int64_t next = 0;      ///< index of the next one
+    std::int64_t num_sent = 0;  ///< less than that after outages
     double period_s = 1.0;
     double offset_s = 0.0;
   };
@@ -64,19 +67,24 @@ class Simulator {
   void start_clock(std::size_t sensor, double rate_hz, double offset_s);
   std::int64_t utime_of(std::size_t sensor, std::int64_t index) const;
   Pose2 pose_at(std::int64_t utime) const;
-  SensorMessage make(std::size_t sensor, std::int64_t index) const;
+  std::optional<std::size_t> next_sensor() const;
+  std::optional<SensorMessage> make(std::size_t sensor, std::int64_t index, std::int32_t seq) const;
+  double turn_slip_at(double time_s) const;
   std::vector<Pose2> laser_poses(std::int64_t utime) const;
   double sweep_middle_s(std::int64_t utime) const;
   Tilt tilt_of(std::int64_t scan) const;
   World world_at_time(double time_s) const;
+  World world_in_reach(double time_s, const Pose2& T_map_laser) const;
   vision::Image take_picture(std::int64_t utime, Random& random) const;
 
   SceneKind kind_;
   std::uint64_t seed_;
   RigConfig rig_;
   Scene scene_;
+  WorldIndex index_;
   CameraRenderer renderer_;
   std::vector<double> target_errors_;
+  SatelliteReceiver receiver_;
   OdometryErrors odometry_errors_;
   std::array<Clock, kNumSensors> clocks_{};
 };

@@ -116,7 +116,8 @@ RobotRun drive(std::uint64_t seed, const io::Config& config, const CameraTiming&
   const Bench bench(seed, config);
   std::vector<bus::Message> messages;
   Random wheels(seed, Stream::kOdometryRun);
-  const auto errors = simulation::draw_odometry_errors(config.simulation.motion, wheels);
+  const auto errors =
+      simulation::draw_odometry_errors(config.simulation.motion, config.simulation.wheels, wheels);
   const std::int64_t exposure_us = std::llround(1e6 * timing.exposure_s);
   const std::int64_t stamp_delay_us = std::llround(1e6 * timing.stamp_delay_s);
   for (int i = 0; i < bench.num_scans(); ++i) {
@@ -128,8 +129,9 @@ RobotRun drive(std::uint64_t seed, const io::Config& config, const CameraTiming&
   }
   for (int i = 0; i < bench.num_scans() * 5; ++i) {
     Random random(seed, Stream::kOdometry, static_cast<std::uint64_t>(i));
-    auto odometry = simulation::simulate_odometry(*bench.path, 0.02 * i, 0.02, errors,
-                                                  config.simulation.motion, random);
+    auto odometry =
+        simulation::simulate_odometry(*bench.path, 0.02 * i, 0.02, errors, config.simulation.motion,
+                                      config.simulation.wheels, 0.0, random);
     odometry.utime = kStart_us + i * kOdometryPeriod_us;
     odometry.seq = i;
     messages.emplace_back(odometry);

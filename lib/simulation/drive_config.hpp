@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+
+namespace orchard::simulation {
+
+/// When something happens: once, or again and again. Off unless it lasts.
+struct EpisodeConfig {
+  double at_s = 0.0;     ///< from the drive's start
+  double for_s = 0.0;    ///< 0 = never
+  double every_s = 0.0;  ///< from one to the next; 0 = once
+
+  /// Which time it happens at a moment of the run, from 0; -1 when it does not.
+  int number_at(double time_s) const {
+    if (for_s <= 0.0 || time_s < at_s) return -1;
+    const int number = every_s > 0.0 ? static_cast<int>((time_s - at_s) / every_s) : 0;
+    return time_s - begin_s(number) < for_s ? number : -1;
+  }
+  double begin_s(int number) const { return at_s + number * every_s; }
+};
+
+template <class Visitor>
+void describe(Visitor& v, EpisodeConfig& c) {
+  v.number("at_s", c.at_s, 0, 1e6, "s", "first time, from the start");
+  v.number("for_s", c.for_s, 0, 1e6, "s", "how long; 0 = never");
+  v.number("every_s", c.every_s, 0, 1e6, "s", "from one to the next; 0 = once");
+}
+
+/// What wheel encoders get wrong beyond section motion. Section `simulation.wheels`.
+struct WheelsConfig {
+  double yaw_rate_scale_sd = 0.0;  ///< of the run's one error of the track width
+  double turn_slip_sd = 0.0;       ///< of the scale error of speed and yaw rate in each curve
+  EpisodeConfig outage;            ///< no ODOMETRY
+};
+
+template <class Visitor>
+void describe(Visitor& v, WheelsConfig& c) {
+  v.number("yaw_rate_scale_sd", c.yaw_rate_scale_sd, 0, 0.5, "1", "scale error of yaw, per run");
+  v.number("turn_slip_sd", c.turn_slip_sd, 0, 0.5, "1",
+           "scale error of speed and yaw rate in each curve");
+  v.section("outage", c.outage, "no ODOMETRY");
+}
+
+/// Where the receiver's antenna is and what goes wrong with its fixes. Section `simulation.gnss`.
+struct ReceiverConfig {
+  std::array<double, 2> antenna_m{0.0, 0.0};  ///< in base
+  double canopy_fraction = 0.0;               ///< of the stretches between rows have no sky
+  double canopy_length_m = 10.0;              ///< of such a stretch
+  double canopy_sd_m = 0.0;                   ///< noise there, truly stated; 0 = no fix at all
+  double stated_sd_m = 0.0;                   ///< claimed in the covariance; 0 = the truth
+  EpisodeConfig outage;                       ///< no GNSS
+  double jump_m = 30.0;                       ///< how far fixes are off during `jump`
+  EpisodeConfig jump;
+  EpisodeConfig freeze;  ///< the same position again and again
+};
+
+template <class Visitor>
+void describe(Visitor& v, ReceiverConfig& c) {
+  v.numbers("antenna_m", c.antenna_m, -20, 20, "m, m", "forward and left in base");
+  v.number("canopy_fraction", c.canopy_fraction, 0, 1, "1",
+           "of the stretches between the rows lie under a dense canopy");
+  v.number("canopy_length_m", c.canopy_length_m, 0.5, 1000, "m", "of such a stretch");
+  v.number("canopy_sd_m", c.canopy_sd_m, 0, 100, "m",
+           "noise there, stated as it is; 0 = no fix at all");
+  v.number("stated_sd_m", c.stated_sd_m, 0, 100, "m", "what fixes claim; 0 = the truth");
+  v.section("outage", c.outage, "no GNSS");
+  v.number("jump_m", c.jump_m, 0, 1e5, "m", "how far fixes are off during jump");
+  v.section("jump", c.jump, "fixes are off, each time to another side");
+  v.section("freeze", c.freeze, "the same position again and again");
+}
+
+/// The robot is lifted over the trees and put down in another alley. Section `simulation.carry`.
+struct CarryConfig {
+  double at_s = 0.0;     ///< 0 = never
+  double for_s = 0.0;    ///< 0 = never
+  int to_alley = 0;      ///< from 1; 0 = any other
+  bool odometry = true;  ///< whether the wheels' messages go on: they stand still
+};
+
+template <class Visitor>
+void describe(Visitor& v, CarryConfig& c) {
+  v.number("at_s", c.at_s, 0, 1e6, "s", "when it is lifted; 0 = never");
+  v.number("for_s", c.for_s, 0, 1e6, "s", "until it is put down; 0 = never");
+  v.integer("to_alley", c.to_alley, 0, 1000, "1", "from 1; 0 = any other than where it is");
+  v.flag("odometry", c.odometry, "ODOMETRY goes on meanwhile and says: standing still");
+}
+
+}  // namespace orchard::simulation

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the sensors of a block get wrong, each fault by itself.
+#include <gtest/gtest.h>
+
+#include <GeographicLib/LocalCartesian.hpp>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include "geometry/angles.hpp"
+#include "simulation/simulator.hpp"
+
+namespace orchard::simulation {
+namespace {
+
+constexpr double kPeriod_s = 0.2;  ///< of GNSS
+
+RigConfig block() {
+  RigConfig rig;
+  rig.camera.enabled = false;
+  SimulationConfig& config = rig.simulation;
+  config.orchard.num_rows = 4;
+  config.orchard.trees_per_row = 10;
+  config.orchard.laps = 1;
+  config.orchard.fix_rate_hz = 0.0;
+  config.scanner.rate_hz = 0.5;
+  config.scanner.range_max_m = 15.0;
+  config.motion.gnss_rate_hz = 1.0 / kPeriod_s;
+  return rig;
+}
+
+double seconds(std::int64_t utime) { return static_cast<double>(utime - kEpochUtime) * 1e-6; }
+
+template <class Message>
+std::vector<Message> messages_of(Simulator& simulator) {
+  std::vector<Message> all;
+  while (const auto message = simulator.next()) {
+    if (const auto* wanted = std::get_if<Message>(&*message)) all.push_back(*wanted);
+  }
+  return all;
+}
+
+/// Map places of a run's fixes by their time.
+struct Fix {
+  double time_s, x_m, y_m;
+  pose::Gnss gnss;
+};
+
+std::vector<Fix> fixes_of(Simulator& simulator, const RigConfig& rig) {
+  const auto& datum = rig.simulation.motion.datum;
+  const GeographicLib::LocalCartesian enu(datum[0], datum[1], datum[2]);
+  std::vector<Fix> fixes;
+  for (const pose::Gnss& gnss : messages_of<pose::Gnss>(simulator)) {
+    double x_m = 0.0, y_m = 0.0, z_m = 0.0;
+    enu.Forward(gnss.latitude_deg, gnss.longitude_deg, gnss.altitude_m, x_m, y_m, z_m);
+    fixes.push_back({seconds(gnss.utime), x_m, y_m, gnss});
+  }
+  return fixes;
+}
+
+TEST(BlockSensors, AntennaIsWhereItIsMounted) {
+  RigConfig rig = block();
+  rig.simulation.motion.gnss_sd_m = 0.0;
+  rig.simulation.gnss.antenna_m = {-0.4, 0.25};
+  Simulator simulator(SceneKind::kOrchard, 1, rig);
+  const DrivePath path = simulator.scene().path;
+  for (const Fix& fix : fixes_of(simulator, rig)) {
+    const Pose2 base = path.pose_at(fix.time_s);
+    const double forward_m = std::cos(base.yaw_rad) * (fix.x_m - base.x_m) +
+                             std::sin(base.yaw_rad) * (fix.y_m - base.y_m);
+    const double left_m = -std::sin(base.yaw_rad) * (fix.x_m - base.x_m) +
+                          std::cos(base.yaw_rad) * (fix.y_m - base.y_m);
+    EXPECT_NEAR(forward_m, -0.4, 1e-4);
+    EXPECT_NEAR(left_m, 0.25, 1e-4);
+  }
+}
+
+TEST(BlockSensors, CanopyHidesTheSameStretchesOnEveryLapAndNoHeadland) {
+  RigConfig rig = block();
+  rig.simulation.orchard.laps = 2;
+  rig.simulation.orchard.trees_per_row = 30;
+  rig.simulation.gnss.canopy_fraction = 0.4;
+  Simulator simulator(SceneKind::kOrchard, 2, rig);
+  const DrivePath path = simulator.scene().path;
+  const double lap_s = 0.5 * path.duration_s();
+  const auto fixes = fixes_of(simulator, rig);
+  std::vector<double> times;
+  int num_between_rows = 0;
+  for (const Fix& fix : fixes) {
+    times.push_back(fix.time_s);
+    const double y_m = path.pose_at(fix.time_s).y_m;
+    num_between_rows += y_m > 4.0 && y_m < 62.0;
+  }
+  int num_due = 0, num_headland = 0, num_headland_due = 0, num_all = 0;
+  for (double t_s = 0.0; t_s < path.duration_s(); t_s += kPeriod_s) {
+    const double y_m = path.pose_at(t_s).y_m;
+    num_due += y_m > 4.0 && y_m < 62.0;
+    num_headland_due += y_m < 3.9 || y_m > 62.1;
+    ++num_all;
+  }
+  for (const double t_s : times) {
+    const double y_m = path.pose_at(t_s).y_m;
+    num_headland += y_m < 3.9 || y_m > 62.1;
+    if (t_s + lap_s > path.duration_s() - 1.0 || t_s > lap_s) continue;
+    const auto next = std::lower_bound(times.begin(), times.end(), t_s + lap_s - kPeriod_s);
+    ASSERT_NE(next, times.end());
+    EXPECT_LT(*next - t_s - lap_s, 1.5 * kPeriod_s);
+  }
+  EXPECT_NEAR(num_headland, num_headland_due, 2);
+  EXPECT_NEAR(1.0 - static_cast<double>(num_between_rows) / num_due, 0.4, 0.2);
+
+  // or a worse fix that says so
+  rig.simulation.gnss.canopy_sd_m = 0.3;
+  Simulator worse(SceneKind::kOrchard, 2, rig);
+  int num_float = 0;
+  for (const Fix& fix : fixes_of(worse, rig)) {
+    const bool hidden = fix.gnss.covariance[0] > 0.05;
+    EXPECT_EQ(fix.gnss.fix_quality, hidden ? 5 : 4);
+    num_float += hidden;
+  }
+  EXPECT_EQ(num_float, num_all - static_cast<int>(times.size()));
+}
+
+TEST(BlockSensors, FixesJumpFreezeStopAndClaimTooMuch) {
+  RigConfig rig = block();
+  ReceiverConfig& gnss = rig.simulation.gnss;
+  rig.simulation.motion.gnss_sd_m = 0.02;
+  gnss.jump_m = 30.0;
+  gnss.jump = {10.0, 5.0, 40.0};
+  gnss.freeze = {20.0, 4.0, 0.0};
+  gnss.outage = {30.0, 6.0, 0.0};
+  gnss.stated_sd_m = 0.001;
+  Simulator simulator(SceneKind::kOrchard, 3, rig);
+  const DrivePath path = simulator.scene().path;
+  std::map<int, int> num_jumped;
+  std::vector<Fix> frozen;
+  std::int32_t seq = 0;
+  double sum_m2 = 0.0;
+  int num_sound = 0;
+  for (const Fix& fix : fixes_of(simulator, rig)) {
+    EXPECT_EQ(fix.gnss.seq, seq++);  // a silent receiver loses nothing
+    EXPECT_FALSE(fix.time_s >= 30.0 && fix.time_s < 36.0 - 1e-6);
+    EXPECT_NEAR(fix.gnss.covariance[0], 1e-6, 1e-12);
+    EXPECT_EQ(fix.gnss.fix_quality, 4);
+    const Pose2 base = path.pose_at(fix.time_s);
+    const double off_m = std::hypot(fix.x_m - base.x_m, fix.y_m - base.y_m);
+    if (fix.time_s > 20.0 - 1e-6 && fix.time_s < 24.0 - 1e-6) {
+      frozen.push_back(fix);
+    } else if (std::fmod(fix.time_s + 30.0 + 1e-6, 40.0) < 5.0 && fix.time_s > 9.9) {
+      EXPECT_NEAR(off_m, 30.0, 0.2);
+      ++num_jumped[static_cast<int>(fix.time_s + 30.0) / 40];
+    } else {
+      EXPECT_LT(off_m, 0.12);
+      sum_m2 += off_m * off_m;
+      ++num_sound;
+    }
+  }
+  EXPECT_NEAR(std::sqrt(0.5 * sum_m2 / num_sound), 0.02, 0.003);  // true noise, not the claimed
+  EXPECT_GE(num_jumped.size(), 2u);
+  for (const auto& [number, count] : num_jumped) EXPECT_LE(count, 26);
+  ASSERT_EQ(frozen.size(), 20u);
+  for (const Fix& fix : frozen) {
+    EXPECT_EQ(fix.gnss.latitude_deg, frozen[0].gnss.latitude_deg);
+    EXPECT_EQ(fix.gnss.longitude_deg, frozen[0].gnss.longitude_deg);
+  }
+}
+
+TEST(BlockSensors, OdometryStopsAndGoesOn) {
+  RigConfig rig = block();
+  rig.simulation.wheels.outage = {12.0, 10.0, 0.0};
+  Simulator simulator(SceneKind::kOrchard, 4, rig);
+  const auto odometry = messages_of<pose::Odometry>(simulator);
+  double longest_s = 0.0, at_s = 0.0;
+  for (std::size_t i = 1; i < odometry.size(); ++i) {
+    EXPECT_EQ(odometry[i].seq, odometry[i - 1].seq + 1);
+    const double gap_s = seconds(odometry[i].utime) - seconds(odometry[i - 1].utime);
+    if (gap_s > longest_s) at_s = seconds(odometry[i - 1].utime);
+    longest_s = std::max(longest_s, gap_s);
+  }
+  EXPECT_NEAR(longest_s, 10.0, 0.03);
+  EXPECT_NEAR(at_s, 12.0, 0.03);
+}
+
+TEST(BlockSensors, WheelsGetTurnsWrongAsConfigured) {
+  // over many runs the heading gained in one half circle has the configured scale error
+  const auto turn_error = [](const WheelsConfig& wheels, std::uint64_t seed) {
+    RigConfig rig = block();
+    rig.simulation.wheels = wheels;
+    rig.simulation.motion.yaw_rate_bias_sd_radps = 0.0;
+    rig.simulation.motion.yaw_rate_sd_radps = 0.0;
+    rig.simulation.motion.speed_scale_sd = 0.0;
+    rig.simulation.motion.gnss_rate_hz = 0.0;
+    rig.simulation.scanner.rate_hz = 0.1;
+    Simulator simulator(SceneKind::kOrchard, seed, rig);
+    double turned_rad = 0.0;
+    while (const auto message = simulator.next()) {
+      const auto* odometry = std::get_if<pose::Odometry>(&*message);
+      if (odometry == nullptr) continue;
+      if (seconds(odometry->utime) > 35.0) break;  // in the second alley
+      turned_rad += 0.02 * odometry->yaw_rate_radps;
+      if (odometry->yaw_rate_radps == 0.0) {
+        EXPECT_NEAR(odometry->covariance[2], 0.0, 1e-12);
+      }
+    }
+    return turned_rad / -geometry::kPi - 1.0;
+  };
+  WheelsConfig scale, slip;
+  scale.yaw_rate_scale_sd = 0.03;
+  slip.turn_slip_sd = 0.05;
+  double scale_sum = 0.0, slip_sum = 0.0;
+  constexpr int kRuns = 40;
+  for (int seed = 1; seed <= kRuns; ++seed) {
+    scale_sum += std::pow(turn_error(scale, seed), 2);
+    slip_sum += std::pow(turn_error(slip, seed), 2);
+  }
+  EXPECT_NEAR(std::sqrt(scale_sum / kRuns), 0.03, 0.011);
+  EXPECT_NEAR(std::sqrt(slip_sum / kRuns), 0.05, 0.018);
+  EXPECT_NEAR(turn_error({}, 1), 0.0, 1e-3);
+}
+
+TEST(BlockSensors, CarriedRobotSeesNothingAndItsWheelsStandStill) {
+  RigConfig rig = block();
+  rig.simulation.scanner.rate_hz = 5.0;
+  rig.simulation.carry = {15.0, 6.0, 3, true};
+  Simulator simulator(SceneKind::kOrchard, 5, rig);
+  EXPECT_TRUE(simulator.true_observations(17 * 5).empty());
+  EXPECT_FALSE(simulator.true_observations(14 * 5).empty());
+  int num_still = 0;
+  while (const auto message = simulator.next()) {
+    if (const auto* scan = std::get_if<laser::Scan>(&*message)) {
+      const double t_s = seconds(scan->utime);
+      const auto num_returns = std::count_if(scan->ranges_m.begin(), scan->ranges_m.end(),
+                                             [](float range_m) { return range_m > 0.0f; });
+      if (t_s > 15.0 && t_s < 20.9) {
+        EXPECT_EQ(num_returns, 0);
+      }
+      if ((t_s > 5.0 && t_s < 14.0) || (t_s > 21.2 && t_s < 24.0)) {
+        EXPECT_GT(num_returns, 10);
+      }
+    } else if (const auto* odometry = std::get_if<pose::Odometry>(&*message)) {
+      const double t_s = seconds(odometry->utime);
+      if (t_s < 15.05 || t_s > 20.99) continue;
+      EXPECT_NEAR(odometry->speed_mps, 0.0, 0.06);
+      ++num_still;
+    }
+  }
+  EXPECT_NEAR(num_still, 297, 3);
+
+  rig.simulation.carry.odometry = false;
+  Simulator silent(SceneKind::kOrchard, 5, rig);
+  for (const pose::Odometry& odometry : messages_of<pose::Odometry>(silent)) {
+    const double t_s = seconds(odometry.utime);
+    EXPECT_FALSE(t_s > 15.05 && t_s < 20.95);
+  }
+}
+
+}  // namespace
+}  // namespace orchard::simulation

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/world_index.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulation/clutter.hpp"
+#include "simulation/laser_model.hpp"
+#include "simulation/moving_world.hpp"
+#include "simulation/orchard_scene.hpp"
+
+namespace orchard::simulation {
+namespace {
+
+TEST(WorldIndex, ScansOfWhatIsNearAreScansOfTheWholeWorld) {
+  SimulationConfig config;
+  config.orchard.num_rows = 12;
+  config.orchard.trees_per_row = 40;
+  config.clutter.grass_per_tree = 2.0;
+  config.clutter.sway_m = 0.05;
+  config.clutter.num_crates = 10;
+  config.clutter.num_people = 3;
+  config.clutter.row_end_hedges = true;
+  config.scanner.range_max_m = 12.0;
+  Scene scene = make_orchard_scene(3, config.orchard);
+  add_clutter(3, config, scene);
+  const WorldIndex index(scene.world);
+  Random places(5);
+  int num_returns = 0;
+  for (int i = 0; i < 40; ++i) {
+    const Pose2 laser{places.uniform(-5.0, 45.0), places.uniform(-3.0, 90.0),
+                      places.uniform(-3.0, 3.0)};
+    const double time_s = places.uniform(0.0, 500.0);
+    const World near = world_near(scene, index, laser.x_m, laser.y_m, 14.0, time_s);
+    EXPECT_LT(near.cylinders.size(), scene.world.cylinders.size() / 2);
+    const auto wanted = simulate_perfect_scan(world_at(scene, time_s), laser, config.scanner);
+    const auto got = simulate_perfect_scan(near, laser, config.scanner);
+    EXPECT_EQ(got.ranges_m, wanted.ranges_m);
+    for (const float range_m : got.ranges_m) num_returns += range_m > 0.0f;
+  }
+  EXPECT_GT(num_returns, 1000);
+}
+
+TEST(WorldIndex, FindsAllWithinReachOnce) {
+  World world;
+  Random random(9);
+  for (int i = 0; i < 500; ++i) {
+    Cylinder c;
+    c.x_m = random.uniform(-100.0, 100.0);
+    c.y_m = random.uniform(-100.0, 100.0);
+    c.radius_m = random.uniform(0.01, 2.0);
+    world.cylinders.push_back(c);
+  }
+  const WorldIndex index(world);
+  for (int i = 0; i < 100; ++i) {
+    const double x_m = random.uniform(-120.0, 120.0), y_m = random.uniform(-120.0, 120.0);
+    const double radius_m = random.uniform(0.0, 30.0);
+    const auto found = index.cylinders_near(x_m, y_m, radius_m);
+    for (std::size_t k = 1; k < found.size(); ++k) EXPECT_LT(found[k - 1], found[k]);
+    for (std::size_t k = 0; k < world.cylinders.size(); ++k) {
+      const Cylinder& c = world.cylinders[k];
+      if (std::hypot(c.x_m - x_m, c.y_m - y_m) > radius_m + c.radius_m) continue;
+      EXPECT_TRUE(std::binary_search(found.begin(), found.end(), k));
+    }
+  }
+  EXPECT_TRUE(WorldIndex().cylinders_near(0.0, 0.0, 1e3).empty());
+  EXPECT_TRUE(index.boxes_near(0.0, 0.0, 1e3).empty());
+}
+
+}  // namespace
+}  // namespace orchard::simulation

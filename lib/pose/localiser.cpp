@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/localiser.hpp"
 
+#include "pose/fusion.hpp"
 #include "pose/pose_estimator.hpp"
 #include "pose/stationary.hpp"
 
@@ -10,6 +11,8 @@ std::unique_ptr<Localiser> make_localiser(const PoseConfig& config) {
   switch (config.mode) {
     case PoseMode::kStationary:
       return std::make_unique<Stationary>();
+    case PoseMode::kFused:
+      return std::make_unique<Fusion>(config);
     case PoseMode::kFixes:
     case PoseMode::kFixesAndOdometry:
     case PoseMode::kOdometry:
@@ -36,6 +39,12 @@ MeasurementWaits expected_measurements(const PoseConfig& config) {
       break;
     case PoseMode::kOdometry:
       expect(MeasurementKind::kOdometry, config.reorder_window_s);
+      break;
+    case PoseMode::kFused:
+      expect(MeasurementKind::kOdometry, config.reorder_window_s);
+      if (config.fusion.use_imu) expect(MeasurementKind::kImu, config.reorder_window_s);
+      if (config.fusion.use_gnss) expect(MeasurementKind::kGnss, config.reorder_window_s);
+      if (config.fusion.use_fixes) expect(MeasurementKind::kPoseFix, config.reorder_window_s);
       break;
   }
   return waits_s;

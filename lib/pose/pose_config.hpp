@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "pose/fusion_config.hpp"
+#include "pose/gnss_config.hpp"
+
 namespace orchard::pose {
 
 /// Where a rig's poses come from.
@@ -9,6 +12,7 @@ enum class PoseMode {
   kFixesAndOdometry,  ///< fixes, dead-reckoned between by ODOMETRY
   kOdometry,          ///< dead reckoning alone, from the map's origin
   kStationary,        ///< the robot stands at the map's origin
+  kFused,             ///< wheels, IMU, GNSS and fixes: sections `pose.fusion` and `pose.gnss`
 };
 
 /// How base is placed in map. Section `pose`.
@@ -21,11 +25,13 @@ struct PoseConfig {
   double yaw_rate_sd_radps = 0.02;
   double odometry_gap_max_s = 1.0;  ///< a longer silence is not dead-reckoned across
   double heading_baseline_m = 0.5;  ///< travel that gives a first heading to fixes without yaw
+  FusionConfig fusion;
+  GnssConfig gnss;
 };
 
 template <class Visitor>
 void describe(Visitor& v, PoseConfig& c) {
-  v.choice("mode", c.mode, {"fixes", "fixes_and_odometry", "odometry", "stationary"},
+  v.choice("mode", c.mode, {"fixes", "fixes_and_odometry", "odometry", "stationary", "fused"},
            "where poses come from");
   v.number("reorder_window_s", c.reorder_window_s, 0, 10, "s",
            "message time that one channel may lag another");
@@ -40,7 +46,9 @@ void describe(Visitor& v, PoseConfig& c) {
   v.number("odometry_gap_max_s", c.odometry_gap_max_s, 0.001, 3600, "s",
            "a longer silence is not dead-reckoned across");
   v.number("heading_baseline_m", c.heading_baseline_m, 0.01, 100, "m",
-           "travel that gives a first heading to fixes without yaw");
+           "travel that gives a first heading to fixes without yaw and to GNSS");
+  v.section("fusion", c.fusion, "mode fused: wheels, IMU, GNSS and fixes together");
+  v.section("gnss", c.gnss, "how satellite fixes are used");
 }
 
 }  // namespace orchard::pose

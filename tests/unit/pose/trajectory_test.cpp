@@ -46,7 +46,8 @@ TEST(Trajectory, ARevisionThatLostAPageIsDroppedAndTheNextOneTaken) {
     TrajectoryCollector collector;
     const auto pages = paginate(trajectory_of(1, 20), 7);
     for (std::size_t i = 0; i < pages.size(); ++i) {
-      if (i != lost) EXPECT_FALSE(collector.add(pages[i]));
+      if (i == lost) continue;
+      EXPECT_FALSE(collector.add(pages[i]));
     }
     std::optional<Trajectory> whole;
     for (const TrajectoryPage& page : paginate(trajectory_of(2, 20), 7)) {

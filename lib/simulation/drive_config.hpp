@@ -70,6 +70,33 @@ void describe(Visitor& v, ReceiverConfig& c) {
   v.section("freeze", c.freeze, "the same position again and again");
 }
 
+/// An inertial unit on base; the defaults are a small MEMS unit's. Section `simulation.imu`.
+struct ImuConfig {
+  double rate_hz = 0.0;                     ///< 0 = none
+  double angular_rate_sd_radps = 0.002;     ///< of each sample and axis
+  double yaw_rate_bias_sd_radps = 0.003;    ///< of the run's first bias
+  double yaw_rate_walk = 3e-5;              ///< sd of the bias's change in a second [rad/s]
+  double acceleration_sd_mps2 = 0.05;       ///< of each sample and axis
+  double acceleration_bias_sd_mps2 = 0.05;  ///< of the run's bias forward and left
+  bool orientation = false;                 ///< whether it reports roll, pitch and yaw
+  double orientation_sd_rad = 0.01;         ///< of each sample
+  double yaw_bias_sd_rad = 0.03;            ///< of the run's error of north
+};
+
+template <class Visitor>
+void describe(Visitor& v, ImuConfig& c) {
+  v.number("rate_hz", c.rate_hz, 0, 1000, "Hz", "IMU; 0 = none");
+  v.number("angular_rate_sd_radps", c.angular_rate_sd_radps, 0, 3, "rad/s", "noise of a sample");
+  v.number("yaw_rate_bias_sd_radps", c.yaw_rate_bias_sd_radps, 0, 1, "rad/s", "bias of a run");
+  v.number("yaw_rate_walk", c.yaw_rate_walk, 0, 0.1, "rad/s/sqrt(s)", "how that bias wanders");
+  v.number("acceleration_sd_mps2", c.acceleration_sd_mps2, 0, 10, "m/s2", "noise of a sample");
+  v.number("acceleration_bias_sd_mps2", c.acceleration_bias_sd_mps2, 0, 10, "m/s2",
+           "bias of a run");
+  v.flag("orientation", c.orientation, "reports roll, pitch, and yaw from east");
+  v.number("orientation_sd_rad", c.orientation_sd_rad, 0, 1, "rad", "noise of each angle");
+  v.number("yaw_bias_sd_rad", c.yaw_bias_sd_rad, 0, 3.2, "rad", "error of north of a run");
+}
+
 /// The robot is lifted over the trees and put down in another alley. Section `simulation.carry`.
 struct CarryConfig {
   double at_s = 0.0;     ///< 0 = never

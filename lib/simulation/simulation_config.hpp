@@ -231,6 +231,7 @@ struct SimulationConfig {
   MotionConfig motion;
   WheelsConfig wheels;
   ReceiverConfig gnss;
+  ImuConfig imu;
   CarryConfig carry;
   ChangeConfig change;
   BoardSceneConfig board;
@@ -249,6 +250,7 @@ void describe(Visitor& v, SimulationConfig& c) {
   v.section("wheels", c.wheels, "what else wheel encoders get wrong");
   v.section("gnss", c.gnss,
             "where the satellite receiver's antenna is, and what goes wrong with it");
+  v.section("imu", c.imu, "inertial unit of scene orchard");
   v.section("carry", c.carry, "the robot is lifted and put down in another alley");
   v.section("change", c.change, "scene orchard on a later day");
   v.section("board", c.board, "scene board: a chessboard before laser and camera");

@@ -17,11 +17,11 @@ namespace {
 
 constexpr double kSweepWay_m = 5.0;  ///< more than a robot moves while it scans
 
-enum Sensor : std::size_t { kScan, kImage, kOdometry, kGnss, kPoseFix };
+enum Sensor : std::size_t { kScan, kImage, kOdometry, kGnss, kPoseFix, kImu };
 
 Stream stream_of(std::size_t sensor) {
-  constexpr std::array<Stream, 5> kStreams{Stream::kScan, Stream::kImage, Stream::kOdometry,
-                                           Stream::kGnss, Stream::kPoseFix};
+  constexpr std::array<Stream, 6> kStreams{Stream::kScan, Stream::kImage,   Stream::kOdometry,
+                                           Stream::kGnss, Stream::kPoseFix, Stream::kImu};
   return kStreams[sensor];
 }
 
@@ -61,7 +61,8 @@ Simulator::Simulator(SceneKind kind, std::uint64_t seed, const RigConfig& rig)
       scene_(make_scene(kind, seed, rig)),
       index_(scene_.world),
       renderer_(rig),
-      receiver_(seed, rig.simulation) {
+      receiver_(seed, rig.simulation),
+      inertial_unit_(seed, rig.simulation.imu, scene_.path.duration_s()) {
   if (rig.camera.enabled) renderer_.cast_shadows(scene_.world);
   target_errors_ = target_errors(seed, scene_, rig.simulation.scanner);
   Random wheels(seed, Stream::kOdometryRun);
@@ -79,6 +80,7 @@ Simulator::Simulator(SceneKind kind, std::uint64_t seed, const RigConfig& rig)
     start_clock(kOdometry, config.motion.odometry_rate_hz, 0.0);
     start_clock(kGnss, config.motion.gnss_rate_hz, 0.0);
     start_clock(kPoseFix, config.orchard.fix_rate_hz, 0.0);
+    start_clock(kImu, config.imu.rate_hz, 0.0);
   }
 }
 
@@ -206,6 +208,8 @@ std::optional<SensorMessage> Simulator::make(std::size_t sensor, std::int64_t in
       if (!fix) return std::nullopt;
       return stamped(*fix);
     }
+    case kImu:
+      return stamped(inertial_unit_.sample(scene_.path, index, time_s));
     default:
       return stamped(
           kind_ == SceneKind::kTubes

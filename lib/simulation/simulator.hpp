@@ -11,6 +11,7 @@
 #include "laser/scan.hpp"
 #include "pose/measurements.hpp"
 #include "simulation/camera_renderer.hpp"
+#include "simulation/inertial_unit.hpp"
 #include "simulation/laser_model.hpp"
 #include "simulation/motion_sensors.hpp"
 #include "simulation/satellite_receiver.hpp"
@@ -23,7 +24,7 @@ namespace orchard::simulation {
 
 /// What a simulated sensor says. The alternatives stand in the order of bus::Channel.
 using SensorMessage =
-    std::variant<laser::Scan, vision::Image, pose::Odometry, pose::Gnss, pose::PoseFix>;
+    std::variant<laser::Scan, vision::Image, pose::Odometry, pose::Gnss, pose::PoseFix, pose::Imu>;
 
 /// Where simulated time begins: 2013-12-02 00:00 UTC, the day ACRA 2013 opened [us].
 inline constexpr std::int64_t kEpochUtime = 1385942400000000;
@@ -85,6 +86,7 @@ class Simulator {
   CameraRenderer renderer_;
   std::vector<double> target_errors_;
   SatelliteReceiver receiver_;
+  InertialUnit inertial_unit_;
   OdometryErrors odometry_errors_;
   std::array<Clock, kNumSensors> clocks_{};
 };

@@ -11,7 +11,7 @@ int main(int argc, char** argv) {
   info.name = "orchard-sim-driver";
   info.description =
       "Drives a simulated robot and publishes what its sensors measure.\n"
-      "Sends SCAN, IMAGE and POSE_FIX; in scene orchard ODOMETRY and GNSS too.";
+      "Sends SCAN, IMAGE and POSE_FIX; in scene orchard ODOMETRY, GNSS and IMU too.";
   info.options = {
       {"--scene", "NAME", "tubes (the paper's simulated environment) or orchard [tubes]",
        &options.scene},

@@ -255,5 +255,52 @@ TEST(BlockSensors, CarriedRobotSeesNothingAndItsWheelsStandStill) {
   }
 }
 
+TEST(BlockSensors, InertialUnitTurnsWithTheRobotAndWanders) {
+  RigConfig rig = block();
+  ImuConfig& config = rig.simulation.imu;
+  config.rate_hz = 50.0;
+  config.angular_rate_sd_radps = 0.0;
+  config.yaw_rate_bias_sd_radps = 0.0;
+  config.yaw_rate_walk = 0.0;
+  config.acceleration_sd_mps2 = 0.0;
+  config.acceleration_bias_sd_mps2 = 0.0;
+  config.orientation = true;
+  config.orientation_sd_rad = 0.0;
+  config.yaw_bias_sd_rad = 0.0;
+  rig.simulation.orchard.speed_mps = 1.5;
+  Simulator ideal(SceneKind::kOrchard, 6, rig);
+  const DrivePath path = ideal.scene().path;
+  double yaw_rad = path.pose_at(0.0).yaw_rad;
+  int num_turning = 0;
+  for (const pose::Imu& imu : messages_of<pose::Imu>(ideal)) {
+    yaw_rad += 0.02 * imu.angular_rate_radps[2];
+    EXPECT_TRUE(imu.has_orientation);
+    EXPECT_NEAR(geometry::wrap_angle_rad(imu.yaw_rad - path.pose_at(seconds(imu.utime)).yaw_rad),
+                0.0, 1e-9);
+    EXPECT_NEAR(geometry::wrap_angle_rad(yaw_rad - imu.yaw_rad), 0.0, 0.03);
+    EXPECT_NEAR(imu.acceleration_mps2[2], 9.807, 0.001);
+    if (imu.angular_rate_radps[2] == 0.0) {
+      EXPECT_EQ(imu.acceleration_mps2[1], 0.0);
+    } else {
+      // half circles of 2 m at 1.5 m/s
+      EXPECT_NEAR(std::abs(imu.angular_rate_radps[2]), 0.75, 1e-9);
+      EXPECT_NEAR(imu.acceleration_mps2[1], 1.5 * imu.angular_rate_radps[2], 1e-9);
+      ++num_turning;
+    }
+  }
+  EXPECT_GT(num_turning, 100);
+
+  // a walk of 1e-4 rad/s in a second is 1e-3 rad/s after a hundred
+  ImuConfig wandering;
+  wandering.rate_hz = 50.0;
+  wandering.yaw_rate_walk = 1e-4;
+  double sum = 0.0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    const InertialUnit unit(seed, wandering, 120.0);
+    sum += std::pow(unit.yaw_rate_bias_radps(110.5) - unit.yaw_rate_bias_radps(10.5), 2);
+  }
+  EXPECT_NEAR(std::sqrt(sum / 200.0), 1e-3, 2e-4);
+}
+
 }  // namespace
 }  // namespace orchard::simulation

@@ -69,6 +69,7 @@ Detection laser_detection(const laser::Segment& segment, const laser::Scan& scan
 /// What is decoded of a picture, and its edges from the first time somebody asks for them.
 struct Pixels {
   vision::PixelBlock block;
+  vision::PixelRect windows;  ///< where edges may be asked for
   std::optional<vision::EdgeMap> edges;
 };
 
@@ -97,7 +98,7 @@ double judge_by_vision(Detection& d, const TrunkView& view, Pixels& pixels, cons
   d.roc_colour = static_cast<float>(colour.roc);
   if (!colour.passed) return 0.0;
 
-  if (!pixels.edges) pixels.edges = vision::edge_map(pixels.block, config.edges);
+  if (!pixels.edges) pixels.edges = vision::edge_map(pixels.block, pixels.windows, config.edges);
   const auto left = vision::find_edge(*pixels.edges, view.left_edge, view.left_x_px, config.edges);
   const auto right =
       vision::find_edge(*pixels.edges, view.right_edge, view.right_x_px, config.edges);
@@ -193,10 +194,12 @@ DetectResult look_at_candidates(LaserFindings findings, vision::PictureReader* p
   std::vector<Detection>& trunks = result.detections.trunks;
 
   std::vector<std::optional<TrunkView>> views(findings.candidates.size());
-  vision::PixelRect reading;
+  vision::PixelRect reading, windows;
   for (std::size_t i = 0; i < views.size(); ++i) {
     views[i] = view_of(findings.candidates[i].segment, rig, to_exposure);
-    if (views[i]) reading = vision::bounding(reading, reading_area(*views[i], rig));
+    if (!views[i]) continue;
+    reading = vision::bounding(reading, reading_area(*views[i], rig));
+    windows = vision::bounding(windows, windows_area(*views[i], rig));
   }
   if (reading.empty()) return result;
 
@@ -211,7 +214,7 @@ DetectResult look_at_candidates(LaserFindings findings, vision::PictureReader* p
     }
   }
   vision::apply(rig.light_gains, *pixels);
-  Pixels seen{std::move(*pixels), std::nullopt};
+  Pixels seen{std::move(*pixels), windows, std::nullopt};
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (!views[i]) continue;
     Detection& d = trunks[findings.candidates[i].index];

@@ -95,14 +95,18 @@ vision::PixelRect trunk_window(const TrunkView& view, const Rig& rig) {
   return vision::intersection(between, picture_of(rig));
 }
 
-vision::PixelRect reading_area(const TrunkView& view, const Rig& rig) {
+vision::PixelRect windows_area(const TrunkView& view, const Rig& rig) {
   const vision::PixelRect picture = picture_of(rig);
   const auto left = vision::edge_reading_area(view.left_edge, picture, rig.detector.edges);
   const auto right = vision::edge_reading_area(view.right_edge, picture, rig.detector.edges);
-  const auto windows = vision::bounding(view.centre, vision::bounding(left, right));
+  return vision::bounding(view.centre, vision::bounding(left, right));
+}
+
+vision::PixelRect reading_area(const TrunkView& view, const Rig& rig) {
+  const vision::PixelRect windows = windows_area(view, rig);
   if (rig.detector.colour_model == ColourModel::kHueInterval) return windows;
-  return vision::bounding(windows,
-                          vision::appearance_reading_area(trunk_window(view, rig), picture));
+  return vision::bounding(
+      windows, vision::appearance_reading_area(trunk_window(view, rig), picture_of(rig)));
 }
 
 }  // namespace orchard::detection

@@ -66,10 +66,14 @@ PixelRect edge_reading_area(const PixelRect& window, const PixelRect& picture,
 }
 
 EdgeMap edge_map(const PixelBlock& pixels, const EdgeConfig& config) {
+  return edge_map(pixels, pixels.area, config);
+}
+
+EdgeMap edge_map(const PixelBlock& pixels, const PixelRect& area, const EdgeConfig& config) {
   EdgeMap map;
-  map.area = pixels.area;
+  map.area = area;
   cv::Mat grey;
-  cv::cvtColor(view_of(pixels, pixels.area), grey, cv::COLOR_BGR2GRAY);
+  cv::cvtColor(view_of(pixels, area), grey, cv::COLOR_BGR2GRAY);
   if (config.median_size_px > 1) cv::medianBlur(grey, grey, config.median_size_px);
   map.edges = canny(grey.data, grey.cols, grey.rows, config.canny_low, config.canny_high);
   return map;

@@ -23,9 +23,11 @@ struct EdgeMap {
   std::vector<std::uint8_t> edges;  ///< area.width_px x area.height_px, rows top-down
 };
 
-/// Grey as the weighted sum of the colours, median filter, Canny, over all of a block: one pass for
-/// all windows costs a fraction of a pass for each.
+/// Grey as the weighted sum of the colours, median filter, Canny, over all of a block or an area in
+/// it: one pass for all windows costs a fraction of a pass for each. Throws std::invalid_argument
+/// when the area is empty or does not lie inside the block.
 EdgeMap edge_map(const PixelBlock& pixels, const EdgeConfig& config);
+EdgeMap edge_map(const PixelBlock& pixels, const PixelRect& area, const EdgeConfig& config);
 
 /// What must be decoded for a window, so that the filters work up to its border as they would in
 /// the whole picture.

@@ -1,18 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/localiser.hpp"
 
+#include <utility>
+
 #include "pose/fusion.hpp"
 #include "pose/pose_estimator.hpp"
+#include "pose/prior_map_localiser.hpp"
 #include "pose/stationary.hpp"
 
 namespace orchard::pose {
 
-std::unique_ptr<Localiser> make_localiser(const PoseConfig& config) {
+std::unique_ptr<Localiser> make_localiser(const PoseConfig& config,
+                                          std::vector<PriorLandmark> prior_landmarks) {
   switch (config.mode) {
     case PoseMode::kStationary:
       return std::make_unique<Stationary>();
     case PoseMode::kFused:
       return std::make_unique<Fusion>(config);
+    case PoseMode::kPriorMap:
+      return std::make_unique<PriorMapLocaliser>(config, std::move(prior_landmarks));
     case PoseMode::kFixes:
     case PoseMode::kFixesAndOdometry:
     case PoseMode::kOdometry:
@@ -36,6 +42,10 @@ MeasurementWaits expected_measurements(const PoseConfig& config) {
     case PoseMode::kFixesAndOdometry:
       expect(MeasurementKind::kPoseFix, config.reorder_window_s);
       expect(MeasurementKind::kOdometry, config.reorder_window_s);
+      break;
+    case PoseMode::kPriorMap:
+      expect(MeasurementKind::kOdometry, config.reorder_window_s);
+      expect(MeasurementKind::kSeenTrunks, config.reorder_window_s);
       break;
     case PoseMode::kOdometry:
       expect(MeasurementKind::kOdometry, config.reorder_window_s);

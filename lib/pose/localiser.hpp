@@ -10,6 +10,7 @@
 #include "pose/measurement_queue.hpp"
 #include "pose/pose_config.hpp"
 #include "pose/pose_estimate.hpp"
+#include "pose/prior_map.hpp"
 #include "pose/trajectory.hpp"
 
 namespace orchard::pose {
@@ -37,8 +38,10 @@ class Localiser {
   virtual std::string warning() const { return {}; }
 };
 
-/// The localiser of `config.mode`.
-std::unique_ptr<Localiser> make_localiser(const PoseConfig& config);
+/// The localiser of `config.mode`. Mode prior_map needs the landmarks of that map, which are not
+/// read here; throws std::invalid_argument when no place can be found by them.
+std::unique_ptr<Localiser> make_localiser(const PoseConfig& config,
+                                          std::vector<PriorLandmark> prior_landmarks = {});
 
 /// What that localiser uses, and how long each of it is waited for.
 MeasurementWaits expected_measurements(const PoseConfig& config);

@@ -3,6 +3,7 @@
 
 #include "pose/fusion_config.hpp"
 #include "pose/gnss_config.hpp"
+#include "pose/prior_map_config.hpp"
 
 namespace orchard::pose {
 
@@ -13,6 +14,7 @@ enum class PoseMode {
   kOdometry,          ///< dead reckoning alone, from the map's origin
   kStationary,        ///< the robot stands at the map's origin
   kFused,             ///< wheels, IMU, GNSS and fixes: sections `pose.fusion` and `pose.gnss`
+  kPriorMap,          ///< found in the map of an earlier day: section `pose.prior_map`
 };
 
 /// How base is placed in map. Section `pose`.
@@ -27,11 +29,13 @@ struct PoseConfig {
   double heading_baseline_m = 0.5;  ///< travel that gives a first heading to fixes without yaw
   FusionConfig fusion;
   GnssConfig gnss;
+  PriorMapConfig prior_map;
 };
 
 template <class Visitor>
 void describe(Visitor& v, PoseConfig& c) {
-  v.choice("mode", c.mode, {"fixes", "fixes_and_odometry", "odometry", "stationary", "fused"},
+  v.choice("mode", c.mode,
+           {"fixes", "fixes_and_odometry", "odometry", "stationary", "fused", "prior_map"},
            "where poses come from");
   v.number("reorder_window_s", c.reorder_window_s, 0, 10, "s",
            "message time that one channel may lag another");
@@ -49,6 +53,9 @@ void describe(Visitor& v, PoseConfig& c) {
            "travel that gives a first heading to fixes without yaw and to GNSS");
   v.section("fusion", c.fusion, "mode fused: wheels, IMU, GNSS and fixes together");
   v.section("gnss", c.gnss, "how satellite fixes are used");
+  v.section("prior_map", c.prior_map, "localisation in an earlier day's map: mode prior_map");
+  v.check(c.mode != PoseMode::kPriorMap || !c.prior_map.map_file.empty(), "mode",
+          "needs pose.prior_map.map_file: the map of an earlier day");
 }
 
 }  // namespace orchard::pose

@@ -5,6 +5,8 @@
 #include <utility>
 #include <variant>
 
+#include "io/prior_map_file.hpp"
+
 namespace orchard::procs {
 namespace {
 
@@ -57,7 +59,9 @@ std::optional<pose::Measurement> measurement_of(const bus::Message& input) {
 PoseNode::PoseNode(const io::Config& config)
     : waits_s_(pose::expected_measurements(config.pose)),
       queue_(waits_s_),
-      localiser_(pose::make_localiser(config.pose)) {}
+      localiser_(config.pose.mode == pose::PoseMode::kPriorMap
+                     ? pose::make_localiser(config.pose, io::read_prior_map(config.pose.prior_map))
+                     : pose::make_localiser(config.pose)) {}
 
 std::vector<bus::Channel> PoseNode::inputs() const {
   std::vector<bus::Channel> channels;

@@ -16,6 +16,7 @@ namespace orchard::procs {
 /// whenever the past was corrected.
 class PoseNode : public bus::Node {
  public:
+  /// Throws io::FileError when mode prior_map has no map to go by.
   explicit PoseNode(const io::Config& config);
 
   std::string_view name() const override { return "pose"; }

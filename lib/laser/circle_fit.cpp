@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <vector>
 
 #include "geometry/angles.hpp"
 
@@ -43,11 +44,19 @@ struct Normal {
   }
 };
 
-void add_ranges(const Arc& arc, const Circle& c, double step_rad, double range_sd_m, Normal& sum) {
+/// Cosine and sine of a beam's bearing.
+struct Direction {
+  double c, s;
+};
+
+void add_ranges(const Arc& arc, const std::vector<Direction>& beams, const Circle& c,
+                double step_rad, double range_sd_m, Normal& sum) {
   const double radius2_m2 = c.radius_m * c.radius_m;
+  const double centre_c = std::cos(c.bearing_rad), centre_s = std::sin(c.bearing_rad);
   for (std::size_t i = 0; i < arc.ranges_m.size(); ++i) {
-    const double offset_rad = arc.bearings_rad[i] - c.bearing_rad;
-    const double cosine = std::cos(offset_rad), sine = std::sin(offset_rad);
+    // of the beam's bearing from the centre's, without two more functions per beam and step
+    const double cosine = beams[i].c * centre_c + beams[i].s * centre_s;
+    const double sine = beams[i].s * centre_c - beams[i].c * centre_s;
     const double across_m = c.range_m * sine;
     const double half_chord2_m2 = radius2_m2 - across_m * across_m;
     if (half_chord2_m2 <= kGrazingCosine * kGrazingCosine * radius2_m2) continue;
@@ -60,7 +69,8 @@ void add_ranges(const Arc& arc, const Circle& c, double step_rad, double range_s
                                    -c.radius_m / half_chord_m);
     // the spot is about a step wide, and what it reads lies somewhere in it
     const double spread_m = by_bearing * step_rad * 0.25;
-    sum.add(arc.ranges_m[i] - expected_m, jacobian, std::hypot(range_sd_m, spread_m), share);
+    const double sd_m = std::sqrt(range_sd_m * range_sd_m + spread_m * spread_m);
+    sum.add(arc.ranges_m[i] - expected_m, jacobian, sd_m, share);
   }
 }
 
@@ -80,9 +90,10 @@ void add_sides(const Arc& arc, const Circle& c, Normal& sum) {
   }
 }
 
-Normal normal_at(const Arc& arc, const Circle& c, double step_rad, double range_sd_m) {
+Normal normal_at(const Arc& arc, const std::vector<Direction>& beams, const Circle& c,
+                 double step_rad, double range_sd_m) {
   Normal sum;
-  add_ranges(arc, c, step_rad, range_sd_m, sum);
+  add_ranges(arc, beams, c, step_rad, range_sd_m, sum);
   add_sides(arc, c, sum);
   return sum;
 }
@@ -105,12 +116,17 @@ Circle first_guess(const Arc& arc) {
 std::optional<CircleFit> fit_circle(const Arc& arc, double bearing_step_rad, double range_sd_m,
                                     double radius_max_m) {
   if (arc.ranges_m.empty()) return std::nullopt;
+  std::vector<Direction> beams;
+  beams.reserve(arc.bearings_rad.size());
+  for (const double bearing_rad : arc.bearings_rad) {
+    beams.push_back({std::cos(bearing_rad), std::sin(bearing_rad)});
+  }
   Circle c = first_guess(arc);
   Normal normal;
   Eigen::Matrix3d inverse;
   bool settled = false;
   for (int i = 0; i < kMaxIterations; ++i) {
-    normal = normal_at(arc, c, bearing_step_rad, range_sd_m);
+    normal = normal_at(arc, beams, c, bearing_step_rad, range_sd_m);
     if (normal.count < 3) return std::nullopt;
     bool invertible = false;
     normal.information.computeInverseWithCheck(inverse, invertible, 1e-12);

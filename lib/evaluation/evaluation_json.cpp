@@ -67,6 +67,8 @@ std::string evaluation_json(const MapEvaluation& evaluation) {
                     {"num_missed", evaluation.num_missed},
                     {"num_wrong_class", evaluation.num_wrong_class},
                     {"num_extra", evaluation.extra.size()},
+                    {"num_trees_missed", evaluation.num_trees_missed},
+                    {"num_duplicates", evaluation.num_duplicates},
                     {"perfect", evaluation.perfect()},
                     {"error_all", errors_json(evaluation.all)},
                     {"error_trees", errors_json(evaluation.trees)},
@@ -74,6 +76,11 @@ std::string evaluation_json(const MapEvaluation& evaluation) {
                     {"se_x_mean_m", evaluation.se_x_mean_m},
                     {"se_y_mean_m", evaluation.se_y_mean_m},
                     {"confusion", confusion_json(evaluation)}};
+  if (evaluation.unaligned) {
+    const RigidMotion& t = evaluation.unaligned->T_truth_map;
+    json["aligned_by"] = {{"x_m", t.x_m}, {"y_m", t.y_m}, {"yaw_rad", t.yaw_rad}};
+    json["error_trees_unaligned"] = errors_json(evaluation.unaligned->trees);
+  }
   json["objects"] = ordered_json::array();
   for (const EvaluatedObject& object : evaluation.objects) {
     json["objects"].push_back(object_json(object));

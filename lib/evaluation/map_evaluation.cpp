@@ -81,6 +81,7 @@ void count(MapEvaluation& evaluation) {
     ++(is_tree ? evaluation.num_trees : evaluation.num_objects);
     if (!object.landmark) {
       ++evaluation.num_missed;
+      evaluation.num_trees_missed += is_tree;
       continue;
     }
     ++evaluation.confusion[static_cast<std::size_t>(object.truth.label)]
@@ -101,6 +102,37 @@ void count(MapEvaluation& evaluation) {
   evaluation.se_y_mean_m /= evaluation.trees.num;
 }
 
+void count_duplicates(MapEvaluation& evaluation) {
+  // by place in x: of an extra landmark only trees within the gate's band are looked at
+  std::vector<Point> trees;
+  for (const EvaluatedObject& object : evaluation.objects) {
+    if (object.truth.label == Label::kTree && object.landmark) {
+      trees.push_back({object.truth.x_m, object.truth.y_m});
+    }
+  }
+  std::sort(trees.begin(), trees.end(),
+            [](const Point& a, const Point& b) { return a.x_m < b.x_m; });
+  for (const mapping::Landmark& extra : evaluation.extra) {
+    if (extra.label != Label::kTree) continue;
+    auto it = std::lower_bound(trees.begin(), trees.end(), extra.x_m - evaluation.gate_m,
+                               [](const Point& tree, double x_m) { return tree.x_m < x_m; });
+    for (; it != trees.end() && it->x_m <= extra.x_m + evaluation.gate_m; ++it) {
+      if (std::hypot(it->x_m - extra.x_m, it->y_m - extra.y_m) > evaluation.gate_m) continue;
+      ++evaluation.num_duplicates;
+      break;
+    }
+  }
+}
+
+template <class Things, class Where>
+std::vector<Point> points_of(const Things& things, bool trees_only, const Where& where) {
+  std::vector<Point> points;
+  for (const auto& thing : things) {
+    if (!trees_only || thing.label == Label::kTree) points.push_back(where(thing));
+  }
+  return points;
+}
+
 }  // namespace
 
 MapEvaluation evaluate_map(const std::vector<mapping::Landmark>& landmarks,
@@ -110,6 +142,32 @@ MapEvaluation evaluate_map(const std::vector<mapping::Landmark>& landmarks,
   evaluation.objects = named(truth);
   match(landmarks, evaluation);
   count(evaluation);
+  count_duplicates(evaluation);
+  return evaluation;
+}
+
+MapEvaluation evaluate_aligned_map(const std::vector<mapping::Landmark>& landmarks,
+                                   const std::vector<simulation::TruthObject>& truth, double gate_m,
+                                   const AlignmentSearch& search,
+                                   const std::optional<RigidMotion>& guess) {
+  const auto where = [](const auto& thing) { return Point{thing.x_m, thing.y_m}; };
+  std::vector<Point> true_points = points_of(truth, true, where);
+  std::vector<Point> found_points = points_of(landmarks, true, where);
+  if (true_points.size() < 3 || found_points.size() < 3) {
+    true_points = points_of(truth, false, where);
+    found_points = points_of(landmarks, false, where);
+  }
+  const MapEvaluation as_it_came = evaluate_map(landmarks, truth, gate_m);
+  const RigidMotion T_truth_map =
+      align_points(true_points, found_points, gate_m, search, guess).value_or(RigidMotion{});
+  std::vector<mapping::Landmark> moved = landmarks;
+  for (mapping::Landmark& landmark : moved) {
+    const Point p = T_truth_map(where(landmark));
+    landmark.x_m = p.x_m;
+    landmark.y_m = p.y_m;
+  }
+  MapEvaluation evaluation = evaluate_map(moved, truth, gate_m);
+  evaluation.unaligned = Unaligned{T_truth_map, as_it_came.trees.num, as_it_came.trees};
   return evaluation;
 }
 

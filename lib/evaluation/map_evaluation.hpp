@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "evaluation/map_alignment.hpp"
 #include "mapping/landmark.hpp"
 #include "simulation/world.hpp"
 
@@ -31,6 +32,13 @@ struct ErrorSummary {
   double max_m = 0.0;
 };
 
+/// A map as it came, when the evaluation is of the map laid upon the truth.
+struct Unaligned {
+  RigidMotion T_truth_map;  ///< what was done to it
+  int num_trees_found = 0;  ///< within the gate without that
+  ErrorSummary trees;       ///< of those
+};
+
 /// A map against the truth.
 struct MapEvaluation {
   double gate_m = 0.0;
@@ -43,6 +51,10 @@ struct MapEvaluation {
   int num_objects = 0;
   int num_missed = 0;
   int num_wrong_class = 0;
+  int num_trees_missed = 0;  ///< no landmark of any class stands for them
+  /// Extra landmarks of class tree within the gate of a tree that another one stands for.
+  int num_duplicates = 0;
+  std::optional<Unaligned> unaligned;
   ErrorSummary all;  ///< position errors over everything matched
   ErrorSummary trees;
   double roc_mean_trees = 0.0;  ///< mean of the matched trees' roc_mean
@@ -60,5 +72,12 @@ struct MapEvaluation {
 /// that are not finite, and for a truth of class unseen.
 MapEvaluation evaluate_map(const std::vector<mapping::Landmark>& landmarks,
                            const std::vector<simulation::TruthObject>& truth, double gate_m);
+
+/// The same after the map was laid upon the truth by its trees, as align_points() does (with fewer
+/// than three trees on one side by everything). A map that lies upon nothing stays where it is.
+MapEvaluation evaluate_aligned_map(const std::vector<mapping::Landmark>& landmarks,
+                                   const std::vector<simulation::TruthObject>& truth, double gate_m,
+                                   const AlignmentSearch& search = {},
+                                   const std::optional<RigidMotion>& guess = {});
 
 }  // namespace orchard::evaluation

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdio>
 
+#include "geometry/angles.hpp"
+
 namespace orchard::evaluation {
 namespace {
 
@@ -86,6 +88,18 @@ std::string evaluation_summary(const MapEvaluation& evaluation) {
   text += format("error against truth: RMS %.2f mm, mean %.2f mm, largest %.2f mm\n",
                  kMmPerM * evaluation.all.rms_m, kMmPerM * evaluation.all.mean_m,
                  kMmPerM * evaluation.all.max_m);
+  if (evaluation.unaligned) {
+    const Unaligned& before = *evaluation.unaligned;
+    text += format("trees: missed %d of %d, mapped twice %d, error RMS %.2f mm\n",
+                   evaluation.num_trees_missed, evaluation.num_trees, evaluation.num_duplicates,
+                   kMmPerM * evaluation.trees.rms_m);
+    text += format(
+        "aligned on the trees: moved by (%.3f, %.3f) m, turned by %.3f degrees; without that %d"
+        " trees found, error RMS %.2f mm\n",
+        before.T_truth_map.x_m, before.T_truth_map.y_m,
+        180.0 / geometry::kPi * before.T_truth_map.yaw_rad, before.num_trees_found,
+        kMmPerM * before.trees.rms_m);
+  }
   for (const mapping::Landmark& landmark : evaluation.extra) {
     text +=
         format("extra landmark %d (%s, seen %d times) at (%.3f, %.3f) m\n", landmark.id,

@@ -4,59 +4,197 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string>
+#include <utility>
 
+#include "evaluation/track_association.hpp"
 #include "geometry/angles.hpp"
 
 namespace orchard::evaluation {
 namespace {
 
-bool earlier(const pose::PoseEstimate& a, const pose::PoseEstimate& b) { return a.utime < b.utime; }
+using geometry::wrap_angle_rad;
 
-simulation::TruePose interpolate(const pose::PoseEstimate& before, const pose::PoseEstimate& after,
-                                 std::int64_t utime) {
-  const auto span_us = static_cast<double>(after.utime - before.utime);
-  const double share = span_us > 0.0 ? static_cast<double>(utime - before.utime) / span_us : 0.0;
-  simulation::TruePose pose;
-  pose.utime = utime;
-  pose.x_m = before.x_m + share * (after.x_m - before.x_m);
-  pose.y_m = before.y_m + share * (after.y_m - before.y_m);
-  pose.yaw_rad = before.yaw_rad + share * geometry::wrap_angle_rad(after.yaw_rad - before.yaw_rad);
-  return pose;
+void require_order(const Track& track, const char* which) {
+  for (std::size_t i = 1; i < track.poses.size(); ++i) {
+    if (track.poses[i].utime <= track.poses[i - 1].utime) {
+      throw std::invalid_argument(std::string("evaluate_trajectory: the time of the ") + which +
+                                  " does not go up");
+    }
+  }
+}
+
+void require_positive(double value, const char* what) {
+  if (!(value > 0.0) || !std::isfinite(value)) {
+    throw std::invalid_argument(std::string("evaluate_trajectory: ") + what + " must be positive");
+  }
+}
+
+TrackPose moved(const RigidMotion& motion, const TrackPose& pose) {
+  const Point at = motion({pose.x_m, pose.y_m});
+  return {pose.utime, at.x_m, at.y_m, wrap_angle_rad(pose.yaw_rad + motion.yaw_rad)};
+}
+
+/// Pose `to` as `from` sees it.
+TrackPose relative(const TrackPose& from, const TrackPose& to) {
+  const double c = std::cos(from.yaw_rad), s = std::sin(from.yaw_rad);
+  const double dx = to.x_m - from.x_m, dy = to.y_m - from.y_m;
+  return {to.utime, c * dx + s * dy, -s * dx + c * dy, wrap_angle_rad(to.yaw_rad - from.yaw_rad)};
+}
+
+double distance_m(const TrackPose& a, const TrackPose& b) {
+  return std::hypot(b.x_m - a.x_m, b.y_m - a.y_m);
+}
+
+RigidMotion align(const std::vector<ComparedPose>& compared, Alignment alignment, bool has_yaw) {
+  if (alignment == Alignment::kNone || compared.empty()) return {};
+  if (alignment == Alignment::kOrigin) {
+    const TrackPose& truth = compared.front().truth;
+    const TrackPose& estimate = compared.front().estimate;
+    const double yaw_rad = has_yaw ? wrap_angle_rad(truth.yaw_rad - estimate.yaw_rad) : 0.0;
+    const TrackPose turned = moved({0.0, 0.0, yaw_rad}, estimate);
+    return {truth.x_m - turned.x_m, truth.y_m - turned.y_m, yaw_rad};
+  }
+  std::vector<Point> from, to;
+  for (const ComparedPose& pair : compared) {
+    from.push_back({pair.estimate.x_m, pair.estimate.y_m});
+    to.push_back({pair.truth.x_m, pair.truth.y_m});
+  }
+  return fit_rigid(from, to);
+}
+
+/// How far along a stretch each compared pose of the estimate is: metres driven, seconds, or
+/// frames.
+std::vector<double> progress(const std::vector<ComparedPose>& compared, DeltaUnit unit) {
+  std::vector<double> along(compared.size(), 0.0);
+  for (std::size_t i = 1; i < compared.size(); ++i) {
+    const double step = unit == DeltaUnit::kMetres
+                            ? distance_m(compared[i - 1].estimate, compared[i].estimate)
+                        : unit == DeltaUnit::kSeconds
+                            ? 1e-6 * static_cast<double>(compared[i].utime - compared[i - 1].utime)
+                            : 1.0;
+    along[i] = along[i - 1] + step;
+  }
+  return along;
+}
+
+using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
+
+/// One stretch after the other, each ending where it first reaches delta; as evo begins a path of
+/// metres only where the first stretch has ended, so do we.
+Pairs consecutive_pairs(const std::vector<double>& along, const TrajectoryRules& rules) {
+  constexpr double kRounding = 1e-9;
+  Pairs pairs;
+  if (along.empty()) return pairs;
+  std::vector<std::size_t> ends;
+  if (rules.unit == DeltaUnit::kFrames) ends.push_back(0);
+  double begin = along.front();
+  for (std::size_t i = 1; i < along.size(); ++i) {
+    if (along[i] - begin < rules.delta * (1.0 - kRounding)) continue;
+    ends.push_back(i);
+    begin = along[i];
+  }
+  for (std::size_t i = 1; i < ends.size(); ++i) pairs.emplace_back(ends[i - 1], ends[i]);
+  return pairs;
+}
+
+/// From every pose to the one nearest to delta ahead, where one is near enough.
+Pairs all_pairs(const std::vector<double>& along, const TrajectoryRules& rules) {
+  Pairs pairs;
+  for (std::size_t i = 0; i + 1 < along.size(); ++i) {
+    const double wanted = along[i] + rules.delta;
+    const auto first = along.begin() + static_cast<std::ptrdiff_t>(i) + 1;
+    auto it = std::lower_bound(first, along.end(), wanted);
+    if (it == along.end() || (it != first && wanted - *(it - 1) <= *it - wanted)) {
+      if (it == first) continue;
+      --it;
+    }
+    // of poses at one place (a robot that stands) the earliest
+    it = std::lower_bound(first, along.end(), *it);
+    if (std::abs(*it - wanted) > rules.delta * rules.delta_tolerance) continue;
+    pairs.emplace_back(i, static_cast<std::size_t>(it - along.begin()));
+  }
+  return pairs;
+}
+
+void judge_relative(const TrajectoryRules& rules, TrajectoryEvaluation& evaluation) {
+  const std::vector<ComparedPose>& compared = evaluation.compared;
+  const std::vector<double> along = progress(compared, rules.unit);
+  std::vector<double> translations_m, rotations_rad;
+  for (const auto& [i, j] :
+       rules.all_pairs ? all_pairs(along, rules) : consecutive_pairs(along, rules)) {
+    if (!evaluation.has_yaw) {
+      translations_m.push_back(std::abs(distance_m(compared[i].truth, compared[j].truth) -
+                                        distance_m(compared[i].estimate, compared[j].estimate)));
+      continue;
+    }
+    const TrackPose error = relative(relative(compared[i].truth, compared[j].truth),
+                                     relative(compared[i].estimate, compared[j].estimate));
+    translations_m.push_back(std::hypot(error.x_m, error.y_m));
+    rotations_rad.push_back(std::abs(error.yaw_rad));
+  }
+  evaluation.relative_position_m = error_statistics(std::move(translations_m));
+  evaluation.relative_yaw_rad = error_statistics(std::move(rotations_rad));
 }
 
 }  // namespace
 
-TrajectoryEvaluation evaluate_trajectory(const std::vector<pose::PoseEstimate>& estimates,
-                                         const std::vector<simulation::TruePose>& truth) {
-  if (!std::is_sorted(estimates.begin(), estimates.end(), earlier)) {
-    throw std::invalid_argument("evaluate_trajectory: the estimates are not in order of utime");
+ErrorStatistics error_statistics(std::vector<double> errors) {
+  ErrorStatistics statistics;
+  statistics.num = static_cast<int>(errors.size());
+  if (errors.empty()) return statistics;
+  const auto n = static_cast<double>(errors.size());
+  double sum = 0.0, sum_of_squares = 0.0;
+  for (const double error : errors) {
+    sum += error;
+    sum_of_squares += error * error;
   }
+  statistics.mean = sum / n;
+  statistics.rmse = std::sqrt(sum_of_squares / n);
+  double squares_about_mean = 0.0;
+  for (const double error : errors) squares_about_mean += std::pow(error - statistics.mean, 2);
+  statistics.sd = std::sqrt(squares_about_mean / n);
+  std::sort(errors.begin(), errors.end());
+  const std::size_t middle = errors.size() / 2;
+  statistics.median =
+      errors.size() % 2 == 1 ? errors[middle] : 0.5 * (errors[middle - 1] + errors[middle]);
+  statistics.min = errors.front();
+  statistics.max = errors.back();
+  return statistics;
+}
+
+TrajectoryEvaluation evaluate_trajectory(const Track& estimate, const Track& truth,
+                                         const TrajectoryRules& rules) {
+  require_order(estimate, "estimate");
+  require_order(truth, "truth");
+  require_positive(rules.delta, "delta");
+  require_positive(rules.max_difference_s, "the largest difference in time");
+  if (rules.gap_max_s) require_positive(*rules.gap_max_s, "the longest gap");
+
   TrajectoryEvaluation evaluation;
-  double position_sum_m2 = 0.0;
-  double yaw_sum_rad2 = 0.0;
-  for (const simulation::TruePose& true_pose : truth) {
-    if (estimates.empty() || true_pose.utime < estimates.front().utime ||
-        true_pose.utime > estimates.back().utime) {
-      ++evaluation.num_outside;
-      continue;
-    }
-    pose::PoseEstimate key;
-    key.utime = true_pose.utime;
-    const auto after = std::lower_bound(estimates.begin(), estimates.end(), key, earlier);
-    const auto before = after == estimates.begin() ? after : after - 1;
-    const simulation::TruePose pose = interpolate(*before, *after, true_pose.utime);
-    const double position_m = std::hypot(pose.x_m - true_pose.x_m, pose.y_m - true_pose.y_m);
-    const double yaw_rad = std::abs(geometry::wrap_angle_rad(pose.yaw_rad - true_pose.yaw_rad));
-    ++evaluation.num_compared;
-    position_sum_m2 += position_m * position_m;
-    yaw_sum_rad2 += yaw_rad * yaw_rad;
-    evaluation.position_max_m = std::max(evaluation.position_max_m, position_m);
-    evaluation.yaw_max_rad = std::max(evaluation.yaw_max_rad, yaw_rad);
+  evaluation.num_estimates = static_cast<int>(estimate.poses.size());
+  evaluation.num_true = static_cast<int>(truth.poses.size());
+  evaluation.has_yaw = truth.has_yaw && estimate.has_yaw;
+  associate(estimate, truth, rules, evaluation);
+  evaluation.T_truth_estimate = align(evaluation.compared, rules.alignment, evaluation.has_yaw);
+
+  std::vector<double> distances_m, turns_rad;
+  const TrackPose* before = nullptr;
+  double way_m = 0.0;
+  for (ComparedPose& pair : evaluation.compared) {
+    pair.estimate = moved(evaluation.T_truth_estimate, pair.estimate);
+    if (before != nullptr) way_m += distance_m(*before, pair.truth);
+    before = &pair.truth;
+    pair.way_m = way_m;
+    pair.position_error_m = distance_m(pair.truth, pair.estimate);
+    distances_m.push_back(pair.position_error_m);
+    if (!evaluation.has_yaw) continue;
+    pair.yaw_error_rad = wrap_angle_rad(pair.estimate.yaw_rad - pair.truth.yaw_rad);
+    turns_rad.push_back(std::abs(pair.yaw_error_rad));
   }
-  if (evaluation.num_compared > 0) {
-    evaluation.position_rms_m = std::sqrt(position_sum_m2 / evaluation.num_compared);
-    evaluation.yaw_rms_rad = std::sqrt(yaw_sum_rad2 / evaluation.num_compared);
-  }
+  evaluation.position_m = error_statistics(std::move(distances_m));
+  evaluation.yaw_rad = error_statistics(std::move(turns_rad));
+  judge_relative(rules, evaluation);
   return evaluation;
 }
 

@@ -1,27 +1,102 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <vector>
 
-#include "pose/pose_estimate.hpp"
-#include "simulation/world.hpp"
+#include "evaluation/rigid_fit.hpp"
 
 namespace orchard::evaluation {
 
-/// A trajectory against the truth, at the truth's times.
-struct TrajectoryEvaluation {
-  int num_compared = 0;
-  int num_outside = 0;  ///< true poses before the first or after the last estimate
-  double position_rms_m = 0.0;
-  double position_max_m = 0.0;
-  double yaw_rms_rad = 0.0;
-  double yaw_max_rad = 0.0;
+/// Where something was at a time, T_map_base.
+struct TrackPose {
+  std::int64_t utime = 0;  ///< [us]
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double yaw_rad = 0.0;  ///< 0 in a track without headings
 };
 
-/// Compares T_map_base over time. The estimates, in order of utime, are interpolated linearly
-/// (yaw along the shorter way) to the times of the true poses; nothing is extrapolated. Throws
-/// std::invalid_argument when estimates are out of order.
-TrajectoryEvaluation evaluate_trajectory(const std::vector<pose::PoseEstimate>& estimates,
-                                         const std::vector<simulation::TruePose>& truth);
+/// Poses in order of utime.
+struct Track {
+  std::vector<TrackPose> poses;
+  bool has_yaw = true;  ///< false: positions only
+};
+
+/// What is done to the estimate before it is compared.
+enum class Alignment {
+  kNone,
+  kRigid,   ///< rotation and translation of least squares (Umeyama 1991, without scale)
+  kOrigin,  ///< its first compared pose is laid upon the truth's
+};
+
+/// Which true pose an estimate is compared with.
+enum class Association {
+  kInterpolate,  ///< the truth at the estimate's time, between two true poses
+  kNearest,      ///< the nearest in time, at the times of the track with fewer poses, as evo does
+};
+
+enum class DeltaUnit { kFrames, kMetres, kSeconds };
+
+/// How a trajectory is judged; the defaults of RPE are evo's.
+struct TrajectoryRules {
+  Alignment alignment = Alignment::kNone;
+  Association association = Association::kInterpolate;
+  double max_difference_s = 0.01;   ///< kNearest: what is farther apart is not compared
+  std::optional<double> gap_max_s;  ///< kInterpolate: true poses farther apart are a gap between
+                                    ///< which nothing is known; none: three median intervals
+  double delta = 1.0;               ///< of RPE, from pose to pose
+  DeltaUnit unit = DeltaUnit::kMetres;
+  bool all_pairs = false;        ///< RPE from every pose on, not one stretch after the other
+  double delta_tolerance = 0.1;  ///< all_pairs: least exactness of a stretch, as a share of it
+};
+
+/// Spread of a set of errors; all 0 for an empty set.
+struct ErrorStatistics {
+  int num = 0;
+  double rmse = 0.0;
+  double mean = 0.0;
+  double median = 0.0;
+  double sd = 0.0;  ///< over all of them, as numpy's std
+  double min = 0.0;
+  double max = 0.0;
+};
+
+ErrorStatistics error_statistics(std::vector<double> errors);
+
+/// One estimate with what is true at its time.
+struct ComparedPose {
+  std::int64_t utime = 0;
+  TrackPose estimate;  ///< after alignment
+  TrackPose truth;
+  double way_m = 0.0;  ///< driven by the truth since the first compared pose
+  double position_error_m = 0.0;
+  double yaw_error_rad = 0.0;  ///< signed, estimate minus truth; 0 without headings
+};
+
+/// A trajectory against the truth.
+struct TrajectoryEvaluation {
+  int num_estimates = 0;
+  int num_true = 0;
+  int num_outside = 0;    ///< estimates before the first or after the last true pose
+  int num_in_gaps = 0;    ///< estimates where the truth is silent for too long
+  int num_unmatched = 0;  ///< kNearest: poses of the shorter track without a partner
+  double gap_max_s = 0.0;
+  RigidMotion T_truth_estimate;  ///< the alignment: from the estimate's frame to the truth's
+  bool has_yaw = true;           ///< of the truth
+  std::vector<ComparedPose> compared;
+  ErrorStatistics position_m;  ///< APE, translation part (ATE)
+  ErrorStatistics yaw_rad;     ///< APE, rotation
+  /// RPE: translation of the difference of the two motions; without headings the difference of the
+  /// two distances (evo's point distance).
+  ErrorStatistics relative_position_m;
+  ErrorStatistics relative_yaw_rad;
+};
+
+/// Absolute and relative errors as evo computes them (Grupp; Sturm et al. 2012), in the plane.
+/// Throws std::invalid_argument for tracks whose time does not go up, and for rules that are not
+/// positive. Too few poses for a figure leave it 0, with num 0.
+TrajectoryEvaluation evaluate_trajectory(const Track& estimate, const Track& truth,
+                                         const TrajectoryRules& rules);
 
 }  // namespace orchard::evaluation

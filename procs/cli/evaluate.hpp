@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "evaluation/map_alignment.hpp"
+
 namespace orchard::cli {
 
 /// `orchard evaluate MAP --truth CSV`.
@@ -11,6 +13,8 @@ struct EvaluateOptions {
   std::string truth_path;
   std::string poses_path;  ///< true poses, to judge trajectory.csv by; empty = do not
   double gate_m = 0.3;     ///< farthest a landmark may lie from what it stands for
+  bool align = false;      ///< lay the map upon the truth first, by its trees
+  evaluation::AlignmentSearch search;
   bool json = false;
   bool check = false;  ///< exit 1 unless the map is perfect
 };

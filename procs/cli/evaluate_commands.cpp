@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
+#include <map>
 #include <string>
 
 #include "cli/add_command.hpp"
 #include "cli/evaluate.hpp"
 #include "cli/evaluate_detections.hpp"
+#include "cli/evaluate_trajectory.hpp"
 #include "cli/evaluate_windows.hpp"
 
 namespace orchard::cli {
@@ -25,6 +27,19 @@ void add_map_options(CLI::App& command, EvaluateOptions& o, bool required) {
   command.add_option("--gate", o.gate_m, "farthest a landmark lies from its object [m]")
       ->check(CLI::Range(0.001, 100.0))
       ->capture_default_str();
+  auto* align = command.add_flag(
+      "--align", o.align, "lay the map upon the truth by its trees first (a map without a place)");
+  command
+      .add_option("--align-offset", o.search.offset_max_m,
+                  "how far off its middle may be [m]; with --poses the path helps")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str()
+      ->needs(align);
+  command
+      .add_option("--align-turn", o.search.turn_max_rad, "how far it may be turned about it [rad]")
+      ->check(CLI::Range(0.0, 3.15))
+      ->capture_default_str()
+      ->needs(align);
   command.add_flag("--json", o.json, "for programs; lengths in metres");
   command.add_flag("--check", o.check,
                    "exit 1 unless all is found once, with its class, and nothing else");
@@ -122,6 +137,63 @@ void add_detections(CLI::App& evaluate, Run& run) {
       });
 }
 
+void add_trajectory(CLI::App& evaluate, Run& run) {
+  add_command<EvaluateTrajectoryOptions>(
+      evaluate, run, "trajectory",
+      "Compare where the robot was thought to be with where it was: ATE and RPE",
+      "  orchard evaluate trajectory out/drive --truth poses.csv --align\n"
+      "  orchard evaluate trajectory out/drive/trajectory.csv --truth track.csv --align \\\n"
+      "      --delta 10 --unit m --figure errors.png\n"
+      "  orchard evaluate trajectory out/drive --truth track.csv --nearest --max-difference 0.02 "
+      "--json\n"
+      "Figures are those of evo_ape and evo_rpe (evo 1.x), in the plane; the truth may have gaps\n"
+      "and need not have headings. What is true at a pose's time is interpolated, never across a "
+      "gap.\n",
+      run_evaluate_trajectory, [](CLI::App& command, EvaluateTrajectoryOptions& o) {
+        command
+            .add_option("trajectory", o.trajectory_path, "trajectory.csv, or the folder with one")
+            ->required()
+            ->type_name("FOLDER|CSV");
+        command.add_option("--truth", o.truth_path, "utime_us,x_m,y_m and, if known, yaw_rad")
+            ->required()
+            ->type_name("CSV");
+        auto* align = command.add_flag("--align", o.align,
+                                       "turn and move it for the least squared distances first");
+        command
+            .add_flag("--align-origin", o.align_origin, "lay its first pose on the truth's first")
+            ->excludes(align);
+        command.add_flag("--nearest", o.nearest,
+                         "compare with the nearest pose in time instead of interpolating");
+        command
+            .add_option("--max-difference", o.rules.max_difference_s,
+                        "farthest in time that the nearest may be [s]")
+            ->check(CLI::PositiveNumber)
+            ->capture_default_str();
+        command
+            .add_option("--gap", o.gap_max_s,
+                        "true poses farther apart are a gap [s]; 0 = three median intervals")
+            ->check(CLI::NonNegativeNumber)
+            ->capture_default_str();
+        command.add_option("--delta", o.rules.delta, "of RPE: how far from pose to pose")
+            ->check(CLI::PositiveNumber)
+            ->capture_default_str();
+        using evaluation::DeltaUnit;
+        command.add_option("--unit", o.rules.unit, "of --delta: m, s or frames")
+            ->transform(CLI::CheckedTransformer(
+                std::map<std::string, DeltaUnit>{{"m", DeltaUnit::kMetres},
+                                                 {"s", DeltaUnit::kSeconds},
+                                                 {"frames", DeltaUnit::kFrames}}))
+            ->default_str("m");
+        command.add_flag("--all-pairs", o.rules.all_pairs,
+                         "RPE from every pose on, not one stretch after the other");
+        command.add_flag("--json", o.json, "for programs; metres and radians");
+        command
+            .add_option("--figure", o.figure_path,
+                        "draw the two paths and the error over the distance")
+            ->type_name("SVG|PNG");
+      });
+}
+
 }  // namespace
 
 void add_evaluate(CLI::App& app, Run& run) {
@@ -129,6 +201,8 @@ void add_evaluate(CLI::App& app, Run& run) {
       "  orchard evaluate out/drive --truth truth.csv        (evaluate map, in short)\n"
       "  orchard evaluate map out/drive/map.csv --truth truth.csv --json > evaluation.json\n"
       "  orchard evaluate out/drive --truth truth.csv --check && echo perfect\n"
+      "  orchard evaluate map out/drive --truth truth.csv --poses poses.csv --align\n"
+      "  orchard evaluate trajectory out/drive --truth poses.csv --align\n"
       "  orchard evaluate windows --images pictures --masks masks --model model.yaml\n";
   CLI::App& evaluate = add_subcommand(
       app, "evaluate", "Compare results with the truth: the paper's tables, and the errors",
@@ -153,6 +227,7 @@ void add_evaluate(CLI::App& app, Run& run) {
       "      --exposure -1 --blur 1.5\n",
       run_evaluate_windows, add_window_options);
   add_detections(evaluate, run);
+  add_trajectory(evaluate, run);
 }
 
 }  // namespace orchard::cli

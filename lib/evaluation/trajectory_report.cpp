@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluation/trajectory_report.hpp"
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "geometry/angles.hpp"
+
+namespace orchard::evaluation {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr double kDegPerRad = 180.0 / geometry::kPi;
+
+std::string row(const char* name, const ErrorStatistics& e, double scale, const char* unit) {
+  char line[160];
+  if (e.num == 0) {
+    std::snprintf(line, sizeof line, "%-26s      -\n", name);
+  } else {
+    std::snprintf(line, sizeof line, "%-26s %6d  %9.4f %9.4f %9.4f %9.4f %9.4f %9.4f  %s\n", name,
+                  e.num, scale * e.rmse, scale * e.mean, scale * e.median, scale * e.sd,
+                  scale * e.min, scale * e.max, unit);
+  }
+  return line;
+}
+
+const char* unit_name(DeltaUnit unit) {
+  return unit == DeltaUnit::kMetres ? "m" : unit == DeltaUnit::kSeconds ? "s" : "frames";
+}
+
+ordered_json statistics_json(const ErrorStatistics& e) {
+  if (e.num == 0) return {{"n", 0}};
+  return {{"n", e.num},  {"rmse", e.rmse}, {"mean", e.mean}, {"median", e.median},
+          {"std", e.sd}, {"min", e.min},   {"max", e.max}};
+}
+
+}  // namespace
+
+std::string trajectory_summary(const TrajectoryEvaluation& evaluation,
+                               const TrajectoryRules& rules) {
+  char line[240];
+  std::snprintf(line, sizeof line,
+                "%zu of %d poses compared with %d true ones: %d outside their time, %d in gaps",
+                evaluation.compared.size(), evaluation.num_estimates, evaluation.num_true,
+                evaluation.num_outside, evaluation.num_in_gaps);
+  std::string text = line;
+  if (rules.association == Association::kNearest) {
+    std::snprintf(line, sizeof line, ", %d without a partner within %g s", evaluation.num_unmatched,
+                  rules.max_difference_s);
+  } else {
+    std::snprintf(line, sizeof line, " of more than %g s", evaluation.gap_max_s);
+  }
+  text += line;
+  text += "\n";
+  if (rules.alignment != Alignment::kNone) {
+    const RigidMotion& t = evaluation.T_truth_estimate;
+    std::snprintf(
+        line, sizeof line, "aligned %s: moved by (%.3f, %.3f) m, turned by %.3f degrees\n",
+        rules.alignment == Alignment::kRigid ? "with the least squares" : "at the first pose",
+        t.x_m, t.y_m, kDegPerRad * t.yaw_rad);
+    text += line;
+  }
+  std::snprintf(line, sizeof line, "%-26s %6s  %9s %9s %9s %9s %9s %9s\n", "", "n", "RMSE", "mean",
+                "median", "sd", "min", "max");
+  text += line;
+  text += row("APE position (ATE)", evaluation.position_m, 1.0, "m");
+  text += row("APE yaw", evaluation.yaw_rad, kDegPerRad, "deg");
+  char name[64];
+  std::snprintf(name, sizeof name, "RPE %s, %g %s", evaluation.has_yaw ? "position" : "distance",
+                rules.delta, unit_name(rules.unit));
+  text += row(name, evaluation.relative_position_m, 1.0, "m");
+  std::snprintf(name, sizeof name, "RPE yaw, %g %s", rules.delta, unit_name(rules.unit));
+  text += row(name, evaluation.relative_yaw_rad, kDegPerRad, "deg");
+  if (!evaluation.has_yaw) text += "no headings on one side: yaw is not judged\n";
+  return text;
+}
+
+std::string trajectory_json(const TrajectoryEvaluation& evaluation, const TrajectoryRules& rules) {
+  constexpr const char* kAlignments[] = {"none", "rigid", "origin"};
+  const RigidMotion& t = evaluation.T_truth_estimate;
+  ordered_json json{{"num_estimates", evaluation.num_estimates},
+                    {"num_true", evaluation.num_true},
+                    {"num_compared", evaluation.compared.size()},
+                    {"num_outside", evaluation.num_outside},
+                    {"num_in_gaps", evaluation.num_in_gaps},
+                    {"num_unmatched", evaluation.num_unmatched},
+                    {"gap_max_s", evaluation.gap_max_s},
+                    {"alignment", kAlignments[static_cast<std::size_t>(rules.alignment)]},
+                    {"aligned_by", {{"x_m", t.x_m}, {"y_m", t.y_m}, {"yaw_rad", t.yaw_rad}}},
+                    {"way_m", evaluation.compared.empty() ? 0.0 : evaluation.compared.back().way_m},
+                    {"has_yaw", evaluation.has_yaw},
+                    {"ape_position_m", statistics_json(evaluation.position_m)},
+                    {"ape_yaw_rad", statistics_json(evaluation.yaw_rad)},
+                    {"rpe_delta", rules.delta},
+                    {"rpe_unit", unit_name(rules.unit)},
+                    {"rpe_all_pairs", rules.all_pairs},
+                    {"rpe_position_m", statistics_json(evaluation.relative_position_m)},
+                    {"rpe_yaw_rad", statistics_json(evaluation.relative_yaw_rad)}};
+  return json.dump(2) + "\n";
+}
+
+}  // namespace orchard::evaluation

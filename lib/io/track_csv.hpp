@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "evaluation/trajectory_evaluation.hpp"
+
+namespace orchard::io {
+
+/// Reads where something was over time: columns utime_us, x_m, y_m and, where known, yaw_rad, in
+/// any order; others are ignored. trajectory.csv and a recording's poses.csv are such files. Yaw is
+/// wrapped into (-pi, pi]. Throws FileError naming file, line and column, also when time does not
+/// go up and for a file without poses.
+evaluation::Track read_track_csv(const std::string& path);
+evaluation::Track parse_track_csv(std::string_view text, const std::string& name);
+
+}  // namespace orchard::io

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "evaluation/trajectory_evaluation.hpp"
+
+namespace orchard::cli {
+
+/// `orchard evaluate trajectory TRAJECTORY --truth CSV`.
+struct EvaluateTrajectoryOptions {
+  std::string trajectory_path;  ///< a trajectory.csv, or the folder that holds one
+  std::string truth_path;
+  bool align = false;
+  bool align_origin = false;
+  bool nearest = false;
+  double gap_max_s = 0.0;  ///< 0 = three median intervals of the truth
+  evaluation::TrajectoryRules rules;
+  bool json = false;
+  std::string figure_path;  ///< .svg or .png; empty = none
+};
+
+/// Prints absolute and relative errors as evo computes them; returns the exit code: 1 when nothing
+/// could be compared. Throws io::FileError for files that are not what they should be.
+int run_evaluate_trajectory(const EvaluateTrajectoryOptions& options);
+
+}  // namespace orchard::cli

@@ -245,6 +245,34 @@ laser::Scan empty_scan(const ScannerConfig& scanner) {
   return scan;
 }
 
+/// Range errors of all targets in one scan, as fractions of the range.
+std::vector<double> draw_scan_errors(const World& world, const ScannerConfig& scanner,
+                                     const std::vector<double>& target_errors, Random& random) {
+  std::vector<double> errors(static_cast<std::size_t>(world.num_targets));
+  const auto lasting = [&](std::size_t i) {
+    return i < target_errors.size() ? target_errors[i] : 0.0;
+  };
+  constexpr int kManyTargets = 4096;
+  if (world.num_targets <= kManyTargets) {
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+      errors[i] = lasting(i) + random.normal(0.0, scanner.scan_sd_fraction);
+    }
+    return errors;
+  }
+  // a scan of a large orchard costs what is near: each target there has numbers of its own
+  const std::uint64_t scan_bits = random.bits();
+  const auto draw = [&](int target) {
+    if (target < 0 || target >= world.num_targets) return;
+    const auto i = static_cast<std::size_t>(target);
+    errors[i] = lasting(i) +
+                scanner.scan_sd_fraction * normal_of(mix_bits(scan_bits ^ mix_bits(2 * i)),
+                                                     mix_bits(scan_bits ^ mix_bits(2 * i + 1)));
+  };
+  for (const Cylinder& cylinder : world.cylinders) draw(cylinder.target);
+  for (const Box& box : world.boxes) draw(box.target);
+  return errors;
+}
+
 }  // namespace
 
 std::vector<double> draw_target_errors(int num_targets, const ScannerConfig& scanner,
@@ -265,11 +293,7 @@ laser::Scan simulate_scan(const World& world, const std::vector<Pose2>& T_map_la
   for (const Cylinder& cylinder : world.cylinders) fan.add(cylinder);
   for (const Box& box : world.boxes) fan.add(box);
 
-  std::vector<double> errors(static_cast<std::size_t>(world.num_targets));
-  for (std::size_t i = 0; i < errors.size(); ++i) {
-    const double lasting = i < target_errors.size() ? target_errors[i] : 0.0;
-    errors[i] = lasting + random.normal(0.0, scanner.scan_sd_fraction);
-  }
+  const std::vector<double> errors = draw_scan_errors(world, scanner, target_errors, random);
 
   laser::Scan scan = empty_scan(scanner);
   if (scanner.intensities) scan.intensities.assign(scan.ranges_m.size(), 0.0f);

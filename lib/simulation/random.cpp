@@ -18,6 +18,12 @@ std::uint64_t mix_bits(std::uint64_t value) {
 Random::Random(std::uint64_t seed, Stream stream, std::uint64_t index)
     : engine_(mix_bits(mix_bits(mix_bits(seed) ^ static_cast<std::uint64_t>(stream)) ^ index)) {}
 
+double normal_of(std::uint64_t bits, std::uint64_t other_bits) {
+  const auto uniform = [](std::uint64_t b) { return static_cast<double>(b >> 11) * 0x1.0p-53; };
+  return std::sqrt(-2.0 * std::log(1.0 - uniform(bits))) *
+         std::cos(2.0 * geometry::kPi * uniform(other_bits));
+}
+
 double Random::normal() {
   if (has_spare_) {
     has_spare_ = false;

@@ -40,7 +40,6 @@ enum class Stream : std::uint64_t {
   kGnssJump,
   kImu,
   kImuRun,
-  kTargetScan,
 };
 
 /// Seeded random numbers that are the same on every standard library.
@@ -63,5 +62,8 @@ class Random {
 
 /// 64 well-mixed bits of a number.
 std::uint64_t mix_bits(std::uint64_t value);
+
+/// A number of mean 0 and standard deviation 1 from twice 64 well-mixed bits.
+double normal_of(std::uint64_t bits, std::uint64_t other_bits);
 
 }  // namespace orchard::simulation

@@ -87,6 +87,8 @@ void add_map(CLI::App& app, Run& run) {
             ->type_name("DIR");
         command.add_flag("--strict", o.strict, "refuse a log with any damage (exit 3)");
         command.add_flag("--quiet", o.quiet, "warnings and errors only");
+        command.add_flag("--timing", o.timing,
+                         "print processor time and memory for every thousand scans");
       });
 }
 

@@ -32,7 +32,7 @@ void add_map_options(CLI::App& command, EvaluateOptions& o, bool required) {
   command
       .add_option("--align-offset", o.search.offset_max_m,
                   "how far off its middle may be [m]; with --poses the path helps")
-      ->check(CLI::Range(0.0, 1000.0))
+      ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str()
       ->needs(align);
   command

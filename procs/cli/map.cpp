@@ -11,6 +11,7 @@
 
 #include "bus/in_process_replay.hpp"
 #include "bus/process.hpp"
+#include "cli/scan_timer.hpp"
 #include "detector/detector_node.hpp"
 #include "io/config.hpp"
 #include "io/file_error.hpp"
@@ -127,12 +128,14 @@ int run_map(const MapOptions& options) {
   io::LogWriter derived(options.out_folder + "/derived.lcm");
 
   io::ProgressBar bar("mapping", !options.quiet);
+  ScanTimer timer;
   bus::ReplayOptions replay;
   replay.strict = options.strict;
   replay.progress = [&](std::uint64_t done, std::uint64_t total) { bar.update(done, total); };
   replay.on_derived = [&](Channel channel, std::int64_t utime,
                           const std::vector<std::uint8_t>& data) {
     derived.write(utime, bus::info(channel).name, data);
+    if (channel == Channel::kDetections) timer.count();
   };
   const ReplayReport report = bus::replay_in_process(options.log_path, pipeline.nodes(), replay);
   bar.finish();
@@ -163,6 +166,7 @@ int run_map(const MapOptions& options) {
   io::write_map_folder(options.out_folder, content);
   derived.close();
   if (!options.quiet) print_summary(options, report, content);
+  if (options.timing) std::fputs(timer.text().c_str(), stdout);
   return bus::kExitOk;
 }
 

@@ -12,6 +12,7 @@ struct MapOptions {
   std::string out_folder;
   bool strict = false;  ///< refuse a log with any damage or any message that has to be dropped
   bool quiet = false;   ///< no progress and no closing summary; warnings and errors still come
+  bool timing = false;  ///< print what every thousand scans took
 };
 
 /// Replays a log through detector, pose and mapper in this process and writes the map folder;

@@ -302,5 +302,23 @@ TEST(BlockSensors, InertialUnitTurnsWithTheRobotAndWanders) {
   EXPECT_NEAR(std::sqrt(sum / 200.0), 1e-3, 2e-4);
 }
 
+TEST(BlockSensors, PeopleWalkThroughABlockAndAreSeen) {
+  RigConfig rig = block();
+  rig.simulation.orchard.num_rows = 10;
+  rig.simulation.orchard.trees_per_row = 30;
+  rig.simulation.clutter.num_people = 4;
+  rig.simulation.scanner.rate_hz = 2.0;
+  const Simulator simulator(SceneKind::kOrchard, 7, rig);
+  ASSERT_EQ(simulator.scene().people.size(), 4u);
+  const auto num_standing = static_cast<int>(simulator.truth().size());
+  std::vector<int> num_seen(4, 0);
+  for (std::int64_t scan = 0; scan < simulator.num_scans(); scan += 2) {
+    for (const TrueObservation& seen : simulator.true_observations(scan)) {
+      if (seen.object >= num_standing && seen.num_beams > 0) ++num_seen[seen.object - num_standing];
+    }
+  }
+  for (const int num : num_seen) EXPECT_GT(num, 0);
+}
+
 }  // namespace
 }  // namespace orchard::simulation

@@ -69,5 +69,48 @@ TEST(WorldIndex, FindsAllWithinReachOnce) {
   EXPECT_TRUE(index.boxes_near(0.0, 0.0, 1e3).empty());
 }
 
+TEST(WorldIndex, TargetsOfALargeWorldErrAsThoseOfASmallOne) {
+  // five thousand things, one before the laser: its error in each scan has the configured spread,
+  // and is not that of its neighbour
+  ScannerConfig scanner;
+  scanner.beam_sd_m = scanner.beam_sd_fraction = scanner.target_sd_fraction = 0.0;
+  scanner.scan_sd_fraction = 0.004;
+  scanner.dropout_probability = 0.0;
+  World world;
+  world.num_targets = 5000;
+  for (const double side : {-1.0, 1.0}) {
+    Cylinder c;
+    c.x_m = 4.0;
+    c.y_m = 2.0 * side;
+    c.radius_m = 0.1;
+    c.height_m = 2.0;
+    c.target = side < 0.0 ? 4321 : 4322;
+    world.cylinders.push_back(c);
+  }
+  const auto perfect = simulate_perfect_scan(world, {}, scanner);
+  double sum[2] = {0, 0}, squares[2] = {0, 0}, product = 0.0;
+  constexpr int kScans = 800;
+  for (int scan = 0; scan < kScans; ++scan) {
+    Random random(1, Stream::kScan, static_cast<std::uint64_t>(scan));
+    const auto seen = simulate_scan(world, {Pose2{}}, scanner, {}, random);
+    double errors[2] = {0, 0};
+    for (const int side : {0, 1}) {
+      // the beam through its middle
+      const double bearing_rad = (side == 0 ? -1.0 : 1.0) * std::atan2(2.0, 4.0);
+      const auto beam = static_cast<std::size_t>(
+          std::lround((bearing_rad - scanner.bearing_min_rad) / scanner.bearing_step_rad));
+      errors[side] = seen.ranges_m[beam] / perfect.ranges_m[beam] - 1.0;
+      sum[side] += errors[side];
+      squares[side] += errors[side] * errors[side];
+    }
+    product += errors[0] * errors[1];
+  }
+  for (const int side : {0, 1}) {
+    EXPECT_NEAR(sum[side] / kScans, 0.0, 6e-4);
+    EXPECT_NEAR(std::sqrt(squares[side] / kScans), 0.004, 4e-4);
+  }
+  EXPECT_NEAR(product / kScans, 0.0, 2.5e-6);
+}
+
 }  // namespace
 }  // namespace orchard::simulation

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "cli_fixture.hpp"
+
+namespace orchard::cli_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+class EvaluateTrajectoryCommand : public CliTest {
+ protected:
+  void SetUp() override {
+    CliTest::SetUp();
+    // the truth drives along x; the estimate along y, 5 m away: the same but for its place
+    std::string truth = "utime_us,x_m,y_m,yaw_rad\n", estimate = truth;
+    for (int i = 0; i < 20; ++i) {
+      const std::string utime = std::to_string(1000000 * i);
+      truth += utime + "," + std::to_string(i) + ",0,0\n";
+      estimate += utime + ",5," + std::to_string(i) + ",1.5707963\n";
+    }
+    write_file(path("truth.csv"), truth);
+    write_file(path("trajectory.csv"), estimate);
+  }
+  Result evaluate(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments{"evaluate", "trajectory", path("trajectory.csv"), "--truth",
+                                       path("truth.csv")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return orchard(arguments);
+  }
+};
+
+TEST_F(EvaluateTrajectoryCommand, AlignsAndDraws) {
+  const auto raw = nlohmann::json::parse(evaluate({"--json"}).out);
+  EXPECT_NEAR(raw["ape_yaw_rad"]["rmse"].get<double>(), 1.5707963, 1e-6);
+  EXPECT_EQ(raw["num_compared"], 20);
+  const Result result = evaluate({"--align", "--figure", path("errors.svg")});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("turned by -90.000 degrees"));
+  EXPECT_THAT(result.out, ::testing::ContainsRegex("APE position \\(ATE\\) +20 +0.0000"));
+  EXPECT_THAT(read_file(path("errors.svg")), HasSubstr("position error: RMSE 0.000 m"));
+  EXPECT_EQ(evaluate({"--align-origin", "--figure", path("errors.png")}).exit_code, 0);
+  EXPECT_EQ(read_file(path("errors.png")).substr(1, 3), "PNG");
+}
+
+TEST_F(EvaluateTrajectoryCommand, TakesATruthOfPositionsWithGaps) {
+  std::string truth = "x_m,y_m,quality,utime_us\n";
+  for (int i = 0; i < 20; ++i) {
+    if (i > 8 && i < 14) continue;
+    truth += std::to_string(i) + ",0,4," + std::to_string(1000000 * i) + "\n";
+  }
+  write_file(path("truth.csv"), truth);
+  const auto json = nlohmann::json::parse(evaluate({"--align", "--json"}).out);
+  EXPECT_EQ(json["num_in_gaps"], 5);
+  EXPECT_EQ(json["num_compared"], 15);
+  EXPECT_EQ(json["has_yaw"], false);
+  EXPECT_NEAR(json["ape_position_m"]["max"].get<double>(), 0.0, 1e-9);
+  EXPECT_EQ(json["ape_yaw_rad"]["n"], 0);
+  EXPECT_EQ(nlohmann::json::parse(evaluate({"--gap", "10", "--json"}).out)["num_in_gaps"], 0);
+}
+
+TEST_F(EvaluateTrajectoryCommand, SaysWhatIsWrong) {
+  const auto refused = [&](const std::string& why) {
+    const Result result = evaluate();
+    EXPECT_EQ(result.exit_code, 3);
+    EXPECT_THAT(result.err, HasSubstr(why));
+  };
+  write_file(path("truth.csv"), "utime_us,x_m\n1,2\n");
+  refused("a track needs the columns utime_us, x_m and y_m");
+  write_file(path("truth.csv"), "utime_us,x_m,y_m\n");
+  refused("holds no poses");
+  write_file(path("truth.csv"), "utime_us,x_m,y_m\n2,0,0\n1,0,0\n");
+  refused("truth.csv:3:1: utime_us: time must go up");
+  write_file(path("truth.csv"), "utime_us,x_m,y_m\n2,nan,0\n");
+  refused("truth.csv:2:3");
+  // sound, but of another day
+  write_file(path("truth.csv"), "utime_us,x_m,y_m\n99000000,0,0\n99100000,0,0\n");
+  const Result nothing = evaluate();
+  EXPECT_EQ(nothing.exit_code, 1);
+  EXPECT_THAT(nothing.err, HasSubstr("nothing to compare"));
+  EXPECT_EQ(evaluate({"--figure", path("errors.pdf")}).exit_code, 3);
+  EXPECT_EQ(evaluate({"--align", "--align-origin"}).exit_code, 2);
+  EXPECT_EQ(evaluate({"--unit", "feet"}).exit_code, 2);
+}
+
+TEST_F(EvaluateTrajectoryCommand, AMapIsLaidUponTheTruth) {
+  std::string map = "id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,position\n";
+  std::string truth = "class,x_m,y_m,width_m\n";
+  for (int i = 0; i < 12; ++i) {
+    const int x = 4 * (i / 4), y = 2 * (i % 4) + i / 7;  // no two shifts look alike
+    truth += "tree," + std::to_string(x) + "," + std::to_string(y) + ",0.1\n";
+    map += std::to_string(i + 1) + ",tree," + std::to_string(x + 1.5) + "," +
+           std::to_string(y - 2.0) + ",5,0.9,0.99,0.004,0.006,0.1,,\n";
+  }
+  write_file(path("map.csv"), map);
+  write_file(path("trees.csv"), truth);
+  const Result result =
+      orchard({"evaluate", "map", path("map.csv"), "--truth", path("trees.csv"), "--align"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("moved by (-1.500, 2.000) m"));
+  EXPECT_THAT(result.out, HasSubstr("trees: missed 0 of 12, mapped twice 0, error RMS 0.00 mm"));
+  EXPECT_EQ(orchard({"evaluate", "map", path("map.csv"), "--truth", path("trees.csv"),
+                     "--align-offset", "3"})
+                .exit_code,
+            2);
+}
+
+}  // namespace
+}  // namespace orchard::cli_test

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/alignment_candidates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include "geometry/angles.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kBaseline_m = 20.0;       ///< longest distance of the two points tried together
+constexpr std::size_t kNumWitnesses = 40;  ///< points around them that must agree
+constexpr double kShareOfWitnesses = 0.4;
+constexpr std::size_t kWaysMost = 400;
+constexpr int kFitsMost = 40;
+
+/// Two points of a and those around them.
+struct Anchor {
+  std::size_t first = 0, second = 0;
+  Vector2d middle{0.0, 0.0};
+  std::vector<std::int32_t> witnesses;
+};
+
+struct Hypothesis {
+  RigidTransform T_a_b;
+  Vector2d middle_a{0.0, 0.0};
+  int num_agreeing = 0;
+  double sum_m2 = 0.0;
+};
+
+double angle_of(const Vector2d& v) { return std::atan2(v.y(), v.x()); }
+
+std::vector<Anchor> anchors_of(const IndexedPoints& a, std::size_t count) {
+  std::vector<std::size_t> order(a.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+    return std::make_tuple(a[i].x(), a[i].y(), i) < std::make_tuple(a[j].x(), a[j].y(), j);
+  });
+  std::vector<Anchor> anchors;
+  const std::size_t num = std::min(count, a.size());
+  for (std::size_t k = 0; k < num; ++k) {
+    Anchor anchor;
+    anchor.first = order[(2 * k + 1) * a.size() / (2 * num)];
+    double farthest_m = 0.0;
+    for (const std::int32_t i : a.within(a[anchor.first], kBaseline_m)) {
+      const double d_m = (a[static_cast<std::size_t>(i)] - a[anchor.first]).norm();
+      if (d_m > farthest_m) {
+        farthest_m = d_m;
+        anchor.second = static_cast<std::size_t>(i);
+      }
+    }
+    if (farthest_m <= 0.0) continue;
+    anchor.middle = 0.5 * (a[anchor.first] + a[anchor.second]);
+    anchor.witnesses = a.nearest_few(anchor.middle, 0.6 * kBaseline_m, kNumWitnesses);
+    anchors.push_back(std::move(anchor));
+  }
+  return anchors;
+}
+
+RigidTransform through_two(const Vector2d& a1, const Vector2d& a2, const Vector2d& b1,
+                           const Vector2d& b2) {
+  RigidTransform T_a_b;
+  T_a_b.yaw_rad = geometry::wrap_angle_rad(angle_of(a2 - a1) - angle_of(b2 - b1));
+  T_a_b.translation_m = 0.5 * (a1 + a2) - T_a_b.rotation() * (0.5 * (b1 + b2));
+  return T_a_b;
+}
+
+/// Whether enough points around the anchor find partners; stops as soon as they cannot.
+bool is_borne_out(const IndexedPoints& a, const IndexedPoints& b, const Anchor& anchor,
+                  double gate_m, Hypothesis& hypothesis) {
+  const RigidTransform T_b_a = hypothesis.T_a_b.inverse();
+  const Eigen::Matrix2d R_b_a = T_b_a.rotation();
+  const auto num = static_cast<int>(anchor.witnesses.size());
+  const int needed = std::max(3, static_cast<int>(std::ceil(kShareOfWitnesses * num)));
+  int num_left = num;
+  for (const std::int32_t i : anchor.witnesses) {
+    if (hypothesis.num_agreeing + num_left < needed) return false;
+    --num_left;
+    const Vector2d p_b = R_b_a * a[static_cast<std::size_t>(i)] + T_b_a.translation_m;
+    const std::int32_t j = b.nearest(p_b, gate_m);
+    if (j < 0) continue;
+    ++hypothesis.num_agreeing;
+    hypothesis.sum_m2 += (b[static_cast<std::size_t>(j)] - p_b).squaredNorm();
+  }
+  return hypothesis.num_agreeing >= needed;
+}
+
+bool is_allowed(const RigidTransform& T_a_b, const Vector2d& p_a, const AlignmentSearch& search) {
+  if (search.any_place) return true;
+  const Vector2d p_b = T_a_b.inverse().apply(p_a);
+  return std::abs(T_a_b.yaw_rad) <= search.turn_max_rad &&
+         (p_a - p_b).norm() <= search.offset_max_m;
+}
+
+/// Calls visit(b1, b2) for every two points of b that could be the anchor's.
+template <class Visit>
+void for_each_counterpart(const IndexedPoints& a, const IndexedPoints& b, const Anchor& anchor,
+                          const AlignmentSearch& search, Visit&& visit) {
+  const double length_m = (a[anchor.second] - a[anchor.first]).norm();
+  const double slack_m = std::min(0.3, search.gate_m);
+  const auto fits = [&](std::int32_t i, std::int32_t j) {
+    const double d_m =
+        (b[static_cast<std::size_t>(i)] - b[static_cast<std::size_t>(j)]).norm() - length_m;
+    return i != j && std::abs(d_m) <= slack_m;
+  };
+  if (!search.any_place) {
+    const auto ends = b.within(a[anchor.second], search.offset_max_m);
+    for (const std::int32_t i : b.within(a[anchor.first], search.offset_max_m)) {
+      for (const std::int32_t j : ends) {
+        if (fits(i, j)) visit(i, j);
+      }
+    }
+    return;
+  }
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    for (const std::int32_t j : b.within(b[i], length_m + slack_m)) {
+      if (fits(static_cast<std::int32_t>(i), j)) visit(static_cast<std::int32_t>(i), j);
+    }
+  }
+}
+
+RigidTransform fit_pairs(const IndexedPoints& a, const IndexedPoints& b,
+                         const std::vector<LandmarkPair>& pairs, const Vector2d& middle_a,
+                         double radius_m, const RigidTransform& before) {
+  std::vector<Vector2d> p_a, p_b;
+  for (const LandmarkPair& pair : pairs) {
+    if ((a[static_cast<std::size_t>(pair.a)] - middle_a).norm() > radius_m) continue;
+    p_a.push_back(a[static_cast<std::size_t>(pair.a)]);
+    p_b.push_back(b[static_cast<std::size_t>(pair.b)]);
+  }
+  if (p_a.size() < 2) return before;
+  return fit_rigid(p_a, p_b, std::vector<double>(p_a.size(), 1.0));
+}
+
+/// Fits outwards from the anchor: pairs far away are right only once the turn is.
+AlignmentCandidate refined(const IndexedPoints& a, const IndexedPoints& b,
+                           const Hypothesis& hypothesis, double gate_m) {
+  AlignmentCandidate way{hypothesis.T_a_b, {}};
+  double radius_m = 0.6 * kBaseline_m;
+  std::vector<std::pair<std::int32_t, std::int32_t>> last;
+  for (int k = 0; k < kFitsMost; ++k) {
+    way.pairs = pair_landmarks(a, b, way.T_a_b, gate_m);
+    std::vector<std::pair<std::int32_t, std::int32_t>> now;
+    double farthest_m = 0.0;
+    for (const LandmarkPair& pair : way.pairs) {
+      now.push_back({pair.a, pair.b});
+      farthest_m =
+          std::max(farthest_m, (a[static_cast<std::size_t>(pair.a)] - hypothesis.middle_a).norm());
+    }
+    const bool is_whole = radius_m >= farthest_m;
+    if (is_whole && now == last) break;
+    last = std::move(now);
+    way.T_a_b = fit_pairs(a, b, way.pairs, hypothesis.middle_a, radius_m, way.T_a_b);
+    radius_m *= 1.6;
+  }
+  return way;
+}
+
+bool is_same_way(const RigidTransform& T, const RigidTransform& other, const Vector2d& p_a,
+                 double spacing_m) {
+  const Vector2d p_b = T.inverse().apply(p_a);
+  return (other.apply(p_b) - p_a).norm() < 0.35 * spacing_m &&
+         std::abs(geometry::wrap_angle_rad(T.yaw_rad - other.yaw_rad)) < 0.03;
+}
+
+}  // namespace
+
+AlignmentCandidates alignment_candidates(const IndexedPoints& a, const IndexedPoints& b,
+                                         const AlignmentSearch& search) {
+  AlignmentCandidates found;
+  if (a.size() < 3 || b.size() < 3) return found;
+  const double spacing_m = std::max(typical_spacing_m(a), 2.0 * search.gate_m);
+  const std::size_t num_anchors = search.any_place && b.size() > 4000 ? 12 : 40;
+  std::vector<Hypothesis> hypotheses;
+  for (const Anchor& anchor : anchors_of(a, num_anchors)) {
+    for_each_counterpart(a, b, anchor, search, [&](std::int32_t i, std::int32_t j) {
+      Hypothesis h;
+      h.middle_a = anchor.middle;
+      h.T_a_b = through_two(a[anchor.first], a[anchor.second], b[static_cast<std::size_t>(i)],
+                            b[static_cast<std::size_t>(j)]);
+      if (!is_allowed(h.T_a_b, anchor.middle, search)) return;
+      found.num_tried += 1.0;
+      if (is_borne_out(a, b, anchor, search.gate_m, h)) hypotheses.push_back(h);
+    });
+  }
+  std::stable_sort(hypotheses.begin(), hypotheses.end(),
+                   [](const Hypothesis& x, const Hypothesis& y) {
+                     return std::make_tuple(-x.num_agreeing, x.sum_m2) <
+                            std::make_tuple(-y.num_agreeing, y.sum_m2);
+                   });
+  for (const Hypothesis& h : hypotheses) {
+    if (found.ways.size() >= kWaysMost) break;
+    const auto known = [&](const AlignmentCandidate& way) {
+      return is_same_way(h.T_a_b, way.T_a_b, h.middle_a, spacing_m);
+    };
+    if (std::any_of(found.ways.begin(), found.ways.end(), known)) continue;
+    AlignmentCandidate way = refined(a, b, h, search.gate_m);
+    const auto same = [&](const AlignmentCandidate& other) {
+      return is_same_way(way.T_a_b, other.T_a_b, h.middle_a, spacing_m);
+    };
+    if (way.pairs.size() < 3 || !is_allowed(way.T_a_b, h.middle_a, search) ||
+        std::any_of(found.ways.begin(), found.ways.end(), same)) {
+      continue;
+    }
+    found.ways.push_back(std::move(way));
+  }
+  std::stable_sort(found.ways.begin(), found.ways.end(),
+                   [](const AlignmentCandidate& x, const AlignmentCandidate& y) {
+                     return x.pairs.size() > y.pairs.size();
+                   });
+  return found;
+}
+
+}  // namespace orchard::mapping

@@ -5,10 +5,12 @@
 
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
+#include "io/graph_json.hpp"
 #include "io/map_figure.hpp"
 #include "io/map_geopackage.hpp"
 #include "io/summary_json.hpp"
 #include "io/trajectory_csv.hpp"
+#include "mapping/navigation_graph.hpp"
 
 namespace orchard::io {
 
@@ -22,14 +24,21 @@ void write_map_folder(const std::string& folder, const MapFolderContent& content
                     "; give another place for the map");
   }
   const fs::path path(folder);
-  const MapFigure figure = draw_map(content.landmarks, content.trajectory, content.rows);
+  const mapping::NavigationGraph graph = mapping::navigation_graph(content.landmarks, content.rows);
+  const MapFigure figure = draw_map(content.landmarks, content.trajectory, content.rows, graph);
   FileReplacement files;
   files.write((path / "map.csv").string(), map_csv(content.landmarks));
   files.write((path / "map.gpkg").string(),
-              map_geopackage(content.landmarks, content.trajectory, content.rows));
+              map_geopackage(content.landmarks, content.trajectory, content.rows, graph,
+                             content.georeference));
   files.write((path / "map.svg").string(), figure.svg);
   files.write((path / "map.png").string(), figure.png);
   files.write((path / "trajectory.csv").string(), trajectory_csv(content.trajectory));
+  for (std::size_t k = 0; k < content.more_trajectories.size(); ++k) {
+    files.write((path / ("trajectory_" + std::to_string(k + 2) + ".csv")).string(),
+                trajectory_csv(content.more_trajectories[k]));
+  }
+  files.write((path / "graph.json").string(), graph_json(graph));
   files.write((path / "summary.json").string(), summary_json(content));
   files.commit();
 }

@@ -1,170 +1,123 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/map_geopackage.hpp"
 
-#include <cpl_conv.h>
-#include <cpl_error.h>
-#include <cpl_vsi.h>
-#include <gdal_priv.h>
-#include <ogrsf_frmts.h>
-#include <unistd.h>
+#include <algorithm>
 
-#include <atomic>
-#include <memory>
-
-#include "io/file_error.hpp"
+#include "io/geopackage.hpp"
 #include "io/map_csv.hpp"
 
 namespace orchard::io {
 namespace {
 
-/// GDAL writes the time of day into a GeoPackage unless it is told one.
-constexpr char kFixedDate[] = "2000-01-01T00:00:00.000Z";
+GeoValue integer(std::int64_t value) { return value; }
 
-/// Collects what GDAL complains about instead of letting it print.
-class ErrorCollector {
- public:
-  ErrorCollector() { CPLPushErrorHandlerEx(&ErrorCollector::handle, this); }
-  ~ErrorCollector() { CPLPopErrorHandler(); }
-  ErrorCollector(const ErrorCollector&) = delete;
-  ErrorCollector& operator=(const ErrorCollector&) = delete;
-
-  const std::string& first() const { return first_; }
-
- private:
-  static void CPL_STDCALL handle(CPLErr level, CPLErrorNum, const char* message) {
-    auto* self = static_cast<ErrorCollector*>(CPLGetErrorHandlerUserData());
-    if (level >= CE_Failure && self->first_.empty()) self->first_ = message;
-  }
-  std::string first_;
-};
-
-/// A file in memory; gone with this object.
-class MemoryFile {
- public:
-  MemoryFile() {
-    static std::atomic<unsigned> counter{0};
-    path_ = "/vsimem/orchard-" + std::to_string(::getpid()) + "-" + std::to_string(counter++) +
-            "/map.gpkg";
-  }
-  ~MemoryFile() { VSIUnlink(path_.c_str()); }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-
-  const std::string& path() const { return path_; }
-  std::string bytes() const {
-    vsi_l_offset size = 0;
-    const GByte* data = VSIGetMemFileBuffer(path_.c_str(), &size, FALSE);
-    return data == nullptr ? std::string() : std::string(reinterpret_cast<const char*>(data), size);
-  }
-
- private:
-  std::string path_;
-};
-
-void require(bool holds, const ErrorCollector& errors) {
-  if (holds && errors.first().empty()) return;
-  throw FileError("map.gpkg: GDAL cannot write it (" +
-                  (errors.first().empty() ? std::string("no reason given") : errors.first()) +
-                  "); is GDAL complete, with its GPKG driver?");
+/// Numbers that are not known yet are 0.
+GeoValue number_or_none(std::int32_t number) {
+  return number == 0 ? GeoValue() : GeoValue(std::int64_t{number});
 }
 
-OGRSpatialReference map_frame() {
-  OGRSpatialReference srs;
-  srs.SetLocalCS("map");
-  srs.SetLinearUnits("metre", 1.0);
-  srs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-  return srs;
-}
-
-void add_field(OGRLayer& layer, const char* name, OGRFieldType type) {
-  OGRFieldDefn field(name, type);
-  layer.CreateField(&field);
-}
-
-void write_landmarks(GDALDataset& dataset, OGRSpatialReference& srs, const ErrorCollector& errors,
-                     const std::vector<mapping::Landmark>& landmarks) {
-  OGRLayer* layer = dataset.CreateLayer("landmarks", &srs, wkbPoint, nullptr);
-  require(layer != nullptr, errors);
-  add_field(*layer, "id", OFTInteger);
-  add_field(*layer, "class", OFTString);
-  add_field(*layer, "x_m", OFTReal);
-  add_field(*layer, "y_m", OFTReal);
-  add_field(*layer, "n", OFTInteger);
+void write_landmarks(const std::vector<mapping::Landmark>& landmarks,
+                     const std::optional<geometry::Georeference>& georeference, GeoPackage& file) {
+  std::vector<GeoField> fields{{"id", GeoType::kInteger},
+                               {"class", GeoType::kText},
+                               {"x_m", GeoType::kReal},
+                               {"y_m", GeoType::kReal},
+                               {"n", GeoType::kInteger}};
   for (const char* name : {"roc_mean", "probability", "se_x_m", "se_y_m", "width_m"}) {
-    add_field(*layer, name, OFTReal);
+    fields.push_back({name, GeoType::kReal});
   }
-  add_field(*layer, "row", OFTInteger);
-  add_field(*layer, "position", OFTInteger);
-  for (const mapping::Landmark& landmark : landmarks) {
-    OGRFeature feature(layer->GetLayerDefn());
-    int field = 0;
-    feature.SetField(field++, landmark.id);
-    feature.SetField(field++, label_text(landmark.label));
-    feature.SetField(field++, landmark.x_m);
-    feature.SetField(field++, landmark.y_m);
-    feature.SetField(field++, landmark.num_observations);
-    feature.SetField(field++, landmark.roc_mean);
-    feature.SetField(field++, landmark.probability);
-    feature.SetField(field++, landmark.se_x_m);
-    feature.SetField(field++, landmark.se_y_m);
-    feature.SetField(field++, landmark.width_m);
-    if (landmark.row != 0) feature.SetField(field, landmark.row);
-    if (landmark.position != 0) feature.SetField(field + 1, landmark.position);
-    const OGRPoint point(landmark.x_m, landmark.y_m);
-    feature.SetGeometry(&point);
-    require(layer->CreateFeature(&feature) == OGRERR_NONE, errors);
+  fields.push_back({"row", GeoType::kInteger});
+  fields.push_back({"position", GeoType::kInteger});
+  if (georeference) {
+    fields.push_back({"latitude_deg", GeoType::kReal});
+    fields.push_back({"longitude_deg", GeoType::kReal});
   }
-}
-
-void write_path(GDALDataset& dataset, OGRSpatialReference& srs, const ErrorCollector& errors,
-                const std::vector<pose::PoseEstimate>& trajectory) {
-  OGRLayer* layer = dataset.CreateLayer("path", &srs, wkbLineString, nullptr);
-  require(layer != nullptr, errors);
-  add_field(*layer, "first_utime_us", OFTInteger64);
-  add_field(*layer, "last_utime_us", OFTInteger64);
-  if (trajectory.size() < 2) return;  // no line
-  OGRFeature feature(layer->GetLayerDefn());
-  feature.SetField(0, static_cast<GIntBig>(trajectory.front().utime));
-  feature.SetField(1, static_cast<GIntBig>(trajectory.back().utime));
-  OGRLineString line;
-  line.setNumPoints(static_cast<int>(trajectory.size()));
-  for (std::size_t i = 0; i < trajectory.size(); ++i) {
-    line.setPoint(static_cast<int>(i), trajectory[i].x_m, trajectory[i].y_m);
-  }
-  feature.SetGeometry(&line);
-  require(layer->CreateFeature(&feature) == OGRERR_NONE, errors);
-}
-
-void write_rows(GDALDataset& dataset, OGRSpatialReference& srs, const ErrorCollector& errors,
-                const std::vector<mapping::Row>& rows) {
-  OGRLayer* lines = dataset.CreateLayer("rows", &srs, wkbLineString, nullptr);
-  require(lines != nullptr, errors);
-  for (const char* name : {"row", "trees", "gaps"}) add_field(*lines, name, OFTInteger);
-  add_field(*lines, "spacing_m", OFTReal);
-  OGRLayer* gaps = dataset.CreateLayer("gaps", &srs, wkbPoint, nullptr);
-  require(gaps != nullptr, errors);
-  for (const char* name : {"row", "position"}) add_field(*gaps, name, OFTInteger);
-  for (const mapping::Row& row : rows) {
-    OGRLineString line;
-    int num_gaps = 0;
-    for (const mapping::RowPlace& place : row.places) {
-      line.addPoint(place.p_map.x(), place.p_map.y());
-      if (place.landmark_id != 0) continue;
-      ++num_gaps;
-      OGRFeature gap(gaps->GetLayerDefn());
-      gap.SetField(0, row.number);
-      gap.SetField(1, place.position);
-      const OGRPoint point(place.p_map.x(), place.p_map.y());
-      gap.SetGeometry(&point);
-      require(gaps->CreateFeature(&gap) == OGRERR_NONE, errors);
+  file.begin_layer("landmarks", GeoGeometry::kPoint, fields);
+  for (const mapping::Landmark& l : landmarks) {
+    const Eigen::Vector2d p_map(l.x_m, l.y_m);
+    std::vector<GeoValue> values{integer(l.id),
+                                 std::string(label_text(l.label)),
+                                 l.x_m,
+                                 l.y_m,
+                                 integer(l.num_observations),
+                                 l.roc_mean,
+                                 l.probability,
+                                 l.se_x_m,
+                                 l.se_y_m,
+                                 l.width_m,
+                                 number_or_none(l.row),
+                                 number_or_none(l.position)};
+    if (georeference) {
+      const geometry::Geodetic place = geometry::geodetic_of(*georeference, p_map);
+      values.push_back(place.latitude_deg);
+      values.push_back(place.longitude_deg);
     }
-    OGRFeature feature(lines->GetLayerDefn());
-    feature.SetField(0, row.number);
-    feature.SetField(1, static_cast<int>(row.places.size()) - num_gaps);
-    feature.SetField(2, num_gaps);
-    feature.SetField(3, row.spacing_m);
-    feature.SetGeometry(&line);
-    require(lines->CreateFeature(&feature) == OGRERR_NONE, errors);
+    file.add(values, {p_map});
+  }
+}
+
+void write_path(const std::vector<pose::PoseEstimate>& trajectory, GeoPackage& file) {
+  file.begin_layer(
+      "path", GeoGeometry::kLine,
+      {{"first_utime_us", GeoType::kInteger64}, {"last_utime_us", GeoType::kInteger64}});
+  if (trajectory.size() < 2) return;  // no line
+  std::vector<Eigen::Vector2d> line;
+  for (const pose::PoseEstimate& pose : trajectory) line.push_back({pose.x_m, pose.y_m});
+  file.add({integer(trajectory.front().utime), integer(trajectory.back().utime)}, line);
+}
+
+void write_rows(const std::vector<mapping::Row>& rows, GeoPackage& file) {
+  file.begin_layer("rows", GeoGeometry::kLine,
+                   {{"row", GeoType::kInteger},
+                    {"trees", GeoType::kInteger},
+                    {"gaps", GeoType::kInteger},
+                    {"spacing_m", GeoType::kReal},
+                    {"spacing_least_m", GeoType::kReal},
+                    {"spacing_most_m", GeoType::kReal},
+                    {"spacing_sd_m", GeoType::kReal}});
+  for (const mapping::Row& row : rows) {
+    std::vector<Eigen::Vector2d> line;
+    for (const mapping::RowPlace& place : row.places) line.push_back(place.p_map);
+    if (line.size() < 2) continue;
+    const auto gaps = std::count_if(row.places.begin(), row.places.end(),
+                                    [](const auto& place) { return place.landmark_id == 0; });
+    const mapping::RowSpacing spacing = mapping::row_spacing(row);
+    file.add({integer(row.number), integer(static_cast<std::int64_t>(line.size()) - gaps),
+              integer(gaps), row.spacing_m, spacing.least_m, spacing.most_m, spacing.sd_m},
+             line);
+  }
+  file.begin_layer("gaps", GeoGeometry::kPoint,
+                   {{"row", GeoType::kInteger}, {"position", GeoType::kInteger}});
+  for (const mapping::Row& row : rows) {
+    for (const mapping::RowPlace& place : row.places) {
+      if (place.landmark_id != 0) continue;
+      file.add({integer(row.number), integer(place.position)}, {place.p_map});
+    }
+  }
+}
+
+void write_graph(const mapping::NavigationGraph& graph, GeoPackage& file) {
+  for (const auto kind : {mapping::WayKind::kAlley, mapping::WayKind::kHeadland}) {
+    const bool is_alley = kind == mapping::WayKind::kAlley;
+    file.begin_layer(is_alley ? "alleys" : "headlands", GeoGeometry::kLine,
+                     {{"edge", GeoType::kInteger},
+                      {"from_node", GeoType::kInteger},
+                      {"to_node", GeoType::kInteger},
+                      {is_alley ? "row_left" : "row", GeoType::kInteger},
+                      {"row_right", GeoType::kInteger},
+                      {"length_m", GeoType::kReal},
+                      {"width_m", GeoType::kReal}});
+    for (const mapping::NavigationEdge& edge : graph.edges) {
+      if (edge.kind != kind) continue;
+      file.add(
+          {integer(edge.id), integer(edge.from), integer(edge.to), number_or_none(edge.row_left),
+           number_or_none(edge.row_right), edge.length_m, edge.width_m},
+          edge.line_map);
+    }
+  }
+  file.begin_layer("nodes", GeoGeometry::kPoint, {{"node", GeoType::kInteger}});
+  for (const mapping::NavigationNode& node : graph.nodes) {
+    file.add({integer(node.id)}, {node.p_map});
   }
 }
 
@@ -172,26 +125,15 @@ void write_rows(GDALDataset& dataset, OGRSpatialReference& srs, const ErrorColle
 
 std::string map_geopackage(const std::vector<mapping::Landmark>& landmarks,
                            const std::vector<pose::PoseEstimate>& trajectory,
-                           const std::vector<mapping::Row>& rows) {
-  GDALAllRegister();
-  const CPLConfigOptionSetter fixed_date("OGR_CURRENT_DATE", kFixedDate, false);
-  const ErrorCollector errors;
-  const MemoryFile file;
-  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GPKG");
-  require(driver != nullptr, errors);
-  std::unique_ptr<GDALDataset> dataset(
-      driver->Create(file.path().c_str(), 0, 0, 0, GDT_Unknown, nullptr));
-  require(dataset != nullptr, errors);
-  OGRSpatialReference srs = map_frame();
-  require(dataset->StartTransaction() == OGRERR_NONE, errors);
-  write_landmarks(*dataset, srs, errors, landmarks);
-  write_path(*dataset, srs, errors, trajectory);
-  write_rows(*dataset, srs, errors, rows);
-  require(dataset->CommitTransaction() == OGRERR_NONE, errors);
-  dataset.reset();
-  std::string bytes = file.bytes();
-  require(!bytes.empty(), errors);
-  return bytes;
+                           const std::vector<mapping::Row>& rows,
+                           const mapping::NavigationGraph& graph,
+                           const std::optional<geometry::Georeference>& georeference) {
+  GeoPackage file(georeference);
+  write_landmarks(landmarks, georeference, file);
+  write_path(trajectory, file);
+  write_rows(rows, file);
+  write_graph(graph, file);
+  return file.finish();
 }
 
 }  // namespace orchard::io

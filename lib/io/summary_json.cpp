@@ -7,6 +7,9 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "io/fixed_text.hpp"
+#include "mapping/navigation_graph.hpp"
+
 namespace orchard::io {
 namespace {
 
@@ -25,6 +28,38 @@ double path_length_m(const std::vector<pose::PoseEstimate>& path) {
   return length_m;
 }
 
+/// As everything that is written here.
+double millimetres(double value_m) { return std::round(value_m * 1e3) / 1e3; }
+
+double rounded(double value, double scale) { return std::round(value * scale) / scale; }
+
+std::int32_t next_id(const MapFolderContent& content) {
+  std::int32_t next = std::max(1, content.next_id);
+  for (const mapping::Landmark& l : content.landmarks) next = std::max(next, l.id + 1);
+  return next;
+}
+
+Json view_json(const mapping::SensorView& view) {
+  return {{"reach_m", millimetres(view.reach_m)},
+          {"bearing_min_rad", rounded(view.bearing_min_rad, 1e6)},
+          {"bearing_max_rad", rounded(view.bearing_max_rad, 1e6)},
+          {"mount_x_m", millimetres(view.mount_x_m)},
+          {"mount_y_m", millimetres(view.mount_y_m)},
+          {"mount_yaw_rad", rounded(view.mount_yaw_rad, 1e6)}};
+}
+
+Json georeference_json(const geometry::Georeference& g) {
+  // a nanodegree is a tenth of a millimetre
+  return {{"latitude_deg", rounded(g.latitude_deg, 1e9)},
+          {"longitude_deg", rounded(g.longitude_deg, 1e9)},
+          {"altitude_m", millimetres(g.altitude_m)},
+          {"x_m", millimetres(g.x_m)},
+          {"y_m", millimetres(g.y_m)},
+          {"yaw_rad", rounded(g.yaw_rad, 1e9)},
+          {"residual_rms_m", millimetres(g.residual_rms_m)},
+          {"epsg", geometry::utm_epsg(g)}};
+}
+
 /// JSON's numbers are doubles to most readers: a hash is text.
 std::string hash_text(std::int64_t hash) {
   char text[20];
@@ -33,6 +68,12 @@ std::string hash_text(std::int64_t hash) {
 }
 
 }  // namespace
+
+std::string residual_warning(const geometry::Georeference& georeference) {
+  return "the map's place on the earth is doubtful: satellite fixes lie " +
+         fixed_text(georeference.residual_rms_m, 2) + " m (RMS) from where the map has them, " +
+         fixed_text(geometry::kGeoreferenceResidualMax_m, 1) + " m are usual at most";
+}
 
 std::string summary_json(const MapFolderContent& content) {
   const MapSummary& summary = content.summary;
@@ -53,14 +94,21 @@ std::string summary_json(const MapFolderContent& content) {
     json["rows"].push_back({{"row", row.number},
                             {"trees", static_cast<std::int64_t>(row.places.size()) - gaps},
                             {"gaps", gaps},
-                            {"spacing_m", std::round(row.spacing_m * 1e3) / 1e3}});
+                            {"spacing_m", millimetres(row.spacing_m)},
+                            {"spacing_sd_m", millimetres(mapping::row_spacing(row).sd_m)}});
   }
   json["path"]["num_poses"] = content.trajectory.size();
-  // to the millimetre, as everything that is written here
-  json["path"]["length_m"] = std::round(path_length_m(content.trajectory) * 1e3) / 1e3;
+  json["path"]["length_m"] = millimetres(path_length_m(content.trajectory));
+  json["next_id"] = next_id(content);
+  if (content.view) json["view"] = view_json(*content.view);
+  if (content.georeference) json["georeference"] = georeference_json(*content.georeference);
   json["counts"] = Json::object();
   for (const auto& [name, count] : summary.counts) json["counts"][name] = count;
   json["warnings"] = summary.warnings;
+  if (content.georeference &&
+      content.georeference->residual_rms_m > geometry::kGeoreferenceResidualMax_m) {
+    json["warnings"].push_back(residual_warning(*content.georeference));
+  }
   // Names from outside may hold anything; what is no UTF-8 must not stop the map.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

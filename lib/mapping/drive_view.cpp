@@ -44,10 +44,11 @@ Rates fit_rates(const std::vector<Rates>& shares, const std::vector<double>& per
 }  // namespace
 
 DriveView::DriveView(const std::vector<Landmark>& landmarks,
-                     const std::vector<pose::PoseEstimate>& trajectory, const SensorView& view) {
-  if (trajectory.empty()) return;
+                     const std::vector<std::vector<pose::PoseEstimate>>& trajectories,
+                     const SensorView& view) {
+  if (trajectories.empty()) return;
   is_known_ = true;
-  raster_.emplace_back(landmarks, trajectory, view);
+  raster_.emplace_back(landmarks, trajectories, view);
   std::vector<Rates> shares;
   std::vector<double> per_second;
   for (const Landmark& l : landmarks) {

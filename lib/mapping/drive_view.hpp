@@ -16,7 +16,8 @@ class DriveView {
   /// Nothing is known of where the drive looked.
   DriveView() = default;
   DriveView(const std::vector<Landmark>& landmarks,
-            const std::vector<pose::PoseEstimate>& trajectory, const SensorView& view);
+            const std::vector<std::vector<pose::PoseEstimate>>& trajectories,
+            const SensorView& view);
 
   bool is_known() const { return is_known_; }
 

@@ -112,7 +112,8 @@ int LookRaster::tile_of(int cell) {
 }
 
 LookRaster::LookRaster(const std::vector<Landmark>& landmarks,
-                       const std::vector<pose::PoseEstimate>& trajectory, const SensorView& view) {
+                       const std::vector<std::vector<pose::PoseEstimate>>& trajectories,
+                       const SensorView& view) {
   std::vector<Vector2d> places;
   std::vector<double> radius_m;
   for (const Landmark& l : landmarks) {
@@ -120,10 +121,12 @@ LookRaster::LookRaster(const std::vector<Landmark>& landmarks,
     radius_m.push_back(0.5 * l.width_m);
   }
   const IndexedPoints things(std::move(places));
-  for (const View& v : views_of(trajectory, view)) {
-    std::vector<float> free_m = free_distance_m(v.p_laser, view.reach_m, things, radius_m);
-    close_behind(view, v.yaw_rad, free_m);
-    add_view(v.p_laser, view.reach_m, static_cast<float>(v.seconds), free_m);
+  for (const auto& trajectory : trajectories) {
+    for (const View& v : views_of(trajectory, view)) {
+      std::vector<float> free_m = free_distance_m(v.p_laser, view.reach_m, things, radius_m);
+      close_behind(view, v.yaw_rad, free_m);
+      add_view(v.p_laser, view.reach_m, static_cast<float>(v.seconds), free_m);
+    }
   }
 }
 

@@ -34,9 +34,10 @@ class LookRaster {
                                                        7.5, 9.0, 11.0, 13.0, 16.0, 1e9};
   using Looks = std::array<float, kRangeEnds_m.size()>;  ///< seconds by distance
 
-  /// `trajectory`: T_map_base in order of utime, in the landmarks' frame.
+  /// `trajectories`: T_map_base in order of utime, one per drive, in the landmarks' frame.
   LookRaster(const std::vector<Landmark>& landmarks,
-             const std::vector<pose::PoseEstimate>& trajectory, const SensorView& view);
+             const std::vector<std::vector<pose::PoseEstimate>>& trajectories,
+             const SensorView& view);
 
   /// Looks at the cell that holds a point of map.
   Looks at(const Eigen::Vector2d& p_map) const;

@@ -39,6 +39,7 @@ CLI::App& add_command(CLI::App& app, Run& run, const char* name, const char* des
 // The groups of commands that have a file of their own.
 void add_calibrate(CLI::App& app, Run& run);
 void add_calibrate_laser_camera(CLI::App& calibrate, Run& run);
+void add_compare(CLI::App& app, Run& run);
 void add_evaluate(CLI::App& app, Run& run);
 
 }  // namespace orchard::cli

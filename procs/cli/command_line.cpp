@@ -175,6 +175,7 @@ void add_all(CLI::App& app, Run& run) {
   add_import(app, run);
   add_map(app, run);
   add_evaluate(app, run);
+  add_compare(app, run);
   add_overlay(app, run);
   add_log(app, run);
   add_echo(app, run);

@@ -9,12 +9,14 @@
 #include <string_view>
 #include <utility>
 
+#include "bus/codec.hpp"
 #include "bus/in_process_replay.hpp"
 #include "bus/process.hpp"
 #include "cli/scan_timer.hpp"
 #include "detector/detector_node.hpp"
 #include "io/config.hpp"
 #include "io/file_error.hpp"
+#include "io/log_reader.hpp"
 #include "io/log_writer.hpp"
 #include "io/map_folder.hpp"
 #include "io/progress_bar.hpp"
@@ -117,6 +119,28 @@ void make_folder(const std::string& folder) {
   }
 }
 
+/// Where the laser looks, by the rig and the log's first scan: what later comparisons go by.
+mapping::SensorView view_of(const io::Config& config, const std::string& log_path) {
+  mapping::SensorView view;
+  view.reach_m = std::min(config.detector.segmentation.range_max_m, config.mapper.range_use_max_m);
+  view.mount_x_m = config.laser.mount_x_m;
+  view.mount_y_m = config.laser.mount_y_m;
+  view.mount_yaw_rad = config.laser.mount_yaw_rad;
+  io::LogReader reader(log_path);
+  while (const auto event = reader.next()) {
+    if (event->channel != bus::info(Channel::kScan).name) continue;
+    const auto decoded = bus::decode(Channel::kScan, event->data.data(), event->data.size());
+    const auto* message = std::get_if<bus::Message>(&decoded);
+    const auto* scan = message ? std::get_if<laser::Scan>(message) : nullptr;
+    if (scan == nullptr || scan->ranges_m.empty()) continue;
+    const double end_rad = scan->bearing_rad(static_cast<double>(scan->ranges_m.size()) - 1.0);
+    view.bearing_min_rad = std::min(scan->bearing_min_rad, end_rad);
+    view.bearing_max_rad = std::max(scan->bearing_min_rad, end_rad);
+    break;
+  }
+  return view;
+}
+
 }  // namespace
 
 int run_map(const MapOptions& options) {
@@ -159,6 +183,7 @@ int run_map(const MapOptions& options) {
   summary.counts = counts_of(report, pipeline);
   summary.warnings = std::move(warnings);
   io::MapFolderContent content = pipeline.mapper.content(summary);
+  content.view = view_of(config, options.log_path);
   if (content.landmarks.empty()) {
     content.summary.warnings.push_back("nothing was mapped: no object was seen often enough");
     std::fprintf(stderr, "orchard map: warning: %s\n", content.summary.warnings.back().c_str());

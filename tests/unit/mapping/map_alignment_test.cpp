@@ -21,7 +21,7 @@ constexpr double kDeg = 3.14159265358979323846 / 180.0;
 DriveView view_of(const DrivenMap& map) {
   SensorView view;
   view.reach_m = 8.0;  // more than the drives truly have: that is for the map to tell
-  return DriveView(map.landmarks, map.trajectory, view);
+  return DriveView(map.landmarks, {map.trajectory}, view);
 }
 
 /// Largest distance between where the alignment and the truth put trees of b.

@@ -16,7 +16,7 @@ using Eigen::Vector2d;
 DriveView view_of(const DrivenMap& map) {
   SensorView view;
   view.reach_m = 8.0;  // more than the drives truly have: that is for the map to tell
-  return DriveView(map.landmarks, map.trajectory, view);
+  return DriveView(map.landmarks, {map.trajectory}, view);
 }
 
 MapComparison compare(const DrivenMap& a, const DrivenMap& b, ComparisonConfig config = {}) {
@@ -142,12 +142,12 @@ TEST(DriveView, HiddenAndFarPlacesAreNotLookedAt) {
   }
   SensorView view;
   view.reach_m = 8.0;
-  const DriveView seen(landmarks, path, view);
+  const DriveView seen(landmarks, {path}, view);
   EXPECT_NEAR(seen.expected_observations({10.2, 2.0}), 100.0, 35.0);
   EXPECT_LT(seen.probability_missed({10.5, 2.0}), 0.01);
   EXPECT_EQ(seen.probability_missed({10.5, 12.0}), 1.0) << "beyond reach";
   EXPECT_EQ(seen.probability_missed({10.5, -30.0}), 1.0);
-  const LookRaster raster(landmarks, path, view);
+  const LookRaster raster(landmarks, {path}, view);
   const auto seconds_near = [&](const Vector2d& p) {
     const LookRaster::Looks looks = raster.at(p);
     return looks[0] + looks[1] + looks[2] + looks[3];  // within 4.5 m
@@ -157,7 +157,7 @@ TEST(DriveView, HiddenAndFarPlacesAreNotLookedAt) {
   SensorView left = view;  // a laser that looks to the right only sees no row to the left
   left.bearing_min_rad = -2.0;
   left.bearing_max_rad = -0.5;
-  EXPECT_EQ(DriveView(landmarks, path, left).probability_missed({10.5, 2.0}), 1.0);
+  EXPECT_EQ(DriveView(landmarks, {path}, left).probability_missed({10.5, 2.0}), 1.0);
   EXPECT_EQ(DriveView().probability_missed({10.5, 2.0}), 1.0);
 }
 

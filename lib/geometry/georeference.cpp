@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "geometry/georeference.hpp"
+
+#include <GeographicLib/LocalCartesian.hpp>
+#include <GeographicLib/UTMUPS.hpp>
+#include <cmath>
+
+namespace orchard::geometry {
+namespace {
+
+constexpr double kFalseNorthing_m = 1e7;
+
+struct Zone {
+  int number = 0;
+  bool is_north = true;
+};
+
+Zone zone_of(const Georeference& g) {
+  return {GeographicLib::UTMUPS::StandardZone(g.latitude_deg, g.longitude_deg),
+          g.latitude_deg >= 0.0};
+}
+
+}  // namespace
+
+Geodetic geodetic_of(const Georeference& g, const Eigen::Vector2d& p_map) {
+  const double c = std::cos(g.yaw_rad), s = std::sin(g.yaw_rad);
+  const double east_m = c * p_map.x() - s * p_map.y() + g.x_m;
+  const double north_m = s * p_map.x() + c * p_map.y() + g.y_m;
+  const GeographicLib::LocalCartesian enu(g.latitude_deg, g.longitude_deg, g.altitude_m);
+  Geodetic place;
+  double altitude_m = 0.0;
+  enu.Reverse(east_m, north_m, 0.0, place.latitude_deg, place.longitude_deg, altitude_m);
+  return place;
+}
+
+int utm_epsg(const Georeference& g) {
+  const Zone zone = zone_of(g);
+  if (zone.number == GeographicLib::UTMUPS::UPS) return zone.is_north ? 5041 : 5042;
+  return (zone.is_north ? 32600 : 32700) + zone.number;
+}
+
+Eigen::Vector2d utm_of(const Georeference& g, const Eigen::Vector2d& p_map) {
+  const Geodetic place = geodetic_of(g, p_map);
+  const Zone zone = zone_of(g);
+  int number = 0;
+  bool is_north = true;
+  Eigen::Vector2d p_utm;
+  GeographicLib::UTMUPS::Forward(place.latitude_deg, place.longitude_deg, number, is_north,
+                                 p_utm.x(), p_utm.y(), zone.number);
+  // an orchard on the equator keeps one northing
+  if (zone.number != GeographicLib::UTMUPS::UPS && is_north != zone.is_north) {
+    p_utm.y() += zone.is_north ? -kFalseNorthing_m : kFalseNorthing_m;
+  }
+  return p_utm;
+}
+
+}  // namespace orchard::geometry

@@ -38,6 +38,7 @@ void write_map_folder(const std::string& folder, const MapFolderContent& content
     files.write((path / ("trajectory_" + std::to_string(k + 2) + ".csv")).string(),
                 trajectory_csv(content.more_trajectories[k]));
   }
+  if (!content.ids_csv.empty()) files.write((path / "ids.csv").string(), content.ids_csv);
   files.write((path / "graph.json").string(), graph_json(graph));
   files.write((path / "summary.json").string(), summary_json(content));
   files.commit();

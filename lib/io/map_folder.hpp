@@ -34,15 +34,17 @@ struct MapFolderContent {
   MapSummary summary;
   std::vector<mapping::Row> rows;  ///< in order of number
   /// Of a map of several drives: the paths of the second and later ones.
-  std::vector<std::vector<pose::PoseEstimate>> more_trajectories;
-  std::optional<geometry::Georeference> georeference;
-  std::optional<mapping::SensorView> view;  ///< where the laser looks; `orchard compare` asks
-  std::int32_t next_id = 0;                 ///< no landmark of an earlier map had this or more
+  std::vector<std::vector<pose::PoseEstimate>> more_trajectories{};
+  std::optional<geometry::Georeference> georeference{};
+  std::optional<mapping::SensorView> view{};  ///< where the laser looks; `orchard compare` asks
+  std::string ids_csv{};                      ///< of a merged map: ids.csv; empty: there is none
+  std::int32_t next_id = 0;                   ///< no landmark of an earlier map had this or more
 };
 
 /// Writes map.csv, map.gpkg, map.svg, map.png, trajectory.csv (trajectory_2.csv ... for more
-/// drives), graph.json and summary.json into `folder` (made when missing), all together: written
-/// and synced under temporary names before the first is renamed. Equal content gives equal bytes.
+/// drives), graph.json, summary.json, and ids.csv when there is one, into `folder` (made when
+/// missing), all together: written and synced under temporary names before the first is renamed.
+/// Equal content gives equal bytes.
 /// Throws FileError and then leaves every earlier file as it was.
 void write_map_folder(const std::string& folder, const MapFolderContent& content);
 

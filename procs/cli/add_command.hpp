@@ -9,6 +9,10 @@ namespace CLI {
 class App;
 }
 
+namespace orchard::mapping {
+struct MapAlignmentConfig;
+}
+
 namespace orchard::cli {
 
 /// What the command line asked for: set by the callback of the subcommand that was given.
@@ -41,5 +45,9 @@ void add_calibrate(CLI::App& app, Run& run);
 void add_calibrate_laser_camera(CLI::App& calibrate, Run& run);
 void add_compare(CLI::App& app, Run& run);
 void add_evaluate(CLI::App& app, Run& run);
+void add_merge(CLI::App& app, Run& run);
+
+/// Options of every command that lays one map on another.
+void add_alignment_options(CLI::App& command, mapping::MapAlignmentConfig& config);
 
 }  // namespace orchard::cli

@@ -75,6 +75,7 @@ void add_map(CLI::App& app, Run& run) {
       app, run, "map", "Make the map of a log, in this process and faster than it was driven",
       "  orchard map drive.lcm --config config/orchard.yaml --out out/drive\n"
       "  orchard map drive.lcm --config config/orchard.yaml --out out/drive --strict --quiet\n"
+      "  orchard map later.lcm --config config/orchard.yaml --previous out/drive --out out/later\n"
       "The map depends on the log and the configuration only: the same files every time.\n"
       "A damaged log is mapped from what can be read, with warnings; --strict refuses it.\n",
       run_map, [](CLI::App& command, MapOptions& o) {
@@ -85,6 +86,11 @@ void add_map(CLI::App& app, Run& run) {
         command.add_option("--out", o.out_folder, "folder for the map, made when missing")
             ->required()
             ->type_name("DIR");
+        command
+            .add_option("--previous", o.previous_path,
+                        "map of an earlier drive: what is found again keeps its id and number")
+            ->type_name("FOLDER|CSV");
+        add_alignment_options(command, o.previous_alignment);
         command.add_flag("--strict", o.strict, "refuse a log with any damage (exit 3)");
         command.add_flag("--quiet", o.quiet, "warnings and errors only");
         command.add_flag("--timing", o.timing,
@@ -176,6 +182,7 @@ void add_all(CLI::App& app, Run& run) {
   add_map(app, run);
   add_evaluate(app, run);
   add_compare(app, run);
+  add_merge(app, run);
   add_overlay(app, run);
   add_log(app, run);
   add_echo(app, run);

@@ -4,11 +4,21 @@
 
 #include "cli/add_command.hpp"
 #include "cli/compare.hpp"
+#include "cli/merge.hpp"
 
 namespace orchard::cli {
 namespace {
 
-void add_alignment_options(CLI::App& command, mapping::MapAlignmentConfig& c, double& reach_m) {
+void add_reach_option(CLI::App& command, double& reach_m) {
+  command
+      .add_option("--reach", reach_m,
+                  "how far the laser finds trunks [m]; without it as the map folders say")
+      ->check(CLI::Range(0.5, 500.0));
+}
+
+}  // namespace
+
+void add_alignment_options(CLI::App& command, mapping::MapAlignmentConfig& c) {
   command
       .add_option("--max-offset", c.offset_max_m,
                   "how far apart the maps may place one tree, at most [m]")
@@ -19,13 +29,7 @@ void add_alignment_options(CLI::App& command, mapping::MapAlignmentConfig& c, do
       ->capture_default_str();
   command.add_flag("--any-place", c.any_place,
                    "the maps' frames have nothing in common: any offset, any turn");
-  command
-      .add_option("--reach", reach_m,
-                  "how far the laser finds trunks [m]; without it as the map folders say")
-      ->check(CLI::Range(0.5, 500.0));
 }
-
-}  // namespace
 
 void add_compare(CLI::App& app, Run& run) {
   add_command<CompareOptions>(
@@ -40,14 +44,15 @@ void add_compare(CLI::App& app, Run& run) {
       run_compare, [](CLI::App& command, CompareOptions& o) {
         command.add_option("earlier", o.earlier_path, "map folder, or its map.csv")
             ->required()
-            ->type_name("MAP");
+            ->type_name("FOLDER|CSV");
         command.add_option("later", o.later_path, "map folder, or its map.csv")
             ->required()
-            ->type_name("MAP");
+            ->type_name("FOLDER|CSV");
         command.add_option("--out", o.out_folder, "folder for the comparison, made when missing")
             ->type_name("DIR");
         command.add_flag("--json", o.json, "for programs; lengths in metres");
-        add_alignment_options(command, o.alignment, o.reach_m);
+        add_alignment_options(command, o.alignment);
+        add_reach_option(command, o.reach_m);
         command
             .add_option("--min-confidence", o.comparison.confidence_min,
                         "missing and new trees that are less sure count as not seen")
@@ -61,6 +66,30 @@ void add_compare(CLI::App& app, Run& run) {
         command.add_flag("--assume-seen", o.comparison.assume_seen,
                          "both drives looked everywhere (for a map.csv without its folder)");
         command.add_flag("--objects", o.comparison.with_objects, "compare objects too");
+      });
+}
+
+void add_merge(CLI::App& app, Run& run) {
+  add_command<MergeOptions>(
+      app, run, "merge", "Make one map of several drives or robots in one orchard",
+      "  orchard merge out/monday out/tuesday --out out/both\n"
+      "  orchard merge out/robot_1 out/robot_2 out/robot_3 --any-place --out out/all\n"
+      "Maps are aligned on their trunks, in the frame of the first, whose ids and numbers are "
+      "kept;\n"
+      "what is new gets new ids, and ids.csv says which landmark of which map became which. Maps\n"
+      "that do not fit, or fit in two ways, are refused (exit 3) and nothing is written.\n",
+      run_merge, [](CLI::App& command, MergeOptions& o) {
+        command.add_option("maps", o.map_paths, "map folders, or their map.csv; two or more")
+            ->required()
+            ->expected(2, 1000)
+            ->type_name("FOLDER|CSV...");
+        command.add_option("--out", o.out_folder, "folder for the map, made when missing")
+            ->required()
+            ->type_name("DIR");
+        command.add_option("--config", o.config_path, "rig whose mapper.rows numbers new rows")
+            ->type_name("FILE");
+        add_alignment_options(command, o.alignment);
+        add_reach_option(command, o.reach_m);
       });
 }
 

@@ -6,12 +6,14 @@
 #include <cstdio>
 #include <filesystem>
 #include <numeric>
+#include <optional>
 #include <string_view>
 #include <utility>
 
 #include "bus/codec.hpp"
 #include "bus/in_process_replay.hpp"
 #include "bus/process.hpp"
+#include "cli/map_laying.hpp"
 #include "cli/scan_timer.hpp"
 #include "detector/detector_node.hpp"
 #include "io/config.hpp"
@@ -20,6 +22,7 @@
 #include "io/log_writer.hpp"
 #include "io/map_folder.hpp"
 #include "io/progress_bar.hpp"
+#include "io/stored_map.hpp"
 #include "mapper/mapper_node.hpp"
 #include "pose/pose_node.hpp"
 
@@ -145,6 +148,11 @@ mapping::SensorView view_of(const io::Config& config, const std::string& log_pat
 
 int run_map(const MapOptions& options) {
   const io::Config config = io::load_config(options.config_path);
+  std::optional<io::StoredMap> previous;
+  if (!options.previous_path.empty()) {
+    previous = io::read_stored_map(options.previous_path);
+    require_other_folder(options.out_folder, {options.previous_path});
+  }
   io::LogReader(
       options.log_path);  // a log that cannot be opened is refused before anything is made
   make_folder(options.out_folder);
@@ -188,6 +196,7 @@ int run_map(const MapOptions& options) {
     content.summary.warnings.push_back("nothing was mapped: no object was seen often enough");
     std::fprintf(stderr, "orchard map: warning: %s\n", content.summary.warnings.back().c_str());
   }
+  if (previous) keep_known(*previous, options.previous_alignment, config.mapper.rows, content);
   io::write_map_folder(options.out_folder, content);
   derived.close();
   if (!options.quiet) print_summary(options, report, content);

@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "mapping/map_alignment.hpp"
+
 namespace orchard::cli {
 
 /// `orchard map LOG --config FILE --out DIR`.
@@ -10,6 +12,8 @@ struct MapOptions {
   std::string log_path;
   std::string config_path;
   std::string out_folder;
+  std::string previous_path;  ///< map whose ids and numbers are kept; empty: none
+  mapping::MapAlignmentConfig previous_alignment;
   bool strict = false;  ///< refuse a log with any damage or any message that has to be dropped
   bool quiet = false;   ///< no progress and no closing summary; warnings and errors still come
   bool timing = false;  ///< print what every thousand scans took

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "io/map_folder.hpp"
 #include "io/stored_map.hpp"
 #include "mapping/map_alignment.hpp"
+#include "mapping/number_keeping.hpp"
 
 namespace orchard::cli {
 
@@ -13,5 +15,14 @@ mapping::DriveView view_of(const io::StoredMap& map, double reach_m);
 mapping::MapAlignment lay_on(const io::StoredMap& a, const mapping::DriveView& view_a,
                              const io::StoredMap& b, const mapping::DriveView& view_b,
                              const mapping::MapAlignmentConfig& config);
+
+/// Gives what `content` has in common with an earlier map the ids and numbers it had there, and
+/// says so in its summary. Throws as lay_on().
+mapping::KeptNumbers keep_known(const io::StoredMap& earlier,
+                                const mapping::MapAlignmentConfig& config,
+                                const mapping::RowsConfig& rows, io::MapFolderContent& content);
+
+/// Throws io::FileError when `out_folder` holds one of the inputs (a map folder or a map.csv).
+void require_other_folder(const std::string& out_folder, const std::vector<std::string>& inputs);
 
 }  // namespace orchard::cli

@@ -13,6 +13,7 @@ using detection::Label;
 using Eigen::Vector2d;
 
 constexpr double kShareChanged = 0.05;  ///< of trees, before looking
+constexpr double kOneThing_m = 0.25;    ///< landmarks nearer than this may be one thing
 constexpr double kMissedIfAssumed = 0.005;
 constexpr double kWidthRange_m = 0.2;  ///< widths that grew are spread over so much
 
@@ -149,7 +150,8 @@ MapComparison compare_maps(const std::vector<Landmark>& a, const std::vector<Lan
     if (c.moved_m >= config.moved_min_m && u >= config.sigmas_min) {
       c.change = Change::kMoved;
       c.confidence = p_moved;
-    } else if (std::abs(c.width_change_m) >= config.width_change_min_m &&
+    } else if (a[i].label == Label::kTree && b[j].label == Label::kTree &&
+               std::abs(c.width_change_m) >= config.width_change_min_m &&
                std::abs(c.width_change_m) >= config.sigmas_min * c.width_change_se_m) {
       c.change = c.width_change_m > 0.0 ? Change::kGrown : Change::kThinner;
       c.confidence = p_width;
@@ -196,12 +198,19 @@ MapComparison compare_maps(const std::vector<Landmark>& a, const std::vector<Lan
     paired(i, j);
   }
 
+  // One thing may stand in a map as two; where the other map has something, nothing is missing.
+  const double same_m = std::min(kOneThing_m, gate_m);
   const RigidTransform T_b_a = alignment.T_a_b.inverse();
   for (std::size_t i = 0; i < a.size(); ++i) {
     if (partner_of_a[i] >= 0 || !is_compared(a[i])) continue;
     MapChange c;
     c.a = static_cast<std::int32_t>(i);
     c.p_a = places_a[i];
+    if (b_in_a.nearest(places_a[i], same_m) >= 0) {
+      c.confidence = 0.5;
+      comparison.changes.push_back(c);
+      continue;
+    }
     const double missed = config.assume_seen ? kMissedIfAssumed
                                              : view_b.probability_missed(T_b_a.apply(places_a[i]),
                                                                          view_a.visibility(a[i]));
@@ -214,6 +223,11 @@ MapComparison compare_maps(const std::vector<Landmark>& a, const std::vector<Lan
     MapChange c;
     c.b = static_cast<std::int32_t>(j);
     c.p_a = b_in_a[j];
+    if (places_a.nearest(b_in_a[j], same_m) >= 0) {
+      c.confidence = 0.5;
+      comparison.changes.push_back(c);
+      continue;
+    }
     const double missed = config.assume_seen
                               ? kMissedIfAssumed
                               : view_a.probability_missed(b_in_a[j], view_b.visibility(b[j]));

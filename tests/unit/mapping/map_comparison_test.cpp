@@ -121,6 +121,29 @@ TEST(MapComparison, WhatWasNotLookedAtIsNotMissing) {
   EXPECT_GT(compare(a, b, trusting).count(Change::kMissing), 100);
 }
 
+TEST(MapComparison, OneThingThatIsTwoLandmarksIsNoChange) {
+  Dice dice(31);
+  Block block = plant_block(dice, 6, 15);
+  Drive drive;
+  drive.last_alley = 6;
+  drive.along_max_m = 31.0;
+  DrivenMap a = drive_through(block, drive, dice);
+  const DrivenMap b = drive_through(block, drive, dice);
+  Landmark echo = a.landmarks[20];
+  echo.id = 900;
+  echo.x_m += 0.12;
+  a.landmarks.push_back(echo);
+  a.tree_of.push_back(a.tree_of[20]);
+  EXPECT_EQ(compare(a, b).count(Change::kMissing), 0);
+  EXPECT_EQ(compare(b, a).count(Change::kNew), 0);
+  // a class that changed is no change of the tree, nor is the width that an object is given
+  DrivenMap relabelled = b;
+  relabelled.landmarks[10].label = detection::Label::kObject;
+  relabelled.landmarks[10].width_m += 0.2;
+  const MapComparison comparison = compare(a, relabelled);
+  EXPECT_EQ(comparison.count(Change::kMissing) + comparison.count(Change::kGrown), 0);
+}
+
 TEST(DriveView, HiddenAndFarPlacesAreNotLookedAt) {
   std::vector<Landmark> landmarks;
   std::vector<pose::PoseEstimate> path;

@@ -23,6 +23,9 @@ constexpr double kMaxStepS = 1e6;  ///< keeps every number finite across any jum
 
 constexpr int kJudgedTrees = 4;  ///< fewer say nothing of the place
 
+/// A trunk that the local map knows this badly against base says nothing of the place.
+constexpr double kBentSdM = 0.25;
+
 /// Checks in a row that speak against a place.
 constexpr int kContradictions = 2;
 
@@ -154,7 +157,19 @@ std::array<double, 3> PriorMapLocaliser::covariance_of(const Odometry& odometry)
 }
 
 LocalEvidence PriorMapLocaliser::evidence() const {
-  return {local_.trunks(), local_.views(), field_};
+  LocalEvidence evidence{local_.trunks(), local_.views(), field_};
+  // What lies beyond a headland turn by wheels that are not known yet may be bent away from base.
+  const auto bent = std::find_if(evidence.trunks.begin(), evidence.trunks.end(),
+                                 [](const LocalTrunkMap::Trunk& trunk) {
+                                   return 0.5 * trunk.covariance.trace() > kBentSdM * kBentSdM;
+                                 });
+  if (bent == evidence.trunks.end()) return evidence;
+  const double until_m = bent->last_travel_m;
+  evidence.trunks.erase(bent, evidence.trunks.end());
+  while (!evidence.views.empty() && evidence.views.front().travel_m <= until_m) {
+    evidence.views.pop_front();
+  }
+  return evidence;
 }
 
 void PriorMapLocaliser::track(const std::vector<Sighting>& sightings) {
@@ -222,7 +237,9 @@ void PriorMapLocaliser::search() {
     local_.anchor();
     checked_travel_m_ = local_.travel_m();
     checked_trunks_ = num_trunks;
-    search_.emplace(map_, config_, evidence());
+    LocalEvidence local = evidence();
+    if (local.trunks.size() < static_cast<std::size_t>(config_.min_trunks)) return;
+    search_.emplace(map_, config_, std::move(local));
   }
   if (!search_->step(config_.hypotheses_per_scan)) return;
   judge(search_->result());

@@ -20,6 +20,10 @@ constexpr double kWidthSlackM = 0.15;
 /// weigh as one.
 constexpr double kSightingsPerTree = 10.0;
 
+/// Of a turn from one alley to the next, which is half a circle.
+constexpr double kTurnTravelM = 6.0;
+constexpr double kTurnS = 6.0;
+
 /// The errors of the wheels wander by this share of their first standard deviation per root second.
 constexpr double kWander = 0.01;
 
@@ -46,6 +50,15 @@ Eigen::Vector3d PriorMapTracker::motion(const WheelStep& step) const {
 }
 
 Eigen::Matrix3d PriorMapTracker::motion_covariance(const WheelStep& step) const {
+  const double speed_mps = std::abs(step.speed_mps);
+  WheelStep unlearnt = step;
+  unlearnt.covariance[0] += P_(3, 3) * speed_mps * kTurnTravelM / step.dt_s;
+  unlearnt.covariance[2] +=
+      (P_(4, 4) * std::abs(step.yaw_rate_radps) * geometry::kPi + P_(5, 5) * kTurnS) / step.dt_s;
+  return noise(unlearnt);
+}
+
+Eigen::Matrix3d PriorMapTracker::noise(const WheelStep& step) const {
   const Eigen::Vector3d delta = motion(step);
   const double dt = step.dt_s;
   const double half_rad = 0.5 * delta.z();
@@ -62,7 +75,7 @@ Eigen::Matrix3d PriorMapTracker::motion_covariance(const WheelStep& step) const 
 
 void PriorMapTracker::move(const WheelStep& step) {
   const Eigen::Vector3d delta = motion(step);
-  const Eigen::Matrix3d C = motion_covariance(step);
+  const Eigen::Matrix3d C = noise(step);
   const Eigen::Vector3d T = x_.head<3>();
   const Eigen::Matrix3d G = compose_jacobian_second(T);
   Eigen::Matrix3d E = Eigen::Matrix3d::Zero();  // d(delta) / d(errors of the wheels)

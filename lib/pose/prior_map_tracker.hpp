@@ -42,8 +42,10 @@ class PriorMapTracker {
   Eigen::Vector3d T_map_base() const { return x_.head<3>(); }
   Eigen::Matrix3d covariance() const { return P_.topLeftCorner<3, 3>(); }
 
-  /// What the wheels truly did, by what is known of them: T_before_after and its covariance.
+  /// What the wheels truly did, by what is known of them: T_before_after.
   Eigen::Vector3d motion(const WheelStep& step) const;
+  /// Its covariance for who does not estimate the wheels' errors: what is not known of them counts
+  /// as noise that adds up to the same over a headland turn.
   Eigen::Matrix3d motion_covariance(const WheelStep& step) const;
 
  private:
@@ -55,6 +57,7 @@ class PriorMapTracker {
     double d2 = 0.0;
     Eigen::Vector2d innovation = Eigen::Vector2d::Zero();
   };
+  Eigen::Matrix3d noise(const WheelStep& step) const;
   Match best_match(const Sighting& sighting, const std::vector<std::int32_t>& taken) const;
   void update(const Sighting& sighting, const Eigen::Vector2d& innovation);
   Eigen::Matrix<double, 2, 6> jacobian(const Sighting& sighting) const;

@@ -36,6 +36,7 @@ trees=$(grep -c '^tree,' "$stem.truth.csv")
 processor=$(cost "$stem.txt" "$orchard" map "$stem.lcm" --config "$rig" --out "$stem" --timing)
 grep -v '^timing:' "$stem.txt" | head -3
 awk -v km="$km" -v seconds="$seconds" -v trees="$trees" -v processor="$processor" '
+  / landmarks: / { mapped = $3 }
   /^timing:/ { n++; ms[n] = $4; mib[n] = $8 }
   END {
     if (n < 2) { print "too few scans to tell"; exit }
@@ -45,5 +46,5 @@ awk -v km="$km" -v seconds="$seconds" -v trees="$trees" -v processor="$processor
     for (i = 1; i <= 10; ++i) printf " %s", ms[int(1 + (n - 1) * (i - 1) / 9)]
     printf "\nmemory by tenths (MiB):"
     for (i = 1; i <= 10; ++i) printf " %s", mib[int(1 + (n - 1) * (i - 1) / 9)]
-    printf "\nmemory beyond the first thousand scans: %.2f MiB per km, %.2f kiB per tree\n",
-      (mib[n] - mib[1]) / km, 1024 * (mib[n] - mib[1]) / trees }' "$stem.txt"
+    printf "\nmemory beyond the first thousand scans: %.2f MiB per km, %.2f kiB per tree mapped (%d)\n",
+      (mib[n] - mib[1]) / km, mapped ? 1024 * (mib[n] - mib[1]) / mapped : 0, mapped }' "$stem.txt"

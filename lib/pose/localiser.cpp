@@ -6,6 +6,7 @@
 #include "pose/fusion.hpp"
 #include "pose/pose_estimator.hpp"
 #include "pose/prior_map_localiser.hpp"
+#include "pose/slam_localiser.hpp"
 #include "pose/stationary.hpp"
 
 namespace orchard::pose {
@@ -19,6 +20,8 @@ std::unique_ptr<Localiser> make_localiser(const PoseConfig& config,
       return std::make_unique<Fusion>(config);
     case PoseMode::kPriorMap:
       return std::make_unique<PriorMapLocaliser>(config, std::move(prior_landmarks));
+    case PoseMode::kSlam:
+      return std::make_unique<SlamLocaliser>(config);
     case PoseMode::kFixes:
     case PoseMode::kFixesAndOdometry:
     case PoseMode::kOdometry:
@@ -55,6 +58,12 @@ MeasurementWaits expected_measurements(const PoseConfig& config) {
       if (config.fusion.use_imu) expect(MeasurementKind::kImu, config.reorder_window_s);
       if (config.fusion.use_gnss) expect(MeasurementKind::kGnss, config.reorder_window_s);
       if (config.fusion.use_fixes) expect(MeasurementKind::kPoseFix, config.reorder_window_s);
+      break;
+    case PoseMode::kSlam:
+      expect(MeasurementKind::kOdometry, config.reorder_window_s);
+      expect(MeasurementKind::kSeenTrunks, config.reorder_window_s);
+      if (config.slam.use_gnss) expect(MeasurementKind::kGnss, config.reorder_window_s);
+      if (config.slam.use_fixes) expect(MeasurementKind::kPoseFix, config.reorder_window_s);
       break;
   }
   return waits_s;

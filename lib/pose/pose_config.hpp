@@ -4,6 +4,7 @@
 #include "pose/fusion_config.hpp"
 #include "pose/gnss_config.hpp"
 #include "pose/prior_map_config.hpp"
+#include "pose/slam_config.hpp"
 
 namespace orchard::pose {
 
@@ -15,6 +16,7 @@ enum class PoseMode {
   kStationary,        ///< the robot stands at the map's origin
   kFused,             ///< wheels, IMU, GNSS and fixes: sections `pose.fusion` and `pose.gnss`
   kPriorMap,          ///< found in the map of an earlier day: section `pose.prior_map`
+  kSlam,              ///< relative motion and trunks, from the map's origin: section `pose.slam`
 };
 
 /// How base is placed in map. Section `pose`.
@@ -30,12 +32,13 @@ struct PoseConfig {
   FusionConfig fusion;
   GnssConfig gnss;
   PriorMapConfig prior_map;
+  SlamConfig slam;
 };
 
 template <class Visitor>
 void describe(Visitor& v, PoseConfig& c) {
   v.choice("mode", c.mode,
-           {"fixes", "fixes_and_odometry", "odometry", "stationary", "fused", "prior_map"},
+           {"fixes", "fixes_and_odometry", "odometry", "stationary", "fused", "prior_map", "slam"},
            "where poses come from");
   v.number("reorder_window_s", c.reorder_window_s, 0, 10, "s",
            "message time that one channel may lag another");
@@ -56,6 +59,7 @@ void describe(Visitor& v, PoseConfig& c) {
   v.section("prior_map", c.prior_map, "localisation in an earlier day's map: mode prior_map");
   v.check(c.mode != PoseMode::kPriorMap || !c.prior_map.map_file.empty(), "mode",
           "needs pose.prior_map.map_file: the map of an earlier day");
+  v.section("slam", c.slam, "trunk-landmark SLAM: mode slam");
 }
 
 }  // namespace orchard::pose

@@ -61,7 +61,7 @@ MeasurementWaits expected_measurements(const PoseConfig& config) {
       break;
     case PoseMode::kSlam:
       expect(MeasurementKind::kOdometry, config.reorder_window_s);
-      expect(MeasurementKind::kSeenTrunks, config.reorder_window_s);
+      expect(MeasurementKind::kSeenTrunks, config.slam.detections_wait_s);
       if (config.slam.use_gnss) expect(MeasurementKind::kGnss, config.reorder_window_s);
       if (config.slam.use_fixes) expect(MeasurementKind::kPoseFix, config.reorder_window_s);
       break;

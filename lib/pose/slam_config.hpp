@@ -5,6 +5,7 @@ namespace orchard::pose {
 
 /// Trunk-landmark SLAM. Section `pose.slam`.
 struct SlamConfig {
+  double detections_wait_s = 0.5;  ///< of message time: how far DETECTIONS may lag the motion
   double keyframe_travel_m = 0.5;
   double keyframe_turn_rad = 0.3;
   int window_keyframes = 30;  ///< corrected at every keyframe
@@ -54,6 +55,8 @@ struct SlamConfig {
 
 template <class Visitor>
 void describe(Visitor& v, SlamConfig& c) {
+  v.number("detections_wait_s", c.detections_wait_s, 0, 60, "s",
+           "message time that DETECTIONS may lag the motion");
   v.number("keyframe_travel_m", c.keyframe_travel_m, 0.05, 10, "m", "travel between keyframes");
   v.number("keyframe_turn_rad", c.keyframe_turn_rad, 0.02, 3.1, "rad", "turn between keyframes");
   v.integer("window_keyframes", c.window_keyframes, 4, 200, "keyframes",

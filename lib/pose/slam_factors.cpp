@@ -42,7 +42,7 @@ class MotionFactor : public ceres::SizedCostFunction<3, 3, 3, 3> {
 
 class SightingFactor : public ceres::SizedCostFunction<2, 3, 2> {
  public:
-  explicit SightingFactor(const Sighting& sighting);
+  explicit SightingFactor(const SlamSighting& sighting);
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override;
 
@@ -131,7 +131,7 @@ bool MotionFactor::Evaluate(double const* const* parameters, double* residuals,
   return true;
 }
 
-SightingFactor::SightingFactor(const Sighting& sighting)
+SightingFactor::SightingFactor(const SlamSighting& sighting)
     : p_base_(sighting.position()), W_(whitening(sighting.covariance())) {}
 
 bool SightingFactor::Evaluate(double const* const* parameters, double* residuals,
@@ -219,7 +219,7 @@ bool HeadingFactor::Evaluate(double const* const* parameters, double* residuals,
 ceres::CostFunction* motion_term(const RelativeMotion& motion, const Eigen::Matrix3d& covariance) {
   return new MotionFactor(motion, covariance);
 }
-ceres::CostFunction* sighting_term(const Sighting& sighting) {
+ceres::CostFunction* sighting_term(const SlamSighting& sighting) {
   return new SightingFactor(sighting);
 }
 ceres::CostFunction* place_term(const Eigen::Vector2d& p_map, const Eigen::Matrix2d& covariance) {

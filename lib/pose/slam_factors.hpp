@@ -19,7 +19,7 @@ namespace orchard::pose {
 ceres::CostFunction* motion_term(const RelativeMotion& motion, const Eigen::Matrix3d& covariance);
 
 /// Landmark as a keyframe saw it: parameters pose, landmark.
-ceres::CostFunction* sighting_term(const Sighting& sighting);
+ceres::CostFunction* sighting_term(const SlamSighting& sighting);
 
 /// Landmark by what older keyframes say of it: parameter landmark.
 ceres::CostFunction* place_term(const Eigen::Vector2d& p_map, const Eigen::Matrix2d& covariance);

@@ -12,16 +12,16 @@ namespace {
 // However often a landmark was seen, the map around it is not known better than this.
 constexpr double kLandmarkFloorM = 0.02;
 
-std::vector<Sighting>::iterator find_sighting(Keyframe& keyframe, int landmark) {
+std::vector<SlamSighting>::iterator find_sighting(Keyframe& keyframe, int landmark) {
   return std::find_if(keyframe.sightings.begin(), keyframe.sightings.end(),
-                      [&](const Sighting& s) { return s.landmark == landmark; });
+                      [&](const SlamSighting& s) { return s.landmark == landmark; });
 }
 
 }  // namespace
 
-Eigen::Vector2d Sighting::position() const { return information.inverse() * information_m; }
+Eigen::Vector2d SlamSighting::position() const { return information.inverse() * information_m; }
 
-Eigen::Matrix2d Sighting::covariance() const {
+Eigen::Matrix2d SlamSighting::covariance() const {
   return information.inverse() + floor_sd_m * floor_sd_m * Eigen::Matrix2d::Identity();
 }
 
@@ -36,7 +36,7 @@ void SlamGraph::add_sighting(int keyframe, int landmark, const Eigen::Vector2d& 
   Keyframe& k = keyframes[keyframe];
   auto sighting = find_sighting(k, landmark);
   if (sighting == k.sightings.end()) {
-    Sighting fresh;
+    SlamSighting fresh;
     fresh.landmark = landmark;
     k.sightings.push_back(fresh);
     sighting = std::prev(k.sightings.end());

@@ -11,7 +11,7 @@ namespace orchard::pose {
 
 /// All that one keyframe saw of one landmark, summed up as information about its place in base at
 /// the keyframe: the scans of a keyframe weigh as one sighting each, and take the room of one.
-struct Sighting {
+struct SlamSighting {
   int landmark = -1;
   int num_scans = 0;
   Eigen::Matrix2d information = Eigen::Matrix2d::Zero();    ///< sum of inverse covariances
@@ -44,7 +44,7 @@ struct Keyframe {
   RelativeMotion motion;  ///< from the keyframe before
   double travel_m = 0.0;  ///< path length since the start
   int calibration = 0;    ///< index of the wheels' errors of the motion to it
-  std::vector<Sighting> sightings;
+  std::vector<SlamSighting> sightings;
   std::vector<PlaceFix> fixes;
 };
 

@@ -17,7 +17,7 @@ std::vector<Interval> tracked_stretches(const SlamGraph& graph, int since, doubl
   std::vector<int> seen;
   for (int k = static_cast<int>(keyframes.size()) - 1; k >= since; --k) {
     if (keyframes.back().travel_m - keyframes[k].travel_m > kTrackedTravelM) break;
-    for (const Sighting& s : keyframes[k].sightings) seen.push_back(s.landmark);
+    for (const SlamSighting& s : keyframes[k].sightings) seen.push_back(s.landmark);
   }
   std::sort(seen.begin(), seen.end());
   seen.erase(std::unique(seen.begin(), seen.end()), seen.end());

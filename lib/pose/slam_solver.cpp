@@ -26,7 +26,7 @@ class GraphProblem {
     keep(problem_.AddResidualBlock(motion_term(k.motion, covariance), nullptr, pose(keyframe - 1),
                                    pose(keyframe), errors(k.calibration)));
   }
-  void add_sighting(int keyframe, const Sighting& sighting) {
+  void add_sighting(int keyframe, const SlamSighting& sighting) {
     keep(problem_.AddResidualBlock(sighting_term(sighting), loss(config_.outlier_sigma),
                                    pose(keyframe), place(sighting.landmark)));
   }
@@ -135,7 +135,7 @@ std::optional<PlaceFix> place_by_older(const SlamGraph& graph, int landmark, int
   for (const int k : graph.landmarks[landmark].keyframes) {
     if (k >= first) break;
     const Eigen::Vector3d& T = graph.keyframes[k].T_map_base;
-    for (const Sighting& s : graph.keyframes[k].sightings) {
+    for (const SlamSighting& s : graph.keyframes[k].sightings) {
       if (s.landmark != landmark) continue;
       const Eigen::Matrix2d R = rotation(T.z());
       const Eigen::Matrix2d W = R * s.covariance().inverse() * R.transpose();
@@ -184,7 +184,7 @@ WindowSolution solve_window(SlamGraph& graph, int first, const ErrorsPrior& erro
   std::vector<Eigen::Vector3d> before;
   for (int k = first; k <= newest; ++k) {
     before.push_back(graph.keyframes[k].T_map_base);
-    for (const Sighting& s : graph.keyframes[k].sightings) {
+    for (const SlamSighting& s : graph.keyframes[k].sightings) {
       if (graph.landmarks[s.landmark].keyframes.size() >= 2) seen.insert(s.landmark);
     }
   }
@@ -207,7 +207,7 @@ WindowSolution solve_window(SlamGraph& graph, int first, const ErrorsPrior& erro
     if (k == first) Q += F * P_base * F.transpose();
     problem.add_motion(k, Q);
     problem.add_fixes(k);
-    for (const Sighting& s : keyframe.sightings) {
+    for (const SlamSighting& s : keyframe.sightings) {
       if (seen.count(s.landmark) != 0) problem.add_sighting(k, s);
     }
   }
@@ -272,7 +272,7 @@ bool solve_whole(SlamGraph& graph, const ErrorsPrior& errors, const WholeSolve& 
     for (int k = 0; k < num_keyframes; ++k) {
       if (k > 0) problem->add_motion(k, graph.keyframes[k].motion.covariance);
       problem->add_fixes(k);
-      for (const Sighting& s : graph.keyframes[k].sightings) {
+      for (const SlamSighting& s : graph.keyframes[k].sightings) {
         if (graph.landmarks[s.landmark].keyframes.size() >= 2) problem->add_sighting(k, s);
       }
     }

@@ -252,7 +252,7 @@ void TrunkSlam::compose_covariance_in_map(int first, const Eigen::Matrix3d& drif
                                                  between(from.T_map_base, now.T_map_base), drift);
     if (P.allFinite()) now.covariance = P;
   }
-  for (const Sighting& s : now.sightings) {
+  for (const SlamSighting& s : now.sightings) {
     const int old = graph_.landmarks[s.landmark].keyframes.front();
     if (old >= std::min(first, num_solved_)) continue;
     const Keyframe& then = graph_.keyframes[old];
@@ -281,7 +281,7 @@ void TrunkSlam::review_landmarks() {
     const Eigen::Vector2d p_base = transform_back(now.T_map_base, landmark.p_map);
     const double bearing_rad = std::atan2(p_base.y(), p_base.x());
     const bool hidden =
-        std::any_of(now.sightings.begin(), now.sightings.end(), [&](const Sighting& s) {
+        std::any_of(now.sightings.begin(), now.sightings.end(), [&](const SlamSighting& s) {
           const Eigen::Vector2d q = s.position();
           const double apart_rad = geometry::wrap_angle_rad(std::atan2(q.y(), q.x()) - bearing_rad);
           const double margin_rad = 0.05 + 0.5 * graph_.landmarks[s.landmark].width_m / q.norm();

@@ -82,7 +82,7 @@ bool TrunkSlam::agrees(const std::vector<std::pair<int, int>>& merged) const {
     const SlamLandmark& landmark = graph_.landmarks[pair.second];
     for (const int k : landmark.keyframes) {
       const Keyframe& keyframe = graph_.keyframes[k];
-      for (const Sighting& s : keyframe.sightings) {
+      for (const SlamSighting& s : keyframe.sightings) {
         if (s.landmark != pair.second) continue;
         const Eigen::Vector2d error =
             transform_back(keyframe.T_map_base, landmark.p_map) - s.position();

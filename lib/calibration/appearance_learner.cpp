@@ -58,13 +58,26 @@ void standardise(const Samples& samples, vision::AppearanceConfig& config) {
   }
 }
 
-Eigen::VectorXd standardised(const AppearanceSample& sample,
-                             const vision::AppearanceConfig& config) {
-  Eigen::VectorXd x(kNumFeatures + 1);
-  x[kNumFeatures] = 1.0;
+/// What is fitted: a ridge penalty, with or without the features' squares.
+struct Shape {
+  double penalty = 0.0;
+  bool squares = false;
+
+  int num_terms() const { return squares ? 2 * kNumFeatures : kNumFeatures; }
+};
+
+/// The terms of appearance_log_odds(), then 1 for the bias.
+Eigen::VectorXd terms_of(const AppearanceSample& sample, const vision::AppearanceConfig& config,
+                         const Shape& shape) {
+  Eigen::VectorXd x(shape.num_terms() + 1);
+  x[shape.num_terms()] = 1.0;
   for (int i = 0; i < kNumFeatures; ++i) {
     const auto k = static_cast<std::size_t>(i);
     x[i] = (sample.features[k] - config.mean[k]) / config.scale[k];
+    if (!shape.squares) continue;
+    const double cut =
+        std::clamp(x[i], -vision::kAppearanceSquareReach, vision::kAppearanceSquareReach);
+    x[kNumFeatures + i] = cut * cut - 1.0;
   }
   return x;
 }
@@ -77,7 +90,7 @@ double loss_of(double margin) {
 /// Penalised negative log likelihood of the coefficients.
 double objective(const Samples& samples, const Eigen::MatrixXd& x, const ClassWeights& weights,
                  const Eigen::VectorXd& beta, double penalty) {
-  double sum = 0.5 * penalty * beta.head(kNumFeatures).squaredNorm();
+  double sum = 0.5 * penalty * beta.head(beta.size() - 1).squaredNorm();
   const Eigen::VectorXd z = x.transpose() * beta;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const double margin =
@@ -88,18 +101,19 @@ double objective(const Samples& samples, const Eigen::MatrixXd& x, const ClassWe
 }
 
 /// Newton's method with halved steps: the problem is convex, so it ends at the one minimum.
-vision::AppearanceConfig fit(const Samples& samples, double penalty) {
+vision::AppearanceConfig fit(const Samples& samples, const Shape& shape) {
   vision::AppearanceConfig config;
   standardise(samples, config);
   const ClassWeights weights(samples);
-  Eigen::MatrixXd x(kNumFeatures + 1, static_cast<Eigen::Index>(samples.size()));
+  const int num_terms = shape.num_terms();
+  Eigen::MatrixXd x(num_terms + 1, static_cast<Eigen::Index>(samples.size()));
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    x.col(static_cast<Eigen::Index>(i)) = standardised(*samples[i], config);
+    x.col(static_cast<Eigen::Index>(i)) = terms_of(*samples[i], config, shape);
   }
-  Eigen::VectorXd ridge = Eigen::VectorXd::Constant(kNumFeatures + 1, penalty);
-  ridge[kNumFeatures] = 1e-9;  // the bias is free
-  Eigen::VectorXd beta = Eigen::VectorXd::Zero(kNumFeatures + 1);
-  double value = objective(samples, x, weights, beta, penalty);
+  Eigen::VectorXd ridge = Eigen::VectorXd::Constant(num_terms + 1, shape.penalty);
+  ridge[num_terms] = 1e-9;  // the bias is free
+  Eigen::VectorXd beta = Eigen::VectorXd::Zero(num_terms + 1);
+  double value = objective(samples, x, weights, beta, shape.penalty);
   for (int step = 0; step < kMaxSteps; ++step) {
     Eigen::VectorXd gradient = ridge.cwiseProduct(beta);
     Eigen::VectorXd curvature(x.cols());
@@ -116,7 +130,7 @@ vision::AppearanceConfig fit(const Samples& samples, double penalty) {
     const Eigen::VectorXd newton = hessian.ldlt().solve(gradient);
     double length = 1.0, next = 0.0;
     for (; length > 1e-6; length *= 0.5) {
-      next = objective(samples, x, weights, beta - length * newton, penalty);
+      next = objective(samples, x, weights, beta - length * newton, shape.penalty);
       if (next <= value) break;
     }
     if (next > value) break;
@@ -126,7 +140,8 @@ vision::AppearanceConfig fit(const Samples& samples, double penalty) {
     if (gain <= 1e-10 * std::abs(value)) break;
   }
   config.weights.assign(beta.data(), beta.data() + kNumFeatures);
-  config.bias = beta[kNumFeatures];
+  if (shape.squares) config.squares.assign(beta.data() + kNumFeatures, beta.data() + num_terms);
+  config.bias = beta[num_terms];
   return config;
 }
 
@@ -172,28 +187,39 @@ struct Judged {
   }
 };
 
+/// Mean area under the ROC curve of all other folds by fits to one.
+double area_of_others(const std::vector<Fold>& folds, const Shape& shape) {
+  double area = 0.0;
+  for (const Fold& fold : folds) {
+    Judged judged;
+    judged.add(fold.outside, fit(fold.inside, shape));
+    area += roc_area(judged.trunk, judged.other) / static_cast<double>(folds.size());
+  }
+  return area;
+}
+
 /// The strongest of the penalties with which a fit to one fold ranks all others best: an orchard
 /// has more trees and more light than those it was learnt from, so the few must speak for the
-/// many.
-double choose_penalty(const std::vector<Fold>& folds, const std::vector<double>& penalties) {
+/// many. With squares only where they are better even so.
+Shape choose_shape(const std::vector<Fold>& folds, const AppearanceLearnOptions& options) {
   constexpr double kAlike = 1e-4;  // areas nearer than this say nothing
-  if (folds.empty()) return penalties.at(penalties.size() / 2);
-  std::vector<double> areas;
-  for (const double penalty : penalties) {
-    double area = 0.0;
-    for (const Fold& fold : folds) {
-      Judged judged;
-      judged.add(fold.outside, fit(fold.inside, penalty));
-      area += roc_area(judged.trunk, judged.other) / static_cast<double>(folds.size());
+  if (folds.empty()) return {options.penalties.at(options.penalties.size() / 2), false};
+  double best_area = 0.0;
+  Shape best;
+  for (const bool squares : {false, true}) {
+    std::vector<double> areas;
+    for (const double penalty : options.penalties) {
+      areas.push_back(area_of_others(folds, {penalty, squares}));
     }
-    areas.push_back(area);
+    const double area = *std::max_element(areas.begin(), areas.end());
+    if (area <= best_area + kAlike) continue;
+    best_area = area;
+    best = {0.0, squares};
+    for (std::size_t i = 0; i < areas.size(); ++i) {
+      if (areas[i] >= area - kAlike) best.penalty = std::max(best.penalty, options.penalties[i]);
+    }
   }
-  const double best = *std::max_element(areas.begin(), areas.end());
-  double chosen = 0.0;
-  for (std::size_t i = 0; i < areas.size(); ++i) {
-    if (areas[i] >= best - kAlike) chosen = std::max(chosen, penalties[i]);
-  }
-  return chosen;
+  return best;
 }
 
 /// What makes log odds true: a + b x.
@@ -233,9 +259,10 @@ Calibration calibrate(const Judged& judged) {
 }
 
 /// Judges every fold by fits to all others; gives what makes their log odds true.
-Calibration cross_validate(const std::vector<Fold>& folds, AppearanceFit& found) {
+Calibration cross_validate(const std::vector<Fold>& folds, const Shape& shape,
+                           AppearanceFit& found) {
   Judged judged;
-  for (const Fold& fold : folds) judged.add(fold.inside, fit(fold.outside, found.penalty));
+  for (const Fold& fold : folds) judged.add(fold.inside, fit(fold.outside, shape));
   if (folds.empty()) return {};
   found.area = roc_area(judged.trunk, judged.other);
   const Calibration c = calibrate(judged);
@@ -277,12 +304,14 @@ AppearanceFit learn_appearance(const std::vector<AppearanceSample>& samples,
   check(samples, found);
   found.num_groups = static_cast<int>(groups.size());
   const std::vector<Fold> folds = deal_folds(samples, options.max_folds);
-  found.penalty = choose_penalty(folds, options.penalties);
-  const Calibration calibration = cross_validate(folds, found);
+  const Shape shape = choose_shape(folds, options);
+  found.penalty = shape.penalty;
+  const Calibration calibration = cross_validate(folds, shape, found);
   Samples all;
   for (const AppearanceSample& sample : samples) all.push_back(&sample);
-  found.config = fit(all, found.penalty);
+  found.config = fit(all, shape);
   for (double& weight : found.config.weights) weight *= calibration.slope;
+  for (double& weight : found.config.squares) weight *= calibration.slope;
   found.config.bias = calibration.offset + calibration.slope * found.config.bias;
   return found;
 }

@@ -34,10 +34,11 @@ struct AppearanceFit {
   int num_groups = 0;
 };
 
-/// Learns what trunks look like: a logistic regression on standardised features, both classes
-/// weighing the same. The ridge penalty is the strongest with which fits to a part of the groups
-/// rank all others best (the middle one of those given where the groups cannot be parted); then
-/// the log odds are scaled to be true of groups left out.
+/// Learns what trunks look like: a logistic regression on standardised features, with their squares
+/// where fits to a part of the groups then rank all others better, both classes weighing the same.
+/// The ridge penalty is the strongest with which fits to a part of the groups rank all others best
+/// (the middle one of those given where the groups cannot be parted); then the log odds are scaled
+/// to be true of groups left out.
 ///
 /// The same samples in the same order give the same bits. Throws std::runtime_error with one
 /// sentence when there are fewer than ten windows of a class or a feature is not finite.

@@ -81,8 +81,8 @@ ProbabilityFit fit_weights(const std::vector<ProbabilitySample>& samples,
 /// The looks at one thing as the mapper adds them up.
 struct ThingEvidence {
   bool is_tree = false;
-  double judged_sum = 0.0, laser_sum = 0.0;
-  int num_judged = 0, num_laser = 0;
+  double labelled_sum = 0.0, unseen_sum = 0.0;
+  int num_labelled = 0, num_unseen = 0;
 };
 
 /// -log of the probability given to what things are: mean over them, and its standard error.
@@ -94,10 +94,10 @@ ThingLoss loss_of_things(const std::map<Thing, ThingEvidence>& things,
                          const mapping::MapperConfig& config) {
   double sum = 0.0, sum2 = 0.0;
   for (const auto& [key, thing] : things) {
-    const bool judged = thing.num_judged > 0;
+    const bool labelled = thing.num_labelled > 0;
     const double log_odds =
-        mapping::log_odds_of_tree(judged ? thing.judged_sum : thing.laser_sum,
-                                  judged ? thing.num_judged : thing.num_laser, config);
+        mapping::log_odds_of_tree(labelled ? thing.labelled_sum : thing.unseen_sum,
+                                  labelled ? thing.num_labelled : thing.num_unseen, config);
     const double loss = std::log1p(std::exp(thing.is_tree ? -log_odds : log_odds));
     sum += loss;
     sum2 += loss * loss;
@@ -129,9 +129,10 @@ void fit_evidence(const std::vector<ProbabilitySample>& samples,
     detection::Detection look = sample.detection;
     look.probability_tree = static_cast<float>(probabilities[i]);
     look.probability_object = static_cast<float>(1.0 - probabilities[i]);
-    const bool judged = detection::view_kind(look) == ViewKind::kJudged;
-    (judged ? thing.judged_sum : thing.laser_sum) += mapping::evidence_of(look, config);
-    ++(judged ? thing.num_judged : thing.num_laser);
+    // as the mapper does: labelled looks count alone once there is one
+    const bool labelled = look.label != detection::Label::kUnseen;
+    (labelled ? thing.labelled_sum : thing.unseen_sum) += mapping::evidence_of(look, config);
+    ++(labelled ? thing.num_labelled : thing.num_unseen);
   }
   fit.num_things = static_cast<int>(things.size());
   double num_tree_things = 0.0;

@@ -34,7 +34,7 @@ ReflectorVerdict judge_by_reflector(const laser::Segment& segment, const laser::
 }
 
 /// An object with a hidden side is at least as wide as what shows of it, or as its circle says:
-/// too wide is an object, anything less cannot be told.
+/// too wide is an object; anything less cannot be told unless most of a circle shows.
 LaserVerdict judge_by_laser(const laser::Segment& segment, double roc_laser,
                             double bearing_step_rad, const DetectorConfig& config) {
   if (segment.occluded_left || segment.occluded_right) {
@@ -43,7 +43,10 @@ LaserVerdict judge_by_laser(const laser::Segment& segment, double roc_laser,
     const bool too_wide = least_width_m > config.width.mean_m &&
                           laser::roc_laser(least_width_m, segment.range_m, bearing_step_rad,
                                            config.width) < config.roc_laser_threshold;
-    return too_wide ? LaserVerdict::kObject : LaserVerdict::kHidden;
+    if (too_wide) return LaserVerdict::kObject;
+    const bool shows = segment.circle && segment.visible_fraction >= config.visible_min &&
+                       config.visible_min < 1.0 && roc_laser >= config.roc_laser_threshold;
+    return shows ? LaserVerdict::kCandidate : LaserVerdict::kHidden;
   }
   return roc_laser >= config.roc_laser_threshold ? LaserVerdict::kCandidate : LaserVerdict::kObject;
 }
@@ -129,7 +132,7 @@ void judge_probabilities(std::vector<Detection>& trunks, const Rig& rig) {
     d.probability_tree = static_cast<float>(p.tree);
     d.probability_object = static_cast<float>(p.object);
     if (config.decision != Decision::kProbability || d.label == Label::kUnseen) continue;
-    d.label = label_of(p.tree, 0.5);
+    d.label = label_of(p.tree, config.probability.tree_min);
   }
 }
 
@@ -221,7 +224,8 @@ DetectResult look_at_candidates(LaserFindings findings, vision::PictureReader* p
     const double roc_vision = judge_by_vision(d, *views[i], seen, rig);
     d.roc_vision = static_cast<float>(roc_vision);
     decide(d, fuse_tree(d.roc_laser, roc_vision, rig.detector.laser_weight), rig);
-    if (rig.detector.adaptation.enabled) result.looks.push_back(look_at(d, lights[i]));
+    const bool is_whole = d.occlusion == 0;
+    if (rig.detector.adaptation.enabled && is_whole) result.looks.push_back(look_at(d, lights[i]));
   }
   return result;
 }

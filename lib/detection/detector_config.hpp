@@ -20,7 +20,7 @@ enum class ColourModel {
 /// What turns measurements into TREE or OBJECT.
 enum class Decision {
   kRoc,          ///< the paper's: roc_tree against tree_threshold
-  kProbability,  ///< probability_tree of at least one half: section `detector.probability`
+  kProbability,  ///< probability_tree of at least detector.probability.tree_min
 };
 
 /// Everything between a scan-image pair and its detections. Section `detector`.
@@ -33,9 +33,10 @@ struct DetectorConfig {
   vision::AppearanceConfig appearance;
   vision::EdgeConfig edges;
   double roc_laser_threshold = 0.011108996538242306;  ///< exp(-4.5): 3 sigma. The paper's ROC_th
-  double colour_weight = 0.6;                         ///< roc_vision = w colour + (1 - w) edges
-  double laser_weight = 0.5;                          ///< roc_tree = w laser + (1 - w) vision
-  double tree_threshold = 0.6;                        ///< TREE from this roc_tree on
+  double visible_min = 1.0;     ///< share of a half-hidden circle from which on it is judged
+  double colour_weight = 0.6;   ///< roc_vision = w colour + (1 - w) edges
+  double laser_weight = 0.5;    ///< roc_tree = w laser + (1 - w) vision
+  double tree_threshold = 0.6;  ///< TREE from this roc_tree on
   Decision decision = Decision::kRoc;
   ProbabilityConfig probability;
   double pairing_tolerance_s = 0.06;  ///< a picture farther in time than this is not a pair
@@ -60,11 +61,14 @@ void describe(Visitor& v, DetectorConfig& c) {
   v.section("edges", c.edges, "trunk edges");
   v.number("roc_laser_threshold", c.roc_laser_threshold, 0, 1, "1",
            "candidates have at least this roc_laser (the paper's ROC_th)");
+  v.number("visible_min", c.visible_min, 0, 1, "1",
+           "a half-hidden object of a trunk's width is judged if this share of its circle shows; "
+           "1 = it stays UNSEEN");
   v.number("colour_weight", c.colour_weight, 0, 1, "1", "share of colour in roc_vision");
   v.number("laser_weight", c.laser_weight, 0, 1, "1", "share of the laser in roc_tree");
   v.number("tree_threshold", c.tree_threshold, 0, 1, "1", "TREE from this roc_tree on");
   v.choice("decision", c.decision, {"roc", "probability"},
-           "TREE by roc_tree and tree_threshold (the paper's), or by a probability of 0.5");
+           "TREE by roc_tree and tree_threshold (the paper's), or by probability and its tree_min");
   v.section("probability", c.probability, "calibrated probabilities of tree and object");
   v.check(c.decision == Decision::kRoc || c.probability.enabled, "decision",
           "probability needs detector.probability.enabled: true");

@@ -26,7 +26,9 @@ double score(const std::vector<double>& weights, const ProbabilityFeatures& feat
 }  // namespace
 
 ViewKind view_kind(const Detection& d) {
-  if (d.label != Label::kUnseen) return ViewKind::kJudged;
+  if (d.label != Label::kUnseen) {
+    return d.roc_colour > 0.0f ? ViewKind::kJudged : ViewKind::kLaserOnly;
+  }
   return d.occlusion == 0 ? ViewKind::kLaserOnly : ViewKind::kHidden;
 }
 

@@ -10,8 +10,8 @@ namespace orchard::detection {
 
 /// What kind of look a detection is, and with that which weights speak about it.
 enum class ViewKind {
-  kJudged,     ///< labelled: the camera looked, or the laser was sure enough
-  kLaserOnly,  ///< UNSEEN, but the laser has it whole
+  kJudged,     ///< the camera looked and found something of a trunk's colour
+  kLaserOnly,  ///< the laser alone: UNSEEN but whole, or labelled without the camera
   kHidden,     ///< UNSEEN, and something nearer hides a side: nothing has judged it
 };
 

@@ -14,13 +14,16 @@ inline constexpr std::size_t kNumLaserFeatures = 6;
 /// Weights that turn what the detector measured into probabilities of tree, object and unknown.
 /// Section `detector.probability`. Written by `orchard calibrate probability`, not by hand.
 ///
-/// Order of each list: 1, width_z, width_z^2 / 5, range_m, log(beams / 10), hidden sides; judged
-/// ones also: log odds of roc_colour, roc_colour is 0, roc_edges, roc_edges is 0.
+/// The laser's lists speak where no camera has looked, or the laser was sure enough by itself; the
+/// judged ones where it has. Order of each list: 1, width_z, width_z^2 / 5, range_m, log(beams /
+/// 10), hidden sides; judged ones also: log odds of roc_colour, roc_colour is 0, roc_edges,
+/// roc_edges is 0.
 struct ProbabilityConfig {
   bool enabled = false;
+  double tree_min = 0.5;            ///< TREE from this probability on (decision: probability)
   std::vector<double> judged_tree;  ///< log odds of tree against unknown, per feature
   std::vector<double> judged_object;
-  std::vector<double> laser_tree;  ///< the same while no camera has looked
+  std::vector<double> laser_tree;  ///< the same where no camera has looked
   std::vector<double> laser_object;
 
   bool learnt() const { return !judged_tree.empty(); }
@@ -37,13 +40,15 @@ inline bool fits_features(const ProbabilityConfig& c) {
 template <class Visitor>
 void describe(Visitor& v, ProbabilityConfig& c) {
   v.flag("enabled", c.enabled, "state probability_tree and probability_object of each detection");
+  v.number("tree_min", c.tree_min, 0.01, 0.99, "1",
+           "decision probability: TREE from this probability_tree on");
   v.numbers("judged_tree", c.judged_tree, -1e3, 1e3, "1",
             "log odds of tree against unknown per: 1, width z, z^2 / 5, range in m, "
             "log(beams / 10), hidden sides, log odds of roc_colour, roc_colour is 0, roc_edges, "
             "roc_edges is 0");
   v.numbers("judged_object", c.judged_object, -1e3, 1e3, "1", "the same of object");
   v.numbers("laser_tree", c.laser_tree, -1e3, 1e3, "1",
-            "of tree while no camera has looked: the first six only");
+            "of tree where no camera has looked: the first six only");
   v.numbers("laser_object", c.laser_object, -1e3, 1e3, "1", "the same of object");
   v.check(fits_features(c), "judged_tree",
           "the four lists must have 10, 10, 6 and 6 numbers, or all be empty; run `orchard "

@@ -24,6 +24,8 @@ struct Run {
   int num_fronts = 0;
   bool touches_before = false;  ///< cut from what touches it there, not by a spike
   bool touches_after = false;
+  bool hidden_before = false;  ///< goes on there behind what touches it
+  bool hidden_after = false;
 
   bool in_front(std::ptrdiff_t i) const {
     for (int k = 0; k < num_fronts; ++k) {

@@ -2,6 +2,7 @@
 #include "laser/recut.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -20,6 +21,10 @@ constexpr double kProminence = 3.0;
 /// From here on they stand out without a circle through all to compare with.
 constexpr double kClearProminence = 8.0;
 constexpr int kFewestBeamsOfAPart = 3;
+/// Neighbours on one surface differ by more than this many sigmas in 1 of 10^5.
+constexpr double kStepSigmas = 4.5;
+/// Wider things are no pair of trunks, one behind the other.
+constexpr double kWidestPair_m = 1.0;
 
 /// Fits circles to runs with one set of buffers.
 class Fitter {
@@ -115,6 +120,52 @@ class ValleyFinder {
   std::vector<float> nearest_after_m_;
 };
 
+/// The beam after which the range changes most, if it does by more than noise and roundness make.
+std::optional<std::ptrdiff_t> find_step(const Beams& beams, const Run& run, double range_sd_m) {
+  const double spacing_m = beams.range_m(run.first) * beams.step_rad();
+  const double radius_m = 0.25 * static_cast<double>(run.last - run.first) * spacing_m;
+  // as trim_rim() has it, of half the run: that much a round surface recedes from beam to beam
+  const double limb_m = std::min(radius_m, std::sqrt(2.0 * radius_m * spacing_m));
+  double highest_m = limb_m + kStepSigmas * std::sqrt(2.0) * range_sd_m;
+  std::optional<std::ptrdiff_t> best;
+  std::ptrdiff_t before = run.first;
+  for_each_beam(beams, run, [&](std::ptrdiff_t i) {
+    const double height_m = std::abs(beams.range_m(i) - beams.range_m(before));
+    if (height_m > highest_m) {
+      highest_m = height_m;
+      best = before;
+    }
+    before = i;
+  });
+  return best;
+}
+
+struct Parting {
+  Run before, after;
+};
+
+/// Cut after the beam at a position, which is on the run and not its last.
+Parting part_at(const Beams& beams, const Run& run, std::ptrdiff_t position) {
+  std::ptrdiff_t next = run.last;
+  for_each_beam(beams, run, [&](std::ptrdiff_t i) {
+    if (i > position) next = std::min(next, i);
+  });
+  Parting parts{part_of(beams, run, run.first, position), part_of(beams, run, next, run.last)};
+  parts.before.touches_after = parts.after.touches_before = true;
+  return parts;
+}
+
+/// Whether two circles fit clearly better than one, and both well.
+bool two_fit_better(const Parting& parts, const Run& run, Fitter& fit, bool without_one) {
+  if (std::min(parts.before.num_beams, parts.after.num_beams) < kFewestBeamsOfAPart) return false;
+  const auto first = fit(parts.before);
+  if (!fits(first)) return false;
+  const auto second = fit(parts.after);
+  if (!fits(second)) return false;
+  const auto one = fit(run);
+  return one ? one->chi2 - first->chi2 - second->chi2 > kClearlyBetter : without_one;
+}
+
 }  // namespace
 
 void rejoin(const Beams& beams, const SegmentationConfig& config, const LaserConfig& laser,
@@ -127,6 +178,8 @@ void rejoin(const Beams& beams, const SegmentationConfig& config, const LaserCon
     for (std::size_t m = k + 1; m < runs.size() && runs[k].num_fronts < Run::kMaxFronts; ++m) {
       const std::ptrdiff_t hidden = runs[m].first - runs[k].last - 1;
       if (hidden > config.bridge_beams) break;
+      // a circle fits whatever few beams lie far apart: what is joined must show more than it lacks
+      if (hidden > std::min(runs[k].num_beams, runs[m].num_beams)) continue;
       if (!beams.joined(beams.range_m(runs[k].last), beams.range_m(runs[m].first)) ||
           !is_thin_front(beams, runs[k], runs[m])) {
         continue;
@@ -153,25 +206,29 @@ void split_touching(const Beams& beams, const SegmentationConfig& config, const 
     const Run run = runs[k];
     const double range_m = beams.range_m(run.first);
     const double span_m = static_cast<double>(run.last - run.first) * beams.step_rad() * range_m;
-    const auto valley = span_m < 2.0 * config.width_max_m
-                            ? find_valley(beams, run, laser.range_sd_at(range_m))
-                            : std::nullopt;
+    const double range_sd_m = laser.range_sd_at(range_m);
     ++k;
-    if (!valley) continue;
-    Run before = part_of(beams, run, run.first, valley->position);
-    Run after = part_of(beams, run, valley->position + 1, run.last);
-    before.touches_after = after.touches_before = true;
-    if (before.num_beams < kFewestBeamsOfAPart || after.num_beams < kFewestBeamsOfAPart) continue;
-    const auto first = fit(before);
-    if (!fits(first)) continue;
-    const auto second = fit(after);
-    if (!fits(second)) continue;
-    const auto one = fit(run);
-    const bool better = one ? one->chi2 - first->chi2 - second->chi2 > kClearlyBetter
-                            : valley->sigmas > kClearProminence;
-    if (!better) continue;
-    runs[k - 1] = before;
-    runs.insert(runs.begin() + static_cast<std::ptrdiff_t>(k), after);
+    if (span_m > 2.0 * config.width_max_m) continue;
+    Parting parts;
+    bool is_pair = false;
+    if (const auto valley = find_valley(beams, run, range_sd_m)) {
+      parts = part_at(beams, run, valley->position);
+      is_pair = two_fit_better(parts, run, fit, valley->sigmas > kClearProminence);
+    }
+    if (!is_pair && span_m < kWidestPair_m) {
+      const auto step = find_step(beams, run, range_sd_m);
+      if (!step) continue;
+      parts = part_at(beams, run, *step);
+      // the nearer one's side shows; the other goes on behind it
+      const bool first_is_nearer =
+          beams.range_m(parts.before.last) < beams.range_m(parts.after.first);
+      (first_is_nearer ? parts.before.touches_after : parts.after.touches_before) = false;
+      (first_is_nearer ? parts.after.hidden_before : parts.before.hidden_after) = true;
+      is_pair = two_fit_better(parts, run, fit, true);
+    }
+    if (!is_pair) continue;
+    runs[k - 1] = parts.before;
+    runs.insert(runs.begin() + static_cast<std::ptrdiff_t>(k), parts.after);
     --k;  // three may touch
   }
 }

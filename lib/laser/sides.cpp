@@ -49,8 +49,11 @@ Side side_at(const Beams& beams, std::ptrdiff_t end, std::ptrdiff_t outwards, bo
 }  // namespace
 
 Sides sides_of(const Beams& beams, const Run& run, const SegmentationConfig& config) {
-  return {side_at(beams, run.first, -1, run.touches_before, config),
-          side_at(beams, run.last, 1, run.touches_after, config)};
+  Sides sides{side_at(beams, run.first, -1, run.touches_before, config),
+              side_at(beams, run.last, 1, run.touches_after, config)};
+  sides.before.hidden = sides.before.hidden || run.hidden_before;
+  sides.after.hidden = sides.after.hidden || run.hidden_after;
+  return sides;
 }
 
 void arc_of(const Beams& beams, const Run& run, const Sides& sides, Arc& arc) {

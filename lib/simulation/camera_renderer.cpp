@@ -173,8 +173,7 @@ void CameraRenderer::draw_cylinder(const Frame& frame, const Cylinder& cylinder)
   const float beside_rad =
       leans ? std::hypot(lean_x, lean_y) * cylinder.height_m / distance_m : 0.0f;
   const Appearance& look = cylinder.appearance;
-  Bgr base = from_hsv(look.hue_deg, look.saturation, look.value);
-  if (frame.lighting != nullptr) base = linear_of(base);
+  const Bgr base = from_hsv(look.hue_deg, look.saturation, look.value);
 
   for (int u = 0; u < width_px_; ++u) {
     if (columns_[u].azimuth_max_rad < azimuth_rad - half_rad - beside_rad ||
@@ -211,7 +210,7 @@ void CameraRenderer::draw_cylinder(const Frame& frame, const Cylinder& cylinder)
       } else {
         const float lit =
             lambert > 0.0f ? open(frame, t_m * r.x, t_m * r.y, z_m, cylinder.target) : 0.0f;
-        colour = frame.lighting->shade(colour, lambert, lit, kUprightSky);
+        colour = frame.lighting->shade(linear_of(colour), lambert, lit, kUprightSky);
       }
       blend(frame.picture, static_cast<std::size_t>(v) * width_px_ + u, colour, share);
     }

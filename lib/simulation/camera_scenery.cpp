@@ -75,8 +75,7 @@ void CameraRenderer::draw_box(const Frame& frame, const Box& box) const {
   const auto top_m = static_cast<float>(box.base_m + box.height_m);
   const auto ambient = static_cast<float>(frame.world.ambient);
   const Appearance& look = box.appearance;
-  Bgr base = from_hsv(look.hue_deg, look.saturation, look.value);
-  if (frame.lighting != nullptr) base = linear_of(base);
+  const Bgr base = from_hsv(look.hue_deg, look.saturation, look.value);
 
   for (int u = 0; u < width_px_; ++u) {
     if (columns_[u].azimuth_max_rad < azimuth_rad - half_rad ||
@@ -114,7 +113,7 @@ void CameraRenderer::draw_box(const Frame& frame, const Box& box) const {
         colour = colour * (ambient + (1.0f - ambient) * facing);
       } else {
         const float lit = facing > 0.0f ? open(frame, t_m * r.x, t_m * r.y, z_m, box.target) : 0.0f;
-        colour = frame.lighting->shade(colour, facing, lit, kUprightSky);
+        colour = frame.lighting->shade(linear_of(colour), facing, lit, kUprightSky);
       }
       blend(frame.picture, static_cast<std::size_t>(v) * width_px_ + u, colour, share);
     }

@@ -12,6 +12,7 @@ namespace orchard::simulation {
 namespace {
 
 constexpr double kRobotHalfWidth_m = 0.6;
+constexpr std::uint64_t kTrellisPosts = 1u << 20;  ///< their random numbers follow those of trees
 
 class ClutterBuilder {
  public:
@@ -30,6 +31,7 @@ class ClutterBuilder {
     for (Cylinder& c : scene_.world.cylinders) {
       if (scene_.truth[c.target].name[0] == 'S') c.sway_m = clutter_.bush_sway_m;
     }
+    if (clutter_.post_materials) give_posts_materials();
     add_twins();
     add_trunk_posts();
     add_stakes();
@@ -44,6 +46,16 @@ class ClutterBuilder {
   }
 
  private:
+  /// What the trellis posts of the scene are made of.
+  void give_posts_materials() {
+    for (std::size_t i = 0; i < scene_.world.cylinders.size(); ++i) {
+      Cylinder& c = scene_.world.cylinders[i];
+      if (scene_.truth[c.target].name[0] != 'P') continue;
+      Random random(seed_, Stream::kPosts, kTrellisPosts + i);
+      c.appearance = post_look(random);
+    }
+  }
+
   void add_twins() {
     for (std::size_t i = 0; i < trees_.size(); ++i) {
       Random random(seed_, Stream::kTwins, i);

@@ -7,7 +7,8 @@ namespace orchard::simulation {
 /// Everything is off by default; no entry moves a tree or a post, and each kind has random numbers
 /// of its own.
 struct ClutterConfig {
-  double trunk_post_fraction = 0.0;  ///< posts as wide as a trunk, per tree place
+  bool post_materials = false;  ///< trellis posts of steel, timber and concrete instead of paint
+  double trunk_post_fraction = 0.0;  ///< more posts, as wide as a trunk, per tree place
   double stake_fraction = 0.0;       ///< of the trees have a stake beside them
   double twin_fraction = 0.0;        ///< of the trees have a second stem that touches
   int num_crates = 0;
@@ -26,8 +27,10 @@ struct ClutterConfig {
 
 template <class Visitor>
 void describe(Visitor& v, ClutterConfig& c) {
+  v.flag("post_materials", c.post_materials,
+         "trellis posts of steel, timber and concrete instead of paint");
   v.number("trunk_post_fraction", c.trunk_post_fraction, 0, 1, "1",
-           "posts as wide as a trunk, per tree place");
+           "more posts, as wide as a trunk, per tree place");
   v.number("stake_fraction", c.stake_fraction, 0, 1, "1", "trees with a stake beside them");
   v.number("twin_fraction", c.twin_fraction, 0, 1, "1", "trees with a second stem that touches");
   v.integer("num_crates", c.num_crates, 0, 1000, "1", "crates beside the rows");

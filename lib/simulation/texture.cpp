@@ -7,6 +7,7 @@
 namespace orchard::simulation {
 namespace {
 
+constexpr float kPlates = 0.95f;
 constexpr float kWallDistance_m = 14.0f;  ///< of the laboratory, beyond the scanner's range
 
 float lattice(std::int32_t x, std::int32_t y, std::uint32_t seed) {
@@ -125,7 +126,10 @@ Bgr surface_colour(const Appearance& appearance, const Bgr& base, float angle_ra
       const Bgr skin = patch > 0.0f ? mix(base, lichen, std::min(1.0f, 1.2f * patch))
                                     : mix(base, moss, std::min(1.0f, -1.2f * patch));
       const float dark = band > 0.3f ? 0.9f * (band - 0.3f) : 0.0f;  // lenticels run around
-      return skin * std::max(0.15f, 1.0f + 0.38f * streak - dark);
+      // plates, scars and knots of a few centimetres: what is left of bark from some metres away
+      const float plate =
+          value_noise(around_m * 26.0f, height_m * 24.0f, seed + 3) * visible(footprint_m, 0.04f);
+      return skin * std::max(0.15f, 1.0f + 0.38f * streak + kPlates * plate - dark);
     }
     case Appearance::Texture::kWood: {
       const float grain =

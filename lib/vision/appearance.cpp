@@ -348,7 +348,11 @@ double appearance_log_odds(const AppearanceFeatures& features, const AppearanceC
   }
   double log_odds = config.bias;
   for (std::size_t i = 0; i < features.size(); ++i) {
-    log_odds += config.weights[i] * (features[i] - config.mean[i]) / config.scale[i];
+    const double z = (features[i] - config.mean[i]) / config.scale[i];
+    log_odds += config.weights[i] * z;
+    if (config.squares.empty()) continue;
+    const double cut = std::clamp(z, -kAppearanceSquareReach, kAppearanceSquareReach);
+    log_odds += config.squares[i] * (cut * cut - 1.0);
   }
   return log_odds;
 }

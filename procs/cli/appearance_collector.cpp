@@ -20,11 +20,13 @@ detection::Rig open_to_all(io::Config config) {
 
 AppearanceCollector::AppearanceCollector(io::Config config, int stride)
     : rig_(open_to_all(config)),
-      pairer_(config.detector.pairing_tolerance_s, config.detector.image_wait_s),
+      pairer_(config.detector.pairing_tolerance_s, config.detector.image_wait_s,
+              config.detector.use_odometry, config.camera.delay_s),
       stride_(stride) {}
 
 std::vector<bus::Channel> AppearanceCollector::inputs() const {
-  return {bus::Channel::kScan, bus::Channel::kImage};
+  if (!rig_.detector.use_odometry) return {bus::Channel::kScan, bus::Channel::kImage};
+  return {bus::Channel::kScan, bus::Channel::kImage, bus::Channel::kOdometry};
 }
 
 void AppearanceCollector::handle(const bus::Message& input, const bus::Outbox&) {
@@ -32,6 +34,9 @@ void AppearanceCollector::handle(const bus::Message& input, const bus::Outbox&) 
     for (const auto& pair : pairer_.add(*scan)) look(pair);
   } else if (const auto* image = std::get_if<vision::Image>(&input)) {
     for (const auto& pair : pairer_.add(*image)) look(pair);
+  } else if (const auto* odometry = std::get_if<pose::Odometry>(&input)) {
+    const detection::Motion motion{odometry->utime, odometry->speed_mps, odometry->yaw_rate_radps};
+    for (const auto& pair : pairer_.add(motion)) look(pair);
   }
 }
 
@@ -45,8 +50,9 @@ void AppearanceCollector::look(const detection::ScanImagePair& pair) {
   findings.detections.image_utime = pair.image->utime;
   const auto pixels = vision::decode(*pair.image, detection::picture_of(rig_));
   if (!pixels) return;
+  const auto to_exposure = detection::to_picture(findings, *pair.image, rig_, pair.motion);
   for (const detection::Candidate& candidate : findings.candidates) {
-    const auto view = detection::view_of(candidate.segment, rig_);
+    const auto view = detection::view_of(candidate.segment, rig_, to_exposure);
     if (!view) continue;
     windows_.push_back(
         {findings.detections.utime, candidate.index,

@@ -28,7 +28,8 @@ std::vector<io::ConfigValue> appearance_values(const vision::AppearanceConfig& c
           {"detector.appearance.bias", number(config.bias)},
           {"detector.appearance.mean", list(config.mean)},
           {"detector.appearance.scale", list(config.scale)},
-          {"detector.appearance.weights", list(config.weights)}};
+          {"detector.appearance.weights", list(config.weights)},
+          {"detector.appearance.squares", list(config.squares)}};
 }
 
 }  // namespace orchard::cli

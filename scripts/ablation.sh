@@ -77,7 +77,7 @@ judge() {
     --colour-model hue_interval --quiet
   if [ "$appearance" = 1 ]; then
     "$orchard" calibrate appearance "${fit_logs[@]}" --observations "${fit_looks[@]}" \
-      --config "$work/rig.yaml" --out "$work/rig.yaml" --stride 3 --quiet
+      --config "$work/rig.yaml" --out "$work/rig.yaml" --stride 1 --quiet
     # a look then counts by its probability, not by a gate before it
     if [ "$probability" = 1 ]; then
       set_key "$work/rig.yaml" detector.appearance confidence_min 0.0

@@ -33,7 +33,7 @@ if [ "${TRUNKS:-1}" = 1 ]; then
   rig=$result
 fi
 "$orchard" calibrate appearance "${logs[@]}" --observations "${looks[@]}" --config "$rig" \
-  --out "$result" --stride 3
+  --out "$result" --stride 1
 rig=$result
 "$orchard" calibrate probability "${logs[@]}" --observations "${looks[@]}" --config "$rig" \
   --out "$result"

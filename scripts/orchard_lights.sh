@@ -2,7 +2,8 @@
 # Sourced by the scripts that simulate the hard orchard: the same rig under another light.
 #   light_rig NAME RIG.yaml > RIG_NAME.yaml
 # neutral: as the rig has it; dark, bright: exposure -2 and +2 EV; warm, cold: a sun of 3000 and 8000 K
-# while the camera's white balance stays; low: the sun 10 degrees high, across the rows.
+# while the camera's white balance stays; low: the sun 10 degrees high, across the rows. No light, but a
+# stress of its own: posts, one more post of trunk width per three trees.
 orchard_lights="neutral dark bright warm cold low"
 light_rig() {
   case $1 in
@@ -14,8 +15,9 @@ light_rig() {
     low)
       sed 's/^  light:.*/&\n    sun_from_seed: false\n    sun_azimuth_deg: 90.0\n    sun_elevation_deg: 10.0/' "$2"
       ;;
+    posts) sed 's/^    trunk_post_fraction: .*/    trunk_post_fraction: 0.30/' "$2" ;;
     *)
-      echo "no light $1 (there are: $orchard_lights)" >&2
+      echo "no light $1 (there are: $orchard_lights posts)" >&2
       return 2
       ;;
   esac

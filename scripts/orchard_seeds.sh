@@ -4,6 +4,7 @@
 # calibration error, and the F1 lost to each light. No model was fitted or chosen on these seeds
 # (scripts/calibrate_orchard.sh uses 1001 and up).
 #   RIG=config/orchard_hard.yaml  SECONDS_PER_DRIVE=0 (the whole drive)  LIGHTS="neutral dark ..."
+# LIGHTS=posts: in the rig's own light, with a post of trunk width more for every third tree.
 # Drives are kept in out/orchard and used again; remove the folder after a change of the simulation.
 # A whole drive takes about a minute to simulate. Needs a build in build/ (or BUILD=folder).
 set -euo pipefail

@@ -20,11 +20,11 @@ inline constexpr std::size_t kNumLaserFeatures = 6;
 /// roc_edges is 0.
 struct ProbabilityConfig {
   bool enabled = false;
-  double tree_min = 0.5;            ///< TREE from this probability on (decision: probability)
   std::vector<double> judged_tree;  ///< log odds of tree against unknown, per feature
   std::vector<double> judged_object;
   std::vector<double> laser_tree;  ///< the same where no camera has looked
   std::vector<double> laser_object;
+  double tree_min = 0.5;  ///< TREE from this probability on (decision: probability)
 
   bool learnt() const { return !judged_tree.empty(); }
 };

@@ -8,18 +8,9 @@
 #include "vision/decode.hpp"
 
 namespace orchard::cli {
-namespace {
 
-/// Everything whole is a candidate: what has another width than a trunk must be learnt from, too.
-detection::Rig open_to_all(io::Config config) {
-  config.detector.roc_laser_threshold = 0.0;
-  return {config.laser, config.camera, config.detector};
-}
-
-}  // namespace
-
-AppearanceCollector::AppearanceCollector(io::Config config, int stride)
-    : rig_(open_to_all(config)),
+AppearanceCollector::AppearanceCollector(const io::Config& config, int stride)
+    : rig_(config.laser, config.camera, config.detector),
       pairer_(config.detector.pairing_tolerance_s, config.detector.image_wait_s,
               config.detector.use_odometry, config.camera.delay_s),
       stride_(stride) {}

@@ -18,11 +18,11 @@ struct SeenWindow {
   vision::AppearanceFeatures features{};
 };
 
-/// A node that looks at the windows of everything that stands in a log's pictures, whatever its
-/// width, in every `stride`-th scan; sends nothing.
+/// A node that looks at the windows of everything that the camera is asked about - what the laser
+/// takes for a possible trunk - in every `stride`-th scan; sends nothing.
 class AppearanceCollector : public bus::Node {
  public:
-  AppearanceCollector(io::Config config, int stride);
+  AppearanceCollector(const io::Config& config, int stride);
 
   std::string_view name() const override { return "calibration"; }
   std::vector<bus::Channel> inputs() const override;

@@ -67,6 +67,17 @@ TEST(RocArea, IsTheShareOfPairsInOrder) {
   EXPECT_DOUBLE_EQ(roc_area({}, {1}), 0.5);
 }
 
+// Trunks in the middle of a feature, other things at both ends: no plane parts them.
+TEST(AppearanceLearner, TakesSquaresWhereTheyAreBetterAndOnlyThere) {
+  auto samples = samples_of_law(5, 12, 100, 0.0);
+  for (AppearanceSample& s : samples) s.is_trunk = std::abs(s.features[4] - 3.0) < 1.4;
+  const AppearanceFit in_between = learn_appearance(samples);
+  ASSERT_EQ(in_between.config.squares.size(), vision::kNumAppearanceFeatures);
+  EXPECT_LT(in_between.config.squares[4], 0.0);
+  EXPECT_GT(in_between.area, 0.95);
+  EXPECT_TRUE(learn_appearance(samples_of_law(1, 12, 100, 3.0)).config.squares.empty());
+}
+
 TEST(AppearanceLearner, FindsTheLawThatMadeTheWindows) {
   const auto samples = samples_of_law(1, 12, 200, 3.0);
   const AppearanceFit fit = learn_appearance(samples);

@@ -2,6 +2,7 @@
 // The laser's half of the detector: what becomes a candidate, an object, or stays untold.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "detection/detect.hpp"
@@ -89,6 +90,19 @@ TEST(FindByLaser, AHalfHiddenTrunkLiesWhereItIsNotWhereItShows) {
   EXPECT_NEAR(behind->centre_y_m, hidden.y_m, 0.010);
   // and says how well that is known: far better than half a trunk
   EXPECT_LT(std::sqrt(behind->covariance[2]), 0.02);
+}
+
+TEST(FindByLaser, MostOfACircleIsEnoughWhereTheRigSaysSo) {
+  for (const double visible_min : {0.5, 0.99, 1.0}) {
+    DetectorConfig config;
+    config.visible_min = visible_min;
+    // some three quarters of the farther tube show
+    const auto scan = scan_of({brown_tube(0.6, -0.005, 0.07), brown_tube(1.2, 0.07, 0.09)});
+    const auto found = find_by_laser(scan, tube_rig(config));
+    const bool is_judged = std::any_of(found.candidates.begin(), found.candidates.end(),
+                                       [](const Candidate& c) { return c.segment.range_m > 0.9; });
+    EXPECT_EQ(is_judged, visible_min == 0.5) << visible_min;
+  }
 }
 
 TEST(FindByLaser, ReflectorsMarkTreesOrWhatIsNone) {

@@ -67,11 +67,25 @@ TEST(Probability, WhatNothingJudgedIsUnknown) {
   EXPECT_EQ(tree_probability(d, 0.09, {}).tree, 0.0);
 }
 
+// What the laser refused has no colour because nobody looked: the camera's weights know nothing of
+// it.
+TEST(Probability, WhatTheLaserRefusedIsJudgedByTheLaser) {
+  ProbabilityConfig config = colour_alone();
+  config.judged_tree[7] = 50.0;  // "roc_colour is 0"
+  Detection d;
+  d.label = Label::kObject;
+  EXPECT_EQ(view_kind(d), ViewKind::kLaserOnly);
+  EXPECT_NEAR(tree_probability(d, 0.09, config).tree, std::exp(1.0) / (2 + std::exp(1.0)), 1e-9);
+  d.roc_colour = 0.1f;
+  EXPECT_EQ(view_kind(d), ViewKind::kJudged);
+}
+
 TEST(Probability, HugeWeightsStayInBounds) {
   ProbabilityConfig config = colour_alone();
   config.judged_tree[0] = 1000.0;
   Detection d;
   d.label = Label::kTree;
+  d.roc_colour = 0.5f;
   const auto p = tree_probability(d, 0.09, config);
   EXPECT_EQ(p.tree, 1.0);
   EXPECT_EQ(p.object, 0.0);
@@ -92,6 +106,9 @@ TEST(Probability, DecidesWhereTheRigSaysSo) {
     return found.trunks[0].label;
   };
   EXPECT_EQ(label(Decision::kProbability, 2.0), Label::kTree);
+  config.probability.tree_min = 0.99;
+  EXPECT_EQ(label(Decision::kProbability, 2.0), Label::kObject);
+  config.probability.tree_min = 0.5;
   EXPECT_EQ(label(Decision::kProbability, -20.0), Label::kObject);
   EXPECT_EQ(label(Decision::kRoc, -20.0), Label::kTree);
 }

@@ -126,6 +126,34 @@ TEST(CameraRenderer, PicturesAreSmallJpegsOfTheRightSize) {
   }
 }
 
+// Photographs of trunks (cherry_trunks 000-019), trunks 10 px wide: neighbours along the trunk, an
+// eighth of its width apart, differ by 0.14 (nine of ten windows: 0.10 or more) in the log of
+// stored light. Sawn posts have nothing of the kind.
+TEST(Texture, BarkIsRestlessAlongTheTrunkFromSomeMetresAway) {
+  const Bgr base = from_hsv(40.0, 0.25, 0.5);
+  const auto along = [&](Appearance::Texture texture, float footprint_m) {
+    double sum = 0.0;
+    int n = 0;
+    for (std::uint32_t seed = 1; seed <= 40; ++seed) {
+      Appearance look;
+      look.texture = texture;
+      look.texture_seed = seed;
+      for (float height_m = 0.0f; height_m < 0.5f; height_m += 0.015f, ++n) {
+        const auto green = [&](float h_m) {
+          return surface_colour(look, base, 0.3f, 0.06f, h_m, footprint_m).g;
+        };
+        sum += std::abs(std::log(green(height_m + 0.015f) / green(height_m)));
+      }
+    }
+    return sum / n;
+  };
+  const float footprint_m = 0.0125f;  // 10 px across a trunk of 125 mm
+  const double bark = along(Appearance::Texture::kRoughBark, footprint_m);
+  EXPECT_GT(bark, 0.08);
+  EXPECT_LT(bark, 0.20);
+  EXPECT_LT(along(Appearance::Texture::kWood, footprint_m), 0.25 * bark);
+}
+
 TEST(Texture, HsvIsThatOfThePaper) {
   const Bgr red = from_hsv(0.0, 1.0, 1.0), green = from_hsv(120.0, 1.0, 0.5);
   EXPECT_FLOAT_EQ(red.r, 255.0f);

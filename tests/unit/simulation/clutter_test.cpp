@@ -78,6 +78,28 @@ TEST(Clutter, MovesNoTreeAndHoldsWhatIsAskedFor) {
   EXPECT_GE(num_people, 24);  // of 30; some find no free way
 }
 
+TEST(Clutter, PostsOfMaterialsStandWherePaintedOnesDo) {
+  RigConfig rig = cluttered();
+  rig.simulation.clutter.trunk_post_fraction = 0.0;
+  const Scene painted = Simulator(SceneKind::kOrchard, 1, rig).scene();
+  rig.simulation.clutter.post_materials = true;
+  const Scene material = Simulator(SceneKind::kOrchard, 1, rig).scene();
+  ASSERT_EQ(painted.world.cylinders.size(), material.world.cylinders.size());
+  int num_posts = 0;
+  for (std::size_t i = 0; i < painted.world.cylinders.size(); ++i) {
+    const Cylinder &a = painted.world.cylinders[i], &b = material.world.cylinders[i];
+    EXPECT_EQ(a.x_m, b.x_m);
+    EXPECT_EQ(a.radius_m, b.radius_m);
+    const bool is_post = a.target >= 0 && painted.truth[a.target].name[0] == 'P';
+    num_posts += is_post ? 1 : 0;
+    EXPECT_EQ(a.appearance.saturation == b.appearance.saturation, !is_post) << i;
+    EXPECT_EQ(b.appearance.texture == Appearance::Texture::kWood &&
+                  b.appearance.reflectivity != a.appearance.reflectivity,
+              is_post);
+  }
+  EXPECT_GE(num_posts, 4);
+}
+
 // What the sensors say of a world without a kind of difficulty does not depend on how the other
 // kinds are set, nor do the poses.
 TEST(Clutter, LightChangesNoScanAndClutterNoMotion) {

@@ -199,6 +199,14 @@ TEST(Appearance, ConfidenceIsTheLogisticOfTheWeightedFeatures) {
   features[2] = 1.1;  // two standard deviations above the mean
   EXPECT_NEAR(appearance_log_odds(features, config), 2.75, 1e-12);
   EXPECT_NEAR(appearance_confidence(features, config), 1.0 / (1.0 + std::exp(-2.75)), 1e-12);
+  config.squares.assign(kNumAppearanceFeatures, 0.0);
+  config.squares[2] = -0.5;
+  EXPECT_NEAR(appearance_log_odds(features, config), 2.75 - 0.5 * (2.0 * 2.0 - 1.0), 1e-12);
+  features[2] = config.mean[2] - 7.0 * config.scale[2];  // squares reach three
+  EXPECT_NEAR(appearance_log_odds(features, config), -0.25 - 7.0 * 1.5 - 0.5 * 8.0, 1e-12);
+  config.squares.pop_back();
+  EXPECT_THROW(appearance_confidence(features, config), std::invalid_argument);
+  config.squares.clear();
   config.weights.pop_back();
   EXPECT_THROW(appearance_confidence(features, config), std::invalid_argument);
   EXPECT_THROW(appearance_confidence(features, AppearanceConfig()), std::invalid_argument);

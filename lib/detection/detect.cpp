@@ -132,6 +132,8 @@ void judge_probabilities(std::vector<Detection>& trunks, const Rig& rig) {
     d.probability_tree = static_cast<float>(p.tree);
     d.probability_object = static_cast<float>(p.object);
     if (config.decision != Decision::kProbability || d.label == Label::kUnseen) continue;
+    // what the laser refuses is an OBJECT: no camera has looked at it
+    if (rig.has_camera && d.roc_laser < config.roc_laser_threshold) continue;
     d.label = label_of(p.tree, config.probability.tree_min);
   }
 }

@@ -32,6 +32,49 @@ bool is_step_between_surfaces(const Beams& beams, std::ptrdiff_t before, std::pt
   return flat(beams.range_m(before - 1), low_m) && flat(high_m, beams.range_m(i + 2));
 }
 
+/// Takes one beam off an end, `inwards` of which lies the rest; false where it stays.
+bool trim_end(const Beams& beams, Run& run, std::ptrdiff_t inwards) {
+  if (run.num_beams < 3) return false;
+  const bool at_end = inwards < 0;
+  const std::ptrdiff_t rim = at_end ? run.last : run.first;
+  const std::ptrdiff_t outside = rim - inwards;
+  const auto next_on_run = [&](std::ptrdiff_t from) {
+    std::ptrdiff_t inner = from + inwards;
+    while (beams.range_m(inner) <= 0.0f || run.in_front(inner) ||
+           !beams.joined(beams.range_m(from), beams.range_m(inner))) {
+      inner += inwards;
+      if (inner == (at_end ? run.first : run.last)) break;
+    }
+    return inner;
+  };
+  const std::ptrdiff_t inner = next_on_run(rim);
+  // a rim that borders on another surface may be mixed with it; before the open sky it is not, but
+  // may be something thin of its own beside the object
+  const bool alone = beams.range_around_m(outside) <= 0.0f;
+  if (alone && !beams.rejoins()) return false;
+  const double range_m = beams.range_m(inner);
+  const double spacing_m = range_m * beams.step_rad();
+  const double radius_m = 0.5 * static_cast<double>(run.last - run.first) * spacing_m;
+  // a round surface recedes at its rim by sqrt(2 R s) at most for a beam spacing s
+  const double limb_m = std::min(radius_m, std::sqrt(2.0 * radius_m * spacing_m));
+  const double most_m = limb_m + kRimNoiseShare * beams.jump_m(range_m);
+  const double rise_m = beams.range_m(rim) - range_m;
+  const double outside_m = beams.range_around_m(outside) - range_m;
+  const bool may_be_mixed = rise_m * outside_m > 0.0 && std::abs(outside_m) > std::abs(rise_m);
+  if ((alone || may_be_mixed) && std::abs(rise_m) > most_m) {
+    (at_end ? run.last : run.first) = inner;
+    --run.num_beams;
+    return true;
+  }
+  // two beams of something thin
+  if (!alone || run.num_beams < 5) return false;
+  const std::ptrdiff_t second = next_on_run(inner);
+  if (std::abs(beams.range_m(inner) - beams.range_m(second)) <= most_m) return false;
+  (at_end ? run.last : run.first) = second;
+  run.num_beams -= 2;
+  return true;
+}
+
 }  // namespace
 
 std::vector<Run> cut(const Beams& beams) {
@@ -74,32 +117,8 @@ std::vector<Run> cut(const Beams& beams) {
 }
 
 void trim_rim(const Beams& beams, Run& run) {
-  for (const bool at_end : {false, true}) {
-    if (run.num_beams < 3) return;
-    const std::ptrdiff_t rim = at_end ? run.last : run.first;
-    const std::ptrdiff_t inwards = at_end ? -1 : 1;
-    const std::ptrdiff_t outside = rim - inwards;
-    std::ptrdiff_t inner = rim + inwards;
-    while (beams.range_m(inner) <= 0.0f || run.in_front(inner) ||
-           !beams.joined(beams.range_m(rim), beams.range_m(inner))) {
-      inner += inwards;
-      if (inner == (at_end ? run.first : run.last)) break;
-    }
-    // only a rim that borders on another surface can be mixed with it
-    if (beams.range_around_m(outside) <= 0.0f) continue;
-    const double range_m = beams.range_m(inner);
-    const double spacing_m = range_m * beams.step_rad();
-    const double radius_m = 0.5 * static_cast<double>(run.last - run.first) * spacing_m;
-    // a round surface recedes at its rim by sqrt(2 R s) at most for a beam spacing s
-    const double limb_m = std::min(radius_m, std::sqrt(2.0 * radius_m * spacing_m));
-    const double rise_m = beams.range_m(rim) - range_m;
-    const double outside_m = beams.range_around_m(outside) - range_m;
-    if (rise_m * outside_m > 0.0 && std::abs(outside_m) > std::abs(rise_m) &&
-        std::abs(rise_m) > limb_m + kRimNoiseShare * beams.jump_m(range_m)) {
-      (at_end ? run.last : run.first) = inner;
-      --run.num_beams;
-    }
-  }
+  trim_end(beams, run, 1);
+  trim_end(beams, run, -1);
 }
 
 }  // namespace orchard::laser

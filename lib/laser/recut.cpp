@@ -14,10 +14,11 @@ namespace {
 
 /// A circle whose chi2 per degree of freedom is below this fits.
 constexpr double kGoodFit = 3.0;
-/// Two circles have three parameters more than one; noise alone gains this much in 1 of 10^5.
-constexpr double kClearlyBetter = 25.0;
+/// Two circles have three parameters more than one; noise alone gains this much in 1 of 2000, where
+/// it has made a valley or a step besides.
+constexpr double kClearlyBetter = 18.0;
 /// Ranges between two bulges stand out by this many sigmas before circles are tried.
-constexpr double kProminence = 3.0;
+constexpr double kProminence = 2.0;
 /// From here on they stand out without a circle through all to compare with.
 constexpr double kClearProminence = 8.0;
 constexpr int kFewestBeamsOfAPart = 3;
@@ -140,6 +141,15 @@ std::optional<std::ptrdiff_t> find_step(const Beams& beams, const Run& run, doub
   return best;
 }
 
+/// The beam before the first one that returned nothing: where two surfaces meet, both are lost.
+std::optional<std::ptrdiff_t> find_gap(const Beams& beams, const Run& run) {
+  std::optional<std::ptrdiff_t> before;
+  for (std::ptrdiff_t i = run.first + kFewestBeamsOfAPart; i < run.last && !before; ++i) {
+    if (beams.range_m(i) <= 0.0f) before = i - 1;
+  }
+  return before;
+}
+
 struct Parting {
   Run before, after;
 };
@@ -214,6 +224,12 @@ void split_touching(const Beams& beams, const SegmentationConfig& config, const 
     if (const auto valley = find_valley(beams, run, range_sd_m)) {
       parts = part_at(beams, run, valley->position);
       is_pair = two_fit_better(parts, run, fit, valley->sigmas > kClearProminence);
+    }
+    if (!is_pair && span_m < kWidestPair_m) {
+      if (const auto gap = find_gap(beams, run)) {
+        parts = part_at(beams, run, *gap);
+        is_pair = two_fit_better(parts, run, fit, true);
+      }
     }
     if (!is_pair && span_m < kWidestPair_m) {
       const auto step = find_step(beams, run, range_sd_m);

@@ -106,8 +106,9 @@ TEST(Probability, DecidesWhereTheRigSaysSo) {
     return found.trunks[0].label;
   };
   EXPECT_EQ(label(Decision::kProbability, 2.0), Label::kTree);
+  EXPECT_EQ(label(Decision::kProbability, -3.0), Label::kTree);
   config.probability.tree_min = 0.99;
-  EXPECT_EQ(label(Decision::kProbability, 2.0), Label::kObject);
+  EXPECT_EQ(label(Decision::kProbability, -3.0), Label::kObject);
   config.probability.tree_min = 0.5;
   EXPECT_EQ(label(Decision::kProbability, -20.0), Label::kObject);
   EXPECT_EQ(label(Decision::kRoc, -20.0), Label::kTree);

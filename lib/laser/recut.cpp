@@ -24,11 +24,6 @@ constexpr double kClearProminence = 8.0;
 constexpr int kFewestBeamsOfAPart = 3;
 /// Neighbours on one surface differ by more than this many sigmas in 1 of 10^5.
 constexpr double kStepSigmas = 4.5;
-/// Axes so much farther away, in radii, are behind and not beside.
-constexpr double kBehind = 0.75;
-/// Trees with two stems are narrower, and a scan shows no more beams of them from where it matters.
-constexpr double kWidestTwins_m = 0.6;
-constexpr int kMostBeamsTried = 40;
 /// Wider things are no pair of trunks, one behind the other.
 constexpr double kWidestPair_m = 1.0;
 
@@ -181,39 +176,6 @@ bool two_fit_better(const Parting& parts, const Run& run, Fitter& fit, bool with
   return one ? one->chi2 - first->chi2 - second->chi2 > kClearlyBetter : without_one;
 }
 
-/// Of two that do not stand side by side the nearer one's side shows, and the other goes on behind
-/// it.
-void order_by_depth(Parting& parts, Fitter& fit) {
-  const auto first = fit(parts.before), second = fit(parts.after);
-  if (!first || !second) return;
-  const double behind_m = std::hypot(second->x_m, second->y_m) - std::hypot(first->x_m, first->y_m);
-  if (std::abs(behind_m) < kBehind * std::min(first->radius_m, second->radius_m)) return;
-  const bool first_is_nearer = behind_m > 0.0;
-  (first_is_nearer ? parts.before.touches_after : parts.after.touches_before) = false;
-  (first_is_nearer ? parts.after.hidden_before : parts.before.hidden_after) = true;
-}
-
-/// Where nothing shows where two stems meet: every place is tried that leaves both enough beams, if
-/// no circle fits the whole. False where no place does.
-bool part_best(const Beams& beams, const Run& run, double span_m, Fitter& fit, Parting& best) {
-  if (span_m > kWidestTwins_m || run.num_beams > kMostBeamsTried) return false;
-  if (run.num_beams < 2 * kFewestBeamsOfAPart || fits(fit(run))) return false;
-  double least_chi2 = std::numeric_limits<double>::infinity();
-  std::vector<std::ptrdiff_t> positions;
-  for_each_beam(beams, run, [&](std::ptrdiff_t i) { positions.push_back(i); });
-  for (std::size_t k = kFewestBeamsOfAPart; k + kFewestBeamsOfAPart <= positions.size(); ++k) {
-    const Parting parts = part_at(beams, run, positions[k - 1]);
-    const auto first = fit(parts.before);
-    if (!fits(first)) continue;
-    const auto second = fit(parts.after);
-    if (!fits(second) || first->chi2 + second->chi2 >= least_chi2) continue;
-    least_chi2 = first->chi2 + second->chi2;
-    best = parts;
-  }
-  return least_chi2 < std::numeric_limits<double>::infinity() &&
-         two_fit_better(best, run, fit, true);
-}
-
 }  // namespace
 
 void rejoin(const Beams& beams, const SegmentationConfig& config, const LaserConfig& laser,
@@ -270,14 +232,17 @@ void split_touching(const Beams& beams, const SegmentationConfig& config, const 
       }
     }
     if (!is_pair && span_m < kWidestPair_m) {
-      if (const auto step = find_step(beams, run, range_sd_m)) {
-        parts = part_at(beams, run, *step);
-        is_pair = two_fit_better(parts, run, fit, true);
-      }
+      const auto step = find_step(beams, run, range_sd_m);
+      if (!step) continue;
+      parts = part_at(beams, run, *step);
+      // the nearer one's side shows; the other goes on behind it
+      const bool first_is_nearer =
+          beams.range_m(parts.before.last) < beams.range_m(parts.after.first);
+      (first_is_nearer ? parts.before.touches_after : parts.after.touches_before) = false;
+      (first_is_nearer ? parts.after.hidden_before : parts.before.hidden_after) = true;
+      is_pair = two_fit_better(parts, run, fit, true);
     }
-    if (!is_pair) is_pair = part_best(beams, run, span_m, fit, parts);
     if (!is_pair) continue;
-    order_by_depth(parts, fit);
     runs[k - 1] = parts.before;
     runs.insert(runs.begin() + static_cast<std::ptrdiff_t>(k), parts.after);
     --k;  // three may touch

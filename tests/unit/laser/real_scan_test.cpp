@@ -143,30 +143,6 @@ TEST(RealScan, TouchingTrunksAreTwo) {
   EXPECT_EQ(segments_of(exact_scan(things, urg()), config).size(), 1u);
 }
 
-// No range between them is farther than both: only the step from one to the other parts them.
-TEST(RealScan, AStemHalfBehindAnotherIsTwo) {
-  LaserConfig laser;
-  laser.range_sd_m = 0.008;
-  SegmentationConfig config;
-  config.jump_m = 0.15;
-  int num_two = 0, num_hidden = 0;
-  constexpr int kSeeds = 100;
-  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    Noise noise(seed);
-    const double range_m = 1.5 + 1.5 * noise.uniform();
-    const Disc near{range_m, 0.0, 0.062}, far{range_m + 0.09, 0.10, 0.058};
-    const auto found =
-        segment(noisy_scan({{near, far}, {}}, test::field_scanner(), noise), config, {}, laser);
-    if (found.size() != 2) continue;
-    ++num_two;
-    EXPECT_NEAR(found[0].width_m, 0.124, 0.03) << seed;
-    EXPECT_FALSE(found[0].occluded_left);
-    if (found[1].occluded_right) ++num_hidden;
-  }
-  EXPECT_GE(num_two, 60);  // 65: where the farther one shows few beams nothing tells
-  EXPECT_EQ(num_hidden, num_two);
-}
-
 // One circle fits any three places: a far blade of grass, found across a gap wider than itself, is
 // no part of the trunk.
 TEST(RealScan, WhatIsJoinedShowsMoreThanItLacks) {

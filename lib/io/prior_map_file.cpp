@@ -15,7 +15,7 @@ std::vector<pose::PriorLandmark> read_prior_map(const pose::PriorMapConfig& conf
   std::vector<pose::PriorLandmark> landmarks;
   for (const mapping::Landmark& l : read_map_csv(path)) {
     if (l.num_observations < config.min_observations) continue;
-    landmarks.push_back({{l.x_m, l.y_m}, l.width_m});
+    landmarks.push_back({{l.x_m, l.y_m}, l.width_m, static_cast<double>(l.num_observations)});
   }
   const std::string problem = pose::problem_with(landmarks);
   if (!problem.empty()) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/localiser.hpp"
 
-#include <utility>
-
 #include "pose/fusion.hpp"
 #include "pose/pose_estimator.hpp"
 #include "pose/prior_map_localiser.hpp"
@@ -12,14 +10,14 @@
 namespace orchard::pose {
 
 std::unique_ptr<Localiser> make_localiser(const PoseConfig& config,
-                                          std::vector<PriorLandmark> prior_landmarks) {
+                                          const std::vector<PriorLandmark>& prior_landmarks) {
   switch (config.mode) {
     case PoseMode::kStationary:
       return std::make_unique<Stationary>();
     case PoseMode::kFused:
       return std::make_unique<Fusion>(config);
     case PoseMode::kPriorMap:
-      return std::make_unique<PriorMapLocaliser>(config, std::move(prior_landmarks));
+      return std::make_unique<PriorMapLocaliser>(config, prior_landmarks);
     case PoseMode::kSlam:
       return std::make_unique<SlamLocaliser>(config);
     case PoseMode::kFixes:

@@ -41,7 +41,7 @@ class Localiser {
 /// The localiser of `config.mode`. Mode prior_map needs the landmarks of that map, which are not
 /// read here; throws std::invalid_argument when no place can be found by them.
 std::unique_ptr<Localiser> make_localiser(const PoseConfig& config,
-                                          std::vector<PriorLandmark> prior_landmarks = {});
+                                          const std::vector<PriorLandmark>& prior_landmarks = {});
 
 /// What that localiser uses, and how long each of it is waited for.
 MeasurementWaits expected_measurements(const PoseConfig& config);

@@ -13,6 +13,9 @@ namespace {
 constexpr std::size_t kMinLandmarks = 3;
 constexpr double kMaxCoordinateM = 1e8;
 
+/// Two landmarks nearer to each other than this are one trunk.
+constexpr double kOneTrunkM = 0.4;
+
 // What no orchard in metres has: used to tell millimetres, centimetres and kilometres from them.
 constexpr double kMaxTrunkM = 3.0;
 constexpr double kMaxSpacingM = 50.0;
@@ -79,6 +82,37 @@ std::string problem_with(const std::vector<PriorLandmark>& landmarks) {
            rounded(kMaxSpacingM) + " m apart";
   }
   return {};
+}
+
+std::vector<PriorLandmark> without_doubles(const std::vector<PriorLandmark>& landmarks) {
+  std::vector<PriorLandmark> heaviest_first = landmarks;
+  std::stable_sort(heaviest_first.begin(), heaviest_first.end(),
+                   [](const auto& a, const auto& b) { return a.weight > b.weight; });
+  const PriorMap map(heaviest_first, 0.0);
+  std::vector<std::int32_t> kept(heaviest_first.size(), -1);  // where each one went
+  std::vector<PriorLandmark> merged;
+  for (std::int32_t i = 0; i < static_cast<std::int32_t>(heaviest_first.size()); ++i) {
+    const PriorLandmark& here = map[i];
+    std::int32_t into = -1;
+    map.near(here.p_map, kOneTrunkM, [&](std::int32_t j) {
+      const bool double_of = j < i && kept[static_cast<std::size_t>(j)] >= 0 &&
+                             (map[j].p_map - here.p_map).norm() < kOneTrunkM;
+      if (double_of && (into < 0 || j < into)) into = j;
+    });
+    if (into < 0) {
+      kept[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(merged.size());
+      merged.push_back(here);
+      continue;
+    }
+    PriorLandmark& one = merged[static_cast<std::size_t>(kept[static_cast<std::size_t>(into)])];
+    const double share = here.weight / std::max(1e-9, one.weight + here.weight);
+    one.p_map += share * (here.p_map - one.p_map);
+    if (one.width_m > 0.0 && here.width_m > 0.0) {
+      one.width_m += share * (here.width_m - one.width_m);
+    }
+    one.weight += here.weight;
+  }
+  return merged;
 }
 
 PriorMap::PriorMap(std::vector<PriorLandmark> landmarks, double pair_max_m)

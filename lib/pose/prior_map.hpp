@@ -15,11 +15,16 @@ namespace orchard::pose {
 struct PriorLandmark {
   Eigen::Vector2d p_map = Eigen::Vector2d::Zero();  ///< [m]
   double width_m = 0.0;                             ///< 0 = unknown
+  double weight = 1.0;                              ///< against its doubles: how often it was seen
 };
 
 /// Why no robot can find its place by these landmarks (too few, not in metres, not finite), in
 /// words that complete "the prior map ..."; empty if one can.
 std::string problem_with(const std::vector<PriorLandmark>& landmarks);
+
+/// The landmarks with those that stand nearer to each other than two trunks can made one: a map may
+/// hold a tree twice, once as it was seen from either side.
+std::vector<PriorLandmark> without_doubles(const std::vector<PriorLandmark>& landmarks);
 
 /// The landmarks of a prior map, ordered for two questions: what stands near a point, and which
 /// pairs stand at a given distance.

@@ -56,18 +56,19 @@ bool is_sound(const Odometry& o) {
          std::isfinite(o.covariance[2]);
 }
 
-std::vector<PriorLandmark> checked(std::vector<PriorLandmark> landmarks) {
+std::vector<PriorLandmark> checked(const std::vector<PriorLandmark>& landmarks) {
   const std::string problem = problem_with(landmarks);
   if (!problem.empty()) throw std::invalid_argument("the prior map " + problem);
-  return landmarks;
+  return without_doubles(landmarks);
 }
 
 }  // namespace
 
-PriorMapLocaliser::PriorMapLocaliser(const PoseConfig& config, std::vector<PriorLandmark> landmarks)
+PriorMapLocaliser::PriorMapLocaliser(const PoseConfig& config,
+                                     const std::vector<PriorLandmark>& landmarks)
     : pose_config_(config),
       config_(config.prior_map),
-      map_(checked(std::move(landmarks)), config_.pair_max_m),
+      map_(checked(landmarks), config_.pair_max_m),
       field_(config_.sure_range_m),
       local_(config_),
       tracker_(map_, config_) {

@@ -24,7 +24,7 @@ namespace orchard::pose {
 class PriorMapLocaliser : public Localiser {
  public:
   /// Throws std::invalid_argument with a sentence when nobody can find a place by the landmarks.
-  PriorMapLocaliser(const PoseConfig& config, std::vector<PriorLandmark> landmarks);
+  PriorMapLocaliser(const PoseConfig& config, const std::vector<PriorLandmark>& landmarks);
   PriorMapLocaliser(const PriorMapLocaliser&) = delete;
   PriorMapLocaliser& operator=(const PriorMapLocaliser&) = delete;
 

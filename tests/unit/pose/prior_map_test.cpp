@@ -50,6 +50,19 @@ TEST(PriorMapProblem, NamesWhatIsNoNumber) {
   EXPECT_NE(problem_with(trees), "");
 }
 
+TEST(WithoutDoubles, ATreeMappedFromBothSidesIsOneAndNeighboursStayTwo) {
+  const std::vector<PriorLandmark> landmarks{{{1.0, 2.0}, 0.10, 30.0},
+                                             {{4.0, 2.0}, 0.12, 5.0},
+                                             {{1.0, 2.3}, 0.13, 60.0},
+                                             {{4.6, 2.0}, 0.2, 5.0}};
+  const auto merged = without_doubles(landmarks);
+  ASSERT_EQ(merged.size(), 3u);
+  EXPECT_NEAR(merged[0].p_map.y(), 2.2, 1e-12);  // twice as often seen there
+  EXPECT_NEAR(merged[0].width_m, 0.12, 1e-12);
+  EXPECT_EQ(merged[1].p_map.x(), 4.0);
+  EXPECT_EQ(merged[2].p_map.x(), 4.6);
+}
+
 TEST(PriorMap, FindsEveryPairAtADistance) {
   const auto trees = prior_world(2).trees;
   const PriorMap map(trees, 8.0);

@@ -10,7 +10,6 @@ namespace orchard::laser {
 namespace {
 
 using geometry::kPi;
-using geometry::wrap_angle_rad;
 
 /// Scanners tell in ranges below this why a beam did not return (SCIP: 0 to 19 mm).
 constexpr float kErrorCodes_m = 0.02f;
@@ -32,15 +31,11 @@ void Beams::believe(const Scan& scan) {
   const double farthest_m = std::min(scan.range_max_m, config_.range_max_m);
   ranges_m_.assign(scan.ranges_m.size(), 0.0f);
   blocked_.assign(scan.ranges_m.size(), 0);
-  const bool has_blind_sector = config_.blind_half_width_rad > 0.0;
+  const BlindSector blind_sector = config_.blind_sector();
   const float no_return_m = static_cast<float>(scan.range_max_m);
   for (std::size_t i = 0; i < ranges_m_.size(); ++i) {
     const float range_m = scan.ranges_m[i];
-    const bool blind =
-        has_blind_sector &&
-        std::abs(wrap_angle_rad(scan.bearing_rad(static_cast<double>(i)) -
-                                config_.blind_centre_rad)) <= config_.blind_half_width_rad;
-    if (blind) {
+    if (blind_sector.contains(scan.bearing_rad(static_cast<double>(i)))) {
       blocked_[i] = 1;
     } else if (!(range_m >= kErrorCodes_m) || range_m == no_return_m) {
       // NaN, an error code, or the farthest range as drivers give it for nothing: no return

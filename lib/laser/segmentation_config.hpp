@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "laser/blind_sector.hpp"
+
 namespace orchard::laser {
 
 /// What a reflector (an object one beam of which is at least reflectivity_min bright) means.
@@ -25,6 +27,8 @@ struct SegmentationConfig {
   int min_beams_circle = 3;  ///< objects of fewer beams get no circle; half hidden: twice that
   ReflectorUse reflector = ReflectorUse::kIgnored;
   double reflectivity_min = 0.0;  ///< an intensity from here on is a reflector's
+
+  BlindSector blind_sector() const { return {blind_centre_rad, blind_half_width_rad}; }
 };
 
 template <class Visitor>

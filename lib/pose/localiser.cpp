@@ -4,13 +4,16 @@
 #include "pose/fusion.hpp"
 #include "pose/pose_estimator.hpp"
 #include "pose/prior_map_localiser.hpp"
+#include "pose/scan_odometry.hpp"
 #include "pose/slam_localiser.hpp"
 #include "pose/stationary.hpp"
 
 namespace orchard::pose {
 
 std::unique_ptr<Localiser> make_localiser(const PoseConfig& config,
-                                          const std::vector<PriorLandmark>& prior_landmarks) {
+                                          const std::vector<PriorLandmark>& prior_landmarks,
+                                          const laser::LaserConfig& laser,
+                                          const laser::BlindSector& blind) {
   switch (config.mode) {
     case PoseMode::kStationary:
       return std::make_unique<Stationary>();
@@ -20,9 +23,13 @@ std::unique_ptr<Localiser> make_localiser(const PoseConfig& config,
       return std::make_unique<PriorMapLocaliser>(config, prior_landmarks);
     case PoseMode::kSlam:
       return std::make_unique<SlamLocaliser>(config);
+    case PoseMode::kOdometry:
+      if (config.motion == MotionSource::kScans) {
+        return std::make_unique<ScanOdometry>(config.scan_motion, laser, blind);
+      }
+      break;
     case PoseMode::kFixes:
     case PoseMode::kFixesAndOdometry:
-    case PoseMode::kOdometry:
       break;
   }
   return std::make_unique<PoseEstimator>(config);
@@ -49,7 +56,9 @@ MeasurementWaits expected_measurements(const PoseConfig& config) {
       expect(MeasurementKind::kSeenTrunks, config.reorder_window_s);
       break;
     case PoseMode::kOdometry:
-      expect(MeasurementKind::kOdometry, config.reorder_window_s);
+      expect(config.motion == MotionSource::kScans ? MeasurementKind::kScan
+                                                   : MeasurementKind::kOdometry,
+             config.reorder_window_s);
       break;
     case PoseMode::kFused:
       expect(MeasurementKind::kOdometry, config.reorder_window_s);

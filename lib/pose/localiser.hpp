@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "laser/blind_sector.hpp"
+#include "laser/laser_config.hpp"
 #include "pose/measurement.hpp"
 #include "pose/measurement_queue.hpp"
 #include "pose/pose_config.hpp"
@@ -39,9 +41,12 @@ class Localiser {
 };
 
 /// The localiser of `config.mode`. Mode prior_map needs the landmarks of that map, which are not
-/// read here; throws std::invalid_argument when no place can be found by them.
+/// read here; throws std::invalid_argument when no place can be found by them. What reads scans
+/// needs the laser's mount and the sector in which it sees the robot itself.
 std::unique_ptr<Localiser> make_localiser(const PoseConfig& config,
-                                          const std::vector<PriorLandmark>& prior_landmarks = {});
+                                          const std::vector<PriorLandmark>& prior_landmarks = {},
+                                          const laser::LaserConfig& laser = {},
+                                          const laser::BlindSector& blind = {});
 
 /// What that localiser uses, and how long each of it is waited for.
 MeasurementWaits expected_measurements(const PoseConfig& config);

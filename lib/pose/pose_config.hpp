@@ -4,6 +4,7 @@
 #include "pose/fusion_config.hpp"
 #include "pose/gnss_config.hpp"
 #include "pose/prior_map_config.hpp"
+#include "pose/scan_motion_config.hpp"
 #include "pose/slam_config.hpp"
 
 namespace orchard::pose {
@@ -19,9 +20,16 @@ enum class PoseMode {
   kSlam,              ///< relative motion and trunks, from the map's origin: section `pose.slam`
 };
 
+/// Where the robot's motion from one moment to the next is taken from.
+enum class MotionSource {
+  kWheels,  ///< ODOMETRY
+  kScans,   ///< SCAN: each scan against those before
+};
+
 /// How base is placed in map. Section `pose`.
 struct PoseConfig {
   PoseMode mode = PoseMode::kFixesAndOdometry;
+  MotionSource motion = MotionSource::kWheels;  ///< of mode odometry
   double reorder_window_s = 0.02;   ///< of message time: how far channels may lag each other
   double fix_position_sd_m = 0.01;  ///< used when a fix states no covariance
   double fix_yaw_sd_rad = 0.01;
@@ -33,6 +41,7 @@ struct PoseConfig {
   GnssConfig gnss;
   PriorMapConfig prior_map;
   SlamConfig slam;
+  ScanMotionConfig scan_motion;
 };
 
 template <class Visitor>
@@ -40,6 +49,8 @@ void describe(Visitor& v, PoseConfig& c) {
   v.choice("mode", c.mode,
            {"fixes", "fixes_and_odometry", "odometry", "stationary", "fused", "prior_map", "slam"},
            "where poses come from");
+  v.choice("motion", c.motion, {"wheels", "scans"},
+           "mode odometry: the robot's motion from ODOMETRY | from the scans themselves");
   v.number("reorder_window_s", c.reorder_window_s, 0, 10, "s",
            "message time that one channel may lag another");
   v.number("fix_position_sd_m", c.fix_position_sd_m, 1e-6, 100, "m",
@@ -60,6 +71,7 @@ void describe(Visitor& v, PoseConfig& c) {
   v.check(c.mode != PoseMode::kPriorMap || !c.prior_map.map_file.empty(), "mode",
           "needs pose.prior_map.map_file: the map of an earlier day");
   v.section("slam", c.slam, "trunk-landmark SLAM: mode slam");
+  v.section("scan_motion", c.scan_motion, "motion: scans");
 }
 
 }  // namespace orchard::pose

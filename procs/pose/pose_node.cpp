@@ -59,9 +59,11 @@ std::optional<pose::Measurement> measurement_of(const bus::Message& input) {
 PoseNode::PoseNode(const io::Config& config)
     : waits_s_(pose::expected_measurements(config.pose)),
       queue_(waits_s_),
-      localiser_(config.pose.mode == pose::PoseMode::kPriorMap
-                     ? pose::make_localiser(config.pose, io::read_prior_map(config.pose.prior_map))
-                     : pose::make_localiser(config.pose)) {}
+      localiser_(pose::make_localiser(config.pose,
+                                      config.pose.mode == pose::PoseMode::kPriorMap
+                                          ? io::read_prior_map(config.pose.prior_map)
+                                          : std::vector<pose::PriorLandmark>{},
+                                      config.laser, config.detector.segmentation.blind_sector())) {}
 
 std::vector<bus::Channel> PoseNode::inputs() const {
   std::vector<bus::Channel> channels;

@@ -22,7 +22,7 @@ std::unique_ptr<Localiser> make_localiser(const PoseConfig& config,
     case PoseMode::kPriorMap:
       return std::make_unique<PriorMapLocaliser>(config, prior_landmarks);
     case PoseMode::kSlam:
-      return std::make_unique<SlamLocaliser>(config);
+      return std::make_unique<SlamLocaliser>(config, laser, blind);
     case PoseMode::kOdometry:
       if (config.motion == MotionSource::kScans) {
         return std::make_unique<ScanOdometry>(config.scan_motion, laser, blind);
@@ -67,7 +67,9 @@ MeasurementWaits expected_measurements(const PoseConfig& config) {
       if (config.fusion.use_fixes) expect(MeasurementKind::kPoseFix, config.reorder_window_s);
       break;
     case PoseMode::kSlam:
-      expect(MeasurementKind::kOdometry, config.reorder_window_s);
+      expect(config.motion == MotionSource::kScans ? MeasurementKind::kScan
+                                                   : MeasurementKind::kOdometry,
+             config.reorder_window_s);
       expect(MeasurementKind::kSeenTrunks, config.slam.detections_wait_s);
       if (config.slam.use_gnss) expect(MeasurementKind::kGnss, config.reorder_window_s);
       if (config.slam.use_fixes) expect(MeasurementKind::kPoseFix, config.reorder_window_s);

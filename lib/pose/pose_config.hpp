@@ -50,7 +50,7 @@ void describe(Visitor& v, PoseConfig& c) {
            {"fixes", "fixes_and_odometry", "odometry", "stationary", "fused", "prior_map", "slam"},
            "where poses come from");
   v.choice("motion", c.motion, {"wheels", "scans"},
-           "mode odometry: the robot's motion from ODOMETRY | from the scans themselves");
+           "modes odometry and slam: the robot's motion from ODOMETRY | from the scans themselves");
   v.number("reorder_window_s", c.reorder_window_s, 0, 10, "s",
            "message time that one channel may lag another");
   v.number("fix_position_sd_m", c.fix_position_sd_m, 1e-6, 100, "m",

@@ -6,14 +6,21 @@
 
 namespace orchard::pose {
 
-SlamLocaliser::SlamLocaliser(const PoseConfig& config)
+SlamLocaliser::SlamLocaliser(const PoseConfig& config, const laser::LaserConfig& mount,
+                             const laser::BlindSector& blind)
     : config_(config), gnss_(config.gnss), slam_(config.slam) {
+  if (config.motion == MotionSource::kScans) scan_motion_.emplace(config.scan_motion, mount, blind);
   slam_.set_default_noise(config.speed_sd_fraction, config.yaw_rate_sd_radps);
 }
 
 void SlamLocaliser::add(const Measurement& measurement) {
   if (const auto* odometry = std::get_if<Odometry>(&measurement)) {
-    slam_.add(*odometry);
+    if (!scan_motion_) slam_.add(*odometry);
+  } else if (const auto* scan = std::get_if<laser::Scan>(&measurement)) {
+    if (!scan_motion_) return;
+    if (const auto motion = scan_motion_->add(*scan)) {
+      slam_.add_motion(motion->utime_to, motion->T_from_to, motion->covariance);
+    }
   } else if (const auto* seen = std::get_if<SeenTrunks>(&measurement)) {
     slam_.add(*seen);
   } else if (const auto* fix = std::get_if<PoseFix>(&measurement)) {

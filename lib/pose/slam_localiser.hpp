@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
+
 #include "pose/gnss_positions.hpp"
 #include "pose/localiser.hpp"
+#include "pose/scan_motion.hpp"
 #include "pose/trunk_slam.hpp"
 
 namespace orchard::pose {
 
 /// pose.mode slam: the trunks tell where the robot is, without a map, and without fixes unless
-/// pose.slam asks for them.
+/// pose.slam asks for them. How it moves from scan to scan say the wheels, or, with motion scans,
+/// the scans themselves.
 class SlamLocaliser : public Localiser {
  public:
-  explicit SlamLocaliser(const PoseConfig& config);
+  explicit SlamLocaliser(const PoseConfig& config, const laser::LaserConfig& mount = {},
+                         const laser::BlindSector& blind = {});
 
   void add(const Measurement& measurement) override;
   std::optional<PoseEstimate> estimate() const override { return slam_.estimate(); }
@@ -25,6 +30,7 @@ class SlamLocaliser : public Localiser {
 
   PoseConfig config_;
   GnssPositions gnss_;
+  std::optional<ScanMotion> scan_motion_;
   TrunkSlam slam_;
 };
 

@@ -7,8 +7,10 @@
 #include <limits>
 #include <utility>
 
+#include "mapping/pose_composition.hpp"
 #include "mapping/rows.hpp"
 #include "mapping/sweep.hpp"
+#include "pose/gnss_alignment.hpp"
 
 namespace orchard::procs {
 namespace {
@@ -18,16 +20,22 @@ constexpr std::size_t kLandmarksPerTile = 500;
 constexpr std::size_t kRemovedPerTile = 1000;
 /// Landmarks that the slow refresh adds to one scan at most: one more tile.
 constexpr std::size_t kRefreshMax = kLandmarksPerTile;
+constexpr double kFixSpacing_m = 0.5;
 
 double seconds(std::int64_t duration_us) { return 1e-6 * static_cast<double>(duration_us); }
 
 }  // namespace
 
 MapperNode::MapperNode(const io::Config& config)
-    : config_(config.mapper), mapper_(config.mapper), track_(config.mapper.pose_gap_max_s) {}
+    : config_(config.mapper),
+      antenna_base_m_(config.pose.gnss.antenna_m[0], config.pose.gnss.antenna_m[1]),
+      gnss_(config.pose.gnss),
+      mapper_(config.mapper),
+      track_(config.mapper.pose_gap_max_s) {}
 
 std::vector<bus::Channel> MapperNode::inputs() const {
-  return {bus::Channel::kPose, bus::Channel::kDetections, bus::Channel::kTrajectory};
+  return {bus::Channel::kPose, bus::Channel::kDetections, bus::Channel::kTrajectory,
+          bus::Channel::kGnss};
 }
 
 void MapperNode::handle(const bus::Message& input, const bus::Outbox& send) {
@@ -45,6 +53,15 @@ void MapperNode::handle(const bus::Message& input, const bus::Outbox& send) {
   } else if (const auto* page = std::get_if<pose::TrajectoryPage>(&input)) {
     if (auto trajectory = collector_.add(*page)) corrections_.push_back(*std::move(trajectory));
   } else {
+    // A receiver runs on whatever the laser does: it says nothing of how far the others are.
+    if (const auto* gnss = std::get_if<pose::Gnss>(&input)) {
+      const auto fix = gnss_.add(*gnss);
+      // A robot that stands tells nothing new, however long it stands.
+      if (fix &&
+          (fixes_.empty() || (fix->p_enu_m - fixes_.back().p_enu_m).norm() > kFixSpacing_m)) {
+        fixes_.push_back(*fix);
+      }
+    }
     return;
   }
   newest_utime_ =
@@ -154,6 +171,41 @@ void MapperNode::send_landmarks(std::int64_t utime, const std::vector<std::int32
   send_tiles(utime, std::move(landmarks), removed_ids, send);
 }
 
+std::optional<geometry::Georeference> MapperNode::georeference() const {
+  std::vector<pose::AntennaSight> sights;
+  for (const pose::GnssPosition& fix : fixes_) {
+    const auto pose = track_.at(fix.utime);
+    if (!pose) continue;
+    pose::AntennaSight sight;
+    sight.p_enu_m = fix.p_enu_m;
+    sight.p_map_m = mapping::PoseComposition(*pose).apply(antenna_base_m_.x(), antenna_base_m_.y());
+    sight.variance_m2 = 0.5 * fix.covariance.trace();
+    sights.push_back(sight);
+  }
+  const auto alignment = pose::align_to_gnss(sights);
+  if (!alignment) return std::nullopt;
+  const std::array<double, 3> datum = gnss_.datum().value();
+  geometry::Georeference georeference;
+  georeference.latitude_deg = datum[0];
+  georeference.longitude_deg = datum[1];
+  georeference.altitude_m = datum[2];
+  georeference.x_m = alignment->x_y_yaw.x();
+  georeference.y_m = alignment->x_y_yaw.y();
+  georeference.yaw_rad = alignment->x_y_yaw.z();
+  georeference.residual_rms_m = alignment->residual_rms_m;
+  return georeference;
+}
+
+std::string MapperNode::warning() const {
+  const auto place = fixes_.empty() ? std::nullopt : georeference();
+  if (!place || place->residual_rms_m <= geometry::kGeoreferenceResidualMax_m) return {};
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "the satellite fixes lie %.2f m about the map that they place (more than %.1f m)",
+                place->residual_rms_m, geometry::kGeoreferenceResidualMax_m);
+  return text;
+}
+
 bus::NodeCounts MapperNode::counts() const {
   bus::NodeCounts counts = counts_;
   counts.num_unusable += collector_.num_incomplete();
@@ -209,6 +261,7 @@ io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {
     content.rows = mapping::find_rows(content.landmarks, config_.rows);
     mapping::number_landmarks(content.rows, content.landmarks);
   }
+  content.georeference = georeference();
   return content;
 }
 

@@ -12,6 +12,7 @@
 #include "io/map_folder.hpp"
 #include "mapping/mapper.hpp"
 #include "mapping/pose_track.hpp"
+#include "pose/gnss_positions.hpp"
 #include "pose/trajectory.hpp"
 
 namespace orchard::procs {
@@ -25,7 +26,10 @@ namespace orchard::procs {
 ///
 /// TRAJECTORY corrects the past: poses before its utime move, and once they have moved by
 /// mapper.rederive_m all landmarks are derived anew from their observations, with their ids kept.
-/// It takes its turn before the first DETECTIONS at or after its utime; the end of the log flushes.
+/// TRAJECTORY takes its turn before the first DETECTIONS at or after its utime; the end of the log
+/// flushes.
+///
+/// GNSS says where on the earth the map lies: the corrected path is laid upon the fixes.
 class MapperNode : public bus::Node {
  public:
   explicit MapperNode(const io::Config& config);
@@ -36,6 +40,7 @@ class MapperNode : public bus::Node {
   void flush(const bus::Outbox& send) override;
   bus::NodeCounts counts() const override;
   std::string waiting_for() const override;
+  std::string warning() const override;
 
   /// The map so far, for its files: landmarks with at least mapper.min_observations, numbered by
   /// their rows, and all POSE.
@@ -54,6 +59,7 @@ class MapperNode : public bus::Node {
   bool can_be_placed(const detection::Detections& detections) const;
   void release(const bus::Outbox& send);
   void place_front(const bus::Outbox& send);
+  std::optional<geometry::Georeference> georeference() const;
   void correct_up_to(std::int64_t utime, const bus::Outbox& send);
   bool is_worth_rederiving() const;
   void rederive(const bus::Outbox& send);
@@ -67,6 +73,9 @@ class MapperNode : public bus::Node {
   std::vector<std::int32_t> refresh_ids(std::int64_t utime);
 
   mapping::MapperConfig config_;
+  Eigen::Vector2d antenna_base_m_;
+  pose::GnssPositions gnss_;
+  std::vector<pose::GnssPosition> fixes_;
   mapping::Mapper mapper_;
   mapping::PoseTrack track_;
   std::deque<detection::Detections> waiting_;  ///< in order of utime

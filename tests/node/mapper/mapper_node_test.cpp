@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <GeographicLib/LocalCartesian.hpp>
 #include <algorithm>
 #include <random>
 #include <utility>
@@ -189,6 +190,33 @@ TEST(MapperNode, WhenACorrectionArrivesBesideTheScansDoesNotMatter) {
     if (round == 0) expected = out;
     EXPECT_EQ(out, expected) << "round " << round;
   }
+}
+
+TEST(MapperNode, SatelliteFixesSayWhereTheMapLies) {
+  // Map's x axis points north; its origin lies 100 m east of the datum.
+  io::Config config;
+  config.pose.gnss.datum = {-27.6, 151.9, 600.0};
+  const GeographicLib::LocalCartesian enu(-27.6, 151.9, 600.0);
+  MapperNode node{config};
+  const bus::Outbox send = [](const bus::Message&) {};
+  for (int k = 0; k < 300; ++k) {
+    const std::int64_t utime = kStart_us + 100000 * k;
+    node.handle(pose_at(k, utime), send);
+    pose::Gnss gnss;
+    gnss.utime = utime;
+    gnss.seq = k;
+    gnss.fix_quality = 4;
+    enu.Reverse(100.0, 0.1 * k, 0.0, gnss.latitude_deg, gnss.longitude_deg, gnss.altitude_m);
+    node.handle(gnss, send);
+  }
+  node.flush(send);
+  const auto place = node.content({}).georeference;
+  ASSERT_TRUE(place);
+  EXPECT_NEAR(place->x_m, 100.0, 1e-3);
+  EXPECT_NEAR(place->y_m, 0.0, 1e-3);
+  EXPECT_NEAR(place->yaw_rad, 1.5707963, 1e-5);
+  EXPECT_LT(place->residual_rms_m, 1e-3);
+  EXPECT_EQ(node.warning(), "");
 }
 
 }  // namespace

@@ -23,11 +23,17 @@ double score(const std::vector<double>& weights, const ProbabilityFeatures& feat
   return sum;
 }
 
+/// The camera looks at what the laser takes for a trunk, and may find nothing of a trunk's colour:
+/// a message does not say whether it looked, but its roc_laser does (three standard deviations, the
+/// default of roc_laser_threshold).
+constexpr float kRocLaserOfCandidates = 0.0111f;
+
 }  // namespace
 
 ViewKind view_kind(const Detection& d) {
   if (d.label != Label::kUnseen) {
-    return d.roc_colour > 0.0f ? ViewKind::kJudged : ViewKind::kLaserOnly;
+    const bool looked_at = d.roc_colour > 0.0f || d.roc_laser >= kRocLaserOfCandidates;
+    return looked_at ? ViewKind::kJudged : ViewKind::kLaserOnly;
   }
   return d.occlusion == 0 ? ViewKind::kLaserOnly : ViewKind::kHidden;
 }

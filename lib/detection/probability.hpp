@@ -10,8 +10,9 @@ namespace orchard::detection {
 
 /// What kind of look a detection is, and with that which weights speak about it.
 enum class ViewKind {
-  kJudged,     ///< the camera looked and found something of a trunk's colour
-  kLaserOnly,  ///< the laser alone: UNSEEN but whole, or labelled without the camera
+  kJudged,     ///< a trunk to the laser, and judged
+  kLaserOnly,  ///< the laser alone: UNSEEN but whole, or too far from a trunk's width to be looked
+               ///< at
   kHidden,     ///< UNSEEN, and something nearer hides a side: nothing has judged it
 };
 

@@ -53,7 +53,7 @@ MeasurementWaits expected_measurements(const PoseConfig& config) {
       break;
     case PoseMode::kPriorMap:
       expect(MeasurementKind::kOdometry, config.reorder_window_s);
-      expect(MeasurementKind::kSeenTrunks, config.reorder_window_s);
+      expect(MeasurementKind::kSeenTrunks, config.slam.detections_wait_s);
       break;
     case PoseMode::kOdometry:
       expect(config.motion == MotionSource::kScans ? MeasurementKind::kScan

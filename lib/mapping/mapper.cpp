@@ -9,6 +9,7 @@
 #include "mapping/association.hpp"
 #include "mapping/bulk_centre.hpp"
 #include "mapping/candidate.hpp"
+#include "mapping/centre_cache.hpp"
 #include "mapping/id_keeping.hpp"
 #include "mapping/landmark_table.hpp"
 #include "mapping/observation_store.hpp"
@@ -63,6 +64,7 @@ struct Mapper::Impl {
   MapperConfig config;
   LandmarkTable landmarks;  ///< id = index + 1
   ObservationStore observations;
+  CentreCache centres;
 
   /// Appends the index of each trunk that became an observation to `observed`, in their order.
   MapUpdate place(const detection::Detections& detections, const pose::PoseEstimate& T_map_base,
@@ -71,7 +73,8 @@ struct Mapper::Impl {
   void observe(std::int32_t index, const Candidate& candidate);
   void unite(std::int32_t keep, std::int32_t drop);
   void merge_changed(MapUpdate& update);
-  Landmark report(std::int32_t index) const;
+  BulkCentre centre_of(const LandmarkRecord& r) const;
+  Landmark report(std::int32_t index, const BulkCentre& centre) const;
   std::vector<std::int32_t> landmark_of_observation() const;
 };
 
@@ -90,6 +93,7 @@ void Mapper::Impl::observe(std::int32_t index, const Candidate& c) {
 void Mapper::Impl::unite(std::int32_t keep, std::int32_t drop) {
   const LandmarkRecord dropped = landmarks[drop];
   landmarks.remove(drop);
+  centres.forget(keep);
   landmarks.change(keep, [&](LandmarkRecord& kept) {
     merge(kept, dropped, log_odds_max(config));
     kept.last_observation = observations.join(dropped.last_observation, kept.last_observation);
@@ -116,11 +120,14 @@ void Mapper::Impl::merge_changed(MapUpdate& update) {
   std::sort(update.removed_ids.begin(), update.removed_ids.end());
 }
 
-Landmark Mapper::Impl::report(std::int32_t index) const {
+BulkCentre Mapper::Impl::centre_of(const LandmarkRecord& r) const {
+  return bulk_centre(observations.newest(r.last_observation, kSamplesMost),
+                     {r.mean_x_m, r.mean_y_m}, config.centre_kernel_m);
+}
+
+Landmark Mapper::Impl::report(std::int32_t index, const BulkCentre& centre) const {
   const LandmarkRecord& r = landmarks[index];
   const Eigen::Vector2d se_m = standard_error_m(r);
-  const BulkCentre centre = bulk_centre(observations.newest(r.last_observation, kSamplesMost),
-                                        {r.mean_x_m, r.mean_y_m}, config.centre_kernel_m);
   Landmark l;
   l.id = index + 1;
   l.label = label_of(r, config);
@@ -245,16 +252,20 @@ std::size_t Mapper::num_observations() const {
   return static_cast<std::size_t>(impl_->observations.num_observations());
 }
 
-Landmark Mapper::landmark(std::int32_t id) const {
+Landmark Mapper::landmark(std::int32_t id) {
   if (id < 1 || id > impl_->landmarks.num_indices() || impl_->landmarks[id - 1].is_removed) {
     throw std::out_of_range("no landmark with id " + std::to_string(id));
   }
-  return impl_->report(id - 1);
+  const LandmarkRecord& r = impl_->landmarks[id - 1];
+  return impl_->report(id - 1,
+                       impl_->centres.at(id - 1, r.num_all, [&] { return impl_->centre_of(r); }));
 }
 
 std::size_t Mapper::num_landmarks() const { return impl_->landmarks.num_alive(); }
 
-std::size_t Mapper::num_bytes() const { return impl_->landmarks.num_bytes(); }
+std::size_t Mapper::num_bytes() const {
+  return impl_->landmarks.num_bytes() + impl_->centres.num_bytes();
+}
 
 std::vector<std::int32_t> Mapper::ids_from(std::int32_t first_id, std::size_t count) const {
   std::vector<std::int32_t> ids;
@@ -270,7 +281,7 @@ std::vector<Landmark> Mapper::landmarks(int min_observations) const {
   for (std::int32_t i = 0; i < impl_->landmarks.num_indices(); ++i) {
     const LandmarkRecord& r = impl_->landmarks[i];
     if (r.is_removed || r.num_observations < min_observations) continue;
-    all.push_back(impl_->report(i));
+    all.push_back(impl_->report(i, impl_->centre_of(r)));
   }
   return all;
 }

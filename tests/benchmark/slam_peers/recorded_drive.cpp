@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "recorded_drive.hpp"
+
+#include <cmath>
+#include <optional>
+
+#include "pose/planar.hpp"
+
+namespace orchard::bench {
+namespace {
+
+constexpr double kSameTreeM = 0.5;
+
+Eigen::Vector3d arc(const pose::Odometry& odometry, double seconds) {
+  const double turn_rad = odometry.yaw_rate_radps * seconds;
+  const double way_m = odometry.speed_mps * seconds;
+  return {way_m * std::cos(0.5 * turn_rad), way_m * std::sin(0.5 * turn_rad), turn_rad};
+}
+
+}  // namespace
+
+RecordedDrive record_drive(std::uint64_t seed, int num_trees) {
+  // as near to square as a block is, with an alley at least
+  const int rows = std::max(2, static_cast<int>(std::lround(std::sqrt(num_trees / 2.0))));
+  const int trees_per_row = static_cast<int>(std::ceil(static_cast<double>(num_trees) / rows));
+  const pose::SlamWorld world = pose::SlamWorld::block(seed, rows, trees_per_row, 2);
+
+  RecordedDrive drive;
+  std::optional<Eigen::Vector3d> start;
+  std::vector<pose::Odometry> waiting;
+  std::optional<std::int64_t> last_utime;
+  Eigen::Vector3d moved = Eigen::Vector3d::Zero();
+  pose::run(world, seed,
+            {[&](const pose::Odometry& odometry) {
+               if (last_utime) {
+                 moved = pose::compose(
+                     moved,
+                     arc(odometry, static_cast<double>(odometry.utime - *last_utime) * 1e-6));
+               }
+               last_utime = odometry.utime;
+               waiting.push_back(odometry);
+             },
+             [&](const pose::SeenTrunks& seen) {
+               drive.odometry.push_back(std::move(waiting));
+               waiting.clear();
+               DriveStep step;
+               step.seen = seen;
+               step.T_before_now = moved;
+               moved.setZero();
+               drive.steps.push_back(std::move(step));
+             },
+             [&](std::int64_t, const Eigen::Vector3d& T_map_base) {
+               if (!start) start = T_map_base;
+               DriveStep& step = drive.steps.back();
+               step.T_start_base = pose::between(*start, T_map_base);
+               for (const pose::SeenTrunk& trunk : step.seen.trunks) {
+                 const Eigen::Vector2d p_map =
+                     pose::transform(T_map_base, {trunk.x_base_m, trunk.y_base_m});
+                 int nearest = -1;
+                 double nearest_m = kSameTreeM;
+                 for (std::size_t i = 0; i < world.trees.size(); ++i) {
+                   const double distance_m = (world.trees[i].p_map - p_map).norm();
+                   if (distance_m >= nearest_m) continue;
+                   nearest_m = distance_m;
+                   nearest = static_cast<int>(i);
+                 }
+                 step.trees.push_back(nearest);
+               }
+             }});
+  for (const pose::SlamWorld::Tree& tree : world.trees) {
+    drive.trees.push_back(pose::transform_back(*start, tree.p_map));
+  }
+  return drive;
+}
+
+}  // namespace orchard::bench

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "pose/measurements.hpp"
+#include "slam_world.hpp"
+
+namespace orchard::bench {
+
+/// One scan of a drive: what was seen, how the wheels say that the robot moved since the scan
+/// before (T_before_now), and where it truly is.
+struct DriveStep {
+  pose::SeenTrunks seen;
+  std::vector<int> trees;  ///< the true tree of each trunk seen, -1 for a false one
+  Eigen::Vector3d T_before_now = Eigen::Vector3d::Zero();
+  Eigen::Vector3d T_start_base = Eigen::Vector3d::Zero();
+};
+
+/// A drive through a block of trees that every competitor gets alike.
+struct RecordedDrive {
+  std::vector<Eigen::Vector2d> trees;                 ///< in the frame of the first pose
+  std::vector<std::vector<pose::Odometry>> odometry;  ///< that came before each step
+  std::vector<DriveStep> steps;
+};
+
+/// Two rounds through a block of about `num_trees` trees. Identities are read off the geometry: a
+/// trunk seen belongs to the tree within half a metre of where the true pose puts it.
+RecordedDrive record_drive(std::uint64_t seed, int num_trees);
+
+}  // namespace orchard::bench

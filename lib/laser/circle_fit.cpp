@@ -125,6 +125,7 @@ std::optional<CircleFit> fit_circle(const Arc& arc, double bearing_step_rad, dou
   Normal normal;
   Eigen::Matrix3d inverse;
   bool settled = false;
+  Eigen::Vector3d last_step = Eigen::Vector3d::Zero();
   for (int i = 0; i < kMaxIterations; ++i) {
     normal = normal_at(arc, beams, c, bearing_step_rad, range_sd_m);
     if (normal.count < 3) return std::nullopt;
@@ -136,7 +137,10 @@ std::optional<CircleFit> fit_circle(const Arc& arc, double bearing_step_rad, dou
     // half a radius at most: a far step would leave the beams behind that must steer it
     const double largest_m =
         std::max({std::abs(step.x()), std::abs(step.y()) * c.range_m, std::abs(step.z())});
-    const double damping = std::min(1.0, 0.5 * c.radius_m / std::max(largest_m, 1e-12));
+    double damping = std::min(1.0, 0.5 * c.radius_m / std::max(largest_m, 1e-12));
+    // a step back: as weights follow the circle, whole steps go to and fro about where it settles
+    if (step.dot(last_step) < 0.0) damping *= 0.5;
+    last_step = step;
     c.range_m += damping * step.x();
     c.bearing_rad += damping * step.y();
     c.radius_m += damping * step.z();

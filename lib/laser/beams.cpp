@@ -13,6 +13,8 @@ using geometry::kPi;
 
 /// Scanners tell in ranges below this why a beam did not return (SCIP: 0 to 19 mm).
 constexpr float kErrorCodes_m = 0.02f;
+/// Share of the separating step that noise may make between neighbours on one surface.
+constexpr double kFrontShare = 0.5;
 
 }  // namespace
 
@@ -23,6 +25,7 @@ Beams::Beams(const Scan& scan, const SegmentationConfig& config)
   const double turn_rad = step_rad_ * static_cast<double>(size_);
   is_turn_ = size_ > 2 && std::abs(turn_rad - 2.0 * kPi) <= 1.5 * step_rad_;
   believe(scan);
+  if (rejoins()) leave_out_thin_fronts();
   if (is_turn_) start_ = first_gap();
 }
 
@@ -47,6 +50,21 @@ void Beams::believe(const Scan& scan) {
       blocked_[i] = cut_off || range_m < nearest_m;
     }
   }
+}
+
+void Beams::leave_out_thin_fronts() {
+  std::vector<std::size_t> fronts;
+  for (std::size_t i = 1; i + 1 < ranges_m_.size(); ++i) {
+    const float before_m = ranges_m_[i - 1], here_m = ranges_m_[i], after_m = ranges_m_[i + 1];
+    if (before_m <= 0.0f || here_m <= 0.0f || after_m <= 0.0f) continue;
+    const double stands_out_m = kFrontShare * jump_m(here_m);
+    const float nearer_m = std::min(before_m, after_m);
+    if (here_m < nearer_m - stands_out_m && std::abs(before_m - after_m) < stands_out_m &&
+        joined(here_m, nearer_m)) {
+      fronts.push_back(i);
+    }
+  }
+  for (const std::size_t i : fronts) ranges_m_[i] = 0.0f;
 }
 
 std::ptrdiff_t Beams::first_gap() const {

@@ -56,6 +56,8 @@ class Beams {
     return i >= 0 && i < size_ ? i : (i + size_) % size_;  // dividing is slow, and rarely needed
   }
   void believe(const Scan& scan);
+  /// A beam on something thin closely before a surface is no part of it: as if it had not returned.
+  void leave_out_thin_fronts();
   std::ptrdiff_t first_gap() const;
 
   const SegmentationConfig& config_;

@@ -7,7 +7,8 @@
 #include "laser/beams.hpp"
 #include "laser/cut.hpp"
 #include "laser/measure.hpp"
-#include "laser/recut.hpp"
+#include "laser/parting.hpp"
+#include "laser/rejoin.hpp"
 
 namespace orchard::laser {
 namespace {

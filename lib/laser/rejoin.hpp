@@ -15,9 +15,4 @@ namespace orchard::laser {
 void rejoin(const Beams& beams, const SegmentationConfig& config, const LaserConfig& laser,
             std::vector<Run>& runs);
 
-/// Cuts runs at the farthest beam between two bulges when two circles fit clearly better than one:
-/// two trunks that touch.
-void split_touching(const Beams& beams, const SegmentationConfig& config, const LaserConfig& laser,
-                    std::vector<Run>& runs);
-
 }  // namespace orchard::laser

@@ -33,19 +33,43 @@ ReflectorVerdict judge_by_reflector(const laser::Segment& segment, const laser::
                                              : ReflectorVerdict::kNoTree;
 }
 
+bool is_half_hidden(const laser::Segment& segment) {
+  return segment.occluded_left || segment.occluded_right;
+}
+
+/// Of what is half hidden only a circle's bend tells the width, and how well it does.
+double roc_of_width(const laser::Segment& segment, double bearing_step_rad,
+                    const DetectorConfig& config) {
+  if (!is_half_hidden(segment) || !segment.circle || config.visible_min >= 1.0) {
+    return laser::roc_laser(segment.width_m, segment.range_m, bearing_step_rad, config.width);
+  }
+  laser::WidthConfig measured = config.width;
+  measured.sd_m = std::hypot(std::max(measured.sd_m, measured.sd_floor_m), segment.width_sd_m);
+  return laser::roc_laser(segment.width_m, segment.range_m, bearing_step_rad, measured);
+}
+
+/// Share of a trunk that shows, if it is one: of the width on which its circle and the model agree.
+double visible_share(const laser::Segment& segment, const laser::WidthConfig& trunks) {
+  if (!segment.circle) return segment.width_m / trunks.mean_m;
+  const double model_m2 = std::pow(std::max(trunks.sd_m, trunks.sd_floor_m), 2);
+  const double weight = model_m2 / (model_m2 + segment.width_sd_m * segment.width_sd_m);
+  const double width_m = trunks.mean_m + weight * (segment.width_m - trunks.mean_m);
+  return segment.visible_fraction * segment.width_m / width_m;
+}
+
 /// An object with a hidden side is at least as wide as what shows of it, or as its circle says:
-/// too wide is an object; anything less cannot be told unless most of a circle shows.
+/// too wide is an object; anything less cannot be told unless most of a trunk shows.
 LaserVerdict judge_by_laser(const laser::Segment& segment, double roc_laser,
                             double bearing_step_rad, const DetectorConfig& config) {
-  if (segment.occluded_left || segment.occluded_right) {
+  if (is_half_hidden(segment)) {
     const double least_width_m =
         segment.circle ? segment.width_m - 2.0 * segment.width_sd_m : segment.width_m;
     const bool too_wide = least_width_m > config.width.mean_m &&
                           laser::roc_laser(least_width_m, segment.range_m, bearing_step_rad,
                                            config.width) < config.roc_laser_threshold;
     if (too_wide) return LaserVerdict::kObject;
-    const bool shows = segment.circle && segment.visible_fraction >= config.visible_min &&
-                       config.visible_min < 1.0 && roc_laser >= config.roc_laser_threshold;
+    const bool shows = config.visible_min < 1.0 && roc_laser >= config.roc_laser_threshold &&
+                       visible_share(segment, config.width) >= config.visible_min;
     return shows ? LaserVerdict::kCandidate : LaserVerdict::kHidden;
   }
   return roc_laser >= config.roc_laser_threshold ? LaserVerdict::kCandidate : LaserVerdict::kObject;
@@ -156,8 +180,7 @@ LaserFindings find_by_laser(const laser::Scan& scan, const Rig& rig) {
   const auto segments = laser::segment(scan, config.segmentation, config.width, rig.laser);
   trunks.reserve(segments.size());
   for (const laser::Segment& segment : segments) {
-    const double roc_laser =
-        laser::roc_laser(segment.width_m, segment.range_m, scan.bearing_step_rad, config.width);
+    const double roc_laser = roc_of_width(segment, scan.bearing_step_rad, config);
     const ReflectorVerdict reflector = judge_by_reflector(segment, scan, config.segmentation);
     LaserVerdict verdict = judge_by_laser(segment, roc_laser, scan.bearing_step_rad, config);
     if (reflector == ReflectorVerdict::kNoTree) verdict = LaserVerdict::kObject;

@@ -2,6 +2,7 @@
 #include "detection/trunk_view.hpp"
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -11,6 +12,10 @@
 
 namespace orchard::detection {
 namespace {
+
+/// A side lies anywhere within a beam's step, which is a pixel in the middle of usual pictures and
+/// more towards their sides; the time of the picture is not known better than that either.
+constexpr double kSideSpread_px = 1.5;
 
 struct ProjectedPoint {
   Eigen::Vector2d pixel;
@@ -35,6 +40,24 @@ struct Projection {
 
   std::optional<ProjectedPoint> operator()(double range_m, double bearing_rad,
                                            std::size_t beam) const {
+    const auto point = anywhere(range_m, bearing_rad, beam);
+    return point && rig.camera.in_image(point->pixel) ? point : std::nullopt;
+  }
+
+  /// A side of an object: what lies less beyond the picture's left or right than it is known to is
+  /// taken for its first or last column.
+  std::optional<ProjectedPoint> side(double range_m, double bearing_rad, std::size_t beam) const {
+    auto point = anywhere(range_m, bearing_rad, beam);
+    if (!point) return std::nullopt;
+    const double last_px = rig.camera.intrinsics().width_px - 1;
+    const double column_px = std::clamp(point->pixel.x(), 0.0, last_px);
+    if (std::abs(point->pixel.x() - column_px) > kSideSpread_px) return std::nullopt;
+    point->pixel.x() = column_px;
+    return rig.camera.in_image(point->pixel) ? point : std::nullopt;
+  }
+
+  std::optional<ProjectedPoint> anywhere(double range_m, double bearing_rad,
+                                         std::size_t beam) const {
     PlanePoint p_laser{range_m * std::cos(bearing_rad), range_m * std::sin(bearing_rad)};
     if (motion) {
       const double dt_s = motion->dt_s(static_cast<double>(beam));
@@ -43,8 +66,7 @@ struct Projection {
     const Eigen::Vector3d p_camera =
         rig.T_camera_laser(Eigen::Vector3d(p_laser.x_m, p_laser.y_m, 0.0));
     const auto pixel = rig.camera.project(p_camera);
-    if (!pixel || !rig.camera.in_image(*pixel)) return std::nullopt;
-    return ProjectedPoint{*pixel, p_camera.z()};
+    return pixel ? std::optional(ProjectedPoint{*pixel, p_camera.z()}) : std::nullopt;
   }
 };
 
@@ -66,8 +88,8 @@ std::optional<TrunkView> view_of(const laser::Segment& segment, const Rig& rig,
                                  const std::optional<ScanToPicture>& motion) {
   const Projection project{rig, motion};
   const auto middle = project(segment.range_m, segment.bearing_rad, segment.middle_beam);
-  auto left = project(segment.start_range_m, segment.start_bearing_rad, segment.first_beam);
-  auto right = project(segment.end_range_m, segment.end_bearing_rad, segment.last_beam);
+  auto left = project.side(segment.start_range_m, segment.start_bearing_rad, segment.first_beam);
+  auto right = project.side(segment.end_range_m, segment.end_bearing_rad, segment.last_beam);
   if (!middle || !left || !right) return std::nullopt;
   if (left->pixel.x() > right->pixel.x()) std::swap(left, right);
 

@@ -96,6 +96,26 @@ TEST(Detect, ACandidateTheCameraDoesNotSeeIsUnseen) {
   EXPECT_EQ(at(without.detections, 1.5, 0.3).label, Label::kUnseen);
 }
 
+// Its side is known to a beam step, some two pixels of this rig: at the very border of the picture
+// it may seem to lie beyond.
+TEST(Detect, ATubeThatEndsAtThePicturesBorderIsLookedAt) {
+  const auto label_where_its_side_is = [](double beyond_px, double principal_px) {
+    geometry::CameraConfig camera;
+    camera.enabled = true;
+    camera.intrinsics.cc_px[0] = principal_px;
+    const Rig rig{{}, camera, {}};
+    const double column_px = camera.intrinsics.width_px - 1 + beyond_px;
+    const double side_rad = -std::atan((column_px - principal_px) / camera.intrinsics.fc_px[0]);
+    const double middle_rad = side_rad + std::asin(0.045 / 1.5);
+    const Tube tube = brown_tube(1.5 * std::cos(middle_rad), 1.5 * std::sin(middle_rad));
+    return at(look({tube}, rig), tube.x_m, tube.y_m).label;
+  };
+  for (double principal_px = 158.0; principal_px < 162.0; principal_px += 0.3) {
+    EXPECT_EQ(label_where_its_side_is(0.0, principal_px), Label::kTree) << principal_px;
+    EXPECT_EQ(label_where_its_side_is(4.0, principal_px), Label::kUnseen) << principal_px;
+  }
+}
+
 TEST(Detect, ATreeHalfHiddenByAnotherIsNotTakenForAnObject) {
   const Rig rig = tube_rig();
   const std::vector<Tube> tubes{brown_tube(1.0, 0.0), brown_tube(2.0, 0.11)};

@@ -105,6 +105,25 @@ TEST(FindByLaser, MostOfACircleIsEnoughWhereTheRigSaysSo) {
   }
 }
 
+// A few beams of an arc tell its width badly: what shows is held against a trunk's width, and a
+// width that is badly known may be a trunk's.
+TEST(FindByLaser, WhatShowsIsHeldAgainstATrunk) {
+  const auto judged = [](double y_m, double width_m) {
+    DetectorConfig config;
+    config.visible_min = 0.7;
+    const auto scan = scan_of({brown_tube(0.6, -0.005, 0.07), brown_tube(2.4, y_m, width_m)});
+    const auto found = find_by_laser(scan, tube_rig(config));
+    int num_hidden = 0;
+    for (const Detection& d : found.detections.trunks) num_hidden += d.occlusion != 0 ? 1 : 0;
+    EXPECT_EQ(num_hidden, 1) << y_m;
+    return std::any_of(found.candidates.begin(), found.candidates.end(),
+                       [](const Candidate& c) { return c.segment.range_m > 2.0; });
+  };
+  EXPECT_TRUE(judged(0.150, 0.09));   // some 85 %, in five beams
+  EXPECT_FALSE(judged(0.120, 0.09));  // half
+  EXPECT_FALSE(judged(0.25, 0.30));   // twice a trunk's width shows
+}
+
 TEST(FindByLaser, ReflectorsMarkTreesOrWhatIsNone) {
   auto scan = scan_of({brown_tube(1.5, -0.5), brown_tube(1.5, 0.5)});
   scan.intensities.assign(scan.ranges_m.size(), 100.0f);

@@ -35,6 +35,7 @@ struct MapperConfig {
   double sweep_pose_gap_max_s = 0.25;
   int min_observations = 1;       ///< landmarks seen less often are left out of map files
   double refresh_period_s = 2.0;  ///< of message time: between two slow refreshes of MAP
+  double refresh_per_s = 200.0;   ///< landmarks refreshed at most: large maps come round less often
   double save_period_s = 1.0;     ///< of wall time: between two live saves of map.csv
   RowsConfig rows;
 };
@@ -79,6 +80,8 @@ void describe(Visitor& v, MapperConfig& c) {
             "landmarks seen less often stay out of map files");
   v.number("refresh_period_s", c.refresh_period_s, 0.05, 3600, "s",
            "message time between two refreshes of the whole map");
+  v.number("refresh_per_s", c.refresh_per_s, 1, 1e6, "landmarks/s",
+           "refreshed at most: larger maps take longer than refresh_period_s to come round");
   v.number("save_period_s", c.save_period_s, 0.1, 3600, "s",
            "wall time between two live saves of map.csv");
   v.section("rows", c.rows, "rows and numbers");

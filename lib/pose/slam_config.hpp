@@ -51,6 +51,9 @@ struct SlamConfig {
   double place_sd_min_m = 0.02;  ///< no fix is believed to be better
   double merge_m = 0.4;          ///< landmarks that end up nearer to each other are one
   double solve_growth = 0.1;     ///< the whole graph is solved when it has grown by this share
+  int solve_keyframes = 500;     ///< larger graphs are solved by stretches of path
+  int final_keyframes = 5000;    ///< the same of the last solve, at the end of the drive
+  double solve_stretch_m = 8.0;  ///< length of such a stretch, which keeps its shape
 };
 
 template <class Visitor>

@@ -9,6 +9,7 @@
 #include "pose/planar.hpp"
 #include "pose/slam_local_map.hpp"
 #include "pose/slam_scan_points.hpp"
+#include "pose/slam_stretches.hpp"
 
 namespace orchard::pose {
 namespace {
@@ -72,7 +73,7 @@ void TrunkSlam::place_in_map() {
   const std::optional<Eigen::Vector3d> T_map_graph = placement(graph_, config_.place_travel_m);
   if (!T_map_graph) return;
   place(graph_, *T_map_graph);
-  if (graph_.keyframes.size() > 1 && solve_all(false)) return;
+  if (graph_.keyframes.size() > 1 && solve_all(WholeReason::kGrown)) return;
   // the whole solve's covariance will follow; until then that of the fix
   for (Keyframe& k : graph_.keyframes) {
     for (const PlaceFix& fix : k.fixes) {
@@ -236,7 +237,7 @@ void TrunkSlam::correct_window() {
   const int num_keyframes = newest + 1;
   look_for_closure();
   if (num_keyframes >= num_solved_ * (1.0 + config_.solve_growth) + kSolveMinKeyframes) {
-    solve_all(false);
+    solve_all(WholeReason::kGrown);
   }
 }
 
@@ -296,14 +297,21 @@ void TrunkSlam::review_landmarks() {
   }
 }
 
-bool TrunkSlam::solve_all(bool closing) {
+bool TrunkSlam::solve_all(WholeReason reason) {
   WholeSolve options;
-  options.closing = closing;
+  options.closing = reason == WholeReason::kClosing;
+  const bool last = reason == WholeReason::kEnd;
   ErrorsPrior prior;
   prior.covariance = initial_errors_sd(config_).array().square().matrix().asDiagonal();
   Eigen::Matrix3d errors_covariance = errors_.covariance;
   num_solved_ = static_cast<int>(graph_.keyframes.size());
-  if (!solve_whole(graph_, prior, options, config_, &errors_covariance)) return false;
+  if (num_solved_ <= (last ? config_.final_keyframes : config_.solve_keyframes)) {
+    if (!solve_whole(graph_, prior, options, config_, &errors_covariance)) return false;
+  } else {
+    StretchGraph stretches = stretches_of(graph_, config_);
+    if (!solve_whole(stretches.graph, prior, options, config_, &errors_covariance)) return false;
+    take_over(stretches, graph_);
+  }
   if (errors_covariance.allFinite()) errors_ = {current_errors(), errors_covariance};
   merge_same();
   for (int l = 0; l < static_cast<int>(graph_.landmarks.size()); ++l) {
@@ -338,7 +346,7 @@ void TrunkSlam::rebuild_index() {
 void TrunkSlam::finish() {
   if (graph_.keyframes.empty()) return;
   if (motion_.utime() > graph_.keyframes.back().utime) open_keyframe();
-  solve_all(false);
+  solve_all(WholeReason::kEnd);
 }
 
 std::optional<PoseEstimate> TrunkSlam::estimate() const {

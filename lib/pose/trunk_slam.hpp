@@ -64,7 +64,8 @@ class TrunkSlam {
   void correct_window();
   void compose_covariance_in_map(int first, const Eigen::Matrix3d& drift);
   void review_landmarks();
-  bool solve_all(bool closing);
+  enum class WholeReason { kGrown, kClosing, kEnd };
+  bool solve_all(WholeReason reason);
   void look_for_closure();
   std::optional<ClosureQuestion> closure_question() const;
   bool agrees(const std::vector<std::pair<int, int>>& merged) const;

@@ -115,7 +115,7 @@ void TrunkSlam::look_for_closure() {
   num_closed_ = num_keyframes;
   const SlamGraph before = graph_;
   for (const auto& [recent, old] : closure.same) graph_.merge(recent, old);
-  if (solve_all(true) && agrees(closure.same)) {
+  if (solve_all(WholeReason::kClosing) && agrees(closure.same)) {
     since_ = 0;
     return;
   }

@@ -213,12 +213,14 @@ bus::NodeCounts MapperNode::counts() const {
 }
 
 std::vector<std::int32_t> MapperNode::refresh_ids(std::int64_t utime) {
-  // as many per scan as bring the whole map round once per period
+  // as many per scan as bring the whole map round once per period, or as may be per second
   const std::int64_t last = std::exchange(last_refresh_utime_, utime);
   if (last == 0 || utime <= last) return {};
-  const double share = std::min(1.0, seconds(utime - last) / config_.refresh_period_s);
-  const auto wanted =
-      static_cast<std::size_t>(std::ceil(share * static_cast<double>(mapper_.num_landmarks())));
+  const auto num_landmarks = static_cast<double>(mapper_.num_landmarks());
+  const double rate_per_s =
+      std::min(num_landmarks / config_.refresh_period_s, config_.refresh_per_s);
+  const auto wanted = static_cast<std::size_t>(
+      std::ceil(std::min(num_landmarks, rate_per_s * seconds(utime - last))));
   std::vector<std::int32_t> ids = mapper_.ids_from(refresh_from_id_, std::min(wanted, kRefreshMax));
   refresh_from_id_ = ids.empty() ? 1 : ids.back() + 1;
   return ids;

@@ -11,9 +11,11 @@ namespace {
 
 constexpr double kSameTreeM = 0.5;
 
-Eigen::Vector3d arc(const pose::Odometry& odometry, double seconds) {
-  const double turn_rad = odometry.yaw_rate_radps * seconds;
-  const double way_m = odometry.speed_mps * seconds;
+// T_before_now from the velocities at both ends of a time.
+Eigen::Vector3d arc(const pose::Odometry& before, const pose::Odometry& now) {
+  const double seconds = static_cast<double>(now.utime - before.utime) * 1e-6;
+  const double turn_rad = 0.5 * (before.yaw_rate_radps + now.yaw_rate_radps) * seconds;
+  const double way_m = 0.5 * (before.speed_mps + now.speed_mps) * seconds;
   return {way_m * std::cos(0.5 * turn_rad), way_m * std::sin(0.5 * turn_rad), turn_rad};
 }
 
@@ -28,16 +30,12 @@ RecordedDrive record_drive(std::uint64_t seed, int num_trees) {
   RecordedDrive drive;
   std::optional<Eigen::Vector3d> start;
   std::vector<pose::Odometry> waiting;
-  std::optional<std::int64_t> last_utime;
+  std::optional<pose::Odometry> last;
   Eigen::Vector3d moved = Eigen::Vector3d::Zero();
   pose::run(world, seed,
             {[&](const pose::Odometry& odometry) {
-               if (last_utime) {
-                 moved = pose::compose(
-                     moved,
-                     arc(odometry, static_cast<double>(odometry.utime - *last_utime) * 1e-6));
-               }
-               last_utime = odometry.utime;
+               if (last) moved = pose::compose(moved, arc(*last, odometry));
+               last = odometry;
                waiting.push_back(odometry);
              },
              [&](const pose::SeenTrunks& seen) {

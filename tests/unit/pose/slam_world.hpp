@@ -179,20 +179,26 @@ inline void run(const SlamWorld& world, std::uint64_t seed, const SlamRun& told)
       told.seen(seen);
       if (told.truth) told.truth(utime, T);
     }
-    // steer towards a point ahead on the leg
-    const Eigen::Vector2d from = world.waypoints[next - 1];
-    const Eigen::Vector2d leg = world.waypoints[next] - from;
-    const double length_m = leg.norm();
-    const double along_m = (T.head<2>() - from).dot(leg) / length_m;
-    if (along_m >= length_m - 0.5) {
-      ++next;
-      continue;
+    // on to the next leg in time, without a halt that the wheels would not tell of
+    Eigen::Vector2d from;
+    Eigen::Vector2d leg;
+    double length_m = 0.0;
+    double along_m = 0.0;
+    for (; next < world.waypoints.size(); ++next) {
+      from = world.waypoints[next - 1];
+      leg = world.waypoints[next] - from;
+      length_m = leg.norm();
+      along_m = (T.head<2>() - from).dot(leg) / length_m;
+      if (along_m < length_m - 0.5) break;
     }
+    // steer towards a point ahead on the leg
     const Eigen::Vector2d aim = from + leg / length_m * std::min(length_m, along_m + 1.5);
     const Eigen::Vector2d ahead = transform_back(T, aim);
     const double wanted_radps = 1.5 * std::atan2(ahead.y(), ahead.x());
-    yaw_rate_radps = std::max(-0.8, std::min(0.8, wanted_radps));
-    const double turn_rad = yaw_rate_radps * kStepS;
+    // the yaw rate changes evenly over the step, from what was told to what will be told
+    const double next_radps = std::max(-0.8, std::min(0.8, wanted_radps));
+    const double turn_rad = 0.5 * (yaw_rate_radps + next_radps) * kStepS;
+    yaw_rate_radps = next_radps;
     T = compose(T, {world.speed_mps * kStepS * std::cos(0.5 * turn_rad),
                     world.speed_mps * kStepS * std::sin(0.5 * turn_rad), turn_rad});
   }

@@ -330,8 +330,14 @@ void TrunkSlam::merge_same() {
     if (!graph_.landmarks[l].confirmed) continue;
     for (const int other : index_.near(graph_.landmarks[l].p_map, config_.merge_m)) {
       if (other <= l || !graph_.landmarks[other].confirmed) continue;
-      const double apart_m = (graph_.landmarks[other].p_map - graph_.landmarks[l].p_map).norm();
-      if (apart_m <= config_.merge_m && !graph_.seen_together(l, other)) graph_.merge(other, l);
+      const SlamLandmark& a = graph_.landmarks[l];
+      const SlamLandmark& b = graph_.landmarks[other];
+      const double apart_m = (b.p_map - a.p_map).norm();
+      // one keyframe may have taken a trunk for both, but two trunks never stand in one another
+      const bool overlap = apart_m < 0.5 * (a.width_m + b.width_m);
+      if (apart_m <= config_.merge_m && (overlap || !graph_.seen_together(l, other))) {
+        graph_.merge(other, l);
+      }
     }
   }
 }

@@ -13,6 +13,13 @@
 namespace orchard::cli {
 namespace {
 
+void add_rig_to_write(CLI::App& command, std::string& out_path) {
+  command
+      .add_option("--out", out_path,
+                  "rig to write; without it that of --config, the old one kept as .bak")
+      ->type_name("FILE");
+}
+
 void add_board_options(CLI::App& command, calibration::BoardConfig& board, std::string& kind) {
   command.add_option("--board", kind, "chessboard or charuco")
       ->check(CLI::IsMember({"chessboard", "charuco"}))
@@ -92,10 +99,7 @@ void add_calibrate_delay(CLI::App& calibrate, Run& run) {
         command.add_option("--config", o.config_path, "the rig they were recorded with")
             ->required()
             ->type_name("FILE");
-        command
-            .add_option("--out", o.out_path,
-                        "rig to write; without it that of --config, the old one kept as .bak")
-            ->type_name("FILE");
+        add_rig_to_write(command, o.out_path);
         command.add_flag("--quiet", o.quiet, "warnings and errors only");
       });
 }
@@ -118,10 +122,7 @@ void add_appearance(CLI::App& calibrate, Run& run) {
             ->required()
             ->type_name("CSV...");
         command.add_option("--config", o.config_path, "the rig")->required()->type_name("FILE");
-        command
-            .add_option("--out", o.out_path,
-                        "rig to write; without it that of --config, the old one kept as .bak")
-            ->type_name("FILE");
+        add_rig_to_write(command, o.out_path);
         command.add_option("--stride", o.stride, "look at every how manieth scan")
             ->check(CLI::Range(1, 1000))
             ->capture_default_str();
@@ -150,10 +151,7 @@ void add_probability(CLI::App& calibrate, Run& run) {
             ->required()
             ->type_name("CSV...");
         command.add_option("--config", o.config_path, "the rig")->required()->type_name("FILE");
-        command
-            .add_option("--out", o.out_path,
-                        "rig to write; without it that of --config, the old one kept as .bak")
-            ->type_name("FILE");
+        add_rig_to_write(command, o.out_path);
         command.add_flag("--quiet", o.quiet, "warnings and errors only");
       });
 }
@@ -196,10 +194,7 @@ void add_calibrate(CLI::App& app, Run& run) {
             ->type_name("DIR");
         command.add_option("--only", pictures.only, "numbers of the pictures, such as 000-019")
             ->needs(images);
-        command
-            .add_option("--out", o.out_path,
-                        "rig to write; without it that of --config, the old one kept as .bak")
-            ->type_name("FILE");
+        add_rig_to_write(command, o.out_path);
         command.add_option("--wanted-trunks", o.wanted_trunks, "fewer give a warning")
             ->check(CLI::PositiveNumber)
             ->capture_default_str();

@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `orchard calibrate camera`, as people run it.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
-#include <sstream>
 #include <string>
 
 #include "bus/codec.hpp"
 #include "io/config.hpp"
 #include "io/log_writer.hpp"
+#include "run_orchard.hpp"
 #include "simulation/board_motion.hpp"
 #include "simulation/board_picture.hpp"
 
@@ -23,31 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using namespace orchard;
 
-struct Outcome {
-  int exit_code = -1;
-  std::string output;  ///< standard output and error
-};
-
-Outcome run(const std::string& arguments) {
-  Outcome outcome;
-  const std::string command =
-      std::string(ORCHARD_BUILD_DIR "/bin/orchard calibrate camera ") + arguments + " 2>&1";
-  FILE* pipe = popen(command.c_str(), "r");
-  if (!pipe) return outcome;
-  std::array<char, 512> buffer;
-  while (std::fgets(buffer.data(), static_cast<int>(buffer.size()), pipe)) {
-    outcome.output += buffer.data();
-  }
-  const int status = pclose(pipe);
-  if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
-  return outcome;
-}
-
-std::string text_of(const fs::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
+Outcome calibrate(const std::string& arguments) { return run("calibrate camera " + arguments); }
 
 /// Pictures of one board by the camera of config/tubes.yaml, made once for all tests.
 struct Pictures {
@@ -104,7 +77,7 @@ class CalibrateCamera : public testing::Test {
   /// One clear sentence that says `words`, exit code 3, and the rig as it was.
   void expect_refusal(const std::string& arguments, const std::string& words,
                       int num_lines = 1) const {
-    const Outcome outcome = run(arguments + " --quiet --config " + rig_.string());
+    const Outcome outcome = calibrate(arguments + " --quiet --config " + rig_.string());
     EXPECT_EQ(outcome.exit_code, 3) << arguments << ": " << outcome.output;
     EXPECT_NE(outcome.output.find(words), std::string::npos) << outcome.output;
     EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), num_lines)
@@ -134,7 +107,7 @@ TEST_F(CalibrateCamera, FindsTheLensThatTookThePictures) {
   write_picture(folder_ / "board/99.png", pictures().nothing);
   const std::string arguments =
       in_folder("board") + " --config " + rig_.string() + " --coverage " + in_folder("seen.png");
-  const Outcome outcome = run(arguments + " --out " + in_folder("out.yaml"));
+  const Outcome outcome = calibrate(arguments + " --out " + in_folder("out.yaml"));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   expect_lens(in_folder("out.yaml"));
   EXPECT_EQ(text_of(rig_), before_);
@@ -145,7 +118,7 @@ TEST_F(CalibrateCamera, FindsTheLensThatTookThePictures) {
   EXPECT_GT(fs::file_size(in_folder("seen.png")), 5000u);
 
   // the same pictures give the same bytes; in place the old file is kept
-  ASSERT_EQ(run(arguments).exit_code, 0);
+  ASSERT_EQ(calibrate(arguments).exit_code, 0);
   EXPECT_EQ(text_of(rig_), text_of(in_folder("out.yaml")));
   EXPECT_EQ(text_of(rig_.string() + ".bak"), before_);
 }
@@ -163,7 +136,7 @@ TEST_F(CalibrateCamera, ReadsALogAndMakesANewRig) {
     log.write(image.utime, bus::info(bus::Channel::kImage).name, bus::encode(image));
   }
   log.close();
-  const Outcome outcome = run(in_folder("board.lcm") + " --out " + in_folder("new.yaml"));
+  const Outcome outcome = calibrate(in_folder("board.lcm") + " --out " + in_folder("new.yaml"));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   expect_lens(in_folder("new.yaml"));
 }
@@ -171,12 +144,12 @@ TEST_F(CalibrateCamera, ReadsALogAndMakesANewRig) {
 TEST_F(CalibrateCamera, ABadResultIsNotWrittenUnlessForced) {
   write_board_pictures(6);
   const std::string arguments = in_folder("board") + " --quiet --config " + rig_.string();
-  const Outcome refused = run(arguments);
+  const Outcome refused = calibrate(arguments);
   EXPECT_EQ(refused.exit_code, 3);
   EXPECT_NE(refused.output.find("too few views: "), std::string::npos) << refused.output;
   EXPECT_NE(refused.output.find("nothing was written"), std::string::npos) << refused.output;
   EXPECT_EQ(text_of(rig_), before_);
-  const Outcome forced = run(arguments + " --force --out " + in_folder("forced.yaml"));
+  const Outcome forced = calibrate(arguments + " --force --out " + in_folder("forced.yaml"));
   EXPECT_EQ(forced.exit_code, 0) << forced.output;
   EXPECT_NE(text_of(in_folder("forced.yaml")).find("FORCED"), std::string::npos);
 }
@@ -210,7 +183,7 @@ TEST_F(CalibrateCamera, AnotherCamerasRigIsRefused) {
   write_board_pictures(3);
   const std::string other = in_folder("other.yaml");
   std::ofstream(other) << "camera:\n  width_px: 640\n  height_px: 480\n";
-  const Outcome outcome = run(in_folder("board") + " --quiet --config " + other);
+  const Outcome outcome = calibrate(in_folder("board") + " --quiet --config " + other);
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_NE(outcome.output.find("other.yaml: camera.width_px x height_px is 640 x 480 but"),
             std::string::npos)
@@ -232,8 +205,8 @@ TEST_F(CalibrateCamera, ImportsTheFilesOfOtherTools) {
          "\nalpha_c = 0;\nkc = [ -0.105 ; 0.018 ; 0.0006 ; -0.0004 ; 0 ];\nnx = 320;\nny = 240;\n"
          "fc_error = [ 0.3 ; 0.3 ];\n";
   const std::string out = in_folder("imported.yaml");
-  const Outcome outcome = run("--import " + in_folder("Calib_Results.m") + " --config " +
-                              rig_.string() + " --out " + out);
+  const Outcome outcome = calibrate("--import " + in_folder("Calib_Results.m") + " --config " +
+                                    rig_.string() + " --out " + out);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   expect_lens(out);
   EXPECT_NE(text_of(out).find("imported from Bouguet"), std::string::npos);

@@ -1,46 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `orchard calibrate trunks`, as people run it.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <string>
 
 #include "io/config.hpp"
+#include "run_orchard.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Outcome {
-  int exit_code = -1;
-  std::string output;  ///< standard output and error
-};
-
-Outcome run(const std::string& arguments) {
-  Outcome outcome;
-  const std::string command = std::string(ORCHARD_BUILD_DIR "/bin/orchard ") + arguments + " 2>&1";
-  FILE* pipe = popen(command.c_str(), "r");
-  if (!pipe) return outcome;
-  std::array<char, 512> buffer;
-  while (std::fgets(buffer.data(), static_cast<int>(buffer.size()), pipe)) {
-    outcome.output += buffer.data();
-  }
-  const int status = pclose(pipe);
-  if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
-  return outcome;
-}
-
-std::string text_of(const fs::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
+using namespace orchard;
 
 class CalibrateCommand : public testing::Test {
  protected:

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `orchard calibrate laser-camera`, as people run it.
 #include <gmock/gmock.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <Eigen/Geometry>
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -18,37 +15,13 @@
 #include "geometry/laser_camera.hpp"
 #include "io/config.hpp"
 #include "io/log_writer.hpp"
+#include "run_orchard.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
 using namespace orchard;
 using ::testing::HasSubstr;
-
-struct Outcome {
-  int exit_code = -1;
-  std::string output;  ///< standard output and error
-};
-
-Outcome run(const std::string& arguments) {
-  Outcome outcome;
-  const std::string command = std::string(ORCHARD_BUILD_DIR "/bin/orchard ") + arguments + " 2>&1";
-  FILE* pipe = popen(command.c_str(), "r");
-  if (!pipe) return outcome;
-  std::array<char, 512> buffer;
-  while (std::fgets(buffer.data(), static_cast<int>(buffer.size()), pipe)) {
-    outcome.output += buffer.data();
-  }
-  const int status = pclose(pipe);
-  if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
-  return outcome;
-}
-
-std::string text_of(const fs::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
 
 class CalibrateLaserCamera : public testing::Test {
  protected:

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+namespace orchard {
+
+/// How a command ended and what it printed.
+struct Outcome {
+  int exit_code = -1;
+  std::string output;  ///< standard output, and error where it was asked for
+};
+
+/// Runs `orchard` with arguments as a shell reads them.
+inline Outcome run(const std::string& arguments, bool with_errors = true) {
+  Outcome outcome;
+  const std::string command = std::string(ORCHARD_BUILD_DIR "/bin/orchard ") + arguments +
+                              (with_errors ? " 2>&1" : " 2>/dev/null");
+  FILE* pipe = popen(command.c_str(), "r");
+  if (!pipe) return outcome;
+  std::array<char, 512> buffer;
+  while (std::fgets(buffer.data(), static_cast<int>(buffer.size()), pipe)) {
+    outcome.output += buffer.data();
+  }
+  const int status = pclose(pipe);
+  if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
+  return outcome;
+}
+
+inline std::string text_of(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+}  // namespace orchard

@@ -112,8 +112,10 @@ set_key "$work/rig.yaml" detector.width mode paper
 set_key "$work/rig.yaml" detector colour_model hue_interval
 set_key "$work/rig.yaml" detector use_odometry false
 set_key "$work/rig.yaml" detector decision roc
+set_key "$work/rig.yaml" detector visible_min 1.0
 set_key "$work/rig.yaml" mapper evidence labels
 set_key "$work/rig.yaml" mapper min_observations 1
+set_key "$work/rig.yaml" mapper merge_m 0.10
 set_key "$work/rig.yaml" mapper sweep_pose_gap_max_s 0
 set_key "$work/rig.yaml" detector.adaptation enabled false
 set_key "$work/rig.yaml" detector.segmentation bridge_beams 0
@@ -125,6 +127,7 @@ judge "compensated width"
 set_key "$work/rig.yaml" detector.segmentation bridge_beams 3
 set_key "$work/rig.yaml" detector.segmentation split_touching true
 set_key "$work/rig.yaml" detector.segmentation min_beams_circle 3
+set_key "$work/rig.yaml" detector visible_min 0.7
 judge "segmentation"
 appearance=1
 judge "appearance"
@@ -134,8 +137,9 @@ set_key "$work/rig.yaml" mapper sweep_pose_gap_max_s 0.25
 judge "motion within the scan and to the picture"
 probability=1
 judge "probability"
-set_key "$work/rig.yaml" mapper min_observations 6
-judge "landmarks seen six times"
+set_key "$work/rig.yaml" mapper min_observations 4
+set_key "$work/rig.yaml" mapper merge_m 0.05
+judge "landmarks seen four times, and 5 cm apart"
 set_key "$work/rig.yaml" detector.adaptation enabled true
 judge "adaptation"
 

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
+#include <utility>
 
 #include "laser/line_fit.hpp"
 #include "laser/run_parts.hpp"
@@ -17,6 +19,8 @@ constexpr double kPartCost = 18.0;
 constexpr std::array<double, kMostThinBeams> kThinCosts{15.0, 18.0};
 /// At most this share of the beams may be left to something thin.
 constexpr double kMostThinShare = 0.25;
+/// A part shows at least this share of the beams: less is a trunk's rim, half on something else.
+constexpr double kLeastShare = 1.0 / 6.0;
 /// Where so many stretches one after the other are no circle, longer ones are none either; the
 /// first ones may all lie on a trunk's rim.
 constexpr int kMostMisfits = 3;
@@ -42,6 +46,9 @@ void BestParts::go_on(std::size_t from, std::size_t to, double cost, bool is_cir
 
 void BestParts::find_ways(const Run& run) {
   const std::size_t n = positions_.size();
+  const std::size_t fewest = std::max<std::size_t>(
+      kFewestBeamsOfAPart,
+      static_cast<std::size_t>(std::ceil(kLeastShare * static_cast<double>(n))));
   for (auto& ways : ways_) ways.assign(n + 1, {kInfinity, 0, false});
   ways_[0][0].cost = 0.0;
   for (std::size_t from = 0; from < n; ++from) {
@@ -50,7 +57,7 @@ void BestParts::find_ways(const Run& run) {
     }
     const bool is_first = from <= kMostThinBeams;  // else it is the last
     if (!is_first && ways_[1][from].cost == kInfinity) continue;
-    const std::size_t least = from + kFewestBeamsOfAPart;
+    const std::size_t least = from + fewest;
     int num_misfits = kMostMisfitsAtFirst;
     for (std::size_t to = is_first ? least : std::max(least, n - kMostThinBeams); to <= n; ++to) {
       const auto circle = fit_(part(run, from, to));
@@ -64,6 +71,22 @@ void BestParts::find_ways(const Run& run) {
   }
 }
 
+void BestParts::drop_mixed() {
+  const auto is_nearer = [&](const Run& thin, const Run& beside, std::ptrdiff_t border) {
+    const float farthest_m = std::max(beams_.range_m(thin.first), beams_.range_m(thin.last));
+    return beside.num_beams < kFewestBeamsOfAPart || farthest_m < beams_.range_m(border);
+  };
+  std::vector<Run> kept;
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    const Run& part = parts_[k];
+    const bool in_front =
+        (k == 0 || is_nearer(part, parts_[k - 1], parts_[k - 1].last)) &&
+        (k + 1 == parts_.size() || is_nearer(part, parts_[k + 1], parts_[k + 1].first));
+    if (part.num_beams >= kFewestBeamsOfAPart || in_front) kept.push_back(part);
+  }
+  parts_ = std::move(kept);
+}
+
 const std::vector<Run>& BestParts::operator()(const Run& run) {
   positions_.clear();
   for_each_beam(beams_, run, [&](std::ptrdiff_t i) { positions_.push_back(i); });
@@ -73,7 +96,7 @@ const std::vector<Run>& BestParts::operator()(const Run& run) {
   for (std::size_t c = 2; c <= kMostCircles; ++c) {
     if (ways_[c][n].cost < ways_[circles][n].cost) circles = c;
   }
-  parts_.assign(1, run);
+  parts_.clear();
   const double least_cost = ways_[circles][n].cost;
   if (least_cost == kInfinity) return parts_;
   const auto one = fit_(run);
@@ -82,7 +105,6 @@ const std::vector<Run>& BestParts::operator()(const Run& run) {
   const double line_cost = kPartCost + line_chi2 - static_cast<double>(n) + 2.0;
   if (line_cost <= least_cost) return parts_;
 
-  parts_.clear();
   std::size_t num_thin_beams = 0;
   for (std::size_t to = n; to > 0;) {
     const Way& way = ways_[circles][to];
@@ -92,7 +114,7 @@ const std::vector<Run>& BestParts::operator()(const Run& run) {
     to = way.from;
   }
   if (static_cast<double>(num_thin_beams) > kMostThinShare * static_cast<double>(n)) {
-    parts_.assign(1, run);
+    parts_.clear();
     return parts_;
   }
   std::reverse(parts_.begin(), parts_.end());
@@ -100,6 +122,7 @@ const std::vector<Run>& BestParts::operator()(const Run& run) {
     if (std::min(parts_[k].num_beams, parts_[k + 1].num_beams) < kFewestBeamsOfAPart) continue;
     order_by_depth(parts_[k], parts_[k + 1], fit_);
   }
+  drop_mixed();
   return parts_;
 }
 

@@ -15,8 +15,8 @@ class BestParts {
  public:
   BestParts(const Beams& beams, RunFitter& fit) : beams_(beams), fit_(fit) {}
 
-  /// The parts in order; the run itself where they do not explain it clearly better than one
-  /// circle, or nothing explains it. Valid until the next call.
+  /// The parts in order; none where they do not explain it clearly better than one circle or line,
+  /// or nothing explains it. Valid until the next call.
   const std::vector<Run>& operator()(const Run& run);
 
  private:
@@ -32,6 +32,8 @@ class BestParts {
   Run part(const Run& run, std::size_t from, std::size_t to) const;
   void go_on(std::size_t from, std::size_t to, double cost, bool is_circle);
   void find_ways(const Run& run);
+  /// Thin beams that are not nearer than what they touch are half on one thing and half on another.
+  void drop_mixed();
 
   const Beams& beams_;
   RunFitter& fit_;

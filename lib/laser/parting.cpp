@@ -135,7 +135,7 @@ void split_touching(const Beams& beams, const SegmentationConfig& config, const 
     if (small && !fits(fit(run))) {
       if (is_flat_piece(run, fit)) continue;
       const std::vector<Run>& parts = best_parts(run);
-      if (parts.size() < 2) continue;
+      if (parts.empty()) continue;
       replace(parts);
       k += parts.size() - 1;
       continue;

@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "geometry/angles.hpp"
+#include "pose/arc_motion.hpp"
 
 namespace orchard::pose {
 namespace {
@@ -21,28 +22,6 @@ Eigen::Matrix3d symmetric(const std::array<double, 6>& c) {
   Eigen::Matrix3d m;
   m << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
   return m;
-}
-
-/// Motion of base in its own frame over dt at constant speed and yaw rate: an arc, exactly.
-Eigen::Vector3d arc(double speed_mps, double yaw_rate_radps, double dt_s) {
-  const double turn_rad = yaw_rate_radps * dt_s;
-  const double length_m = speed_mps * dt_s;
-  // sin(t)/t and (1-cos(t))/t, by their series where the quotients lose their digits
-  const double t2 = turn_rad * turn_rad;
-  const bool small = std::abs(turn_rad) < 1e-4;
-  const double sinc = small ? 1.0 - t2 / 6.0 : std::sin(turn_rad) / turn_rad;
-  const double cosc = small ? turn_rad / 2.0 : (1.0 - std::cos(turn_rad)) / turn_rad;
-  return {length_m * sinc, length_m * cosc, turn_rad};
-}
-
-/// d(arc)/d(speed, yaw rate) to first order in the turn: what the noise of one interval needs.
-Eigen::Matrix<double, 3, 2> arc_jacobian(double speed_mps, double yaw_rate_radps, double dt_s) {
-  const double half_turn_rad = 0.5 * yaw_rate_radps * dt_s;
-  Eigen::Matrix<double, 3, 2> J;
-  J << dt_s * std::cos(half_turn_rad), -0.5 * speed_mps * dt_s * dt_s * std::sin(half_turn_rad),
-      dt_s * std::sin(half_turn_rad), 0.5 * speed_mps * dt_s * dt_s * std::cos(half_turn_rad), 0.0,
-      dt_s;
-  return J;
 }
 
 CPosePDFGaussian gaussian(const Eigen::Vector3d& mean, const Eigen::Matrix3d& covariance) {
@@ -117,7 +96,7 @@ void PoseEstimator::predict_to(std::int64_t utime, double speed_mps, double yaw_
       velocity_covariance[2];
   const Eigen::Matrix<double, 3, 2> J = arc_jacobian(speed_mps, yaw_rate_radps, dt_s);
   CPosePDFGaussian T_map_base = gaussian(state_->mean, state_->covariance);
-  T_map_base += gaussian(arc(speed_mps, yaw_rate_radps, dt_s), J * Q * J.transpose());
+  T_map_base += gaussian(arc_motion(speed_mps, yaw_rate_radps, dt_s), J * Q * J.transpose());
   state_->utime = utime;
   state_->mean = {T_map_base.mean.x(), T_map_base.mean.y(), T_map_base.mean.phi()};
   const Eigen::Matrix3d P = T_map_base.cov.asEigen();

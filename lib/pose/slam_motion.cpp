@@ -1,21 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/slam_motion.hpp"
 
-#include <cmath>
-
+#include "pose/arc_motion.hpp"
 #include "pose/planar.hpp"
 
 namespace orchard::pose {
-
-Eigen::Vector3d arc_motion(double speed_mps, double yaw_rate_radps, double dt_s) {
-  const double turn_rad = yaw_rate_radps * dt_s;
-  const double length_m = speed_mps * dt_s;
-  // sin(t)/t and (1-cos(t))/t, by their series where the quotients lose their digits
-  const bool small = std::abs(turn_rad) < 1e-4;
-  const double sinc = small ? 1.0 - turn_rad * turn_rad / 6.0 : std::sin(turn_rad) / turn_rad;
-  const double cosc = small ? turn_rad / 2.0 : (1.0 - std::cos(turn_rad)) / turn_rad;
-  return {length_m * sinc, length_m * cosc, turn_rad};
-}
 
 Eigen::Vector3d RelativeMotion::delta_with(const WheelErrors& other) const {
   return delta + error_jacobian * (other - errors);
@@ -25,12 +14,7 @@ void RelativeMotion::drive(double speed_mps, double yaw_rate_radps,
                            const std::array<double, 3>& velocity_covariance, double dt_s) {
   const double v_mps = (1.0 + errors[0]) * speed_mps;
   const double w_radps = (1.0 + errors[1]) * yaw_rate_radps - errors[2];
-  const double half_rad = 0.5 * w_radps * dt_s;
-  const double c = std::cos(half_rad);
-  const double s = std::sin(half_rad);
-  Eigen::Matrix<double, 3, 2> J_velocity;  // to first order in the turn of one step
-  J_velocity << dt_s * c, -0.5 * v_mps * dt_s * dt_s * s, dt_s * s, 0.5 * v_mps * dt_s * dt_s * c,
-      0.0, dt_s;
+  const Eigen::Matrix<double, 3, 2> J_velocity = arc_jacobian(v_mps, w_radps, dt_s);
   Eigen::Matrix<double, 2, 3> velocity_errors;
   velocity_errors << speed_mps, 0.0, 0.0, 0.0, yaw_rate_radps, -1.0;
   Eigen::Matrix2d Q;

@@ -30,7 +30,4 @@ struct RelativeMotion {
   void append(const Eigen::Vector3d& T_now_next, const Eigen::Matrix3d& covariance);
 };
 
-/// Motion of base in its own frame over dt_s at constant speed and yaw rate: an arc, exactly.
-Eigen::Vector3d arc_motion(double speed_mps, double yaw_rate_radps, double dt_s);
-
 }  // namespace orchard::pose

@@ -4,8 +4,8 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "pose/arc_motion.hpp"
 #include "pose/planar.hpp"
-#include "pose/slam_motion.hpp"
 
 namespace orchard::pose {
 namespace {

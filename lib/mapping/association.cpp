@@ -9,7 +9,15 @@ namespace orchard::mapping {
 namespace {
 
 constexpr int kEstablished = 3;            ///< observations from which a landmark leads a scan
+constexpr int kWellKnown = 10;             ///< and from which it takes what strays
 constexpr double kWidthRelativeSd = 0.15;  ///< of one thing seen from different sides
+
+/// Difference of the widths in standard deviations.
+double width_term(const detection::Detection& d, const LandmarkRecord& r) {
+  const double sd_m =
+      std::hypot(d.width_sd_m, kWidthRelativeSd * std::max<double>(r.width_m, d.width_m));
+  return (d.width_m - r.width_m) / std::max(sd_m, 1e-3);
+}
 
 /// Cost of calling the candidate that landmark; none outside the gates.
 std::optional<double> cost_of(const Candidate& c, const LandmarkRecord& r,
@@ -17,17 +25,32 @@ std::optional<double> cost_of(const Candidate& c, const LandmarkRecord& r,
   const detection::Detection& d = *c.detection;
   const Eigen::Vector2d delta = c.p_aligned - r.anchor();
   if (delta.squaredNorm() > config.gate_m * config.gate_m) return std::nullopt;
-  const double width_difference_m = d.width_m - r.width_m;
-  if (std::abs(width_difference_m) > config.width_gate_m) return std::nullopt;
+  if (std::abs(d.width_m - r.width_m) > config.width_gate_m) return std::nullopt;
   Eigen::Matrix2d covariance = c.aligned_covariance;
   covariance.diagonal().array() += r.scatter_m2 + 1.0 / r.anchor_information;
   const double mahalanobis2 = delta.dot(covariance.inverse() * delta);
   if (mahalanobis2 > config.gate_sigma * config.gate_sigma) return std::nullopt;
-  const double width_sd_m =
-      std::hypot(d.width_sd_m, kWidthRelativeSd * std::max<double>(r.width_m, d.width_m));
-  const double width_term = width_difference_m / std::max(width_sd_m, 1e-3);
+  const double widths = width_term(d, r);
   // the determinant keeps a vague landmark from winning by its vagueness
-  return mahalanobis2 + std::log(covariance.determinant()) + std::min(9.0, width_term * width_term);
+  return mahalanobis2 + std::log(covariance.determinant()) + std::min(9.0, widths * widths);
+}
+
+/// The well-known landmark, unseen in this scan, that a candidate outside of all gates must be a
+/// stray sight of: within gate_m and as wide. -1 for none.
+std::int32_t strayed_from(const Candidate& c, const LandmarkTable& landmarks,
+                          const std::vector<std::int32_t>& taken, const MapperConfig& config) {
+  std::int32_t nearest = -1;
+  double nearest_m2 = config.gate_m * config.gate_m;
+  landmarks.near(c.p_aligned, config.gate_m, [&](std::int32_t i, const LandmarkRecord& r) {
+    if (r.num_all < kWellKnown || std::abs(width_term(*c.detection, r)) > 3.0) return;
+    if (std::abs(c.detection->width_m - r.width_m) > config.width_gate_m) return;
+    const double distance_m2 = (c.p_aligned - r.anchor()).squaredNorm();
+    if (distance_m2 > nearest_m2 || (distance_m2 == nearest_m2 && i > nearest)) return;
+    nearest_m2 = distance_m2;
+    nearest = i;
+  });
+  const bool is_taken = std::find(taken.begin(), taken.end(), nearest) != taken.end();
+  return is_taken ? -1 : nearest;
 }
 
 bool is_surer(const Pairing& a, const Pairing& b) {
@@ -59,6 +82,17 @@ Association associate(const std::vector<Candidate>& candidates, const LandmarkTa
     taken.push_back(p.landmark);
     is_paired[p.candidate] = 1;
     association.pairs.push_back(p);
+  }
+  // What lies a little farther from a tree than chance allows, while the tree itself is not seen,
+  // is the tree: half hidden, or seen from a pose that is off. A thing of its own would be seen
+  // beside it.
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    if (association.is_explained[k]) continue;
+    const std::int32_t i = strayed_from(candidates[k], landmarks, taken, config);
+    if (i < 0) continue;
+    association.is_explained[k] = 1;
+    taken.push_back(i);
+    association.pairs.push_back({0.0, i, k});
   }
   return association;
 }

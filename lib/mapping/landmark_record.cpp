@@ -116,6 +116,8 @@ void merge(LandmarkRecord& into, const LandmarkRecord& from, double log_odds_max
       static_cast<float>(std::clamp<double>(into.log_odds, -log_odds_max, log_odds_max));
   into.num_all += from.num_all;
   into.last_scan = std::max(into.last_scan, from.last_scan);
+  into.presence = std::max(into.presence, from.presence);
+  into.sides_seen |= from.sides_seen;
 }
 
 Eigen::Vector2d standard_error_m(const LandmarkRecord& r) {

@@ -31,7 +31,9 @@ struct LandmarkRecord {
   std::int32_t num_all = 0;            ///< UNSEEN ones too
   std::int32_t last_observation = -1;  ///< head of its chain in the ObservationStore
   std::int32_t last_scan = -1;
-  bool is_seen = false;  ///< by the camera, or laser-only rig
+  float presence = 0.0f;        ///< log odds that it still stands there: PresenceWatch
+  std::uint8_t sides_seen = 0;  ///< from which it was seen, a bit per eighth of the full turn
+  bool is_seen = false;         ///< by the camera, or laser-only rig
   bool is_removed = false;
 
   Eigen::Vector2d anchor() const { return {anchor_x_m, anchor_y_m}; }

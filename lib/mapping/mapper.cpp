@@ -13,6 +13,7 @@
 #include "mapping/id_keeping.hpp"
 #include "mapping/landmark_table.hpp"
 #include "mapping/observation_store.hpp"
+#include "mapping/presence.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -59,9 +60,12 @@ Detection detection_of(const Observation& o) {
 }  // namespace
 
 struct Mapper::Impl {
-  explicit Impl(const MapperConfig& mapper_config) : config(mapper_config) {}
+  Impl(const MapperConfig& mapper_config, const Eigen::Vector2d& laser)
+      : config(mapper_config), p_base_laser(laser), presence(mapper_config.presence, laser) {}
 
   MapperConfig config;
+  Eigen::Vector2d p_base_laser;
+  PresenceWatch presence;
   LandmarkTable landmarks;  ///< id = index + 1
   ObservationStore observations;
   CentreCache centres;
@@ -73,6 +77,8 @@ struct Mapper::Impl {
   void observe(std::int32_t index, const Candidate& candidate);
   void unite(std::int32_t keep, std::int32_t drop);
   void merge_changed(MapUpdate& update);
+  void drop_gone(const std::vector<Candidate>& candidates, const pose::PoseEstimate& T_map_base,
+                 MapUpdate& update);
   BulkCentre centre_of(const LandmarkRecord& r) const;
   Landmark report(std::int32_t index, const BulkCentre& centre) const;
   std::vector<std::int32_t> landmark_of_observation() const;
@@ -120,6 +126,16 @@ void Mapper::Impl::merge_changed(MapUpdate& update) {
   std::sort(update.removed_ids.begin(), update.removed_ids.end());
 }
 
+void Mapper::Impl::drop_gone(const std::vector<Candidate>& candidates,
+                             const pose::PoseEstimate& T_map_base, MapUpdate& update) {
+  std::vector<std::int32_t> observed;
+  for (const std::int32_t id : update.changed_ids) observed.push_back(id - 1);
+  for (const std::int32_t i : presence.review(candidates, observed, T_map_base, landmarks)) {
+    landmarks.remove(i);
+    update.removed_ids.push_back(i + 1);
+  }
+}
+
 BulkCentre Mapper::Impl::centre_of(const LandmarkRecord& r) const {
   return bulk_centre(observations.newest(r.last_observation, kSamplesMost),
                      {r.mean_x_m, r.mean_y_m}, config.centre_kernel_m);
@@ -143,7 +159,8 @@ Landmark Mapper::Impl::report(std::int32_t index, const BulkCentre& centre) cons
   return l;
 }
 
-Mapper::Mapper(const MapperConfig& config) : impl_(std::make_unique<Impl>(config)) {}
+Mapper::Mapper(const MapperConfig& config, const Eigen::Vector2d& p_base_laser)
+    : impl_(std::make_unique<Impl>(config, p_base_laser)) {}
 Mapper::~Mapper() = default;
 Mapper::Mapper(Mapper&&) noexcept = default;
 Mapper& Mapper::operator=(Mapper&&) noexcept = default;
@@ -177,6 +194,7 @@ MapUpdate Mapper::Impl::place(const detection::Detections& detections,
     const Candidate& c = candidates[k];
     take(landmarks.add(c.p_aligned, c.detection->width_m), c);
   }
+  drop_gone(candidates, T_map_base, update);
   merge_changed(update);
   return update;
 }
@@ -217,7 +235,7 @@ MapUpdate Mapper::rederive(
     const std::function<pose::PoseEstimate(const pose::PoseEstimate&)>& corrected) {
   const Impl& was = *impl_;
   const std::vector<std::int32_t> landmark_then = was.landmark_of_observation();
-  Impl now(was.config);
+  Impl now(was.config, was.p_base_laser);
   // Observations of a scan stand together before and after, but not in the same order.
   std::vector<std::int32_t> then_of;  // per observation of now: its landmark's index in was
   for (std::int32_t scan = 0; scan < was.observations.num_scans(); ++scan) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -13,7 +14,7 @@
 namespace orchard::mapping {
 
 /// What one scan did to the map: ids of landmarks that are new or changed, and ids that are no
-/// more because they were merged into another. Both in rising order.
+/// more because they were merged into another or stand there no longer. Both in rising order.
 struct MapUpdate {
   std::vector<std::int32_t> changed_ids;
   std::vector<std::int32_t> removed_ids;
@@ -33,7 +34,8 @@ struct MapUpdate {
 /// `evidence: probability`: from the looks' calibrated probabilities, see log_odds_of_tree().
 class Mapper {
  public:
-  explicit Mapper(const MapperConfig& config);
+  /// `p_base_laser`: where the laser sits in base; it tells what hides what.
+  explicit Mapper(const MapperConfig& config, const Eigen::Vector2d& p_base_laser = {0.0, 0.0});
   ~Mapper();
   Mapper(Mapper&&) noexcept;
   Mapper& operator=(Mapper&&) noexcept;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "mapping/presence_config.hpp"
 #include "mapping/rows_config.hpp"
 
 namespace orchard::mapping {
@@ -37,6 +38,7 @@ struct MapperConfig {
   double refresh_period_s = 2.0;  ///< of message time: between two slow refreshes of MAP
   double refresh_per_s = 200.0;   ///< landmarks refreshed at most: large maps come round less often
   double save_period_s = 1.0;     ///< of wall time: between two live saves of map.csv
+  PresenceConfig presence;
   RowsConfig rows;
 };
 
@@ -84,6 +86,7 @@ void describe(Visitor& v, MapperConfig& c) {
            "refreshed at most: larger maps take longer than refresh_period_s to come round");
   v.number("save_period_s", c.save_period_s, 0.1, 3600, "s",
            "wall time between two live saves of map.csv");
+  v.section("presence", c.presence, "what was seen and is there no more");
   v.section("rows", c.rows, "rows and numbers");
   v.check(c.tree_rate_of_objects < c.tree_rate_of_trees, "tree_rate_of_objects",
           "must be below tree_rate_of_trees");

@@ -1,67 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Core>
-#include <array>
 #include <vector>
 
 #include "pose/measurements.hpp"
 #include "pose/prior_map_config.hpp"
+#include "pose/sight_field.hpp"
 
 namespace orchard::pose {
-
-/// Something that one scan showed, in base as it was at the scan's utime.
-struct Sighting {
-  Eigen::Vector2d p_base = Eigen::Vector2d::Zero();
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
-  double width_m = 0.0;  ///< 0 = unknown
-  double width_sd_m = 0.0;
-};
 
 /// The sightings of a scan that are of use, moved from the time at which each was made to that of
 /// the scan by the velocity of base. What is not finite is left out.
 std::vector<Sighting> sightings_at_scan(const SeenTrunks& seen, double speed_mps,
                                         double yaw_rate_radps, const PriorMapConfig& config);
-
-/// Where a scanner would see a trunk that nothing hides: learnt from where it has seen any, since
-/// how it is mounted and how far round it looks are not told.
-class SightField {
- public:
-  explicit SightField(double sure_range_m) : sure_range_m_(sure_range_m) {}
-
-  void learn(const std::vector<Sighting>& sightings);
-
-  bool covers(const Eigen::Vector2d& p_base) const;
-
-  double range_m() const;  ///< within which it sees for sure
-
- private:
-  static constexpr std::size_t kBins = 36;
-  static constexpr int kSureSightings = 5;
-  static constexpr double kSureFraction = 0.85;
-
-  static std::size_t bin(const Eigen::Vector2d& p_base);
-
-  double sure_range_m_;
-  double farthest_m_ = 0.0;
-  std::array<int, kBins> num_seen_{};
-};
-
-/// What a scan's sightings hide.
-class Shadows {
- public:
-  Shadows() = default;
-  explicit Shadows(const std::vector<Sighting>& sightings);
-
-  bool hide(const Eigen::Vector2d& p_base) const;
-
- private:
-  struct Shadow {
-    Eigen::Vector2d direction;  ///< unit vector
-    double range_m;
-    double half_width_m;
-  };
-  std::vector<Shadow> shadows_;
-};
 
 }  // namespace orchard::pose

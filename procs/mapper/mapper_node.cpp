@@ -30,7 +30,7 @@ MapperNode::MapperNode(const io::Config& config)
     : config_(config.mapper),
       antenna_base_m_(config.pose.gnss.antenna_m[0], config.pose.gnss.antenna_m[1]),
       gnss_(config.pose.gnss),
-      mapper_(config.mapper),
+      mapper_(config.mapper, {config.laser.mount_x_m, config.laser.mount_y_m}),
       track_(config.mapper.pose_gap_max_s) {}
 
 std::vector<bus::Channel> MapperNode::inputs() const {

@@ -11,6 +11,10 @@ namespace orchard::mapping {
 std::vector<std::vector<int>> positions_of(const std::vector<Eigen::Vector2d>& p_map,
                                            const std::vector<RowChain>& chains);
 
+/// Distance of neighbouring places about step k of a chain's steps: the median of the single steps
+/// around it.
+double local_spacing_m(const std::vector<double>& steps_m, std::size_t k);
+
 /// Median distance between neighbouring places of a chain [m].
 double place_spacing_m(const std::vector<Eigen::Vector2d>& p_map, const RowChain& chain,
                        const std::vector<int>& positions);

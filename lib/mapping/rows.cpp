@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "geometry/angles.hpp"
+#include "mapping/landmark_pairing.hpp"
 #include "mapping/row_chains.hpp"
+#include "mapping/row_members.hpp"
 #include "mapping/row_order.hpp"
 #include "mapping/row_places.hpp"
 
@@ -74,15 +76,37 @@ void begin_at_origin(Lines& lines, const Vector2d& origin) {
 }  // namespace
 
 std::vector<Row> find_rows(const std::vector<Landmark>& landmarks, const RowsConfig& config) {
-  const std::vector<const Landmark*> trees = trees_of(landmarks);
+  const std::vector<const Landmark*> all = trees_of(landmarks);
+  std::vector<Vector2d> p_all;
+  for (const Landmark* tree : all) p_all.push_back({tree->x_m, tree->y_m});
+  const std::vector<double> strength_of_all = row_strengths(all);
+  const RowMakers chosen = row_makers(p_all, strength_of_all);
   Lines lines;
-  for (const Landmark* tree : trees) lines.p_map.push_back({tree->x_m, tree->y_m});
+  std::vector<const Landmark*> trees;
+  std::vector<double> strengths;
+  const auto take = [&](std::size_t i) {
+    trees.push_back(all[i]);
+    lines.p_map.push_back(p_all[i]);
+    strengths.push_back(strength_of_all[i]);
+  };
+  for (const std::size_t i : chosen.makers) take(i);
   lines.rows = row_directions(lines.p_map);
   if (lines.rows.directions.empty()) return {};
   if (forward_of(lines.rows.directions, config).dot(lines.rows.directions.front()) < 0.0) {
     for (Vector2d& u : lines.rows.directions) u = -u;
   }
   lines.chains = row_chains(lines.p_map, lines.rows, config.gap_max_spacings);
+  const IndexedPoints makers(lines.p_map);
+  std::vector<std::size_t> rest;
+  for (const std::size_t i : chosen.rest) {
+    const std::int32_t k = makers.nearest(p_all[i], 1.5 * lines.rows.spacing_m);
+    if (k < 0) continue;
+    rest.push_back(trees.size());
+    take(i);
+    lines.rows.directions.push_back(lines.rows.directions[static_cast<std::size_t>(k)]);
+  }
+  join_chains(lines.p_map, lines.rows, rest, lines.chains);
+  for (RowChain& chain : lines.chains) chain = in_places(lines.p_map, strengths, chain);
   const Vector2d forward = forward_of(lines.rows.directions, config).normalized();
   const auto is_no_row = [&](const RowChain& chain) {
     if (chain.size() < static_cast<std::size_t>(config.min_trees)) return true;

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/row_members.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "mapping/landmark_pairing.hpp"
+#include "mapping/row_places.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+using Eigen::Vector2d;
+
+/// Trees nearer than this stand in one place.
+constexpr double kOnePlace_spacings = 0.3;
+/// What leaving out a tree of full strength costs, in squared standard deviations of a step.
+constexpr double kStrengthWorth = 8.0;
+/// Standard deviation of a step about the spacing.
+constexpr double kStep_spacings = 0.2;
+/// So many of a chain may stand between two of its places.
+constexpr std::size_t kMostBetween = 12;
+
+std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+/// Squared deviation of a step from whole spacings, at least one, in standard deviations.
+double step_cost(double spacings) {
+  const double whole = std::max(1.0, std::round(spacings));
+  const double off = (spacings - whole) / kStep_spacings;
+  return off * off / whole;
+}
+
+/// Where a tree would join a chain: before that of its elements, and how far beside it.
+struct Slot {
+  std::size_t before = 0;
+  double beside_m = 0.0;
+};
+
+}  // namespace
+
+std::vector<double> row_strengths(const std::vector<const Landmark*>& trees) {
+  std::vector<double> strengths;
+  for (const Landmark* tree : trees) strengths.push_back(tree->probability * tree->roc_mean);
+  const double half = strengths.empty() ? 0.0 : 0.5 * median_of(strengths);
+  for (double& s : strengths) s = s < half ? s / half : 1.0;
+  return strengths;
+}
+
+RowMakers row_makers(const std::vector<Vector2d>& p_map, const std::vector<double>& strengths) {
+  std::vector<Vector2d> strong;
+  for (std::size_t i = 0; i < p_map.size(); ++i) {
+    if (strengths[i] >= 1.0) strong.push_back(p_map[i]);
+  }
+  const double reach_m = kOnePlace_spacings * typical_spacing_m(IndexedPoints(std::move(strong)));
+  const IndexedPoints all(p_map);
+  std::vector<std::size_t> by_strength(p_map.size());
+  std::iota(by_strength.begin(), by_strength.end(), std::size_t{0});
+  std::stable_sort(by_strength.begin(), by_strength.end(),
+                   [&](std::size_t a, std::size_t b) { return strengths[a] > strengths[b]; });
+  std::vector<char> stands(p_map.size(), 0);
+  RowMakers result;
+  for (const std::size_t i : by_strength) {
+    const std::vector<std::int32_t> near = all.within(p_map[i], reach_m);
+    if (std::any_of(near.begin(), near.end(), [&](std::int32_t k) { return stands[index(k)]; })) {
+      continue;
+    }
+    stands[i] = 1;
+    (strengths[i] >= 1.0 ? result.makers : result.rest).push_back(i);
+  }
+  std::sort(result.makers.begin(), result.makers.end());
+  std::sort(result.rest.begin(), result.rest.end());
+  return result;
+}
+
+void join_chains(const std::vector<Vector2d>& p_map, const RowDirections& rows,
+                 const std::vector<std::size_t>& rest, std::vector<RowChain>& chains) {
+  std::vector<Vector2d> members;
+  std::vector<std::size_t> chain_of;
+  for (std::size_t c = 0; c < chains.size(); ++c) {
+    for (const std::int32_t i : chains[c]) {
+      if (chains[c].size() < 3) continue;
+      members.push_back(p_map[index(i)]);
+      chain_of.push_back(c);
+    }
+  }
+  const IndexedPoints around(std::move(members));
+  const auto slot_in = [&](const RowChain& chain, std::size_t tree) {
+    const Vector2d& u = rows.directions[tree];
+    Slot slot;
+    while (slot.before < chain.size() &&
+           u.dot(p_map[index(chain[slot.before])] - p_map[tree]) <= 0.0) {
+      ++slot.before;
+    }
+    // the line through the two elements around it, or through the two at that end
+    const std::size_t to = std::clamp<std::size_t>(slot.before, 1, chain.size() - 1);
+    const Vector2d &a = p_map[index(chain[to - 1])], &b = p_map[index(chain[to])];
+    const Vector2d along = (b - a).normalized(), d = p_map[tree] - a;
+    slot.beside_m = std::abs(along.x() * d.y() - along.y() * d.x());
+    return slot;
+  };
+  for (const std::size_t tree : rest) {
+    std::size_t best_chain = chains.size();
+    Slot best;
+    best.beside_m = 0.25 * rows.spacing_m;
+    for (const std::int32_t k : around.within(p_map[tree], 1.5 * rows.spacing_m)) {
+      const std::size_t c = chain_of[index(k)];
+      const Slot slot = slot_in(chains[c], tree);
+      if (slot.beside_m >= best.beside_m) continue;
+      best = slot;
+      best_chain = c;
+    }
+    if (best_chain == chains.size()) continue;
+    RowChain& chain = chains[best_chain];
+    chain.insert(chain.begin() + static_cast<std::ptrdiff_t>(best.before),
+                 static_cast<std::int32_t>(tree));
+  }
+}
+
+RowChain in_places(const std::vector<Vector2d>& p_map, const std::vector<double>& strengths,
+                   const RowChain& chain) {
+  std::vector<double> steps_m;  // between those of full strength, and where each begins
+  std::vector<std::size_t> step_of(chain.size(), 0);
+  std::int32_t last = -1;
+  for (std::size_t i = 0; i < chain.size(); ++i) {
+    if (strengths[index(chain[i])] >= 1.0) {
+      if (last >= 0) steps_m.push_back((p_map[index(chain[i])] - p_map[index(last)]).norm());
+      last = chain[i];
+    }
+    step_of[i] = steps_m.empty() ? 0 : steps_m.size() - 1;
+  }
+  if (steps_m.empty()) return chain;
+
+  std::vector<double> worth(chain.size(), 0.0);
+  std::vector<std::int32_t> before(chain.size(), -1);
+  std::size_t end = 0;
+  for (std::size_t i = 0; i < chain.size(); ++i) {
+    const double spacing_m = std::max(1e-3, local_spacing_m(steps_m, step_of[i]));
+    for (std::size_t j = i > kMostBetween ? i - kMostBetween - 1 : 0; j < i; ++j) {
+      const double step_m = (p_map[index(chain[i])] - p_map[index(chain[j])]).norm();
+      const double through_j = worth[j] - step_cost(step_m / spacing_m);
+      if (through_j <= worth[i]) continue;
+      worth[i] = through_j;
+      before[i] = static_cast<std::int32_t>(j);
+    }
+    worth[i] += kStrengthWorth * strengths[index(chain[i])];
+    if (worth[i] > worth[end]) end = i;
+  }
+  RowChain kept;
+  for (auto k = static_cast<std::int32_t>(end); k >= 0; k = before[index(k)]) {
+    kept.push_back(chain[index(k)]);
+  }
+  std::reverse(kept.begin(), kept.end());
+  return kept;
+}
+
+}  // namespace orchard::mapping

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "geometry/angles.hpp"
+#include "mapping/thicket.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -119,6 +120,7 @@ MapComparison compare_maps(const std::vector<Landmark>& a, const std::vector<Lan
   const double typical = typical_share(a, b, pairs);
   const WidthChanges widths = width_changes(a, b, pairs);
   const double sd_m = std::max(0.005, alignment.position_sd_m);
+  const std::vector<char> thicket_a = in_thickets(a), thicket_b = in_thickets(b);
 
   MapComparison comparison;
   comparison.width_change_common_m = widths.common_m;
@@ -147,7 +149,9 @@ MapComparison compare_maps(const std::vector<Landmark>& a, const std::vector<Lan
     const double as_before = normal_density(c.width_change_m, c.width_change_se_m);
     const double p_width = kShareChanged / kWidthRange_m /
                            (kShareChanged / kWidthRange_m + (1.0 - kShareChanged) * as_before);
-    if (c.moved_m >= config.moved_min_m && u >= config.sigmas_min) {
+    if (thicket_a[i] || thicket_b[j]) {
+      c.confidence = 0.5;
+    } else if (c.moved_m >= config.moved_min_m && u >= config.sigmas_min) {
       c.change = Change::kMoved;
       c.confidence = p_moved;
     } else if (a[i].label == Label::kTree && b[j].label == Label::kTree &&
@@ -177,13 +181,13 @@ MapComparison compare_maps(const std::vector<Landmark>& a, const std::vector<Lan
   std::vector<Vector2d> left_a, left_b;
   std::vector<std::size_t> index_a, index_b;
   for (std::size_t i = 0; i < a.size(); ++i) {
-    if (partner_of_a[i] < 0 && is_compared(a[i])) {
+    if (partner_of_a[i] < 0 && is_compared(a[i]) && !thicket_a[i]) {
       left_a.push_back(places_a[i]);
       index_a.push_back(i);
     }
   }
   for (std::size_t j = 0; j < b.size(); ++j) {
-    if (!has_partner_b[j] && is_compared(b[j])) {
+    if (!has_partner_b[j] && is_compared(b[j]) && !thicket_b[j]) {
       left_b.push_back(b_in_a[j]);
       index_b.push_back(j);
     }
@@ -206,7 +210,7 @@ MapComparison compare_maps(const std::vector<Landmark>& a, const std::vector<Lan
     MapChange c;
     c.a = static_cast<std::int32_t>(i);
     c.p_a = places_a[i];
-    if (b_in_a.nearest(places_a[i], same_m) >= 0) {
+    if (b_in_a.nearest(places_a[i], thicket_a[i] ? kThicket_m : same_m) >= 0) {
       c.confidence = 0.5;
       comparison.changes.push_back(c);
       continue;
@@ -223,7 +227,7 @@ MapComparison compare_maps(const std::vector<Landmark>& a, const std::vector<Lan
     MapChange c;
     c.b = static_cast<std::int32_t>(j);
     c.p_a = b_in_a[j];
-    if (places_a.nearest(b_in_a[j], same_m) >= 0) {
+    if (places_a.nearest(b_in_a[j], thicket_b[j] ? kThicket_m : same_m) >= 0) {
       c.confidence = 0.5;
       comparison.changes.push_back(c);
       continue;

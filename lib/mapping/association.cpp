@@ -9,7 +9,7 @@ namespace orchard::mapping {
 namespace {
 
 constexpr int kEstablished = 3;            ///< observations from which a landmark leads a scan
-constexpr int kWellKnown = 10;             ///< and from which it takes what strays
+constexpr int kWellKnown = 30;             ///< and from which it takes what strays
 constexpr double kWidthRelativeSd = 0.15;  ///< of one thing seen from different sides
 
 /// Difference of the widths in standard deviations.

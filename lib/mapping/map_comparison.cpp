@@ -29,6 +29,17 @@ std::vector<Vector2d> places_of(const std::vector<Landmark>& landmarks) {
   return places;
 }
 
+/// All that stands alone and is no object: what tells the trees' spacing.
+std::vector<Vector2d> lone_trees(const std::vector<Landmark>& landmarks,
+                                 const std::vector<char>& in_thicket) {
+  std::vector<Vector2d> places;
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    const Landmark& l = landmarks[i];
+    if (l.label != Label::kObject && !in_thicket[i]) places.push_back({l.x_m, l.y_m});
+  }
+  return places.size() < 2 ? places_of(landmarks) : places;
+}
+
 /// How sure one may be that a thing stands there at all, from how often it was seen.
 double reality(const Landmark& l) { return 1.0 - std::exp(-0.5 * l.num_observations); }
 
@@ -113,14 +124,14 @@ MapComparison compare_maps(const std::vector<Landmark>& a, const std::vector<Lan
                            const MapAlignment& alignment, const ComparisonConfig& config) {
   const IndexedPoints places_a(places_of(a)), places_b(places_of(b));
   const IndexedPoints b_in_a(straightened(places_a, places_b, alignment));
-  const double spacing_m = typical_spacing_m(places_a);
+  const std::vector<char> thicket_a = in_thickets(a), thicket_b = in_thickets(b);
+  const double spacing_m = typical_spacing_m(IndexedPoints(lone_trees(a, thicket_a)));
   const double gate_m = std::clamp(0.35 * spacing_m, 0.1, 0.5);
   const std::vector<LandmarkPair> pairs =
       pair_landmarks(places_a, b_in_a, RigidTransform{}, gate_m);
   const double typical = typical_share(a, b, pairs);
   const WidthChanges widths = width_changes(a, b, pairs);
   const double sd_m = std::max(0.005, alignment.position_sd_m);
-  const std::vector<char> thicket_a = in_thickets(a), thicket_b = in_thickets(b);
 
   MapComparison comparison;
   comparison.width_change_common_m = widths.common_m;

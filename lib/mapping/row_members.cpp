@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "mapping/landmark_pairing.hpp"
 #include "mapping/row_places.hpp"
@@ -16,11 +17,16 @@ using Eigen::Vector2d;
 /// Trees nearer than this stand in one place.
 constexpr double kOnePlace_spacings = 0.3;
 /// What leaving out a tree of full strength costs, in squared standard deviations of a step.
-constexpr double kStrengthWorth = 8.0;
+constexpr double kStrengthWorth = 4.0;
 /// Standard deviation of a step about the spacing.
 constexpr double kStep_spacings = 0.2;
 /// So many of a chain may stand between two of its places.
 constexpr std::size_t kMostBetween = 12;
+
+/// How near a chain's end and another's beginning are that may be one row, and how far beside.
+constexpr double kMend_spacings = 3.0;
+constexpr double kMendBeside_spacings = 0.25;
+constexpr std::size_t kFew = 5;
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
@@ -29,6 +35,27 @@ double step_cost(double spacings) {
   const double whole = std::max(1.0, std::round(spacings));
   const double off = (spacings - whole) / kStep_spacings;
   return off * off / whole;
+}
+
+/// The direction of the row where chain a ends and b begins, and how far beside each other they lie
+/// there: the last few of the one and the first few of the other, so that no single one tells.
+std::pair<Vector2d, double> across(const std::vector<Vector2d>& p_map, const RowDirections& rows,
+                                   const RowChain& a, const RowChain& b) {
+  const RowChain last(a.end() - static_cast<std::ptrdiff_t>(std::min(kFew, a.size())), a.end());
+  const RowChain first(b.begin(),
+                       b.begin() + static_cast<std::ptrdiff_t>(std::min(kFew, b.size())));
+  Vector2d u(0.0, 0.0);
+  for (const std::int32_t i : last) u += rows.directions[index(i)];
+  for (const std::int32_t i : first) u += rows.directions[index(i)];
+  u.normalize();
+  const auto beside_m = [&](const RowChain& few) {
+    std::vector<double> all_m;
+    for (const std::int32_t i : few) {
+      all_m.push_back(u.x() * p_map[index(i)].y() - u.y() * p_map[index(i)].x());
+    }
+    return median_of(std::move(all_m));
+  };
+  return {u, std::abs(beside_m(last) - beside_m(first))};
 }
 
 /// Where a tree would join a chain: before that of its elements, and how far beside it.
@@ -117,25 +144,57 @@ void join_chains(const std::vector<Vector2d>& p_map, const RowDirections& rows,
   }
 }
 
+void mend_chains(const std::vector<Vector2d>& p_map, const RowDirections& rows,
+                 std::vector<RowChain>& chains) {
+  std::vector<Vector2d> starts;
+  std::vector<std::size_t> chain_of;
+  for (std::size_t c = 0; c < chains.size(); ++c) {
+    if (chains[c].size() < 2) continue;
+    starts.push_back(p_map[index(chains[c].front())]);
+    chain_of.push_back(c);
+  }
+  const IndexedPoints around(std::move(starts));
+  for (std::size_t a = 0; a < chains.size(); ++a) {
+    for (bool grown = chains[a].size() >= 2; grown;) {
+      grown = false;
+      const Vector2d& end = p_map[index(chains[a].back())];
+      for (const std::int32_t k : around.within(end, kMend_spacings * rows.spacing_m)) {
+        const std::size_t b = chain_of[index(k)];
+        if (b == a || chains[b].empty()) continue;
+        const auto [u, beside_m] = across(p_map, rows, chains[a], chains[b]);
+        if (beside_m > kMendBeside_spacings * rows.spacing_m) continue;
+        chains[a].insert(chains[a].end(), chains[b].begin(), chains[b].end());
+        chains[b].clear();
+        const Vector2d along = u;
+        std::stable_sort(chains[a].begin(), chains[a].end(), [&](std::int32_t i, std::int32_t j) {
+          return along.dot(p_map[index(i)]) < along.dot(p_map[index(j)]);
+        });
+        grown = true;
+        break;
+      }
+    }
+  }
+  chains.erase(std::remove_if(chains.begin(), chains.end(),
+                              [](const RowChain& chain) { return chain.empty(); }),
+               chains.end());
+}
+
 RowChain in_places(const std::vector<Vector2d>& p_map, const std::vector<double>& strengths,
                    const RowChain& chain) {
-  std::vector<double> steps_m;  // between those of full strength, and where each begins
-  std::vector<std::size_t> step_of(chain.size(), 0);
+  std::vector<double> steps_m;  // between those of full strength
   std::int32_t last = -1;
-  for (std::size_t i = 0; i < chain.size(); ++i) {
-    if (strengths[index(chain[i])] >= 1.0) {
-      if (last >= 0) steps_m.push_back((p_map[index(chain[i])] - p_map[index(last)]).norm());
-      last = chain[i];
-    }
-    step_of[i] = steps_m.empty() ? 0 : steps_m.size() - 1;
+  for (const std::int32_t i : chain) {
+    if (strengths[index(i)] < 1.0) continue;
+    if (last >= 0) steps_m.push_back((p_map[index(i)] - p_map[index(last)]).norm());
+    last = i;
   }
   if (steps_m.empty()) return chain;
+  const double spacing_m = std::max(1e-3, single_step_m(steps_m));
 
   std::vector<double> worth(chain.size(), 0.0);
   std::vector<std::int32_t> before(chain.size(), -1);
   std::size_t end = 0;
   for (std::size_t i = 0; i < chain.size(); ++i) {
-    const double spacing_m = std::max(1e-3, local_spacing_m(steps_m, step_of[i]));
     for (std::size_t j = i > kMostBetween ? i - kMostBetween - 1 : 0; j < i; ++j) {
       const double step_m = (p_map[index(chain[i])] - p_map[index(chain[j])]).norm();
       const double through_j = worth[j] - step_cost(step_m / spacing_m);
@@ -143,7 +202,8 @@ RowChain in_places(const std::vector<Vector2d>& p_map, const std::vector<double>
       worth[i] = through_j;
       before[i] = static_cast<std::int32_t>(j);
     }
-    worth[i] += kStrengthWorth * strengths[index(chain[i])];
+    // a weak one must stand just where a tree should
+    worth[i] += kStrengthWorth * std::pow(strengths[index(chain[i])], 3);
     if (worth[i] > worth[end]) end = i;
   }
   RowChain kept;

@@ -30,9 +30,14 @@ RowMakers row_makers(const std::vector<Eigen::Vector2d>& p_map,
 void join_chains(const std::vector<Eigen::Vector2d>& p_map, const RowDirections& rows,
                  const std::vector<std::size_t>& rest, std::vector<RowChain>& chains);
 
+/// Makes one chain of two where one ends beside the beginning of the other, in its line: what broke
+/// the row there stands between its places. Their trees in order along the row.
+void mend_chains(const std::vector<Eigen::Vector2d>& p_map, const RowDirections& rows,
+                 std::vector<RowChain>& chains);
+
 /// Those of a chain that stand in its places, whole spacings apart: what stands between two places
-/// is a post or a bush. The set that has most strength for least deviation from the local spacing
-/// of those of full strength.
+/// is a post or a bush. The set that has most strength for least deviation from the spacing of
+/// those of full strength.
 RowChain in_places(const std::vector<Eigen::Vector2d>& p_map, const std::vector<double>& strengths,
                    const RowChain& chain);
 

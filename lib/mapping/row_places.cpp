@@ -23,6 +23,14 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
+/// Spacing about step k.
+double local_spacing_m(const std::vector<double>& steps_m, std::size_t k) {
+  const std::size_t first = k > kSpacingWindow ? k - kSpacingWindow : 0;
+  const std::size_t last = std::min(steps_m.size(), k + kSpacingWindow + 1);
+  return single_step_m({steps_m.begin() + static_cast<std::ptrdiff_t>(first),
+                        steps_m.begin() + static_cast<std::ptrdiff_t>(last)});
+}
+
 std::vector<int> places_within(const std::vector<Vector2d>& p_map, const RowChain& chain) {
   std::vector<double> steps_m;
   for (std::size_t i = 1; i < chain.size(); ++i) {
@@ -135,15 +143,11 @@ int num_empty_before(const std::vector<double>& starts, int r) {
 
 // Gaps only make steps longer, so a step from the lower third is single as long as no two thirds of
 // the places are empty.
-double local_spacing_m(const std::vector<double>& steps_m, std::size_t k) {
-  const std::size_t first = k > kSpacingWindow ? k - kSpacingWindow : 0;
-  const std::size_t last = std::min(steps_m.size(), k + kSpacingWindow + 1);
-  std::vector<double> around(steps_m.begin() + static_cast<std::ptrdiff_t>(first),
-                             steps_m.begin() + static_cast<std::ptrdiff_t>(last));
-  std::sort(around.begin(), around.end());
-  const double typical_m = around[around.size() * 3 / 10];
+double single_step_m(std::vector<double> steps_m) {
+  std::sort(steps_m.begin(), steps_m.end());
+  const double typical_m = steps_m[steps_m.size() * 3 / 10];
   std::vector<double> single;
-  for (const double step_m : around) {
+  for (const double step_m : steps_m) {
     if (step_m < 1.45 * typical_m) single.push_back(step_m);
   }
   return median(single);

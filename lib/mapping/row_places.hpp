@@ -11,9 +11,9 @@ namespace orchard::mapping {
 std::vector<std::vector<int>> positions_of(const std::vector<Eigen::Vector2d>& p_map,
                                            const std::vector<RowChain>& chains);
 
-/// Distance of neighbouring places about step k of a chain's steps: the median of the single steps
-/// around it.
-double local_spacing_m(const std::vector<double>& steps_m, std::size_t k);
+/// Distance of neighbouring places, of the steps between trees that follow each other: the median
+/// of the single ones. At least one step.
+double single_step_m(std::vector<double> steps_m);
 
 /// Median distance between neighbouring places of a chain [m].
 double place_spacing_m(const std::vector<Eigen::Vector2d>& p_map, const RowChain& chain,

@@ -96,6 +96,7 @@ std::vector<Row> find_rows(const std::vector<Landmark>& landmarks, const RowsCon
     for (Vector2d& u : lines.rows.directions) u = -u;
   }
   lines.chains = row_chains(lines.p_map, lines.rows, config.gap_max_spacings);
+  mend_chains(lines.p_map, lines.rows, lines.chains);
   const IndexedPoints makers(lines.p_map);
   std::vector<std::size_t> rest;
   for (const std::size_t i : chosen.rest) {

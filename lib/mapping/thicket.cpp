@@ -8,6 +8,7 @@ namespace {
 
 constexpr double kStake_m = 0.045;  ///< thinner things stand beside trees as they please
 constexpr int kFewestOthers = 2;
+constexpr double kNear_m = 0.5;
 
 }  // namespace
 
@@ -20,7 +21,7 @@ std::vector<char> in_thickets(const std::vector<Landmark>& landmarks) {
   std::vector<char> result;
   for (const Landmark& l : landmarks) {
     const int itself = l.width_m > kStake_m ? 1 : 0;
-    const std::size_t num = things.within({l.x_m, l.y_m}, kThicket_m).size();
+    const std::size_t num = things.within({l.x_m, l.y_m}, kNear_m).size();
     result.push_back(static_cast<int>(num) - itself >= kFewestOthers ? 1 : 0);
   }
   return result;

@@ -7,11 +7,11 @@
 
 namespace orchard::mapping {
 
-/// How far the parts of one bush or heap stand from each other at most, as far as it matters [m].
-inline constexpr double kThicket_m = 0.5;
+/// How far the parts of one bush or heap stand from each other at most [m].
+inline constexpr double kThicket_m = 0.8;
 
 /// Which landmarks stand so close together that they are parts of one thing, or might be taken for
-/// each other: two others within kThicket_m, stakes and stalks not counted. Each look at a
+/// each other: two others within half a metre, stakes and stalks not counted. Each look at a
 /// bush shows other parts of it, so what such a landmark is, and where, says little.
 std::vector<char> in_thickets(const std::vector<Landmark>& landmarks);
 

@@ -144,6 +144,43 @@ TEST(MapComparison, OneThingThatIsTwoLandmarksIsNoChange) {
   EXPECT_EQ(comparison.count(Change::kMissing) + comparison.count(Change::kGrown), 0);
 }
 
+TEST(MapComparison, ABushIsNotTheTreesThatItsPartsPassFor) {
+  Dice dice(41);
+  Block block = plant_block(dice, 6, 15);
+  Drive drive;
+  drive.last_alley = 6;
+  drive.along_max_m = 31.0;
+  DrivenMap a = drive_through(block, drive, dice);
+  DrivenMap b = drive_through(block, drive, dice);
+  // halfway between trees; each drive sees parts of its own, one or two of them thick as a trunk
+  const auto add_bush = [&](DrivenMap& map, const Vector2d& p, int id) {
+    for (int part = 0; part < 5; ++part) {
+      Landmark l = map.landmarks[10];
+      l.id = id + part;
+      l.x_m = p.x() + dice.uniform(-0.3, 0.3);
+      l.y_m = p.y() + dice.uniform(-0.3, 0.3);
+      l.width_m = part < 2 ? dice.uniform(0.09, 0.15) : dice.uniform(0.06, 0.5);
+      l.label = part < 2 ? detection::Label::kTree : detection::Label::kObject;
+      map.landmarks.push_back(l);
+      map.tree_of.push_back(-1);
+    }
+  };
+  for (int bush = 0; bush < 8; ++bush) {
+    const Vector2d p(3.0 + 4.0 * (bush % 4), 4.0 * (bush / 4 + 1));
+    add_bush(a, p, 1000 + 10 * bush);
+    add_bush(b, p, 2000 + 10 * bush);
+  }
+  add_bush(b, {25.0, 12.0}, 3000);  // and one is truly new
+  const MapComparison comparison = compare(a, b);
+  int num_false = 0, num_of_new = 0;
+  for (const MapChange& c : comparison.changes) {
+    if (c.change == Change::kUnchanged || c.change == Change::kNotSeen) continue;
+    ((c.p_a - Vector2d(25.0, 12.0)).norm() < 0.6 ? num_of_new : num_false)++;
+  }
+  EXPECT_EQ(num_false, 0);
+  EXPECT_EQ(num_of_new, 2) << "its parts that pass for trees";
+}
+
 TEST(DriveView, HiddenAndFarPlacesAreNotLookedAt) {
   std::vector<Landmark> landmarks;
   std::vector<pose::PoseEstimate> path;

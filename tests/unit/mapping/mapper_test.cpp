@@ -124,6 +124,21 @@ TEST(Mapper, MergesWhatTurnsOutToBeOne) {
   EXPECT_THROW(mapper.landmark(2), std::out_of_range);
 }
 
+TEST(Mapper, AStraySightOfAKnownTreeIsNoSecondTree) {
+  Mapper mapper({});
+  for (int k = 0; k < 32; ++k) {
+    mapper.update(scan_of({seen_at(2.0 + 0.01 * (k % 3 - 1), 0.0)}), {});
+  }
+  mapper.update(scan_of({seen_at(2.2, 0.0)}), {});  // half hidden, say: six standard deviations off
+  ASSERT_EQ(mapper.num_landmarks(), 1u);
+  EXPECT_EQ(mapper.landmark(1).num_observations, 33);
+  EXPECT_NEAR(mapper.landmark(1).x_m, 2.0, 0.02);
+  mapper.update(scan_of({seen_at(2.2, 0.0, Label::kTree, 0.03)}), {});  // a stake
+  EXPECT_EQ(mapper.num_landmarks(), 2u);
+  mapper.update(scan_of({seen_at(2.0, 0.0), seen_at(2.0, 0.2)}), {});  // a twin, seen beside it
+  EXPECT_EQ(mapper.num_landmarks(), 3u);
+}
+
 TEST(Mapper, AnImperfectHeadingDoublesNoTree) {
   // rows 4 m apart with a tree every 3 m; heading off by 0.05 rad (1 sigma)
   std::mt19937_64 bits(7);

@@ -278,6 +278,61 @@ TEST(Rows, AHedgeAcrossTheirEndsChangesNoNumber) {
   EXPECT_LE(num_numbered, plan.num_rows);
 }
 
+/// Gives trees and posts the confidences of a rig without a camera: posts pass for trees.
+void take_posts_for_trees(Planted& block) {
+  for (Landmark& l : block.landmarks) {
+    l.probability = 1.0;
+    l.roc_mean = l.label == Label::kTree ? 0.8 : 0.25;
+    l.label = Label::kTree;
+  }
+}
+
+TEST(Rows, PostsThatPassForTreesMoveNoNumber) {
+  for (std::uint64_t seed = 501; seed <= 540; ++seed) {
+    std::mt19937_64 random(seed);
+    Planted block = plant(random_plan(random), random);
+    take_posts_for_trees(block);
+    EXPECT_EQ(num_wrong(block, counted_along(block)), 0) << "seed " << seed;
+  }
+}
+
+TEST(Rows, PartsOfBushesNeitherBreakNorShiftRows) {
+  int num_wrong = 0, num_trees = 0;
+  for (std::uint64_t seed = 601; seed <= 620; ++seed) {
+    std::mt19937_64 random(seed);
+    const auto uniform = [&](double a, double b) {
+      return a + (b - a) * static_cast<double>(random() >> 11) * 0x1p-53;
+    };
+    Plan plan;
+    plan.heading_rad = 0.0;
+    plan.unequal = 0.05;
+    Planted block = plant(plan, random);
+    take_posts_for_trees(block);
+    // bushes as each of their sides shows them: some parts thick as trunks, in a row, off the trees
+    int id = 9000;
+    for (int bush = 0; bush < 5; ++bush) {
+      const double x_m = -24.0 + 2.0 * static_cast<double>(random() % 24) + uniform(0.8, 1.2);
+      const double y_m = 14.0 - 4.0 * static_cast<double>(random() % 8) + uniform(-0.2, 0.2);
+      for (int part = 0; part < 4; ++part) {
+        Landmark l;
+        l.id = ++id;
+        l.label = Label::kTree;
+        l.x_m = x_m + uniform(-0.3, 0.3);
+        l.y_m = y_m + uniform(-0.3, 0.3);
+        l.probability = 1.0;
+        l.roc_mean = part == 0 ? 0.55 : uniform(0.2, 0.35);
+        block.landmarks.push_back(l);
+      }
+    }
+    const RowsConfig config = counted_along(block);
+    EXPECT_EQ(find_rows(block.landmarks, config).size(), 8u) << "seed " << seed;
+    const auto numbers = numbered(block.landmarks, config);
+    for (const auto& [tree, planted] : block.numbers) num_wrong += numbers.at(tree) != planted;
+    num_trees += static_cast<int>(block.numbers.size());
+  }
+  EXPECT_LE(num_wrong, num_trees / 100) << "of " << num_trees;
+}
+
 TEST(Rows, FindsNoneInTooLittle) {
   EXPECT_TRUE(find_rows({}, {}).empty());
   std::vector<Landmark> two(2);

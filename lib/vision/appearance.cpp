@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vision/appearance.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
+#include <opencv2/core.hpp>
 #include <stdexcept>
 
+#include "vision/area_grid.hpp"
 #include "vision/block_view.hpp"
 
 namespace orchard::vision {
@@ -23,13 +25,7 @@ constexpr double kSpreadFloor = 0.02;
 enum Part { kLeft = 0, kWindow = 1, kRight = 2 };
 
 /// One quantity over the grid, left band, window and right band side by side.
-struct Plane {
-  std::array<std::array<float, kAllCols>, kRows> at{};
-
-  float operator()(int row, int col) const {
-    return at[static_cast<std::size_t>(row)][static_cast<std::size_t>(col)];
-  }
-};
+using Plane = Eigen::Array<float, kRows, kAllCols, Eigen::RowMajor>;
 
 struct Planes {
   Plane brightness, red, blue;
@@ -89,9 +85,7 @@ PixelRect band(const PixelRect& window, Part part) {
 
 /// The part of the grid that a rectangle of the block fills.
 cv::Mat grid_of(const PixelBlock& pixels, const PixelRect& rect) {
-  cv::Mat grid;
-  cv::resize(view_of(pixels, rect), grid, {kCols, kRows}, 0, 0, cv::INTER_AREA);
-  return grid;
+  return area_grid(view_of(pixels, rect), kRows, kCols);
 }
 
 /// A band that mostly lies beyond the block is the other one seen in a mirror, or, where neither
@@ -144,21 +138,21 @@ Planes planes_of(const std::array<cv::Mat, 3>& grids) {
     gains[c] = static_cast<float>(kRows * kAllCols / std::max(sums[c], 1.0));
   }
   Planes planes;
-  constexpr auto kEps = static_cast<float>(kFloor);
   std::array<Logarithms, 3> logs{Logarithms(gains[0]), Logarithms(gains[1]), Logarithms(gains[2])};
-  for (std::size_t row = 0; row < kRows; ++row) {
-    for (std::size_t part = 0; part < 3; ++part) {
-      const auto* pixel = grids[part].ptr<std::uint8_t>(static_cast<int>(row));
-      for (std::size_t col = part * kCols; col < (part + 1) * kCols; ++col, pixel += 3) {
+  for (int row = 0; row < kRows; ++row) {
+    for (int part = 0; part < 3; ++part) {
+      const auto* pixel = grids[static_cast<std::size_t>(part)].ptr<std::uint8_t>(row);
+      for (int col = part * kCols; col < (part + 1) * kCols; ++col, pixel += 3) {
         const float blue = gains[0] * pixel[0], green = gains[1] * pixel[1];
         const float red = gains[2] * pixel[2];
         const float log_green = logs[1](pixel[1]);
-        planes.brightness.at[row][col] = std::log((blue + green + red) / 3.0f + kEps);
-        planes.red.at[row][col] = logs[2](pixel[2]) - log_green;
-        planes.blue.at[row][col] = logs[0](pixel[0]) - log_green;
+        planes.brightness(row, col) = (blue + green + red) / 3.0f;
+        planes.red(row, col) = logs[2](pixel[2]) - log_green;
+        planes.blue(row, col) = logs[0](pixel[0]) - log_green;
       }
     }
   }
+  planes.brightness = (planes.brightness + static_cast<float>(kFloor)).log();
   return planes;
 }
 
@@ -172,44 +166,21 @@ struct PartStatistics {
   double along = 0.0;       ///< and in a column
 };
 
-using Profile = std::array<double, kAllCols>;
-
-Profile column_means(const Plane& plane) {
-  Profile profile{};
-  for (int row = 0; row < kRows; ++row) {
-    for (int col = 0; col < kAllCols; ++col) {
-      profile[static_cast<std::size_t>(col)] += plane(row, col) / kRows;
-    }
-  }
-  return profile;
-}
+using Profile = Eigen::Array<float, 1, kAllCols>;
 
 PartStatistics statistics_of(const Plane& plane, const Profile& profile, Part part) {
   PartStatistics s;
-  const int first = part * kCols, last = first + kCols;
-  for (int col = first; col < last; ++col) s.mean += profile[static_cast<std::size_t>(col)] / kCols;
-  double columns = 0.0, squares = 0.0, rows = 0.0;
-  for (int col = first; col < last; ++col) {
-    const double d = profile[static_cast<std::size_t>(col)] - s.mean;
-    columns += d * d / kCols;
-  }
-  for (int row = 0; row < kRows; ++row) {
-    double row_sum = 0.0;
-    for (int col = first; col < last; ++col) {
-      const double d = plane(row, col) - s.mean;
-      row_sum += d;
-      squares += d * d;
-      if (col + 1 < last) s.across += std::abs(plane(row, col + 1) - plane(row, col));
-      if (row + 1 < kRows) s.along += std::abs(plane(row + 1, col) - plane(row, col));
-    }
-    rows += row_sum * row_sum / (kCols * kCols * kRows);
-  }
-  const double variance = squares / (kCols * kRows);
+  const auto values = plane.middleCols<kCols>(part * kCols);
+  const float mean = profile.segment<kCols>(part * kCols).mean();
+  const Eigen::Array<float, kRows, kCols, Eigen::RowMajor> off = values - mean;
+  const double variance = off.square().mean();
+  s.mean = mean;
   s.sd = std::sqrt(variance);
-  s.in_columns = columns / (variance + kSpreadFloor * kSpreadFloor);
-  s.rows_sd = std::sqrt(rows);
-  s.across /= kRows * (kCols - 1);
-  s.along /= (kRows - 1) * kCols;
+  s.in_columns = (profile.segment<kCols>(part * kCols) - mean).square().mean() /
+                 (variance + kSpreadFloor * kSpreadFloor);
+  s.rows_sd = std::sqrt(off.rowwise().mean().square().mean());
+  s.across = (values.rightCols<kCols - 1>() - values.leftCols<kCols - 1>()).abs().mean();
+  s.along = (values.bottomRows<kRows - 1>() - values.topRows<kRows - 1>()).abs().mean();
   return s;
 }
 
@@ -221,8 +192,7 @@ struct Step {
 };
 
 double step_at(const Profile& profile, int col) {
-  const auto at = [&profile](int i) { return profile[static_cast<std::size_t>(i)]; };
-  return 0.5 * (at(col) + at(col + 1) - at(col - 1) - at(col - 2));
+  return 0.5 * (profile(col) + profile(col + 1) - profile(col - 1) - profile(col - 2));
 }
 
 Step step_about(int side, const Planes& planes, const std::array<Profile, 3>& profiles) {
@@ -286,7 +256,7 @@ AppearanceFeatures appearance_features(const PixelBlock& pixels, const PixelRect
   std::array<Profile, 3> profiles;
   std::array<std::array<PartStatistics, 3>, 3> s;  // of quantity, of part
   for (std::size_t q = 0; q < 3; ++q) {
-    profiles[q] = column_means(*quantities[q]);
+    profiles[q] = quantities[q]->colwise().mean();
     for (const Part part : {kLeft, kWindow, kRight}) {
       s[q][part] = statistics_of(*quantities[q], profiles[q], part);
     }
@@ -325,9 +295,7 @@ AppearanceFeatures appearance_features(const PixelBlock& pixels, const PixelRect
   f[n++] = std::min(left.agreement, right.agreement);
   f[n++] = std::max(left.agreement, right.agreement);
   const auto mean_of = [&profiles](int first, int last) {
-    double sum = 0.0;
-    for (int col = first; col < last; ++col) sum += profiles[0][static_cast<std::size_t>(col)];
-    return sum / (last - first);
+    return static_cast<double>(profiles[0].segment(first, last - first).mean());
   };
   f[n++] = mean_of(kCols + 2, kCols + 6) -
            0.5 * (mean_of(kCols, kCols + 2) + mean_of(kCols + 6, kCols + 8));

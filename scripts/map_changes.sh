@@ -4,30 +4,35 @@
 # percent of its trees were replaced, and twice unchanged, compares, and scores against the truth.
 # The later drive scans at another rate, so that its noise is its own.
 #
-# usage: scripts/map_changes.sh [FIRST_SEED [LAST_SEED]]     (default 1 1)
+# usage: [MODE=slam] scripts/map_changes.sh [FIRST_SEED [LAST_SEED]]     (default 1 1)
+#   MODE=fixes  places the robot by POSE_FIX (default); slam: by wheels and trunks, each map in a
+#               frame of its own
 set -euo pipefail
 cd "$(dirname "$0")/.."
-orchard=$PWD/build/bin/orchard
+orchard=${BUILD:-$PWD/build}/bin/orchard
+mode=${MODE:-fixes}
 first=${1:-1}
 last=${2:-$first}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-sed -e 's/mode: odometry .*/mode: fixes/' -e 's/laps: 3/laps: 1/' \
-    -e 's/fix_rate_hz: 0/fix_rate_hz: 10/' config/block.yaml >"$work/before.yaml"
+sed -e "s/mode: slam/mode: $mode/" -e 's/laps: 3/laps: 1/' -e 's/fix_rate_hz: 0/fix_rate_hz: 10/' \
+  config/block.yaml >"$work/before.yaml"
+grep -q "mode: $mode" "$work/before.yaml" || { echo "config/block.yaml has another pose.mode"; exit 1; }
 sed 's/^\( *\)range_max_m: 20.0$/&\n\1rate_hz: 9.0/' "$work/before.yaml" >"$work/same.yaml"
 { cat "$work/same.yaml"; printf '  change:\n    fraction: 0.05\n'; } >"$work/changed.yaml"
 
 for seed in $(seq "$first" "$last"); do
   for drive in before same changed; do
     "$orchard" simulate --scene orchard --seed "$seed" --out "$work/$drive.lcm" \
-      --truth "$work/$drive.csv" --config "$work/$drive.yaml" >/dev/null
+      --truth "$work/$drive.csv" --poses "$work/$drive.poses.csv" --config "$work/$drive.yaml" >/dev/null
     "$orchard" map "$work/$drive.lcm" --config "$work/$drive.yaml" --out "$work/$drive" --quiet
     rm "$work/$drive.lcm"
   done
   for later in changed same; do
     "$orchard" compare "$work/before" "$work/$later" --out "$work/compared" >/dev/null
     echo -n "seed $seed, $later: "
-    awk -f scripts/map_changes.awk "$work/before.csv" "$work/$later.csv" "$work/compared/compare.csv"
+    awk -f scripts/map_changes.awk "$work/before.poses.csv" "$work/before/trajectory.csv" \
+      "$work/before.csv" "$work/$later.csv" "$work/compared/compare.csv"
   done
 done

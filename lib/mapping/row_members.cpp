@@ -70,7 +70,7 @@ std::vector<double> row_strengths(const std::vector<const Landmark*>& trees) {
   std::vector<double> strengths;
   for (const Landmark* tree : trees) strengths.push_back(tree->probability * tree->roc_mean);
   const double half = strengths.empty() ? 0.0 : 0.5 * median_of(strengths);
-  for (double& s : strengths) s = s < half ? s / half : 1.0;
+  for (double& s : strengths) s = half > 0.0 ? s / half : 1.0;
   return strengths;
 }
 
@@ -203,7 +203,7 @@ RowChain in_places(const std::vector<Vector2d>& p_map, const std::vector<double>
       before[i] = static_cast<std::int32_t>(j);
     }
     // a weak one must stand just where a tree should
-    worth[i] += kStrengthWorth * std::pow(strengths[index(chain[i])], 3);
+    worth[i] += kStrengthWorth * std::pow(std::min(1.0, strengths[index(chain[i])]), 3);
     if (worth[i] > worth[end]) end = i;
   }
   RowChain kept;

@@ -9,9 +9,9 @@
 
 namespace orchard::mapping {
 
-/// How much each tree has to say about where rows are, in [0, 1]: 1 from half of the usual
-/// confidence on (probability times roc_mean, against the map's median), less below. Posts and
-/// parts of bushes that pass for trees have little.
+/// How much each tree has to say about where rows are: its confidence (probability times roc_mean)
+/// over half of the map's median. From 1 on that is full strength; posts and parts of bushes that
+/// pass for trees have less.
 std::vector<double> row_strengths(const std::vector<const Landmark*>& trees);
 
 /// The trees that may begin and join rows: those of full strength that stand alone in their place.

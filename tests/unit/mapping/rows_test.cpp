@@ -333,6 +333,25 @@ TEST(Rows, PartsOfBushesNeitherBreakNorShiftRows) {
   EXPECT_LE(num_wrong, num_trees / 100) << "of " << num_trees;
 }
 
+TEST(Rows, OfTwoInOnePlaceTheSurerOneIsTheTree) {
+  Plan plan;
+  plan.heading_rad = 0.0;
+  plan.missing = 0.0;
+  std::mt19937_64 random(7);
+  Planted block = plant(plan, random);
+  take_posts_for_trees(block);
+  const int num_things = static_cast<int>(block.landmarks.size());
+  for (int i = 0; i < num_things; i += 9) {  // beside a tree, towards either side
+    Landmark l = block.landmarks[static_cast<std::size_t>(i)];
+    if (block.numbers.count(l.id) == 0) continue;
+    l.id += 5000;
+    l.x_m += i % 2 == 0 ? 0.35 : -0.35;
+    l.roc_mean = 0.45;
+    block.landmarks.push_back(l);
+  }
+  EXPECT_EQ(num_wrong(block, counted_along(block)), 0);
+}
+
 TEST(Rows, FindsNoneInTooLittle) {
   EXPECT_TRUE(find_rows({}, {}).empty());
   std::vector<Landmark> two(2);

@@ -14,6 +14,9 @@ constexpr double kSameThing_m = 0.4;
 constexpr std::int64_t kLostAfter_us = 600'000;
 /// The newest looks at a thing weigh at least this much, so that changing light shows.
 constexpr double kNewestWeight = 0.1;
+/// Of one thing no more looks count: something seen once or twice, a part of a bush, says little,
+/// and what stands there for long says no more than a trunk that is driven past.
+constexpr int kMostLooks = 10;
 /// A model is good while this part of the good share is confirmed.
 constexpr double kStillGood = 0.9;
 constexpr double kGoodShareGain = 0.1;
@@ -155,7 +158,7 @@ void Adaptation::find_reference() {
 Adaptation::Evidence Adaptation::gather() const {
   Evidence evidence;
   const auto enough = static_cast<std::size_t>(config_.window_trees);
-  int num_confirmed = 0;
+  int num_judged = 0, num_confirmed = 0;
   for (auto thing = things_.rbegin(); thing != things_.rend(); ++thing) {
     if (thing->width_m.num_looks > 0 && evidence.widths_m.size() < enough) {
       evidence.widths_m.push_back(thing->width_m.value);
@@ -170,10 +173,12 @@ Adaptation::Evidence Adaptation::gather() const {
     if (2 * thing->num_by_laser < thing->num_looks) continue;
     if (evidence.num_by_laser >= config_.window_trees) continue;
     ++evidence.num_by_laser;
-    if (2 * thing->num_confirmed >= thing->num_by_laser) ++num_confirmed;
+    const int num_looks = std::min(thing->num_by_laser, kMostLooks);
+    num_judged += num_looks;
+    if (2 * thing->num_confirmed >= thing->num_by_laser) num_confirmed += num_looks;
   }
   if (evidence.num_by_laser > 0) {
-    evidence.confident_share = static_cast<double>(num_confirmed) / evidence.num_by_laser;
+    evidence.confident_share = static_cast<double>(num_confirmed) / num_judged;
   }
   return evidence;
 }

@@ -24,7 +24,7 @@ constexpr double kClearProminence = 8.0;
 /// Neighbours on one surface differ by more than this many sigmas in 1 of 10^5.
 constexpr double kStepSigmas = 4.5;
 /// Trees with two stems are narrower, and a scan shows no more beams of them from where it matters.
-constexpr double kWidestTwins_m = 0.6;
+constexpr double kWidestTwins_m = 0.4;
 constexpr int kMostBeamsTried = 40;
 /// Wider things are no pair of trunks, one behind the other.
 constexpr double kWidestPair_m = 1.0;

@@ -157,6 +157,29 @@ TEST(Adaptation, ARowOfPostsDoesNotDragTheModelAway) {
   }
 }
 
+// Twice as many as the trunks, but each for two scans only: no model has collapsed.
+TEST(Adaptation, WhatIsSeenBrieflySaysLittle) {
+  Adaptation adaptation(referenced(), kWidth_m);
+  for (int i = 0; i < 1200; ++i) {
+    AdaptationLook trunk = tree();
+    trunk.x_m = 2.0 - 0.1 * (i % 20);
+    trunk.y_m = 1.0;
+    std::vector<AdaptationLook> looks{trunk};
+    if (i > 600 && i % 10 < 2) {  // one more twig of a hedge every second
+      AdaptationLook twig = tree();
+      twig.roc_colour = twig.roc_vision = 0.0;
+      twig.x_m = 2.0;
+      twig.y_m = -3.0;
+      looks.push_back(twig);
+    }
+    for (const AdaptationStep& step : adaptation.add(100'000 * (i + 1), looks)) {
+      EXPECT_NE(step.action, AdaptationAction::kRollback) << i;
+      EXPECT_NE(step.action, AdaptationAction::kReset) << i;
+      EXPECT_NE(step.reason, AdaptationReason::kConfidenceCollapsed) << i;
+    }
+  }
+}
+
 TEST(Adaptation, AThingLookedAtForeverCountsOnce) {
   Drive drive(referenced());
   drive.run(30, [](int, double) { return tree(); });

@@ -32,7 +32,10 @@ for seed in $(seq "$first" "$last"); do
   for later in changed same; do
     "$orchard" compare "$work/before" "$work/$later" --out "$work/compared" >/dev/null
     echo -n "seed $seed, $later: "
-    awk -f scripts/map_changes.awk "$work/before.poses.csv" "$work/before/trajectory.csv" \
+    # with fixes the map's frame is the truth's, and the first heading is not yet known well
+    frame=$work/before.poses.csv
+    [ "$mode" = fixes ] || frame=$work/before/trajectory.csv
+    awk -f scripts/map_changes.awk "$work/before.poses.csv" "$frame" \
       "$work/before.csv" "$work/$later.csv" "$work/compared/compare.csv"
   done
 done

@@ -124,6 +124,11 @@ void describe(Visitor& v, SlamConfig& c) {
   v.number("merge_m", c.merge_m, 0, 5, "m", "landmarks nearer to each other are one");
   v.number("solve_growth", c.solve_growth, 0.01, 10, "1",
            "the whole graph is solved when it has grown by this share");
+  v.integer("solve_keyframes", c.solve_keyframes, 2, 1000000, "keyframes",
+            "whole graphs with more are solved by stretches of path that keep their shape");
+  v.integer("final_keyframes", c.final_keyframes, 2, 1000000, "keyframes",
+            "the same of the last solve; also with more than a fifth as many landmarks");
+  v.number("solve_stretch_m", c.solve_stretch_m, 0.5, 1000, "m", "length of such a stretch");
 }
 
 }  // namespace orchard::pose

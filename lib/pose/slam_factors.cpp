@@ -21,10 +21,11 @@ using Vector3Map = Eigen::Map<const Eigen::Vector3d>;
 Eigen::Vector2d turned(const Eigen::Vector2d& rotated) { return {-rotated.y(), rotated.x()}; }
 
 // Upper triangular W with W^T W = inverse(covariance): divides an error by its standard deviation.
-Eigen::MatrixXd whitening(const Eigen::MatrixXd& covariance) {
+template <int Size>
+Eigen::Matrix<double, Size, Size> whitening(const Eigen::Matrix<double, Size, Size>& covariance) {
+  using Matrix = Eigen::Matrix<double, Size, Size>;
   // a floor far below any sensor keeps what is stated as exact invertible
-  const Eigen::MatrixXd P =
-      covariance + 1e-10 * Eigen::MatrixXd::Identity(covariance.rows(), covariance.cols());
+  const Matrix P = covariance + 1e-10 * Matrix::Identity();
   return P.inverse().llt().matrixU();
 }
 

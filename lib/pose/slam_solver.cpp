@@ -15,6 +15,11 @@
 namespace orchard::pose {
 namespace {
 
+// Every keyframe is in as many windows as one has keyframes: none has to be solved to the end.
+constexpr int kWindowIterations = 6;
+constexpr double kWindowTolerance = 1e-4;  // share of the sum of squares that a step gains
+constexpr double kWholeTolerance = 1e-6;
+
 /// A Ceres problem on the graph's own numbers, with its blocks in the order of their making.
 class GraphProblem {
  public:
@@ -57,14 +62,16 @@ class GraphProblem {
     problem_.SetParameterBlockConstant(pose(keyframe));
   }
 
-  bool solve(ceres::LinearSolverType type, int iterations) {
+  // Not by a Schur complement in an order of our own: Ceres keeps that by address, and the digits
+  // would change from run to run.
+  bool solve(ceres::LinearSolverType type, int iterations, double tolerance) {
     ceres::Solver::Options options;
     options.linear_solver_type = type;
     options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
     options.dense_linear_algebra_library_type = ceres::EIGEN;
     options.num_threads = 1;
     options.max_num_iterations = iterations;
-    options.function_tolerance = 1e-6;
+    options.function_tolerance = tolerance;
     options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem_, &summary);
@@ -115,6 +122,22 @@ Eigen::MatrixXd information(const ceres::CRSMatrix& J) {
     }
   }
   return H;
+}
+
+/// What is left of the information once the places, the unknowns from `num_rest` on, are taken out:
+/// none of them has to do with another but through the rest.
+Eigen::MatrixXd without_places(const Eigen::MatrixXd& H, int num_rest) {
+  const int num_places = static_cast<int>(H.rows()) - num_rest;
+  if (num_places == 0) return H;
+  Eigen::MatrixXd B = H.topRightCorner(num_rest, num_places);
+  for (int place = 0; place < num_places; place += 2) {
+    const Eigen::Matrix2d C = H.block<2, 2>(num_rest + place, num_rest + place).inverse();
+    const Eigen::Matrix2d root = C.llt().matrixL();
+    B.middleCols<2>(place) = (B.middleCols<2>(place) * root).eval();
+  }
+  Eigen::MatrixXd rest = H.topLeftCorner(num_rest, num_rest);
+  rest.selfadjointView<Eigen::Lower>().rankUpdate(B, -1.0);
+  return rest;
 }
 
 /// Covariance of three of the unknowns; none where the information does not determine them.
@@ -217,7 +240,8 @@ WindowSolution solve_window(SlamGraph& graph, int first, const ErrorsPrior& erro
     const std::optional<PlaceFix> older = place_by_older(graph, l, first);
     if (older) problem.add_place(l, older->p_map, older->covariance);
   }
-  if (!problem.solve(seen.empty() ? ceres::DENSE_QR : ceres::SPARSE_NORMAL_CHOLESKY, 6)) {
+  if (!problem.solve(seen.empty() ? ceres::DENSE_QR : ceres::SPARSE_NORMAL_CHOLESKY,
+                     kWindowIterations, kWindowTolerance)) {
     for (int k = first; k <= newest; ++k) graph.keyframes[k].T_map_base = before[k - first];
     std::size_t i = 0;
     for (const int l : seen) graph.landmarks[l].p_map = places_before[i++];
@@ -231,18 +255,18 @@ WindowSolution solve_window(SlamGraph& graph, int first, const ErrorsPrior& erro
   for (int c = first_errors; c <= graph.keyframes[newest].calibration; ++c) {
     blocks.push_back(problem.errors(c));
   }
+  const int num_rest = 3 * static_cast<int>(blocks.size());
   for (const int l : seen) blocks.push_back(problem.place(l));
-  const std::optional<Eigen::Matrix3d> local =
-      marginal(information(problem.jacobian(blocks, false)), newest_column);
+  const std::optional<Eigen::Matrix3d> local = marginal(
+      without_places(information(problem.jacobian(blocks, false)), num_rest), newest_column);
   if (!local) return solution;
   solution.local_covariance = *local;
   solution.solved = true;
-  const Eigen::MatrixXd H = information(problem.jacobian(blocks, true));
-  const int rest = static_cast<int>(H.rows()) - 3;
   if (newest > first) {
+    const Eigen::MatrixXd H = without_places(information(problem.jacobian(blocks, true)), num_rest);
     // the first keyframe taken as known
     const std::optional<Eigen::Matrix3d> drift =
-        marginal(H.bottomRightCorner(rest, rest), newest_column - 3);
+        marginal(H.bottomRightCorner(num_rest - 3, num_rest - 3), newest_column - 3);
     const Eigen::Matrix3d to_first =
         compose_jacobian_second(graph.keyframes[first].T_map_base).transpose();
     if (drift) solution.drift_covariance = to_first * *drift * to_first.transpose();
@@ -277,7 +301,7 @@ bool solve_whole(SlamGraph& graph, const ErrorsPrior& errors, const WholeSolve& 
       }
     }
     if (!graph.placed) problem->hold(0);
-    if (!problem->solve(ceres::SPARSE_NORMAL_CHOLESKY, robust ? 30 : 10)) {
+    if (!problem->solve(ceres::SPARSE_NORMAL_CHOLESKY, robust ? 30 : 10, kWholeTolerance)) {
       before.restore(graph);
       return false;
     }

@@ -300,12 +300,17 @@ void TrunkSlam::review_landmarks() {
 bool TrunkSlam::solve_all(WholeReason reason) {
   WholeSolve options;
   options.closing = reason == WholeReason::kClosing;
-  const bool last = reason == WholeReason::kEnd;
   ErrorsPrior prior;
   prior.covariance = initial_errors_sd(config_).array().square().matrix().asDiagonal();
   Eigen::Matrix3d errors_covariance = errors_.covariance;
   num_solved_ = static_cast<int>(graph_.keyframes.size());
-  if (num_solved_ <= (last ? config_.final_keyframes : config_.solve_keyframes)) {
+  const auto num_landmarks =
+      std::count_if(graph_.landmarks.begin(), graph_.landmarks.end(),
+                    [](const SlamLandmark& l) { return l.keyframes.size() >= 2; });
+  const bool fine = num_solved_ <= config_.solve_keyframes ||
+                    (reason == WholeReason::kEnd && num_solved_ <= config_.final_keyframes &&
+                     5 * num_landmarks <= config_.final_keyframes);
+  if (fine) {
     if (!solve_whole(graph_, prior, options, config_, &errors_covariance)) return false;
   } else {
     StretchGraph stretches = stretches_of(graph_, config_);

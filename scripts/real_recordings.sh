@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Imports and maps every recording folder that is at hand and has a rig in config/; each map in
-# out/real/NAME. Where trunks pile up in the raw scans is compared with the map of pullally. The
-# recordings are not part of the repository.
+# out/real/NAME. Where trunks pile up in the raw scans is compared with the map of pullally; what
+# koala saw last is laid upon what it saw first. The recordings are not part of the repository.
 #   scripts/real_recordings.sh [FOLDER]   the folder of recordings (default ../shared/data)
 # BUILD=DIR uses another build folder than build/.
 set -euo pipefail
@@ -12,6 +12,7 @@ data=${1:-../shared/data}
 [ -d "$data" ] || { echo "real_recordings: there is no folder $data" >&2; exit 3; }
 orchard=${BUILD:-build}/bin/orchard
 clear_trees=${BUILD:-build}/bin/orchard_clear_trees  # built with the tests
+return_of=${BUILD:-build}/bin/orchard_return  # the same
 [ -x "$orchard" ] || scripts/build.sh
 
 # The rig of urg_geometry_front is config/urg_geometry_front.yaml, urg_front.yaml,
@@ -35,5 +36,6 @@ for folder in "$data"/*/; do
     head -n 2 | sed 's/^/  /'
   case $name in
     pullally_*) [ ! -x "$clear_trees" ] || "$clear_trees" "$folder" "out/real/$name" | sed 's/^/  /' ;;
+    koala_*) [ ! -x "$return_of" ] || "$return_of" "$folder" "out/real/$name" "$rig" | sed 's/^/  /' ;;
   esac
 done | tee out/real/summary.txt

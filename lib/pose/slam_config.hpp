@@ -23,7 +23,9 @@ struct SlamConfig {
   double new_landmark_m = 0.6;    ///< nearer to a landmark than this nothing new is begun
   int confirm_keyframes = 3;      ///< sightings in as many keyframes make a landmark
   double confirm_travel_m = 1.0;  ///< and from places this far apart
-  double outlier_sigma = 3.0;     ///< where the robust loss of a sighting bends
+  /// Share of a keyframe's scans below which what it saw was none: ground and leaves flash up.
+  double sighting_share_min = 0.0;
+  double outlier_sigma = 3.0;  ///< where the robust loss of a sighting bends
 
   double speed_scale_sd = 0.05;          ///< of the wheels' scale before anything is learnt
   double turn_scale_sd = 0.03;           ///< the same of their turns
@@ -35,6 +37,8 @@ struct SlamConfig {
   double gap_s = 0.5;             ///< a longer silence of the motion is a gap
   double gap_speed_sd_mps = 0.5;  ///< how far the speed strays from the last one in a gap
   double gap_yaw_rate_sd_radps = 0.3;
+
+  double lost_sd_m = 0.8;  ///< less surely placed among its landmarks, a map of its own begins
 
   double recent_travel_m = 20.0;    ///< what was seen within is where the robot is
   double covisible_travel_m = 8.0;  ///< what was passed so near to a tracked landmark is as well
@@ -83,6 +87,8 @@ void describe(Visitor& v, SlamConfig& c) {
             "that must have seen a landmark");
   v.number("confirm_travel_m", c.confirm_travel_m, 0, 20, "m",
            "between the first and the last of them");
+  v.number("sighting_share_min", c.sighting_share_min, 0, 1, "1",
+           "share of a keyframe's scans that must have seen an object");
   v.number("outlier_sigma", c.outlier_sigma, 1, 20, "sigma",
            "where the robust loss of a sighting bends");
   v.number("speed_scale_sd", c.speed_scale_sd, 0, 0.5, "1", "of the wheels' scale");
@@ -98,6 +104,9 @@ void describe(Visitor& v, SlamConfig& c) {
            "how far the speed strays in a gap");
   v.number("gap_yaw_rate_sd_radps", c.gap_yaw_rate_sd_radps, 0.01, 10, "rad/s",
            "how far the yaw rate strays in a gap");
+  v.number("lost_sd_m", c.lost_sd_m, 0.1, 20, "m",
+           "1-sigma of the place among the trunks from which on none is known again; about a third "
+           "of their spacing");
   v.number("recent_travel_m", c.recent_travel_m, 2, 1000, "m",
            "what was seen within it is where the robot is");
   v.number("covisible_travel_m", c.covisible_travel_m, 0, 1000, "m",

@@ -49,6 +49,21 @@ void SlamGraph::add_sighting(int keyframe, int landmark, const Eigen::Vector2d& 
   ++sighting->num_scans;
 }
 
+void SlamGraph::drop_rare_sightings(double num_scans) {
+  std::vector<int> rare;
+  for (const SlamSighting& s : keyframes.back().sightings) {
+    if (s.num_scans < num_scans) rare.push_back(s.landmark);
+  }
+  for (const int l : rare) {
+    if (landmarks[l].keyframes.size() < 2) {
+      drop(l);
+      continue;
+    }
+    landmarks[l].keyframes.pop_back();
+    keyframes.back().sightings.erase(find_sighting(keyframes.back(), l));
+  }
+}
+
 void SlamGraph::drop(int landmark) {
   SlamLandmark& l = landmarks[landmark];
   for (const int k : l.keyframes) {

@@ -74,6 +74,9 @@ struct SlamGraph {
   void add_sighting(int keyframe, int landmark, const Eigen::Vector2d& p_base,
                     const Eigen::Matrix2d& covariance, double floor_sd_m);
 
+  /// Forgets what fewer than `num_scans` scans of the newest keyframe saw.
+  void drop_rare_sightings(double num_scans);
+
   /// Forgets a landmark and all sightings of it.
   void drop(int landmark);
 

@@ -19,11 +19,10 @@ constexpr double kKeyframeSdM = 0.05;
 constexpr double kKeyframeSdRad = 0.02;
 constexpr std::int64_t kBlindKeyframeUs = 200'000;  // nor more often where nothing tells the motion
 constexpr int kSolveMinKeyframes = 20;
-// Nothing can be matched any more where trees stand a few metres apart.
-constexpr double kLostSdM = 0.8;
 // Less surely placed than this, what matches nothing is the beginning of a map of its own.
 constexpr double kAnewSdM = 0.25;
 constexpr int kAmbiguousScans = 10;
+constexpr int kContradictedScans = 10;
 
 }  // namespace
 
@@ -110,6 +109,7 @@ void TrunkSlam::add(const SeenTrunks& seen) {
   const ScanMotionState state{m.delta_with(e), motion_covariance(),
                               (1.0 + e[0]) * motion_.speed_mps(),
                               (1.0 + e[1]) * motion_.yaw_rate_radps() - e[2]};
+  ++num_scans_;
   match(scan_points(seen, state, config_));
   if (opened) correct_window();
 }
@@ -137,7 +137,8 @@ void TrunkSlam::open_keyframe() {
   }
   graph_.keyframes.push_back(std::move(keyframe));
   motion_.restart(current_errors());
-  if (local_sd_m() > kLostSdM || num_ambiguous_ >= kAmbiguousScans) begin_anew();
+  num_scans_ = 0;
+  if (local_sd_m() > config_.lost_sd_m || num_ambiguous_ >= kAmbiguousScans) begin_anew();
   refresh_local_map();
 }
 
@@ -150,7 +151,7 @@ double TrunkSlam::local_sd_m() const {
 void TrunkSlam::begin_anew() {
   since_ = static_cast<int>(graph_.keyframes.size()) - 1;
   graph_.keyframes.back().local_covariance.setZero();
-  num_ambiguous_ = 0;
+  num_ambiguous_ = num_contradicted_ = 0;
 }
 
 void TrunkSlam::refresh_local_map() {
@@ -182,6 +183,22 @@ int TrunkSlam::begin_landmark(const ScanPoint& point) {
   return id;
 }
 
+/// Whether what matches nothing tells that the robot is elsewhere: where nothing known is around,
+/// and where something known should have been in view for long. Else it is merely new.
+bool TrunkSlam::is_elsewhere() {
+  const Eigen::Vector3d& T_map_base = graph_.keyframes.back().T_map_base;
+  bool any_known = false;
+  bool any_missed = false;
+  for (const int l : local_) {
+    const SlamLandmark& landmark = graph_.landmarks[l];
+    if (!landmark.confirmed) continue;
+    any_known = true;
+    any_missed |= sight_.in_view(transform_back(T_map_base, landmark.p_map));
+  }
+  if (any_missed) ++num_contradicted_;
+  return !any_known || num_contradicted_ >= kContradictedScans;
+}
+
 void TrunkSlam::match(const std::vector<ScanPoint>& points) {
   const int newest = static_cast<int>(graph_.keyframes.size()) - 1;
   std::vector<AssociationCandidate> candidates;
@@ -192,7 +209,9 @@ void TrunkSlam::match(const std::vector<ScanPoint>& points) {
   num_operations_ += found.num_operations;
   num_ambiguous_ = found.ambiguous ? num_ambiguous_ + 1 : 0;
   num_matched_ = found.num_matched;
-  if (num_matched_ == 0 && !points.empty() && !found.ambiguous && local_sd_m() > kAnewSdM) {
+  if (num_matched_ > 0) num_contradicted_ = 0;
+  if (num_matched_ == 0 && !points.empty() && !found.ambiguous && local_sd_m() > kAnewSdM &&
+      is_elsewhere()) {
     begin_anew();
   }
   for (std::size_t p = 0; p < points.size(); ++p) {
@@ -267,6 +286,7 @@ void TrunkSlam::compose_covariance_in_map(int first, const Eigen::Matrix3d& drif
 
 /// Confirms, counts what should have been seen, drops what was not: at the end of a keyframe.
 void TrunkSlam::review_landmarks() {
+  graph_.drop_rare_sightings(config_.sighting_share_min * num_scans_);
   const Keyframe& now = graph_.keyframes.back();
   const int newest = static_cast<int>(graph_.keyframes.size()) - 1;
   for (const int l : local_) {

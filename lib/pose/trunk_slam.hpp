@@ -60,6 +60,7 @@ class TrunkSlam {
   double local_sd_m() const;
   void begin_anew();
   void refresh_local_map();
+  bool is_elsewhere();
   void match(const std::vector<ScanPoint>& points);
   void correct_window();
   void compose_covariance_in_map(int first, const Eigen::Matrix3d& drift);
@@ -84,7 +85,9 @@ class TrunkSlam {
   int since_ = 0;                 ///< keyframe at which tracking began anew
   int num_solved_ = 0;            ///< keyframes at the last whole solve
   int num_ambiguous_ = 0;         ///< scans in a row that could not be told from another place
+  int num_contradicted_ = 0;      ///< scans since the last match that should have matched
   int num_matched_ = 0;           ///< of the last scan
+  int num_scans_ = 0;             ///< of the newest keyframe
   int num_closed_ = 0;            ///< keyframes when a loop was last closed, or refused
   double looked_travel_m_ = 0.0;  ///< where a closure was last looked for
   bool closure_ambiguous_ = false;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -8,8 +9,11 @@
 
 #include "clear_trees.hpp"
 #include "cli_fixture.hpp"
+#include "io/config.hpp"
 #include "io/map_csv.hpp"
 #include "io/recording_folder.hpp"
+#include "io/trajectory_csv.hpp"
+#include "return_consistency.hpp"
 
 namespace orchard::test {
 namespace {
@@ -42,6 +46,10 @@ class RealRecording : public testing::Test {
     return io::read_map_csv(folder_ + "/map/map.csv");
   }
 
+  std::vector<pose::PoseEstimate> path_of_map() const {
+    return io::read_trajectory_csv(folder_ + "/map/trajectory.csv");
+  }
+
  private:
   std::string folder_;
 };
@@ -59,9 +67,24 @@ TEST_F(RealRecording, PullallysClearTreesAreOneLandmarkEach) {
   EXPECT_LE(comparison.median_distance_m(), 0.1);
 }
 
-TEST_F(RealRecording, KoalasPolesAreMapped) {
-  if (!is_here("koala_poles")) GTEST_SKIP() << "the recording koala_poles is not here";
-  EXPECT_FALSE(map_of("koala_poles", "koala.yaml").empty());
+TEST_F(RealRecording, KoalasLoopClosesOnPolesThatStandOnce) {
+  const std::string name = "koala_poles";
+  if (!is_here(name)) GTEST_SKIP() << "the recording " << name << " is not here";
+  const auto map = map_of(name, "koala.yaml");
+  EXPECT_GE(map.size(), 10u);
+  EXPECT_LE(map.size(), 15u);
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      EXPECT_GT(std::hypot(map[i].x_m - map[j].x_m, map[i].y_m - map[j].y_m), 1.0);
+    }
+  }
+  const auto recording = io::read_recording_folder(kData + "/" + name);
+  const auto mount = io::load_config(ORCHARD_SOURCE_DIR "/config/koala.yaml").laser;
+  const auto by_map = return_consistency(recording, path_of_map(), mount, 30.0);
+  const auto by_wheels = return_consistency(recording, dead_reckoned(recording), mount, 30.0);
+  ASSERT_TRUE(by_map && by_wheels);
+  EXPECT_LE(by_map->shift_m, 0.5);
+  EXPECT_GT(by_wheels->shift_m, 1.0);  // there is something to close
 }
 
 TEST_F(RealRecording, UrgGeometryFrontIsMapped) {

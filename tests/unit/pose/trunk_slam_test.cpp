@@ -160,6 +160,24 @@ TEST(TrunkSlam, FalseAndMissingDetectionsDoNoHarm) {
   EXPECT_LE(extra, 1);
 }
 
+TEST(SlamGraph, WhatFewScansOfAKeyframeSawIsForgotten) {
+  SlamGraph graph;
+  graph.keyframes.resize(1);
+  graph.landmarks.resize(3);
+  const Eigen::Matrix2d covariance = 1e-4 * Eigen::Matrix2d::Identity();
+  graph.add_sighting(0, 1, {2.0, 0.0}, covariance, 0.0);
+  graph.keyframes.resize(2);
+  for (int scan = 0; scan < 4; ++scan) graph.add_sighting(1, 0, {1.0, 0.0}, covariance, 0.0);
+  graph.add_sighting(1, 1, {2.0, 0.0}, covariance, 0.0);
+  graph.add_sighting(1, 2, {3.0, 0.0}, covariance, 0.0);
+  graph.drop_rare_sightings(2.0);
+  ASSERT_EQ(graph.keyframes[1].sightings.size(), 1u);
+  EXPECT_EQ(graph.keyframes[1].sightings[0].landmark, 0);
+  EXPECT_EQ(graph.landmarks[1].keyframes, std::vector<int>{0});  // seen well before
+  EXPECT_TRUE(graph.landmarks[1].alive);
+  EXPECT_FALSE(graph.landmarks[2].alive);
+}
+
 TEST(TrunkSlam, ALoopIsClosedAfterALongWayWithNothingInView) {
   const Drive d = drive(SlamWorld::island(7, 30.0, false), 7);
   // dead reckoning alone is metres off by then

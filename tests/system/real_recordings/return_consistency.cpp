@@ -6,8 +6,8 @@
 #include <map>
 #include <utility>
 
+#include "pose/arc_motion.hpp"
 #include "pose/planar.hpp"
-#include "pose/slam_motion.hpp"
 
 namespace orchard::test {
 namespace {

@@ -35,7 +35,14 @@ for folder in "$data"/*/; do
   "$orchard" map "out/real/$name.lcm" --config "$rig" --out "out/real/$name" |
     head -n 2 | sed 's/^/  /'
   case $name in
-    pullally_*) [ ! -x "$clear_trees" ] || "$clear_trees" "$folder" "out/real/$name" | sed 's/^/  /' ;;
+    pullally_*)
+      [ -x "$clear_trees" ] || continue
+      "$clear_trees" "$folder" "out/real/$name" | sed 's/^/  /'
+      echo "$name (config/pullally_laser_only.yaml)"
+      alone=out/real/${name}_laser_only
+      "$orchard" map "out/real/$name.lcm" --config config/pullally_laser_only.yaml --out "$alone" |
+        head -n 2 | sed 's/^/  /'
+      "$clear_trees" "$folder" "$alone" "out/real/$name" | sed 's/^/  /' ;;
     koala_*) [ ! -x "$return_of" ] || "$return_of" "$folder" "out/real/$name" "$rig" | sed 's/^/  /' ;;
   esac
 done | tee out/real/summary.txt

@@ -8,13 +8,12 @@
 #include <map>
 #include <utility>
 
+#include "free_standing.hpp"
+#include "pose/planar.hpp"
+
 namespace orchard::test {
 namespace {
 
-constexpr double kJump_m = 0.25;
-constexpr double kNear_m = 0.9, kFar_m = 7.0;
-constexpr double kBearingMost_rad = 2.44;  // beams straight behind see the robot itself
-constexpr double kWidthLeast_m = 0.08, kWidthMost_m = 0.40;
 constexpr double kKernel_m = 0.15;
 constexpr double kCell_m = 0.5;
 constexpr int kRounds = 15;
@@ -32,32 +31,6 @@ double distance_m(const Point& a, const Point& b) {
   return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m);
 }
 
-void add_free_standing(const laser::Scan& scan, const pose::PoseFix& base,
-                       std::vector<Point>& points) {
-  const std::vector<float>& r = scan.ranges_m;
-  for (std::size_t first = 0, last = 0; first < r.size(); first = last + 1) {
-    last = first;
-    double sum_m = r[first];
-    while (last + 1 < r.size() && r[last + 1] > 0.0f && std::abs(r[last + 1] - r[last]) < kJump_m) {
-      sum_m += r[++last];
-    }
-    if (first == 0 || first == last || last + 1 == r.size()) continue;
-    const double num_beams = static_cast<double>(last - first + 1);
-    const double mean_m = sum_m / num_beams;
-    const double width_m = mean_m * num_beams * scan.bearing_step_rad;
-    const double bearing_rad = scan.bearing_rad(0.5 * static_cast<double>(first + last));
-    const auto is_behind = [&](float range_m) { return range_m == 0.0f || range_m > mean_m; };
-    if (!is_behind(r[first - 1]) || !is_behind(r[last + 1])) continue;
-    if (mean_m <= kNear_m || mean_m >= kFar_m || std::abs(bearing_rad) >= kBearingMost_rad)
-      continue;
-    if (width_m <= kWidthLeast_m || width_m >= kWidthMost_m) continue;
-    const double centre_m = mean_m + 0.5 * width_m;
-    const double heading_rad = base.yaw_rad + bearing_rad;
-    points.push_back(
-        {base.x_m + centre_m * std::cos(heading_rad), base.y_m + centre_m * std::sin(heading_rad)});
-  }
-}
-
 std::vector<Point> observations(const std::vector<io::SensorMessage>& recording) {
   std::map<std::int64_t, pose::PoseFix> track;
   for (const io::SensorMessage& message : recording) {
@@ -68,7 +41,12 @@ std::vector<Point> observations(const std::vector<io::SensorMessage>& recording)
     const auto* scan = std::get_if<laser::Scan>(&message);
     if (scan == nullptr) continue;
     const auto base = track.find(scan->utime);
-    if (base != track.end()) add_free_standing(*scan, base->second, points);
+    if (base == track.end()) continue;
+    const pose::PoseFix& fix = base->second;
+    for (const Eigen::Vector2d& p : free_standing(*scan)) {
+      const Eigen::Vector2d p_map = pose::transform({fix.x_m, fix.y_m, fix.yaw_rad}, p);
+      points.push_back({p_map.x(), p_map.y()});
+    }
   }
   return points;
 }

@@ -14,6 +14,7 @@
 #include "io/recording_folder.hpp"
 #include "io/trajectory_csv.hpp"
 #include "return_consistency.hpp"
+#include "tree_repeat.hpp"
 
 namespace orchard::test {
 namespace {
@@ -57,14 +58,25 @@ class RealRecording : public testing::Test {
 TEST_F(RealRecording, PullallysClearTreesAreOneLandmarkEach) {
   const std::string name = "pullally_drive_1";
   if (!is_here(name)) GTEST_SKIP() << "the recording " << name << " is not here";
-  const auto trees = find_clear_trees(io::read_recording_folder(kData + "/" + name));
+  const auto recording = io::read_recording_folder(kData + "/" + name);
+  const auto trees = find_clear_trees(recording);
   ASSERT_GE(trees.size(), 30u);  // its description says about 34; a few more stand in the hedge
-  const auto comparison = compare(trees, map_of(name, "pullally.yaml"));
+  const auto map = map_of(name, "pullally.yaml");
+  const auto comparison = compare(trees, map);
   SCOPED_TRACE(report(trees, comparison));
   EXPECT_LE(comparison.num_tree_landmarks, 75);
   EXPECT_GE(comparison.num_with(1), 0.95 * static_cast<double>(trees.size()));
   EXPECT_EQ(comparison.num_doubled(), 0);
   EXPECT_LE(comparison.median_distance_m(), 0.1);
+  const MappedDrive drive{map, path_of_map()};
+  const TreeScatter scatter = tree_scatter(recording, drive, trees);
+  EXPECT_LE(scatter.median_m(), 0.10) << report(scatter);
+
+  // From the laser alone: the same trees.
+  const MappedDrive by_laser{map_of(name, "pullally_laser_only.yaml"), path_of_map()};
+  const SameTrees same = same_trees(trees, drive, by_laser);
+  EXPECT_GE(same.num_in_both, 0.95 * comparison.num_with(1)) << report(same);
+  EXPECT_EQ(same.num_extra, 0) << report(same);
 }
 
 TEST_F(RealRecording, KoalasLoopClosesOnPolesThatStandOnce) {

@@ -9,7 +9,8 @@
 #     --orders N     orders in which the processes of the lockstep are started, 0-6 (default 6)
 #     --build DIR    build folder (default build)
 #     --no-build     use it as it is
-#     --scenes LIST  of tubes, orchard, pullally (default all; pullally needs its recording in
+#     --scenes LIST  of tubes, orchard, block, pullally (default all; block and pullally are placed
+#                    by their trunks, TRAJECTORY included; pullally needs its recording in
 #                    $ORCHARD_DATA, or in shared/data beside this checkout)
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -18,7 +19,7 @@ runs=20
 orders=6
 build_dir=build
 build=yes
-scenes=tubes,orchard,pullally
+scenes=tubes,orchard,block,pullally
 inside=no
 arguments=("$@")
 while [ $# -gt 0 ]; do
@@ -29,7 +30,7 @@ while [ $# -gt 0 ]; do
     --scenes) scenes=${2:?--scenes needs a list}; shift ;;
     --no-build) build=no ;;
     --inside) inside=yes ;;  # how this script calls itself within a namespace
-    -h | --help) sed -n '3,13s/^# //p' "$0"; exit 0 ;;
+    -h | --help) sed -n '3,14s/^# //p' "$0"; exit 0 ;;
     *) echo "determinism: unknown option $1; see $0 --help" >&2; exit 2 ;;
   esac
   shift
@@ -139,6 +140,10 @@ for scene in ${scenes//,/ }; do
     orchard)
       config=config/orchard.yaml
       "$bin/orchard" simulate --scene orchard --seed 1 --config $config --duration 30 \
+        --out "$log" >/dev/null ;;
+    block)
+      config=config/block.yaml
+      "$bin/orchard" simulate --scene orchard --seed 1002 --config $config --duration 100 \
         --out "$log" >/dev/null ;;
     pullally)
       config=config/pullally.yaml

@@ -5,6 +5,8 @@
 # thousand. Missed: no landmark of any class within --gate (GATE, 0.3 m) after the alignment.
 #   RIG=config/block.yaml  SECONDS_PER_DRIVE=0 (the whole drive)  BUILD=build  OUT=out/block
 #   SIM_RIG=$RIG (simulate with another rig's world)
+#   RTK=yes (with satellite fixes of 2 cm five times a second, used by slam: what is printed as raw,
+#   without alignment, is what counts then; OUT=out/block_rtk)
 # Drives are kept in OUT and used again; remove the folder after a change of the simulation.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -12,6 +14,14 @@ orchard=${BUILD:-build}/bin/orchard
 rig=${RIG:-config/block.yaml}
 first=${1:-1} last=${2:-20}
 out=${OUT:-out/block}
+if [ "${RTK:-no}" = yes ]; then
+  out=${OUT:-out/block_rtk}
+  mkdir -p "$out"
+  sed -e 's/^    gnss_rate_hz: 0$/    gnss_rate_hz: 5.0\n    gnss_sd_m: 0.02/' \
+    -e 's/^  mode: slam$/&\n  slam:\n    use_gnss: true\n  gnss:\n    datum: [-27.6040, 151.9320, 690.0]/' \
+    "$rig" >"$out/rig.yaml"
+  rig=$out/rig.yaml
+fi
 mkdir -p "$out"
 
 # number JSON KEY [AFTER]: the first number of that key, behind the first line that has AFTER

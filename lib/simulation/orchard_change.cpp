@@ -32,8 +32,9 @@ class OrchardChanger {
     const std::vector<int> felled(trees_.begin(), trees_.begin() + num_changed);
     const int num_moved = std::min(share_of_trees(config_.moved_fraction),
                                    static_cast<int>(trees_.size()) - num_changed);
-    grow();
+    grow(num_changed + num_moved);
     for (int i = 0; i < num_moved; ++i) move(trees_[static_cast<std::size_t>(num_changed + i)]);
+    relocate_objects();
     fell(felled);
     plant(num_changed);
   }
@@ -73,11 +74,17 @@ class OrchardChanger {
     }
   }
 
-  void grow() {
+  /// Where only some grow, they are none of the first `num_other` trees.
+  void grow(int num_other) {
     if (config_.growth_m <= 0.0) return;
+    std::vector<bool> grows(scene_.truth.size(), config_.grown_fraction >= 1.0);
+    const auto first = std::min(trees_.size(), static_cast<std::size_t>(num_other));
+    const auto last = std::min(
+        trees_.size(), first + static_cast<std::size_t>(share_of_trees(config_.grown_fraction)));
+    for (std::size_t k = first; k < last; ++k) grows[static_cast<std::size_t>(trees_[k])] = true;
     // in the order of the truth: who is felled changes nobody's growth
     for (std::size_t i = 0; i < scene_.truth.size(); ++i) {
-      if (!is_tree(scene_.truth[i])) continue;
+      if (!is_tree(scene_.truth[i]) || !grows[i]) continue;
       const double wider_m =
           std::max(0.0, random_.normal(config_.growth_m, 0.25 * config_.growth_m));
       scene_.truth[i].width_m += wider_m;
@@ -86,21 +93,63 @@ class OrchardChanger {
   }
 
   void move(int tree) {
-    TruthObject& thing = scene_.truth[static_cast<std::size_t>(tree)];
     for (int attempt = 0; attempt < 50; ++attempt) {
-      // along the row, the robot's way stays free
-      const double towards_rad =
-          (random_.uniform() < 0.5 ? 0.5 : -0.5) * geometry::kPi + random_.uniform(-0.3, 0.3);
-      const double dx_m = config_.moved_m * std::cos(towards_rad);
-      const double dy_m = config_.moved_m * std::sin(towards_rad);
-      if (!clear(thing.x_m + dx_m, thing.y_m + dy_m, 0.5 * thing.width_m, tree)) continue;
-      thing.x_m += dx_m;
-      thing.y_m += dy_m;
-      for_each_part(tree, [&](Cylinder& c) {
-        c.x_m += dx_m;
-        c.y_m += dy_m;
-      });
-      return;
+      const double distance_m =
+          config_.moved_m +
+          (config_.moved_spread_m > 0.0 ? random_.uniform(0.0, config_.moved_spread_m) : 0.0);
+      const TruthObject& thing = scene_.truth[static_cast<std::size_t>(tree)];
+      if (put(tree, along_row(thing, distance_m))) return;
+    }
+  }
+
+  struct Place {
+    double x_m = 0.0, y_m = 0.0;
+  };
+
+  /// Somewhere before or behind a thing in its row: the robot's way stays free.
+  Place along_row(const TruthObject& thing, double distance_m) {
+    const double towards_rad =
+        (random_.uniform() < 0.5 ? 0.5 : -0.5) * geometry::kPi + random_.uniform(-0.3, 0.3);
+    return {thing.x_m + distance_m * std::cos(towards_rad),
+            thing.y_m + distance_m * std::sin(towards_rad)};
+  }
+
+  /// Puts a thing there if nothing else is in the way.
+  bool put(int target, const Place& place) {
+    TruthObject& thing = scene_.truth[static_cast<std::size_t>(target)];
+    if (!clear(place.x_m, place.y_m, 0.5 * thing.width_m, target)) return false;
+    const double dx_m = place.x_m - thing.x_m, dy_m = place.y_m - thing.y_m;
+    const auto shift = [&](auto& part) {
+      part.x_m += dx_m;
+      part.y_m += dy_m;
+    };
+    shift(thing);
+    for_each_part(target, shift);
+    for (Box& box : scene_.world.boxes) {
+      if (box.target == target) shift(box);
+    }
+    return true;
+  }
+
+  /// What is gone at one place of a row stands at another, beside a tree.
+  void relocate_objects() {
+    if (config_.objects_fraction <= 0.0 || trees_.empty()) return;
+    std::vector<int> objects;
+    for (std::size_t i = 0; i < scene_.truth.size(); ++i) {
+      const TruthObject& thing = scene_.truth[i];
+      if (!thing.moving && thing.label == detection::Label::kObject) {
+        objects.push_back(static_cast<int>(i));
+      }
+    }
+    shuffle(objects);
+    objects.resize(static_cast<std::size_t>(
+        std::lround(config_.objects_fraction * static_cast<double>(objects.size()))));
+    for (const int object : objects) {
+      for (int attempt = 0; attempt < 200; ++attempt) {
+        const auto k = static_cast<std::size_t>(random_.uniform() * trees_.size());
+        const TruthObject& tree = scene_.truth[static_cast<std::size_t>(trees_[k])];
+        if (put(object, along_row(tree, random_.uniform(0.6, 1.4)))) break;
+      }
     }
   }
 
@@ -181,7 +230,10 @@ class OrchardChanger {
 }  // namespace
 
 void change_orchard(std::uint64_t seed, const ChangeConfig& config, Scene& scene) {
-  if (config.fraction <= 0.0 && config.moved_fraction <= 0.0 && config.growth_m <= 0.0) return;
+  if (config.fraction <= 0.0 && config.moved_fraction <= 0.0 && config.growth_m <= 0.0 &&
+      config.objects_fraction <= 0.0) {
+    return;
+  }
   OrchardChanger(seed, config, scene).change();
 }
 

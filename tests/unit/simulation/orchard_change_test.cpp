@@ -137,6 +137,54 @@ TEST(OrchardChange, TrunksGrowAndMoveAsFarAsConfigured) {
   EXPECT_NEAR(num_moved, 0.1 * num_trees, 1.0);
 }
 
+TEST(OrchardChange, SomeGrowSomeMoveSomePostsAndBushesStandElsewhere) {
+  SimulationConfig config = block();
+  config.clutter.num_people = 0;
+  const Scene before = scene_of(config, 9);
+  config.change.moved_fraction = 0.1;
+  config.change.moved_m = 0.5;
+  config.change.moved_spread_m = 1.0;
+  config.change.growth_m = 0.04;
+  config.change.grown_fraction = 0.1;
+  config.change.objects_fraction = 0.5;
+  const Scene after = scene_of(config, 9);
+  ASSERT_EQ(before.truth.size(), after.truth.size());
+  int num_moved = 0, num_grown = 0, num_trees = 0, num_objects = 0, num_elsewhere = 0;
+  double farthest_m = 0.0;
+  for (std::size_t i = 0; i < before.truth.size(); ++i) {
+    const TruthObject &then = before.truth[i], &now = after.truth[i];
+    const double way_m = std::hypot(now.x_m - then.x_m, now.y_m - then.y_m);
+    if (!tree(then)) {
+      ++num_objects;
+      num_elsewhere += way_m > 0.0;
+      continue;
+    }
+    ++num_trees;
+    if (way_m > 0.0) {
+      ++num_moved;
+      EXPECT_GE(way_m, 0.5 - 1e-9);
+      EXPECT_LE(way_m, 1.5);
+      farthest_m = std::max(farthest_m, way_m);
+    }
+    if (now.width_m != then.width_m) {
+      ++num_grown;
+      EXPECT_EQ(way_m, 0.0) << "one thing at a time";
+      EXPECT_NEAR(now.width_m - then.width_m, 0.04, 0.04);
+    }
+  }
+  EXPECT_NEAR(num_moved, 0.1 * num_trees, 1.0);
+  EXPECT_NEAR(num_grown, 0.1 * num_trees, 1.0);
+  EXPECT_NEAR(num_elsewhere, 0.5 * num_objects, 1.0);
+  EXPECT_GT(farthest_m, 1.0);
+  for (const Cylinder& c : after.world.cylinders) {
+    const TruthObject& thing = after.truth[static_cast<std::size_t>(c.target)];
+    EXPECT_LE(std::hypot(c.x_m - thing.x_m, c.y_m - thing.y_m), 0.5 * thing.width_m);
+  }
+  for (const Box& box : after.world.boxes) {
+    EXPECT_EQ(box.x_m, after.truth[static_cast<std::size_t>(box.target)].x_m);
+  }
+}
+
 TEST(OrchardChange, AnotherSeedChangesOthers) {
   SimulationConfig config = block();
   config.change.fraction = 0.05;

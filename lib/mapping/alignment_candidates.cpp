@@ -31,6 +31,62 @@ struct Hypothesis {
   Vector2d middle_a{0.0, 0.0};
   int num_agreeing = 0;
   double sum_m2 = 0.0;
+  double sum_width_m = 0.0;  ///< of what b's partners are wider
+  double sum_width_m2 = 0.0;
+
+  double place_m2() const { return sum_m2 / num_agreeing; }
+  double width_m2() const {
+    const double mean_m = sum_width_m / num_agreeing;
+    return sum_width_m2 / num_agreeing - mean_m * mean_m;
+  }
+};
+
+/// How much better than by chance the witnesses agree: log likelihood, as they themselves show
+/// their noise, and as chance does while they are few.
+double agreement(const Hypothesis& h, double place_by_chance_m2, double width_by_chance_m2) {
+  constexpr double kOfChance = 5.0;
+  const double n = h.num_agreeing;
+  const auto gain = [n](double own, double by_chance) {
+    return 0.5 * n * std::log(by_chance * (n + kOfChance) / (n * own + kOfChance * by_chance));
+  };
+  return 2.0 * gain(h.place_m2(), place_by_chance_m2) + gain(h.width_m2(), width_by_chance_m2);
+}
+
+/// By agreement of places and widths, and by the number that agree, in turn; each once.
+std::vector<std::size_t> most_promising_first(const std::vector<Hypothesis>& hypotheses) {
+  std::vector<double> places_m2, widths_m2;
+  for (const Hypothesis& h : hypotheses) {
+    places_m2.push_back(h.place_m2());
+    widths_m2.push_back(h.width_m2());
+  }
+  const double place_m2 = std::max(1e-6, median_of(std::move(places_m2)));
+  const double width_m2 = std::max(1e-6, median_of(std::move(widths_m2)));
+  std::vector<double> agreements;
+  for (const Hypothesis& h : hypotheses) agreements.push_back(agreement(h, place_m2, width_m2));
+  std::vector<std::size_t> by_agreement(hypotheses.size());
+  std::iota(by_agreement.begin(), by_agreement.end(), std::size_t{0});
+  std::vector<std::size_t> by_number = by_agreement;
+  std::stable_sort(by_agreement.begin(), by_agreement.end(),
+                   [&](std::size_t i, std::size_t j) { return agreements[i] > agreements[j]; });
+  std::stable_sort(by_number.begin(), by_number.end(), [&](std::size_t i, std::size_t j) {
+    return std::make_tuple(-hypotheses[i].num_agreeing, hypotheses[i].sum_m2) <
+           std::make_tuple(-hypotheses[j].num_agreeing, hypotheses[j].sum_m2);
+  });
+  std::vector<std::size_t> order;
+  std::vector<bool> taken(hypotheses.size(), false);
+  for (std::size_t k = 0; k < hypotheses.size(); ++k) {
+    for (const std::size_t i : {by_agreement[k], by_number[k]}) {
+      if (!taken[i]) order.push_back(i);
+      taken[i] = true;
+    }
+  }
+  return order;
+}
+
+/// The points of a map and how wide each is.
+struct Trunks {
+  const IndexedPoints& places;
+  const std::vector<double>& width_m;
 };
 
 double angle_of(const Vector2d& v) { return std::atan2(v.y(), v.x()); }
@@ -71,8 +127,8 @@ RigidTransform through_two(const Vector2d& a1, const Vector2d& a2, const Vector2
 }
 
 /// Whether enough points around the anchor find partners; stops as soon as they cannot.
-bool is_borne_out(const IndexedPoints& a, const IndexedPoints& b, const Anchor& anchor,
-                  double gate_m, Hypothesis& hypothesis) {
+bool is_borne_out(const Trunks& a, const Trunks& b, const Anchor& anchor, double gate_m,
+                  Hypothesis& hypothesis) {
   const RigidTransform T_b_a = hypothesis.T_a_b.inverse();
   const Eigen::Matrix2d R_b_a = T_b_a.rotation();
   const auto num = static_cast<int>(anchor.witnesses.size());
@@ -81,11 +137,16 @@ bool is_borne_out(const IndexedPoints& a, const IndexedPoints& b, const Anchor& 
   for (const std::int32_t i : anchor.witnesses) {
     if (hypothesis.num_agreeing + num_left < needed) return false;
     --num_left;
-    const Vector2d p_b = R_b_a * a[static_cast<std::size_t>(i)] + T_b_a.translation_m;
-    const std::int32_t j = b.nearest(p_b, gate_m);
+    const auto of_a = static_cast<std::size_t>(i);
+    const Vector2d p_b = R_b_a * a.places[of_a] + T_b_a.translation_m;
+    const std::int32_t j = b.places.nearest(p_b, gate_m);
     if (j < 0) continue;
+    const auto of_b = static_cast<std::size_t>(j);
+    const double wider_m = b.width_m[of_b] - a.width_m[of_a];
     ++hypothesis.num_agreeing;
-    hypothesis.sum_m2 += (b[static_cast<std::size_t>(j)] - p_b).squaredNorm();
+    hypothesis.sum_m2 += (b.places[of_b] - p_b).squaredNorm();
+    hypothesis.sum_width_m += wider_m;
+    hypothesis.sum_width_m2 += wider_m * wider_m;
   }
   return hypothesis.num_agreeing >= needed;
 }
@@ -170,7 +231,10 @@ bool is_same_way(const RigidTransform& T, const RigidTransform& other, const Vec
 
 }  // namespace
 
-AlignmentCandidates alignment_candidates(const IndexedPoints& a, const IndexedPoints& b,
+AlignmentCandidates alignment_candidates(const IndexedPoints& a,
+                                         const std::vector<double>& width_of_a_m,
+                                         const IndexedPoints& b,
+                                         const std::vector<double>& width_of_b_m,
                                          const AlignmentSearch& search) {
   AlignmentCandidates found;
   if (a.size() < 3 || b.size() < 3) return found;
@@ -185,15 +249,12 @@ AlignmentCandidates alignment_candidates(const IndexedPoints& a, const IndexedPo
                             b[static_cast<std::size_t>(j)]);
       if (!is_allowed(h.T_a_b, anchor.middle, search)) return;
       found.num_tried += 1.0;
-      if (is_borne_out(a, b, anchor, search.gate_m, h)) hypotheses.push_back(h);
+      if (is_borne_out({a, width_of_a_m}, {b, width_of_b_m}, anchor, search.gate_m, h))
+        hypotheses.push_back(h);
     });
   }
-  std::stable_sort(hypotheses.begin(), hypotheses.end(),
-                   [](const Hypothesis& x, const Hypothesis& y) {
-                     return std::make_tuple(-x.num_agreeing, x.sum_m2) <
-                            std::make_tuple(-y.num_agreeing, y.sum_m2);
-                   });
-  for (const Hypothesis& h : hypotheses) {
+  for (const std::size_t k : most_promising_first(hypotheses)) {
+    const Hypothesis& h = hypotheses[k];
     if (found.ways.size() >= kWaysMost) break;
     const auto known = [&](const AlignmentCandidate& way) {
       return is_same_way(h.T_a_b, way.T_a_b, h.middle_a, spacing_m);

@@ -27,8 +27,13 @@ struct AlignmentCandidates {
 };
 
 /// All ways in which many points of b come to lie on points of a, by trying two points on two
-/// points of equal distance, from places all over a, and fitting what agrees. Deterministic.
-AlignmentCandidates alignment_candidates(const IndexedPoints& a, const IndexedPoints& b,
+/// points of equal distance, from places all over a, and fitting what agrees. Where there are too
+/// many, those of which most points agree and those whose places and widths [m] agree best.
+/// Deterministic.
+AlignmentCandidates alignment_candidates(const IndexedPoints& a,
+                                         const std::vector<double>& width_of_a_m,
+                                         const IndexedPoints& b,
+                                         const std::vector<double>& width_of_b_m,
                                          const AlignmentSearch& search);
 
 }  // namespace orchard::mapping

@@ -21,21 +21,16 @@ double normal_density(double deviation, double sd) {
   return std::exp(-0.5 * u * u) / (sd * std::sqrt(2.0 * geometry::kPi));
 }
 
-/// Mean of a list and the variance of that mean.
-struct Mean {
-  double value = 0.0;
-  double variance = 0.0;
-};
-
-Mean mean_of(const std::vector<double>& values) {
-  Mean mean;
-  if (values.empty()) return mean;
+EvidenceDifference sum_of(const std::vector<double>& values) {
+  EvidenceDifference d;
+  for (const double v : values) d.log_odds += v;
   const auto n = static_cast<double>(values.size());
-  for (const double v : values) mean.value += v / n;
+  double variance = 0.0;
   for (const double v : values) {
-    mean.variance += (v - mean.value) * (v - mean.value) / (n * std::max(1.0, n - 1.0));
+    variance += (v - d.log_odds / n) * (v - d.log_odds / n) * n / std::max(1.0, n - 1.0);
   }
-  return mean;
+  d.sigmas = variance > 0.0 ? d.log_odds / std::sqrt(variance) : (d.log_odds > 0.0 ? 1e3 : 0.0);
+  return d;
 }
 
 }  // namespace
@@ -64,8 +59,40 @@ PairNoise pair_noise(const AlignmentTrunks& a, const AlignmentTrunks& b,
   return noise;
 }
 
+PairNoise chance_noise(const std::vector<PairNoise>& of_ways) {
+  constexpr std::size_t kFewest = 4;
+  PairNoise chance = of_ways.front();
+  if (of_ways.size() < kFewest) {
+    chance.position_sd_m = 0.5 * chance.gate_m;  // of a disc, per axis
+    chance.width_sd_m = std::max(chance.width_sd_m, std::sqrt(2.0) * chance.width_spread_m);
+    return chance;
+  }
+  std::vector<double> positions_m, widths_m;
+  for (const PairNoise& noise : of_ways) {
+    positions_m.push_back(noise.position_sd_m);
+    widths_m.push_back(noise.width_sd_m);
+  }
+  chance.position_sd_m = median_of(std::move(positions_m));
+  chance.width_sd_m = median_of(std::move(widths_m));
+  return chance;
+}
+
+PairNoise cautious(const PairNoise& own, const PairNoise& chance, std::size_t num_pairs) {
+  constexpr double kPairsOfChance = 5.0;
+  const auto n = static_cast<double>(num_pairs);
+  const auto mixed = [&](double sd, double sd_by_chance) {
+    return std::sqrt((n * sd * sd + kPairsOfChance * sd_by_chance * sd_by_chance) /
+                     (n + kPairsOfChance));
+  };
+  PairNoise noise = own;
+  noise.position_sd_m = mixed(own.position_sd_m, chance.position_sd_m);
+  noise.width_sd_m = mixed(own.width_sd_m, chance.width_sd_m);
+  return noise;
+}
+
 AlignmentEvidence evidence_of(const AlignmentTrunks& a, const AlignmentTrunks& b,
-                              const AlignmentCandidate& way, const PairNoise& noise) {
+                              const AlignmentCandidate& way, const PairNoise& noise,
+                              const PairNoise& chance) {
   AlignmentEvidence evidence;
   evidence.of_a.assign(a.places.size(), kNone);
   evidence.of_b.assign(b.places.size(), kNone);
@@ -73,6 +100,9 @@ AlignmentEvidence evidence_of(const AlignmentTrunks& a, const AlignmentTrunks& b
   const auto any_width = [&](std::size_t j) {
     return 0.9 * normal_density(b.width_m[j] - noise.width_mean_m, noise.width_spread_m) + 0.1;
   };
+  // what a pair by chance has of likelihood, on average
+  const double by_chance = -3.0 * (0.5 + 0.5 * std::log(2.0 * geometry::kPi)) -
+                           2.0 * std::log(chance.position_sd_m) - std::log(chance.width_sd_m);
   std::vector<LandmarkPair> pairs = way.pairs;
   remove_common_residuals(a.places, pairs);
   for (const LandmarkPair& pair : pairs) {
@@ -82,8 +112,10 @@ AlignmentEvidence evidence_of(const AlignmentTrunks& a, const AlignmentTrunks& b
     const double width =
         normal_density(b.width_m[j] - a.width_m[i] - noise.width_offset_m, noise.width_sd_m);
     evidence.of_a[i] = 0.0;
-    evidence.of_b[j] = std::log((1.0 - kShareChanged) * ((1.0 - kShareOutliers) * place * width +
-                                                         kShareOutliers * anywhere * any_width(j)));
+    evidence.of_b[j] =
+        std::log((1.0 - kShareChanged) * ((1.0 - kShareOutliers) * place * width +
+                                          kShareOutliers * anywhere * any_width(j))) -
+        by_chance;
   }
   const RigidTransform T_b_a = way.T_a_b.inverse();
   for (std::size_t i = 0; i < a.places.size(); ++i) {
@@ -93,55 +125,40 @@ AlignmentEvidence evidence_of(const AlignmentTrunks& a, const AlignmentTrunks& b
   }
   for (std::size_t j = 0; j < b.places.size(); ++j) {
     if (std::isnan(evidence.of_b[j]) && a.is_looked_at(way.T_a_b.apply(b.places[j]))) {
-      evidence.of_b[j] = std::log(kShareChanged * anywhere * any_width(j));
+      evidence.of_b[j] = std::log(kShareChanged * anywhere * any_width(j)) - by_chance;
     }
   }
   return evidence;
 }
 
 EvidenceDifference difference(const AlignmentEvidence& first, const AlignmentEvidence& second) {
-  std::vector<double> both, only_first, only_second;
+  std::vector<double> differences;
   const auto collect = [&](const std::vector<double>& x, const std::vector<double>& y) {
     for (std::size_t i = 0; i < x.size(); ++i) {
-      if (!std::isnan(x[i]) && !std::isnan(y[i])) {
-        both.push_back(x[i] - y[i]);
-      } else if (!std::isnan(x[i])) {
-        only_first.push_back(x[i]);
-      } else if (!std::isnan(y[i])) {
-        only_second.push_back(y[i]);
-      }
+      if (std::isnan(x[i]) && std::isnan(y[i])) continue;
+      differences.push_back((std::isnan(x[i]) ? 0.0 : x[i]) - (std::isnan(y[i]) ? 0.0 : y[i]));
     }
   };
   collect(first.of_b, second.of_b);
-  const std::size_t num_both_b = both.size();
-  const std::size_t num_only = std::min(only_first.size(), only_second.size());
   collect(first.of_a, second.of_a);
-  EvidenceDifference d;
-  if (2 * num_both_b >= num_only) {
-    const Mean mean = mean_of(both);
-    d.log_odds = mean.value * static_cast<double>(both.size());
-    d.sigmas = mean.variance > 0.0 ? mean.value / std::sqrt(mean.variance)
-                                   : (mean.value > 0.0 ? 1e3 : 0.0);
-    return d;
+  return sum_of(differences);
+}
+
+EvidenceDifference detail(const AlignmentEvidence& evidence) {
+  std::vector<double> values;
+  for (const double v : evidence.of_b) {
+    if (!std::isnan(v)) values.push_back(v);
   }
-  // They lay different trunks upon each other: what they explain, they must explain as well.
-  std::vector<double> of_first, of_second;
-  for (const double v : first.of_b) {
-    if (!std::isnan(v)) of_first.push_back(v);
-  }
-  for (const double v : second.of_b) {
-    if (!std::isnan(v)) of_second.push_back(v);
-  }
-  const Mean mean_first = mean_of(of_first), mean_second = mean_of(of_second);
-  const double better = mean_first.value - mean_second.value;
-  d.log_odds = better * static_cast<double>(std::min(of_first.size(), of_second.size()));
-  d.sigmas = better / std::sqrt(std::max(1e-12, mean_first.variance + mean_second.variance));
-  return d;
+  return sum_of(values);
+}
+
+std::size_t num_judged_b(const AlignmentEvidence& evidence) {
+  return static_cast<std::size_t>(std::count_if(evidence.of_b.begin(), evidence.of_b.end(),
+                                                [](double v) { return !std::isnan(v); }));
 }
 
 double share_explained(const AlignmentEvidence& evidence, std::size_t num_pairs) {
-  const auto num_judged = std::count_if(evidence.of_b.begin(), evidence.of_b.end(),
-                                        [](double v) { return !std::isnan(v); });
+  const std::size_t num_judged = num_judged_b(evidence);
   return num_judged == 0 ? 0.0 : static_cast<double>(num_pairs) / static_cast<double>(num_judged);
 }
 

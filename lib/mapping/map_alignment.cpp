@@ -21,6 +21,7 @@ constexpr double kShareExplained = 0.5;  ///< of the trunks that both drives cou
 constexpr double kChanceAllowed = 0.01;
 constexpr double kLookedAt = 0.05;  ///< a place: a tree there is missed more seldom
 constexpr std::size_t kFewTrees = 10;
+constexpr double kSharedFrame = 0.45;  ///< of a tree spacing: nearer no other tree can be meant
 
 struct Selection {
   std::vector<std::int32_t> index;  ///< into the map's landmarks
@@ -118,6 +119,10 @@ double apart_m(const RigidTransform& T, const RigidTransform& other, const Index
   return (T.apply(middle) - other.apply(middle)).norm();
 }
 
+bool is_clear(const EvidenceDifference& d) {
+  return d.log_odds > kOddsNeeded && d.sigmas > kSigmasNeeded;
+}
+
 std::string text(const char* format, double x, double y = 0.0, double z = 0.0) {
   char buffer[256];
   std::snprintf(buffer, sizeof buffer, format, x, y, z);
@@ -139,7 +144,8 @@ MapAlignment align_maps(const std::vector<Landmark>& a, const std::vector<Landma
   search.turn_max_rad = config.turn_max_deg * geometry::kPi / 180.0;
   const double spacing_m = std::min(typical_spacing_m(places_a), typical_spacing_m(places_b));
   search.gate_m = std::clamp(0.35 * spacing_m, std::min(0.1, config.gate_m), config.gate_m);
-  AlignmentCandidates candidates = alignment_candidates(places_a, places_b, search);
+  AlignmentCandidates candidates =
+      alignment_candidates(places_a, in_a.trunks.width_m, places_b, in_b.trunks.width_m, search);
   std::vector<AlignmentCandidate>& ways = candidates.ways;
   const auto needed = static_cast<std::size_t>(std::max(2, config.min_pairs));
   if (ways.empty() || ways.front().pairs.size() < needed) {
@@ -163,23 +169,23 @@ MapAlignment align_maps(const std::vector<Landmark>& a, const std::vector<Landma
                             }),
              ways.end());
 
-  // The noise is that of the best way, and the best way is told by the noise: twice is enough.
-  std::size_t best = 0;
+  // Each way by the noise that its own pairs show: the right one has few pairs, perhaps, but they
+  // agree better than trunks do that only stand in rows alike.
+  std::vector<PairNoise> noise;
+  for (const AlignmentCandidate& way : ways) {
+    noise.push_back(pair_noise(in_a.trunks, in_b.trunks, way.pairs, search.gate_m));
+  }
+  const PairNoise by_chance = chance_noise(noise);
   std::vector<AlignmentEvidence> evidence;
-  PairNoise noise;
-  for (int round = 0; round < 2; ++round) {
-    noise = pair_noise(in_a.trunks, in_b.trunks, ways[best].pairs, search.gate_m);
-    evidence.clear();
-    for (const AlignmentCandidate& way : ways) {
-      evidence.push_back(evidence_of(in_a.trunks, in_b.trunks, way, noise));
-    }
-    for (std::size_t k = 0; k < ways.size(); ++k) {
-      if (k != best && difference(evidence[k], evidence[best]).log_odds > 0.0) best = k;
-    }
+  std::size_t best = 0;
+  for (std::size_t k = 0; k < ways.size(); ++k) {
+    evidence.push_back(evidence_of(in_a.trunks, in_b.trunks, ways[k],
+                                   cautious(noise[k], by_chance, ways[k].pairs.size()), by_chance));
+    if (k != best && difference(evidence[k], evidence[best]).log_odds > 0.0) best = k;
   }
   alignment.T_a_b = ways[best].T_a_b;
   alignment.pairs = ways[best].pairs;
-  alignment.position_sd_m = noise.position_sd_m;
+  alignment.position_sd_m = noise[best].position_sd_m;
   double sum_m2 = 0.0;
   for (const LandmarkPair& pair : alignment.pairs) sum_m2 += pair.residual_m.squaredNorm();
   alignment.rms_m = std::sqrt(sum_m2 / static_cast<double>(alignment.pairs.size()));
@@ -188,7 +194,7 @@ MapAlignment align_maps(const std::vector<Landmark>& a, const std::vector<Landma
 
   const double chance =
       log_chance(static_cast<double>(alignment.pairs.size()) - 2.0,
-                 expected_by_chance(places_a, evidence[best].of_b.size(), search.gate_m)) +
+                 expected_by_chance(places_a, num_judged_b(evidence[best]), search.gate_m)) +
       std::log(std::max(1.0, candidates.num_tried));
   const double share = share_explained(evidence[best], alignment.pairs.size());
   if (chance > std::log(kChanceAllowed)) {
@@ -205,7 +211,6 @@ MapAlignment align_maps(const std::vector<Landmark>& a, const std::vector<Landma
   for (std::size_t k = 0; k < ways.size(); ++k) {
     if (k == best) continue;
     const EvidenceDifference d = difference(evidence[best], evidence[k]);
-    const bool is_worse = d.log_odds > kOddsNeeded && d.sigmas > kSigmasNeeded;
     if (d.log_odds < alignment.log_odds) {
       alignment.log_odds = d.log_odds;
       if (alignment.verdict != AlignmentVerdict::kAmbiguous) {
@@ -213,13 +218,25 @@ MapAlignment align_maps(const std::vector<Landmark>& a, const std::vector<Landma
             apart_m(alignment.T_a_b, ways[k].T_a_b, places_b, alignment.pairs);
       }
     }
-    if (is_worse || alignment.verdict != AlignmentVerdict::kAligned) continue;
+    if (is_clear(d) || alignment.verdict != AlignmentVerdict::kAligned) continue;
     alignment.verdict = AlignmentVerdict::kAmbiguous;
     alignment.rival_offset_m = apart_m(alignment.T_a_b, ways[k].T_a_b, places_b, alignment.pairs);
     alignment.reason = text(
         "they fit about as well when the second is shifted by another %.1f m (%.0f pairs of "
         "trees against %.0f)",
         alignment.rival_offset_m, static_cast<double>(ways[k].pairs.size()),
+        static_cast<double>(alignment.pairs.size()));
+  }
+  // Rows that end alike lie well upon each other, too, when they are others. Where the frames tell
+  // which trees are the same it need not be asked.
+  const bool is_told = !config.any_place && apart_m(alignment.T_a_b, RigidTransform{}, places_b,
+                                                    alignment.pairs) < kSharedFrame * spacing_m;
+  if (alignment.verdict == AlignmentVerdict::kAligned && !is_told &&
+      !is_clear(detail(evidence[best]))) {
+    alignment.verdict = AlignmentVerdict::kAmbiguous;
+    alignment.reason = text(
+        "the %.0f trees that come to lie upon each other agree in place and width no better than "
+        "other trees planted alike would",
         static_cast<double>(alignment.pairs.size()));
   }
   for (LandmarkPair& pair : alignment.pairs) {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/angles.hpp"
+#include "mapping/change_odds.hpp"
 #include "mapping/thicket.hpp"
 
 namespace orchard::mapping {
@@ -13,15 +13,9 @@ namespace {
 using detection::Label;
 using Eigen::Vector2d;
 
-constexpr double kShareChanged = 0.05;  ///< of trees, before looking
-constexpr double kOneThing_m = 0.25;    ///< landmarks nearer than this may be one thing
+constexpr double kOneThing_m = 0.25;  ///< landmarks nearer than this may be one thing
 constexpr double kMissedIfAssumed = 0.005;
-constexpr double kWidthRange_m = 0.2;  ///< widths that grew are spread over so much
-
-double normal_density(double deviation, double sd) {
-  const double u = deviation / sd;
-  return std::exp(-0.5 * u * u) / (sd * std::sqrt(2.0 * geometry::kPi));
-}
+constexpr double kNearestOther = 0.8;  ///< of a tree spacing: what is farther away is another tree
 
 std::vector<Vector2d> places_of(const std::vector<Landmark>& landmarks) {
   std::vector<Vector2d> places;
@@ -60,31 +54,38 @@ double typical_share(const std::vector<Landmark>& a, const std::vector<Landmark>
   return std::max(1e-9, median_of(std::move(shares)));
 }
 
-struct WidthChanges {
-  double common_m = 0.0;
-  double sd_m = 0.005;
-  std::size_t num = 0;
-};
+bool are_trees(const Landmark& a, const Landmark& b) {
+  return a.label == Label::kTree && b.label == Label::kTree;
+}
 
-WidthChanges width_changes(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
-                           const std::vector<LandmarkPair>& pairs) {
-  std::vector<double> changes_m;
+/// How the pairs of two maps scatter.
+PairScatter scatter_of(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
+                       const std::vector<LandmarkPair>& pairs, double position_sd_m) {
+  PairScatter scatter;
+  scatter.position_sd_m = std::max(0.005, position_sd_m);
+  std::vector<double> changes_m, widths_m;
   for (const LandmarkPair& pair : pairs) {
     changes_m.push_back(b[static_cast<std::size_t>(pair.b)].width_m -
                         a[static_cast<std::size_t>(pair.a)].width_m);
+    widths_m.push_back(b[static_cast<std::size_t>(pair.b)].width_m);
   }
-  WidthChanges w;
-  w.num = changes_m.size();
-  w.common_m = median_of(changes_m);
-  for (double& change_m : changes_m) change_m -= w.common_m;
-  w.sd_m = std::max(0.002, robust_sd(std::move(changes_m)));
-  return w;
-}
-
-/// That the thing is gone, when it was not found where it would be missed with that chance.
-double confidence_of_absence(double probability_missed, double real) {
-  return real * kShareChanged /
-         (kShareChanged + (1.0 - kShareChanged) * std::min(1.0, probability_missed));
+  scatter.width_common_m = median_of(changes_m);
+  for (double& change_m : changes_m) change_m -= scatter.width_common_m;
+  scatter.width_sd_m = std::max(0.002, robust_sd(changes_m));
+  scatter.width_mean_m = median_of(widths_m);
+  for (double& width_m : widths_m) width_m -= scatter.width_mean_m;
+  scatter.width_spread_m = std::max(0.01, robust_sd(std::move(widths_m)));
+  const double typical = typical_share(a, b, pairs);
+  std::vector<double> of_trees, of_others;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const Landmark& l = a[static_cast<std::size_t>(pairs[k].a)];
+    const Landmark& m = b[static_cast<std::size_t>(pairs[k].b)];
+    (are_trees(l, m) ? of_trees : of_others)
+        .push_back(changes_m[k] / (seldom_factor(l, m, typical) * scatter.width_sd_m));
+  }
+  scatter.stray_widths_of_trees = stray_share(of_trees, scatter.stray_widths_of_trees, 100.0);
+  scatter.stray_widths_of_others = stray_share(of_others, scatter.stray_widths_of_others, 20.0);
+  return scatter;
 }
 
 }  // namespace
@@ -130,50 +131,67 @@ MapComparison compare_maps(const std::vector<Landmark>& a, const std::vector<Lan
   const std::vector<LandmarkPair> pairs =
       pair_landmarks(places_a, b_in_a, RigidTransform{}, gate_m);
   const double typical = typical_share(a, b, pairs);
-  const WidthChanges widths = width_changes(a, b, pairs);
-  const double sd_m = std::max(0.005, alignment.position_sd_m);
+  PairScatter scatter = scatter_of(a, b, pairs, alignment.position_sd_m);
+  scatter.spacing_m = std::max(spacing_m, gate_m);
+  scatter.moved_max_m = std::min(config.moved_max_m, kNearestOther * scatter.spacing_m);
 
   MapComparison comparison;
-  comparison.width_change_common_m = widths.common_m;
+  comparison.width_change_common_m = scatter.width_common_m;
   comparison.width_change_common_se_m =
-      widths.num == 0 ? 0.0 : 1.253 * widths.sd_m / std::sqrt(static_cast<double>(widths.num));
+      pairs.empty() ? 0.0
+                    : 1.253 * scatter.width_sd_m / std::sqrt(static_cast<double>(pairs.size()));
   std::vector<std::int32_t> partner_of_a(a.size(), -1);
   std::vector<bool> has_partner_b(b.size(), false);
+  // That what stood there has gone, and the later thing has come, if they are not one: 1 until
+  // told.
+  std::vector<double> gone(a.size(), 1.0), come(b.size(), 1.0);
 
+  const auto sight_of = [&](std::size_t i, std::size_t j) {
+    PairSight pair;
+    pair.distance_m = (b_in_a[j] - places_a[i]).norm();
+    pair.width_b_m = b[j].width_m;
+    pair.width_change_m = b[j].width_m - a[i].width_m;
+    pair.noise_factor = seldom_factor(a[i], b[j], typical);
+    pair.both_trees = are_trees(a[i], b[j]);
+    return pair;
+  };
   const auto paired = [&](std::size_t i, std::size_t j) {
+    const PairSight pair = sight_of(i, j);
+    const PairOdds odds = odds_of(pair, scatter);
+    const bool is_far =
+        pair.distance_m >= config.moved_min_m &&
+        pair.distance_m >= config.sigmas_min * pair.noise_factor * scatter.position_sd_m;
+    const bool in_thicket = thicket_a[i] || thicket_b[j];
+    if (is_far && !in_thicket && odds.replaced > 0.5) {
+      gone[i] = std::min(gone[i], odds.replaced);
+      come[j] = std::min(come[j], odds.replaced);
+      return false;
+    }
     partner_of_a[i] = static_cast<std::int32_t>(j);
     has_partner_b[j] = true;
-    const double factor = seldom_factor(a[i], b[j], typical);
     MapChange c;
     c.a = static_cast<std::int32_t>(i);
     c.b = static_cast<std::int32_t>(j);
     c.p_a = b_in_a[j];
-    c.moved_m = (b_in_a[j] - places_a[i]).norm();
-    c.width_change_m = b[j].width_m - a[i].width_m;
-    c.width_change_se_m = factor * widths.sd_m;
-    const double u = c.moved_m / (factor * sd_m);
-    const double still =
-        std::exp(-0.5 * u * u) / (2.0 * geometry::kPi * factor * factor * sd_m * sd_m);
-    const double anywhere = 1.0 / (geometry::kPi * config.moved_max_m * config.moved_max_m);
-    const double p_moved =
-        kShareChanged * anywhere / (kShareChanged * anywhere + (1.0 - kShareChanged) * still);
-    const double as_before = normal_density(c.width_change_m, c.width_change_se_m);
-    const double p_width = kShareChanged / kWidthRange_m /
-                           (kShareChanged / kWidthRange_m + (1.0 - kShareChanged) * as_before);
-    if (thicket_a[i] || thicket_b[j]) {
+    c.moved_m = pair.distance_m;
+    c.width_change_m = pair.width_change_m;
+    c.width_change_se_m = pair.noise_factor * scatter.width_sd_m;
+    const bool is_wide = std::abs(c.width_change_m) >= config.width_change_min_m &&
+                         std::abs(c.width_change_m) >= config.sigmas_min * c.width_change_se_m &&
+                         (a[i].label == Label::kTree || b[j].label == Label::kTree);
+    if (in_thicket) {
       c.confidence = 0.5;
-    } else if (c.moved_m >= config.moved_min_m && u >= config.sigmas_min) {
+    } else if (is_far && odds.moved > 0.5) {
       c.change = Change::kMoved;
-      c.confidence = p_moved;
-    } else if (a[i].label == Label::kTree && b[j].label == Label::kTree &&
-               std::abs(c.width_change_m) >= config.width_change_min_m &&
-               std::abs(c.width_change_m) >= config.sigmas_min * c.width_change_se_m) {
+      c.confidence = odds.moved;
+    } else if (is_wide && odds.width_changed >= config.confidence_min) {
       c.change = c.width_change_m > 0.0 ? Change::kGrown : Change::kThinner;
-      c.confidence = p_width;
+      c.confidence = odds.width_changed;
     } else {
-      c.confidence = (1.0 - p_moved) * (1.0 - p_width);
+      c.confidence = odds.unchanged;
     }
     comparison.changes.push_back(c);
+    return true;
   };
   const auto is_compared = [&](const Landmark& l) {
     return config.with_objects || l.label != Label::kObject;
@@ -188,29 +206,28 @@ MapComparison compare_maps(const std::vector<Landmark>& a, const std::vector<Lan
       has_partner_b[j] = true;
     }
   }
-  // What stands near an empty place and is as wide as what stood there has moved.
-  std::vector<Vector2d> left_a, left_b;
-  std::vector<std::size_t> index_a, index_b;
+  // What stands near an empty place and is as wide as what stood there has moved, most likely.
+  struct Offer {
+    double odds;
+    std::size_t a, b;
+  };
+  std::vector<Offer> offers;
   for (std::size_t i = 0; i < a.size(); ++i) {
-    if (partner_of_a[i] < 0 && is_compared(a[i]) && !thicket_a[i]) {
-      left_a.push_back(places_a[i]);
-      index_a.push_back(i);
+    if (partner_of_a[i] >= 0 || !is_compared(a[i]) || thicket_a[i]) continue;
+    for (const std::int32_t near : b_in_a.within(places_a[i], scatter.moved_max_m)) {
+      const auto j = static_cast<std::size_t>(near);
+      if (has_partner_b[j] || !is_compared(b[j]) || thicket_b[j]) continue;
+      const double moved = odds_of(sight_of(i, j), scatter).moved;
+      if (moved > 0.01) offers.push_back({moved, i, j});
     }
   }
-  for (std::size_t j = 0; j < b.size(); ++j) {
-    if (!has_partner_b[j] && is_compared(b[j]) && !thicket_b[j]) {
-      left_b.push_back(b_in_a[j]);
-      index_b.push_back(j);
-    }
-  }
-  const double moved_max_m = std::min(config.moved_max_m, 0.45 * std::max(spacing_m, gate_m));
-  for (const LandmarkPair& pair : pair_landmarks(IndexedPoints(left_a), IndexedPoints(left_b),
-                                                 RigidTransform{}, moved_max_m)) {
-    const std::size_t i = index_a[static_cast<std::size_t>(pair.a)];
-    const std::size_t j = index_b[static_cast<std::size_t>(pair.b)];
-    const double se_m = seldom_factor(a[i], b[j], typical) * widths.sd_m;
-    if (std::abs(b[j].width_m - a[i].width_m - widths.common_m) > 3.0 * se_m) continue;
-    paired(i, j);
+  std::stable_sort(offers.begin(), offers.end(),
+                   [](const Offer& x, const Offer& y) { return x.odds > y.odds; });
+  for (const Offer& offer : offers) {
+    if (partner_of_a[offer.a] >= 0 || has_partner_b[offer.b]) continue;
+    if (offer.odds > 0.5 && paired(offer.a, offer.b)) continue;
+    gone[offer.a] = std::min(gone[offer.a], 1.0 - offer.odds);
+    come[offer.b] = std::min(come[offer.b], 1.0 - offer.odds);
   }
 
   // One thing may stand in a map as two; where the other map has something, nothing is missing.
@@ -229,7 +246,7 @@ MapComparison compare_maps(const std::vector<Landmark>& a, const std::vector<Lan
     const double missed = config.assume_seen ? kMissedIfAssumed
                                              : view_b.probability_missed(T_b_a.apply(places_a[i]),
                                                                          view_a.visibility(a[i]));
-    c.confidence = confidence_of_absence(missed, reality(a[i]));
+    c.confidence = gone[i] * confidence_of_absence(missed, reality(a[i]));
     c.change = Change::kMissing;
     comparison.changes.push_back(c);
   }
@@ -246,7 +263,7 @@ MapComparison compare_maps(const std::vector<Landmark>& a, const std::vector<Lan
     const double missed = config.assume_seen
                               ? kMissedIfAssumed
                               : view_a.probability_missed(b_in_a[j], view_b.visibility(b[j]));
-    c.confidence = confidence_of_absence(missed, reality(b[j]));
+    c.confidence = come[j] * confidence_of_absence(missed, reality(b[j]));
     c.change = Change::kNew;
     comparison.changes.push_back(c);
   }

@@ -17,11 +17,11 @@ enum class Change {
 inline constexpr int kNumChanges = 7;
 
 struct ComparisonConfig {
-  double confidence_min = 0.8;  ///< of missing and new; what is less sure is not seen
+  double confidence_min = 0.8;  ///< of missing and new (what is less sure is not seen), of widths
   double moved_min_m = 0.15;    ///< smaller moves are none
-  double moved_max_m = 1.0;     ///< farther away it is another tree
+  double moved_max_m = 1.6;     ///< farther away it is another tree
   double width_change_min_m = 0.01;
-  double sigmas_min = 4.0;    ///< of moves and of width changes
+  double sigmas_min = 3.0;    ///< of moves and of width changes, in standard errors
   bool assume_seen = false;   ///< both drives looked everywhere
   bool with_objects = false;  ///< compare objects too, not only trees
 };
@@ -52,7 +52,8 @@ struct MapComparison {
 /// neighbours share is the maps' bend. Standard errors of positions and widths are taken from how
 /// the pairs of the two maps scatter, more for what was seen seldom; map.csv has none for widths.
 /// Missing and new are weighed by how likely the other drive would have missed the thing
-/// (DriveView::probability_missed) against one tree in twenty that changes.
+/// (DriveView::probability_missed), moved, grown and replaced against each other and against noise
+/// (odds_of()); one tree in twenty changes each way. Moved is what more likely moved than not.
 MapComparison compare_maps(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
                            const DriveView& view_a, const DriveView& view_b,
                            const MapAlignment& alignment, const ComparisonConfig& config);

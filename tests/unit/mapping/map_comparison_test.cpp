@@ -121,6 +121,62 @@ TEST(MapComparison, WhatWasNotLookedAtIsNotMissing) {
   EXPECT_GT(compare(a, b, trusting).count(Change::kMissing), 100);
 }
 
+TEST(MapComparison, MovedIsWhatIsAsWideAndReplacedWhatIsNot) {
+  Dice dice(61);
+  Block block = plant_block(dice, 6, 15);
+  Drive drive;
+  drive.last_alley = 6;
+  drive.along_max_m = 31.0;
+  const DrivenMap a = drive_through(block, drive, dice);
+  const auto far_from_gaps = [&](std::size_t i) {
+    return block.trees[i - 1].stands && block.trees[i].stands && block.trees[i + 1].stands;
+  };
+  std::size_t moved = 20, replaced = 50;
+  while (!far_from_gaps(moved)) ++moved;
+  while (!far_from_gaps(replaced)) ++replaced;
+  block.trees[moved].p.x() += 1.3;
+  block.trees[replaced].p.x() += 1.3;
+  block.trees[replaced].width_m += 0.08;
+  const DrivenMap b = drive_through(block, drive, dice);
+  const MapComparison comparison = compare(a, b);
+  EXPECT_EQ(comparison.count(Change::kMoved), 1);
+  EXPECT_EQ(comparison.count(Change::kMissing), 1);
+  EXPECT_EQ(comparison.count(Change::kNew), 1);
+  for (const MapChange& c : comparison.changes) {
+    if (c.change == Change::kUnchanged) continue;
+    EXPECT_EQ(tree_of(c, a, b), c.change == Change::kMoved ? moved : replaced);
+    if (c.change == Change::kMoved) {
+      EXPECT_NEAR(c.moved_m, 1.3, 0.2);
+    }
+  }
+}
+
+TEST(MapComparison, ATrunkThatGrewBeyondTheClassOfTreesHasGrown) {
+  Dice dice(62);
+  Block block = plant_block(dice, 6, 15);
+  Drive drive;
+  drive.last_alley = 6;
+  drive.along_max_m = 31.0;
+  drive.position_sd_m = 0.005;
+  drive.width_sd_m = 0.002;
+  drive.bend_m = 0.0;
+  const DrivenMap a = drive_through(block, drive, dice);
+  DrivenMap b = drive_through(block, drive, dice);
+  Landmark &grown = b.landmarks[30], &other = b.landmarks[40];
+  grown.width_m += 0.04;
+  grown.label = detection::Label::kObject;  // a laser alone judges by width
+  other.width_m += 0.3;                     // something else stands before it now
+  other.x_m += 0.1;
+  other.label = detection::Label::kObject;
+  const MapComparison comparison = compare(a, b);
+  ASSERT_EQ(comparison.count(Change::kGrown), 1);
+  for (const MapChange& c : comparison.changes) {
+    if (c.change != Change::kGrown) continue;
+    EXPECT_EQ(c.b, 30);
+    EXPECT_GE(c.confidence, 0.8);
+  }
+}
+
 TEST(MapComparison, OneThingThatIsTwoLandmarksIsNoChange) {
   Dice dice(31);
   Block block = plant_block(dice, 6, 15);

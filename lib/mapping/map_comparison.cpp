@@ -15,7 +15,7 @@ using Eigen::Vector2d;
 
 constexpr double kOneThing_m = 0.25;  ///< landmarks nearer than this may be one thing
 constexpr double kMissedIfAssumed = 0.005;
-constexpr double kNearestOther = 0.8;  ///< of a tree spacing: what is farther away is another tree
+constexpr double kNearestOther = 0.9;  ///< of a tree spacing: what is farther away is another tree
 
 std::vector<Vector2d> places_of(const std::vector<Landmark>& landmarks) {
   std::vector<Vector2d> places;

@@ -22,6 +22,7 @@ const char* const kHelp =
 
 int main(int argc, char** argv) {
   using namespace orchard::trials;
+  std::setvbuf(stdout, nullptr, _IOLBF, 4096);  // a long run tells as it goes
   if (argc != 4) {
     std::fputs(kHelp, argc > 1 && std::strcmp(argv[1], "--help") == 0 ? stdout : stderr);
     return argc > 1 && std::strcmp(argv[1], "--help") == 0 ? 0 : 2;

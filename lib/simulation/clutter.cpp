@@ -43,6 +43,7 @@ class ClutterBuilder {
     add_crowns();
     mark_with_reflectors();
     for (int i = 0; i < clutter_.num_people; ++i) add_person(i);
+    for (int i = 0; i < clutter_.num_vehicles; ++i) add_vehicle(i);
   }
 
  private:
@@ -336,6 +337,49 @@ class ClutterBuilder {
       const double x_m = person.x_m + c * person.speed_mps * t_s;
       const double y_m = person.y_m + s * person.speed_mps * t_s;
       if (std::hypot(x_m - robot.x_m, y_m - robot.y_m) < 0.8) return false;
+    }
+    return true;
+  }
+
+  /// Stands since the start in an alley where the robot has not been yet; leaves when that is 5 m
+  /// behind it.
+  void add_vehicle(int index) {
+    Random random(seed_, Stream::kVehicles, static_cast<std::uint64_t>(index));
+    for (int attempt = 0; attempt < 200; ++attempt) {
+      Vehicle vehicle;
+      vehicle.leaves_s = random.uniform(2.0, std::max(4.0, scene_.path.duration_s() - 4.0));
+      const Pose2 robot = scene_.path.pose_at(vehicle.leaves_s);
+      if (std::abs(std::cos(robot.yaw_rad)) > 0.02) continue;
+      const Pose2 place = compose(robot, {5.0, random.uniform(-0.4, 0.4), 0.0});
+      vehicle.x_m = place.x_m;
+      vehicle.y_m = place.y_m;
+      vehicle.heading_rad = robot.yaw_rad;
+      vehicle.speed_mps = clutter_.vehicle_speed_mps;
+      if (place.y_m < first_y_m() || place.y_m > last_y_m() || !drives_free(vehicle)) continue;
+      vehicle.target = scene_.world.num_targets++;
+      TruthObject thing{detection::Label::kObject, place.x_m, place.y_m, 1.1,
+                        "V" + std::to_string(index + 1)};
+      thing.moving = true;
+      scene_.truth.push_back(thing);
+      scene_.vehicles.push_back(vehicle);
+      return;
+    }
+  }
+
+  /// Through no thing of the truth but hedges, never within 3 m of the robot's middle.
+  bool drives_free(const Vehicle& vehicle) const {
+    const double c = std::cos(vehicle.heading_rad), s = std::sin(vehicle.heading_rad);
+    for (const TruthObject& thing : scene_.truth) {
+      const double ex = thing.x_m - vehicle.x_m, ey = thing.y_m - vehicle.y_m;
+      if (thing.moving || ex * c + ey * s < -1.2 || thing.name[0] == 'H') continue;
+      if (std::abs(ex * s - ey * c) < 0.5 * thing.width_m + 0.7) return false;
+    }
+    for (double t_s = 0.0; t_s < scene_.path.duration_s(); t_s += 0.25) {
+      const Pose2 robot = scene_.path.pose_at(t_s);
+      // it is not behind this, however slowly it starts
+      const double way_m = std::max(0.0, t_s - vehicle.leaves_s - 2.0) * vehicle.speed_mps;
+      const double x_m = vehicle.x_m + c * way_m, y_m = vehicle.y_m + s * way_m;
+      if (std::hypot(x_m - robot.x_m, y_m - robot.y_m) < 3.0) return false;
     }
     return true;
   }

@@ -19,6 +19,8 @@ struct ClutterConfig {
   int num_branches = 0;         ///< fallen branches at the height of the scan plane
   int num_people = 0;
   double person_speed_mps = 1.3;
+  int num_vehicles = 0;
+  double vehicle_speed_mps = 3.0;
   bool row_end_hedges = false;
   double foliage = 0.0;  ///< share of a crown that leaves fill, for the camera; 0 = no crowns
   double reflector_tree_fraction = 0.0;  ///< trees with a reflector band (in intensities)
@@ -43,6 +45,9 @@ void describe(Visitor& v, ClutterConfig& c) {
   v.integer("num_branches", c.num_branches, 0, 1000, "1", "fallen branches at scan height");
   v.integer("num_people", c.num_people, 0, 100, "1", "people who walk along and through the rows");
   v.number("person_speed_mps", c.person_speed_mps, 0.1, 3, "m/s", "how fast they walk");
+  v.integer("num_vehicles", c.num_vehicles, 0, 100, "1",
+            "vehicles that stand in an alley until the robot is near, then drive off ahead of it");
+  v.number("vehicle_speed_mps", c.vehicle_speed_mps, 0.5, 20, "m/s", "how fast they leave");
   v.flag("row_end_hedges", c.row_end_hedges, "hedges beyond both ends of the rows");
   v.number("foliage", c.foliage, 0, 1, "1", "share of a crown that leaves fill; 0 = no crowns");
   v.number("reflector_tree_fraction", c.reflector_tree_fraction, 0, 1, "1",

@@ -17,6 +17,13 @@ constexpr double kLegApart_m = 0.18;
 constexpr double kLegRadius_m = 0.065;
 constexpr double kHip_m = 0.85;
 
+// a narrow orchard tractor
+constexpr double kAxlesApart_m = 1.4;
+constexpr double kTrack_m = 0.9;  ///< between the middles of the wheels of an axle
+constexpr double kWheel_m = 0.65;
+constexpr double kTyre_m = 0.22;
+constexpr double kStart_mps2 = 1.0;
+
 Cylinder part(double x_m, double y_m, double radius_m, double base_m, double top_m,
               const Person& person) {
   Cylinder cylinder;
@@ -59,6 +66,48 @@ void add_person(const Person& person, double time_s, World& world) {
   }
 }
 
+/// How far a vehicle has come, and its speed.
+struct Way {
+  double way_m = 0.0;
+  double speed_mps = 0.0;
+};
+
+Way way_of(const Vehicle& vehicle, double time_s) {
+  const double driven_s = std::max(0.0, time_s - vehicle.leaves_s);
+  const double started_s = std::min(driven_s, vehicle.speed_mps / kStart_mps2);
+  return {0.5 * kStart_mps2 * started_s * started_s + vehicle.speed_mps * (driven_s - started_s),
+          kStart_mps2 * started_s};
+}
+
+void add_vehicle(const Vehicle& vehicle, double time_s, World& world) {
+  const double c = std::cos(vehicle.heading_rad), s = std::sin(vehicle.heading_rad);
+  const double way_m = way_of(vehicle, time_s).way_m;
+  Box box;
+  box.yaw_rad = vehicle.heading_rad;
+  box.target = vehicle.target;
+  const auto add = [&](double ahead_m, double beside_m) {
+    box.x_m = vehicle.x_m + c * (way_m + ahead_m) - s * beside_m;
+    box.y_m = vehicle.y_m + s * (way_m + ahead_m) + c * beside_m;
+    world.boxes.push_back(box);
+  };
+  box.length_m = kWheel_m;
+  box.width_m = kTyre_m;
+  box.height_m = kWheel_m;
+  box.appearance.saturation = 0.1;
+  box.appearance.value = 0.15;
+  for (const double ahead_m : {-0.5 * kAxlesApart_m, 0.5 * kAxlesApart_m}) {
+    for (const double beside_m : {-0.5 * kTrack_m, 0.5 * kTrack_m}) add(ahead_m, beside_m);
+  }
+  box.length_m = kAxlesApart_m + kWheel_m;
+  box.width_m = kTrack_m;
+  box.base_m = kWheel_m;
+  box.height_m = 0.6;
+  box.appearance.hue_deg = 120.0;
+  box.appearance.saturation = 0.7;
+  box.appearance.value = 0.5;
+  add(0.0, 0.0);
+}
+
 /// Where the `i`-th cylinder of a scene swings to.
 void sway(Cylinder& cylinder, std::size_t i, double time_s) {
   if (cylinder.sway_m <= 0.0) return;
@@ -75,7 +124,7 @@ void sway(Cylinder& cylinder, std::size_t i, double time_s) {
 }  // namespace
 
 bool has_motion(const Scene& scene) {
-  return !scene.people.empty() ||
+  return !scene.people.empty() || !scene.vehicles.empty() ||
          std::any_of(scene.world.cylinders.begin(), scene.world.cylinders.end(),
                      [](const Cylinder& c) { return c.sway_m > 0.0; });
 }
@@ -84,6 +133,7 @@ World world_at(const Scene& scene, double time_s) {
   World world = scene.world;
   for (std::size_t i = 0; i < world.cylinders.size(); ++i) sway(world.cylinders[i], i, time_s);
   for (const Person& person : scene.people) add_person(person, time_s, world);
+  for (const Vehicle& vehicle : scene.vehicles) add_vehicle(vehicle, time_s, world);
   return world;
 }
 
@@ -99,6 +149,7 @@ World world_near(const Scene& scene, const WorldIndex& index, double x_m, double
     world.boxes.push_back(scene.world.boxes[i]);
   }
   for (const Person& person : scene.people) add_person(person, time_s, world);
+  for (const Vehicle& vehicle : scene.vehicles) add_vehicle(vehicle, time_s, world);
   return world;
 }
 
@@ -110,6 +161,15 @@ std::vector<TruthObject> truth_at(const Scene& scene, double time_s) {
     thing.velocity_y_mps = person.speed_mps * std::sin(person.heading_rad);
     thing.x_m = person.x_m + thing.velocity_x_mps * time_s;
     thing.y_m = person.y_m + thing.velocity_y_mps * time_s;
+  }
+  for (const Vehicle& vehicle : scene.vehicles) {
+    TruthObject& thing = truth[static_cast<std::size_t>(vehicle.target)];
+    const Way way = way_of(vehicle, time_s);
+    const double c = std::cos(vehicle.heading_rad), s = std::sin(vehicle.heading_rad);
+    thing.velocity_x_mps = c * way.speed_mps;
+    thing.velocity_y_mps = s * way.speed_mps;
+    thing.x_m = vehicle.x_m + c * way.way_m;
+    thing.y_m = vehicle.y_m + s * way.way_m;
   }
   return truth;
 }

@@ -180,6 +180,7 @@ class OrchardChanger {
     renumber(scene_.world.cylinders);
     renumber(scene_.world.boxes);
     renumber(scene_.people);
+    renumber(scene_.vehicles);
     scene_.world.num_targets = static_cast<int>(scene_.truth.size());
   }
 
@@ -207,12 +208,13 @@ class OrchardChanger {
     }
   }
 
-  /// Before the people, who are last.
+  /// Before what moves, which is last.
   void insert(const TruthObject& thing, Cylinder trunk) {
     const int place = static_cast<int>(std::find_if(scene_.truth.begin(), scene_.truth.end(),
                                                     [](const TruthObject& t) { return t.moving; }) -
                                        scene_.truth.begin());
     for (Person& person : scene_.people) ++person.target;
+    for (Vehicle& vehicle : scene_.vehicles) ++vehicle.target;
     trunk.target = place;
     scene_.truth.insert(scene_.truth.begin() + place, thing);
     scene_.former_targets.insert(scene_.former_targets.begin() + place, num_former_++);

@@ -40,6 +40,7 @@ enum class Stream : std::uint64_t {
   kGnssJump,
   kImu,
   kImuRun,
+  kVehicles,
 };
 
 /// Seeded random numbers that are the same on every standard library.

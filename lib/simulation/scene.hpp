@@ -71,6 +71,17 @@ struct Person {
   Appearance clothes;
 };
 
+/// A small tractor: four wheels in the scan plane, a body above them. It stands for a while, then
+/// drives off straight on.
+struct Vehicle {
+  double x_m = 0.0;  ///< of its middle while it stands, map frame
+  double y_m = 0.0;
+  double heading_rad = 0.0;
+  double leaves_s = 0.0;  ///< time of the run
+  double speed_mps = 0.0;
+  int target = 0;
+};
+
 /// Everything that sensors can see. A target is the place of a thing in the scene's truth.
 struct World {
   std::vector<Cylinder> cylinders;
@@ -88,7 +99,8 @@ struct World {
 struct Scene {
   World world;  ///< what stands
   std::vector<Person> people;
-  std::vector<TruthObject> truth;  ///< people last
+  std::vector<Vehicle> vehicles;
+  std::vector<TruthObject> truth;  ///< what moves last: people, then vehicles
   std::vector<TruthObject> gaps;   ///< empty places of the rows, with the trees that they lack
   /// Of every target, its number before change_orchard(); empty when nothing was changed.
   std::vector<int> former_targets;

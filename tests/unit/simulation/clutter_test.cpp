@@ -124,6 +124,42 @@ TEST(Clutter, LightChangesNoScanAndClutterNoMotion) {
   }
 }
 
+TEST(Clutter, VehiclesStandUntilTheRobotComesAndLeaveTheirPlace) {
+  int num_vehicles = 0;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    RigConfig rig = cluttered();
+    rig.simulation.clutter.num_vehicles = 1;
+    rig.simulation.orchard.num_rows = 5;
+    const Simulator simulator(SceneKind::kOrchard, seed, rig);
+    const Scene& scene = simulator.scene();
+    num_vehicles += static_cast<int>(scene.vehicles.size());
+    for (const Vehicle& vehicle : scene.vehicles) {
+      const auto place = [&](double time_s) {
+        return truth_at(scene, time_s)[static_cast<std::size_t>(vehicle.target)];
+      };
+      EXPECT_TRUE(place(0.0).moving);
+      EXPECT_EQ(place(vehicle.leaves_s).x_m, place(0.0).x_m);
+      EXPECT_EQ(place(vehicle.leaves_s).y_m, vehicle.y_m);
+      const double a_y_m = place(vehicle.leaves_s + 10.0).y_m;
+      const double b_y_m = place(vehicle.leaves_s + 12.0).y_m;
+      EXPECT_NEAR(std::abs(b_y_m - a_y_m), 2.0 * vehicle.speed_mps, 0.01);
+      for (double t_s = 0.0; t_s < scene.path.duration_s(); t_s += 0.2) {
+        const Pose2 robot = scene.path.pose_at(t_s);
+        const TruthObject now = place(t_s);
+        EXPECT_GT(std::hypot(now.x_m - robot.x_m, now.y_m - robot.y_m), 2.5);
+        int num_boxes = 0;
+        for (const Box& box : world_at(scene, t_s).boxes) {
+          if (box.target != vehicle.target) continue;
+          ++num_boxes;
+          EXPECT_LT(std::hypot(box.x_m - now.x_m, box.y_m - now.y_m), 1.0);
+        }
+        EXPECT_EQ(num_boxes, 5);
+      }
+    }
+  }
+  EXPECT_GE(num_vehicles, 3);
+}
+
 TEST(Clutter, PeopleWalkAndTheTruthWalksWithThem) {
   RigConfig rig = cluttered();
   rig.simulation.clutter.person_speed_mps = 1.3;

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "geometry/angles.hpp"
+
 namespace orchard::mapping {
 namespace {
 
@@ -54,8 +56,8 @@ std::vector<Candidate> compose(const detection::Detections& detections,
   return candidates;
 }
 
-void align(std::vector<Candidate>& candidates, const pose::PoseEstimate& pose, double kernel_m,
-           const NearestLandmark& nearest) {
+pose::PoseEstimate align(std::vector<Candidate>& candidates, const pose::PoseEstimate& pose,
+                         double kernel_m, const NearestLandmark& nearest) {
   const Eigen::Vector2d robot(pose.x_m, pose.y_m);
   const Eigen::Matrix3d pose_covariance = matrix_of(pose.covariance);
   std::vector<AlignmentPoint> points;
@@ -71,6 +73,18 @@ void align(std::vector<Candidate>& candidates, const pose::PoseEstimate& pose, d
     c.aligned_covariance =
         c.covariance - swept(pose_covariance, arm) + swept(alignment.covariance, arm);
   }
+  pose::PoseEstimate aligned = pose;
+  aligned.x_m += alignment.x_y_yaw.x();
+  aligned.y_m += alignment.x_y_yaw.y();
+  aligned.yaw_rad = geometry::wrap_angle_rad(pose.yaw_rad + alignment.x_y_yaw.z());
+  const Eigen::Matrix3d& c = alignment.covariance;
+  aligned.covariance = {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)};
+  return aligned;
+}
+
+double sd_at(const pose::PoseEstimate& pose, const Eigen::Vector2d& p_map) {
+  const Eigen::Vector2d arm = p_map - Eigen::Vector2d(pose.x_m, pose.y_m);
+  return std::sqrt(std::max(0.0, 0.5 * swept(matrix_of(pose.covariance), arm).trace()));
 }
 
 }  // namespace orchard::mapping

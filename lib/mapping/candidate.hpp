@@ -27,8 +27,11 @@ std::vector<Candidate> compose(const detection::Detections& detections,
                                const PoseComposition& composition, double range_use_max_m);
 
 /// Moves the candidates of a scan together onto the map: sets p_aligned and its covariance. Objects
-/// do not lead: bushes look different from each side.
-void align(std::vector<Candidate>& candidates, const pose::PoseEstimate& T_map_base,
-           double kernel_m, const NearestLandmark& nearest);
+/// do not lead: bushes look different from each side. T_map_base moved likewise.
+pose::PoseEstimate align(std::vector<Candidate>& candidates, const pose::PoseEstimate& T_map_base,
+                         double kernel_m, const NearestLandmark& nearest);
+
+/// 1-sigma per axis that a pose's covariance gives a point of map [m].
+double sd_at(const pose::PoseEstimate& T_map_base, const Eigen::Vector2d& p_map);
 
 }  // namespace orchard::mapping

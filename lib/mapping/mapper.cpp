@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "mapping/association.hpp"
 #include "mapping/bulk_centre.hpp"
@@ -72,13 +73,14 @@ struct Mapper::Impl {
 
   /// Appends the index of each trunk that became an observation to `observed`, in their order.
   MapUpdate place(const detection::Detections& detections, const pose::PoseEstimate& T_map_base,
+                  std::shared_ptr<const BeamLook> look,
                   std::vector<std::size_t>* observed = nullptr);
   void renumber(const std::vector<std::int32_t>& kept);
   void observe(std::int32_t index, const Candidate& candidate);
   void unite(std::int32_t keep, std::int32_t drop);
   void merge_changed(MapUpdate& update);
   void drop_gone(const std::vector<Candidate>& candidates, const pose::PoseEstimate& T_map_base,
-                 MapUpdate& update);
+                 const BeamLook* look, MapUpdate& update);
   BulkCentre centre_of(const LandmarkRecord& r) const;
   Landmark report(std::int32_t index, const BulkCentre& centre) const;
   std::vector<std::int32_t> landmark_of_observation() const;
@@ -127,10 +129,11 @@ void Mapper::Impl::merge_changed(MapUpdate& update) {
 }
 
 void Mapper::Impl::drop_gone(const std::vector<Candidate>& candidates,
-                             const pose::PoseEstimate& T_map_base, MapUpdate& update) {
+                             const pose::PoseEstimate& T_map_base, const BeamLook* look,
+                             MapUpdate& update) {
   std::vector<std::int32_t> observed;
   for (const std::int32_t id : update.changed_ids) observed.push_back(id - 1);
-  for (const std::int32_t i : presence.review(candidates, observed, T_map_base, landmarks)) {
+  for (const std::int32_t i : presence.review(candidates, observed, T_map_base, look, landmarks)) {
     landmarks.remove(i);
     update.removed_ids.push_back(i + 1);
   }
@@ -167,15 +170,17 @@ Mapper& Mapper::operator=(Mapper&&) noexcept = default;
 
 MapUpdate Mapper::Impl::place(const detection::Detections& detections,
                               const pose::PoseEstimate& T_map_base,
+                              std::shared_ptr<const BeamLook> look,
                               std::vector<std::size_t>* observed) {
-  observations.add_scan(T_map_base);
+  observations.add_scan(T_map_base, look);
   std::vector<Candidate> candidates =
       compose(detections, T_map_base, observations.last_composition(), config.range_use_max_m);
+  pose::PoseEstimate T_map_base_aligned = T_map_base;
   if (config.align_scans) {
-    align(candidates, T_map_base, config.align_kernel_m,
-          [&](const Eigen::Vector2d& p_map, double reach_m) {
-            return nearest_established(landmarks, p_map, reach_m);
-          });
+    T_map_base_aligned = align(candidates, T_map_base, config.align_kernel_m,
+                               [&](const Eigen::Vector2d& p_map, double reach_m) {
+                                 return nearest_established(landmarks, p_map, reach_m);
+                               });
   }
   const Association association = associate(candidates, landmarks, config);
 
@@ -194,7 +199,7 @@ MapUpdate Mapper::Impl::place(const detection::Detections& detections,
     const Candidate& c = candidates[k];
     take(landmarks.add(c.p_aligned, c.detection->width_m), c);
   }
-  drop_gone(candidates, T_map_base, update);
+  drop_gone(candidates, T_map_base_aligned, look.get(), update);
   merge_changed(update);
   return update;
 }
@@ -227,8 +232,9 @@ std::vector<std::int32_t> Mapper::Impl::landmark_of_observation() const {
 }
 
 MapUpdate Mapper::update(const detection::Detections& detections,
-                         const pose::PoseEstimate& T_map_base) {
-  return impl_->place(detections, T_map_base);
+                         const pose::PoseEstimate& T_map_base,
+                         std::shared_ptr<const BeamLook> look) {
+  return impl_->place(detections, T_map_base, std::move(look));
 }
 
 MapUpdate Mapper::rederive(
@@ -245,7 +251,8 @@ MapUpdate Mapper::rederive(
       detections.trunks.push_back(detection_of(was.observations[k]));
     }
     std::vector<std::size_t> observed;
-    now.place(detections, corrected(was.observations.pose(scan)), &observed);
+    now.place(detections, corrected(was.observations.pose(scan)), was.observations.look(scan),
+              &observed);
     for (const std::size_t trunk : observed) {
       then_of.push_back(landmark_then[static_cast<std::size_t>(first) + trunk]);
     }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "detection/detection.hpp"
+#include "mapping/beam_look.hpp"
 #include "mapping/landmark.hpp"
 #include "mapping/mapper_config.hpp"
 #include "pose/pose_estimate.hpp"
@@ -40,8 +41,10 @@ class Mapper {
   Mapper(Mapper&&) noexcept;
   Mapper& operator=(Mapper&&) noexcept;
 
-  /// Takes the detections of one scan, seen from T_map_base at the scan's time.
-  MapUpdate update(const detection::Detections& detections, const pose::PoseEstimate& T_map_base);
+  /// Takes the detections of one scan, seen from T_map_base at the scan's time. `look`: the scan's
+  /// beams, of looks in time that are worth it, to tell what stands there no more.
+  MapUpdate update(const detection::Detections& detections, const pose::PoseEstimate& T_map_base,
+                   std::shared_ptr<const BeamLook> look = nullptr);
 
   /// Derives the whole map anew after the past was corrected: every observation goes through
   /// update() once more, from where `corrected` puts its scan (it is given the pose as known so
@@ -62,7 +65,8 @@ class Mapper {
   /// Up to `count` ids in rising order, from `first_id` on.
   std::vector<std::int32_t> ids_from(std::int32_t first_id, std::size_t count) const;
 
-  /// Memory of landmarks and their index, observations kept for later correction not counted.
+  /// Memory of landmarks and their index, observations and looks kept for later correction not
+  /// counted.
   std::size_t num_bytes() const;
 
   /// All landmarks with at least `min_observations`, in order of id, their places of all that is

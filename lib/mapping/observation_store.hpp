@@ -3,8 +3,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <utility>
 #include <vector>
 
+#include "mapping/beam_look.hpp"
 #include "mapping/bulk_centre.hpp"
 #include "mapping/observation.hpp"
 #include "mapping/pose_composition.hpp"
@@ -13,12 +16,13 @@
 namespace orchard::mapping {
 
 /// Every observation that became part of a landmark, chained per landmark from the newest to the
-/// oldest, and where base was in each scan.
+/// oldest, and of each scan where base was and what its beams looked at.
 class ObservationStore {
  public:
-  /// Starts the next scan.
-  void add_scan(const pose::PoseEstimate& T_map_base) {
-    scans_.push_back({T_map_base, PoseComposition(T_map_base), num_observations()});
+  /// Starts the next scan; `look` may be none.
+  void add_scan(const pose::PoseEstimate& T_map_base, std::shared_ptr<const BeamLook> look) {
+    scans_.push_back(
+        {T_map_base, PoseComposition(T_map_base), num_observations(), std::move(look)});
   }
 
   /// Index of the scan that was started last.
@@ -30,6 +34,8 @@ class ObservationStore {
 
   /// T_map_base of a scan as it was given.
   const pose::PoseEstimate& pose(std::int32_t scan) const { return at(scan).T_map_base; }
+
+  const std::shared_ptr<const BeamLook>& look(std::int32_t scan) const { return at(scan).look; }
 
   /// Observations of a scan: those from first_of(scan) up to first_of(scan + 1), not included.
   std::int32_t first_of(std::int32_t scan) const {
@@ -53,6 +59,7 @@ class ObservationStore {
     pose::PoseEstimate T_map_base;
     PoseComposition composition;
     std::int32_t first = 0;  ///< of its observations
+    std::shared_ptr<const BeamLook> look;
   };
   const Scan& at(std::int32_t scan) const { return scans_[static_cast<std::size_t>(scan)]; }
 

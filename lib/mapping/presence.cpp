@@ -31,25 +31,43 @@ std::uint8_t bit(int side) {
   return static_cast<std::uint8_t>(1u << ((side + kNumSides) % kNumSides));
 }
 
-struct Miss {
-  std::int32_t index = 0;
-  double weight = 1.0;
+/// Base, its axes, and the laser of one scan in map.
+struct ScanFrame {
+  ScanFrame(const pose::PoseEstimate& T_map_base, const Vector2d& p_base_laser)
+      : base_map(T_map_base.x_m, T_map_base.y_m),
+        R_map_base(T_map_base.yaw_rad),
+        laser_map(base_map + R_map_base * p_base_laser) {}
+
+  Vector2d to_base(const Vector2d& p_map) const {
+    return R_map_base.inverse() * (p_map - base_map);
+  }
+  /// From the laser, axes of base.
+  Vector2d to_laser(const Vector2d& p_map) const {
+    return R_map_base.inverse() * (p_map - laser_map);
+  }
+
+  Vector2d base_map;
+  Eigen::Rotation2Dd R_map_base;
+  Vector2d laser_map;
 };
+
+int weight_as_witness(const LandmarkRecord& r) { return std::min(r.num_all, kWitnessMost); }
 
 }  // namespace
 
-std::vector<std::int32_t> PresenceWatch::review(const std::vector<Candidate>& candidates,
-                                                const std::vector<std::int32_t>& observed,
-                                                const pose::PoseEstimate& T_map_base,
-                                                LandmarkTable& landmarks) {
-  if (!config_.enabled) return {};
-  const Vector2d base_map(T_map_base.x_m, T_map_base.y_m);
-  const Eigen::Rotation2Dd R_map_base(T_map_base.yaw_rad);
-  const Vector2d laser_map = base_map + R_map_base * p_base_laser_;
-  const auto to_laser = [&](const Vector2d& p_map) {
-    return Vector2d(R_map_base.inverse() * (p_map - laser_map));
+/// What one look says of each landmark in view.
+struct PresenceWatch::Verdicts {
+  struct Verdict {
+    std::int32_t index = 0;
+    double log_odds = 0.0;  ///< that it stands there still
   };
+  std::vector<Verdict> verdicts;
+  double log_odds_max = 0.0;           ///< of what has spoken for a thing that is missed now
+  int for_pose = 0, against_pose = 0;  ///< weights of what is found and of what is missed
+};
 
+void PresenceWatch::acknowledge(const std::vector<std::int32_t>& observed,
+                                const Vector2d& laser_map, LandmarkTable& landmarks) const {
   const double for_it = std::log(config_.seen_rate / config_.stray_rate);
   for (const std::int32_t i : observed) {
     landmarks.change(i, [&](LandmarkRecord& r) {
@@ -57,21 +75,56 @@ std::vector<std::int32_t> PresenceWatch::review(const std::vector<Candidate>& ca
       r.sides_seen |= bit(side_of(laser_map - r.anchor()));
     });
   }
+}
 
-  const auto period_us = static_cast<std::int64_t>(1e6 * config_.period_s);
-  const std::int64_t since_us = last_utime_ ? T_map_base.utime - *last_utime_ : period_us;
-  if (since_us >= 0 && since_us < period_us) return {};
-  last_utime_ = T_map_base.utime;
+PresenceWatch::Verdicts PresenceWatch::of_beams(const std::vector<std::int32_t>& observed,
+                                                const pose::PoseEstimate& T_map_base,
+                                                const BeamLook& look,
+                                                const LandmarkTable& landmarks) const {
+  const double past_it = std::log(config_.past_rate / config_.past_rate_gone);
+  const double from_it = std::log((1.0 - config_.past_rate) / (1.0 - config_.past_rate_gone));
+  const ScanFrame frame(T_map_base, p_base_laser_);
+  const std::int32_t scan = observed.empty() ? -1 : landmarks[observed.front()].last_scan;
+  Verdicts all;
+  all.log_odds_max = config_.beam_log_odds_max;
+  landmarks.near(frame.laser_map, config_.beam_reach_m, [&](std::int32_t i, const auto& r) {
+    if (r.last_scan == scan) {
+      all.for_pose += weight_as_witness(r);
+      return;
+    }
+    const double sd_m = std::hypot(sd_at(T_map_base, r.anchor()), std::sqrt(r.scatter_m2));
+    switch (look.at(frame.to_base(r.anchor()), r.width_m, sd_m)) {
+      case BeamVerdict::kUnknown:
+        break;
+      case BeamVerdict::kReturns:
+        all.for_pose += weight_as_witness(r);
+        all.verdicts.push_back({i, from_it});
+        break;
+      case BeamVerdict::kSeesPast:
+        all.against_pose += weight_as_witness(r);
+        all.verdicts.push_back({i, past_it});
+        break;
+    }
+  });
+  return all;
+}
 
+PresenceWatch::Verdicts PresenceWatch::of_detections(const std::vector<Candidate>& candidates,
+                                                     const std::vector<std::int32_t>& observed,
+                                                     const pose::PoseEstimate& T_map_base,
+                                                     const LandmarkTable& landmarks) {
+  const ScanFrame frame(T_map_base, p_base_laser_);
   std::vector<pose::Sighting> sightings;
   for (const Candidate& c : candidates) {
     pose::Sighting s;
-    s.p_base = to_laser(c.p_aligned);
+    s.p_base = frame.to_laser(c.p_aligned);
     s.width_m = c.detection->width_m;
     sightings.push_back(s);
   }
   sight_.learn(sightings);
-  if (observed.empty()) return {};
+  Verdicts all;
+  all.log_odds_max = config_.log_odds_max;
+  if (observed.empty()) return all;
   const pose::Shadows shadows(sightings);
   const auto is_something_at = [&](const Vector2d& p_map) {
     return std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& c) {
@@ -79,31 +132,47 @@ std::vector<std::int32_t> PresenceWatch::review(const std::vector<Candidate>& ca
       return (c.p_aligned - p_map).squaredNorm() < beside_m * beside_m;
     });
   };
-  const std::int32_t scan = landmarks[observed.front()].last_scan;
-  std::vector<Miss> misses;
-  int for_pose = 0, against_pose = 0;
   for (const std::int32_t i : observed) {
-    if (!sight_.covers(to_laser(landmarks[i].anchor()))) continue;
-    for_pose += std::min(landmarks[i].num_all, kWitnessMost);
+    if (!sight_.covers(frame.to_laser(landmarks[i].anchor()))) continue;
+    all.for_pose += weight_as_witness(landmarks[i]);
   }
-  landmarks.near(laser_map, sight_.range_m(), [&](std::int32_t i, const LandmarkRecord& r) {
-    if (r.last_scan == scan) return;
-    const Vector2d p = to_laser(r.anchor());
-    if (!sight_.covers(p) || shadows.hide(p) || is_something_at(r.anchor())) return;
-    const int side = side_of(laser_map - r.anchor());
-    const bool is_known_side = (r.sides_seen & (bit(side - 1) | bit(side) | bit(side + 1))) != 0;
-    misses.push_back({i, is_known_side ? 1.0 : kUnseenSide});
-    against_pose += std::min(r.num_all, kWitnessMost);
-  });
-  if (against_pose > for_pose) return {};
-
   const double against_it = std::log((1.0 - config_.seen_rate) / (1.0 - config_.stray_rate));
+  const std::int32_t scan = landmarks[observed.front()].last_scan;
+  landmarks.near(frame.laser_map, sight_.range_m(), [&](std::int32_t i, const LandmarkRecord& r) {
+    if (r.last_scan == scan) return;
+    const Vector2d p = frame.to_laser(r.anchor());
+    if (!sight_.covers(p) || shadows.hide(p) || is_something_at(r.anchor())) return;
+    const int side = side_of(frame.laser_map - r.anchor());
+    const bool is_known_side = (r.sides_seen & (bit(side - 1) | bit(side) | bit(side + 1))) != 0;
+    all.verdicts.push_back({i, (is_known_side ? 1.0 : kUnseenSide) * against_it});
+    all.against_pose += weight_as_witness(r);
+  });
+  return all;
+}
+
+std::vector<std::int32_t> PresenceWatch::review(const std::vector<Candidate>& candidates,
+                                                const std::vector<std::int32_t>& observed,
+                                                const pose::PoseEstimate& T_map_base,
+                                                const BeamLook* look, LandmarkTable& landmarks) {
+  if (!config_.enabled) return {};
+  acknowledge(observed, ScanFrame(T_map_base, p_base_laser_).laser_map, landmarks);
+
+  const auto period_us = static_cast<std::int64_t>(1e6 * config_.period_s);
+  const std::int64_t since_us = last_utime_ ? T_map_base.utime - *last_utime_ : period_us;
+  if (since_us >= 0 && since_us < period_us) return {};
+  last_utime_ = T_map_base.utime;
+
+  const Verdicts all = look != nullptr ? of_beams(observed, T_map_base, *look, landmarks)
+                                       : of_detections(candidates, observed, T_map_base, landmarks);
+  if (all.against_pose > all.for_pose) return {};
   std::vector<std::int32_t> gone;
-  for (const Miss& miss : misses) {
-    landmarks.change(miss.index, [&](LandmarkRecord& r) {
-      r.presence += static_cast<float>(miss.weight * against_it);
+  for (const auto& verdict : all.verdicts) {
+    landmarks.change(verdict.index, [&](LandmarkRecord& r) {
+      double log_odds = r.presence;
+      if (verdict.log_odds < 0.0) log_odds = std::min(log_odds, all.log_odds_max);
+      r.presence = static_cast<float>(std::min(config_.log_odds_max, log_odds + verdict.log_odds));
     });
-    if (landmarks[miss.index].presence < config_.log_odds_gone) gone.push_back(miss.index);
+    if (landmarks[verdict.index].presence < config_.log_odds_gone) gone.push_back(verdict.index);
   }
   std::sort(gone.begin(), gone.end());
   return gone;

@@ -7,7 +7,12 @@ namespace orchard::mapping {
 /// `mapper.presence`.
 struct PresenceConfig {
   bool enabled = true;
-  double period_s = 0.25;      ///< looks closer in time say the same
+  double period_s = 0.25;       ///< looks closer in time say the same
+  double scan_wait_s = 1.0;     ///< of message time: DETECTIONS wait for their SCAN; 0 = not used
+  double beam_reach_m = 8.0;    ///< within which beams are asked
+  double past_rate = 0.1;       ///< of the looks of beams at a standing thing, those that see past
+  double past_rate_gone = 0.7;  ///< of those at an empty place
+  double beam_log_odds_max = 6.0;
   double sure_range_m = 4.0;   ///< within which what nothing hides is seen mostly
   double seen_rate = 0.5;      ///< of the looks at what stands in plain view, those that see it
   double stray_rate = 0.02;    ///< of the looks at an empty place, those that see something
@@ -20,15 +25,27 @@ void describe(Visitor& v, PresenceConfig& c) {
   v.flag("enabled", c.enabled,
          "drop landmarks that later looks at their place, in plain view, do not see");
   v.number("period_s", c.period_s, 0.0, 60.0, "s", "message time between two looks that count");
+  v.number("scan_wait_s", c.scan_wait_s, 0.0, 60.0, "s",
+           "message time that DETECTIONS wait for their SCAN, whose beams tell what is gone; 0 = "
+           "do without SCAN");
+  v.number("beam_reach_m", c.beam_reach_m, 0.5, 200.0, "m",
+           "from the laser; within it beams are asked");
+  v.number("past_rate", c.past_rate, 0.001, 0.9, "1",
+           "share of looks of beams at a standing thing that see past it");
+  v.number("past_rate_gone", c.past_rate_gone, 0.01, 0.99, "1",
+           "share of looks of beams at an empty place that see past it");
+  v.number("beam_log_odds_max", c.beam_log_odds_max, 0.5, 50.0, "1",
+           "most that can speak for a thing once a look of beams sees past it");
   v.number("sure_range_m", c.sure_range_m, 0.1, 200.0, "m",
-           "from the laser; within it what nothing hides is seen mostly");
+           "without SCAN: from the laser; within it what nothing hides is seen mostly");
   v.number("seen_rate", c.seen_rate, 0.01, 0.99, "1",
-           "share of looks at a standing thing in plain view that see it");
+           "without SCAN: share of looks at a standing thing in plain view that see it");
   v.number("stray_rate", c.stray_rate, 0.0001, 0.5, "1",
-           "share of looks at an empty place that see something");
+           "without SCAN: share of looks at an empty place that see something");
   v.number("log_odds_max", c.log_odds_max, 0.5, 50.0, "1",
-           "most that looks can say for a thing: the less, the sooner it is given up");
+           "without SCAN: most that looks can say for a thing: the less, the sooner it is given up");
   v.number("log_odds_gone", c.log_odds_gone, -50.0, -0.1, "1", "below this it is dropped");
+  v.check(c.past_rate < c.past_rate_gone, "past_rate", "must be below past_rate_gone");
   v.check(c.stray_rate < c.seen_rate, "stray_rate", "must be below seen_rate");
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "geometry/angles.hpp"
 #include "mapping/pose_composition.hpp"
 #include "mapping/rows.hpp"
 #include "mapping/sweep.hpp"
@@ -22,6 +23,9 @@ constexpr std::size_t kRemovedPerTile = 1000;
 constexpr std::size_t kRefreshMax = kLandmarksPerTile;
 constexpr double kFixSpacing_m = 0.5;
 
+/// Over less than this, what base moves does not tell how fast.
+constexpr double kSweepMin_s = 0.005;
+
 double seconds(std::int64_t duration_us) { return 1e-6 * static_cast<double>(duration_us); }
 
 }  // namespace
@@ -31,11 +35,14 @@ MapperNode::MapperNode(const io::Config& config)
       antenna_base_m_(config.pose.gnss.antenna_m[0], config.pose.gnss.antenna_m[1]),
       gnss_(config.pose.gnss),
       mapper_(config.mapper, {config.laser.mount_x_m, config.laser.mount_y_m}),
-      track_(config.mapper.pose_gap_max_s) {}
+      track_(config.mapper.pose_gap_max_s),
+      looks_(config) {}
 
 std::vector<bus::Channel> MapperNode::inputs() const {
-  return {bus::Channel::kPose, bus::Channel::kDetections, bus::Channel::kTrajectory,
-          bus::Channel::kGnss};
+  std::vector<bus::Channel> channels{bus::Channel::kPose, bus::Channel::kDetections,
+                                     bus::Channel::kTrajectory, bus::Channel::kGnss};
+  if (looks_.wanted()) channels.push_back(bus::Channel::kScan);
+  return channels;
 }
 
 void MapperNode::handle(const bus::Message& input, const bus::Outbox& send) {
@@ -52,6 +59,10 @@ void MapperNode::handle(const bus::Message& input, const bus::Outbox& send) {
     waiting_.insert(at, *detections);
   } else if (const auto* page = std::get_if<pose::TrajectoryPage>(&input)) {
     if (auto trajectory = collector_.add(*page)) corrections_.push_back(*std::move(trajectory));
+  } else if (const auto* scan = std::get_if<laser::Scan>(&input)) {
+    looks_.add(*scan);
+    release(send);
+    return;  // it says nothing of how far the others are either
   } else {
     // A receiver runs on whatever the laser does: it says nothing of how far the others are.
     if (const auto* gnss = std::get_if<pose::Gnss>(&input)) {
@@ -76,9 +87,10 @@ bool MapperNode::undoes_sweep(const detection::Detections& detections) const {
   return gap_max_us > 0 && track_.is_dense_at(detections.utime, gap_max_us);
 }
 
-/// By poses alone, so that it does not depend on when the scans come.
+/// By what has come for its time, so that it does not depend on when the scans come.
 bool MapperNode::can_be_placed(const detection::Detections& detections) const {
   if (!track_.covers(detections.utime)) return false;
+  if (!looks_.is_ready(detections.utime, newest_utime_)) return false;
   return !undoes_sweep(detections) || track_.covers(mapping::last_utime_of(detections));
 }
 
@@ -94,11 +106,31 @@ void MapperNode::place_front(const bus::Outbox& send) {
   const auto pose = track_.at(detections.utime);
   if (!pose) {
     ++(track_.covers(detections.utime) ? counts_.num_unusable : counts_.num_late);
-  } else if (undoes_sweep(detections)) {
-    use(mapping::unswept(detections, track_, *pose), *pose, send);
-  } else {
-    use(detections, *pose, send);
+    return;
   }
+  auto look = look_of(detections, *pose);
+  if (undoes_sweep(detections)) {
+    use(mapping::unswept(detections, track_, *pose), *pose, std::move(look), send);
+  } else {
+    use(detections, *pose, std::move(look), send);
+  }
+}
+
+/// The beams of a scan, and how base moved from its first object to its last while they were sent.
+/// None where that cannot be told.
+std::shared_ptr<const mapping::BeamLook> MapperNode::look_of(
+    const detection::Detections& detections, const pose::PoseEstimate& T_map_base) {
+  auto look = looks_.take(detections.utime);
+  if (!look || !look->is_sweep() || !undoes_sweep(detections)) return look;
+  const std::int64_t last_utime = mapping::last_utime_of(detections);
+  const double time_s = seconds(last_utime - detections.utime);
+  const auto then = track_.at(last_utime);
+  if (!then || time_s < kSweepMin_s) return nullptr;
+  const double x_m = then->x_m - T_map_base.x_m, y_m = then->y_m - T_map_base.y_m;
+  const double c = std::cos(T_map_base.yaw_rad), s = std::sin(T_map_base.yaw_rad);
+  const double yaw_rad = geometry::wrap_angle_rad(then->yaw_rad - T_map_base.yaw_rad);
+  look->set_velocity(Eigen::Vector3d(c * x_m + s * y_m, c * y_m - s * x_m, yaw_rad) / time_s);
+  return look;
 }
 
 void MapperNode::correct_up_to(std::int64_t utime, const bus::Outbox& send) {
@@ -152,8 +184,8 @@ void MapperNode::flush(const bus::Outbox& send) {
 }
 
 void MapperNode::use(const detection::Detections& detections, const pose::PoseEstimate& T_map_base,
-                     const bus::Outbox& send) {
-  const mapping::MapUpdate update = mapper_.update(detections, T_map_base);
+                     std::shared_ptr<const mapping::BeamLook> look, const bus::Outbox& send) {
+  const mapping::MapUpdate update = mapper_.update(detections, T_map_base, std::move(look));
   std::vector<std::int32_t> ids = update.changed_ids;
   const std::vector<std::int32_t> refreshed = refresh_ids(detections.utime);
   ids.insert(ids.end(), refreshed.begin(), refreshed.end());
@@ -247,13 +279,17 @@ void MapperNode::send_tiles(std::int64_t utime, std::vector<mapping::Landmark> l
 
 std::string MapperNode::waiting_for() const {
   if (waiting_.empty()) {
-    return has_newest_ ? std::string()
-                       : "no DETECTIONS and no POSE yet (orchard-detector, orchard-pose)";
+    if (!has_newest_) return "no DETECTIONS and no POSE yet (orchard-detector, orchard-pose)";
+    return looks_.is_missing()
+               ? "no SCAN with the DETECTIONS (a laser driver): what is gone is told "
+                 "from DETECTIONS alone (or set mapper.presence.scan_wait_s to 0)"
+               : "";
   }
   char text[128];
-  std::snprintf(text, sizeof text,
-                "DETECTIONS at %.3f s wait for a POSE at or after (orchard-pose)",
-                seconds(waiting_.front().utime));
+  const std::int64_t utime = waiting_.front().utime;
+  std::snprintf(text, sizeof text, "DETECTIONS at %.3f s wait for %s", seconds(utime),
+                looks_.is_ready(utime, newest_utime_) ? "a POSE at or after (orchard-pose)"
+                                                      : "their SCAN (a laser driver)");
   return text;
 }
 

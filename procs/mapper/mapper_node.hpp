@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "bus/node.hpp"
 #include "io/config.hpp"
 #include "io/map_folder.hpp"
+#include "mapper/look_queue.hpp"
 #include "mapping/mapper.hpp"
 #include "mapping/pose_track.hpp"
 #include "pose/gnss_positions.hpp"
@@ -28,6 +30,9 @@ namespace orchard::procs {
 /// mapper.rederive_m all landmarks are derived anew from their observations, with their ids kept.
 /// TRAJECTORY takes its turn before the first DETECTIONS at or after its utime; the end of the log
 /// flushes.
+///
+/// SCAN tells by its beams what stands there no more. DETECTIONS wait for their SCAN likewise, and
+/// go without one that does not come; see LookQueue.
 ///
 /// GNSS says where on the earth the map lies: the corrected path is laid upon the fixes.
 class MapperNode : public bus::Node {
@@ -66,8 +71,10 @@ class MapperNode : public bus::Node {
   void send_landmarks(std::int64_t utime, const std::vector<std::int32_t>& ids,
                       const std::vector<std::int32_t>& removed_ids, const bus::Outbox& send);
   void drop_late(const bus::Outbox& send);
+  std::shared_ptr<const mapping::BeamLook> look_of(const detection::Detections& detections,
+                                                   const pose::PoseEstimate& T_map_base);
   void use(const detection::Detections& detections, const pose::PoseEstimate& T_map_base,
-           const bus::Outbox& send);
+           std::shared_ptr<const mapping::BeamLook> look, const bus::Outbox& send);
   void send_tiles(std::int64_t utime, std::vector<mapping::Landmark> landmarks,
                   const std::vector<std::int32_t>& removed_ids, const bus::Outbox& send);
   std::vector<std::int32_t> refresh_ids(std::int64_t utime);
@@ -79,6 +86,7 @@ class MapperNode : public bus::Node {
   mapping::Mapper mapper_;
   mapping::PoseTrack track_;
   std::deque<detection::Detections> waiting_;  ///< in order of utime
+  LookQueue looks_;
   pose::TrajectoryCollector collector_;
   std::deque<pose::Trajectory> corrections_;  ///< that have not had their turn, in order of utime
   double moved_m_ = 0.0;                      ///< by corrections since landmarks were derived last

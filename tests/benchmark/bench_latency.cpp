@@ -214,6 +214,7 @@ std::pair<double, double> alone_ms(const bench::FieldDrive& drive,
   std::vector<double> detector_ms, mapper_ms;
   for (std::size_t i = 0; i < std::min<std::size_t>(sets.size(), 50); ++i) {
     std::this_thread::sleep_for(pause);
+    double sum_ms = 0.0;
     for (const bench::RawMessage* input : sets[i].inputs) {
       const auto decoded = bus::decode(input->channel, input->bytes.data(), input->bytes.size());
       const auto& message = std::get<bus::Message>(decoded);
@@ -223,8 +224,8 @@ std::pair<double, double> alone_ms(const bench::FieldDrive& drive,
         const double elapsed_ms = timed_ms(detector, message);
         if (input->channel == Channel::kImage) detector_ms.push_back(elapsed_ms);
       }
+      if (input->channel == Channel::kScan) sum_ms += timed_ms(mapper, message);
     }
-    double sum_ms = 0.0;
     for (const bus::Message& output : std::exchange(outputs, {})) {
       if (bus::channel_of(output) != Channel::kMap) sum_ms += timed_ms(mapper, output);
     }

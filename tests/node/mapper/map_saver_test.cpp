@@ -44,6 +44,13 @@ bus::SaveRequest request(bus::SaveKind kind) {
   return request;
 }
 
+/// Scans are not what this is about.
+io::Config without_scans() {
+  io::Config config;
+  config.mapper.presence.scan_wait_s = 0.0;
+  return config;
+}
+
 class MapSaverTest : public ::testing::Test {
  protected:
   MapSaverTest() {
@@ -54,7 +61,7 @@ class MapSaverTest : public ::testing::Test {
   void remove(const std::string& name) { std::filesystem::remove(folder / name); }
 
   io::TestFolder folder;
-  MapperNode mapper{io::Config{}};
+  MapperNode mapper{without_scans()};
   MapSaver saver{folder.path(), 77};
 };
 

@@ -5,6 +5,8 @@
 
 #include <GeographicLib/LocalCartesian.hpp>
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <random>
 #include <utility>
 
@@ -85,6 +87,7 @@ TEST(MapperNode, TheOrderOfArrivalBetweenChannelsDoesNotMatter) {
 TEST(MapperNode, WaitsForAPoseAndGivesUpByMessageTime) {
   io::Config config;
   config.mapper.pose_wait_s = 1.0;
+  config.mapper.presence.scan_wait_s = 0.0;
   MapperNode node(config);
   int num_tiles = 0;
   const bus::Outbox send = [&](const bus::Message&) { ++num_tiles; };
@@ -102,8 +105,118 @@ TEST(MapperNode, WaitsForAPoseAndGivesUpByMessageTime) {
   EXPECT_EQ(node.counts().num_late, 2);
 }
 
+/// The robot stands at the origin before four trees in an arc; somebody stands among them until
+/// 1.2 s. Half a second later nobody is there.
+struct StandingDrive {
+  std::vector<bus::Message> poses, scans, detections;
+};
+
+StandingDrive standing_drive() {
+  StandingDrive drive;
+  for (int k = 0; k < 60; ++k) {
+    const std::int64_t utime = kStart_us + 100000 * k;
+    pose::PoseEstimate pose;
+    pose.utime = utime;
+    pose.seq = k;
+    drive.poses.emplace_back(pose);
+    laser::Scan scan;
+    scan.utime = utime;
+    scan.seq = k;
+    scan.bearing_step_rad = 0.006;
+    scan.bearing_min_rad = -1.5;
+    scan.beam_period_us = 40.0;
+    scan.range_max_m = 20.0;
+    scan.ranges_m.assign(501, 9.0f);
+    detection::Detections detections = scan_at(k, utime);
+    detections.trunks.resize(k < 12 ? 4 : 3);
+    for (std::size_t i = 0; i < detections.trunks.size(); ++i) {
+      const double bearing_rad = -0.6 + 0.4 * static_cast<double>(i);
+      detections.trunks[i].utime = utime + 5000 * static_cast<std::int64_t>(i);
+      detections.trunks[i].centre_x_m = 3.0 * std::cos(bearing_rad);
+      detections.trunks[i].centre_y_m = 3.0 * std::sin(bearing_rad);
+      for (int beam = -3; beam <= 3; ++beam) {
+        scan.ranges_m[static_cast<std::size_t>((bearing_rad + 1.5) / 0.006 + beam + 0.5)] = 2.955f;
+      }
+    }
+    drive.scans.emplace_back(std::move(scan));
+    drive.detections.emplace_back(std::move(detections));
+  }
+  return drive;
+}
+
+TEST(MapperNode, BeamsDropWhatLeftWheneverTheyArrive) {
+  const StandingDrive drive = standing_drive();
+  std::vector<std::vector<std::uint8_t>> expected;
+  std::mt19937_64 bits(5);
+  for (int round = 0; round < 40; ++round) {
+    MapperNode node{io::Config{}};
+    EXPECT_EQ(node.inputs().back(), bus::Channel::kScan);
+    std::vector<std::vector<std::uint8_t>> out;
+    const bus::Outbox send = [&](const bus::Message& m) { out.push_back(bus::encode(m)); };
+    // each channel by itself up to 0.9 s ahead of the others
+    const std::array<const std::vector<bus::Message>*, 3> channels{&drive.poses, &drive.scans,
+                                                                   &drive.detections};
+    std::array<std::size_t, 3> next{};
+    while (next != std::array<std::size_t, 3>{60, 60, 60}) {
+      const std::size_t one = bits() % 3;
+      const std::size_t least = *std::min_element(next.begin(), next.end());
+      if (next[one] == 60 || next[one] > least + 8) continue;
+      node.handle((*channels[one])[next[one]++], send);
+    }
+    node.flush(send);
+    EXPECT_EQ(node.landmarks().size(), 3u);
+    EXPECT_EQ(node.counts().num_late, 0);
+    if (round == 0) expected = out;
+    EXPECT_EQ(out, expected) << "round " << round;
+  }
+}
+
+TEST(MapperNode, WithoutScansItWaitsOnceAndSaysSo) {
+  const StandingDrive drive = standing_drive();
+  io::Config config;
+  config.mapper.presence.scan_wait_s = 0.5;
+  config.mapper.sweep_pose_gap_max_s = 0.0;  // nor for the pose of the last beam
+  MapperNode node{config};
+  int num_tiles = 0;
+  const bus::Outbox send = [&](const bus::Message&) { ++num_tiles; };
+  for (std::size_t k = 0; k < 20; ++k) {
+    node.handle(drive.poses[k], send);
+    node.handle(drive.detections[k], send);
+    EXPECT_EQ(num_tiles, k < 6 ? 0 : static_cast<int>(k) + 1);
+    EXPECT_NE(node.waiting_for().find("SCAN"), std::string::npos);
+  }
+  // from when it is heard, it is waited for again
+  node.handle(drive.scans[20], send);
+  EXPECT_EQ(node.waiting_for(), "");
+  node.handle(drive.poses[21], send);
+  node.handle(drive.detections[21], send);
+  EXPECT_EQ(num_tiles, 20);
+  node.handle(drive.scans[21], send);
+  EXPECT_EQ(num_tiles, 21);
+}
+
+TEST(MapperNode, ARigMayDoWithoutScans) {
+  const StandingDrive drive = standing_drive();
+  for (const bool enabled : {true, false}) {
+    io::Config config;
+    config.mapper.presence.enabled = enabled;
+    if (enabled) config.mapper.presence.scan_wait_s = 0.0;
+    MapperNode node{config};
+    const auto inputs = node.inputs();
+    EXPECT_EQ(std::count(inputs.begin(), inputs.end(), bus::Channel::kScan), 0);
+    int num_tiles = 0;
+    const bus::Outbox send = [&](const bus::Message&) { ++num_tiles; };
+    node.handle(drive.poses[0], send);
+    node.handle(drive.detections[0], send);
+    EXPECT_EQ(num_tiles, 1);
+    EXPECT_EQ(node.waiting_for(), "");
+  }
+}
+
 TEST(MapperNode, TilesStayBelowTheSizeOfADatagram) {
-  MapperNode node{io::Config{}};
+  io::Config config;
+  config.mapper.presence.scan_wait_s = 0.0;
+  MapperNode node{config};
   std::size_t largest = 0;
   std::size_t num_landmarks = 0;
   const bus::Outbox send = [&](const bus::Message& m) {

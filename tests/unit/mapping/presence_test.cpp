@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <vector>
 
+#include "beam_world.hpp"
 #include "mapping/mapper.hpp"
 #include "two_drives.hpp"
 
@@ -15,12 +18,6 @@ using detection::Detection;
 using detection::Detections;
 using detection::Label;
 using Eigen::Vector2d;
-
-/// Something round that a laser may see.
-struct Thing {
-  Vector2d p{0, 0};
-  double width_m = 0.12;
-};
 
 /// Two rows along x at y = -2 and y = 2, a tree every 2 m from 0 to 40.
 std::vector<Thing> two_rows() {
@@ -75,10 +72,20 @@ MapperConfig quick_to_give_up() {
   return config;
 }
 
+enum class Sees { kDetections, kBeams };
+
+laser::LaserConfig laser_ahead() {
+  laser::LaserConfig laser;
+  laser.mount_x_m = 0.5;
+  return laser;
+}
+
 /// Drives the alley from x = -2 to 42 and back `num_passes` times at 1 m/s, ten scans a second,
-/// past what stands there at each time [s].
+/// past what stands there at each time [s]. With beams, the mapper is given four looks a second.
+/// `overlooked` is no detection's from the second pass on.
 Mapper drive(int num_passes, const std::function<std::vector<Thing>(double time_s)>& things_at,
-             const MapperConfig& config = quick_to_give_up()) {
+             const MapperConfig& config = quick_to_give_up(), Sees sees = Sees::kDetections,
+             const Vector2d& overlooked = {1e3, 1e3}) {
   Mapper mapper(config, {0.5, 0.0});
   Dice dice(5);
   for (int k = 0; k < 440 * num_passes; ++k) {
@@ -90,7 +97,22 @@ Mapper drive(int num_passes, const std::function<std::vector<Thing>(double time_
     pose.x_m = back ? 42.0 - way_m : -2.0 + way_m;
     pose.yaw_rad = back ? 3.14159265358979 : 0.0;
     pose.covariance = {1e-4, 0, 0, 1e-4, 0, 1e-5};
-    mapper.update(scan(things_at(time_s), pose, dice), pose);
+    const std::vector<Thing> things = things_at(time_s);
+    std::shared_ptr<const BeamLook> look;
+    if (sees == Sees::kBeams && k % 3 == 0) {
+      laser::Scan beams = beams_of(things, pose, laser_ahead());
+      for (float& range_m : beams.ranges_m) {
+        if (range_m > 0.0f) range_m += static_cast<float>(dice.normal(0.01));
+      }
+      look = std::make_shared<BeamLook>(beams, laser_ahead(), laser::BlindSector{}, 8.0);
+    }
+    std::vector<Thing> detected = things;
+    if (k >= 440) {
+      detected.erase(std::remove_if(detected.begin(), detected.end(),
+                                    [&](const Thing& t) { return t.p == overlooked; }),
+                     detected.end());
+    }
+    mapper.update(scan(detected, pose, dice), pose, look);
   }
   return mapper;
 }
@@ -141,6 +163,58 @@ TEST(Presence, AVehicleThatDroveAwayIsDropped) {
   EXPECT_EQ(mapper.landmarks(20).size(), 42u);
 }
 
+std::vector<Thing> walker_and_rows(double time_s) {
+  std::vector<Thing> things = two_rows();
+  const double x_m = 4.0 + 0.7 * time_s;
+  things.push_back({{x_m, -0.9}, 0.13});
+  things.push_back({{x_m + 0.25, -1.08}, 0.13});
+  return things;
+}
+
+TEST(Presence, BeamsClearAWalkersWayWhileItWalks) {
+  // followed for 15 s, which leaves nothing, then overtaken, which the way back clears
+  const Mapper once = drive(1, walker_and_rows, MapperConfig{}, Sees::kBeams);
+  EXPECT_EQ(num_within(once, {-5, -1.6}, {13, 1.6}), 0);
+  EXPECT_GT(num_within(drive(1, walker_and_rows, MapperConfig{}), {-5, -1.6}, {13, 1.6}, 3), 10);
+  const Mapper twice = drive(2, walker_and_rows, MapperConfig{}, Sees::kBeams);
+  EXPECT_EQ(num_within(twice, {-5, -1.6}, {25, 1.6}, 3), 0);
+  EXPECT_EQ(twice.landmarks(20).size(), 42u);
+}
+
+TEST(Presence, BeamsClearTheWayOfAVehicleThatDroveAhead) {
+  const auto things_at = [](double time_s) {
+    std::vector<Thing> things = two_rows();
+    if (time_s < 20.0) {  // the robot is 4 m behind it then
+      for (const double x_m : {20.5, 21.3, 22.1}) things.push_back({{x_m, 0.8}, 0.5});
+      things.push_back({{23.0, 0.6}, 0.13});
+    }
+    return things;
+  };
+  const Mapper mapper = drive(1, things_at, MapperConfig{}, Sees::kBeams);
+  EXPECT_EQ(num_within(mapper, {20, 0.2}, {24, 1.6}), 0);
+  EXPECT_EQ(mapper.landmarks(20).size(), 42u);
+}
+
+TEST(Presence, WhatReturnsBeamsStaysThoughNothingDetectsIt) {
+  // something about it has changed: every later scan makes no trunk of it
+  const auto things_at = [](double) { return two_rows(); };
+  const Vector2d tree(20.0, 2.0);
+  const auto has_it = [&](const Mapper& mapper) {
+    return num_within(mapper, tree - Vector2d(0.3, 0.3), tree + Vector2d(0.3, 0.3)) == 1;
+  };
+  EXPECT_TRUE(has_it(drive(4, things_at, MapperConfig{}, Sees::kBeams, tree)));
+  EXPECT_FALSE(has_it(drive(4, things_at, quick_to_give_up(), Sees::kDetections, tree)));
+}
+
+TEST(Presence, BeamsOfAFelledTreeDropIt) {
+  const auto things_at = [](double time_s) {
+    std::vector<Thing> things = two_rows();
+    if (time_s > 44.0) things.erase(things.begin() + 20);
+    return things;
+  };
+  EXPECT_EQ(drive(2, things_at, MapperConfig{}, Sees::kBeams).landmarks(20).size(), 41u);
+}
+
 TEST(Presence, WhatIsHiddenStays) {
   // Trees 1.5 m behind the left row, in full view at first; then somebody parks crates between
   // the trees of the row, and nothing of those behind is seen any more.
@@ -152,10 +226,12 @@ TEST(Presence, WhatIsHiddenStays) {
     }
     return things;
   };
-  const Mapper once = drive(1, things_at);
-  const Mapper mapper = drive(4, things_at);
-  EXPECT_EQ(num_within(once, {9, 3.2}, {21, 3.8}, 10), 11);
-  EXPECT_EQ(num_within(mapper, {9, 3.2}, {21, 3.8}, 10), 11);
+  for (const Sees sees : {Sees::kDetections, Sees::kBeams}) {
+    const Mapper once = drive(1, things_at, quick_to_give_up(), sees);
+    const Mapper mapper = drive(4, things_at, quick_to_give_up(), sees);
+    EXPECT_EQ(num_within(once, {9, 3.2}, {21, 3.8}, 10), 11);
+    EXPECT_EQ(num_within(mapper, {9, 3.2}, {21, 3.8}, 10), 11);
+  }
 }
 
 TEST(Presence, AScanFromAWrongPlaceDropsNothing) {
@@ -170,7 +246,9 @@ TEST(Presence, AScanFromAWrongPlaceDropsNothing) {
     truth.x_m = 20.0 + 0.9 + 0.01 * k;
     truth.y_m = -8.0;
     truth.yaw_rad = 0.3;
-    mapper.update(scan(two_rows(), truth, dice), pose);
+    const auto look = std::make_shared<BeamLook>(beams_of(two_rows(), truth, laser_ahead()),
+                                                 laser_ahead(), laser::BlindSector{}, 8.0);
+    mapper.update(scan(two_rows(), truth, dice), pose, k % 2 == 0 ? look : nullptr);
   }
   EXPECT_EQ(
       num_within(mapper, {-1, -2.2}, {41, -1.8}, 50) + num_within(mapper, {-1, 1.8}, {41, 2.2}, 50),
@@ -183,14 +261,16 @@ TEST(Presence, IsTheSameWhenDerivedAnew) {
     if (time_s < 44.0) things.push_back({{21.0, 0.8}});
     return things;
   };
-  Mapper mapper = drive(2, things_at);
-  const std::vector<Landmark> before = mapper.landmarks();
-  mapper.rederive([](const pose::PoseEstimate& was) { return was; });
-  const std::vector<Landmark> after = mapper.landmarks();
-  ASSERT_EQ(after.size(), before.size());
-  for (std::size_t i = 0; i < after.size(); ++i) {
-    EXPECT_EQ(after[i].id, before[i].id);
-    EXPECT_NEAR(after[i].x_m, before[i].x_m, 1e-3);
+  for (const Sees sees : {Sees::kDetections, Sees::kBeams}) {
+    Mapper mapper = drive(2, things_at, quick_to_give_up(), sees);
+    const std::vector<Landmark> before = mapper.landmarks();
+    mapper.rederive([](const pose::PoseEstimate& was) { return was; });
+    const std::vector<Landmark> after = mapper.landmarks();
+    ASSERT_EQ(after.size(), before.size());
+    for (std::size_t i = 0; i < after.size(); ++i) {
+      EXPECT_EQ(after[i].id, before[i].id);
+      EXPECT_NEAR(after[i].x_m, before[i].x_m, 1e-3);
+    }
   }
 }
 

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/beam_look.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "beam_world.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+using Eigen::Vector2d;
+
+const laser::LaserConfig kLaser = [] {
+  laser::LaserConfig laser;
+  laser.mount_x_m = 0.5;
+  laser.range_sd_m = 0.01;
+  laser.range_sd_fraction = 0.0;
+  return laser;
+}();
+
+BeamLook look_at(const std::vector<Thing>& things, double reach_m = 8.0) {
+  return BeamLook(beams_of(things, {}, kLaser), kLaser, {}, reach_m);
+}
+
+/// A wall behind all that is looked at, so that every beam returns.
+std::vector<Thing> before_a_wall(std::vector<Thing> things) {
+  for (int i = 0; i < 120; ++i) {
+    const double bearing_rad = -2.3 + 4.6 * i / 119;
+    things.push_back({{0.5 + 7.0 * std::cos(bearing_rad), 7.0 * std::sin(bearing_rad)}, 0.4});
+  }
+  return things;
+}
+
+TEST(BeamLook, TellsWhatStandsFromWhatDoesNot) {
+  const BeamLook look = look_at(before_a_wall({{{3.0, 1.0}, 0.12}}));
+  EXPECT_EQ(look.at({3.0, 1.0}, 0.12, 0.02), BeamVerdict::kReturns);
+  EXPECT_EQ(look.at({3.0, -1.0}, 0.12, 0.02), BeamVerdict::kSeesPast);
+  EXPECT_EQ(look.at({3.0, 0.5}, 0.12, 0.02), BeamVerdict::kSeesPast);
+  // where it may be reaches to what stands beside it
+  EXPECT_EQ(look.at({3.0, 0.5}, 0.12, 0.22), BeamVerdict::kReturns);
+}
+
+TEST(BeamLook, SaysNothingOfWhatIsHiddenOrOutOfSight) {
+  const BeamLook look = look_at(before_a_wall({{{2.0, 0.0}, 0.4}}));
+  EXPECT_EQ(look.at({4.0, 0.0}, 0.12, 0.02), BeamVerdict::kUnknown);   // behind
+  EXPECT_EQ(look.at({4.0, 0.46}, 0.12, 0.05), BeamVerdict::kUnknown);  // half behind
+  EXPECT_EQ(look.at({4.0, 1.2}, 0.12, 0.02), BeamVerdict::kSeesPast);
+  EXPECT_EQ(look.at({-4.0, 0.0}, 0.12, 0.02), BeamVerdict::kUnknown);  // behind the robot
+  EXPECT_EQ(look.at({0.52, 0.0}, 0.12, 0.02), BeamVerdict::kUnknown);  // on the laser
+  EXPECT_EQ(look.at({8.4, 2.0}, 0.12, 0.02), BeamVerdict::kUnknown);   // beyond reach
+  // too narrow for two beams of 0.35 degrees
+  EXPECT_EQ(look.at({5.5, 2.0}, 0.02, 0.02), BeamVerdict::kUnknown);
+}
+
+TEST(BeamLook, NoReturnCountsNearByOnly) {
+  laser::Scan scan = beams_of({}, {}, kLaser);
+  scan.range_max_m = 8.0;
+  const BeamLook look(scan, kLaser, {}, 8.0);
+  EXPECT_EQ(look.at({3.0, 0.0}, 0.12, 0.02), BeamVerdict::kSeesPast);
+  EXPECT_EQ(look.at({6.0, 0.0}, 0.12, 0.02), BeamVerdict::kUnknown);
+}
+
+TEST(BeamLook, ABeamThatIsNotBelievedSaysNothing) {
+  laser::Scan scan = beams_of(before_a_wall({}), {}, kLaser);
+  const laser::BlindSector ahead{0.0, 0.3};
+  EXPECT_EQ(BeamLook(scan, kLaser, ahead, 8.0).at({3.0, 0.0}, 0.12, 0.02), BeamVerdict::kUnknown);
+  EXPECT_EQ(BeamLook(scan, kLaser, ahead, 8.0).at({3.0, 2.0}, 0.12, 0.02), BeamVerdict::kSeesPast);
+  for (float& range_m : scan.ranges_m) range_m = 0.01f;  // nearer than the scanner believes
+  EXPECT_EQ(BeamLook(scan, kLaser, {}, 8.0).at({3.0, 2.0}, 0.12, 0.02), BeamVerdict::kUnknown);
+  for (float& range_m : scan.ranges_m) range_m = std::nanf("");
+  EXPECT_EQ(BeamLook(scan, kLaser, {}, 8.0).at({3.0, 2.0}, 0.12, 0.02), BeamVerdict::kUnknown);
+}
+
+TEST(BeamLook, FollowsTheSweepOfATurningRobot) {
+  // turning left at 1 rad/s, a sweep of 75 ms: at its end the tree stands 4 degrees to the right
+  laser::LaserConfig laser = kLaser;
+  laser.mount_x_m = 0.0;
+  laser.mount_yaw_rad = 0.2;
+  const std::vector<Thing> things = before_a_wall({{{2.0, 3.0}, 0.12}});
+  const Eigen::Vector3d velocity(0.8, 0.0, 1.0);
+  const laser::Scan scan = beams_of(things, {}, laser, velocity);
+  BeamLook look(scan, laser, {}, 8.0);
+  EXPECT_EQ(look.at({2.0, 3.0}, 0.12, 0.01), BeamVerdict::kSeesPast);
+  look.set_velocity(velocity);
+  EXPECT_EQ(look.at({2.0, 3.0}, 0.12, 0.01), BeamVerdict::kReturns);
+}
+
+}  // namespace
+}  // namespace orchard::mapping

@@ -13,7 +13,8 @@ namespace {
 using detection::Label;
 using Eigen::Vector2d;
 
-constexpr double kOneThing_m = 0.25;  ///< landmarks nearer than this may be one thing
+constexpr double kOneThing_m = 0.25;   ///< landmarks nearer than this may be one thing
+constexpr double kNeverSurer = 0.995;  ///< some moved farther than is looked for
 constexpr double kMissedIfAssumed = 0.005;
 constexpr double kNearestOther = 0.9;  ///< of a tree spacing: what is farther away is another tree
 
@@ -58,17 +59,19 @@ bool are_trees(const Landmark& a, const Landmark& b) {
   return a.label == Label::kTree && b.label == Label::kTree;
 }
 
-/// How the pairs of two maps scatter.
+/// How the pairs of two straightened maps scatter.
 PairScatter scatter_of(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
-                       const std::vector<LandmarkPair>& pairs, double position_sd_m) {
+                       const std::vector<LandmarkPair>& pairs) {
   PairScatter scatter;
-  scatter.position_sd_m = std::max(0.005, position_sd_m);
-  std::vector<double> changes_m, widths_m;
+  std::vector<double> changes_m, widths_m, deviations_m;
   for (const LandmarkPair& pair : pairs) {
+    deviations_m.push_back(pair.residual_m.x());
+    deviations_m.push_back(pair.residual_m.y());
     changes_m.push_back(b[static_cast<std::size_t>(pair.b)].width_m -
                         a[static_cast<std::size_t>(pair.a)].width_m);
     widths_m.push_back(b[static_cast<std::size_t>(pair.b)].width_m);
   }
+  scatter.position_sd_m = std::max(0.004, robust_sd(std::move(deviations_m)));
   scatter.width_common_m = median_of(changes_m);
   for (double& change_m : changes_m) change_m -= scatter.width_common_m;
   scatter.width_sd_m = std::max(0.002, robust_sd(changes_m));
@@ -80,6 +83,7 @@ PairScatter scatter_of(const std::vector<Landmark>& a, const std::vector<Landmar
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const Landmark& l = a[static_cast<std::size_t>(pairs[k].a)];
     const Landmark& m = b[static_cast<std::size_t>(pairs[k].b)];
+    if (l.label == Label::kObject && m.label == Label::kObject) continue;
     (are_trees(l, m) ? of_trees : of_others)
         .push_back(changes_m[k] / (seldom_factor(l, m, typical) * scatter.width_sd_m));
   }
@@ -131,7 +135,7 @@ MapComparison compare_maps(const std::vector<Landmark>& a, const std::vector<Lan
   const std::vector<LandmarkPair> pairs =
       pair_landmarks(places_a, b_in_a, RigidTransform{}, gate_m);
   const double typical = typical_share(a, b, pairs);
-  PairScatter scatter = scatter_of(a, b, pairs, alignment.position_sd_m);
+  PairScatter scatter = scatter_of(a, b, pairs);
   scatter.spacing_m = std::max(spacing_m, gate_m);
   scatter.moved_max_m = std::min(config.moved_max_m, kNearestOther * scatter.spacing_m);
 
@@ -144,7 +148,7 @@ MapComparison compare_maps(const std::vector<Landmark>& a, const std::vector<Lan
   std::vector<bool> has_partner_b(b.size(), false);
   // That what stood there has gone, and the later thing has come, if they are not one: 1 until
   // told.
-  std::vector<double> gone(a.size(), 1.0), come(b.size(), 1.0);
+  std::vector<double> gone(a.size(), kNeverSurer), come(b.size(), kNeverSurer);
 
   const auto sight_of = [&](std::size_t i, std::size_t j) {
     PairSight pair;

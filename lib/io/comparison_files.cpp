@@ -63,9 +63,49 @@ Colour colour_of(Change change) {
   return {245, 245, 245};
 }
 
+constexpr Colour kBlack{30, 30, 30}, kWhite{255, 255, 255}, kEdge{120, 120, 120};
+
+/// Told apart by form, too: missing is crossed out, grown has a ring about it, thinner one in it.
+void draw_sign(Change change, const PixelPoint& at, Canvas& canvas) {
+  constexpr double kRadiusPx = 5.5, kRingPx = 8.5, kCrossPx = 4.0;
+  const Colour colour = colour_of(change);
+  switch (change) {
+    case Change::kUnchanged:
+    case Change::kNotSeen:
+      canvas.circle(at, 3.0, colour, kEdge);
+      return;
+    case Change::kMissing:
+      canvas.circle(at, kRadiusPx + 1.0, kWhite, colour);
+      for (const double rise : {-kCrossPx, kCrossPx}) {
+        canvas.line({at.x - kCrossPx, at.y - rise}, {at.x + kCrossPx, at.y + rise}, colour, 2.0);
+      }
+      return;
+    case Change::kGrown:
+      canvas.circle(at, kRingPx, kWhite, colour);
+      break;
+    case Change::kThinner:
+      canvas.circle(at, kRadiusPx, colour, kBlack);
+      canvas.circle(at, 2.5, kWhite, kBlack);
+      return;
+    case Change::kNew:
+    case Change::kMoved:
+      break;
+  }
+  canvas.circle(at, kRadiusPx, colour, kBlack);
+}
+
+/// The id by which the earlier map knows it, or that it is new, and by how much it changed.
+std::string caption(const ComparisonContent& content, const MapChange& c) {
+  const Landmark* a = of_a(content, c);
+  const std::string id = a ? std::to_string(a->id) : "new " + std::to_string(of_b(content, c)->id);
+  if (c.change == Change::kMoved) return id + ": " + fixed_text(c.moved_m, 1) + " m";
+  if (c.change != Change::kGrown && c.change != Change::kThinner) return id;
+  return id + (c.width_change_m > 0.0 ? ": +" : ": ") + fixed_text(1e3 * c.width_change_m, 0) +
+         " mm";
+}
+
 void draw(const FigureFrame& frame, const ComparisonContent& content, Canvas& canvas) {
-  constexpr Colour kBlack{30, 30, 30}, kEdge{120, 120, 120};
-  constexpr double kTextPx = 11.0;
+  constexpr double kTextPx = 11.0, kOldPlacePx = 4.0;
   frame.draw_axes(canvas);
   const auto is_quiet = [](Change change) {
     return change == Change::kUnchanged || change == Change::kNotSeen;
@@ -74,16 +114,20 @@ void draw(const FigureFrame& frame, const ComparisonContent& content, Canvas& ca
     for (const MapChange& c : content.comparison.changes) {
       if (is_quiet(c.change) != quiet) continue;
       const PixelPoint at = frame.at(c.p_a.x(), c.p_a.y());
-      const Colour colour = colour_of(c.change);
       if (c.change == Change::kMoved) {
         const Landmark& before = *of_a(content, c);
-        canvas.line(frame.at(before.x_m, before.y_m), at, colour, 2.0);
+        const PixelPoint from = frame.at(before.x_m, before.y_m);
+        canvas.line(from, at, colour_of(c.change), 2.0);
+        canvas.circle(from, kOldPlacePx, kWhite, colour_of(c.change));
       }
-      canvas.circle(at, quiet ? 3.0 : 5.5, colour, quiet ? kEdge : kBlack);
-      if (quiet || content.comparison.changes.size() > 3000) continue;
-      canvas.text({at.x + 8.0, at.y - 4.0}, std::to_string(known_as(content, c).id), kTextPx,
-                  kBlack, TextAnchor::kStart);
+      draw_sign(c.change, at, canvas);
     }
+  }
+  for (const MapChange& c : content.comparison.changes) {
+    if (is_quiet(c.change) || content.comparison.changes.size() > 3000) continue;
+    const PixelPoint at = frame.at(c.p_a.x(), c.p_a.y());
+    canvas.text({at.x + 10.0, at.y - 4.0}, caption(content, c), kTextPx, kBlack,
+                TextAnchor::kStart);
   }
   PixelPoint at = frame.legend();
   for (const Change change : kAllChanges) {
@@ -91,9 +135,9 @@ void draw(const FigureFrame& frame, const ComparisonContent& content, Canvas& ca
     if (count == 0) continue;
     std::string name = mapping::change_text(change);
     if (change == Change::kNotSeen) name = "not seen";
-    canvas.circle({at.x, at.y - 5.0}, 5.5, colour_of(change), kBlack);
+    draw_sign(change, {at.x, at.y - 5.0}, canvas);
     const std::string item = std::to_string(count) + " " + name;
-    canvas.text({at.x + 10.0, at.y}, item, kAxisTextPx, kBlack, TextAnchor::kStart);
+    canvas.text({at.x + 11.0, at.y}, item, kAxisTextPx, kBlack, TextAnchor::kStart);
     at.x += 34.0 + 8.0 * static_cast<double>(item.size());
   }
 }

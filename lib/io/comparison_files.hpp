@@ -29,8 +29,9 @@ std::string comparison_csv(const ComparisonContent& content);
 /// The same with the alignment and the counts, for programs; lengths in metres.
 std::string comparison_json(const ComparisonContent& content);
 
-/// Where what changed: missing red, new green, moved blue with a line from the old place, grown and
-/// thinner violet, unchanged and not seen grey.
+/// Where what changed: missing red and crossed out, new green, moved blue with a line from the old
+/// place, grown and thinner violet with a ring, unchanged and not seen grey; with ids, ways and
+/// widths.
 MapFigure draw_comparison(const ComparisonContent& content);
 
 /// Writes compare.csv, compare.gpkg (a layer `changes` of points), compare.svg, compare.png and

@@ -16,6 +16,8 @@ using Eigen::Vector2d;
 constexpr double kBaseline_m = 20.0;       ///< longest distance of the two points tried together
 constexpr std::size_t kNumWitnesses = 40;  ///< points around them that must agree
 constexpr double kShareOfWitnesses = 0.4;
+constexpr double kRowHalf =
+    1.5;  ///< of the nearest tree's distance: what is a row's, and no other's
 constexpr std::size_t kWaysMost = 400;
 constexpr int kFitsMost = 40;
 
@@ -91,6 +93,37 @@ struct Trunks {
 
 double angle_of(const Vector2d& v) { return std::atan2(v.y(), v.x()); }
 
+/// The point farthest from one within the baseline; `along` a direction: of those within some ten
+/// degrees of it either way. -1 for none.
+std::int32_t far_end(const IndexedPoints& a, std::size_t first, const Vector2d* along) {
+  constexpr double kAside = 0.17;  ///< sine of the angle
+  std::int32_t farthest = -1;
+  double farthest_m = 0.0;
+  for (const std::int32_t i : a.within(a[first], kBaseline_m)) {
+    const Vector2d d = a[static_cast<std::size_t>(i)] - a[first];
+    const double d_m = d.norm();
+    if (d_m <= farthest_m) continue;
+    if (along && std::abs(along->x() * d.y() - along->y() * d.x()) > kAside * d_m) continue;
+    farthest_m = d_m;
+    farthest = i;
+  }
+  return farthest;
+}
+
+/// Points around an anchor, no farther than that from the line through its two.
+std::vector<std::int32_t> witnesses_of(const IndexedPoints& a, const Anchor& anchor,
+                                       double aside_m) {
+  const Vector2d along = (a[anchor.second] - a[anchor.first]).stableNormalized();
+  std::vector<std::int32_t> witnesses;
+  for (const std::int32_t i : a.nearest_few(anchor.middle, 0.6 * kBaseline_m, kNumWitnesses)) {
+    const Vector2d d = a[static_cast<std::size_t>(i)] - anchor.middle;
+    if (std::abs(along.x() * d.y() - along.y() * d.x()) <= aside_m) witnesses.push_back(i);
+  }
+  return witnesses;
+}
+
+/// Each of `count` points from all over a with the one farthest from it, and with the one farthest
+/// along its row: two drives may share but one row.
 std::vector<Anchor> anchors_of(const IndexedPoints& a, std::size_t count) {
   std::vector<std::size_t> order(a.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -100,20 +133,26 @@ std::vector<Anchor> anchors_of(const IndexedPoints& a, std::size_t count) {
   std::vector<Anchor> anchors;
   const std::size_t num = std::min(count, a.size());
   for (std::size_t k = 0; k < num; ++k) {
-    Anchor anchor;
-    anchor.first = order[(2 * k + 1) * a.size() / (2 * num)];
-    double farthest_m = 0.0;
-    for (const std::int32_t i : a.within(a[anchor.first], kBaseline_m)) {
-      const double d_m = (a[static_cast<std::size_t>(i)] - a[anchor.first]).norm();
-      if (d_m > farthest_m) {
-        farthest_m = d_m;
-        anchor.second = static_cast<std::size_t>(i);
+    const std::size_t first = order[(2 * k + 1) * a.size() / (2 * num)];
+    const auto near = a.nearest_few(a[first], kBaseline_m, 2);
+    if (near.size() < 2) continue;
+    const Vector2d step = a[static_cast<std::size_t>(near[1])] - a[first];
+    const double row_step_m = step.norm();
+    const Vector2d row = step.stableNormalized();
+    const std::int32_t aside = far_end(a, first, nullptr), along = far_end(a, first, &row);
+    for (const std::int32_t second : {aside, along}) {
+      if (second < 0 || (second == along && along == aside && !anchors.empty() &&
+                         anchors.back().first == first)) {
+        continue;
       }
+      Anchor anchor;
+      anchor.first = first;
+      anchor.second = static_cast<std::size_t>(second);
+      anchor.middle = 0.5 * (a[first] + a[anchor.second]);
+      const bool in_row = second == along && second != aside;
+      anchor.witnesses = witnesses_of(a, anchor, in_row ? kRowHalf * row_step_m : kBaseline_m);
+      anchors.push_back(std::move(anchor));
     }
-    if (farthest_m <= 0.0) continue;
-    anchor.middle = 0.5 * (a[anchor.first] + a[anchor.second]);
-    anchor.witnesses = a.nearest_few(anchor.middle, 0.6 * kBaseline_m, kNumWitnesses);
-    anchors.push_back(std::move(anchor));
   }
   return anchors;
 }
@@ -239,7 +278,7 @@ AlignmentCandidates alignment_candidates(const IndexedPoints& a,
   AlignmentCandidates found;
   if (a.size() < 3 || b.size() < 3) return found;
   const double spacing_m = std::max(typical_spacing_m(a), 2.0 * search.gate_m);
-  const std::size_t num_anchors = search.any_place && b.size() > 4000 ? 12 : 40;
+  const std::size_t num_anchors = search.any_place && b.size() > 4000 ? 8 : 30;
   std::vector<Hypothesis> hypotheses;
   for (const Anchor& anchor : anchors_of(a, num_anchors)) {
     for_each_counterpart(a, b, anchor, search, [&](std::int32_t i, std::int32_t j) {

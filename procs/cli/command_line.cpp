@@ -50,6 +50,9 @@ void add_simulate(CLI::App& app, Run& run) {
             ->type_name("CSV");
         command.add_option("--config", o.config_path, "rig; without it the defaults")
             ->type_name("FILE");
+        command.add_option("--from", o.from_s, "begin the log that many seconds into the scene")
+            ->check(CLI::NonNegativeNumber)
+            ->type_name("S");
         command
             .add_option("--duration", o.duration_s, "stop after that many seconds; 0 = whole scene")
             ->check(CLI::NonNegativeNumber)

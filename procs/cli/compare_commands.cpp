@@ -55,7 +55,8 @@ void add_compare(CLI::App& app, Run& run) {
         add_reach_option(command, o.reach_m);
         command
             .add_option("--min-confidence", o.comparison.confidence_min,
-                        "missing and new trees that are less sure count as not seen")
+                        "missing and new trees that are less sure count as not seen, changed "
+                        "widths as unchanged")
             ->check(CLI::Range(0.0, 1.0))
             ->capture_default_str();
         command

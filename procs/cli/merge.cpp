@@ -9,6 +9,7 @@
 #include "cli/map_laying.hpp"
 #include "geometry/angles.hpp"
 #include "io/config.hpp"
+#include "io/file_error.hpp"
 #include "io/map_folder.hpp"
 #include "mapping/map_merging.hpp"
 
@@ -32,6 +33,25 @@ void append_ids(std::size_t number, const std::vector<mapping::KeptId>& ids, std
     text += std::to_string(number) + "," + std::to_string(id.before) + "," +
             std::to_string(id.now) + "\n";
   }
+}
+
+/// The first of the maps that are left which can be laid on what is there, and how. Throws
+/// io::FileError, why the first cannot be, when none can.
+std::pair<std::size_t, mapping::MapAlignment> next_to_lay(const io::StoredMap& whole,
+                                                          const std::vector<io::StoredMap>& maps,
+                                                          const std::vector<std::size_t>& left,
+                                                          const MergeOptions& options) {
+  const mapping::DriveView view = view_of(whole, options.reach_m);
+  std::string reason;
+  for (std::size_t next = 0; next < left.size(); ++next) {
+    const io::StoredMap& map = maps[left[next]];
+    try {
+      return {next, lay_on(whole, view, map, view_of(map, options.reach_m), options.alignment)};
+    } catch (const io::FileError& error) {
+      if (reason.empty()) reason = error.what();
+    }
+  }
+  throw io::FileError(reason);
 }
 
 void number(const mapping::RowsConfig& config, io::MapFolderContent& content) {
@@ -61,17 +81,18 @@ int run_merge(const MergeOptions& options) {
   io::StoredMap whole = maps.front();
   whole.name = options.map_paths.front();
   mapping::MergedMap merged{whole.landmarks, whole.next_id};
-  std::string ids_csv = "map,id,merged_id\n";
+  std::vector<std::string> ids_of_map(maps.size());
   std::vector<mapping::KeptId> first_ids;
   for (const mapping::Landmark& l : whole.landmarks) first_ids.push_back({l.id, l.id});
-  append_ids(1, first_ids, ids_csv);
-  for (std::size_t k = 1; k < maps.size(); ++k) {
-    const mapping::MapAlignment alignment =
-        lay_on(whole, view_of(whole, options.reach_m), maps[k], view_of(maps[k], options.reach_m),
-               options.alignment);
-    const std::vector<mapping::KeptId> ids =
-        mapping::merge_into(merged, maps[k].landmarks, alignment);
-    append_ids(k + 1, ids, ids_csv);
+  append_ids(1, first_ids, ids_of_map[0]);
+  std::vector<std::size_t> left;
+  for (std::size_t k = 1; k < maps.size(); ++k) left.push_back(k);
+  while (!left.empty()) {
+    // A map that touches only a later one waits for it.
+    const auto [next, alignment] = next_to_lay(whole, maps, left, options);
+    const std::size_t k = left[next];
+    left.erase(left.begin() + static_cast<std::ptrdiff_t>(next));
+    append_ids(k + 1, mapping::merge_into(merged, maps[k].landmarks, alignment), ids_of_map[k]);
     std::printf(
         "%s: laid on %zu trunks, %.0f mm apart (RMS); moved by %.3f m, %.3f m and %.3f "
         "degrees\n",
@@ -83,6 +104,8 @@ int run_merge(const MergeOptions& options) {
       whole.trajectories.push_back(transformed(trajectory, alignment.T_a_b));
     }
   }
+  std::string ids_csv = "map,id,merged_id\n";
+  for (const std::string& ids : ids_of_map) ids_csv += ids;
 
   io::MapFolderContent content;
   content.landmarks = merged.landmarks;

@@ -15,7 +15,8 @@ struct SimulateOptions {
   std::string poses_path;         ///< CSV of where base truly was; empty = do not write
   std::string observations_path;  ///< CSV of what each scan truly held; empty = do not write
   std::string config_path;        ///< empty = the defaults
-  double duration_s = 0.0;        ///< 0 = until the scene ends
+  double from_s = 0.0;            ///< the log begins so long after the scene
+  double duration_s = 0.0;        ///< of the log; 0 = until the scene ends
 };
 
 /// Writes a log of a simulated drive, and its truth; returns the exit code. Equal options give

@@ -74,6 +74,29 @@ TEST_F(CompareCommand, RefusesMapsThatAreNone) {
   EXPECT_EQ(orchard({"compare", a, far, "--assume-seen", "--any-place"}).exit_code, 0);
 }
 
+TEST_F(CompareCommand, MergesAMapThatTouchesOnlyALaterOne) {
+  const std::string trees = forty_trees(-1, 0.0);
+  std::vector<std::string> lines{""};
+  for (const char c : trees) {
+    lines.back() += c;
+    if (c == '\n') lines.emplace_back();
+  }
+  // rows 1 and 2, rows 3 and 4, rows 2 and 3
+  const auto part = [&](const std::string& name, int first, int last) {
+    std::string text = kHeader;
+    for (int i = first; i <= last; ++i) text += lines[static_cast<std::size_t>(i)];
+    return map_csv(name, text);
+  };
+  const std::string a = part("a.csv", 1, 20), c = part("c.csv", 21, 40), b = part("b.csv", 11, 30);
+  const Result apart = orchard({"merge", a, c, "--max-offset", "1", "--out", path("apart")});
+  EXPECT_EQ(apart.exit_code, 3) << apart.out;
+  const Result result = orchard({"merge", a, c, b, "--max-offset", "1", "--out", path("all")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(count_lines(read_file(path("all/map.csv"))), 41) << "every tree once";
+  const std::string ids = read_file(path("all/ids.csv"));
+  EXPECT_LT(ids.find("\n2,21,"), ids.find("\n3,11,")) << "in order of the maps given";
+}
+
 TEST_F(CompareCommand, MergesAndNeverOverwritesAnInput) {
   ASSERT_EQ(orchard({"merge", map_csv("a.csv", forty_trees(3, 0.0)),
                      map_csv("b.csv", forty_trees(20, 0.7)), "--out", path("both")})

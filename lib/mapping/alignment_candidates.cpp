@@ -261,11 +261,16 @@ AlignmentCandidate refined(const IndexedPoints& a, const IndexedPoints& b,
   return way;
 }
 
+bool is_near(const RigidTransform& T, const RigidTransform& other, const Vector2d& p_a,
+             double near_m, double near_rad) {
+  const Vector2d p_b = T.inverse().apply(p_a);
+  return (other.apply(p_b) - p_a).norm() < near_m &&
+         std::abs(geometry::wrap_angle_rad(T.yaw_rad - other.yaw_rad)) < near_rad;
+}
+
 bool is_same_way(const RigidTransform& T, const RigidTransform& other, const Vector2d& p_a,
                  double spacing_m) {
-  const Vector2d p_b = T.inverse().apply(p_a);
-  return (other.apply(p_b) - p_a).norm() < 0.35 * spacing_m &&
-         std::abs(geometry::wrap_angle_rad(T.yaw_rad - other.yaw_rad)) < 0.03;
+  return is_near(T, other, p_a, 0.35 * spacing_m, 0.03);
 }
 
 }  // namespace
@@ -292,13 +297,21 @@ AlignmentCandidates alignment_candidates(const IndexedPoints& a,
         hypotheses.push_back(h);
     });
   }
+  std::vector<RigidTransform> refined_from;  // many begin alike and end in a way that is known
   for (const std::size_t k : most_promising_first(hypotheses)) {
     const Hypothesis& h = hypotheses[k];
     if (found.ways.size() >= kWaysMost) break;
     const auto known = [&](const AlignmentCandidate& way) {
       return is_same_way(h.T_a_b, way.T_a_b, h.middle_a, spacing_m);
     };
-    if (std::any_of(found.ways.begin(), found.ways.end(), known)) continue;
+    const auto begun = [&](const RigidTransform& T) {
+      return is_near(h.T_a_b, T, h.middle_a, 0.1 * spacing_m, 0.01);
+    };
+    if (std::any_of(found.ways.begin(), found.ways.end(), known) ||
+        std::any_of(refined_from.begin(), refined_from.end(), begun)) {
+      continue;
+    }
+    refined_from.push_back(h.T_a_b);
     AlignmentCandidate way = refined(a, b, h, search.gate_m);
     const auto same = [&](const AlignmentCandidate& other) {
       return is_same_way(way.T_a_b, other.T_a_b, h.middle_a, spacing_m);

@@ -40,7 +40,8 @@ struct PriorMapConfig {
   double pair_max_m = 8.0;      ///< between two trunks that begin a hypothesis
   int hypotheses_per_scan = 400;
   double min_log_odds = 9.0;  ///< of a place against all others together, to be taken
-  double min_log_fit = 4.0;   ///< of it against another orchard of such rows; lost at minus this
+  double min_log_fit = 0.0;   ///< of it against another orchard of such rows, to be taken
+  double lost_log_fit = 4.0;  ///< the other way round: of another orchard against the place
   double lost_share = 0.5;    ///< of trees that should be seen: when fewer are, it is lost
   double lost_sd_m = 1.0;     ///< a position less sure than this is lost
 };
@@ -83,10 +84,10 @@ void describe(Visitor& v, PriorMapConfig& c) {
             "tried at each scan: bounds its cost");
   v.number("min_log_odds", c.min_log_odds, 0, 100, "1",
            "natural logarithm: of a place against all others together, to be taken");
-  v.number(
-      "min_log_fit", c.min_log_fit, 0, 100, "1",
-      "natural logarithm: of a place against another orchard of such rows, to be taken; at minus "
-      "this it is lost");
+  v.number("min_log_fit", c.min_log_fit, 0, 100, "1",
+           "natural logarithm: of a place against another orchard of such rows, to be taken");
+  v.number("lost_log_fit", c.lost_log_fit, 0, 100, "1",
+           "natural logarithm: of another orchard of such rows against the place: then it is lost");
   v.number("lost_share", c.lost_share, 0.05, 0.95, "1",
            "of trees that should be seen: when fewer are, it is lost");
   v.number("lost_sd_m", c.lost_sd_m, 0.05, 100, "m", "a position less sure than this is lost");

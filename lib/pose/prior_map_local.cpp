@@ -27,6 +27,8 @@ constexpr double kBrokenShare = 0.34;
 /// A trunk is judged by after so many scans: one that began after the robot was moved would say
 /// that all is well.
 constexpr int kOldScans = 10;
+/// Fewer trunks that are not there, or stand where none was, may come together by chance.
+constexpr int kSurprises = 3;
 
 }  // namespace
 
@@ -40,6 +42,7 @@ void LocalTrunkMap::clear() {
   entries_.clear();
   views_.clear();
   num_broken_scans_ = 0;
+  surprised_ = false;
 }
 
 void LocalTrunkMap::move(const Eigen::Vector3d& T_base_next, const Eigen::Matrix3d& covariance,
@@ -60,15 +63,20 @@ void LocalTrunkMap::observe(const std::vector<Sighting>& sightings, const SightF
   const std::size_t num_before = entries_.size();
   std::vector<bool> taken(num_before, false);
   std::vector<const Sighting*> fresh;
+  int num_matched = 0, num_surprises = 0;
   for (const Sighting& sighting : sightings) {
     double nearest_m = kNewTrunkM;
     const int trunk = match(sighting, taken, nearest_m);
     if (trunk >= 0) {
       taken[static_cast<std::size_t>(trunk)] = true;
       correct(trunk, sighting);
-    } else if (nearest_m >= kNewTrunkM) {
-      fresh.push_back(&sighting);
+      ++num_matched;
+      continue;
     }
+    // beside a trunk of before, or where one would have been seen before
+    const bool beside = nearest_m < kNewTrunkM;
+    num_surprises += beside || field.covers(sighting.p_base);
+    if (!beside) fresh.push_back(&sighting);
   }
 
   int num_expected = 0, num_seen = 0;
@@ -77,6 +85,7 @@ void LocalTrunkMap::observe(const std::vector<Sighting>& sightings, const SightF
     const bool seen = taken[static_cast<std::size_t>(i)];
     const Eigen::Vector2d p_base = transform_back(T_local_base_, p_local(i));
     const bool expected = field.covers(p_base) && !shadows.hide(p_base);
+    num_surprises += expected && is_sure(entry) && !seen;
     if (expected && is_sure(entry) && entry.num_expected >= kOldScans) {
       ++num_expected;
       num_seen += seen;
@@ -88,6 +97,8 @@ void LocalTrunkMap::observe(const std::vector<Sighting>& sightings, const SightF
   if (num_expected >= kJudgedTrunks) {
     num_broken_scans_ = num_seen < kBrokenShare * num_expected ? num_broken_scans_ + 1 : 0;
   }
+  // with nothing known of before, all of a scan is new
+  surprised_ = num_before > 0 && num_surprises >= kSurprises && num_surprises > num_matched;
 
   for (const Sighting* sighting : fresh) insert(*sighting);
   forget_what_is_old();

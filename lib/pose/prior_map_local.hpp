@@ -56,6 +56,9 @@ class LocalTrunkMap {
   /// not move as odometry says.
   bool broken() const { return num_broken_scans_ >= kBrokenScans; }
 
+  /// Whether the last scan alone speaks rather of another place than of where base should be.
+  bool surprised() const { return surprised_; }
+
  private:
   static constexpr int kBrokenScans = 5;
 
@@ -85,6 +88,7 @@ class LocalTrunkMap {
   std::deque<View> views_;
   double travel_m_ = 0.0;
   int num_broken_scans_ = 0;
+  bool surprised_ = false;
 };
 
 }  // namespace orchard::pose

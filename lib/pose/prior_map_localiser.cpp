@@ -100,6 +100,7 @@ void PriorMapLocaliser::add(const SeenTrunks& seen) {
       sightings_at_scan(seen, speed_mps, yaw_rate_radps, config_);
   field_.learn(sightings);
   local_.observe(sightings, field_);
+  suspect(sightings);
   if (tracking_) {
     track(sightings);
   } else {
@@ -146,7 +147,11 @@ void PriorMapLocaliser::advance_to(std::int64_t utime, double speed_mps, double 
   utime_ = utime;
   if (dt_s <= 0.0) return;
   const WheelStep step{speed_mps, yaw_rate_radps, covariance, dt_s};
-  local_.move(tracker_.motion(step), tracker_.motion_covariance(step), std::abs(speed_mps) * dt_s);
+  const Eigen::Vector3d T_base_next = tracker_.motion(step);
+  const Eigen::Matrix3d covariance_next = tracker_.motion_covariance(step);
+  const double travel_m = std::abs(speed_mps) * dt_s;
+  local_.move(T_base_next, covariance_next, travel_m);
+  if (since_suspicion_) since_suspicion_->move(T_base_next, covariance_next, travel_m);
   if (tracking_) tracker_.move(step);
 }
 
@@ -157,8 +162,36 @@ std::array<double, 3> PriorMapLocaliser::covariance_of(const Odometry& odometry)
           pose_config_.yaw_rate_sd_radps * pose_config_.yaw_rate_sd_radps};
 }
 
-LocalEvidence PriorMapLocaliser::evidence() const {
-  LocalEvidence evidence{local_.trunks(), local_.views(), field_};
+void PriorMapLocaliser::suspect(const std::vector<Sighting>& sightings) {
+  if (since_suspicion_) since_suspicion_->observe(sightings, field_);
+  const bool anew = since_suspicion_ ? since_suspicion_->surprised() : local_.surprised();
+  if (!anew) {
+    // by then local_ knows nothing older either
+    if (local_.travel_m() - suspected_travel_m_ > config_.window_m) since_suspicion_.reset();
+    return;
+  }
+  suspected_travel_m_ = local_.travel_m();
+  since_suspicion_ = local_;
+  since_suspicion_->clear();
+  since_suspicion_->observe(sightings, field_);
+}
+
+void PriorMapLocaliser::begin_anew() {
+  if (since_suspicion_) {
+    local_ = *std::move(since_suspicion_);
+    since_suspicion_.reset();
+    lost_travel_m_ = suspected_travel_m_;
+  } else {
+    local_.clear();
+    lost_travel_m_ = local_.travel_m();
+  }
+  search_.reset();
+  checked_travel_m_ = local_.travel_m();
+  checked_trunks_ = 0;
+}
+
+LocalEvidence PriorMapLocaliser::evidence(const LocalTrunkMap& local) const {
+  LocalEvidence evidence{local.trunks(), local.views(), field_};
   // What lies beyond a headland turn by wheels that are not known yet may be bent away from base.
   const auto bent = std::find_if(evidence.trunks.begin(), evidence.trunks.end(),
                                  [](const LocalTrunkMap::Trunk& trunk) {
@@ -194,20 +227,36 @@ void PriorMapLocaliser::track(const std::vector<Sighting>& sightings) {
   }
 }
 
-void PriorMapLocaliser::check_place(bool trees_gone, const TreeWatch::Count& trees) {
-  local_.anchor();
-  checked_travel_m_ = local_.travel_m();
-  const PlaceScorer scorer(map_, config_, evidence());
-  const bool enough =
-      scorer.evidence().trunks.size() >= static_cast<std::size_t>(config_.min_trunks);
-  if (!enough && !trees_gone) return;
+std::optional<Place> PriorMapLocaliser::here(const PlaceScorer& scorer) const {
   Place here;
   here.T_map_base = tracker_.T_map_base();
   here.covariance = tracker_.covariance();
   std::optional<Place> place = scorer.fit(here, scorer.order_from(Eigen::Vector2d::Zero()));
   if (place) scorer.count_missing(*place);
+  return place;
+}
+
+void PriorMapLocaliser::check_place(bool trees_gone, const TreeWatch::Count& trees) {
+  local_.anchor();
+  checked_travel_m_ = local_.travel_m();
+  const auto num_enough = static_cast<std::size_t>(config_.min_trunks);
+  const PlaceScorer scorer(map_, config_, evidence(local_));
+  const bool enough = scorer.evidence().trunks.size() >= num_enough;
+  bool contradicted_since = false;
+  if (since_suspicion_) {
+    since_suspicion_->anchor();
+    const PlaceScorer since(map_, config_, evidence(*since_suspicion_));
+    if (since.evidence().trunks.size() >= num_enough) {
+      const std::optional<Place> place = here(since);
+      contradicted_since = !place || place->score < -config_.lost_log_fit;
+      if (place && place->score > config_.lost_log_fit) since_suspicion_.reset();
+    }
+  }
+  if (!enough && !trees_gone && !contradicted_since) return;
+  const std::optional<Place> place = here(scorer);
   // where many trees were felled the trunks of the way there still speak for the place
-  const bool supported = enough && place && place->score >= -config_.min_log_fit;
+  const bool supported =
+      enough && place && place->score >= -config_.lost_log_fit && !contradicted_since;
   num_contradictions_ = supported ? 0 : num_contradictions_ + 1;
   if (trees_gone && !supported) {
     lose("of the " + std::to_string(trees.num_trees) +
@@ -223,10 +272,7 @@ void PriorMapLocaliser::check_place(bool trees_gone, const TreeWatch::Count& tre
 
 void PriorMapLocaliser::search() {
   if (local_.broken()) {
-    local_.clear();
-    search_.reset();
-    lost_travel_m_ = checked_travel_m_ = local_.travel_m();
-    checked_trunks_ = 0;
+    begin_anew();
     state_ = "LOST: the robot was moved while it was looking for its place; it begins anew";
   }
   if (!search_) {
@@ -238,7 +284,7 @@ void PriorMapLocaliser::search() {
     local_.anchor();
     checked_travel_m_ = local_.travel_m();
     checked_trunks_ = num_trunks;
-    LocalEvidence local = evidence();
+    LocalEvidence local = evidence(local_);
     if (local.trunks.size() < static_cast<std::size_t>(config_.min_trunks)) return;
     search_.emplace(map_, config_, std::move(local));
   }
@@ -284,10 +330,7 @@ void PriorMapLocaliser::lose(const std::string& why, bool forget_trunks) {
   num_contradictions_ = 0;
   checked_trunks_ = 0;
   lost_travel_m_ = local_.travel_m();
-  if (forget_trunks) {
-    local_.clear();
-    checked_travel_m_ = local_.travel_m();
-  }
+  if (forget_trunks) begin_anew();
   state_ = "LOST: " + why;
 }
 

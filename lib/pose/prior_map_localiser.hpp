@@ -50,13 +50,19 @@ class PriorMapLocaliser : public Localiser {
   void search();
   void judge(const SearchResult& result);
   void lose(const std::string& why, bool forget_trunks);
-  LocalEvidence evidence() const;
+  void suspect(const std::vector<Sighting>& sightings);
+  void begin_anew();
+  LocalEvidence evidence(const LocalTrunkMap& local) const;
+  std::optional<Place> here(const PlaceScorer& scorer) const;
 
   PoseConfig pose_config_;
   PriorMapConfig config_;
   PriorMap map_;
   SightField field_;
   LocalTrunkMap local_;
+  /// The same since a scan that base may have been moved before: what holds if it was.
+  std::optional<LocalTrunkMap> since_suspicion_;
+  double suspected_travel_m_ = 0.0;
   PriorMapTracker tracker_;
   std::optional<PriorMapSearch> search_;
 

@@ -122,6 +122,23 @@ TEST(LocalTrunkMap, BreaksWhenTheRobotWasMoved) {
   EXPECT_TRUE(run.map.trunks().empty());
 }
 
+TEST(LocalTrunkMap, OneScanOfAnotherPlaceSurprises) {
+  Drive run;
+  for (int i = 0; i < 120; ++i) {
+    run.drive(1, 1.0);
+    EXPECT_FALSE(run.map.surprised()) << "after scan " << i;
+  }
+  Drive moved = run;
+  moved.T = compose(moved.T, {0.4, 0.3, 0.0});
+  moved.scan();
+  EXPECT_TRUE(moved.map.surprised());
+  // by a whole spacing of the trees: their jitter tells
+  moved = run;
+  moved.T = compose(moved.T, {-5.0, 0.0, 0.0});
+  moved.scan();
+  EXPECT_TRUE(moved.map.surprised());
+}
+
 TEST(LocalTrunkMap, WhatIsSeenOnceIsNoTrunk) {
   Drive run;
   run.drive(30, 1.0);

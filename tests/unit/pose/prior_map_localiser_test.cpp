@@ -181,6 +181,33 @@ TEST(PriorMapLocaliser, CarriedToAnotherRowItIsLostAndFindsItselfAgain) {
   EXPECT_LT(outcome.worst_m, 0.3);
 }
 
+TEST(PriorMapLocaliser, CarriedByWholeTreeSpacingsItNoticesSoonAndKeepsWhatItSawSince) {
+  // to the third alley, where trees stand as those that it would see had it not been carried
+  const double third_m = 2.0 * (13 * 2.5 + 6.0 + 2.0 * geometry::kPi);
+  // by the check of all trunks of the way alone these take 5 to 9 m to be noticed
+  for (const std::uint64_t seed : {1004, 1019, 1038, 1040, 1041}) {
+    const PriorWorld world = prior_world(seed, small());
+    PriorMapLocaliser localiser(config_of(PriorStart::kGiven, way_through(world).front()),
+                                mapped(world, seed));
+    const Outcome outcome = run(localiser, changed(world, seed, 0.05),
+                                {{0.0, 20.0}, {third_m + 10.0, third_m + 21.0}}, seed, {}, 30.0);
+    EXPECT_GE(localiser.num_lost(), 1) << seed;
+    EXPECT_LT(outcome.lost_m, 24.0) << seed;
+    EXPECT_GT(outcome.num_poses, 0) << seed << ": " << localiser.warning();
+    EXPECT_LT(outcome.worst_m, 0.3) << seed;
+  }
+}
+
+TEST(PriorMapLocaliser, FindsItsPlaceWhereManyTreesHaveChanged) {
+  for (std::uint64_t seed = 1001; seed <= 1006; ++seed) {
+    const PriorWorld world = prior_world(seed, small());
+    PriorMapLocaliser localiser(config_of(), mapped(world, seed));
+    const Outcome outcome = run(localiser, changed(world, seed, 0.15), {{5.0, 20.0}}, seed);
+    EXPECT_GT(outcome.found_m, 0.0) << seed << ": " << localiser.warning();
+    EXPECT_LT(outcome.worst_m, 0.3) << seed;
+  }
+}
+
 TEST(PriorMapLocaliser, TenSecondsWithoutOdometryAreSaidAndSurvived) {
   const PriorWorld world = prior_world(3, small());
   PriorMapLocaliser localiser(config_of(PriorStart::kGiven, way_through(world).front()),

@@ -10,6 +10,12 @@
 
 namespace orchard::laser {
 
+/// Cosine and sine of a bearing.
+struct Direction {
+  double c = 1.0;
+  double s = 0.0;
+};
+
 /// The beams of a scan in the order in which they are cut: what each one returned, made believable
 /// once. A full turn starts at a gap, so that no object lies across the seam.
 ///
@@ -28,6 +34,10 @@ class Beams {
     return static_cast<std::size_t>(shifted >= size_ ? shifted - size_
                                     : shifted < 0    ? shifted + size_
                                                      : shifted);
+  }
+  /// From one beam to the one `num_steps` on, in [0, size()).
+  const Direction& direction(std::ptrdiff_t num_steps) const {
+    return directions_[static_cast<std::size_t>(num_steps)];
   }
   /// The believable range [m] at a position in [0, size()); 0 = no return.
   float range_m(std::ptrdiff_t i) const { return ranges_m_[index(i)]; }
@@ -56,6 +66,7 @@ class Beams {
     return i >= 0 && i < size_ ? i : (i + size_) % size_;  // dividing is slow, and rarely needed
   }
   void believe(const Scan& scan);
+  void find_directions();
   /// A beam on something thin closely before a surface is no part of it: as if it had not returned.
   void leave_out_thin_fronts();
   std::ptrdiff_t first_gap() const;
@@ -67,6 +78,7 @@ class Beams {
   bool is_turn_ = false;
   std::vector<float> ranges_m_;
   std::vector<std::uint8_t> blocked_;
+  std::vector<Direction> directions_;  ///< of whole steps
 };
 
 }  // namespace orchard::laser

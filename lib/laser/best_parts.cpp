@@ -59,9 +59,12 @@ void BestParts::find_ways(const Run& run) {
     if (!is_first && ways_[1][from].cost == kInfinity) continue;
     const std::size_t least = from + fewest;
     int num_misfits = kMostMisfitsAtFirst;
+    // what a beam more or less fits lies close by
+    std::optional<CircleFit> last;
     for (std::size_t to = is_first ? least : std::max(least, n - kMostThinBeams); to <= n; ++to) {
-      const auto circle = fit_(part(run, from, to));
-      if (fits(circle)) {
+      const auto circle = fit_.good(part(run, from, to), last);
+      if (circle) {
+        last = circle;
         go_on(from, to, kPartCost + circle->chi2 - circle->dof, true);
         num_misfits = kMostMisfits;
       } else if (--num_misfits == 0) {

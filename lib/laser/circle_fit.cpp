@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -15,6 +16,13 @@ namespace {
 
 constexpr int kMaxIterations = 12;
 constexpr double kSmallestRadius_m = 1e-3;
+/// After so many steps a circle that misfits by so many times kGoodFit seldom turns out a good one:
+/// the more steps, the less is to be hoped for.
+constexpr int kStepsToJudge = 2;
+constexpr std::array<double, 5> kHopeless{5.0, 4.0, 3.0, 2.0, 1.4};
+/// One that still moves so far after so many steps goes to and fro for good.
+constexpr int kStepsToSettleDown = 7;
+constexpr double kRestless_m = 1e-3;
 /// Beams that meet the surface flatter than this say little of range; the sides say it better.
 /// Their weight falls between these two, so that no beam comes and goes as the circle settles.
 constexpr double kGrazingCosine = 0.2;
@@ -29,49 +37,126 @@ struct Circle {
 
 /// The normal equations of one Gauss-Newton step.
 struct Normal {
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< upper triangle
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
   double chi2 = 0.0;
   int count = 0;
 
-  void add(double residual, const Eigen::Vector3d& jacobian, double sd, double share = 1.0) {
-    const double sigmas = std::abs(residual) / sd;
-    const double weight = share * (sigmas <= kHuber ? 1.0 : kHuber / sigmas) / (sd * sd);
-    information += weight * jacobian * jacobian.transpose();
-    gradient += weight * residual * jacobian;
-    chi2 += weight * residual * residual;
+  void add(double residual, const Eigen::Vector3d& jacobian, double variance) {
+    const double squared = residual * residual;
+    double weight = 1.0 / variance;
+    if (squared > kHuber * kHuber * variance) weight *= kHuber * std::sqrt(variance / squared);
+    const Eigen::Vector3d weighted = weight * jacobian;
+    for (int row = 0; row < 3; ++row) {
+      for (int col = row; col < 3; ++col) information(row, col) += weighted[row] * jacobian[col];
+    }
+    gradient += residual * weighted;
+    chi2 += weight * squared;
     ++count;
   }
 };
 
-/// Cosine and sine of a beam's bearing.
-struct Direction {
-  double c, s;
+/// Beams that are reckoned side by side.
+constexpr Eigen::Index kLanes = 2;
+using Lanes = Eigen::Array<double, kLanes, 1>;
+
+/// What the beams add to the normal equations, each in its lane.
+class RangeSums {
+ public:
+  RangeSums(const Circle& c, double step_rad, double range_sd_m)
+      : c_(c),
+        centre_c_(std::cos(c.bearing_rad)),
+        centre_s_(std::sin(c.bearing_rad)),
+        least_half_chord2_m2_(kGrazingCosine * kGrazingCosine * c.radius_m * c.radius_m),
+        share_by_half_chord_(1.0 / (c.radius_m * (kSteepCosine - kGrazingCosine))),
+        quarter_step_rad_(0.25 * step_rad),
+        range_var_m2_(range_sd_m * range_sd_m) {
+    for (Lanes& sum : sums_) sum.setZero();
+  }
+
+  /// `valid` is 1 for each lane that holds a beam, else 0.
+  void add(const Lanes& ranges_m, const Lanes& cosines, const Lanes& sines, const Lanes& valid) {
+    // of the beams' bearings from the centre's, without two more functions per beam and step
+    const Lanes cosine = cosines * centre_c_ + sines * centre_s_;
+    const Lanes sine = sines * centre_c_ - cosines * centre_s_;
+    const Lanes across_m = c_.range_m * sine;
+    const Lanes half_chord2_m2 = c_.radius_m * c_.radius_m - across_m * across_m;
+    // what grazes the circle or passes it by has no share
+    const Lanes half_chord_m = half_chord2_m2.max(least_half_chord2_m2_).sqrt();
+    const Lanes share =
+        valid * (half_chord_m * share_by_half_chord_ - kFromShare).max(0.0).min(1.0);
+    const Lanes inverse = 1.0 / half_chord_m;
+    const Lanes slope = across_m * inverse;
+    const Lanes by_bearing = c_.range_m * (sine - slope * cosine);
+    const Lanes by_range = cosine + slope * sine;
+    const Lanes by_radius = -c_.radius_m * inverse;
+    const Lanes residual = ranges_m - (c_.range_m * cosine - half_chord_m);
+    // the spot is about a step wide, and what it reads lies somewhere in it
+    const Lanes spread_m = by_bearing * quarter_step_rad_;
+    const Lanes variance = range_var_m2_ + spread_m * spread_m;
+    const Lanes squared = residual * residual;
+    const Lanes least = kHuber * kHuber * variance;
+    const Lanes huber = (least / squared.max(least)).sqrt();
+    const Lanes weight = share * huber / variance;
+    const Lanes weighted_range = weight * by_range, weighted_bearing = weight * by_bearing;
+    const Lanes weighted_radius = weight * by_radius;
+    sums_[0] += weighted_range * by_range;
+    sums_[1] += weighted_range * by_bearing;
+    sums_[2] += weighted_range * by_radius;
+    sums_[3] += weighted_bearing * by_bearing;
+    sums_[4] += weighted_bearing * by_radius;
+    sums_[5] += weighted_radius * by_radius;
+    sums_[6] += weighted_range * residual;
+    sums_[7] += weighted_bearing * residual;
+    sums_[8] += weighted_radius * residual;
+    sums_[9] += weight * squared;
+    for (Eigen::Index lane = 0; lane < kLanes; ++lane) count_ += share[lane] > 1e-12 ? 1 : 0;
+  }
+
+  Normal normal() const {
+    Normal sum;
+    sum.information << sums_[0].sum(), sums_[1].sum(), sums_[2].sum(),  //
+        0.0, sums_[3].sum(), sums_[4].sum(),                            //
+        0.0, 0.0, sums_[5].sum();
+    sum.gradient << sums_[6].sum(), sums_[7].sum(), sums_[8].sum();
+    sum.chi2 = sums_[9].sum();
+    sum.count = count_;
+    return sum;
+  }
+
+ private:
+  static constexpr double kFromShare = kGrazingCosine / (kSteepCosine - kGrazingCosine);
+
+  Circle c_;
+  double centre_c_, centre_s_;
+  double least_half_chord2_m2_, share_by_half_chord_;
+  double quarter_step_rad_, range_var_m2_;
+  std::array<Lanes, 10> sums_;
+  int count_ = 0;
 };
 
-void add_ranges(const Arc& arc, const std::vector<Direction>& beams, const Circle& c,
-                double step_rad, double range_sd_m, Normal& sum) {
-  const double radius2_m2 = c.radius_m * c.radius_m;
-  const double centre_c = std::cos(c.bearing_rad), centre_s = std::sin(c.bearing_rad);
-  for (std::size_t i = 0; i < arc.ranges_m.size(); ++i) {
-    // of the beam's bearing from the centre's, without two more functions per beam and step
-    const double cosine = beams[i].c * centre_c + beams[i].s * centre_s;
-    const double sine = beams[i].s * centre_c - beams[i].c * centre_s;
-    const double across_m = c.range_m * sine;
-    const double half_chord2_m2 = radius2_m2 - across_m * across_m;
-    if (half_chord2_m2 <= kGrazingCosine * kGrazingCosine * radius2_m2) continue;
-    const double half_chord_m = std::sqrt(half_chord2_m2);
-    const double share = std::min(
-        1.0, (half_chord_m / c.radius_m - kGrazingCosine) / (kSteepCosine - kGrazingCosine));
-    const double expected_m = c.range_m * cosine - half_chord_m;
-    const double by_bearing = -c.range_m * sine + c.range_m * across_m * cosine / half_chord_m;
-    const Eigen::Vector3d jacobian(cosine + across_m * sine / half_chord_m, -by_bearing,
-                                   -c.radius_m / half_chord_m);
-    // the spot is about a step wide, and what it reads lies somewhere in it
-    const double spread_m = by_bearing * step_rad * 0.25;
-    const double sd_m = std::sqrt(range_sd_m * range_sd_m + spread_m * spread_m);
-    sum.add(arc.ranges_m[i] - expected_m, jacobian, sd_m, share);
+Normal normal_of_ranges(const Arc& arc, const Circle& c, double step_rad, double range_sd_m) {
+  RangeSums sums(c, step_rad, range_sd_m);
+  const Eigen::Index n = static_cast<Eigen::Index>(arc.ranges_m.size());
+  const auto lanes = [](const std::vector<double>& values, Eigen::Index from) {
+    return Eigen::Map<const Lanes>(values.data() + from);
+  };
+  Eigen::Index i = 0;
+  for (; i + kLanes <= n; i += kLanes) {
+    sums.add(lanes(arc.ranges_m, i), lanes(arc.cosines, i), lanes(arc.sines, i), Lanes::Ones());
   }
+  if (i == n) return sums.normal();
+  Lanes ranges_m = Lanes::Ones(), cosines = Lanes::Ones(), sines = Lanes::Zero();
+  Lanes valid = Lanes::Zero();
+  for (Eigen::Index lane = 0; i < n; ++i, ++lane) {
+    const std::size_t k = static_cast<std::size_t>(i);
+    ranges_m[lane] = arc.ranges_m[k];
+    cosines[lane] = arc.cosines[k];
+    sines[lane] = arc.sines[k];
+    valid[lane] = 1.0;
+  }
+  sums.add(ranges_m, cosines, sines, valid);
+  return sums.normal();
 }
 
 void add_sides(const Arc& arc, const Circle& c, Normal& sum) {
@@ -82,18 +167,16 @@ void add_sides(const Arc& arc, const Circle& c, Normal& sum) {
   const double by_range = -slope * sine / c.range_m;
   if (arc.low_side_sd_rad > 0.0) {
     sum.add(arc.low_side_rad - (c.bearing_rad - half_rad), {-by_range, 1.0, -by_radius},
-            arc.low_side_sd_rad);
+            arc.low_side_sd_rad * arc.low_side_sd_rad);
   }
   if (arc.high_side_sd_rad > 0.0) {
     sum.add(arc.high_side_rad - (c.bearing_rad + half_rad), {by_range, 1.0, by_radius},
-            arc.high_side_sd_rad);
+            arc.high_side_sd_rad * arc.high_side_sd_rad);
   }
 }
 
-Normal normal_at(const Arc& arc, const std::vector<Direction>& beams, const Circle& c,
-                 double step_rad, double range_sd_m) {
-  Normal sum;
-  add_ranges(arc, beams, c, step_rad, range_sd_m, sum);
+Normal normal_at(const Arc& arc, const Circle& c, double step_rad, double range_sd_m) {
+  Normal sum = normal_of_ranges(arc, c, step_rad, range_sd_m);
   add_sides(arc, c, sum);
   return sum;
 }
@@ -111,25 +194,34 @@ Circle first_guess(const Arc& arc) {
           radius_m};
 }
 
+bool is_hopeless(const Normal& normal, int step) {
+  if (step < kStepsToJudge) return false;
+  const std::size_t k =
+      std::min<std::size_t>(static_cast<std::size_t>(step - kStepsToJudge), kHopeless.size() - 1);
+  return normal.chi2 > kHopeless[k] * kGoodFit * (normal.count - 3);
+}
+
+Circle polar(const CircleFit& fit) {
+  return {std::hypot(fit.x_m, fit.y_m), std::atan2(fit.y_m, fit.x_m), fit.radius_m};
+}
+
 }  // namespace
 
 std::optional<CircleFit> fit_circle(const Arc& arc, double bearing_step_rad, double range_sd_m,
-                                    double radius_max_m) {
+                                    double radius_max_m, const CircleSearch& search) {
   if (arc.ranges_m.empty()) return std::nullopt;
-  std::vector<Direction> beams;
-  beams.reserve(arc.bearings_rad.size());
-  for (const double bearing_rad : arc.bearings_rad) {
-    beams.push_back({std::cos(bearing_rad), std::sin(bearing_rad)});
-  }
-  Circle c = first_guess(arc);
+  Circle c = search.near ? polar(*search.near) : first_guess(arc);
   Normal normal;
   Eigen::Matrix3d inverse;
   bool settled = false;
   Eigen::Vector3d last_step = Eigen::Vector3d::Zero();
   for (int i = 0; i < kMaxIterations; ++i) {
-    normal = normal_at(arc, beams, c, bearing_step_rad, range_sd_m);
+    normal = normal_at(arc, c, bearing_step_rad, range_sd_m);
     if (normal.count < 3) return std::nullopt;
+    if (search.only_good && is_hopeless(normal, i)) return std::nullopt;
     bool invertible = false;
+    normal.information.triangularView<Eigen::StrictlyLower>() =
+        normal.information.transpose().triangularView<Eigen::StrictlyLower>();
     normal.information.computeInverseWithCheck(inverse, invertible, 1e-12);
     if (!invertible) return std::nullopt;
     if (settled) break;
@@ -148,7 +240,8 @@ std::optional<CircleFit> fit_circle(const Arc& arc, double bearing_step_rad, dou
         !(c.range_m > c.radius_m)) {
       return std::nullopt;
     }
-    settled = largest_m < 1e-5;
+    settled = largest_m < search.settled_m;
+    if (search.only_good && i >= kStepsToSettleDown && largest_m > kRestless_m) return std::nullopt;
   }
   if (!settled) return std::nullopt;
 

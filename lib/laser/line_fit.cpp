@@ -11,8 +11,8 @@ double line_chi2(const Arc& arc, double range_sd_m) {
   double cc = 0.0, cs = 0.0, ss = 0.0, cy = 0.0, sy = 0.0, yy = 0.0;
   for (std::size_t i = 0; i < arc.ranges_m.size(); ++i) {
     const double weight = arc.ranges_m[i] * arc.ranges_m[i] / range_sd_m;
-    const double c = weight * std::cos(arc.bearings_rad[i]);
-    const double s = weight * std::sin(arc.bearings_rad[i]);
+    const double c = weight * arc.cosines[i];
+    const double s = weight * arc.sines[i];
     const double y = arc.ranges_m[i] / range_sd_m;
     cc += c * c;
     cs += c * s;

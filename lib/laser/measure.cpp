@@ -43,8 +43,8 @@ double gap_m(const Beams& beams, std::ptrdiff_t end, std::ptrdiff_t outwards) {
 double line_rms_m(const Arc& arc) {
   double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
   for (std::size_t i = 0; i < arc.ranges_m.size(); ++i) {
-    const double x_m = arc.ranges_m[i] * std::cos(arc.bearings_rad[i]) - arc.ranges_m[0];
-    const double y_m = arc.ranges_m[i] * std::sin(arc.bearings_rad[i]);
+    const double x_m = arc.ranges_m[i] * arc.cosines[i] - arc.ranges_m[0];
+    const double y_m = arc.ranges_m[i] * arc.sines[i];
     x += x_m;
     y += y_m;
     xx += x_m * x_m;
@@ -60,8 +60,8 @@ double line_rms_m(const Arc& arc) {
 double circle_rms_m(const Arc& arc, const CircleFit& circle) {
   double sum_m2 = 0.0;
   for (std::size_t i = 0; i < arc.ranges_m.size(); ++i) {
-    const double x_m = arc.ranges_m[i] * std::cos(arc.bearings_rad[i]) - circle.x_m;
-    const double y_m = arc.ranges_m[i] * std::sin(arc.bearings_rad[i]) - circle.y_m;
+    const double x_m = arc.ranges_m[i] * arc.cosines[i] - circle.x_m;
+    const double y_m = arc.ranges_m[i] * arc.sines[i] - circle.y_m;
     sum_m2 += square(std::hypot(x_m, y_m) - circle.radius_m);
   }
   return std::sqrt(sum_m2 / (static_cast<double>(arc.ranges_m.size()) - 3.0));
@@ -102,16 +102,16 @@ void measure_intensity(const Scan& scan, const Beams& beams, const Run& run, dou
 }
 
 /// The circle, the line, and what they say of the shape.
-void measure_shape(const Scan& scan, const Beams& beams, const Run& run, const Sides& sides,
-                   const SegmentationConfig& config, const LaserConfig& laser, Arc& arc,
+void measure_shape(const Scan& scan, const Run& run, const Sides& sides,
+                   const SegmentationConfig& config, const LaserConfig& laser, RunFitter& fit,
                    Segment& s) {
-  arc_of(beams, run, sides, arc);
+  const Arc& arc = fit.arc(run);
   const std::size_t n = arc.ranges_m.size();
   const bool hidden = sides.before.hidden || sides.after.hidden;
   const bool enough = static_cast<int>(n) >= config.min_beams_circle * (hidden ? 2 : 1);
   if (!enough && n < kFewestBeamsOfAShape) return;
   const double range_sd_m = laser.range_sd_at(s.range_m);
-  const auto circle = fit_circle(arc, beams.step_rad(), range_sd_m, config.width_max_m);
+  const std::optional<CircleFit>& circle = fit.any(run);
   if (n >= kFewestBeamsOfAShape) {
     s.line_rms_m = line_rms_m(arc);
     s.circle_rms_m = circle ? circle_rms_m(arc, *circle) : 0.0;
@@ -136,7 +136,7 @@ void measure_shape(const Scan& scan, const Beams& beams, const Run& run, const S
 
 Segment measure(const Scan& scan, const Beams& beams, const Run& run,
                 const SegmentationConfig& config, const WidthConfig& width,
-                const LaserConfig& laser, Arc& arc) {
+                const LaserConfig& laser, RunFitter& fit) {
   const double step_rad = beams.step_rad();
   const double span_beams = static_cast<double>(run.last - run.first);
   const Sides sides = sides_of(beams, run, config);
@@ -197,7 +197,7 @@ Segment measure(const Scan& scan, const Beams& beams, const Run& run,
   s.gap_left_m = upwards ? gap_after_m : gap_before_m;
   s.num_fronts = run.num_fronts;
   measure_intensity(scan, beams, run, config.reflectivity_min, s);
-  measure_shape(scan, beams, run, sides, config, laser, arc, s);
+  measure_shape(scan, run, sides, config, laser, fit, s);
   if (s.circle && (s.occluded_left || s.occluded_right) && width.mode == WidthMode::kCompensated) {
     s.width_m = 2.0 * s.circle->radius_m;
     s.width_sd_m = std::max(2.0 * std::sqrt(s.circle->covariance[5]), s.width_sd_m);

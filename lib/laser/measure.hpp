@@ -2,9 +2,9 @@
 #pragma once
 
 #include "laser/beams.hpp"
-#include "laser/circle_fit.hpp"
 #include "laser/cut.hpp"
 #include "laser/laser_config.hpp"
+#include "laser/run_fit.hpp"
 #include "laser/segment.hpp"
 
 namespace orchard::laser {
@@ -12,6 +12,6 @@ namespace orchard::laser {
 /// What a run of beams tells of its object. `arc` is a buffer.
 Segment measure(const Scan& scan, const Beams& beams, const Run& run,
                 const SegmentationConfig& config, const WidthConfig& width,
-                const LaserConfig& laser, Arc& arc);
+                const LaserConfig& laser, RunFitter& fit);
 
 }  // namespace orchard::laser

@@ -97,10 +97,10 @@ std::optional<std::ptrdiff_t> find_gap(const Beams& beams, const Run& run) {
 /// Whether two circles fit clearly better than one, and both well.
 bool two_fit_better(const Parting& parts, const Run& run, RunFitter& fit, bool without_one) {
   if (std::min(parts.before.num_beams, parts.after.num_beams) < kFewestBeamsOfAPart) return false;
-  const auto first = fit(parts.before);
-  if (!fits(first)) return false;
-  const auto second = fit(parts.after);
-  if (!fits(second)) return false;
+  const auto first = fit.good(parts.before);
+  if (!first) return false;
+  const auto second = fit.good(parts.after);
+  if (!second) return false;
   const auto one = fit(run);
   return one ? one->chi2 - first->chi2 - second->chi2 > kClearlyBetter : without_one;
 }
@@ -115,9 +115,8 @@ bool is_flat_piece(const Run& run, RunFitter& fit) {
 }  // namespace
 
 void split_touching(const Beams& beams, const SegmentationConfig& config, const LaserConfig& laser,
-                    std::vector<Run>& runs) {
+                    RunFitter& fit, std::vector<Run>& runs) {
   if (!config.split_touching) return;
-  RunFitter fit(beams, config, laser);
   ValleyFinder find_valley;
   BestParts best_parts(beams, fit);
   for (std::size_t k = 0; k < runs.size();) {

@@ -6,6 +6,7 @@
 #include "laser/beams.hpp"
 #include "laser/cut.hpp"
 #include "laser/laser_config.hpp"
+#include "laser/run_fit.hpp"
 #include "laser/segmentation_config.hpp"
 
 namespace orchard::laser {
@@ -13,6 +14,6 @@ namespace orchard::laser {
 /// Parts runs that one circle does not explain where two explain them clearly better: trunks that
 /// touch, one beside or behind the other, and what few beams of grass or a stake widen a trunk.
 void split_touching(const Beams& beams, const SegmentationConfig& config, const LaserConfig& laser,
-                    std::vector<Run>& runs);
+                    RunFitter& fit, std::vector<Run>& runs);
 
 }  // namespace orchard::laser

@@ -31,10 +31,9 @@ Run joined_run(const Run& before, const Run& after) {
 
 }  // namespace
 
-void rejoin(const Beams& beams, const SegmentationConfig& config, const LaserConfig& laser,
+void rejoin(const Beams& beams, const SegmentationConfig& config, RunFitter& fit,
             std::vector<Run>& runs) {
   if (config.bridge_beams < 1) return;
-  RunFitter fit(beams, config, laser);
   std::vector<char> taken(runs.size(), 0);
   for (std::size_t k = 0; k < runs.size(); ++k) {
     if (taken[k]) continue;

@@ -5,14 +5,14 @@
 
 #include "laser/beams.hpp"
 #include "laser/cut.hpp"
-#include "laser/laser_config.hpp"
+#include "laser/run_fit.hpp"
 #include "laser/segmentation_config.hpp"
 
 namespace orchard::laser {
 
 /// Joins runs again that something thin in front (grass, a twig: at most bridge_beams beams, all of
 /// them nearer) has parted, when one circle fits both. The thin thing stays an object of its own.
-void rejoin(const Beams& beams, const SegmentationConfig& config, const LaserConfig& laser,
+void rejoin(const Beams& beams, const SegmentationConfig& config, RunFitter& fit,
             std::vector<Run>& runs);
 
 }  // namespace orchard::laser

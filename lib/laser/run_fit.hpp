@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "laser/beams.hpp"
 #include "laser/circle_fit.hpp"
@@ -12,32 +14,35 @@
 
 namespace orchard::laser {
 
-/// Fits circles to runs with one set of buffers.
+/// Fits circles to the runs of one scan, to each once.
 class RunFitter {
  public:
-  RunFitter(const Beams& beams, const SegmentationConfig& config, const LaserConfig& laser)
-      : beams_(beams), config_(config), laser_(laser) {}
+  RunFitter(const Beams& beams, const SegmentationConfig& config, const LaserConfig& laser);
 
-  std::optional<CircleFit> operator()(const Run& run) {
-    return fit_circle(arc(run), beams_.step_rad(), range_sd_m(run), 0.5 * config_.width_max_m);
-  }
+  /// A circle that may be a trunk: half as wide as the widest thing at most.
+  std::optional<CircleFit> operator()(const Run& run);
+  /// The same, if it is a good one; found from `near`, and not kept.
+  std::optional<CircleFit> good(const Run& run, const std::optional<CircleFit>& near = {});
+  /// As wide as it may be.
+  const std::optional<CircleFit>& any(const Run& run);
   /// What a circle is fitted to; valid until the next call.
-  const Arc& arc(const Run& run) {
-    arc_of(beams_, run, sides_of(beams_, run, config_), arc_);
-    return arc_;
-  }
+  const Arc& arc(const Run& run);
   /// 1-sigma of a range on a run.
   double range_sd_m(const Run& run) const { return laser_.range_sd_at(beams_.range_m(run.first)); }
 
  private:
+  struct Known {
+    Run run;
+    std::optional<CircleFit> circle;
+  };
+
   const Beams& beams_;
   const SegmentationConfig& config_;
   const LaserConfig& laser_;
   Arc arc_;
+  std::vector<Known> known_;
+  std::vector<std::int32_t> last_known_;  ///< index into known_ by a run's first beam; -1 = none
 };
-
-/// Chi2 per degree of freedom below which something fits as well as noise lets it.
-constexpr double kGoodFit = 3.0;
 
 inline bool fits(const std::optional<CircleFit>& fit) {
   return fit && fit->chi2_per_dof() < kGoodFit;

@@ -32,14 +32,14 @@ std::vector<Segment> segment(const Scan& scan, const SegmentationConfig& segment
   }
   const Beams beams(scan, segmentation);
   std::vector<Run> runs = cut(beams);
-  rejoin(beams, segmentation, laser, runs);
+  RunFitter fit(beams, segmentation, laser);
+  rejoin(beams, segmentation, fit, runs);
   for (Run& run : runs) trim_rim(beams, run);
-  split_touching(beams, segmentation, laser, runs);
-  Arc arc;
+  split_touching(beams, segmentation, laser, fit, runs);
   for (const Run& run : runs) {
     if (run.num_beams < segmentation.min_beams) continue;
     if (run.num_beams == 1 && is_mixed(beams, run)) continue;
-    const Segment s = measure(scan, beams, run, segmentation, width, laser, arc);
+    const Segment s = measure(scan, beams, run, segmentation, width, laser, fit);
     if (s.width_m <= segmentation.width_max_m) segments.push_back(s);
   }
   std::sort(segments.begin(), segments.end(), [](const Segment& a, const Segment& b) {

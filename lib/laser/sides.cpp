@@ -59,10 +59,13 @@ Sides sides_of(const Beams& beams, const Run& run, const SegmentationConfig& con
 void arc_of(const Beams& beams, const Run& run, const Sides& sides, Arc& arc) {
   const double step_rad = beams.step_rad();
   arc.ranges_m.clear();
-  arc.bearings_rad.clear();
+  arc.cosines.clear();
+  arc.sines.clear();
   for_each_beam(beams, run, [&](std::ptrdiff_t i) {
     arc.ranges_m.push_back(beams.range_m(i));
-    arc.bearings_rad.push_back(static_cast<double>(i - run.first) * step_rad);
+    const Direction& direction = beams.direction(i - run.first);
+    arc.cosines.push_back(direction.c);
+    arc.sines.push_back(direction.s);
   });
   const double last = static_cast<double>(run.last - run.first);
   arc.low_side_rad = -sides.before.beyond_beams * step_rad;

@@ -9,6 +9,7 @@
 #include "laser/blind_sector.hpp"
 #include "laser/laser_config.hpp"
 #include "laser/scan.hpp"
+#include "mapping/presence_config.hpp"
 
 namespace orchard::mapping {
 
@@ -19,13 +20,18 @@ enum class BeamVerdict {
   kSeesPast,  ///< every beam across the thing, and nearly all across where it may be, goes on
 };
 
+struct BeamAnswer {
+  BeamVerdict verdict = BeamVerdict::kUnknown;
+  int num_across = 0;  ///< beams across the thing's own width; of kSeesPast alone
+};
+
 /// The beams of one scan, kept small (a byte each), asked where things stand and where they do not.
 class BeamLook {
  public:
   /// Beams in the blind sector and returns that the scanner itself does not believe say nothing. Of
-  /// what lies beyond `reach_m` from the laser only that it does is kept.
+  /// what lies beyond config.beam_reach_m from the laser only that it does is kept.
   BeamLook(const laser::Scan& scan, const laser::LaserConfig& laser,
-           const laser::BlindSector& blind, double reach_m);
+           const laser::BlindSector& blind, const PresenceConfig& config);
 
   std::int64_t utime() const { return utime_; }
 
@@ -38,7 +44,7 @@ class BeamLook {
   /// Of something round, `width_m` wide, at `p_base` as base was at the scan's utime. `sd_m`:
   /// 1-sigma per axis of all that is uncertain about its place. No return counts as going on up to
   /// half the scanner's range: beyond it, dark bark gives none either.
-  BeamVerdict at(const Eigen::Vector2d& p_base, double width_m, double sd_m) const;
+  BeamAnswer at(const Eigen::Vector2d& p_base, double width_m, double sd_m) const;
 
   std::size_t num_bytes() const { return sizeof(*this) + codes_.capacity(); }
 
@@ -52,6 +58,8 @@ class BeamLook {
   double bearing_step_rad_;
   double beam_period_s_;
   double reach_m_;
+  double sigmas_;
+  double share_;
   double no_return_m_;  ///< up to which no return counts as going on
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();
   std::vector<std::uint8_t> codes_;

@@ -62,7 +62,7 @@ struct PresenceWatch::Verdicts {
     double log_odds = 0.0;  ///< that it stands there still
   };
   std::vector<Verdict> verdicts;
-  double log_odds_max = 0.0;           ///< of what has spoken for a thing that is missed now
+  double log_odds_max = 0.0;           ///< however often it was found, it can go away
   int for_pose = 0, against_pose = 0;  ///< weights of what is found and of what is missed
 };
 
@@ -87,13 +87,16 @@ PresenceWatch::Verdicts PresenceWatch::of_beams(const std::vector<std::int32_t>&
   const std::int32_t scan = observed.empty() ? -1 : landmarks[observed.front()].last_scan;
   Verdicts all;
   all.log_odds_max = config_.beam_log_odds_max;
+  for (const std::int32_t i : observed) all.verdicts.push_back({i, from_it});
   landmarks.near(frame.laser_map, config_.beam_reach_m, [&](std::int32_t i, const auto& r) {
     if (r.last_scan == scan) {
       all.for_pose += weight_as_witness(r);
       return;
     }
     const double sd_m = std::hypot(sd_at(T_map_base, r.anchor()), std::sqrt(r.scatter_m2));
-    switch (look.at(frame.to_base(r.anchor()), r.width_m, sd_m)) {
+    const BeamAnswer answer = look.at(frame.to_base(r.anchor()), r.width_m, sd_m);
+    const double share = std::min(1.0, static_cast<double>(answer.num_across) / config_.past_beams);
+    switch (answer.verdict) {
       case BeamVerdict::kUnknown:
         break;
       case BeamVerdict::kReturns:
@@ -102,7 +105,7 @@ PresenceWatch::Verdicts PresenceWatch::of_beams(const std::vector<std::int32_t>&
         break;
       case BeamVerdict::kSeesPast:
         all.against_pose += weight_as_witness(r);
-        all.verdicts.push_back({i, past_it});
+        all.verdicts.push_back({i, share * share * past_it});
         break;
     }
   });
@@ -155,11 +158,14 @@ std::vector<std::int32_t> PresenceWatch::review(const std::vector<Candidate>& ca
                                                 const pose::PoseEstimate& T_map_base,
                                                 const BeamLook* look, LandmarkTable& landmarks) {
   if (!config_.enabled) return {};
-  acknowledge(observed, ScanFrame(T_map_base, p_base_laser_).laser_map, landmarks);
-
   const auto period_us = static_cast<std::int64_t>(1e6 * config_.period_s);
   const std::int64_t since_us = last_utime_ ? T_map_base.utime - *last_utime_ : period_us;
-  if (since_us >= 0 && since_us < period_us) return {};
+  const bool counts = since_us < 0 || since_us >= period_us;
+  if (counts) by_beams_ = look != nullptr;
+  if (!by_beams_) {
+    acknowledge(observed, ScanFrame(T_map_base, p_base_laser_).laser_map, landmarks);
+  }
+  if (!counts) return {};
   last_utime_ = T_map_base.utime;
 
   const Verdicts all = look != nullptr ? of_beams(observed, T_map_base, *look, landmarks)
@@ -168,9 +174,7 @@ std::vector<std::int32_t> PresenceWatch::review(const std::vector<Candidate>& ca
   std::vector<std::int32_t> gone;
   for (const auto& verdict : all.verdicts) {
     landmarks.change(verdict.index, [&](LandmarkRecord& r) {
-      double log_odds = r.presence;
-      if (verdict.log_odds < 0.0) log_odds = std::min(log_odds, all.log_odds_max);
-      r.presence = static_cast<float>(std::min(config_.log_odds_max, log_odds + verdict.log_odds));
+      r.presence = static_cast<float>(std::min(all.log_odds_max, r.presence + verdict.log_odds));
     });
     if (landmarks[verdict.index].presence < config_.log_odds_gone) gone.push_back(verdict.index);
   }

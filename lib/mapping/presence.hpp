@@ -54,6 +54,7 @@ class PresenceWatch {
   PresenceConfig config_;
   Eigen::Vector2d p_base_laser_;
   pose::SightField sight_;                  ///< from the laser, axes of base
+  bool by_beams_ = false;                   ///< whether the last look that counted was one of beams
   std::optional<std::int64_t> last_utime_;  ///< of the last scan whose misses counted
 };
 

@@ -16,7 +16,7 @@ std::int64_t microseconds(double duration_s) { return static_cast<std::int64_t>(
 LookQueue::LookQueue(const io::Config& config)
     : laser_(config.laser),
       blind_(config.detector.segmentation.blind_sector()),
-      reach_m_(config.mapper.presence.beam_reach_m),
+      presence_(config.mapper.presence),
       period_us_(microseconds(config.mapper.presence.period_s)),
       wait_us_(config.mapper.presence.enabled ? microseconds(config.mapper.presence.scan_wait_s)
                                               : 0) {}
@@ -29,7 +29,7 @@ void LookQueue::add(const laser::Scan& scan) {
   if (has_any_ && since_us >= 0 && since_us < period_us_) return;
   has_any_ = true;
   last_kept_utime_ = scan.utime;
-  auto look = std::make_shared<mapping::BeamLook>(scan, laser_, blind_, reach_m_);
+  auto look = std::make_shared<mapping::BeamLook>(scan, laser_, blind_, presence_);
   const auto at = std::upper_bound(
       looks_.begin(), looks_.end(), scan.utime,
       [](std::int64_t utime, const auto& other) { return utime < other->utime(); });

@@ -38,7 +38,7 @@ class LookQueue {
  private:
   laser::LaserConfig laser_;
   laser::BlindSector blind_;
-  double reach_m_;
+  mapping::PresenceConfig presence_;
   std::int64_t period_us_;
   std::int64_t wait_us_;
   std::deque<std::shared_ptr<mapping::BeamLook>> looks_;  ///< in order of utime

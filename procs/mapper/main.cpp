@@ -14,7 +14,8 @@ int main(int argc, char** argv) {
   info.name = "orchard-mapper";
   info.description =
       "Accumulates detections into the map of the orchard.\n"
-      "Reads DETECTIONS, POSE and, for what is gone, SCAN; sends MAP, and saves the map's files while it runs.";
+      "Reads DETECTIONS, POSE and, for what is gone, SCAN; sends MAP, and saves the map's files "
+      "while it runs.";
   info.options.push_back(
       {"--out", "DIR", "folder of the map's files (none are saved without)", &folder});
   return orchard::bus::run_node_process(

@@ -104,7 +104,8 @@ Mapper drive(int num_passes, const std::function<std::vector<Thing>(double time_
       for (float& range_m : beams.ranges_m) {
         if (range_m > 0.0f) range_m += static_cast<float>(dice.normal(0.01));
       }
-      look = std::make_shared<BeamLook>(beams, laser_ahead(), laser::BlindSector{}, 8.0);
+      look =
+          std::make_shared<BeamLook>(beams, laser_ahead(), laser::BlindSector{}, PresenceConfig{});
     }
     std::vector<Thing> detected = things;
     if (k >= 440) {
@@ -246,8 +247,9 @@ TEST(Presence, AScanFromAWrongPlaceDropsNothing) {
     truth.x_m = 20.0 + 0.9 + 0.01 * k;
     truth.y_m = -8.0;
     truth.yaw_rad = 0.3;
-    const auto look = std::make_shared<BeamLook>(beams_of(two_rows(), truth, laser_ahead()),
-                                                 laser_ahead(), laser::BlindSector{}, 8.0);
+    const auto look =
+        std::make_shared<BeamLook>(beams_of(two_rows(), truth, laser_ahead()), laser_ahead(),
+                                   laser::BlindSector{}, PresenceConfig{});
     mapper.update(scan(two_rows(), truth, dice), pose, k % 2 == 0 ? look : nullptr);
   }
   EXPECT_EQ(

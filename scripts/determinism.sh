@@ -9,9 +9,10 @@
 #     --orders N     orders in which the processes of the lockstep are started, 0-6 (default 6)
 #     --build DIR    build folder (default build)
 #     --no-build     use it as it is
-#     --scenes LIST  of tubes, orchard, block, pullally (default all; block and pullally are placed
-#                    by their trunks, TRAJECTORY included; pullally needs its recording in
-#                    $ORCHARD_DATA, or in shared/data beside this checkout)
+#     --scenes LIST  of tubes, orchard, block, prior_map, pullally (default all; block and pullally
+#                    are placed by their trunks, TRAJECTORY included, prior_map by the map of an
+#                    earlier day; pullally needs its recording in $ORCHARD_DATA, or in shared/data
+#                    beside this checkout)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -19,7 +20,7 @@ runs=20
 orders=6
 build_dir=build
 build=yes
-scenes=tubes,orchard,block,pullally
+scenes=tubes,orchard,block,prior_map,pullally
 inside=no
 arguments=("$@")
 while [ $# -gt 0 ]; do
@@ -30,7 +31,7 @@ while [ $# -gt 0 ]; do
     --scenes) scenes=${2:?--scenes needs a list}; shift ;;
     --no-build) build=no ;;
     --inside) inside=yes ;;  # how this script calls itself within a namespace
-    -h | --help) sed -n '3,14s/^# //p' "$0"; exit 0 ;;
+    -h | --help) sed -n '3,15s/^# //p' "$0"; exit 0 ;;
     *) echo "determinism: unknown option $1; see $0 --help" >&2; exit 2 ;;
   esac
   shift
@@ -144,6 +145,21 @@ for scene in ${scenes//,/ }; do
     block)
       config=config/block.yaml
       "$bin/orchard" simulate --scene orchard --seed 1002 --config $config --duration 100 \
+        --out "$log" >/dev/null ;;
+    prior_map)
+      # mapped by fixes; on a later day, some trees changed, found in that map, carried, found again
+      sed -e 's/num_rows: 10/num_rows: 4/' -e 's/trees_per_row: 30/trees_per_row: 14/' \
+        -e 's/laps: 3/laps: 1/' config/block.yaml >"$out/rows.yaml"
+      sed -e 's/mode: slam/mode: fixes/' -e 's/fix_rate_hz: 0/fix_rate_hz: 10/' \
+        "$out/rows.yaml" >"$out/day1.yaml"
+      config=$out/day2.yaml
+      sed -e "s|mode: slam|mode: prior_map\n  prior_map: {map_file: $out/day1}|" \
+        "$out/rows.yaml" >"$config"
+      printf '  change: {fraction: 0.05}\n  carry: {at_s: 20, for_s: 3, to_alley: 3}\n' >>"$config"
+      "$bin/orchard" simulate --scene orchard --seed 1001 --config "$out/day1.yaml" \
+        --out "$out/day1.lcm" >/dev/null
+      "$bin/orchard" map "$out/day1.lcm" --config "$out/day1.yaml" --out "$out/day1" --quiet
+      "$bin/orchard" simulate --scene orchard --seed 1001 --config "$config" --duration 45 \
         --out "$log" >/dev/null ;;
     pullally)
       config=config/pullally.yaml

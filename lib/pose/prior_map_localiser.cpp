@@ -264,8 +264,11 @@ void PriorMapLocaliser::check_place(bool trees_gone, const TreeWatch::Count& tre
              std::to_string(trees.num_there) + " are",
          true);
   } else if (num_contradictions_ >= kContradictions) {
-    lose("the trunks of the last " + fixed(config_.window_m, 0) +
-             " m speak against the place that was taken",
+    const double since_m =
+        contradicted_since ? local_.travel_m() - suspected_travel_m_ : config_.window_m;
+    lose("the trunks of the last " + fixed(since_m, 0) +
+             " m speak against the place that was taken" +
+             (contradicted_since ? ": the robot may have been carried before them" : ""),
          true);
   }
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "geometry/angles.hpp"
+#include "noisy_trunk.hpp"
 #include "pose/planar.hpp"
 #include "simulation/random.hpp"
 
@@ -68,22 +69,12 @@ SeenTrunks look(const PriorWorld& world, const Eigen::Vector3d& T_map_base, doub
     const double missed =
         std::max(options.miss_probability, std::min(1.0, 1.0 - 0.4 * (num_beams - 1.0)));
     if (hidden || noise.uniform() < missed) continue;
-    const double range_sd_m = std::hypot(0.006, 0.006 * shape.range_m);
-    const double bearing_sd_rad = 0.4 * options.beam_step_rad;
-    const double range_m = shape.range_m + noise.normal(0.0, range_sd_m);
-    const double bearing_rad = shape.bearing_rad + noise.normal(0.0, bearing_sd_rad);
-    SeenTrunk trunk;
+    const TrunkNoise sds{std::hypot(0.006, 0.006 * shape.range_m), 0.4 * options.beam_step_rad, 0.0,
+                         0.5 * options.beam_step_rad};
+    SeenTrunk trunk =
+        noisy_trunk({shape.range_m, shape.bearing_rad, shape.width_m}, sds, 0.01, noise);
     trunk.utime = std::llround(1e6 * kSweepS *
                                (shape.bearing_rad / (2.0 * options.sight_half_angle_rad) + 0.5));
-    trunk.x_base_m = range_m * std::cos(bearing_rad);
-    trunk.y_base_m = range_m * std::sin(bearing_rad);
-    const Eigen::Matrix2d R = rotation(bearing_rad);
-    const Eigen::Vector2d variances(range_sd_m * range_sd_m, std::pow(bearing_sd_rad * range_m, 2));
-    const Eigen::Matrix2d C = R * variances.asDiagonal() * R.transpose();
-    trunk.covariance = {C(0, 0), C(0, 1), C(1, 1)};
-    trunk.width_sd_m = 0.5 * options.beam_step_rad * range_m;
-    trunk.width_m = std::max(0.01, shape.width_m + noise.normal(0.0, trunk.width_sd_m));
-    trunk.label = SeenLabel::kTree;
     trunk.probability_tree = 0.9;
     trunk.roc_tree = 0.7;
     trunk.num_beams = static_cast<std::int32_t>(num_beams);

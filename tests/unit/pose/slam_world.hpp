@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "geometry/angles.hpp"
+#include "noisy_trunk.hpp"
 #include "pose/measurements.hpp"
 #include "pose/planar.hpp"
 #include "simulation/random.hpp"
@@ -145,20 +146,9 @@ inline void run(const SlamWorld& world, std::uint64_t seed, const SlamRun& told)
         const double range_m = p_base.norm();
         const double bearing_rad = std::atan2(p_base.y(), p_base.x());
         const double sd_m = std::hypot(world.range_sd_m, world.range_sd_fraction * range_m);
-        const double noisy_m = range_m + scan_noise.normal(0.0, sd_m);
-        const double turned_rad = bearing_rad + scan_noise.normal(0.0, 0.003);
-        SeenTrunk trunk;
+        SeenTrunk trunk = noisy_trunk({range_m, bearing_rad, width_m}, {sd_m, 0.003, 0.02, 0.005},
+                                      0.02, scan_noise);
         trunk.utime = utime;
-        trunk.x_base_m = noisy_m * std::cos(turned_rad);
-        trunk.y_base_m = noisy_m * std::sin(turned_rad);
-        const Eigen::Matrix2d R = rotation(bearing_rad);
-        const Eigen::Matrix2d C =
-            R * Eigen::Vector2d(sd_m * sd_m, std::pow(0.003 * range_m, 2)).asDiagonal() *
-            R.transpose();
-        trunk.covariance = {C(0, 0), C(0, 1), C(1, 1)};
-        trunk.width_sd_m = 0.02 + 0.005 * range_m;
-        trunk.width_m = std::max(0.02, width_m + scan_noise.normal(0.0, trunk.width_sd_m));
-        trunk.label = SeenLabel::kTree;
         seen.trunks.push_back(trunk);
       };
       for (const SlamWorld::Tree& tree : world.trees) {
@@ -180,8 +170,8 @@ inline void run(const SlamWorld& world, std::uint64_t seed, const SlamRun& told)
       if (told.truth) told.truth(utime, T);
     }
     // on to the next leg in time, without a halt that the wheels would not tell of
-    Eigen::Vector2d from;
-    Eigen::Vector2d leg;
+    Eigen::Vector2d from = Eigen::Vector2d::Zero();
+    Eigen::Vector2d leg = Eigen::Vector2d::Zero();
     double length_m = 0.0;
     double along_m = 0.0;
     for (; next < world.waypoints.size(); ++next) {

@@ -71,6 +71,7 @@ double BeamLook::beam_of(const Vector2d& p_laser) const {
 }
 
 BeamAnswer BeamLook::at(const Vector2d& p_base, double width_m, double sd_m) const {
+  if (codes_.empty()) return {};
   const double last = static_cast<double>(codes_.size()) - 1;
   Vector2d p = in_laser(p_base, 0.0);
   double middle = beam_of(p);

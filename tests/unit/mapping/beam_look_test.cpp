@@ -73,7 +73,10 @@ TEST(BeamLook, ABeamThatIsNotBelievedSaysNothing) {
   for (float& range_m : scan.ranges_m) range_m = 0.01f;  // nearer than the scanner believes
   EXPECT_EQ(BeamLook(scan, kLaser, {}, {}).at({3.0, 2.0}, 0.12, 0.02).verdict,
             BeamVerdict::kUnknown);
-  for (float& range_m : scan.ranges_m) range_m = std::nanf("");
+  scan.ranges_m.assign(scan.ranges_m.size(), std::nanf(""));
+  EXPECT_EQ(BeamLook(scan, kLaser, {}, {}).at({3.0, 2.0}, 0.12, 0.02).verdict,
+            BeamVerdict::kUnknown);
+  scan.ranges_m.clear();
   EXPECT_EQ(BeamLook(scan, kLaser, {}, {}).at({3.0, 2.0}, 0.12, 0.02).verdict,
             BeamVerdict::kUnknown);
 }

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "mapping/change_odds.hpp"
-#include "mapping/thicket.hpp"
+#include "mapping/straightening.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -61,7 +61,7 @@ bool are_trees(const Landmark& a, const Landmark& b) {
 
 /// How the pairs of two straightened maps scatter.
 PairScatter scatter_of(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
-                       const std::vector<LandmarkPair>& pairs) {
+                       const std::vector<LandmarkPair>& pairs, double typical) {
   PairScatter scatter;
   std::vector<double> changes_m, widths_m, deviations_m;
   for (const LandmarkPair& pair : pairs) {
@@ -78,7 +78,6 @@ PairScatter scatter_of(const std::vector<Landmark>& a, const std::vector<Landmar
   scatter.width_mean_m = median_of(widths_m);
   for (double& width_m : widths_m) width_m -= scatter.width_mean_m;
   scatter.width_spread_m = std::max(0.01, robust_sd(std::move(widths_m)));
-  const double typical = typical_share(a, b, pairs);
   std::vector<double> of_trees, of_others;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const Landmark& l = a[static_cast<std::size_t>(pairs[k].a)];
@@ -92,197 +91,209 @@ PairScatter scatter_of(const std::vector<Landmark>& a, const std::vector<Landmar
   return scatter;
 }
 
-}  // namespace
+/// One of the two maps.
+struct Side {
+  const std::vector<Landmark>& landmarks;
+  const DriveView& view;
+  RigidTransform T_map_a;  ///< from the frame of the earlier map, in which places are, to its own
+  IndexedPoints places;
+  std::vector<char> in_thicket;
+  std::vector<bool> is_paired;
+  /// That a thing has no partner because it has gone, or come, and did not move.
+  std::vector<double> not_moved;
 
-std::vector<Vector2d> straightened(const IndexedPoints& a, const IndexedPoints& b,
-                                   const MapAlignment& alignment) {
-  constexpr std::size_t kNumNeighbours = 10, kFewest = 12;
-  std::vector<Vector2d> places;
-  for (const Vector2d& p : b.points()) places.push_back(alignment.T_a_b.apply(p));
-  if (alignment.pairs.size() < kFewest) return places;
-  std::vector<Vector2d> paired;
-  for (const LandmarkPair& pair : alignment.pairs) {
-    paired.push_back(a[static_cast<std::size_t>(pair.a)]);
+  Side(const std::vector<Landmark>& all, const DriveView& seen, const RigidTransform& T,
+       std::vector<Vector2d> places_in_a, const ThicketConfig& thicket)
+      : landmarks(all),
+        view(seen),
+        T_map_a(T),
+        places(std::move(places_in_a)),
+        in_thicket(in_thickets(all, thicket)),
+        is_paired(all.size(), false),
+        not_moved(all.size(), kNeverSurer) {}
+};
+
+class MapComparer {
+ public:
+  MapComparer(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
+              const DriveView& view_a, const DriveView& view_b, const MapAlignment& alignment,
+              const ComparisonConfig& config)
+      : config_(config),
+        a_(a, view_a, RigidTransform{}, places_of(a), config.thicket),
+        b_(b, view_b, alignment.T_a_b.inverse(),
+           straightened(a_.places, IndexedPoints(places_of(b)), alignment), config.thicket) {
+    const double spacing_m = typical_spacing_m(IndexedPoints(lone_trees(a, a_.in_thicket)));
+    gate_m_ = std::clamp(0.35 * spacing_m, 0.1, 0.5);
+    pairs_ = pair_landmarks(a_.places, b_.places, RigidTransform{}, gate_m_);
+    typical_share_ = typical_share(a, b, pairs_);
+    scatter_ = scatter_of(a, b, pairs_, typical_share_);
+    scatter_.spacing_m = std::max(spacing_m, gate_m_);
+    scatter_.moved_max_m = std::min(config.moved_max_m, kNearestOther * scatter_.spacing_m);
   }
-  const IndexedPoints around(std::move(paired));
-  std::vector<Vector2d> result = places;
-  for (std::size_t j = 0; j < places.size(); ++j) {
-    std::vector<std::int32_t> near;
-    for (double reach_m = 4.0; near.size() <= kNumNeighbours && reach_m <= 25.0; reach_m *= 1.8) {
-      near = around.nearest_few(places[j], reach_m, kNumNeighbours + 1);
-    }
-    std::vector<double> x_m, y_m;
-    for (const std::int32_t k : near) {
-      const LandmarkPair& pair = alignment.pairs[static_cast<std::size_t>(k)];
-      if (pair.b == static_cast<std::int32_t>(j)) continue;  // not straightened by itself
-      x_m.push_back(pair.residual_m.x());
-      y_m.push_back(pair.residual_m.y());
-    }
-    if (x_m.size() < kNumNeighbours / 2) continue;
-    result[j] -= Vector2d(median_of(std::move(x_m)), median_of(std::move(y_m)));
+
+  MapComparison compare() {
+    comparison_.width_change_common_m = scatter_.width_common_m;
+    comparison_.width_change_common_se_m =
+        pairs_.empty()
+            ? 0.0
+            : 1.253 * scatter_.width_sd_m / std::sqrt(static_cast<double>(pairs_.size()));
+    pair_what_lies_together();
+    pair_what_moved();
+    tell_absent(a_, b_, Change::kMissing);
+    tell_absent(b_, a_, Change::kNew);
+    std::stable_sort(comparison_.changes.begin(), comparison_.changes.end(),
+                     [](const MapChange& x, const MapChange& y) {
+                       if ((x.a < 0) != (y.a < 0)) return y.a < 0;
+                       return x.a < 0 ? x.b < y.b : x.a < y.a;
+                     });
+    return std::move(comparison_);
   }
-  return result;
-}
 
-MapComparison compare_maps(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
-                           const DriveView& view_a, const DriveView& view_b,
-                           const MapAlignment& alignment, const ComparisonConfig& config) {
-  const IndexedPoints places_a(places_of(a)), places_b(places_of(b));
-  const IndexedPoints b_in_a(straightened(places_a, places_b, alignment));
-  const std::vector<char> thicket_a = in_thickets(a), thicket_b = in_thickets(b);
-  const double spacing_m = typical_spacing_m(IndexedPoints(lone_trees(a, thicket_a)));
-  const double gate_m = std::clamp(0.35 * spacing_m, 0.1, 0.5);
-  const std::vector<LandmarkPair> pairs =
-      pair_landmarks(places_a, b_in_a, RigidTransform{}, gate_m);
-  const double typical = typical_share(a, b, pairs);
-  PairScatter scatter = scatter_of(a, b, pairs);
-  scatter.spacing_m = std::max(spacing_m, gate_m);
-  scatter.moved_max_m = std::min(config.moved_max_m, kNearestOther * scatter.spacing_m);
+ private:
+  bool is_compared(const Landmark& l) const {
+    return config_.with_objects || l.label != Label::kObject;
+  }
+  bool is_left(const Side& side, std::size_t i) const {
+    return !side.is_paired[i] && is_compared(side.landmarks[i]);
+  }
 
-  MapComparison comparison;
-  comparison.width_change_common_m = scatter.width_common_m;
-  comparison.width_change_common_se_m =
-      pairs.empty() ? 0.0
-                    : 1.253 * scatter.width_sd_m / std::sqrt(static_cast<double>(pairs.size()));
-  std::vector<std::int32_t> partner_of_a(a.size(), -1);
-  std::vector<bool> has_partner_b(b.size(), false);
-  // That what stood there has gone, and the later thing has come, if they are not one: 1 until
-  // told.
-  std::vector<double> gone(a.size(), kNeverSurer), come(b.size(), kNeverSurer);
+  void pair_what_lies_together() {
+    for (const LandmarkPair& pair : pairs_) {
+      const auto i = static_cast<std::size_t>(pair.a), j = static_cast<std::size_t>(pair.b);
+      if (is_compared(a_.landmarks[i]) || is_compared(b_.landmarks[j])) {
+        take_pair(i, j);
+      } else {
+        a_.is_paired[i] = b_.is_paired[j] = true;
+      }
+    }
+  }
 
-  const auto sight_of = [&](std::size_t i, std::size_t j) {
+  /// What stands near an empty place and is as wide as what stood there has moved, most likely.
+  void pair_what_moved() {
+    constexpr double kLeastOdds = 0.01;
+    struct Offer {
+      double odds;
+      std::size_t a, b;
+    };
+    std::vector<Offer> offers;
+    for (std::size_t i = 0; i < a_.landmarks.size(); ++i) {
+      if (!is_left(a_, i) || a_.in_thicket[i]) continue;
+      for (const std::int32_t near : b_.places.within(a_.places[i], scatter_.moved_max_m)) {
+        const auto j = static_cast<std::size_t>(near);
+        if (!is_left(b_, j) || b_.in_thicket[j]) continue;
+        const double moved = odds_of(sight_of(i, j), scatter_).moved;
+        if (moved > kLeastOdds) offers.push_back({moved, i, j});
+      }
+    }
+    std::stable_sort(offers.begin(), offers.end(),
+                     [](const Offer& x, const Offer& y) { return x.odds > y.odds; });
+    for (const Offer& offer : offers) {
+      if (a_.is_paired[offer.a] || b_.is_paired[offer.b]) continue;
+      if (offer.odds > 0.5 && take_pair(offer.a, offer.b)) continue;
+      doubt(offer.a, offer.b, 1.0 - offer.odds);
+    }
+  }
+
+  void doubt(std::size_t i, std::size_t j, double not_moved) {
+    a_.not_moved[i] = std::min(a_.not_moved[i], not_moved);
+    b_.not_moved[j] = std::min(b_.not_moved[j], not_moved);
+  }
+
+  PairSight sight_of(std::size_t i, std::size_t j) const {
+    const Landmark &l = a_.landmarks[i], &m = b_.landmarks[j];
     PairSight pair;
-    pair.distance_m = (b_in_a[j] - places_a[i]).norm();
-    pair.width_b_m = b[j].width_m;
-    pair.width_change_m = b[j].width_m - a[i].width_m;
-    pair.noise_factor = seldom_factor(a[i], b[j], typical);
-    pair.both_trees = are_trees(a[i], b[j]);
+    pair.distance_m = (b_.places[j] - a_.places[i]).norm();
+    pair.width_b_m = m.width_m;
+    pair.width_change_m = m.width_m - l.width_m;
+    pair.noise_factor = seldom_factor(l, m, typical_share_);
+    pair.both_trees = are_trees(l, m);
     return pair;
-  };
-  const auto paired = [&](std::size_t i, std::size_t j) {
+  }
+
+  /// Tells what became of one thing that stands in both maps; false when it is two, of which one
+  /// has given way to the other.
+  bool take_pair(std::size_t i, std::size_t j) {
     const PairSight pair = sight_of(i, j);
-    const PairOdds odds = odds_of(pair, scatter);
+    const PairOdds odds = odds_of(pair, scatter_);
     const bool is_far =
-        pair.distance_m >= config.moved_min_m &&
-        pair.distance_m >= config.sigmas_min * pair.noise_factor * scatter.position_sd_m;
-    const bool in_thicket = thicket_a[i] || thicket_b[j];
+        pair.distance_m >= config_.moved_min_m &&
+        pair.distance_m >= config_.sigmas_min * pair.noise_factor * scatter_.position_sd_m;
+    const bool in_thicket = a_.in_thicket[i] || b_.in_thicket[j];
     if (is_far && !in_thicket && odds.replaced > 0.5) {
-      gone[i] = std::min(gone[i], odds.replaced);
-      come[j] = std::min(come[j], odds.replaced);
+      doubt(i, j, odds.replaced);
       return false;
     }
-    partner_of_a[i] = static_cast<std::int32_t>(j);
-    has_partner_b[j] = true;
+    a_.is_paired[i] = b_.is_paired[j] = true;
     MapChange c;
     c.a = static_cast<std::int32_t>(i);
     c.b = static_cast<std::int32_t>(j);
-    c.p_a = b_in_a[j];
+    c.p_a = b_.places[j];
     c.moved_m = pair.distance_m;
     c.width_change_m = pair.width_change_m;
-    c.width_change_se_m = pair.noise_factor * scatter.width_sd_m;
-    const bool is_wide = std::abs(c.width_change_m) >= config.width_change_min_m &&
-                         std::abs(c.width_change_m) >= config.sigmas_min * c.width_change_se_m &&
-                         (a[i].label == Label::kTree || b[j].label == Label::kTree);
+    c.width_change_se_m = pair.noise_factor * scatter_.width_sd_m;
+    const double change_m = std::abs(c.width_change_m);
+    const bool is_wide =
+        change_m >= config_.width_change_min_m &&
+        change_m >= config_.sigmas_min * c.width_change_se_m &&
+        (a_.landmarks[i].label == Label::kTree || b_.landmarks[j].label == Label::kTree);
     if (in_thicket) {
       c.confidence = 0.5;
     } else if (is_far && odds.moved > 0.5) {
       c.change = Change::kMoved;
       c.confidence = odds.moved;
-    } else if (is_wide && odds.width_changed >= config.confidence_min) {
+    } else if (is_wide && odds.width_changed >= config_.confidence_min) {
       c.change = c.width_change_m > 0.0 ? Change::kGrown : Change::kThinner;
       c.confidence = odds.width_changed;
     } else {
       c.confidence = odds.unchanged;
     }
-    comparison.changes.push_back(c);
+    comparison_.changes.push_back(c);
     return true;
-  };
-  const auto is_compared = [&](const Landmark& l) {
-    return config.with_objects || l.label != Label::kObject;
-  };
-
-  for (const LandmarkPair& pair : pairs) {
-    const auto i = static_cast<std::size_t>(pair.a), j = static_cast<std::size_t>(pair.b);
-    if (is_compared(a[i]) || is_compared(b[j])) {
-      paired(i, j);
-    } else {
-      partner_of_a[i] = pair.b;
-      has_partner_b[j] = true;
-    }
-  }
-  // What stands near an empty place and is as wide as what stood there has moved, most likely.
-  struct Offer {
-    double odds;
-    std::size_t a, b;
-  };
-  std::vector<Offer> offers;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    if (partner_of_a[i] >= 0 || !is_compared(a[i]) || thicket_a[i]) continue;
-    for (const std::int32_t near : b_in_a.within(places_a[i], scatter.moved_max_m)) {
-      const auto j = static_cast<std::size_t>(near);
-      if (has_partner_b[j] || !is_compared(b[j]) || thicket_b[j]) continue;
-      const double moved = odds_of(sight_of(i, j), scatter).moved;
-      if (moved > 0.01) offers.push_back({moved, i, j});
-    }
-  }
-  std::stable_sort(offers.begin(), offers.end(),
-                   [](const Offer& x, const Offer& y) { return x.odds > y.odds; });
-  for (const Offer& offer : offers) {
-    if (partner_of_a[offer.a] >= 0 || has_partner_b[offer.b]) continue;
-    if (offer.odds > 0.5 && paired(offer.a, offer.b)) continue;
-    gone[offer.a] = std::min(gone[offer.a], 1.0 - offer.odds);
-    come[offer.b] = std::min(come[offer.b], 1.0 - offer.odds);
   }
 
-  // One thing may stand in a map as two; where the other map has something, nothing is missing.
-  const double same_m = std::min(kOneThing_m, gate_m);
-  const RigidTransform T_b_a = alignment.T_a_b.inverse();
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    if (partner_of_a[i] >= 0 || !is_compared(a[i])) continue;
-    MapChange c;
-    c.a = static_cast<std::int32_t>(i);
-    c.p_a = places_a[i];
-    if (b_in_a.nearest(places_a[i], thicket_a[i] ? kThicket_m : same_m) >= 0) {
-      c.confidence = 0.5;
-      comparison.changes.push_back(c);
-      continue;
+  /// Of what one map has and the other has not: whether the other drive looked there.
+  void tell_absent(const Side& there, const Side& other, Change change) {
+    const double same_m = std::min(kOneThing_m, gate_m_);
+    for (std::size_t i = 0; i < there.landmarks.size(); ++i) {
+      if (!is_left(there, i)) continue;
+      MapChange c;
+      (change == Change::kMissing ? c.a : c.b) = static_cast<std::int32_t>(i);
+      c.p_a = there.places[i];
+      // One thing may stand in a map as two; where the other map has something, nothing is missing.
+      if (other.places.nearest(c.p_a, there.in_thicket[i] ? config_.thicket.reach_m : same_m) >=
+          0) {
+        c.confidence = 0.5;
+        comparison_.changes.push_back(c);
+        continue;
+      }
+      const Landmark& l = there.landmarks[i];
+      const double missed =
+          config_.assume_seen
+              ? kMissedIfAssumed
+              : other.view.probability_missed(other.T_map_a.apply(c.p_a), there.view.visibility(l));
+      const double absent = confidence_of_absence(missed, reality(l));
+      const bool is_sure = absent >= config_.confidence_min;
+      c.change = is_sure ? change : Change::kNotSeen;
+      c.confidence = is_sure ? absent * there.not_moved[i] : 1.0 - absent;
+      comparison_.changes.push_back(c);
     }
-    const double missed = config.assume_seen ? kMissedIfAssumed
-                                             : view_b.probability_missed(T_b_a.apply(places_a[i]),
-                                                                         view_a.visibility(a[i]));
-    c.confidence = gone[i] * confidence_of_absence(missed, reality(a[i]));
-    c.change = Change::kMissing;
-    comparison.changes.push_back(c);
   }
-  for (std::size_t j = 0; j < b.size(); ++j) {
-    if (has_partner_b[j] || !is_compared(b[j])) continue;
-    MapChange c;
-    c.b = static_cast<std::int32_t>(j);
-    c.p_a = b_in_a[j];
-    if (places_a.nearest(b_in_a[j], thicket_b[j] ? kThicket_m : same_m) >= 0) {
-      c.confidence = 0.5;
-      comparison.changes.push_back(c);
-      continue;
-    }
-    const double missed = config.assume_seen
-                              ? kMissedIfAssumed
-                              : view_a.probability_missed(b_in_a[j], view_b.visibility(b[j]));
-    c.confidence = come[j] * confidence_of_absence(missed, reality(b[j]));
-    c.change = Change::kNew;
-    comparison.changes.push_back(c);
-  }
-  for (MapChange& c : comparison.changes) {
-    const bool is_absence = c.change == Change::kMissing || c.change == Change::kNew;
-    if (!is_absence || c.confidence >= config.confidence_min) continue;
-    c.change = Change::kNotSeen;
-    c.confidence = 1.0 - c.confidence;
-  }
-  std::stable_sort(comparison.changes.begin(), comparison.changes.end(),
-                   [](const MapChange& x, const MapChange& y) {
-                     if ((x.a < 0) != (y.a < 0)) return y.a < 0;
-                     return x.a < 0 ? x.b < y.b : x.a < y.a;
-                   });
-  return comparison;
+
+  const ComparisonConfig& config_;
+  Side a_, b_;  ///< b_ after a_: it is straightened upon it
+  double gate_m_ = 0.5;
+  std::vector<LandmarkPair> pairs_;
+  double typical_share_ = 1.0;
+  PairScatter scatter_;
+  MapComparison comparison_;
+};
+
+}  // namespace
+
+MapComparison compare_maps(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
+                           const DriveView& view_a, const DriveView& view_b,
+                           const MapAlignment& alignment, const ComparisonConfig& config) {
+  return MapComparer(a, b, view_a, view_b, alignment, config).compare();
 }
 
 int MapComparison::count(Change change) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "mapping/map_alignment.hpp"
+#include "mapping/thicket.hpp"
 
 namespace orchard::mapping {
 
@@ -24,6 +25,7 @@ struct ComparisonConfig {
   double sigmas_min = 3.0;    ///< of moves and of width changes, in standard errors
   bool assume_seen = false;   ///< both drives looked everywhere
   bool with_objects = false;  ///< compare objects too, not only trees
+  ThicketConfig thicket;
 };
 
 /// What became of one thing.
@@ -60,9 +62,5 @@ MapComparison compare_maps(const std::vector<Landmark>& a, const std::vector<Lan
 
 /// missing, new ...: a change as files write it.
 const char* change_text(Change change);
-
-/// Where points of b lie in the frame of a, the maps' bend against each other taken out.
-std::vector<Eigen::Vector2d> straightened(const IndexedPoints& a, const IndexedPoints& b,
-                                          const MapAlignment& alignment);
 
 }  // namespace orchard::mapping

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/map_comparison.hpp"
+#include "mapping/straightening.hpp"
 
 namespace orchard::mapping {
 namespace {

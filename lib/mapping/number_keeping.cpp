@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "mapping/map_comparison.hpp"
+#include "mapping/straightening.hpp"
 
 namespace orchard::mapping {
 namespace {

@@ -7,12 +7,16 @@
 
 namespace orchard::mapping {
 
-/// How far the parts of one bush or heap stand from each other at most [m].
-inline constexpr double kThicket_m = 0.8;
+/// What stands so close together that it passes for parts of one thing.
+struct ThicketConfig {
+  double near_m = 0.5;     ///< two others this near make a landmark part of a bush or heap
+  double reach_m = 0.8;    ///< how far the parts of one stand from each other at most
+  double stake_m = 0.045;  ///< thinner things stand beside trees as they please
+};
 
 /// Which landmarks stand so close together that they are parts of one thing, or might be taken for
-/// each other: two others within half a metre, stakes and stalks not counted. Each look at a
-/// bush shows other parts of it, so what such a landmark is, and where, says little.
-std::vector<char> in_thickets(const std::vector<Landmark>& landmarks);
+/// each other: at least two others near, stakes and stalks not counted. Each look at a bush shows
+/// other parts of it, so what such a landmark is, and where, says little.
+std::vector<char> in_thickets(const std::vector<Landmark>& landmarks, const ThicketConfig& config);
 
 }  // namespace orchard::mapping

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "mapping/map_comparison.hpp"
 #include "mapping/straightening.hpp"
 
 namespace orchard::mapping {
@@ -86,14 +87,30 @@ std::vector<std::int32_t> kept_positions(const Row& row, std::int32_t number,
 
 KeptNumbers keep_ids(const std::vector<Landmark>& earlier, const MapAlignment& alignment,
                      std::int32_t& next_id, std::vector<Landmark>& landmarks) {
+  std::vector<std::int32_t> kept_id(landmarks.size(), 0);
+  std::vector<bool> is_found(earlier.size(), false);
+  KeptNumbers kept;
+  const auto keep = [&](std::int32_t of_earlier, std::int32_t of_now) {
+    kept_id[static_cast<std::size_t>(of_now)] = earlier[static_cast<std::size_t>(of_earlier)].id;
+    is_found[static_cast<std::size_t>(of_earlier)] = true;
+    ++kept.num_found;
+  };
   const IndexedPoints then(places_of(earlier)), now(places_of(landmarks));
   const IndexedPoints laid(straightened(then, now, alignment));
   const double gate_m = std::clamp(0.35 * typical_spacing_m(then), 0.1, 0.5);
-  std::vector<std::int32_t> kept_id(landmarks.size(), 0);
-  KeptNumbers kept;
+  // Of trees, what compare takes for the same, and not one that was planted beside the place of
+  // another. What stands farther off may have been moved there, but that is not sure enough.
+  ComparisonConfig everywhere;
+  everywhere.assume_seen = true;
+  for (const MapChange& c :
+       compare_maps(earlier, landmarks, DriveView(), DriveView(), alignment, everywhere).changes) {
+    if (c.a >= 0 && c.b >= 0 && c.moved_m <= gate_m) keep(c.a, c.b);
+  }
   for (const LandmarkPair& pair : pair_landmarks(then, laid, RigidTransform{}, gate_m)) {
-    kept_id[static_cast<std::size_t>(pair.b)] = earlier[static_cast<std::size_t>(pair.a)].id;
-    ++kept.num_found;
+    const auto i = static_cast<std::size_t>(pair.a), j = static_cast<std::size_t>(pair.b);
+    const bool are_objects = earlier[i].label == detection::Label::kObject &&
+                             landmarks[j].label == detection::Label::kObject;
+    if (are_objects && !is_found[i] && kept_id[j] == 0) keep(pair.a, pair.b);
   }
   kept.num_gone = static_cast<int>(earlier.size()) - kept.num_found;
   kept.num_new = static_cast<int>(landmarks.size()) - kept.num_found;

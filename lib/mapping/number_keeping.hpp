@@ -16,7 +16,8 @@ struct KeptNumbers {
 
 /// Gives landmarks of a new map that stand where an earlier map (`alignment` of earlier and new)
 /// had some the ids of those, and all others ids from `next_id` on, in order of their own; sorts
-/// them by id.
+/// them by id. A tree beside the place of one that has gone is another where place and width say so
+/// (compare_maps()).
 KeptNumbers keep_ids(const std::vector<Landmark>& earlier, const MapAlignment& alignment,
                      std::int32_t& next_id, std::vector<Landmark>& landmarks);
 

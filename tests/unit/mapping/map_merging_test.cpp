@@ -190,6 +190,34 @@ TEST(NumberKeeping, IdsAndNumbersSurviveFivePercentOfChange) {
   }
 }
 
+TEST(NumberKeeping, ATreeDoesNotTakeTheIdOfTheFelledOneBesideWhichItStandsNow) {
+  Dice dice(30);
+  Block block = plant_block(dice, 4, 15, 0.0);
+  Drive drive;
+  drive.last_alley = 4;
+  drive.along_max_m = 31.0;
+  const DrivenMap a = drive_through(block, drive, dice);
+  const std::size_t moved = 20, felled = 21;
+  block.trees[moved].width_m = 0.11;  // as it was mapped, nearly
+  block.trees[felled].stands = false;
+  const std::int32_t felled_id = a.landmarks[felled].id;
+  DrivenMap known = a;
+  known.landmarks[moved].width_m = 0.11;
+  known.landmarks[felled].width_m = 0.17;
+  block.trees[moved].p.x() += 1.55;
+  DrivenMap b = drive_through(block, drive, dice);
+  const Vector2d there(b.landmarks[moved].x_m, b.landmarks[moved].y_m);
+  const MapAlignment alignment = aligned(known, b);
+  std::int32_t next_id = 1000;
+  keep_ids(known.landmarks, alignment, next_id, b.landmarks);
+  for (const Landmark& l : b.landmarks) {
+    EXPECT_NE(l.id, felled_id) << "an id is not given twice";
+    if ((Vector2d(l.x_m, l.y_m) - there).norm() < 1e-9) {
+      EXPECT_GE(l.id, 1000);
+    }
+  }
+}
+
 /// One row of trees two metres apart, numbered by hand.
 std::vector<Landmark> row_of(const std::vector<std::pair<double, int>>& x_and_position) {
   std::vector<Landmark> row;

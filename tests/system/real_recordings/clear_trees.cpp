@@ -100,7 +100,8 @@ std::string text(const char* format, Values... values) {
 
 }  // namespace
 
-std::vector<ClearTree> find_clear_trees(const std::vector<io::SensorMessage>& recording) {
+std::vector<ClearTree> find_clear_trees(const std::vector<io::SensorMessage>& recording,
+                                        double share) {
   const std::vector<Point> points = observations(recording);
   const Density density(points);
   std::vector<ClearTree> peaks;
@@ -109,7 +110,7 @@ std::vector<ClearTree> find_clear_trees(const std::vector<io::SensorMessage>& re
                    [](const ClearTree& a, const ClearTree& b) { return a.support > b.support; });
   std::vector<ClearTree> apart;
   for (const ClearTree& peak : peaks) {
-    if (peak.support < kClearSupport) break;
+    if (peak.support < share * kClearSupport) break;
     const bool is_known = std::any_of(apart.begin(), apart.end(), [&](const ClearTree& other) {
       return distance_m({peak.x_m, peak.y_m}, {other.x_m, other.y_m}) <= kApart_m;
     });
@@ -131,11 +132,16 @@ double ClearTreeComparison::median_distance_m() const {
   return distances_m.empty() ? 0.0 : distances_m[distances_m.size() / 2];
 }
 
+bool is_same_place(const ClearTree& a, const ClearTree& b) {
+  return distance_m({a.x_m, a.y_m}, {b.x_m, b.y_m}) < kReach_m;
+}
+
 ClearTreeComparison compare(const std::vector<ClearTree>& clear_trees,
-                            const std::vector<mapping::Landmark>& map) {
+                            const std::vector<mapping::Landmark>& map, double share) {
   std::vector<Point> landmarks;
   for (const mapping::Landmark& l : map) {
-    if (l.label != detection::Label::kTree || l.num_observations < kObservationsLeast) continue;
+    if (l.label != detection::Label::kTree || l.num_observations < share * kObservationsLeast)
+      continue;
     landmarks.push_back({l.x_m, l.y_m});
   }
   ClearTreeComparison comparison;
@@ -163,6 +169,12 @@ std::string report(const std::vector<ClearTree>& clear_trees,
                 comparison.median_distance_m(), comparison.distances_m.back());
   }
   all += text("tree landmarks seen ten times or more: %d\n", comparison.num_tree_landmarks);
+  return all + report_of_misses(clear_trees, comparison);
+}
+
+std::string report_of_misses(const std::vector<ClearTree>& clear_trees,
+                             const ClearTreeComparison& comparison) {
+  std::string all;
   for (std::size_t i = 0; i < clear_trees.size(); ++i) {
     const int num = comparison.num_landmarks[i];
     if (num == 1) continue;

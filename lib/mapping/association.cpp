@@ -113,7 +113,7 @@ std::optional<Eigen::Vector2d> nearest_established(const LandmarkTable& landmark
 }
 
 std::int32_t merge_partner(const LandmarkTable& landmarks, std::int32_t index,
-                           const MapperConfig& config) {
+                           const MapperConfig& config, const AreTwo& are_two) {
   const LandmarkRecord& r = landmarks[index];
   std::int32_t best = -1;
   double best_m2 = config.merge_m * config.merge_m;
@@ -122,7 +122,8 @@ std::int32_t merge_partner(const LandmarkTable& landmarks, std::int32_t index,
     if (i == index || other.last_scan == r.last_scan) return;
     if (std::abs(other.width_m - r.width_m) > config.width_gate_m) return;
     const double distance_m2 = (other.anchor() - r.anchor()).squaredNorm();
-    if (distance_m2 < best_m2 || (distance_m2 == best_m2 && best >= 0 && i < best)) {
+    if (distance_m2 > best_m2 || (distance_m2 == best_m2 && (best < 0 || i > best))) return;
+    if (distance_m2 <= config.apart_m * config.apart_m || !are_two(index, i)) {
       best_m2 = distance_m2;
       best = i;
     }

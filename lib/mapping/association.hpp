@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -38,9 +39,13 @@ Association associate(const std::vector<Candidate>& candidates, const LandmarkTa
 std::optional<Eigen::Vector2d> nearest_established(const LandmarkTable& landmarks,
                                                    const Eigen::Vector2d& p_map, double reach_m);
 
+/// Whether scans show two landmarks (of these indices) at once, time and again.
+using AreTwo = std::function<bool(std::int32_t, std::int32_t)>;
+
 /// The landmark that must be the same thing as this one: the nearest within merge_m, of much the
-/// same width, not seen in the same scan. -1 = none; of equally near ones the lowest index.
+/// same width, not seen in the same scan and, farther than apart_m, not known to be two. -1 = none;
+/// of equally near ones the lowest index.
 std::int32_t merge_partner(const LandmarkTable& landmarks, std::int32_t index,
-                           const MapperConfig& config);
+                           const MapperConfig& config, const AreTwo& are_two);
 
 }  // namespace orchard::mapping

@@ -2,7 +2,9 @@
 #include "mapping/mapper.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <limits>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -15,6 +17,8 @@
 #include "mapping/landmark_table.hpp"
 #include "mapping/observation_store.hpp"
 #include "mapping/presence.hpp"
+#include "mapping/stored_detection.hpp"
+#include "mapping/two_things.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -25,37 +29,25 @@ using detection::Detection;
 /// an hour must not make each scan dearer than the last.
 constexpr std::size_t kSamplesMost = 512;
 
-Observation observation_of(const Candidate& candidate) {
-  const Detection& d = *candidate.detection;
-  Observation o;
-  o.x_base_m = static_cast<float>(d.centre_x_m);
-  o.y_base_m = static_cast<float>(d.centre_y_m);
-  o.sd_m = static_cast<float>(std::sqrt(0.5 * candidate.covariance.trace()));
-  o.roc_tree = static_cast<float>(d.roc_tree);
-  o.width_m = static_cast<float>(d.width_m);
-  o.width_sd_m = static_cast<float>(d.width_sd_m);
-  o.covariance_xx = static_cast<float>(d.covariance[0]);
-  o.covariance_xy = static_cast<float>(d.covariance[1]);
-  o.covariance_yy = static_cast<float>(d.covariance[2]);
-  o.probability_tree = d.probability_tree;
-  o.probability_object = d.probability_object;
-  o.label = static_cast<std::int8_t>(d.label);
-  return o;
+/// A thing that few of a landmark's observations show is none of its own.
+constexpr std::size_t kSplitLeast = 8;
+
+/// Whether a landmark of so many observations is looked at for being two things: often while it is
+/// young, seldom later, so that it costs the same per observation.
+bool is_review_due(std::int32_t num_observations) {
+  if (num_observations < 16) return false;
+  if (num_observations <= 128) return num_observations % 8 == 0;
+  return (num_observations & (num_observations - 1)) == 0;
 }
 
-/// All of a detection that the map depends on.
-Detection detection_of(const Observation& o) {
-  Detection d;
-  d.centre_x_m = o.x_base_m;
-  d.centre_y_m = o.y_base_m;
-  d.covariance = {o.covariance_xx, o.covariance_xy, o.covariance_yy};
-  d.width_m = o.width_m;
-  d.width_sd_m = o.width_sd_m;
-  d.roc_tree = o.roc_tree;
-  d.probability_tree = o.probability_tree;
-  d.probability_object = o.probability_object;
-  d.label = static_cast<detection::Label>(o.label);
-  return d;
+/// Takes one look into a record; where it lies on the map, and how surely, is what it leads by.
+void take_look(LandmarkRecord& r, const Detection& d, const Eigen::Vector2d& p_map,
+               const Eigen::Vector2d& p_aligned, double aligned_variance_m2,
+               const MapperConfig& config) {
+  fuse_anchor(r, p_aligned, std::max(1e-6, aligned_variance_m2));
+  fuse_width(r, d.width_m, std::max(d.width_sd_m, 0.005));
+  accumulate(r, p_map, d.roc_tree, d.label, evidence_of(d, config), log_odds_max(config));
+  ++r.num_all;
 }
 
 }  // namespace
@@ -71,7 +63,8 @@ struct Mapper::Impl {
   ObservationStore observations;
   CentreCache centres;
 
-  /// Appends the index of each trunk that became an observation to `observed`, in their order.
+  /// Appends the index of each trunk that was stored as an observation to `observed`, in their
+  /// order.
   MapUpdate place(const detection::Detections& detections, const pose::PoseEstimate& T_map_base,
                   std::shared_ptr<const BeamLook> look,
                   std::vector<std::size_t>* observed = nullptr);
@@ -79,6 +72,10 @@ struct Mapper::Impl {
   void observe(std::int32_t index, const Candidate& candidate);
   void unite(std::int32_t keep, std::int32_t drop);
   void merge_changed(MapUpdate& update);
+  bool are_two(std::int32_t a, std::int32_t b) const;
+  void split_grown(MapUpdate& update);
+  bool split(std::int32_t index, const std::vector<Piece>& pieces, const TwoPlaces& places);
+  void rebuild(std::int32_t index, const LandmarkRecord& was, std::vector<std::int32_t> chain);
   void drop_gone(const std::vector<Candidate>& candidates, const pose::PoseEstimate& T_map_base,
                  const BeamLook* look, MapUpdate& update);
   BulkCentre centre_of(const LandmarkRecord& r) const;
@@ -87,14 +84,10 @@ struct Mapper::Impl {
 };
 
 void Mapper::Impl::observe(std::int32_t index, const Candidate& c) {
-  const Detection& d = *c.detection;
   landmarks.change(index, [&](LandmarkRecord& r) {
-    fuse_anchor(r, c.p_aligned, std::max(1e-6, 0.5 * c.aligned_covariance.trace()));
-    fuse_width(r, d.width_m, std::max(d.width_sd_m, 0.005));
-    accumulate(r, c.p_map, d.roc_tree, d.label, evidence_of(d, config), log_odds_max(config));
+    take_look(r, *c.detection, c.p_map, c.p_aligned, 0.5 * c.aligned_covariance.trace(), config);
     r.last_observation = observations.prepend(observation_of(c), r.last_observation);
     r.last_scan = observations.last_scan();
-    ++r.num_all;
   });
 }
 
@@ -115,7 +108,8 @@ void Mapper::Impl::merge_changed(MapUpdate& update) {
   for (std::size_t k = 0; k < ids.size(); ++k) {  // grows: what a merger moved is looked at again
     const std::int32_t index = ids[k] - 1;
     if (landmarks[index].is_removed) continue;
-    const std::int32_t other = merge_partner(landmarks, index, config);
+    const std::int32_t other = merge_partner(
+        landmarks, index, config, [this](std::int32_t a, std::int32_t b) { return are_two(a, b); });
     if (other < 0) continue;
     unite(std::min(index, other), std::max(index, other));
     update.removed_ids.push_back(std::max(index, other) + 1);
@@ -126,6 +120,86 @@ void Mapper::Impl::merge_changed(MapUpdate& update) {
   std::sort(ids.begin(), ids.end());
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   std::sort(update.removed_ids.begin(), update.removed_ids.end());
+}
+
+bool Mapper::Impl::are_two(std::int32_t a, std::int32_t b) const {
+  const LandmarkRecord& fewer = landmarks[landmarks[a].num_all < landmarks[b].num_all ? a : b];
+  const auto pieces =
+      pieces_around(observations, fewer.last_observation, fewer.anchor(), 2.0 * config.merge_m);
+  return are_two_things(pieces, landmarks[a].anchor(), landmarks[b].anchor());
+}
+
+/// Gates that are wide enough for poses that are off take two things for one where they stand
+/// nearer than that. What scans show at once tells, once there are some of them.
+void Mapper::Impl::split_grown(MapUpdate& update) {
+  if (2.0 * config.gate_m <= config.apart_m) return;
+  const std::size_t num_changed = update.changed_ids.size();
+  for (std::size_t k = 0; k < num_changed; ++k) {
+    const std::int32_t index = update.changed_ids[k] - 1;
+    const LandmarkRecord& r = landmarks[index];
+    if (r.is_removed || !is_review_due(r.num_all)) continue;
+    const auto pieces = pieces_around(observations, r.last_observation, r.anchor(), config.gate_m);
+    const auto places = two_places(pieces, config.apart_m);
+    if (!places) continue;
+    bool is_known = false;
+    for (const Eigen::Vector2d& place : {places->first, places->second}) {
+      landmarks.near(place, 0.5 * config.apart_m, [&](std::int32_t i, const LandmarkRecord& other) {
+        const double distance_m = (other.anchor() - place).norm();
+        is_known = is_known || (i != index && distance_m < 0.5 * config.apart_m);
+      });
+    }
+    if (is_known || !split(index, pieces, *places)) continue;
+    update.changed_ids.push_back(landmarks.num_indices());
+  }
+}
+
+/// Each observation of the landmark goes to the nearer place. A scan that gave it to one of them
+/// and kept an echo at the other has now seen both. False, and nothing done, where that leaves one
+/// of them with few.
+bool Mapper::Impl::split(std::int32_t index, const std::vector<Piece>& pieces,
+                         const TwoPlaces& places) {
+  const auto is_nearer_second = [&](const Eigen::Vector2d& p) {
+    return (p - places.second).squaredNorm() < (p - places.first).squaredNorm();
+  };
+  constexpr auto kAll = std::numeric_limits<std::size_t>::max();
+  std::array<std::vector<std::int32_t>, 2> chains;
+  std::array<std::set<std::int32_t>, 2> scans;
+  for (const std::int32_t k : observations.newest_of(landmarks[index].last_observation, kAll)) {
+    const int to = is_nearer_second(observations.p_map(k)) ? 1 : 0;
+    chains[to].push_back(k);
+    scans[to].insert(observations[k].scan);
+  }
+  for (const Piece& piece : pieces) {
+    const int to = is_nearer_second(piece.p_map) ? 1 : 0;
+    const double away_m = (piece.p_map - (to == 1 ? places.second : places.first)).norm();
+    if (observations[piece.observation].is_owned || away_m > 0.5 * config.apart_m) continue;
+    if (scans[to].insert(piece.scan).second) chains[to].push_back(piece.observation);
+  }
+  if (std::min(chains[0].size(), chains[1].size()) < kSplitLeast) return false;
+  const LandmarkRecord was = landmarks[index];
+  rebuild(index, was, std::move(chains[0]));
+  rebuild(landmarks.add(places.second, was.width_m), was, std::move(chains[1]));
+  return true;
+}
+
+/// Makes a landmark what these observations alone would have made of it, but for its presence.
+void Mapper::Impl::rebuild(std::int32_t index, const LandmarkRecord& was,
+                           std::vector<std::int32_t> chain) {
+  std::sort(chain.begin(), chain.end());
+  LandmarkRecord r;
+  r.presence = was.presence;
+  r.sides_seen = was.sides_seen;
+  r.anchor_x_m = observations.p_map(chain.front()).x();
+  r.anchor_y_m = observations.p_map(chain.front()).y();
+  for (const std::int32_t k : chain) {
+    const Observation& o = observations[k];
+    const Eigen::Vector2d p = observations.p_map(k);
+    take_look(r, detection_of(o), p, p, static_cast<double>(o.sd_m) * o.sd_m, config);
+    r.last_scan = o.scan;
+  }
+  r.last_observation = observations.relink(std::move(chain));
+  centres.forget(index);
+  landmarks.change(index, [&](LandmarkRecord& record) { record = r; });
 }
 
 void Mapper::Impl::drop_gone(const std::vector<Candidate>& candidates,
@@ -185,21 +259,31 @@ MapUpdate Mapper::Impl::place(const detection::Detections& detections,
   const Association association = associate(candidates, landmarks, config);
 
   MapUpdate update;
+  const auto note = [&](const Candidate& c) {
+    if (observed == nullptr) return;
+    observed->push_back(static_cast<std::size_t>(c.detection - detections.trunks.data()));
+  };
   const auto take = [&](std::int32_t index, const Candidate& c) {
     observe(index, c);
     update.changed_ids.push_back(index + 1);
-    if (observed != nullptr) {
-      observed->push_back(static_cast<std::size_t>(c.detection - detections.trunks.data()));
-    }
+    note(c);
   };
   for (const Pairing& pair : association.pairs) take(pair.landmark, candidates[pair.candidate]);
+  std::vector<char> is_paired(candidates.size(), 0);
+  for (const Pairing& pair : association.pairs) is_paired[pair.candidate] = 1;
   for (std::size_t k = 0; k < candidates.size(); ++k) {
-    if (association.is_explained[k])
-      continue;  // a second echo of a known landmark is none of its own
     const Candidate& c = candidates[k];
-    take(landmarks.add(c.p_aligned, c.detection->width_m), c);
+    if (is_paired[k]) continue;
+    if (association.is_explained[k]) {
+      // a second echo of a known landmark is none of its own, as far as poses are known now
+      observations.add_unowned(observation_of(c));
+      note(c);
+    } else {
+      take(landmarks.add(c.p_aligned, c.detection->width_m), c);
+    }
   }
   drop_gone(candidates, T_map_base_aligned, look.get(), update);
+  split_grown(update);
   merge_changed(update);
   return update;
 }

@@ -18,6 +18,7 @@ struct MapperConfig {
   double gate_sigma = 3.5;            ///< the same in standard deviations of all that is uncertain
   double width_gate_m = 0.25;         ///< largest difference between the widths of one thing
   double merge_m = 0.10;              ///< landmarks nearer than this are one
+  double apart_m = 0.60;              ///< farther apart, what scans show at once is two things
   double range_use_max_m = 100.0;     ///< farther detections are left out (range from base)
   bool align_scans = true;            ///< who is who is decided after fitting the scan to the map
   double align_kernel_m = 0.15;       ///< how far from a landmark a detection still supports a fit
@@ -50,6 +51,9 @@ void describe(Visitor& v, MapperConfig& c) {
   v.number("width_gate_m", c.width_gate_m, 0.01, 10, "m",
            "largest difference between a detection's width and its landmark's");
   v.number("merge_m", c.merge_m, 0, 0.99, "m", "landmarks nearer than this are one");
+  v.number(
+      "apart_m", c.apart_m, 0.01, 5, "m",
+      "farther apart, what scans show at once time and again is two things within gate_m, too");
   v.number("range_use_max_m", c.range_use_max_m, 0.1, 500, "m",
            "detections farther from base are left out");
   v.flag("align_scans", c.align_scans,

@@ -5,8 +5,8 @@
 
 namespace orchard::mapping {
 
-/// One detection that became part of a landmark: all that is needed to derive the landmark anew
-/// when the pose of its scan is corrected.
+/// One detection: all that is needed to derive the landmarks anew when the pose of its scan is
+/// corrected.
 struct Observation {
   std::int32_t scan = 0;       ///< index into the mapper's list of scans
   std::int32_t previous = -1;  ///< the same landmark's observation before this one, or -1
@@ -22,6 +22,7 @@ struct Observation {
   float probability_tree = 0.0f;
   float probability_object = 0.0f;
   std::int8_t label = 0;  ///< detection::Label
+  bool is_owned = false;  ///< in a landmark's chain
 };
 
 }  // namespace orchard::mapping

@@ -2,14 +2,20 @@
 #include "mapping/observation_store.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace orchard::mapping {
-
 std::int32_t ObservationStore::prepend(Observation observation, std::int32_t head) {
   observation.scan = last_scan();
   observation.previous = head;
+  observation.is_owned = true;
   observations_.push_back(observation);
   return static_cast<std::int32_t>(observations_.size()) - 1;
+}
+
+void ObservationStore::add_unowned(Observation observation) {
+  prepend(observation, -1);
+  observations_.back().is_owned = false;
 }
 
 std::int32_t ObservationStore::join(std::int32_t newer, std::int32_t older) {
@@ -19,6 +25,36 @@ std::int32_t ObservationStore::join(std::int32_t newer, std::int32_t older) {
   }
   observations_[static_cast<std::size_t>(tail)].previous = older;
   return newer;
+}
+
+std::int32_t ObservationStore::relink(std::vector<std::int32_t> observations) {
+  std::sort(observations.begin(), observations.end());
+  std::int32_t head = -1;
+  for (const std::int32_t k : observations) {
+    Observation& o = observations_[static_cast<std::size_t>(k)];
+    o.previous = std::exchange(head, k);
+    o.is_owned = true;
+  }
+  return head;
+}
+
+void ObservationStore::disown(std::int32_t observation) {
+  Observation& o = observations_[static_cast<std::size_t>(observation)];
+  o.previous = -1;
+  o.is_owned = false;
+}
+
+std::vector<std::int32_t> ObservationStore::newest_of(std::int32_t head, std::size_t most) const {
+  std::vector<std::int32_t> chain;
+  for (std::int32_t k = head; k >= 0 && chain.size() < most; k = (*this)[k].previous) {
+    chain.push_back(k);
+  }
+  return chain;
+}
+
+Eigen::Vector2d ObservationStore::p_map(std::int32_t observation) const {
+  const Observation& o = (*this)[observation];
+  return at(o.scan).composition.apply(o.x_base_m, o.y_base_m);
 }
 
 std::vector<WeightedPoint> ObservationStore::newest(std::int32_t head, std::size_t most) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -15,8 +16,8 @@
 
 namespace orchard::mapping {
 
-/// Every observation that became part of a landmark, chained per landmark from the newest to the
-/// oldest, and of each scan where base was and what its beams looked at.
+/// Every observation, those of a landmark chained from the newest to the oldest, and of each scan
+/// where base was and what its beams looked at.
 class ObservationStore {
  public:
   /// Starts the next scan; `look` may be none.
@@ -48,8 +49,22 @@ class ObservationStore {
   /// Puts an observation of the last scan before the chain that starts at `head`; the new head.
   std::int32_t prepend(Observation observation, std::int32_t head);
 
+  /// Keeps an observation of the last scan that is in no chain: once poses are corrected it may be.
+  void add_unowned(Observation observation);
+
   /// Makes one chain of two, `newer` first; its head.
   std::int32_t join(std::int32_t newer, std::int32_t older);
+
+  /// Makes these observations one chain, whatever chains they were in; its head, -1 for none. Those
+  /// that are to be in none any more are the caller's to disown().
+  std::int32_t relink(std::vector<std::int32_t> observations);
+  void disown(std::int32_t observation);
+
+  /// The observations of a chain, the newest first, `most` at most.
+  std::vector<std::int32_t> newest_of(std::int32_t head, std::size_t most) const;
+
+  /// Where an observation lies in map by the pose of its scan.
+  Eigen::Vector2d p_map(std::int32_t observation) const;
 
   /// The first of a chain, `most` at most, composed with the poses as given.
   std::vector<WeightedPoint> newest(std::int32_t head, std::size_t most) const;

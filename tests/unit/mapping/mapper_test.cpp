@@ -124,6 +124,51 @@ TEST(Mapper, MergesWhatTurnsOutToBeOne) {
   EXPECT_THROW(mapper.landmark(2), std::out_of_range);
 }
 
+/// Gates that are wider than trees stand apart, as poses that are off by decimetres need them.
+MapperConfig wide_gates() {
+  MapperConfig config;
+  config.gate_m = 0.95;
+  config.gate_sigma = 20.0;
+  config.merge_m = 0.98;
+  return config;
+}
+
+TEST(Mapper, TwoTreesSeenAtOnceStayTwoHoweverWideTheGates) {
+  Mapper mapper(wide_gates());
+  for (int k = 0; k < 20; ++k) {
+    std::vector<Detection> trunks;
+    if (k % 3 != 1) trunks.push_back(seen_at(3.0, 0.0));  // each is hidden now and then
+    if (k % 3 != 2) trunks.push_back(seen_at(3.0, 0.8));
+    mapper.update(scan_of(trunks, k), {});
+  }
+  ASSERT_EQ(mapper.num_landmarks(), 2u);
+  const auto landmarks = mapper.landmarks();
+  EXPECT_NEAR(landmarks[0].y_m, 0.0, 0.01);
+  EXPECT_NEAR(landmarks[1].y_m, 0.8, 0.01);
+  EXPECT_GE(landmarks[0].num_observations, 12);
+  EXPECT_GE(landmarks[1].num_observations, 12);
+}
+
+TEST(Mapper, StemsOfOneTreeSeenAtOnceStayOneByWideGates) {
+  Mapper mapper(wide_gates());
+  for (int k = 0; k < 20; ++k) {
+    std::vector<Detection> stems{seen_at(3.0, 0.0)};
+    if (k > 0) stems.push_back(seen_at(3.0, 0.4));
+    mapper.update(scan_of(stems, k), {});
+  }
+  EXPECT_EQ(mapper.num_landmarks(), 1u);
+}
+
+TEST(Mapper, OneThingThatAPoseOnceMovedIsMergedByWideGates) {
+  MapperConfig config = wide_gates();
+  config.gate_m = 0.3;
+  Mapper mapper(config);
+  for (int k = 0; k < 20; ++k) {
+    mapper.update(scan_of({seen_at(3.0, k < 10 ? 0.0 : 0.8), seen_at(5.0, 3.0)}, k), {});
+  }
+  EXPECT_EQ(mapper.num_landmarks(), 2u);
+}
+
 TEST(Mapper, AStraySightOfAKnownTreeIsNoSecondTree) {
   Mapper mapper({});
   for (int k = 0; k < 32; ++k) {

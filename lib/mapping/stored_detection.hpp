@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "detection/detection.hpp"
+#include "mapping/candidate.hpp"
+#include "mapping/observation.hpp"
+
+namespace orchard::mapping {
+
+/// A candidate as it is stored; scan and chain are not set.
+Observation observation_of(const Candidate& candidate);
+
+/// All of a stored detection that the map depends on.
+detection::Detection detection_of(const Observation& observation);
+
+}  // namespace orchard::mapping

@@ -38,6 +38,7 @@ struct MapFolderContent {
   std::optional<geometry::Georeference> georeference{};
   std::optional<mapping::SensorView> view{};  ///< where the laser looks; `orchard compare` asks
   std::string ids_csv{};                      ///< of a merged map: ids.csv; empty: there is none
+  std::optional<double> tree_scatter_m{};     ///< Mapper::tree_scatter_m() of what made it
   std::int32_t next_id = 0;                   ///< no landmark of an earlier map had this or more
 };
 

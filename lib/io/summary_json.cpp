@@ -87,6 +87,7 @@ std::string summary_json(const MapFolderContent& content) {
   json["landmarks"]["tree"] = count_of(content, detection::Label::kTree);
   json["landmarks"]["object"] = count_of(content, detection::Label::kObject);
   json["landmarks"]["unseen"] = count_of(content, detection::Label::kUnseen);
+  if (content.tree_scatter_m) json["tree_scatter_m"] = millimetres(*content.tree_scatter_m);
   json["rows"] = Json::array();
   for (const mapping::Row& row : content.rows) {
     const auto gaps = std::count_if(row.places.begin(), row.places.end(),

@@ -14,6 +14,7 @@
 #include "mapping/candidate.hpp"
 #include "mapping/centre_cache.hpp"
 #include "mapping/id_keeping.hpp"
+#include "mapping/landmark_pairing.hpp"
 #include "mapping/landmark_table.hpp"
 #include "mapping/observation_store.hpp"
 #include "mapping/presence.hpp"
@@ -28,6 +29,9 @@ using detection::Detection;
 /// Observations, the newest, that a landmark's place is taken from: a robot that stands still for
 /// an hour must not make each scan dearer than the last.
 constexpr std::size_t kSamplesMost = 512;
+
+/// Observations from which a tree's scatter says something.
+constexpr int kScatterLeast = 10;
 
 /// A thing that few of a landmark's observations show is none of its own.
 constexpr std::size_t kSplitLeast = 8;
@@ -383,6 +387,25 @@ std::vector<std::int32_t> Mapper::ids_from(std::int32_t first_id, std::size_t co
     if (!impl_->landmarks[i].is_removed) ids.push_back(i + 1);
   }
   return ids;
+}
+
+std::optional<double> Mapper::tree_scatter_m() const {
+  std::vector<double> medians_m;
+  for (std::int32_t i = 0; i < impl_->landmarks.num_indices(); ++i) {
+    const LandmarkRecord& r = impl_->landmarks[i];
+    if (r.is_removed || r.num_all < kScatterLeast ||
+        label_of(r, impl_->config) != detection::Label::kTree) {
+      continue;
+    }
+    const Eigen::Vector2d centre = impl_->centre_of(r).p_map;
+    std::vector<double> distances_m;
+    for (const std::int32_t k : impl_->observations.newest_of(r.last_observation, kSamplesMost)) {
+      distances_m.push_back((impl_->observations.p_map(k) - centre).norm());
+    }
+    medians_m.push_back(median_of(std::move(distances_m)));
+  }
+  if (medians_m.empty()) return std::nullopt;
+  return median_of(std::move(medians_m));
 }
 
 std::vector<Landmark> Mapper::landmarks(int min_observations) const {

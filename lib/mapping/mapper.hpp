@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "detection/detection.hpp"
@@ -68,6 +69,10 @@ class Mapper {
   /// Memory of landmarks and their index, observations and looks kept for later correction not
   /// counted.
   std::size_t num_bytes() const;
+
+  /// How far a tree's observations lie from its place [m]: the median of the medians of the trees
+  /// with ten observations or more, of their newest 512. None without such a tree.
+  std::optional<double> tree_scatter_m() const;
 
   /// All landmarks with at least `min_observations`, in order of id, their places of all that is
   /// known now.

@@ -300,6 +300,7 @@ io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {
     mapping::number_landmarks(content.rows, content.landmarks);
   }
   content.georeference = georeference();
+  content.tree_scatter_m = mapper_.tree_scatter_m();
   return content;
 }
 

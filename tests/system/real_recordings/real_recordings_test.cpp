@@ -64,8 +64,8 @@ TEST_F(RealRecording, PullallysClearTreesAreOneLandmarkEach) {
   const auto map = map_of(name, "pullally.yaml");
   const auto comparison = compare(trees, map);
   SCOPED_TRACE(report(trees, comparison));
-  EXPECT_LE(comparison.num_tree_landmarks, 75);
-  EXPECT_GE(comparison.num_with(1), 0.95 * static_cast<double>(trees.size()));
+  EXPECT_LE(comparison.num_tree_landmarks, 90);
+  EXPECT_EQ(comparison.num_with(1), static_cast<int>(trees.size()));
   EXPECT_EQ(comparison.num_doubled(), 0);
   EXPECT_LE(comparison.median_distance_m(), 0.1);
   const MappedDrive drive{map, path_of_map()};
@@ -75,7 +75,7 @@ TEST_F(RealRecording, PullallysClearTreesAreOneLandmarkEach) {
   // From the laser alone: the same trees.
   const MappedDrive by_laser{map_of(name, "pullally_laser_only.yaml"), path_of_map()};
   const SameTrees same = same_trees(trees, drive, by_laser);
-  EXPECT_GE(same.num_in_both, 0.95 * comparison.num_with(1)) << report(same);
+  EXPECT_EQ(same.num_missing, 0) << report(same);
   EXPECT_EQ(same.num_extra, 0) << report(same);
 }
 

@@ -58,6 +58,27 @@ std::pair<Vector2d, double> across(const std::vector<Vector2d>& p_map, const Row
   return {u, std::abs(beside_m(last) - beside_m(first))};
 }
 
+/// Distance of trees in their rows [m] where stems, bushes and hedges stand among them: those make
+/// nearest things nearer, never farther, so of the distances to the nearest the upper quartile
+/// tells.
+double spacing_amid_clutter_m(const IndexedPoints& points) {
+  std::vector<double> distances_m;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (double reach_m = 2.0; reach_m < 200.0; reach_m *= 3.0) {
+      const auto near = points.nearest_few(points[i], reach_m, 2);
+      if (near.size() < 2) continue;
+      const auto other = index(near[0]) == i ? near[1] : near[0];
+      distances_m.push_back((points[index(other)] - points[i]).norm());
+      break;
+    }
+  }
+  if (distances_m.empty()) return 0.0;
+  const auto quartile =
+      distances_m.begin() + static_cast<std::ptrdiff_t>(3 * distances_m.size() / 4);
+  std::nth_element(distances_m.begin(), quartile, distances_m.end());
+  return *quartile;
+}
+
 /// Where a tree would join a chain: before that of its elements, and how far beside it.
 struct Slot {
   std::size_t before = 0;
@@ -79,7 +100,8 @@ RowMakers row_makers(const std::vector<Vector2d>& p_map, const std::vector<doubl
   for (std::size_t i = 0; i < p_map.size(); ++i) {
     if (strengths[i] >= 1.0) strong.push_back(p_map[i]);
   }
-  const double reach_m = kOnePlace_spacings * typical_spacing_m(IndexedPoints(std::move(strong)));
+  const double reach_m =
+      kOnePlace_spacings * spacing_amid_clutter_m(IndexedPoints(std::move(strong)));
   const IndexedPoints all(p_map);
   std::vector<std::size_t> by_strength(p_map.size());
   std::iota(by_strength.begin(), by_strength.end(), std::size_t{0});

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -55,6 +57,16 @@ class RealRecording : public testing::Test {
   std::string folder_;
 };
 
+/// Rows of so many trees or more: what stands in line in a hedge or a bush is shorter.
+int num_rows_of(const std::vector<mapping::Landmark>& map, int num_trees) {
+  std::map<int, int> trees_of;
+  for (const mapping::Landmark& l : map) {
+    if (l.row > 0) ++trees_of[l.row];
+  }
+  return static_cast<int>(std::count_if(trees_of.begin(), trees_of.end(),
+                                        [&](const auto& row) { return row.second >= num_trees; }));
+}
+
 TEST_F(RealRecording, PullallysClearTreesAreOneLandmarkEach) {
   const std::string name = "pullally_drive_1";
   if (!is_here(name)) GTEST_SKIP() << "the recording " << name << " is not here";
@@ -67,6 +79,7 @@ TEST_F(RealRecording, PullallysClearTreesAreOneLandmarkEach) {
   EXPECT_LE(comparison.num_tree_landmarks, 90);
   EXPECT_EQ(comparison.num_with(1), static_cast<int>(trees.size()));
   EXPECT_EQ(comparison.num_doubled(), 0);
+  EXPECT_EQ(num_rows_of(map, 8), 5);
   EXPECT_LE(comparison.median_distance_m(), 0.1);
   const MappedDrive drive{map, path_of_map()};
   const TreeScatter scatter = tree_scatter(recording, drive, trees);

@@ -5,7 +5,7 @@
 # landmarks stand where nothing of the truth does (ghosts), how many trees are missing, and the same
 # for a map that gives nothing up (mapper.presence.enabled: false) and for one without beams
 # (mapper.presence.scan_wait_s: 0).
-#   RIG=config/block.yaml  PEOPLE=12  VEHICLES=4  LAPS=1  MODE=fixes|slam  SECONDS_PER_DRIVE=0 (all)
+#   RIG=config/block.yaml  PEOPLE=12  VEHICLES=4  LAPS=1  SECONDS_PER_DRIVE=0 (all)
 #   HOW="beams detections off" (which maps)  GHOST_M=0.4 (from every true thing's edge)
 # Seeds from 1001 on are for choosing, 1-20 for reporting. Drives are kept in OUT (out/moving) and
 # used again; remove the folder after a change of the simulation.
@@ -18,9 +18,8 @@ out=${OUT:-out/moving}
 mkdir -p "$out"
 
 # The rig with what moves in it; by fixes the path is known, so that what is counted is this alone.
-fix_rate_hz=0
-[ "${MODE:-fixes}" = slam ] || fix_rate_hz=10
-sed -e "s/^    laps: .*/    laps: ${LAPS:-1}/" -e "s/^    fix_rate_hz: .*/    fix_rate_hz: $fix_rate_hz/" "$rig" |
+sed -e "s/^    laps: .*/    laps: ${LAPS:-1}/" -e "s/^    fix_rate_hz: .*/    fix_rate_hz: 10/" \
+  -e 's/^  mode: slam$/  mode: fixes/' "$rig" |
   awk -v people="${PEOPLE:-12}" -v vehicles="${VEHICLES:-4}" '
     { print }
     /^  clutter:/ { own = 1 }
@@ -29,7 +28,6 @@ sed -e "s/^    laps: .*/    laps: ${LAPS:-1}/" -e "s/^    fix_rate_hz: .*/    fi
 sed -i -e "s/^    num_people: .*/    num_people: ${PEOPLE:-12}/" "$out/world.yaml"
 grep -q num_vehicles "$out/world.yaml" ||
   sed -i -e "s/^  clutter:/&\n    num_vehicles: ${VEHICLES:-4}/" "$out/world.yaml"
-[ "${MODE:-fixes}" = slam ] || sed -i -e 's/^  mode: slam$/  mode: fixes/' "$out/world.yaml"
 
 # presence KEY VALUE: the world's rig with that key of mapper.presence
 presence() {

@@ -33,7 +33,7 @@ struct DetectorConfig {
   vision::AppearanceConfig appearance;
   vision::EdgeConfig edges;
   double roc_laser_threshold = 0.011108996538242306;  ///< exp(-4.5): 3 sigma. The paper's ROC_th
-  double visible_min = 1.0;     ///< share of a half-hidden circle from which on it is judged
+  double visible_min = 1.0;     ///< share of a half-hidden trunk from which on it is judged
   double colour_weight = 0.6;   ///< roc_vision = w colour + (1 - w) edges
   double laser_weight = 0.5;    ///< roc_tree = w laser + (1 - w) vision
   double tree_threshold = 0.6;  ///< TREE from this roc_tree on
@@ -62,8 +62,8 @@ void describe(Visitor& v, DetectorConfig& c) {
   v.number("roc_laser_threshold", c.roc_laser_threshold, 0, 1, "1",
            "candidates have at least this roc_laser (the paper's ROC_th)");
   v.number("visible_min", c.visible_min, 0, 1, "1",
-           "a half-hidden object of a trunk's width is judged if this share of its circle shows; "
-           "1 = it stays UNSEEN");
+           "a half-hidden object of a trunk's width is judged if this share of a trunk shows, as "
+           "wide as its circle and detector.width together say; 1 = it stays UNSEEN");
   v.number("colour_weight", c.colour_weight, 0, 1, "1", "share of colour in roc_vision");
   v.number("laser_weight", c.laser_weight, 0, 1, "1", "share of the laser in roc_tree");
   v.number("tree_threshold", c.tree_threshold, 0, 1, "1", "TREE from this roc_tree on");

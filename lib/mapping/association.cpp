@@ -9,7 +9,6 @@ namespace orchard::mapping {
 namespace {
 
 constexpr int kEstablished = 3;            ///< observations from which a landmark leads a scan
-constexpr int kWellKnown = 30;             ///< and from which it takes what strays
 constexpr double kWidthRelativeSd = 0.15;  ///< of one thing seen from different sides
 
 /// Difference of the widths in standard deviations.
@@ -42,7 +41,8 @@ std::int32_t strayed_from(const Candidate& c, const LandmarkTable& landmarks,
   std::int32_t nearest = -1;
   double nearest_m2 = config.gate_m * config.gate_m;
   landmarks.near(c.p_aligned, config.gate_m, [&](std::int32_t i, const LandmarkRecord& r) {
-    if (r.num_all < kWellKnown || std::abs(width_term(*c.detection, r)) > 3.0) return;
+    if (r.num_all < config.well_known_observations || std::abs(width_term(*c.detection, r)) > 3.0)
+      return;
     if (std::abs(c.detection->width_m - r.width_m) > config.width_gate_m) return;
     const double distance_m2 = (c.p_aligned - r.anchor()).squaredNorm();
     if (distance_m2 > nearest_m2 || (distance_m2 == nearest_m2 && i > nearest)) return;

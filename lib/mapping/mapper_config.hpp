@@ -17,6 +17,7 @@ struct MapperConfig {
   double gate_m = 0.30;               ///< farthest a detection may lie from its landmark
   double gate_sigma = 3.5;            ///< the same in standard deviations of all that is uncertain
   double width_gate_m = 0.25;         ///< largest difference between the widths of one thing
+  int well_known_observations = 30;   ///< from here on a landmark takes what strays from it
   double merge_m = 0.10;              ///< landmarks nearer than this are one
   double apart_m = 0.60;              ///< farther apart, what scans show at once is two things
   double range_use_max_m = 100.0;     ///< farther detections are left out (range from base)
@@ -50,6 +51,9 @@ void describe(Visitor& v, MapperConfig& c) {
            "the same in standard deviations of detection, pose and landmark");
   v.number("width_gate_m", c.width_gate_m, 0.01, 10, "m",
            "largest difference between a detection's width and its landmark's");
+  v.integer("well_known_observations", c.well_known_observations, 1, 1000000, "1",
+            "from here on a landmark takes what lies beyond gate_sigma, but within gate_m and as "
+            "wide, unless the same scan shows the landmark itself");
   v.number("merge_m", c.merge_m, 0, 0.99, "m", "landmarks nearer than this are one");
   v.number(
       "apart_m", c.apart_m, 0.01, 5, "m",

@@ -195,6 +195,11 @@ void bench_lockstep(const FieldDrive& drive, const Replayed& expected,
       fingerprint.add(channel, bytes);
     };
     const auto report = bus::replay_in_lockstep(drive.log_path, player_bus, stop, options);
+    if (report.stopped) {
+      std::printf("stopped during replay %d in lockstep: no figure\n", i + 1);
+      met = false;
+      return;
+    }
     factors.push_back(drive.duration_s / report.elapsed_s);
     num_lost += total(expected.report.num_in) - total(report.replay.num_in) +
                 total(expected.report.num_out) - total(report.replay.num_out);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <fstream>
@@ -101,6 +102,11 @@ class Loader {
     const YAML::Node field = find(key);
     if (!field) return;
     if (!field.IsScalar()) return problem(field, key, scalar(field), "must be a text");
+    const auto is_control = [](char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0; };
+    if (std::string shown = field.Scalar(); std::any_of(shown.begin(), shown.end(), is_control)) {
+      std::replace_if(shown.begin(), shown.end(), is_control, '?');
+      return problem(field, key, shown, "must not hold control characters (here: ?)");
+    }
     value = field.Scalar();
   }
 

@@ -5,6 +5,7 @@
 // crash the input is in fuzz_x.crash; fuzz_x FILE runs that input again.
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -82,11 +83,10 @@ void run(const std::string& input) {
   LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(input.data()), input.size());
 }
 
-/// Called when an exception gets out of a target, which is a finding.
-[[noreturn]] void save_input_and_abort() {
+/// Called when a target aborts, or an exception gets out of it: both are findings.
+void save_input(int) {
   std::ofstream(crash_path, std::ios::binary) << current_input;
   std::fprintf(stderr, "the input that did it is in %s\n", crash_path.c_str());
-  std::abort();
 }
 
 }  // namespace
@@ -102,7 +102,7 @@ int main(int argc, char** argv) {
   const long num_runs = argc > 1 ? std::atol(argv[1]) : 20000;
   const double max_s = argc > 2 ? std::atof(argv[2]) : 1e9;
   std::mt19937_64 random(argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1);
-  std::set_terminate(save_input_and_abort);
+  std::signal(SIGABRT, save_input);
   const std::vector<std::string> seeds = orchard::fuzz::seeds();
   for (const std::string& seed : seeds) run(current_input = seed);
   const auto begin = std::chrono::steady_clock::now();

@@ -45,6 +45,10 @@ TEST(Config, RefusesWhatIsNotWhatItShouldBe) {
   EXPECT_THAT(problems_of("laser:\n  mount_x_m: 1\n  mount_x_m: 2\n"),
               ElementsAre(HasSubstr("stands here twice")));
   EXPECT_THAT(problems_of("lcm: {url: [a]}\n"), ElementsAre(HasSubstr("must be a text")));
+  EXPECT_THAT(problems_of("lcm:\n  url: memq://\r"),
+              ElementsAre("rig.yaml:2: lcm.url = memq://?: must not hold control characters (here: "
+                          "?)"));
+  EXPECT_THAT(problems_of("lcm:\r\n  url: memq://\r\nlaser:\r\n"), ElementsAre());
   EXPECT_THAT(problems_of("pose: {mode: magic}\n"), ElementsAre(HasSubstr("must be one of fixes")));
   EXPECT_THAT(problems_of("a: [\n"), ElementsAre(HasSubstr("not YAML")));
 }

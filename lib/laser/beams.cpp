@@ -33,7 +33,7 @@ Beams::Beams(const Scan& scan, const SegmentationConfig& config)
 void Beams::find_directions() {
   const double c = std::cos(step_rad_), s = std::sin(step_rad_);
   directions_.resize(ranges_m_.size());
-  // turned on step by step: a tenth of the time, and 1e-13 of error after a thousand
+  // turned on step by step: cheaper than two functions a beam, and off by 1e-13 after a thousand
   for (std::size_t i = 1; i < directions_.size(); ++i) {
     const Direction& last = directions_[i - 1];
     directions_[i] = {last.c * c - last.s * s, last.s * c + last.c * s};

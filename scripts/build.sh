@@ -10,6 +10,7 @@ scripts/install_deps.sh
 echo "== 2/3 configure: cmake -S . -B build -G Ninja (Release)"
 launcher=()
 command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+export CCACHE_SLOPPINESS=pch_defines,time_macros  # without it ccache passes over precompiled headers
 mkdir -p build
 if ! cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release "${launcher[@]}" >build/configure.log 2>&1
 then

@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-#include "bus/rejection_log.hpp"
+#include "bus/node/rejection_log.hpp"
 
 namespace orchard::bus {
 

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "bus/codec.hpp"
-#include "bus/service_messages.hpp"
+#include "bus/messages/codec.hpp"
+#include "bus/messages/service_messages.hpp"
 
 namespace orchard::bus {
 

@@ -12,7 +12,7 @@
 #include "detection/probability.hpp"
 #include "detection/trunk_view.hpp"
 #include "laser/segment.hpp"
-#include "vision/appearance.hpp"
+#include "vision/appearance/appearance.hpp"
 #include "vision/colour.hpp"
 #include "vision/edges.hpp"
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "detection/adaptation.hpp"
+#include "detection/adaptation/adaptation.hpp"
 #include "detection/detection.hpp"
 #include "detection/motion.hpp"
 #include "detection/rig.hpp"

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "detection/adaptation_config.hpp"
+#include "detection/adaptation/adaptation_config.hpp"
 #include "detection/consistency_config.hpp"
 #include "detection/probability_config.hpp"
 #include "laser/segmentation_config.hpp"
 #include "laser/width_config.hpp"
-#include "vision/appearance_config.hpp"
+#include "vision/appearance/appearance_config.hpp"
 #include "vision/vision_config.hpp"
 
 namespace orchard::detection {

@@ -6,7 +6,7 @@
 #include "geometry/camera_model.hpp"
 #include "geometry/laser_camera.hpp"
 #include "laser/laser_config.hpp"
-#include "vision/light.hpp"
+#include "vision/appearance/light.hpp"
 
 namespace orchard::detection {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "vision/appearance.hpp"
+#include "vision/appearance/appearance.hpp"
 #include "vision/edges.hpp"
 #include "vision/window.hpp"
 

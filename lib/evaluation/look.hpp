@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "detection/detection.hpp"
-#include "simulation/world.hpp"
+#include "simulation/scene/world.hpp"
 
 namespace orchard::evaluation {
 

@@ -8,7 +8,7 @@
 
 #include "evaluation/map_alignment.hpp"
 #include "mapping/landmark.hpp"
-#include "simulation/world.hpp"
+#include "simulation/scene/world.hpp"
 
 namespace orchard::evaluation {
 

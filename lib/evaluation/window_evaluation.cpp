@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "calibration/roc_area.hpp"
+#include "calibration/trunks/roc_area.hpp"
 
 namespace orchard::evaluation {
 namespace {

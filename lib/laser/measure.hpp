@@ -4,8 +4,8 @@
 #include "laser/beams.hpp"
 #include "laser/cut.hpp"
 #include "laser/laser_config.hpp"
-#include "laser/run_fit.hpp"
 #include "laser/segment.hpp"
+#include "laser/splitting/run_fit.hpp"
 
 namespace orchard::laser {
 

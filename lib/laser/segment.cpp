@@ -7,8 +7,8 @@
 #include "laser/beams.hpp"
 #include "laser/cut.hpp"
 #include "laser/measure.hpp"
-#include "laser/parting.hpp"
-#include "laser/rejoin.hpp"
+#include "laser/splitting/parting.hpp"
+#include "laser/splitting/rejoin.hpp"
 
 namespace orchard::laser {
 namespace {

@@ -13,11 +13,11 @@
 #include "mapping/bulk_centre.hpp"
 #include "mapping/candidate.hpp"
 #include "mapping/centre_cache.hpp"
+#include "mapping/compare/landmark_pairing.hpp"
+#include "mapping/existence/existence.hpp"
 #include "mapping/id_keeping.hpp"
-#include "mapping/landmark_pairing.hpp"
 #include "mapping/landmark_table.hpp"
 #include "mapping/observation_store.hpp"
-#include "mapping/presence.hpp"
 #include "mapping/stored_detection.hpp"
 #include "mapping/two_things.hpp"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "detection/detection.hpp"
-#include "mapping/beam_look.hpp"
+#include "mapping/existence/free_space.hpp"
 #include "mapping/landmark.hpp"
 #include "mapping/mapper_config.hpp"
 #include "pose/pose_estimate.hpp"

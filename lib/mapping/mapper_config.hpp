@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "mapping/presence_config.hpp"
-#include "mapping/rows_config.hpp"
+#include "mapping/existence/existence_config.hpp"
+#include "mapping/rows/rows_config.hpp"
 
 namespace orchard::mapping {
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "mapping/beam_look.hpp"
 #include "mapping/bulk_centre.hpp"
+#include "mapping/existence/free_space.hpp"
 #include "mapping/observation.hpp"
 #include "mapping/pose_composition.hpp"
 #include "pose/pose_estimate.hpp"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/localiser.hpp"
 
-#include "pose/fusion.hpp"
-#include "pose/pose_estimator.hpp"
-#include "pose/prior_map_localiser.hpp"
-#include "pose/scan_odometry.hpp"
-#include "pose/slam_localiser.hpp"
+#include "pose/filter/fusion.hpp"
+#include "pose/filter/pose_estimator.hpp"
+#include "pose/prior_map/prior_map_localiser.hpp"
+#include "pose/scan_matching/scan_odometry.hpp"
+#include "pose/slam/slam_localiser.hpp"
 #include "pose/stationary.hpp"
 
 namespace orchard::pose {

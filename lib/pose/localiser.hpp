@@ -12,7 +12,7 @@
 #include "pose/measurement_queue.hpp"
 #include "pose/pose_config.hpp"
 #include "pose/pose_estimate.hpp"
-#include "pose/prior_map.hpp"
+#include "pose/prior_map/prior_map.hpp"
 #include "pose/trajectory.hpp"
 
 namespace orchard::pose {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "pose/fusion_config.hpp"
-#include "pose/gnss_config.hpp"
-#include "pose/prior_map_config.hpp"
-#include "pose/scan_motion_config.hpp"
-#include "pose/slam_config.hpp"
+#include "pose/filter/fusion_config.hpp"
+#include "pose/filter/gnss_config.hpp"
+#include "pose/prior_map/prior_map_config.hpp"
+#include "pose/scan_matching/scan_motion_config.hpp"
+#include "pose/slam/slam_config.hpp"
 
 namespace orchard::pose {
 

@@ -10,7 +10,7 @@
 #include "geometry/angles.hpp"
 #include "geometry/camera_model.hpp"
 #include "geometry/laser_camera.hpp"
-#include "simulation/angular_interval.hpp"
+#include "simulation/sensor/angular_interval.hpp"
 
 namespace orchard::simulation {
 namespace {

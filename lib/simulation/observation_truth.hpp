@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "geometry/camera_config.hpp"
-#include "simulation/drive_path.hpp"
-#include "simulation/laser_model.hpp"
-#include "simulation/scene.hpp"
+#include "simulation/scene/drive_path.hpp"
+#include "simulation/scene/scene.hpp"
+#include "simulation/scene/world.hpp"
+#include "simulation/sensor/laser_model.hpp"
 #include "simulation/simulation_config.hpp"
-#include "simulation/world.hpp"
 
 namespace orchard::simulation {
 

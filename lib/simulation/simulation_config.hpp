@@ -3,11 +3,11 @@
 
 #include <array>
 
-#include "simulation/board_scene_config.hpp"
-#include "simulation/change_config.hpp"
-#include "simulation/clutter_config.hpp"
-#include "simulation/drive_config.hpp"
-#include "simulation/light_config.hpp"
+#include "simulation/scene/board_scene_config.hpp"
+#include "simulation/scene/change_config.hpp"
+#include "simulation/scene/clutter_config.hpp"
+#include "simulation/scene/drive_config.hpp"
+#include "simulation/sensor/light_config.hpp"
 
 namespace orchard::simulation {
 

@@ -6,11 +6,11 @@
 #include <utility>
 
 #include "geometry/angles.hpp"
-#include "simulation/clutter.hpp"
-#include "simulation/moving_world.hpp"
 #include "simulation/observation_truth.hpp"
-#include "simulation/orchard_change.hpp"
-#include "simulation/orchard_scene.hpp"
+#include "simulation/scene/clutter.hpp"
+#include "simulation/scene/moving_world.hpp"
+#include "simulation/scene/orchard_change.hpp"
+#include "simulation/scene/orchard_scene.hpp"
 
 namespace orchard::simulation {
 namespace {

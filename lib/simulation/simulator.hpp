@@ -10,14 +10,14 @@
 
 #include "laser/scan.hpp"
 #include "pose/measurements.hpp"
-#include "simulation/camera_renderer.hpp"
-#include "simulation/inertial_unit.hpp"
-#include "simulation/laser_model.hpp"
-#include "simulation/motion_sensors.hpp"
-#include "simulation/satellite_receiver.hpp"
-#include "simulation/scene.hpp"
-#include "simulation/tube_scene.hpp"
-#include "simulation/world_index.hpp"
+#include "simulation/scene/scene.hpp"
+#include "simulation/scene/tube_scene.hpp"
+#include "simulation/scene/world_index.hpp"
+#include "simulation/sensor/camera_renderer.hpp"
+#include "simulation/sensor/inertial_unit.hpp"
+#include "simulation/sensor/laser_model.hpp"
+#include "simulation/sensor/motion_sensors.hpp"
+#include "simulation/sensor/satellite_receiver.hpp"
 #include "vision/image.hpp"
 
 namespace orchard::simulation {

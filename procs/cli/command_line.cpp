@@ -8,17 +8,17 @@
 #include <string>
 #include <vector>
 
-#include "bus/process.hpp"
+#include "bus/node/process.hpp"
 #include "cli/add_command.hpp"
-#include "cli/doctor.hpp"
-#include "cli/echo.hpp"
-#include "cli/import.hpp"
-#include "cli/log_commands.hpp"
-#include "cli/map.hpp"
-#include "cli/overlay.hpp"
-#include "cli/simulate.hpp"
-#include "cli/suggestion.hpp"
-#include "io/config.hpp"
+#include "cli/logs/echo.hpp"
+#include "cli/logs/import.hpp"
+#include "cli/logs/log_commands.hpp"
+#include "cli/logs/simulate.hpp"
+#include "cli/maps/map.hpp"
+#include "cli/rig/doctor.hpp"
+#include "cli/rig/overlay.hpp"
+#include "cli/rig/suggestion.hpp"
+#include "io/config/config.hpp"
 #include "io/file_error.hpp"
 
 namespace orchard::cli {

@@ -4,13 +4,13 @@
 #include <deque>
 #include <optional>
 
-#include "bus/node.hpp"
-#include "detection/adaptation.hpp"
+#include "bus/node/node.hpp"
+#include "detection/adaptation/adaptation.hpp"
 #include "detection/consistency_monitor.hpp"
 #include "detection/detect.hpp"
 #include "detection/rig.hpp"
 #include "detection/scan_image_pairer.hpp"
-#include "io/config.hpp"
+#include "io/config/config.hpp"
 
 namespace orchard::procs {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <memory>
 
-#include "bus/process.hpp"
+#include "bus/node/process.hpp"
 #include "detector/detector_node.hpp"
 
 int main(int argc, char** argv) {

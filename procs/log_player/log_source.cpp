@@ -4,7 +4,7 @@
 #include <utility>
 #include <variant>
 
-#include "bus/codec.hpp"
+#include "bus/messages/codec.hpp"
 
 namespace orchard::procs {
 

@@ -5,9 +5,9 @@
 #include <optional>
 #include <string>
 
-#include "bus/replay_index.hpp"
-#include "bus/source.hpp"
-#include "io/log_reader.hpp"
+#include "bus/node/source.hpp"
+#include "bus/replay/replay_index.hpp"
+#include "io/log/log_reader.hpp"
 
 namespace orchard::procs {
 

@@ -7,11 +7,11 @@
 #include <cstdio>
 #include <memory>
 
-#include "bus/live_driver.hpp"
-#include "bus/lockstep_player.hpp"
-#include "bus/stop_signal.hpp"
+#include "bus/node/live_driver.hpp"
+#include "bus/node/stop_signal.hpp"
+#include "bus/replay/lockstep_player.hpp"
 #include "detector/detector_node.hpp"
-#include "io/log_writer.hpp"
+#include "io/log/log_writer.hpp"
 #include "io/progress_bar.hpp"
 #include "log_player/log_source.hpp"
 #include "log_player/verification.hpp"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "bus/in_process_replay.hpp"
-#include "bus/process_options.hpp"
+#include "bus/node/process_options.hpp"
+#include "bus/replay/in_process_replay.hpp"
 
 namespace orchard::procs {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "bus/channel.hpp"
-#include "io/log_reader.hpp"
+#include "bus/messages/channel.hpp"
+#include "io/log/log_reader.hpp"
 
 namespace orchard::procs {
 

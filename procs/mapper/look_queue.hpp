@@ -5,9 +5,9 @@
 #include <deque>
 #include <memory>
 
-#include "io/config.hpp"
+#include "io/config/config.hpp"
 #include "laser/scan.hpp"
-#include "mapping/beam_look.hpp"
+#include "mapping/existence/free_space.hpp"
 
 namespace orchard::procs {
 

@@ -2,7 +2,7 @@
 #include <memory>
 #include <string>
 
-#include "bus/process.hpp"
+#include "bus/node/process.hpp"
 #include "mapper/map_saver.hpp"
 #include "mapper/mapper_node.hpp"
 

@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <utility>
 
-#include "bus/process_options.hpp"
+#include "bus/node/process_options.hpp"
 #include "io/atomic_file.hpp"
-#include "io/map_csv.hpp"
-#include "io/map_folder.hpp"
+#include "io/map/map_csv.hpp"
+#include "io/map/map_folder.hpp"
 
 namespace orchard::procs {
 namespace {

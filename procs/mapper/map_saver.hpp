@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "bus/process.hpp"
+#include "bus/node/process.hpp"
 #include "mapper/mapper_node.hpp"
 
 namespace orchard::procs {

@@ -9,9 +9,9 @@
 
 #include "geometry/angles.hpp"
 #include "mapping/pose_composition.hpp"
-#include "mapping/rows.hpp"
+#include "mapping/rows/rows.hpp"
 #include "mapping/sweep.hpp"
-#include "pose/gnss_alignment.hpp"
+#include "pose/filter/gnss_alignment.hpp"
 
 namespace orchard::procs {
 namespace {

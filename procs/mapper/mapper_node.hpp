@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "bus/node.hpp"
-#include "io/config.hpp"
-#include "io/map_folder.hpp"
+#include "bus/node/node.hpp"
+#include "io/config/config.hpp"
+#include "io/map/map_folder.hpp"
 #include "mapper/look_queue.hpp"
 #include "mapping/mapper.hpp"
 #include "mapping/pose_track.hpp"
-#include "pose/gnss_positions.hpp"
+#include "pose/filter/gnss_positions.hpp"
 #include "pose/trajectory.hpp"
 
 namespace orchard::procs {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <variant>
 
-#include "io/prior_map_file.hpp"
+#include "io/config/prior_map_file.hpp"
 
 namespace orchard::procs {
 namespace {

@@ -5,8 +5,8 @@
 #include <limits>
 #include <memory>
 
-#include "bus/node.hpp"
-#include "io/config.hpp"
+#include "bus/node/node.hpp"
+#include "io/config/config.hpp"
 #include "pose/localiser.hpp"
 #include "pose/measurement_queue.hpp"
 

@@ -2,7 +2,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include "bus/process.hpp"
+#include "bus/node/process.hpp"
 #include "sim_driver/sim_source.hpp"
 
 int main(int argc, char** argv) {

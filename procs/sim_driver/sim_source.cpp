@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <variant>
 
-#include "io/truth_csv.hpp"
+#include "io/recording/truth_csv.hpp"
 
 namespace orchard::procs {
 namespace {

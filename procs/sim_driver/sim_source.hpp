@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "bus/source.hpp"
-#include "io/config.hpp"
+#include "bus/node/source.hpp"
+#include "io/config/config.hpp"
 #include "simulation/simulator.hpp"
 
 namespace orchard::procs {

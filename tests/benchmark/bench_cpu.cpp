@@ -7,12 +7,12 @@
 #include <thread>
 #include <vector>
 
+#include "benchmark/child_process.hpp"
+#include "benchmark/field_drive.hpp"
+#include "benchmark/live_pipeline.hpp"
+#include "benchmark/private_network.hpp"
+#include "benchmark/result_line.hpp"
 #include "bus/bus.hpp"
-#include "child_process.hpp"
-#include "field_drive.hpp"
-#include "live_pipeline.hpp"
-#include "private_network.hpp"
-#include "result_line.hpp"
 
 namespace {
 

@@ -13,11 +13,11 @@
 #include <string>
 #include <vector>
 
+#include "benchmark/result_line.hpp"
 #include "detection/detect.hpp"
 #include "detection/trunk_view.hpp"
-#include "result_line.hpp"
-#include "tube_rig.hpp"
-#include "vision/appearance.hpp"
+#include "unit/detection/tube_rig.hpp"
+#include "vision/appearance/appearance.hpp"
 #include "vision/decode.hpp"
 
 namespace {

@@ -15,18 +15,18 @@
 #include <utility>
 #include <vector>
 
-#include "bus/codec.hpp"
-#include "bus/in_process_replay.hpp"
-#include "child_process.hpp"
+#include "benchmark/child_process.hpp"
+#include "benchmark/field_drive.hpp"
+#include "benchmark/live_pipeline.hpp"
+#include "benchmark/median.hpp"
+#include "benchmark/private_network.hpp"
+#include "benchmark/relay.hpp"
+#include "benchmark/result_line.hpp"
+#include "bus/messages/codec.hpp"
+#include "bus/replay/in_process_replay.hpp"
 #include "detector/detector_node.hpp"
-#include "field_drive.hpp"
-#include "live_pipeline.hpp"
 #include "mapper/mapper_node.hpp"
-#include "median.hpp"
 #include "pose/pose_node.hpp"
-#include "private_network.hpp"
-#include "relay.hpp"
-#include "result_line.hpp"
 
 namespace {
 

@@ -10,8 +10,8 @@
 #include <map>
 #include <utility>
 
+#include "benchmark/result_line.hpp"
 #include "mapping/mapper.hpp"
-#include "result_line.hpp"
 
 namespace {
 

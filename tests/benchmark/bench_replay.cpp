@@ -10,21 +10,21 @@
 #include <string>
 #include <vector>
 
+#include "benchmark/child_process.hpp"
+#include "benchmark/field_drive.hpp"
+#include "benchmark/log_player_loss.hpp"
+#include "benchmark/median.hpp"
+#include "benchmark/private_network.hpp"
+#include "benchmark/result_line.hpp"
 #include "bus/bus.hpp"
-#include "bus/in_process_replay.hpp"
-#include "bus/lockstep_player.hpp"
-#include "bus/node.hpp"
-#include "bus/replay_index.hpp"
-#include "bus/stop_signal.hpp"
-#include "child_process.hpp"
+#include "bus/node/node.hpp"
+#include "bus/node/stop_signal.hpp"
+#include "bus/replay/in_process_replay.hpp"
+#include "bus/replay/lockstep_player.hpp"
+#include "bus/replay/replay_index.hpp"
 #include "detector/detector_node.hpp"
-#include "field_drive.hpp"
-#include "log_player_loss.hpp"
 #include "mapper/mapper_node.hpp"
-#include "median.hpp"
 #include "pose/pose_node.hpp"
-#include "private_network.hpp"
-#include "result_line.hpp"
 
 namespace {
 

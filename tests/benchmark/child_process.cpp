@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "child_process.hpp"
+#include "benchmark/child_process.hpp"
 
 #include <fcntl.h>
 #include <signal.h>

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "field_drive.hpp"
+#include "benchmark/field_drive.hpp"
 
 #include <cstdio>
 #include <fstream>
 #include <map>
 #include <variant>
 
-#include "bus/codec.hpp"
-#include "io/log_writer.hpp"
+#include "bus/messages/codec.hpp"
+#include "io/log/log_writer.hpp"
 #include "simulation/simulator.hpp"
 
 namespace orchard::bench {

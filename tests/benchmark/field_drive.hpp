@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "bus/channel.hpp"
-#include "io/config.hpp"
+#include "bus/messages/channel.hpp"
+#include "io/config/config.hpp"
 
 namespace orchard::bench {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "live_pipeline.hpp"
+#include "benchmark/live_pipeline.hpp"
 
 #include <chrono>
 #include <set>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "log_player_loss.hpp"
+#include "benchmark/log_player_loss.hpp"
 
 #include <signal.h>
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "child_process.hpp"
+#include "benchmark/child_process.hpp"
 
 namespace orchard::bench {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "private_network.hpp"
+#include "benchmark/private_network.hpp"
 
 #include <sched.h>
 #include <unistd.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "relay.hpp"
+#include "benchmark/relay.hpp"
 
 #include <signal.h>
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "child_process.hpp"
+#include "benchmark/child_process.hpp"
 
 namespace orchard::bench {
 

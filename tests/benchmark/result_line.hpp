@@ -6,7 +6,8 @@
 
 namespace orchard::bench {
 
-/// One row of the table that scripts/benchmark.sh prints. Returns whether the target was met.
+/// One row of the table that tests/benchmark/benchmark.sh prints. Returns whether the target was
+/// met.
 inline bool print_result(const std::string& what, const std::string& measured,
                          const std::string& target, bool met) {
   std::printf("result | %s | %s | %s | %s\n", what.c_str(), measured.c_str(), target.c_str(),

@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "fuzz/fuzz_seeds.hpp"
-#include "io/config.hpp"
+#include "io/config/config.hpp"
 
 using namespace orchard;
 

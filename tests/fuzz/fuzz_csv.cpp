@@ -5,10 +5,10 @@
 
 #include "fuzz/fuzz_seeds.hpp"
 #include "io/file_error.hpp"
-#include "io/map_csv.hpp"
-#include "io/recording_csv.hpp"
-#include "io/trajectory_csv.hpp"
-#include "io/truth_csv.hpp"
+#include "io/map/map_csv.hpp"
+#include "io/map/trajectory_csv.hpp"
+#include "io/recording/recording_csv.hpp"
+#include "io/recording/truth_csv.hpp"
 
 using namespace orchard;
 

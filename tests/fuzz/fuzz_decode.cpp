@@ -8,8 +8,8 @@
 #include <variant>
 #include <vector>
 
-#include "bus/codec.hpp"
-#include "bus/service_messages.hpp"
+#include "bus/messages/codec.hpp"
+#include "bus/messages/service_messages.hpp"
 #include "fuzz/fuzz_seeds.hpp"
 #include "unit/bus/sample_messages.hpp"
 

@@ -7,8 +7,8 @@
 #include <sstream>
 
 #include "fuzz/fuzz_seeds.hpp"
-#include "io/log_format.hpp"
-#include "io/log_reader.hpp"
+#include "io/log/log_format.hpp"
+#include "io/log/log_reader.hpp"
 
 using orchard::io::LogEvent;
 using orchard::io::LogEventHeader;

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "recorded_drive.hpp"
+#include "benchmark/slam_peers/recorded_drive.hpp"
 
 namespace orchard::bench {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "recorded_drive.hpp"
+#include "benchmark/slam_peers/recorded_drive.hpp"
 
 #include <cmath>
 #include <optional>

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "pose/measurements.hpp"
-#include "slam_world.hpp"
+#include "unit/pose/slam/slam_world.hpp"
 
 namespace orchard::bench {
 

@@ -16,11 +16,11 @@
 #include <stdexcept>
 #include <string>
 
+#include "benchmark/slam_peers/peer_rawlog.hpp"
+#include "benchmark/slam_peers/recorded_drive.hpp"
 #include "evaluation/map_alignment.hpp"
 #include "evaluation/rigid_fit.hpp"
-#include "peer_rawlog.hpp"
-#include "pose/trunk_slam.hpp"
-#include "recorded_drive.hpp"
+#include "pose/slam/trunk_slam.hpp"
 
 namespace {
 

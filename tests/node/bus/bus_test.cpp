@@ -5,7 +5,7 @@
 
 #include <stdexcept>
 
-#include "fake_log.hpp"
+#include "node/bus/fake_log.hpp"
 
 namespace orchard::bus {
 namespace {

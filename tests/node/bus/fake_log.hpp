@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "bus/codec.hpp"
-#include "io/log_writer.hpp"
+#include "bus/messages/codec.hpp"
+#include "io/log/log_writer.hpp"
 
 namespace orchard::bus::testing {
 

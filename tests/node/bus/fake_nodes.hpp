@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "bus/node.hpp"
+#include "bus/node/node.hpp"
 
 namespace orchard::bus::testing {
 

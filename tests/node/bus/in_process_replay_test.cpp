@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bus/in_process_replay.hpp"
+#include "bus/replay/in_process_replay.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <random>
 #include <stdexcept>
 
-#include "fake_log.hpp"
-#include "fake_nodes.hpp"
 #include "io/file_error.hpp"
+#include "node/bus/fake_log.hpp"
+#include "node/bus/fake_nodes.hpp"
 
 namespace orchard::bus {
 namespace {

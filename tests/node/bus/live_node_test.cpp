@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bus/live_node.hpp"
+#include "bus/node/live_node.hpp"
 
 #include <gtest/gtest.h>
 #include <signal.h>
 
-#include "fake_log.hpp"
+#include "node/bus/fake_log.hpp"
 
 namespace orchard::bus {
 namespace {

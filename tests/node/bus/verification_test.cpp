@@ -6,8 +6,8 @@
 
 #include <filesystem>
 
-#include "fake_log.hpp"
 #include "io/file_error.hpp"
+#include "node/bus/fake_log.hpp"
 
 namespace orchard::procs {
 namespace {

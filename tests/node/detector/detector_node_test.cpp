@@ -8,8 +8,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <random>
 
-#include "bus/codec.hpp"
-#include "tube_rig.hpp"
+#include "bus/messages/codec.hpp"
+#include "unit/detection/tube_rig.hpp"
 
 namespace orchard::procs {
 namespace {

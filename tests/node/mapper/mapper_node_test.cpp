@@ -10,7 +10,7 @@
 #include <random>
 #include <utility>
 
-#include "bus/codec.hpp"
+#include "bus/messages/codec.hpp"
 
 namespace orchard::procs {
 namespace {

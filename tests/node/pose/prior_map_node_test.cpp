@@ -8,9 +8,9 @@
 #include <string>
 
 #include "io/file_error.hpp"
-#include "io/map_csv.hpp"
+#include "io/map/map_csv.hpp"
 #include "pose/pose_node.hpp"
-#include "prior_world.hpp"
+#include "unit/pose/prior_map/prior_world.hpp"
 
 namespace orchard::procs {
 namespace {

@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <variant>
 
-#include "bus/codec.hpp"
-#include "io/truth_csv.hpp"
+#include "bus/messages/codec.hpp"
+#include "io/recording/truth_csv.hpp"
 
 namespace orchard::procs {
 namespace {

@@ -2,8 +2,8 @@
 // A driver that sends a second of a drive.
 #include <deque>
 
-#include "bus/process.hpp"
-#include "fake_log.hpp"
+#include "bus/node/process.hpp"
+#include "node/bus/fake_log.hpp"
 
 namespace {
 

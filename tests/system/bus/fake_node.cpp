@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "bus/process.hpp"
-#include "fake_nodes.hpp"
+#include "bus/node/process.hpp"
+#include "node/bus/fake_nodes.hpp"
 
 namespace {
 

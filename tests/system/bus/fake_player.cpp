@@ -4,10 +4,10 @@
 #include <cstdlib>
 #include <exception>
 
-#include "bus/lockstep_player.hpp"
-#include "fake_log.hpp"
-#include "fake_nodes.hpp"
-#include "io/log_writer.hpp"
+#include "bus/replay/lockstep_player.hpp"
+#include "io/log/log_writer.hpp"
+#include "node/bus/fake_log.hpp"
+#include "node/bus/fake_nodes.hpp"
 
 using namespace orchard;
 

@@ -7,9 +7,9 @@
 #include <random>
 #include <vector>
 
-#include "bus/codec.hpp"
-#include "fake_log.hpp"
-#include "multicast_socket.hpp"
+#include "bus/messages/codec.hpp"
+#include "node/bus/fake_log.hpp"
+#include "system/bus/multicast_socket.hpp"
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "multicast_socket.hpp"
+#include "system/bus/multicast_socket.hpp"
 
 int main(int argc, char** argv) {
   if (argc != 4) return 2;

@@ -8,12 +8,12 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 
-#include "bus/codec.hpp"
-#include "io/config.hpp"
-#include "io/log_writer.hpp"
-#include "run_orchard.hpp"
-#include "simulation/board_motion.hpp"
-#include "simulation/board_picture.hpp"
+#include "bus/messages/codec.hpp"
+#include "io/config/config.hpp"
+#include "io/log/log_writer.hpp"
+#include "simulation/scene/board_motion.hpp"
+#include "simulation/scene/board_picture.hpp"
+#include "system/calibration/run_orchard.hpp"
 
 namespace {
 

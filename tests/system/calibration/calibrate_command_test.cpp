@@ -7,8 +7,8 @@
 #include <fstream>
 #include <string>
 
-#include "io/config.hpp"
-#include "run_orchard.hpp"
+#include "io/config/config.hpp"
+#include "system/calibration/run_orchard.hpp"
 
 namespace {
 

@@ -10,12 +10,12 @@
 #include <string>
 #include <vector>
 
-#include "bus/codec.hpp"
+#include "bus/messages/codec.hpp"
 #include "geometry/angles.hpp"
 #include "geometry/laser_camera.hpp"
-#include "io/config.hpp"
-#include "io/log_writer.hpp"
-#include "run_orchard.hpp"
+#include "io/config/config.hpp"
+#include "io/log/log_writer.hpp"
+#include "system/calibration/run_orchard.hpp"
 
 namespace {
 

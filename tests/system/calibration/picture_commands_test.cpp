@@ -10,8 +10,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 
-#include "io/config.hpp"
-#include "run_orchard.hpp"
+#include "io/config/config.hpp"
+#include "system/calibration/run_orchard.hpp"
 
 namespace {
 

@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "bus/codec.hpp"
-#include "cli_fixture.hpp"
-#include "io/log_reader.hpp"
-#include "io/log_writer.hpp"
+#include "bus/messages/codec.hpp"
+#include "io/log/log_reader.hpp"
+#include "io/log/log_writer.hpp"
+#include "system/cli/cli_fixture.hpp"
 
 namespace orchard::cli_test {
 namespace {

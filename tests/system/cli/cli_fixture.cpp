@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli_fixture.hpp"
+#include "system/cli/cli_fixture.hpp"
 
 #include <fcntl.h>
 #include <spawn.h>

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "cli_fixture.hpp"
+#include "system/cli/cli_fixture.hpp"
 
 namespace orchard::cli_test {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 
-#include "cli_fixture.hpp"
+#include "system/cli/cli_fixture.hpp"
 
 namespace orchard::cli_test {
 namespace {

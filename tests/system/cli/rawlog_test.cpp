@@ -9,10 +9,10 @@
 #include <algorithm>
 #include <opencv2/imgcodecs.hpp>
 
-#include "bus/codec.hpp"
-#include "cli_fixture.hpp"
-#include "io/log_reader.hpp"
-#include "io/truth_csv.hpp"
+#include "bus/messages/codec.hpp"
+#include "io/log/log_reader.hpp"
+#include "io/recording/truth_csv.hpp"
+#include "system/cli/cli_fixture.hpp"
 
 namespace orchard::cli_test {
 namespace {

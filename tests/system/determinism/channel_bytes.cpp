@@ -14,8 +14,8 @@
 #include <variant>
 #include <vector>
 
-#include "bus/codec.hpp"
-#include "io/log_reader.hpp"
+#include "bus/messages/codec.hpp"
+#include "io/log/log_reader.hpp"
 
 namespace {
 

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "bus/channel.hpp"
-#include "cli_fixture.hpp"
-#include "io/log_reader.hpp"
-#include "io/log_writer.hpp"
+#include "bus/messages/channel.hpp"
+#include "io/log/log_reader.hpp"
+#include "io/log/log_writer.hpp"
+#include "system/cli/cli_fixture.hpp"
 
 namespace orchard::cli_test {
 namespace {

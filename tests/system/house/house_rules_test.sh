@@ -12,7 +12,7 @@ clean() {
   local licence='// SPDX-License-Identifier: BSD-3-Clause'
   echo "$licence" >"$tree/lib/laser/scan.hpp"
   echo "$licence" >"$tree/procs/mapper/main.cpp"
-  printf '%s\n    {Channel::kScan, "SCAN", "scan_t", Role::kSource},\n' "$licence" >"$tree/lib/bus/channel.hpp"
+  printf '%s\n    {Channel::kScan, "SCAN", "scan_t", Role::kSource},\n' "$licence" >"$tree/lib/bus/messages/channel.hpp"
 }
 
 expect() {  # expect CODE WHAT

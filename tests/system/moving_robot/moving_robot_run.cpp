@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "moving_robot_run.hpp"
+#include "system/moving_robot/moving_robot_run.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "cli/delay_collector.hpp"
+#include "cli/calibrate/delay_collector.hpp"
 #include "detector/detector_node.hpp"
 #include "mapper/mapper_node.hpp"
 #include "pose/pose_node.hpp"
-#include "wiring.hpp"
+#include "system/tube_scene/wiring.hpp"
 
 namespace orchard::test {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "calibration/camera_delay.hpp"
+#include "calibration/extrinsics/camera_delay.hpp"
 #include "evaluation/map_evaluation.hpp"
-#include "weaving_drive.hpp"
+#include "system/moving_robot/weaving_drive.hpp"
 
 namespace orchard::test {
 

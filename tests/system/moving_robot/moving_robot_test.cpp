@@ -8,10 +8,10 @@
 #include <fstream>
 #include <sstream>
 
-#include "bus/codec.hpp"
+#include "bus/messages/codec.hpp"
 #include "detector/detector_node.hpp"
-#include "io/log_writer.hpp"
-#include "moving_robot_run.hpp"
+#include "io/log/log_writer.hpp"
+#include "system/moving_robot/moving_robot_run.hpp"
 
 namespace orchard::test {
 namespace {

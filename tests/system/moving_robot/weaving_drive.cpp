@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "weaving_drive.hpp"
+#include "system/moving_robot/weaving_drive.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "geometry/angles.hpp"
-#include "simulation/camera_renderer.hpp"
-#include "simulation/laser_model.hpp"
-#include "simulation/motion_sensors.hpp"
-#include "simulation/orchard_scene.hpp"
+#include "simulation/scene/orchard_scene.hpp"
+#include "simulation/sensor/camera_renderer.hpp"
+#include "simulation/sensor/laser_model.hpp"
+#include "simulation/sensor/motion_sensors.hpp"
 
 namespace orchard::test {
 namespace {

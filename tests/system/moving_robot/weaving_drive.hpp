@@ -5,10 +5,10 @@
 #include <functional>
 #include <vector>
 
-#include "bus/message.hpp"
-#include "io/config.hpp"
-#include "simulation/drive_path.hpp"
-#include "simulation/world.hpp"
+#include "bus/messages/message.hpp"
+#include "io/config/config.hpp"
+#include "simulation/scene/drive_path.hpp"
+#include "simulation/scene/world.hpp"
 
 namespace orchard::test {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "altered_drive.hpp"
+#include "system/real_recordings/altered_drive.hpp"
 
 #include <algorithm>
 #include <cmath>

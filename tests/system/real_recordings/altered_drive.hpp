@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "io/sensor_message.hpp"
+#include "io/recording/sensor_message.hpp"
 #include "laser/scan.hpp"
 #include "pose/measurements.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "clear_trees.hpp"
+#include "system/real_recordings/clear_trees.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 #include <map>
 #include <utility>
 
-#include "free_standing.hpp"
 #include "pose/planar.hpp"
+#include "system/real_recordings/free_standing.hpp"
 
 namespace orchard::test {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "io/sensor_message.hpp"
+#include "io/recording/sensor_message.hpp"
 #include "mapping/landmark.hpp"
 
 namespace orchard::test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "clear_trees.hpp"
+#include "system/real_recordings/clear_trees.hpp"
 
 #include <gtest/gtest.h>
 

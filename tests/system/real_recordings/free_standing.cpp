@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "free_standing.hpp"
+#include "system/real_recordings/free_standing.hpp"
 
 #include <cmath>
 #include <cstddef>

@@ -9,14 +9,14 @@
 #include <string>
 #include <vector>
 
-#include "clear_trees.hpp"
-#include "cli_fixture.hpp"
-#include "io/config.hpp"
-#include "io/map_csv.hpp"
-#include "io/recording_folder.hpp"
-#include "io/trajectory_csv.hpp"
-#include "return_consistency.hpp"
-#include "tree_repeat.hpp"
+#include "io/config/config.hpp"
+#include "io/map/map_csv.hpp"
+#include "io/map/trajectory_csv.hpp"
+#include "io/recording/recording_folder.hpp"
+#include "system/cli/cli_fixture.hpp"
+#include "system/real_recordings/clear_trees.hpp"
+#include "system/real_recordings/return_consistency.hpp"
+#include "system/real_recordings/tree_repeat.hpp"
 
 namespace orchard::test {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "return_consistency.hpp"
+#include "system/real_recordings/return_consistency.hpp"
 
 #include <algorithm>
 #include <cmath>

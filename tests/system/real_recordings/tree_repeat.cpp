@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tree_repeat.hpp"
+#include "system/real_recordings/tree_repeat.hpp"
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <map>
 
-#include "free_standing.hpp"
 #include "pose/planar.hpp"
+#include "system/real_recordings/free_standing.hpp"
 
 namespace orchard::test {
 namespace {

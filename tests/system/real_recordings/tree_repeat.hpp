@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "clear_trees.hpp"
-#include "io/sensor_message.hpp"
+#include "io/recording/sensor_message.hpp"
 #include "mapping/landmark.hpp"
 #include "pose/pose_estimate.hpp"
+#include "system/real_recordings/clear_trees.hpp"
 
 namespace orchard::test {
 

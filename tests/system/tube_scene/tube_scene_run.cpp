@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tube_scene_run.hpp"
+#include "system/tube_scene/tube_scene_run.hpp"
 
 #include <algorithm>
 #include <cstdio>
 #include <utility>
 #include <variant>
 
-#include "bus/message.hpp"
+#include "bus/messages/message.hpp"
 #include "detector/detector_node.hpp"
 #include "mapper/mapper_node.hpp"
 #include "pose/pose_node.hpp"
 #include "simulation/simulator.hpp"
-#include "wiring.hpp"
+#include "system/tube_scene/wiring.hpp"
 
 namespace orchard::test {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "evaluation/map_evaluation.hpp"
-#include "io/config.hpp"
+#include "io/config/config.hpp"
 
 namespace orchard::test {
 

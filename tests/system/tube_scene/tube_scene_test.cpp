@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "tube_scene_run.hpp"
+#include "system/tube_scene/tube_scene_run.hpp"
 
 namespace orchard::test {
 namespace {
 
-/// A slice of the seeds that scripts/tube_seeds.sh maps; the rig was calibrated on others.
+/// A slice of the seeds that tests/experiments/tube_seeds.sh maps; the rig was calibrated on
+/// others.
 class TubeScene : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(TubeScene, IsMappedAsInThePaper) {

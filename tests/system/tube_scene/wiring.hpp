@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "bus/message.hpp"
-#include "bus/node.hpp"
+#include "bus/messages/message.hpp"
+#include "bus/node/node.hpp"
 
 namespace orchard::test {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/config_edit.hpp"
+#include "io/config/config_edit.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -9,7 +9,7 @@
 #include <iterator>
 #include <string>
 
-#include "io/config.hpp"
+#include "io/config/config.hpp"
 
 namespace orchard::io {
 namespace {

@@ -5,8 +5,8 @@
 #include "detection/detect.hpp"
 #include "detection/trunk_view.hpp"
 #include "laser/segment.hpp"
-#include "tube_rig.hpp"
-#include "vision/appearance.hpp"
+#include "unit/detection/tube_rig.hpp"
+#include "vision/appearance/appearance.hpp"
 #include "vision/decode.hpp"
 
 namespace orchard::detection {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/angles.hpp"
-#include "tube_rig.hpp"
+#include "unit/detection/tube_rig.hpp"
 
 namespace orchard::detection {
 namespace {

@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "detection/fuse.hpp"
-#include "tube_rig.hpp"
+#include "unit/detection/tube_rig.hpp"
 
 namespace orchard::detection {
 namespace {

@@ -6,7 +6,7 @@
 #include "detection/detect.hpp"
 #include "detection/scan_image_pairer.hpp"
 #include "detection/trunk_view.hpp"
-#include "tube_rig.hpp"
+#include "unit/detection/tube_rig.hpp"
 
 namespace orchard::detection {
 namespace {

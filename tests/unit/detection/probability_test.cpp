@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "detection/detect.hpp"
-#include "tube_rig.hpp"
+#include "unit/detection/tube_rig.hpp"
 
 namespace orchard::detection {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "exact_scan.hpp"
 #include "laser/segment.hpp"
+#include "unit/laser/exact_scan.hpp"
 
 namespace orchard::laser {
 namespace {

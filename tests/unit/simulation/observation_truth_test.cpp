@@ -9,10 +9,10 @@
 #include <map>
 
 #include "geometry/angles.hpp"
-#include "rig.hpp"
-#include "simulation/angular_interval.hpp"
-#include "simulation/orchard_scene.hpp"
 #include "simulation/random.hpp"
+#include "simulation/scene/orchard_scene.hpp"
+#include "simulation/sensor/angular_interval.hpp"
+#include "unit/simulation/rig.hpp"
 
 namespace orchard::simulation {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "geometry/angles.hpp"
-#include "rig.hpp"
+#include "unit/simulation/rig.hpp"
 
 namespace orchard::simulation {
 namespace {

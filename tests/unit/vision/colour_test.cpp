@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "test_pictures.hpp"
+#include "unit/vision/test_pictures.hpp"
 
 namespace orchard::vision {
 namespace {

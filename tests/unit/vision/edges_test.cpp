@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "test_pictures.hpp"
+#include "unit/vision/test_pictures.hpp"
 #include "vision/line_fit.hpp"
 
 namespace orchard::vision {

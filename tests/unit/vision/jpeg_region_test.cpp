@@ -7,7 +7,7 @@
 
 #include <cstring>
 
-#include "test_pictures.hpp"
+#include "unit/vision/test_pictures.hpp"
 #include "vision/decode.hpp"
 
 namespace orchard::vision {

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <variant>
+
+#include "bus/messages/channel.hpp"
+#include "detection/adaptation/adaptation_step.hpp"
+#include "detection/detection.hpp"
+#include "laser/scan.hpp"
+#include "mapping/landmark.hpp"
+#include "pose/measurements.hpp"
+#include "pose/pose_estimate.hpp"
+#include "pose/trajectory.hpp"
+#include "vision/image.hpp"
+
+namespace orchard::bus {
+
+/// What a node reads and writes. The alternative decides the channel.
+using Message = std::variant<laser::Scan, vision::Image, pose::Odometry, pose::Gnss, pose::PoseFix,
+                             pose::PoseEstimate, detection::Detections, mapping::MapTile,
+                             detection::AdaptationStep, pose::Imu, pose::TrajectoryPage>;
+
+/// The channel a message travels on: the variant's alternatives stand in the order of Channel,
+/// the service channels left out.
+inline Channel channel_of(const Message& message) {
+  constexpr auto kFirstService = static_cast<std::size_t>(Channel::kStatus);
+  constexpr auto kAfterService = static_cast<std::size_t>(Channel::kAdaptation);
+  const std::size_t index = message.index();
+  return static_cast<Channel>(index < kFirstService ? index
+                                                    : index - kFirstService + kAfterService);
+}
+
+/// Time of measurement of any message [us].
+inline std::int64_t utime_of(const Message& message) {
+  return std::visit([](const auto& m) { return m.utime; }, message);
+}
+
+/// Sequence number of any message.
+inline std::int32_t seq_of(const Message& message) {
+  return std::visit([](const auto& m) { return m.seq; }, message);
+}
+
+}  // namespace orchard::bus

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bus/messages/message.hpp"
+
+namespace orchard::bus {
+
+/// Where a node's outputs go, in the order in which it sends them.
+using Outbox = std::function<void(Message)>;
+
+/// Inputs a node had to set aside, and why; the host reports them in STATUS and summary.json.
+struct NodeCounts {
+  std::int64_t num_late = 0;      ///< came after what they belong to was decided
+  std::int64_t num_unusable = 0;  ///< well-formed, but of no use (a picture that does not decode)
+};
+
+/// One role of the system (detector, pose, mapper): a pure function of its configuration and the
+/// sequence of its inputs. The same object runs in the live process, in the players and in tests.
+class Node {
+ public:
+  virtual ~Node() = default;
+
+  /// Short name: "detector", "pose", "mapper".
+  virtual std::string_view name() const = 0;
+  virtual std::vector<Channel> inputs() const = 0;
+
+  /// Takes one input and sends what follows from it. Inputs of one channel come with rising seq
+  /// (the host drops duplicates); between channels any order may occur and must not matter.
+  virtual void handle(const Message& input, const Outbox& send) = 0;
+
+  /// No input will follow: sends what was still waiting for one.
+  virtual void flush(const Outbox& send) = 0;
+
+  virtual NodeCounts counts() const { return {}; }
+
+  /// What it waits for, in words for a person ("SCAN at 12.3 s waits for an IMAGE"); empty if
+  /// nothing.
+  virtual std::string waiting_for() const { return {}; }
+
+  /// What is wrong with what it is given, in words for a person (a camera that is turned); empty if
+  /// nothing. Shown in STATUS with level WARNING. After flush(): what was wrong at any time.
+  virtual std::string warning() const { return {}; }
+};
+
+}  // namespace orchard::bus

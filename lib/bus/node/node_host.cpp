@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bus/node/node_host.hpp"
+
+#include <numeric>
+#include <utility>
+
+#include "bus/messages/codec.hpp"
+
+namespace orchard::bus {
+
+NodeHost::NodeHost(Node& node, Publish publish) : node_(node), publish_(std::move(publish)) {
+  outbox_ = [this](const Message& message) {
+    ++traffic_.num_out[static_cast<std::size_t>(channel_of(message))];
+    publish_({channel_of(message), seq_of(message), utime_of(message), encode(message)});
+  };
+}
+
+bool NodeHost::receive(const Message& input) {
+  if (!gate_.accept(channel_of(input), seq_of(input), utime_of(input))) return false;
+  deliver(input);
+  return true;
+}
+
+void NodeHost::deliver(const Message& input) {
+  ++traffic_.num_in[static_cast<std::size_t>(channel_of(input))];
+  node_.handle(input, outbox_);
+}
+
+void NodeHost::flush() { node_.flush(outbox_); }
+
+std::int64_t NodeHost::num_handled() const {
+  return std::accumulate(traffic_.num_in.begin(), traffic_.num_in.end(), std::int64_t{0});
+}
+
+std::int64_t NodeHost::num_published() const {
+  return std::accumulate(traffic_.num_out.begin(), traffic_.num_out.end(), std::int64_t{0});
+}
+
+TrafficCounts NodeHost::traffic() const {
+  TrafficCounts traffic = traffic_;
+  traffic.num_duplicates = gate_.counts().num_duplicate;
+  traffic.num_seq_gaps = gate_.counts().num_lost;
+  return traffic;
+}
+
+}  // namespace orchard::bus

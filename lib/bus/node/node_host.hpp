@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "bus/node/node.hpp"
+#include "bus/node/sequence_gate.hpp"
+#include "bus/node/traffic_counts.hpp"
+
+namespace orchard::bus {
+
+/// One output of a node, encoded.
+struct Output {
+  Channel channel = Channel::kScan;
+  std::int32_t seq = 0;
+  std::int64_t utime = 0;
+  std::vector<std::uint8_t> bytes;
+};
+
+/// What surrounds a node wherever it runs (live process, lockstep process, in-process replay):
+/// drops what came before, hands over the rest, encodes what it sends.
+class NodeHost {
+ public:
+  using Publish = std::function<void(Output&&)>;
+
+  NodeHost(Node& node, Publish publish);
+
+  /// Live: hands the message over unless it is old. Returns whether it was handed over.
+  bool receive(const Message& input);
+
+  /// Replay, whose player has already decided what is new: hands the message over.
+  void deliver(const Message& input);
+
+  void flush();
+
+  const SequenceCounts& sequence_counts() const { return gate_.counts(); }
+  std::int64_t num_handled() const;
+  std::int64_t num_published() const;
+  bool seen(Channel channel) const {
+    return traffic_.num_in[static_cast<std::size_t>(channel)] > 0;
+  }
+
+  /// All but what the bus refused before it came here.
+  TrafficCounts traffic() const;
+  Node& node() { return node_; }
+
+ private:
+  Node& node_;
+  Publish publish_;
+  Outbox outbox_;
+  SequenceGate gate_;
+  TrafficCounts traffic_;  ///< its num_in and num_out
+};
+
+}  // namespace orchard::bus

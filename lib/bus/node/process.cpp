@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bus/node/process.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <exception>
+#include <iostream>
+#include <utility>
+
+#include "bus/bus.hpp"
+#include "bus/node/live_driver.hpp"
+#include "bus/node/live_node.hpp"
+#include "bus/node/process_options.hpp"
+#include "bus/node/stop_signal.hpp"
+#include "bus/replay/lockstep_node.hpp"
+#include "io/file_error.hpp"
+
+namespace orchard::bus {
+namespace {
+
+/// Runs the body of a process and turns what it throws into a sentence and an exit code.
+int guarded(const std::string& name, const std::function<void()>& body) {
+  const auto say = [&name](const std::exception& error) {
+    std::cerr << name << ": " << error.what() << "\n";
+  };
+  try {
+    body();
+    return kExitOk;
+  } catch (const io::ConfigError& error) {
+    say(error);
+    return kExitInput;
+  } catch (const io::FileError& error) {
+    say(error);
+    return kExitInput;
+  } catch (const std::exception& error) {
+    say(error);
+    return kExitRuntime;
+  }
+}
+
+void log_start(const ProcessOptions& options) {
+  spdlog::info("version {}, {}, configuration {:016x}", version(), options.config.lcm.url,
+               static_cast<std::uint64_t>(io::config_hash(options.config)));
+}
+
+}  // namespace
+
+int run_node_process(int argc, char** argv, ProcessInfo info,
+                     const std::function<std::unique_ptr<Node>(const io::Config&)>& make_node,
+                     const SaveHook& save) {
+  ProcessOptions options;
+  if (const auto code = read_options(argc, argv, info, ProcessKind::kNode, options)) return *code;
+  return guarded(info.name, [&] {
+    StopSignal stop;
+    Bus bus(options.config.lcm.url);
+    log_start(options);
+    if (options.lockstep) {
+      LockstepNode(
+          bus, [&] { return make_node(options.config); }, save)
+          .run(stop);
+    } else {
+      const std::unique_ptr<Node> node = make_node(options.config);
+      LiveNode(bus, *node, info.name, options.config, save).run(stop);
+    }
+  });
+}
+
+int run_driver_process(
+    int argc, char** argv, ProcessInfo info,
+    const std::function<std::unique_ptr<Source>(const io::Config&)>& make_source) {
+  ProcessOptions options;
+  if (const auto code = read_options(argc, argv, info, ProcessKind::kDriver, options)) return *code;
+  return guarded(info.name, [&] {
+    StopSignal stop;
+    Bus bus(options.config.lcm.url);
+    log_start(options);
+    const std::unique_ptr<Source> source = make_source(options.config);
+    LiveDriver(bus, *source, info.name, options).run(stop);
+  });
+}
+
+}  // namespace orchard::bus

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bus/node/node.hpp"
+#include "bus/node/source.hpp"
+#include "bus/node/traffic_counts.hpp"
+#include "io/config/config.hpp"
+
+namespace orchard::bus {
+
+/// Exit codes of every program.
+enum ExitCode : int { kExitOk = 0, kExitRuntime = 1, kExitUsage = 2, kExitInput = 3 };
+
+/// A command-line option beyond the common ones (--config, --lcm-url, --log-level, --version,
+/// --help, --print-config; --lockstep for nodes; --speed, --wait-for for drivers).
+struct ExtraOption {
+  std::string flag;        ///< as typed: "--out"
+  std::string value_name;  ///< "DIR"; empty for a switch, whose value becomes "true"
+  std::string help;
+  std::string* value = nullptr;  ///< filled when given
+};
+
+struct ProcessInfo {
+  std::string name;         ///< of the executable: "orchard-detector"
+  std::string description;  ///< the first lines of --help
+  std::vector<ExtraOption> options;
+};
+
+/// How much a save may cost.
+enum class SaveKind {
+  kQuick,  ///< live, about every mapper.save_period_s: the node waits for it
+  kFull,   ///< live, every half minute, and only when no message waits
+  kFinal,  ///< once, after the flush
+};
+
+/// A node's state is to be saved.
+struct SaveRequest {
+  SaveKind kind = SaveKind::kFinal;
+  TrafficCounts traffic;  ///< so far
+};
+
+/// Called when something may have changed since the last time. Live, what it throws is shown in
+/// STATUS and the process goes on.
+using SaveHook = std::function<void(Node& node, const SaveRequest& request)>;
+
+/// Runs one node as a process: parses options, loads the configuration, opens the bus, hands the
+/// node what the guard lets through, sends its outputs, STATUS and CONFIG, stops at SIGINT or
+/// SIGTERM with a flush. Returns the exit code; prints every error in one clear sentence.
+int run_node_process(int argc, char** argv, ProcessInfo info,
+                     const std::function<std::unique_ptr<Node>(const io::Config&)>& make_node,
+                     const SaveHook& save = {});
+
+/// Runs one driver as a process: the same, publishing what the source gives at its pace (--speed).
+int run_driver_process(
+    int argc, char** argv, ProcessInfo info,
+    const std::function<std::unique_ptr<Source>(const io::Config&)>& make_source);
+
+}  // namespace orchard::bus

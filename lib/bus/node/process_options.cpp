@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bus/node/process_options.hpp"
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+namespace orchard::bus {
+namespace {
+
+constexpr const char* kFooter =
+    "Exit codes: 0 stopped (Ctrl-C, SIGTERM) or at the end, 1 runtime failure,\n"
+    "2 bad command line, 3 bad configuration or input file.";
+
+/// Log lines go to stderr: stdout belongs to what a program is asked to print.
+void set_up_log(const std::string& name, const std::string& level) {
+  auto logger = spdlog::get(name);
+  if (!logger) logger = spdlog::stderr_color_mt(name);
+  logger->set_pattern("%H:%M:%S.%e %n %^%l%$: %v");
+  spdlog::set_default_logger(logger);
+  spdlog::set_level(spdlog::level::from_str(level == "warning" ? "warn" : level));
+}
+
+std::string full_name(const std::string& name) {
+  return name.rfind("orchard-", 0) == 0 ? name : "orchard-" + name;
+}
+
+}  // namespace
+
+std::string_view version() { return ORCHARD_VERSION; }
+
+std::optional<int> read_options(int argc, char** argv, const ProcessInfo& info, ProcessKind kind,
+                                ProcessOptions& options) {
+  CLI::App app(info.description, info.name);
+  app.footer(kFooter);
+  app.set_version_flag("--version", info.name + " " + std::string(version()));
+  std::string config_path;
+  std::string lcm_url;
+  std::string log_level = "info";
+  bool print_config = false;
+  app.add_option("--config", config_path, "the rig's YAML (without: built-in defaults)")
+      ->option_text("FILE");
+  app.add_option("--lcm-url", lcm_url, "LCM network, instead of the configuration's lcm.url")
+      ->option_text("URL")
+      ->envname("LCM_DEFAULT_URL");
+  app.add_option("--log-level", log_level, "trace, debug, info, warning, error or off")
+      ->option_text("LEVEL")
+      ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}));
+  app.add_flag("--print-config", print_config,
+               "print the effective configuration with units and ranges, and exit");
+  if (kind == ProcessKind::kNode) {
+    app.add_flag("--lockstep", options.lockstep,
+                 "take turns with orchard-log-player --lockstep instead of running live; stays "
+                 "ready for the next replay until stopped");
+  } else {
+    app.add_option("--speed", options.speed,
+                   "times real time; above 0, since flat out UDP loses most messages")
+        ->option_text("FACTOR")
+        ->check(CLI::Range(1e-3, 1e3));
+    app.add_option("--wait-for", options.wait_for,
+                   "begin when these were heard on STATUS, such as detector,pose,mapper")
+        ->option_text("NAMES")
+        ->delimiter(',');
+    app.add_flag("--hold", options.hold,
+                 "stay after the last message until stopped, instead of ending");
+  }
+  for (const ExtraOption& option : info.options) {
+    if (option.value_name.empty()) {
+      app.add_flag_callback(
+          option.flag, [value = option.value] { *value = "true"; }, option.help);
+    } else {
+      app.add_option(option.flag, *option.value, option.help)->option_text(option.value_name);
+    }
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error) == 0 ? kExitOk : kExitRuntime;
+    std::cerr << info.name << ": " << error.what() << "; see " << info.name << " --help\n";
+    return kExitUsage;
+  }
+  for (std::string& name : options.wait_for) name = full_name(name);
+  set_up_log(info.name, log_level);
+  try {
+    if (!config_path.empty()) options.config = io::load_config(config_path);
+  } catch (const io::ConfigError& error) {
+    for (const std::string& problem : error.problems()) std::cerr << problem << "\n";
+    std::cerr << info.name << ": " << error.problems().size()
+              << " mistake(s) in the configuration\n";
+    return kExitInput;
+  }
+  if (!lcm_url.empty()) options.config.lcm.url = lcm_url;
+  if (print_config) {
+    std::cout << io::print_config(options.config);
+    return kExitOk;
+  }
+  if (config_path.empty()) spdlog::warn("no --config given: running with built-in defaults");
+  return std::nullopt;
+}
+
+}  // namespace orchard::bus

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bus/node/process.hpp"
+#include "io/config/config.hpp"
+
+namespace orchard::bus {
+
+enum class ProcessKind { kNode, kDriver };
+
+/// What the command line of a process said.
+struct ProcessOptions {
+  io::Config config;  ///< loaded; lcm.url is the one to use
+  bool lockstep = false;
+  double speed = 1.0;
+  std::vector<std::string> wait_for;  ///< full names of processes
+  bool hold = false;
+};
+
+/// Version of the software.
+std::string_view version();
+
+/// Reads the command line and the configuration, prints what is wrong with them, and sets the log
+/// level. Returns the exit code when the program is to end here (also after --help).
+std::optional<int> read_options(int argc, char** argv, const ProcessInfo& info, ProcessKind kind,
+                                ProcessOptions& options);
+
+}  // namespace orchard::bus

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bus/node/process_report.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "bus/node/process_options.hpp"
+
+namespace orchard::bus {
+namespace {
+
+std::string host_name() {
+  char name[256] = {};
+  if (gethostname(name, sizeof(name) - 1) != 0) return "unknown";
+  return name;
+}
+
+}  // namespace
+
+std::int64_t wall_utime() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+ProcessReport::ProcessReport(Bus& bus, std::string name, const io::Config& config)
+    : bus_(bus), name_(std::move(name)), host_(host_name()) {
+  notice_.hash = io::config_hash(config);
+  notice_.name = name_;
+  notice_.version = std::string(version());
+  notice_.text = io::effective_config(config);
+  next_status_ = next_config_ = last_status_ = Clock::now();
+}
+
+void ProcessReport::note_input(double latency_s) {
+  ++num_inputs_;
+  latency_sum_s_ += latency_s;
+  latency_max_s_ = std::max(latency_max_s_, latency_s);
+}
+
+int ProcessReport::ms_until_due() const {
+  const auto left = std::chrono::ceil<std::chrono::milliseconds>(next_status_ - Clock::now());
+  return static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, 1000));
+}
+
+void ProcessReport::send(Status status) {
+  const Clock::time_point now = Clock::now();
+  status.utime = wall_utime();
+  status.seq = status_seq_++;
+  status.name = name_;
+  status.host = host_;
+  if (num_inputs_ > 0) {
+    const double elapsed_s = std::chrono::duration<double>(now - last_status_).count();
+    status.input_period_s = elapsed_s / static_cast<double>(num_inputs_);
+    status.latency_mean_s = latency_sum_s_ / static_cast<double>(num_inputs_);
+    status.latency_max_s = latency_max_s_;
+  }
+  if (!error_.empty()) {
+    status.level = Level::kError;
+    status.text = error_ + (status.text.empty() ? "" : "; " + status.text);
+  }
+  bus_.publish(Channel::kStatus, encode(status));
+  num_inputs_ = 0;
+  latency_sum_s_ = latency_max_s_ = 0.0;
+  last_status_ = now;
+  next_status_ += std::chrono::seconds(1);
+  if (next_status_ < now) next_status_ = now + std::chrono::seconds(1);
+  if (now >= next_config_) {
+    notice_.utime = wall_utime();
+    bus_.publish(Channel::kConfig, encode(notice_));
+    ++notice_.seq;
+    next_config_ = now + std::chrono::seconds(10);
+  }
+}
+
+}  // namespace orchard::bus

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bus/messages/codec.hpp"
+#include "bus/node/node.hpp"
+#include "bus/node/traffic_counts.hpp"
+#include "io/log/log_reader.hpp"
+
+namespace orchard::bus {
+
+/// What a replay read, made and lost.
+///
+/// num_in counts source messages, num_out derived ones.
+struct ReplayReport : TrafficCounts {
+  std::int64_t num_events = 0;  ///< readable events of the log
+  std::int64_t num_unknown_channel = 0;
+  std::vector<io::LogGap> gaps;
+  std::vector<std::string> warnings;  ///< one sentence each, for people
+  std::int64_t first_utime = 0;       ///< of the sources
+  std::int64_t last_utime = 0;
+};
+
+struct ReplayOptions {
+  bool strict = false;  ///< any damage or rejection throws io::FileError instead of being counted
+  std::function<void(std::uint64_t done, std::uint64_t total)> progress;
+  /// Only messages from this to that many seconds after the log's first.
+  double from_s = 0.0;
+  double to_s = 1e18;
+  /// Every derived message, as the inputs caused them and for each input in order of (channel,
+  /// seq); utime is the message's.
+  std::function<void(Channel, std::int64_t utime, const std::vector<std::uint8_t>&)> on_derived;
+};
+
+/// Replays a log's source channels, merged by (utime, channel, seq), through nodes on a private
+/// memq:// bus that is drained after each input, then flushes them in order. Deterministic.
+/// Throws io::FileError for a log that cannot be read or holds no source channel.
+ReplayReport replay_in_process(const std::string& log_path, const std::vector<Node*>& nodes,
+                               const ReplayOptions& options);
+
+}  // namespace orchard::bus

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "bus/bus.hpp"
+#include "bus/node/node_host.hpp"
+#include "bus/node/process.hpp"
+#include "bus/node/stop_signal.hpp"
+
+namespace orchard::bus {
+
+/// The number of a node in ack_t. Throws std::invalid_argument for a name it does not know.
+std::int8_t node_number(std::string_view name);
+
+/// A node that takes turns with orchard-log-player: each input is answered by its outputs and an
+/// ACK; an input that comes again (its ACK or an output was lost) is answered with the same
+/// outputs again and is not handled twice. A BEGIN after inputs makes a fresh node.
+class LockstepNode {
+ public:
+  using MakeNode = std::function<std::unique_ptr<Node>()>;
+  LockstepNode(Bus& bus, MakeNode make_node, SaveHook save);
+
+  /// Runs until a stop is asked for. Throws BusError, and what the node throws.
+  void run(StopSignal& stop);
+
+ private:
+  using Key = std::pair<std::int64_t, std::int32_t>;  ///< utime, seq
+  struct Reply {
+    Ack ack;
+    std::vector<Output> outputs;
+  };
+  /// The answers to the newest inputs of one channel.
+  struct Answered {
+    std::map<Key, Reply> replies;
+    std::deque<Key> order;
+  };
+
+  void restart();
+  void on_mark(const ReplayMark& mark);
+  void on_input(const Message& input);
+  bool comes_too_early(Channel channel, std::int32_t seq) const;
+  void answer(Channel channel, Key key, const std::function<void()>& consume);
+  void send(const Reply& reply);
+
+  Bus& bus_;
+  MakeNode make_node_;
+  SaveHook save_;
+  std::unique_ptr<Node> node_;
+  std::unique_ptr<NodeHost> host_;
+  std::int8_t number_ = 0;
+  bool fresh_ = true;
+  std::vector<Output> outputs_;  ///< of the input being handled
+  std::array<Answered, kNumChannels> answered_;
+  std::array<std::int32_t, kNumChannels> last_seq_{};
+};
+
+}  // namespace orchard::bus

@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bus/replay/lockstep_player.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include "bus/node/node_host.hpp"
+#include "bus/replay/lockstep_node.hpp"
+#include "bus/replay/replay_index.hpp"
+
+namespace orchard::bus {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Stopped {};
+
+/// One message as acknowledgements name it. For REPLAY, seq tells BEGIN and END apart.
+struct MessageId {
+  Channel channel = Channel::kScan;
+  std::int32_t seq = 0;
+  bool operator<(const MessageId& other) const {
+    return std::tie(channel, seq) < std::tie(other.channel, other.seq);
+  }
+};
+
+struct Participant {
+  std::string name;
+  std::int8_t number = 0;
+  bool present = false;
+  std::set<Channel> inputs;
+};
+
+/// The player's side of the exchange: one source message at a time and all that follows from it.
+class Exchange {
+ public:
+  Exchange(Bus& bus, StopSignal& stop, const LockstepOptions& options)
+      : bus_(bus), stop_(stop), options_(options) {
+    for (const std::string& name : options.nodes) {
+      participants_.push_back({name, node_number(name), false, {}});
+    }
+    for (const ChannelInfo& channel : kChannels) {
+      if (channel.role != Role::kDerived) continue;
+      bus_.subscribe(channel.channel,
+                     [this](const Message& message, Bytes bytes) { on_output(message, bytes); });
+    }
+    bus_.subscribe_ack([this](const Ack& ack) { on_ack(ack); });
+    bus_.on_rejection([](Channel channel, const Rejection& rejection) {
+      throw std::runtime_error("lockstep: a " + std::string(info(channel).name) +
+                               " was refused: " + rejection.detail);
+    });
+  }
+
+  /// Repeats BEGIN until every participant has answered.
+  void begin(std::int64_t utime) {
+    const std::vector<std::uint8_t> mark = encode(ReplayMark{utime, 0, false});
+    root_ = {Channel::kReplay, 0};
+    root_utime_ = utime;
+    const auto end = Clock::now() + std::chrono::seconds(options_.start_timeout_s);
+    auto next_word = Clock::now() + std::chrono::seconds(1);
+    while (!missing().empty()) {
+      if (Clock::now() >= end) {
+        throw LockstepError("no answer from " + missing() + " within " +
+                            std::to_string(options_.start_timeout_s) +
+                            " s: start each with --lockstep on " + bus_.url());
+      }
+      if (Clock::now() >= next_word) {
+        if (options_.say) options_.say("waits for " + missing() + " (started with --lockstep?)");
+        next_word += std::chrono::seconds(5);
+      }
+      bus_.publish(Channel::kReplay, mark);
+      const auto pause = Clock::now() + std::chrono::milliseconds(options_.timeout_ms);
+      while (!missing().empty() && Clock::now() < pause) wait(pause);
+    }
+  }
+
+  bool has_consumers(Channel channel) const {
+    return std::any_of(participants_.begin(), participants_.end(),
+                       [&](const Participant& p) { return p.inputs.count(channel) > 0; });
+  }
+
+  void play(const ReplayEntry& entry, const std::vector<std::uint8_t>& bytes) {
+    std::set<std::int8_t> expected;
+    for (const Participant& p : participants_) {
+      if (p.inputs.count(entry.channel) > 0) expected.insert(p.number);
+    }
+    run({entry.channel, entry.seq}, entry.utime, std::move(expected), bytes);
+  }
+
+  /// Lets one participant flush.
+  void end(std::size_t participant, std::int64_t utime) {
+    const std::int8_t number = participants_[participant].number;
+    const ReplayMark mark{utime, 1 + number, true};
+    run({Channel::kReplay, mark.seq}, utime, {number}, encode(mark));
+  }
+
+  /// The outputs have been passed on; what comes of them again is old.
+  void close_step() {
+    for (const auto& [id, output] : outputs_) {
+      std::int32_t& last = past_.emplace(id.channel, -1).first->second;
+      last = std::max(last, id.seq);
+    }
+  }
+
+  /// What the message that was just run caused, in order of (channel, seq).
+  const std::map<MessageId, Output>& outputs() const { return outputs_; }
+  std::int64_t num_resent() const { return num_resent_; }
+
+ private:
+  std::string missing() const {
+    std::string names;
+    for (const Participant& p : participants_) {
+      if (!p.present) names += (names.empty() ? "orchard-" : ", orchard-") + p.name;
+    }
+    return names;
+  }
+
+  /// Sends one message until all that follows from it has been acknowledged and received.
+  void run(MessageId id, std::int64_t utime, std::set<std::int8_t> expected,
+           const std::vector<std::uint8_t>& bytes) {
+    root_ = id;
+    root_utime_ = utime;
+    waiting_.clear();
+    acknowledged_.clear();
+    announced_.clear();
+    outputs_.clear();
+    if (!expected.empty()) waiting_[id] = std::move(expected);
+    // The last flush may save a large map, which takes its time.
+    const int num_tries = options_.num_tries * (id.channel == Channel::kReplay ? 12 : 1);
+    for (int i = 0; i < num_tries; ++i) {
+      if (i > 0) ++num_resent_;
+      bus_.publish(id.channel, bytes);
+      auto pause = Clock::now() + std::chrono::milliseconds(options_.timeout_ms);
+      while (!done() && Clock::now() < pause) {
+        // As long as something moves, a long chain of consequences is not sent again.
+        if (wait(pause)) pause = Clock::now() + std::chrono::milliseconds(options_.timeout_ms);
+      }
+      if (done()) return;
+    }
+    throw LockstepError(what_is_missing());
+  }
+
+  bool is_past(const MessageId& id) const {
+    const auto last = past_.find(id.channel);
+    return last != past_.end() && id.seq <= last->second;
+  }
+
+  bool done() const { return waiting_.empty() && announced_.empty(); }
+
+  std::string what_is_missing() const {
+    std::string text = "lockstep stands still at " + std::string(info(root_.channel).name) +
+                       " seq " + std::to_string(root_.seq) + " (utime " +
+                       std::to_string(root_utime_) + ")";
+    for (const auto& [id, nodes] : waiting_) {
+      for (const std::int8_t number : nodes) {
+        text += "; no answer from " + name_of(number) + " to " +
+                std::string(info(id.channel).name) + " seq " + std::to_string(id.seq);
+      }
+    }
+    for (const MessageId& id : announced_) {
+      text += "; " + std::string(info(id.channel).name) + " seq " + std::to_string(id.seq) +
+              " was announced but not received";
+    }
+    return text + "; given up after sending it again and again";
+  }
+
+  std::string name_of(std::int8_t number) const {
+    for (const Participant& p : participants_) {
+      if (p.number == number) return "orchard-" + p.name;
+    }
+    return "node " + std::to_string(number);
+  }
+
+  bool wait(Clock::time_point until) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
+    const int timeout_ms = static_cast<int>(std::max<std::int64_t>(left.count(), 0));
+    const bool readable = stop_.wait(bus_.fileno(), timeout_ms);
+    if (!readable && stop_.raised()) throw Stopped{};
+    return readable && bus_.handle(0);
+  }
+
+  void on_ack(const Ack& ack) {
+    const auto participant =
+        std::find_if(participants_.begin(), participants_.end(),
+                     [&](const Participant& p) { return p.number == ack.node; });
+    if (participant == participants_.end()) return;
+    if (ack.channel == Channel::kReplay && ack.seq == 0) {
+      if (ack.utime != root_utime_) return;
+      participant->present = true;
+      for (const OutputId& input : ack.outputs) participant->inputs.insert(input.channel);
+      return;
+    }
+    const MessageId id{ack.channel, ack.seq};
+    const auto open = waiting_.find(id);
+    const bool is_root = info(ack.channel).role != Role::kDerived;
+    if (is_root && ack.utime != root_utime_) return;
+    if (open == waiting_.end() || open->second.erase(ack.node) == 0) {
+      // A consumer may be faster than the ACK that announces what it consumed.
+      if (!is_root && !is_past(id) && acknowledged_.count({id, ack.node}) == 0) accept(id, ack);
+      return;
+    }
+    if (open->second.empty()) waiting_.erase(open);
+    accept(id, ack);
+  }
+
+  /// Notes an acknowledgement and expects what it announces.
+  void accept(const MessageId& id, const Ack& ack) {
+    acknowledged_.insert({id, ack.node});
+    for (const OutputId& output : ack.outputs) {
+      const MessageId output_id{output.channel, output.seq};
+      if (outputs_.count(output_id) == 0) announced_.insert(output_id);
+      for (const Participant& p : participants_) {
+        if (p.inputs.count(output.channel) > 0 && acknowledged_.count({output_id, p.number}) == 0) {
+          waiting_[output_id].insert(p.number);
+        }
+      }
+    }
+  }
+
+  void on_output(const Message& message, Bytes bytes) {
+    const MessageId id{channel_of(message), seq_of(message)};
+    announced_.erase(id);
+    if (is_past(id)) return;  // sent again
+    outputs_.emplace(
+        id, Output{id.channel, id.seq, utime_of(message), {bytes.data, bytes.data + bytes.size}});
+  }
+
+  Bus& bus_;
+  StopSignal& stop_;
+  const LockstepOptions& options_;
+  std::vector<Participant> participants_;
+  MessageId root_;
+  std::int64_t root_utime_ = 0;
+  std::map<MessageId, std::set<std::int8_t>> waiting_;
+  std::set<std::pair<MessageId, std::int8_t>> acknowledged_;
+  std::set<MessageId> announced_;
+  std::map<MessageId, Output> outputs_;
+  std::map<Channel, std::int32_t> past_;  ///< highest seq passed on
+  std::int64_t num_resent_ = 0;
+};
+
+}  // namespace
+
+LockstepReport replay_in_lockstep(const std::string& log_path, Bus& bus, StopSignal& stop,
+                                  const LockstepOptions& options) {
+  LockstepReport report;
+  ReplayIndex index = index_log(log_path, options.replay);
+  report.replay = std::move(index.report);
+  Exchange exchange(bus, stop, options);
+  const auto pass_on = [&] {
+    for (const auto& [id, output] : exchange.outputs()) {
+      ++report.replay.num_out[static_cast<std::size_t>(id.channel)];
+      if (options.replay.on_derived) {
+        options.replay.on_derived(id.channel, output.utime, output.bytes);
+      }
+    }
+    exchange.close_step();
+  };
+  try {
+    exchange.begin(report.replay.first_utime);
+    const Clock::time_point start = Clock::now();
+    io::LogReader reader(log_path);
+    std::uint64_t num_done = 0;
+    for (const ReplayEntry& entry : index.entries) {
+      ++num_done;
+      if (!exchange.has_consumers(entry.channel)) continue;
+      exchange.play(entry, reader.read_at(entry.offset).data);
+      ++report.replay.num_in[static_cast<std::size_t>(entry.channel)];
+      pass_on();
+      if (options.replay.progress) options.replay.progress(num_done, index.entries.size());
+    }
+    for (std::size_t i = 0; i < options.nodes.size(); ++i) {
+      exchange.end(i, report.replay.last_utime);
+      pass_on();
+    }
+    report.elapsed_s = std::chrono::duration<double>(Clock::now() - start).count();
+  } catch (const Stopped&) {
+    report.stopped = true;
+  }
+  report.num_resent = exchange.num_resent();
+  return report;
+}
+
+}  // namespace orchard::bus

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibration/board/board.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/aruco/charuco.hpp>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+#include "calibration/board/marker_dictionary.hpp"
+
+namespace orchard::calibration {
+namespace {
+
+/// Fewer corners of a ChArUco board do not fix its pose well enough to be of use.
+constexpr std::size_t kMinCharucoCorners = 6;
+/// Narrower pictures are also looked at in twice their size [px].
+constexpr int kSmall_px = 800;
+
+double distance_px(const cv::Point2f& a, const cv::Point2f& b) {
+  return std::hypot(static_cast<double>(a.x) - b.x, static_cast<double>(a.y) - b.y);
+}
+
+/// Moves corners to where the edges around them meet, within windows that reach `reach_px` to each
+/// side: as large as the pattern allows, for the noise.
+void refine(const cv::Mat& grey, double reach_px, std::vector<cv::Point2f>& corners) {
+  const int half_px = std::clamp(static_cast<int>(std::lround(reach_px)), 2, 11);
+  cv::cornerSubPix(grey, corners, {half_px, half_px}, {-1, -1},
+                   {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 60, 1e-4});
+}
+
+/// The shortest way between neighbours of a whole grid.
+double spacing_of(const std::vector<cv::Point2f>& grid, int columns, int rows) {
+  double least_px = 1e9;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const cv::Point2f& here = grid[static_cast<std::size_t>(row * columns + column)];
+      if (column + 1 < columns) {
+        least_px =
+            std::min(least_px,
+                     distance_px(here, grid[static_cast<std::size_t>(row * columns + column + 1)]));
+      }
+      if (row + 1 < rows) {
+        least_px = std::min(
+            least_px,
+            distance_px(here, grid[static_cast<std::size_t>((row + 1) * columns + column)]));
+      }
+    }
+  }
+  return least_px;
+}
+
+/// Orders a grid so that z points into the board's back and x to the picture's right (or down).
+void orient(std::vector<cv::Point2f>& grid, int columns, int rows) {
+  const auto at = [&](int column, int row) {
+    return grid[static_cast<std::size_t>(row * columns + column)];
+  };
+  const cv::Point2f x = at(columns - 1, 0) - at(0, 0), y = at(0, rows - 1) - at(0, 0);
+  if (x.x * y.y - x.y * y.x < 0.0f) {
+    for (int row = 0; row < rows; ++row) {
+      std::reverse(grid.begin() + row * columns, grid.begin() + (row + 1) * columns);
+    }
+  }
+  const cv::Point2f along = at(columns - 1, 0) - at(0, 0);
+  const bool lies = std::abs(along.x) >= std::abs(along.y);
+  if ((lies ? along.x : along.y) < 0.0f) std::reverse(grid.begin(), grid.end());
+}
+
+/// Whether a corner lies farther than a quarter of a square from where the plane through most of
+/// them has it: a wrong one. What the lens bends is far less. Places are in squares.
+std::vector<bool> far_from_plane(const std::vector<cv::Point2f>& places,
+                                 const std::vector<cv::Point2f>& corners) {
+  std::vector<bool> far(corners.size(), true);
+  const cv::Mat H_picture_board = cv::findHomography(places, corners, cv::LMEDS);
+  if (H_picture_board.empty()) return far;
+  const auto expected = [&](const cv::Point2f& place) {
+    std::vector<cv::Point2f> pixel;
+    cv::perspectiveTransform(std::vector<cv::Point2f>{place}, pixel, H_picture_board);
+    return pixel[0];
+  };
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const cv::Point2f here = expected(places[i]);
+    const double square_px = std::min(distance_px(here, expected(places[i] + cv::Point2f(1, 0))),
+                                      distance_px(here, expected(places[i] + cv::Point2f(0, 1))));
+    far[i] = !(distance_px(corners[i], here) <= 0.25 * square_px);
+  }
+  return far;
+}
+
+/// The picture in twice its size, in which squares and markers of ten pixels are found.
+cv::Mat doubled(const cv::Mat& grey) {
+  cv::Mat twice;
+  cv::resize(grey, twice, {}, 2.0, 2.0, cv::INTER_LINEAR);
+  return twice;
+}
+
+void halve(std::vector<cv::Point2f>& corners) {
+  const cv::Point2f half(0.5f, 0.5f);  // pixel centres are whole numbers in both
+  for (cv::Point2f& corner : corners) corner = 0.5f * (corner + half) - half;
+}
+
+/// A whole grid, not yet refined.
+bool find_grid(const cv::Mat& grey, cv::Size size, std::vector<cv::Point2f>& corners) {
+  if (cv::findChessboardCornersSB(grey, size, corners)) return true;
+  if (grey.cols > kSmall_px || !cv::findChessboardCornersSB(doubled(grey), size, corners)) {
+    return false;
+  }
+  halve(corners);
+  return true;
+}
+
+void add_corner(const cv::Point2f& corner, const cv::Point2f& place, const BoardConfig& board,
+                BoardView& view) {
+  view.corners_px.push_back({corner.x, corner.y});
+  view.corners_m.push_back({place.x * board.square_m, place.y * board.square_m});
+}
+
+std::optional<BoardView> find_chessboard(const cv::Mat& grey, const BoardConfig& board) {
+  std::vector<cv::Point2f> corners;
+  if (!find_grid(grey, {board.columns, board.rows}, corners)) return std::nullopt;
+  refine(grey, 0.4 * spacing_of(corners, board.columns, board.rows), corners);
+  orient(corners, board.columns, board.rows);
+  std::vector<cv::Point2f> places;
+  for (int row = 0; row < board.rows; ++row) {
+    for (int column = 0; column < board.columns; ++column) places.emplace_back(column, row);
+  }
+  const std::vector<bool> far = far_from_plane(places, corners);
+  if (std::find(far.begin(), far.end(), true) != far.end()) return std::nullopt;
+  BoardView view;
+  for (std::size_t i = 0; i < corners.size(); ++i) add_corner(corners[i], places[i], board, view);
+  return view;
+}
+
+std::optional<BoardView> find_charuco(const cv::Mat& grey, const BoardConfig& board) {
+  const auto dictionary = cv::aruco::getPredefinedDictionary(*marker_dictionary(board.dictionary));
+  const auto layout =
+      cv::aruco::CharucoBoard::create(board.columns, board.rows, static_cast<float>(board.square_m),
+                                      static_cast<float>(board.marker_m), dictionary);
+  std::vector<std::vector<cv::Point2f>> markers;
+  std::vector<int> ids;
+  const bool is_small = grey.cols <= kSmall_px;
+  cv::aruco::detectMarkers(is_small ? doubled(grey) : grey, dictionary, markers, ids);
+  if (is_small) {
+    for (auto& marker : markers) halve(marker);
+  }
+  if (ids.empty()) return std::nullopt;
+  std::vector<cv::Point2f> corners;
+  std::vector<int> corner_ids;
+  cv::aruco::interpolateCornersCharuco(markers, ids, grey, layout, corners, corner_ids);
+  if (corners.size() < kMinCharucoCorners) return std::nullopt;
+  double side_px = 1e9;
+  for (const auto& marker : markers) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      side_px = std::min(side_px, distance_px(marker[i], marker[(i + 1) % 4]));
+    }
+  }
+  // OpenCV 4.6 counts these from the pixel's corner, everything else from its centre
+  for (cv::Point2f& corner : corners) corner -= cv::Point2f(0.5f, 0.5f);
+  const std::vector<cv::Point2f> coarse = corners;
+  // up to the markers, whose own edges would pull at the corner
+  const double square_px = side_px * board.square_m / board.marker_m;
+  refine(grey, 0.5 * (square_px - side_px), corners);
+  const double most_moved_px = std::max(0.3, 0.02 * square_px);
+
+  // OpenCV 4.6 numbers the inner corners row by row from the upper left
+  std::vector<cv::Point2f> places;
+  for (const int id : corner_ids) {
+    places.emplace_back(id % board.corner_columns(), id / board.corner_columns());
+  }
+  const std::vector<bool> far = far_from_plane(places, corners);
+  BoardView view;
+  bool one_row = true, one_column = true;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    // a corner that two looks disagree on was pulled away by something else
+    if (far[i] || distance_px(corners[i], coarse[i]) > most_moved_px) continue;
+    add_corner(corners[i], places[i], board, view);
+    one_row = one_row && view.corners_m.back().y_m == view.corners_m[0].y_m;
+    one_column = one_column && view.corners_m.back().x_m == view.corners_m[0].x_m;
+  }
+  if (view.corners_px.size() < kMinCharucoCorners) return std::nullopt;
+  if (one_row || one_column) return std::nullopt;
+  return view;
+}
+
+}  // namespace
+
+std::optional<std::string> problem_with(const BoardConfig& board) {
+  if (board.columns < 3 || board.rows < 3 || board.columns > 50 || board.rows > 50) {
+    return "a board of " + std::to_string(board.columns) + " x " + std::to_string(board.rows) +
+           " cannot be looked for; both must be 3 to 50 (inner corners of a chessboard, squares of "
+           "a ChArUco board)";
+  }
+  if (!(board.square_m > 0.0) || !(board.square_m <= 5.0)) {
+    return "the side of a square must be in metres, above 0 and up to 5; measure it on the board";
+  }
+  if (!(board.margin_m >= 0.0) || !(board.margin_m <= 5.0)) {
+    return "the board's margin must be in metres, 0 to 5; measure it on the board";
+  }
+  if (board.kind == BoardConfig::kChessboard) return std::nullopt;
+  if (!(board.marker_m > 0.0) || !(board.marker_m < board.square_m)) {
+    return "the side of a marker must be above 0 and below that of a square; measure both";
+  }
+  const auto dictionary = marker_dictionary(board.dictionary);
+  if (!dictionary) {
+    return "there is no marker dictionary \"" + board.dictionary +
+           "\"; it is 4x4, 5x5, 6x6 or 7x7, then _50, _100, _250 or _1000 (4x4_50)";
+  }
+  const int num_markers = board.columns * board.rows / 2;
+  if (num_markers > marker_count(board.dictionary)) {
+    return "the board has " + std::to_string(num_markers) + " markers, more than the dictionary " +
+           board.dictionary + " holds; give the dictionary that it was printed with";
+  }
+  return std::nullopt;
+}
+
+BoardOutline outline_of(const BoardConfig& board) {
+  const double edge_m = board.square_m + board.margin_m;
+  return {-edge_m, -edge_m, (board.corner_columns() - 1) * board.square_m + edge_m,
+          (board.corner_rows() - 1) * board.square_m + edge_m};
+}
+
+std::optional<BoardView> find_board(const GreyPicture& picture, const BoardConfig& board) {
+  if (const auto problem = problem_with(board)) throw std::invalid_argument(*problem);
+  if (picture.width_px < 16 || picture.height_px < 16) return std::nullopt;
+  const cv::Mat grey(picture.height_px, picture.width_px, CV_8UC1,
+                     const_cast<std::uint8_t*>(picture.grey.data()));
+  return board.kind == BoardConfig::kChessboard ? find_chessboard(grey, board)
+                                                : find_charuco(grey, board);
+}
+
+std::optional<BoardView> find_board(const vision::PixelBlock& pixels, const BoardConfig& board) {
+  return find_board(grey_of(pixels), board);
+}
+
+}  // namespace orchard::calibration

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibration/board/board_pose.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/calib3d.hpp>
+#include <utility>
+
+namespace orchard::calibration {
+namespace {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+constexpr double kClearlyWorse = 16.0;  ///< squares of sigmas that another tilt adds
+
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+Eigen::Matrix3d rotation_of(const Eigen::Vector3d& turn) {
+  const double angle = turn.norm();
+  if (angle < 1e-15) return Eigen::Matrix3d::Identity();
+  return Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+}
+
+/// Corners in normalized coordinates (z = 1), the lens taken out.
+struct Corners {
+  std::vector<Eigen::Vector2d> normalized;
+  std::vector<Eigen::Vector2d> board_m;
+  double focal_px = 1.0;
+};
+
+/// Sum of squares [px^2] with the normal equations of (turn, shift); none behind the camera.
+std::optional<double> linearize(const Corners& corners, const BoardPose& pose, Matrix6& normal,
+                                Vector6& gradient) {
+  normal.setZero();
+  gradient.setZero();
+  double sum = 0.0;
+  for (std::size_t i = 0; i < corners.board_m.size(); ++i) {
+    const Eigen::Vector3d board(corners.board_m[i].x(), corners.board_m[i].y(), 0.0);
+    const Eigen::Vector3d turned = pose.R_camera_board * board;
+    const Eigen::Vector3d p = turned + pose.t_camera_board_m;
+    if (p.z() <= 1e-6) return std::nullopt;
+    const Eigen::Vector2d error = corners.focal_px * (p.head<2>() / p.z() - corners.normalized[i]);
+    Eigen::Matrix<double, 2, 3> projection;
+    projection << 1.0, 0.0, -p.x() / p.z(), 0.0, 1.0, -p.y() / p.z();
+    projection *= corners.focal_px / p.z();
+    Eigen::Matrix<double, 2, 6> jacobian;
+    jacobian.leftCols<3>() = -projection * cross_matrix(turned);
+    jacobian.rightCols<3>() = projection;
+    normal += jacobian.transpose() * jacobian;
+    gradient += jacobian.transpose() * error;
+    sum += error.squaredNorm();
+  }
+  return sum;
+}
+
+/// Gauss-Newton with damping; the sum of squares it ends with [px^2].
+double refine(const Corners& corners, BoardPose& pose) {
+  Matrix6 normal;
+  Vector6 gradient;
+  std::optional<double> sum = linearize(corners, pose, normal, gradient);
+  if (!sum) return std::numeric_limits<double>::infinity();
+  double damping = 1e-6;
+  for (int i = 0; i < 40; ++i) {
+    Matrix6 damped = normal;
+    damped.diagonal() *= 1.0 + damping;
+    const Vector6 step = -damped.ldlt().solve(gradient);
+    BoardPose next = pose;
+    next.R_camera_board = rotation_of(step.head<3>()) * pose.R_camera_board;
+    next.t_camera_board_m += step.tail<3>();
+    Matrix6 next_normal;
+    Vector6 next_gradient;
+    const auto next_sum = linearize(corners, next, next_normal, next_gradient);
+    if (next_sum && *next_sum <= *sum) {
+      const bool done = *sum - *next_sum <= 1e-12 * *sum + 1e-20;
+      pose = next;
+      normal = next_normal;
+      gradient = next_gradient;
+      sum = next_sum;
+      damping = std::max(1e-9, 0.1 * damping);
+      if (done) break;
+    } else {
+      damping *= 10.0;
+      if (damping > 1e6) break;
+    }
+  }
+  pose.covariance = normal.ldlt().solve(Matrix6::Identity());
+  return *sum;
+}
+
+}  // namespace
+
+Eigen::Vector3d BoardPose::normal_camera() const {
+  const Eigen::Vector3d z = R_camera_board.col(2);
+  return z.dot(t_camera_board_m) < 0.0 ? Eigen::Vector3d(-z) : z;
+}
+
+double BoardPose::distance_m() const { return normal_camera().dot(t_camera_board_m); }
+
+std::optional<BoardPose> estimate_board_pose(const std::vector<Eigen::Vector2d>& corners_px,
+                                             const std::vector<Eigen::Vector2d>& corners_m,
+                                             const geometry::CameraModel& camera,
+                                             double corner_sd_px) {
+  if (corners_px.size() != corners_m.size() || corners_px.size() < 6) return std::nullopt;
+  Corners corners;
+  corners.board_m = corners_m;
+  // one scale for both axes: their focal lengths differ by far less than noise is known
+  corners.focal_px = 0.5 * (camera.intrinsics().fc_px[0] + camera.intrinsics().fc_px[1]);
+  std::vector<cv::Point3d> object;
+  std::vector<cv::Point2d> image;
+  for (std::size_t i = 0; i < corners_px.size(); ++i) {
+    corners.normalized.push_back(camera.undistort(corners_px[i]));
+    if (!corners.normalized.back().allFinite()) return std::nullopt;
+    object.emplace_back(corners_m[i].x(), corners_m[i].y(), 0.0);
+    image.emplace_back(corners.normalized.back().x(), corners.normalized.back().y());
+  }
+
+  // The two tilts of Collins and Bartoli's IPPE, each led to its own minimum.
+  std::vector<cv::Mat> turns, shifts;
+  try {
+    cv::solvePnPGeneric(object, image, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), turns, shifts,
+                        false, cv::SOLVEPNP_IPPE);
+  } catch (const cv::Exception&) {
+    return std::nullopt;  // corners on one line
+  }
+  BoardPose best;
+  double best_sum = std::numeric_limits<double>::infinity();
+  double second_sum = best_sum;
+  for (std::size_t i = 0; i < turns.size(); ++i) {
+    BoardPose pose;
+    const auto vector_of = [](const cv::Mat& m) {
+      return Eigen::Vector3d(m.at<double>(0), m.at<double>(1), m.at<double>(2));
+    };
+    pose.R_camera_board = rotation_of(vector_of(turns[i]));
+    pose.t_camera_board_m = vector_of(shifts[i]);
+    const double sum = refine(corners, pose);
+    if (sum < best_sum) {
+      const bool same = std::isfinite(best_sum) &&
+                        best.R_camera_board.col(2).dot(pose.R_camera_board.col(2)) > 0.9999;
+      if (!same) second_sum = best_sum;
+      best_sum = sum;
+      best = pose;
+    } else if (best.R_camera_board.col(2).dot(pose.R_camera_board.col(2)) <= 0.9999) {
+      second_sum = std::min(second_sum, sum);
+    }
+  }
+  if (!std::isfinite(best_sum) || !best.covariance.allFinite()) return std::nullopt;
+  best.num_corners = static_cast<int>(corners_px.size());
+  best.rms_px = std::sqrt(best_sum / (2.0 * best.num_corners));
+  best.covariance *= corner_sd_px * corner_sd_px;
+  best.second_squares_px2 = second_sum - best_sum;
+  best.ambiguous = best.second_squares_px2 < kClearlyWorse * corner_sd_px * corner_sd_px;
+  return best;
+}
+
+std::vector<std::optional<BoardPose>> estimate_board_poses(const std::vector<BoardView>& views,
+                                                           const geometry::CameraModel& camera) {
+  std::vector<std::optional<BoardPose>> poses;
+  std::vector<double> variances;
+  for (const BoardView& view : views) {
+    std::vector<Eigen::Vector2d> corners_px, corners_m;
+    for (const ImagePoint& p : view.corners_px) corners_px.emplace_back(p.x_px, p.y_px);
+    for (const BoardPoint& p : view.corners_m) corners_m.emplace_back(p.x_m, p.y_m);
+    poses.push_back(estimate_board_pose(corners_px, corners_m, camera, 1.0));
+    if (!poses.back()) continue;
+    const double left_over = 2.0 * poses.back()->num_corners;
+    variances.push_back(poses.back()->rms_px * poses.back()->rms_px * left_over /
+                        std::max(1.0, left_over - 6.0));
+  }
+  if (variances.empty()) return poses;
+  // the middle picture's: a few wrong ones do not count
+  const auto middle = variances.begin() + static_cast<std::ptrdiff_t>(variances.size() / 2);
+  std::nth_element(variances.begin(), middle, variances.end());
+  const double variance = std::max(0.02 * 0.02, *middle);
+  for (auto& pose : poses) {
+    if (!pose) continue;
+    pose->covariance *= variance;
+    pose->ambiguous = pose->second_squares_px2 < kClearlyWorse * variance;
+  }
+  return poses;
+}
+
+}  // namespace orchard::calibration

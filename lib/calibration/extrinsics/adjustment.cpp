@@ -1,0 +1,369 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibration/extrinsics/adjustment.hpp"
+
+#include <ceres/ceres.h>
+#include <ceres/rotation.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace orchard::calibration {
+namespace {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+constexpr double kHuber = 2.5;           ///< sigmas from which a beam counts less
+constexpr double kEdgeGate_m = 0.05;     ///< an end farther from any edge is not one of the board
+constexpr double kLeastIncidence = 0.1;  ///< cosine; a grazing beam's noise is not taken as none
+constexpr int kMountSize = 6;            ///< delta, turn
+constexpr int kViewSize = 7;             ///< turn and shift of the board, range error
+
+Eigen::Vector3d bearing_vector(double bearing_rad) {
+  return {std::cos(bearing_rad), std::sin(bearing_rad), 0.0};
+}
+
+/// Where a beam meets the line that was fitted to all of them.
+double smooth_range_m(const BoardLine& line, std::size_t beam) {
+  const Eigen::Vector2d across(-line.direction.y(), line.direction.x());
+  const double along = across.dot(bearing_vector(line.bearings_rad[beam]).head<2>());
+  if (std::abs(along) < 0.02) return line.ranges_m[beam];  // grazing
+  return across.dot(line.middle_m) / along;
+}
+
+template <class T>
+Eigen::Matrix<T, 3, 1> turned(const T* turn, const Eigen::Matrix<T, 3, 1>& p) {
+  Eigen::Matrix<T, 3, 1> result;
+  ceres::AngleAxisRotatePoint(turn, p.data(), result.data());
+  return result;
+}
+
+/// What all residuals of a view need: unknowns are small changes about these.
+struct Geometry {
+  Mount mount;
+  Eigen::Matrix3d R_camera_board;
+  Eigen::Vector3d t_camera_board_m;
+};
+
+/// (turn, shift) of the board and the plane that follows.
+template <class T>
+void changed_board(const Geometry& g, const T* view, Eigen::Matrix<T, 3, 1>& normal,
+                   Eigen::Matrix<T, 3, 1>& origin) {
+  const Eigen::Matrix<T, 3, 1> z = g.R_camera_board.col(2).cast<T>();
+  normal = turned(view, z);
+  for (int i = 0; i < 3; ++i) origin[i] = T(g.t_camera_board_m[i]) + view[3 + i];
+}
+
+/// A beam ends on the board.
+struct BeamOnBoard {
+  Geometry g;
+  double range_m;
+  double smooth_range_m;  ///< without the beam's noise: scaling that too would reward shrinking
+  Eigen::Vector3d bearing;
+  double sd_m;
+
+  template <class T>
+  bool operator()(const T* mount, const T* view, const T* scale, T* residual) const {
+    Eigen::Matrix<T, 3, 1> normal, origin;
+    changed_board(g, view, normal, origin);
+    const T range = T(range_m) - T(smooth_range_m) * (view[6] + scale[0]);
+    const Eigen::Matrix<T, 3, 1> turned_bearing =
+        (g.mount.R_camera_laser * bearing).cast<T>() * range;
+    Eigen::Matrix<T, 3, 1> p = turned(mount + 3, turned_bearing);
+    for (int i = 0; i < 3; ++i) p[i] += T(g.mount.delta_m[i]) + mount[i];
+    residual[0] = normal.dot(p - origin) / T(sd_m);
+    return true;
+  }
+};
+
+/// The ray at a line's end meets the board's plane on one of its edges.
+struct EndOnEdge {
+  Geometry g;
+  Eigen::Vector3d bearing;
+  int axis;  ///< 0: an edge of constant x, 1: of constant y
+  double edge_m;
+  double sd_m;
+
+  template <class T>
+  bool operator()(const T* mount, const T* view, T* residual) const {
+    Eigen::Matrix<T, 3, 1> normal, origin;
+    changed_board(g, view, normal, origin);
+    const Eigen::Matrix<T, 3, 1> start_ray = (g.mount.R_camera_laser * bearing).cast<T>();
+    const Eigen::Matrix<T, 3, 1> ray = turned(mount + 3, start_ray);
+    Eigen::Matrix<T, 3, 1> from_board;
+    for (int i = 0; i < 3; ++i) from_board[i] = T(g.mount.delta_m[i]) + mount[i] - origin[i];
+    const T along = -normal.dot(from_board) / normal.dot(ray);
+    const Eigen::Matrix<T, 3, 1> in_camera = from_board + along * ray;
+    const Eigen::Matrix<T, 3, 1> axis_start = g.R_camera_board.col(axis).cast<T>();
+    residual[0] = (turned(view, axis_start).dot(in_camera) - T(edge_m)) / T(sd_m);
+    return true;
+  }
+};
+
+/// The board's pose as the picture has it, and no range error.
+struct ViewPrior {
+  Eigen::Matrix<double, kViewSize, kViewSize> whitening;
+
+  template <class T>
+  bool operator()(const T* view, T* residual) const {
+    Eigen::Map<const Eigen::Matrix<T, kViewSize, 1>> x(view);
+    Eigen::Map<Eigen::Matrix<T, kViewSize, 1>> r(residual);
+    r = whitening.cast<T>() * x;
+    return true;
+  }
+};
+
+struct ScalePrior {
+  double sd;
+  template <class T>
+  bool operator()(const T* scale, T* residual) const {
+    residual[0] = scale[0] / T(sd);
+    return true;
+  }
+};
+
+enum class Group { kBeam, kEdge, kView, kScale };
+
+class Adjustment {
+ public:
+  Adjustment(const std::vector<AdjustmentView>& views, const RangeNoise& noise,
+             const BoardOutline* outline)
+      : views_(views), noise_(noise), outline_(outline) {}
+
+  std::optional<MountAdjustment> run(const Mount& start) {
+    out_.mount = start;
+    constexpr int kRounds = 8;
+    for (int round = 0; round < kRounds; ++round) {
+      const double beam_before = out_.beam_factor, scan_before = out_.scan_factor;
+      if (!solve_once()) return std::nullopt;
+      const bool settled = std::abs(out_.beam_factor - beam_before) < 0.01 * beam_before &&
+                           std::abs(out_.scan_factor - scan_before) < 0.01 * scan_before;
+      if (round >= 2 && settled) break;
+    }
+    measure_views();
+    return out_;
+  }
+
+ private:
+  /// Solves about the present mount and takes the result as the next one.
+  bool solve_once() {
+    const std::size_t num_views = views_.size();
+    std::array<double, kMountSize> mount{};
+    std::vector<std::array<double, kViewSize>> unknowns(num_views);
+    for (auto& u : unknowns) u.fill(0.0);
+    double scale = 0.0;
+
+    ceres::Problem problem;
+    std::vector<Group> groups;  // of residual blocks, in order
+    problem.AddParameterBlock(mount.data(), kMountSize);
+    problem.AddParameterBlock(&scale, 1);
+    for (std::size_t i = 0; i < num_views; ++i) {
+      problem.AddParameterBlock(unknowns[i].data(), kViewSize);
+    }
+    for (std::size_t i = 0; i < num_views; ++i) {
+      add_view(problem, groups, views_[i], mount.data(), unknowns[i].data(), &scale);
+    }
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ScalePrior, 1, 1>(
+                                 new ScalePrior{std::max(1e-6, noise_.scale_sd_fraction)}),
+                             nullptr, &scale);
+    groups.push_back(Group::kScale);
+
+    ceres::Solver::Options options;
+    options.num_threads = 1;
+    options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+    options.max_num_iterations = 50;
+    options.function_tolerance = 1e-12;
+    options.parameter_tolerance = 1e-10;
+    options.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem, &summary);
+    if (!summary.IsSolutionUsable()) return false;
+    if (!evaluate(problem, groups)) return false;
+
+    const Eigen::Map<const Eigen::Vector3d> shift(mount.data()), turn(mount.data() + 3);
+    out_.mount.delta_m += shift;
+    const double angle = turn.norm();
+    if (angle > 1e-15) {
+      out_.mount.R_camera_laser =
+          Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix() * out_.mount.R_camera_laser;
+    }
+    return out_.mount.R_camera_laser.allFinite() && out_.mount.delta_m.allFinite();
+  }
+
+  void add_view(ceres::Problem& problem, std::vector<Group>& groups, const AdjustmentView& view,
+                double* mount, double* unknowns, double* scale) const {
+    const Geometry g{out_.mount, view.board.R_camera_board, view.board.t_camera_board_m};
+    const Eigen::Vector3d normal = view.board.normal_camera();
+    const double averaged = std::sqrt(static_cast<double>(std::max(1, view.num_scans)));
+    for (std::size_t k = 0; k < view.line.ranges_m.size(); ++k) {
+      const double range_m = view.line.ranges_m[k];
+      const Eigen::Vector3d bearing = bearing_vector(view.line.bearings_rad[k]);
+      const double incidence =
+          std::max(kLeastIncidence, std::abs(normal.dot(out_.mount.R_camera_laser * bearing)));
+      const double sd_m = out_.beam_factor * incidence / averaged *
+                          (noise_.beam_sd_m + noise_.beam_sd_fraction * range_m);
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<BeamOnBoard, 1, kMountSize, kViewSize, 1>(new BeamOnBoard{
+              g, range_m, smooth_range_m(view.line, k), bearing, std::max(1e-5, sd_m)}),
+          new ceres::HuberLoss(kHuber), mount, unknowns, scale);
+      groups.push_back(Group::kBeam);
+    }
+    if (outline_) {
+      add_edge(problem, groups, g, view.line.start, mount, unknowns);
+      add_edge(problem, groups, g, view.line.end, mount, unknowns);
+    }
+    Eigen::Matrix<double, kViewSize, kViewSize> whitening;
+    whitening.setZero();
+    const Matrix6 root = view.board.covariance.llt().matrixL();
+    whitening.topLeftCorner<6, 6>() =
+        root.triangularView<Eigen::Lower>().solve(Matrix6::Identity());
+    whitening(6, 6) = averaged / std::max(1e-6, out_.scan_factor * noise_.scan_sd_fraction);
+    problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<ViewPrior, kViewSize, kViewSize>(new ViewPrior{whitening}),
+        nullptr, unknowns);
+    groups.push_back(Group::kView);
+  }
+
+  void add_edge(ceres::Problem& problem, std::vector<Group>& groups, const Geometry& g,
+                const LineEnd& end, double* mount, double* unknowns) const {
+    if (!end.seen) return;
+    const auto on_board = [&](double bearing_rad) {
+      const Eigen::Vector3d ray = g.mount.R_camera_laser * bearing_vector(bearing_rad);
+      const Eigen::Vector3d from_board = g.mount.delta_m - g.t_camera_board_m;
+      const Eigen::Vector3d normal = g.R_camera_board.col(2);
+      const double along = -normal.dot(from_board) / normal.dot(ray);
+      return Eigen::Vector3d(g.R_camera_board.transpose() * (from_board + along * ray));
+    };
+    const Eigen::Vector3d p = on_board(end.bearing_rad);
+    const std::array<double, 4> edges{outline_->x_min_m, outline_->x_max_m, outline_->y_min_m,
+                                      outline_->y_max_m};
+    int nearest = 0;
+    double off_m = 1e9;
+    for (int k = 0; k < 4; ++k) {
+      const double d = std::abs(p[k / 2] - edges[static_cast<std::size_t>(k)]);
+      if (d < off_m) {
+        off_m = d;
+        nearest = k;
+      }
+    }
+    if (off_m > kEdgeGate_m) return;
+    const int axis = nearest / 2;
+    // evenly likely anywhere between the last beam on the board and the first beyond it
+    const double spread_m = std::abs(on_board(end.bearing_rad + end.half_gap_rad)[axis] -
+                                     on_board(end.bearing_rad - end.half_gap_rad)[axis]);
+    const double sd_m = std::max(5e-4, spread_m / std::sqrt(12.0));
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<EndOnEdge, 1, kMountSize, kViewSize>(
+                                 new EndOnEdge{g, bearing_vector(end.bearing_rad), axis,
+                                               edges[static_cast<std::size_t>(nearest)], sd_m}),
+                             new ceres::HuberLoss(kHuber), mount, unknowns);
+    groups.push_back(Group::kEdge);
+  }
+
+  /// Covariance, residuals and variance components at the solution.
+  bool evaluate(ceres::Problem& problem, const std::vector<Group>& groups) {
+    ceres::Problem::EvaluateOptions options;
+    options.num_threads = 1;
+    options.apply_loss_function = true;
+    std::vector<double> weighted;
+    ceres::CRSMatrix sparse;
+    double cost = 0.0;
+    if (!problem.Evaluate(options, &cost, &weighted, nullptr, &sparse)) return false;
+
+    const int size = sparse.num_cols;
+    Eigen::MatrixXd J = Eigen::MatrixXd::Zero(sparse.num_rows, size);
+    for (int row = 0; row < sparse.num_rows; ++row) {
+      for (int k = sparse.rows[static_cast<std::size_t>(row)];
+           k < sparse.rows[static_cast<std::size_t>(row) + 1]; ++k) {
+        J(row, sparse.cols[static_cast<std::size_t>(k)]) =
+            sparse.values[static_cast<std::size_t>(k)];
+      }
+    }
+    const Eigen::MatrixXd N = J.transpose() * J;
+    // scaled to a unit diagonal: its numbers span metres, radians and fractions
+    const Eigen::VectorXd s = N.diagonal().cwiseSqrt().cwiseMax(1e-12).cwiseInverse();
+    Eigen::MatrixXd scaled = s.asDiagonal() * N * s.asDiagonal();
+    scaled.diagonal().array() += 1e-13;
+    const Eigen::LDLT<Eigen::MatrixXd> solver(scaled);
+    if (solver.info() != Eigen::Success) return false;
+    const Eigen::MatrixXd Q =
+        s.asDiagonal() * solver.solve(Eigen::MatrixXd::Identity(size, size)) * s.asDiagonal();
+    out_.covariance = Q.topLeftCorner<kMountSize, kMountSize>();
+    if (!out_.covariance.allFinite()) return false;
+
+    out_.views.assign(views_.size(), {});
+    double beam_sum = 0.0, beam_redundancy = 0.0, scan_sum = 0.0, scan_redundancy = 0.0;
+    out_.num_points = out_.num_edges = 0;
+    std::size_t view = 0, row = 0;
+    for (const Group group : groups) {
+      const auto r = static_cast<Eigen::Index>(row);
+      if (group == Group::kBeam) {
+        beam_sum += weighted[row] * weighted[row];
+        beam_redundancy += 1.0 - (J.row(r) * Q).dot(J.row(r));
+        ++out_.num_points;
+      } else if (group == Group::kEdge) {
+        ++out_.num_edges;
+      } else if (group == Group::kView) {
+        const auto scan_row = r + kViewSize - 1;
+        scan_sum += weighted[row + kViewSize - 1] * weighted[row + kViewSize - 1];
+        scan_redundancy += 1.0 - (J.row(scan_row) * Q).dot(J.row(scan_row));
+        double squares = 0.0;
+        for (std::size_t k = 0; k < kViewSize; ++k)
+          squares += weighted[row + k] * weighted[row + k];
+        out_.views[view++].disagreement = std::sqrt(squares);
+      }
+      row += group == Group::kView ? kViewSize : 1;
+    }
+    out_.scan_redundancy = scan_redundancy;
+    if (beam_redundancy > 3.0) {
+      out_.beam_factor =
+          std::clamp(out_.beam_factor * std::sqrt(beam_sum / beam_redundancy), 0.02, 20.0);
+    }
+    if (scan_redundancy > 2.0) {
+      out_.scan_factor =
+          std::clamp(out_.scan_factor * std::sqrt(scan_sum / scan_redundancy), 0.05, 5.0);
+    }
+    return true;
+  }
+
+  /// What a person asks: how far do the scans' points lie from the boards of the pictures?
+  void measure_views() {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      const AdjustmentView& view = views_[i];
+      const Eigen::Vector3d normal = view.board.normal_camera();
+      double mean_m = 0.0, squares = 0.0;
+      for (std::size_t k = 0; k < view.line.ranges_m.size(); ++k) {
+        const Eigen::Vector3d p_laser =
+            view.line.ranges_m[k] * bearing_vector(view.line.bearings_rad[k]);
+        const double off_m = normal.dot(out_.mount.R_camera_laser * p_laser + out_.mount.delta_m) -
+                             view.board.distance_m();
+        mean_m += off_m;
+        squares += off_m * off_m;
+      }
+      const double n = static_cast<double>(std::max<std::size_t>(1, view.line.ranges_m.size()));
+      out_.views[i].mean_m = mean_m / n;
+      out_.views[i].rms_m = std::sqrt(squares / n);
+      sum += squares;
+    }
+    out_.rms_m = std::sqrt(sum / std::max(1, out_.num_points));
+  }
+
+  const std::vector<AdjustmentView>& views_;
+  const RangeNoise& noise_;
+  const BoardOutline* outline_;
+  MountAdjustment out_;
+};
+
+}  // namespace
+
+std::optional<MountAdjustment> adjust_mount(const std::vector<AdjustmentView>& views,
+                                            const Mount& start, const RangeNoise& noise,
+                                            const BoardOutline* outline) {
+  if (views.empty()) return std::nullopt;
+  return Adjustment(views, noise, outline).run(start);
+}
+
+}  // namespace orchard::calibration

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibration/extrinsics/camera_delay.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+namespace orchard::calibration {
+namespace {
+
+constexpr double kRateStep_s = 0.002;  ///< for the numeric derivative of the column
+constexpr double kSearch_s = 0.3;      ///< to either side of the delay believed in
+constexpr double kSearchStep_s = 0.005;
+constexpr double kSearchOffset_px = 12.0;
+constexpr double kSearchOffsetStep_px = 0.5;
+constexpr double kVoteWidth_px = 2.0;
+constexpr double kTukey_px = 3.0;
+constexpr double kAgreeingMin = 0.4;  ///< share of looks; fewer agree by chance
+
+struct Line {
+  double delay_s = 0.0;
+  double offset_px = 0.0;
+
+  double residual(double offset_px_seen, double rate) const {
+    return offset_px_seen - (offset_px - rate * delay_s);
+  }
+};
+
+double least_residual(const DelayLook& look, const Line& line) {
+  double least = line.residual(look.offsets_px.front(), look.rate_px_per_s);
+  for (const double offset_px : look.offsets_px) {
+    const double r = line.residual(offset_px, look.rate_px_per_s);
+    if (std::abs(r) < std::abs(least)) least = r;
+  }
+  return least;
+}
+
+Line most_agreed(const std::vector<DelayLook>& looks) {
+  Line best;
+  double best_votes = -1.0;
+  const int num_delays = static_cast<int>(std::lround(kSearch_s / kSearchStep_s));
+  const int num_offsets = static_cast<int>(std::lround(kSearchOffset_px / kSearchOffsetStep_px));
+  for (int i = -num_delays; i <= num_delays; ++i) {
+    for (int k = -num_offsets; k <= num_offsets; ++k) {
+      const Line line{i * kSearchStep_s, k * kSearchOffsetStep_px};
+      double votes = 0.0;
+      for (const DelayLook& look : looks) {
+        const double u = least_residual(look, line) / kVoteWidth_px;
+        if (std::abs(u) < 1.0) votes += (1.0 - u * u) * (1.0 - u * u);
+      }
+      if (votes > best_votes) {
+        best_votes = votes;
+        best = line;
+      }
+    }
+  }
+  return best;
+}
+
+double tukey_weight(double residual_px) {
+  const double u = residual_px / kTukey_px;
+  return std::abs(u) < 1.0 ? (1.0 - u * u) * (1.0 - u * u) : 0.0;
+}
+
+struct Fit {
+  Line line;
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of (delay, offset)
+};
+
+/// Iterated weighted least squares; nothing when the rates do not tell delay from offset.
+std::optional<Fit> refine(const std::vector<DelayLook>& looks, Line line) {
+  Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
+  for (int round = 0; round < 30; ++round) {
+    normal.setZero();
+    Eigen::Vector2d right = Eigen::Vector2d::Zero();
+    for (const DelayLook& look : looks) {
+      const double r = least_residual(look, line);
+      const Eigen::Vector2d row(-look.rate_px_per_s, 1.0);
+      normal += tukey_weight(r) * row * row.transpose();
+      right += tukey_weight(r) * r * row;
+    }
+    if (std::abs(normal.determinant()) < 1e-9) return std::nullopt;
+    const Eigen::Vector2d step = normal.inverse() * right;
+    line.delay_s += step(0);
+    line.offset_px += step(1);
+    if (std::abs(step(0)) < 1e-7 && std::abs(step(1)) < 1e-5) break;
+  }
+  // What one picture's looks get wrong they get wrong together.
+  std::map<std::int32_t, Eigen::Vector2d> scores;
+  for (const DelayLook& look : looks) {
+    const double r = least_residual(look, line);
+    const auto at = scores.try_emplace(look.picture, Eigen::Vector2d::Zero()).first;
+    at->second += tukey_weight(r) * r * Eigen::Vector2d(-look.rate_px_per_s, 1.0);
+  }
+  Eigen::Matrix2d meat = Eigen::Matrix2d::Zero();
+  for (const auto& [picture, score] : scores) meat += score * score.transpose();
+  const Eigen::Matrix2d inverse = normal.inverse();
+  return Fit{line, inverse * meat * inverse};
+}
+
+std::string sentence(const char* format, int a, int b, double c) {
+  char text[320];
+  std::snprintf(text, sizeof text, format, a, b, c);
+  return text;
+}
+
+void require_looks(const std::vector<DelayLook>& looks, const DelayOptions& options) {
+  const int num = static_cast<int>(looks.size());
+  if (num < options.min_looks) {
+    throw std::runtime_error(sentence(
+        "only %d looks at trunks with both edges in the picture (%d are needed, within %.0f m or "
+        "less); drive past trunks with the camera on them",
+        num, options.min_looks, 5.0));
+  }
+  const auto num_turning =
+      static_cast<int>(std::count_if(looks.begin(), looks.end(), [&](const DelayLook& look) {
+        return std::abs(look.yaw_rate_radps) >= options.turning_radps;
+      }));
+  if (num_turning < options.min_turning_looks) {
+    throw std::runtime_error(sentence(
+        "the robot hardly turned: %d of %d looks at a yaw rate of %.1f rad/s or more, so a delay "
+        "cannot be told; drive curves to both sides past trunks",
+        num_turning, num, options.turning_radps));
+  }
+}
+
+}  // namespace
+
+std::vector<DelayLook> look_at_delay(const detection::LaserFindings& findings,
+                                     const vision::Image& image, const detection::Rig& rig,
+                                     const detection::Motion& motion, double reach_px,
+                                     std::int32_t picture) {
+  std::vector<DelayLook> looks;
+  const auto to_exposure = detection::to_picture(findings, image, rig, motion);
+  if (!to_exposure) return looks;
+  detection::ScanToPicture before = *to_exposure, after = *to_exposure;
+  before.first_beam_dt_s -= kRateStep_s;
+  after.first_beam_dt_s += kRateStep_s;
+  vision::PictureReader reader(image);
+  for (const auto& seen : detection::look_for_edges(findings, reader, rig, motion, reach_px)) {
+    const laser::Segment& segment = findings.candidates[seen.candidate].segment;
+    const auto early = detection::view_of(segment, rig, before);
+    const auto late = detection::view_of(segment, rig, after);
+    if (!early || !late) continue;
+    DelayLook look;
+    look.picture = picture;
+    look.yaw_rate_radps = motion.yaw_rate_radps;
+    look.rate_px_per_s =
+        0.5 * (late->left_x_px + late->right_x_px - early->left_x_px - early->right_x_px) /
+        (2.0 * kRateStep_s);
+    for (const auto& offset : seen.offsets) look.offsets_px.push_back(offset.middle_px());
+    looks.push_back(std::move(look));
+  }
+  return looks;
+}
+
+DelayEstimate estimate_delay(const std::vector<DelayLook>& looks, const DelayOptions& options) {
+  require_looks(looks, options);
+  const auto fit = refine(looks, most_agreed(looks));
+  DelayEstimate estimate;
+  estimate.num_all = static_cast<int>(looks.size());
+  std::map<std::int32_t, int> pictures;
+  double sum_px2 = 0.0;
+  for (const DelayLook& look : looks) {
+    const double r = fit ? least_residual(look, fit->line) : kTukey_px;
+    if (std::abs(r) >= kTukey_px) continue;
+    ++estimate.num_looks;
+    ++pictures[look.picture];
+    sum_px2 += r * r;
+    if (std::abs(look.yaw_rate_radps) >= options.turning_radps) ++estimate.num_turning;
+  }
+  if (!fit || estimate.num_looks < kAgreeingMin * estimate.num_all ||
+      estimate.num_turning < options.min_turning_looks) {
+    throw std::runtime_error(sentence(
+        "only %d of %d looks agree with one delay (%.0f %% are needed); check camera.phi_rad, "
+        "camera.delta_m and laser.mount_* first (orchard calibrate laser-camera)",
+        estimate.num_looks, estimate.num_all, 100.0 * kAgreeingMin));
+  }
+  estimate.delay_s = fit->line.delay_s;
+  estimate.se_s = std::sqrt(fit->covariance(0, 0));
+  estimate.offset_px = fit->line.offset_px;
+  estimate.offset_se_px = std::sqrt(fit->covariance(1, 1));
+  estimate.residual_sd_px = std::sqrt(sum_px2 / std::max(1, estimate.num_looks - 2));
+  estimate.num_pictures = static_cast<int>(pictures.size());
+  if (estimate.se_s > options.max_se_s) {
+    throw std::runtime_error(sentence(
+        "%d looks in %d pictures tell the delay to %.1f ms only; drive more and faster curves to "
+        "both sides past trunks",
+        estimate.num_looks, estimate.num_pictures, 1e3 * estimate.se_s));
+  }
+  return estimate;
+}
+
+}  // namespace orchard::calibration

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibration/extrinsics/check.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <cstdio>
+
+#include "geometry/angles.hpp"
+
+namespace orchard::calibration {
+namespace {
+
+constexpr double kLargest_deg = 45.0;
+constexpr double kOtherSide_m = 0.05;
+
+double angle_deg(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
+  return Eigen::AngleAxisd(a.transpose() * b).angle() * 180.0 / geometry::kPi;
+}
+
+/// What a calibration finds when the picture's axis is mirrored: the scan plane's two directions
+/// are mirrored, the third follows from them.
+Mount mirrored(const Mount& mount, const Eigen::Vector3d& mirror) {
+  Mount seen;
+  seen.R_camera_laser = mirror.asDiagonal() * mount.R_camera_laser;
+  seen.R_camera_laser.col(2) *= -1.0;
+  seen.delta_m = mirror.asDiagonal() * mount.delta_m;
+  return seen;
+}
+
+}  // namespace
+
+std::string mount_contradiction(const Mount& found, const Mount& stated) {
+  const double turned_deg = angle_deg(found.R_camera_laser, stated.R_camera_laser);
+  if (turned_deg > kLargest_deg) {
+    const Mount left_right = mirrored(stated, {-1.0, 1.0, 1.0});
+    if (angle_deg(found.R_camera_laser, left_right.R_camera_laser) < 0.5 * kLargest_deg) {
+      return "the pictures are mirrored left to right, or the camera is mounted upside down "
+             "against what camera.phi_rad states (to a scanner, which sees one plane, both look "
+             "the same)";
+    }
+    char text[200];
+    std::snprintf(text, sizeof text,
+                  "the camera is mounted turned by %.0f deg against what camera.phi_rad states",
+                  turned_deg);
+    return text;
+  }
+  const Mount top_bottom = mirrored(stated, {1.0, -1.0, 1.0});
+  const double off_m = (found.delta_m - stated.delta_m).norm();
+  if (off_m > kOtherSide_m && (found.delta_m - top_bottom.delta_m).norm() < 0.3 * off_m) {
+    return "the pictures are mirrored top to bottom, or the laser is mounted on the other side of "
+           "the camera than camera.delta_m states (to a scanner, which sees one plane, both look "
+           "the same)";
+  }
+  return {};
+}
+
+}  // namespace orchard::calibration

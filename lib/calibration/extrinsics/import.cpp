@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibration/extrinsics/import.hpp"
+
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
+#include <stdexcept>
+
+#include "geometry/angles.hpp"
+
+namespace orchard::calibration {
+namespace {
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+
+/// Where a word stands alone, followed by "=" or ":"; npos when nowhere.
+std::size_t find_name(const std::string& text, const std::string& name) {
+  for (std::size_t at = text.find(name); at != std::string::npos; at = text.find(name, at + 1)) {
+    const std::size_t end = at + name.size();
+    if (at > 0 && is_letter(text[at - 1])) continue;
+    const std::size_t next = text.find_first_not_of(" \t", end);
+    if (next != std::string::npos && (text[next] == '=' || text[next] == ':')) return next + 1;
+  }
+  return std::string::npos;
+}
+
+struct Three {
+  std::array<double, 3> numbers{};
+  std::size_t end = 0;
+};
+
+Three three_numbers(const std::string& text, const std::string& name) {
+  const std::size_t at = find_name(text, name);
+  if (at == std::string::npos) {
+    throw std::runtime_error("holds no \"" + name + " = [x y z]\"");
+  }
+  Three three;
+  three.end = at;
+  for (double& number : three.numbers) {
+    const std::size_t begin = text.find_first_not_of(" \t\r\n[](),;", three.end);
+    const char* start = begin == std::string::npos ? nullptr : text.c_str() + begin;
+    char* stop = nullptr;
+    if (start) number = std::strtod(start, &stop);
+    if (!start || stop == start || !std::isfinite(number)) {
+      throw std::runtime_error("has no three numbers after \"" + name + "\"");
+    }
+    three.end = begin + static_cast<std::size_t>(stop - start);
+  }
+  return three;
+}
+
+AngleUnit stated_unit(const std::string& text, std::size_t from) {
+  const std::size_t next_name = text.find('=', from);
+  const std::string rest =
+      text.substr(from, next_name == std::string::npos ? next_name : next_name - from);
+  const bool degrees = rest.find("deg") != std::string::npos;
+  const bool radians = rest.find("rad") != std::string::npos;
+  if (degrees == radians) return AngleUnit::kAsStated;
+  return degrees ? AngleUnit::kDegrees : AngleUnit::kRadians;
+}
+
+}  // namespace
+
+geometry::LaserCameraExtrinsics import_mount(const std::string& text, LaserAxes axes,
+                                             AngleUnit unit) {
+  const std::string small = lower(text);
+  const Three delta = three_numbers(small, "delta");
+  const Three phi = three_numbers(small, "phi");
+  if (unit == AngleUnit::kAsStated) unit = stated_unit(small, phi.end);
+  if (unit == AngleUnit::kAsStated) {
+    throw std::runtime_error("does not say whether phi is in deg or rad: say --angles deg or rad");
+  }
+  geometry::LaserCameraExtrinsics extrinsics;
+  extrinsics.delta_m = delta.numbers;
+  const double scale = unit == AngleUnit::kDegrees ? geometry::kPi / 180.0 : 1.0;
+  for (std::size_t i = 0; i < 3; ++i) extrinsics.phi_rad[i] = scale * phi.numbers[i];
+  Eigen::Matrix3d R = geometry::LaserToCamera(extrinsics).rotation();
+  if (axes == LaserAxes::kToolbox) {
+    Eigen::Matrix3d R_toolbox_ours;  // (x, y, z) = (left, up, forward) of (forward, left, up)
+    R_toolbox_ours << 0, 1, 0, 0, 0, 1, 1, 0, 0;
+    R = R * R_toolbox_ours;
+    extrinsics.phi_rad = geometry::paper_angles_rad(R);
+  }
+  constexpr double kLeastAhead = 0.5;  // 60 degrees
+  if (R(2, 0) < kLeastAhead) {
+    throw std::runtime_error(
+        std::string("under these axes the camera looks away from where the scanner looks "
+                    "forward: try --axes ") +
+        (axes == LaserAxes::kToolbox ? "orchard" : "toolbox") + " or the other unit of --angles");
+  }
+  return extrinsics;
+}
+
+}  // namespace orchard::calibration

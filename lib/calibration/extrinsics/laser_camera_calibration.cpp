@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibration/extrinsics/laser_camera_calibration.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "calibration/board/board_association.hpp"
+#include "geometry/angles.hpp"
+
+namespace orchard::calibration {
+namespace {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Fate = LaserCameraView::Fate;
+
+/// How (delta, phi) moves with (delta, turn): numerically, the angles' formulas are short.
+Matrix6 angles_jacobian(const Mount& mount) {
+  Matrix6 jacobian = Matrix6::Identity();
+  constexpr double kStep_rad = 1e-6;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto angles = [&](double turn_rad) {
+      const Eigen::AngleAxisd turn(turn_rad, Eigen::Vector3d::Unit(axis));
+      return geometry::paper_angles_rad(turn.toRotationMatrix() * mount.R_camera_laser);
+    };
+    const auto above = angles(kStep_rad), below = angles(-kStep_rad);
+    for (std::size_t k = 0; k < 3; ++k) {
+      jacobian(3 + static_cast<int>(k), 3 + axis) =
+          geometry::wrap_angle_rad(above[k] - below[k]) / (2.0 * kStep_rad);
+    }
+  }
+  return jacobian;
+}
+
+/// Half a 95 % interval of Student's t in standard deviations; good to 1 % from 3 degrees of
+/// freedom on (Cornish and Fisher's expansion).
+double student_95(double degrees_of_freedom) {
+  const double f = std::max(3.0, degrees_of_freedom);
+  const double z = 1.959964;
+  const double z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
+  return z + (z3 + z) / (4.0 * f) + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * f * f) +
+         (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * f * f * f);
+}
+
+class Calibration {
+ public:
+  Calibration(const std::vector<MountView>& views, const BoardOutline& outline,
+              const LaserCameraOptions& options)
+      : views_(views), outline_(outline), options_(options) {
+    out_.views.resize(views.size());
+  }
+
+  LaserCameraCalibration run() {
+    out_.refusal = why_not();
+    return out_;
+  }
+
+ private:
+  std::string why_not() {
+    if (static_cast<int>(views_.size()) < options_.min_views) {
+      return "only " + std::to_string(views_.size()) + " views of the board, at least " +
+             std::to_string(options_.min_views) + " are needed; hold it still in more places";
+    }
+    std::vector<BoardPose> boards;
+    int num_with_line = 0;
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      boards.push_back(views_[i].board);
+      if (!views_[i].lines.empty()) {
+        ++num_with_line;
+        out_.views[i].fate = Fate::kNotSeen;
+      }
+    }
+    if (num_with_line < options_.min_views) {
+      return "the scanner saw nothing of the board's size in " +
+             std::to_string(views_.size() - static_cast<std::size_t>(num_with_line)) + " of " +
+             std::to_string(views_.size()) +
+             " views that the camera saw: hold the board where the scan plane cuts it";
+    }
+    out_.motion = board_motion(boards);
+    const std::string degenerate = degenerate_motion(out_.motion);
+    if (!degenerate.empty()) return degenerate;
+
+    Association association = associate_board_lines(views_, outline_);
+    const int wanted =
+        std::max(options_.min_views,
+                 static_cast<int>(std::ceil(options_.min_fitting_share * num_with_line)));
+    if (association.num_fitting < wanted) {
+      return "no mount of the scanner puts one of its lines on the board in more than " +
+             std::to_string(association.num_fitting) + " of " + std::to_string(num_with_line) +
+             " views (" + std::to_string(wanted) +
+             " are needed): either the scanner never saw the board, or the board's size, the "
+             "camera's intrinsics or the times of scans and pictures are wrong";
+    }
+    // five views fit some mount by chance; a rival must be as good as that and no better
+    if (association.rival_fitting >= std::max(6, (9 * association.num_fitting + 9) / 10)) {
+      return "two different mounts of the scanner explain the views equally well (" +
+             std::to_string(association.num_fitting) + " and " +
+             std::to_string(association.rival_fitting) +
+             " views): tilt the board more and to all sides";
+    }
+    return adjust(association);
+  }
+
+  std::string adjust(const Association& association) {
+    std::vector<std::size_t> used;
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      if (association.line_of_view[i] < 0) continue;
+      out_.views[i].line = association.line_of_view[i];
+      used.push_back(i);
+    }
+    const std::size_t num_first = used.size();
+    std::optional<MountAdjustment> adjustment;
+    for (;;) {
+      std::vector<AdjustmentView> chosen;
+      for (const std::size_t i : used) {
+        const auto line = static_cast<std::size_t>(out_.views[i].line);
+        chosen.push_back({views_[i].board, views_[i].lines[line], views_[i].num_scans});
+      }
+      adjustment = adjust_mount(chosen, association.mount, options_.noise,
+                                options_.use_edges ? &outline_ : nullptr);
+      if (!adjustment) return "the equations of the mount have no solution; record again";
+      std::size_t worst = 0;
+      for (std::size_t k = 0; k < used.size(); ++k) {
+        auto& view = out_.views[used[k]];
+        view.fate = Fate::kUsed;
+        view.rms_m = adjustment->views[k].rms_m;
+        view.mean_m = adjustment->views[k].mean_m;
+        view.disagreement = adjustment->views[k].disagreement;
+        if (view.disagreement > out_.views[used[worst]].disagreement) worst = k;
+      }
+      if (out_.views[used[worst]].disagreement <= options_.disagreement_max) break;
+      out_.views[used[worst]].fate = Fate::kOutlier;
+      used.erase(used.begin() + static_cast<std::ptrdiff_t>(worst));
+      const double left_out = static_cast<double>(num_first - used.size());
+      if (left_out > options_.outlier_share_max * static_cast<double>(num_first) ||
+          static_cast<int>(used.size()) < options_.min_views) {
+        return "the views contradict each other: " + std::to_string(num_first - used.size()) +
+               " of " + std::to_string(num_first) +
+               " are outliers; hold the board still, and check its square size and the camera's "
+               "intrinsics";
+      }
+    }
+    out_.num_used = static_cast<int>(used.size());
+    out_.mount = adjustment->mount;
+    out_.rms_m = adjustment->rms_m;
+    out_.covariance = adjustment->covariance;
+    out_.beam_factor = adjustment->beam_factor;
+    out_.scan_factor = adjustment->scan_factor;
+    out_.interval95_factor = student_95(adjustment->scan_redundancy);
+    for (int i = 0; i < 3; ++i) {
+      out_.extrinsics.delta_m[static_cast<std::size_t>(i)] = out_.mount.delta_m[i];
+    }
+    out_.extrinsics.phi_rad = geometry::paper_angles_rad(out_.mount.R_camera_laser);
+    const Matrix6 jacobian = angles_jacobian(out_.mount);
+    out_.covariance_phi = jacobian * out_.covariance * jacobian.transpose();
+    std::vector<BoardPose> boards;
+    for (const std::size_t i : used) boards.push_back(views_[i].board);
+    out_.motion = board_motion(boards);
+    const std::string degenerate = degenerate_motion(out_.motion);
+    if (!degenerate.empty()) return degenerate;
+    return undetermined_direction(out_.covariance, options_.shift_sd_max_m,
+                                  options_.turn_sd_max_rad, out_.motion);
+  }
+
+  const std::vector<MountView>& views_;
+  const BoardOutline& outline_;
+  const LaserCameraOptions& options_;
+  LaserCameraCalibration out_;
+};
+
+}  // namespace
+
+LaserCameraOptions laser_camera_options(const laser::LaserConfig& laser) {
+  LaserCameraOptions options;
+  options.noise.beam_sd_m = std::max(1e-4, laser.range_sd_m);
+  options.noise.beam_sd_fraction = laser.range_sd_fraction;
+  options.noise.scan_sd_fraction = std::max(1e-3, laser.range_sd_fraction);
+  return options;
+}
+
+BoardLineSearch line_search(const BoardOutline& outline, const laser::LaserConfig& laser) {
+  const double width_m = outline.x_max_m - outline.x_min_m;
+  const double height_m = outline.y_max_m - outline.y_min_m;
+  BoardLineSearch search;
+  search.length_min_m = 0.45 * std::min(width_m, height_m);
+  search.length_max_m = 1.03 * std::hypot(width_m, height_m) + 0.02;
+  search.range_sd_m = std::max(1e-3, laser.range_sd_m);
+  search.range_sd_fraction = laser.range_sd_fraction;
+  return search;
+}
+
+LaserCameraCalibration calibrate_laser_camera(const std::vector<MountView>& views,
+                                              const BoardOutline& outline,
+                                              const LaserCameraOptions& options) {
+  return Calibration(views, outline, options).run();
+}
+
+}  // namespace orchard::calibration

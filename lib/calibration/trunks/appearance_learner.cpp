@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibration/trunks/appearance_learner.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+#include <stdexcept>
+#include <string>
+
+#include "calibration/trunks/roc_area.hpp"
+#include "vision/appearance/appearance.hpp"
+
+namespace orchard::calibration {
+namespace {
+
+constexpr int kNumFeatures = static_cast<int>(vision::kNumAppearanceFeatures);
+constexpr int kMinWindows = 10;  // of a class: fewer say nothing
+constexpr int kMaxSteps = 50;
+constexpr double kMinScale = 1e-6;
+
+using Samples = std::vector<const AppearanceSample*>;
+
+/// The weight of a sample, so that both classes count as half of all samples each.
+struct ClassWeights {
+  double trunk = 1.0, other = 1.0;
+
+  explicit ClassWeights(const Samples& samples) {
+    double num_trunk = 0.0;
+    for (const AppearanceSample* sample : samples) num_trunk += sample->is_trunk ? 1.0 : 0.0;
+    const auto n = static_cast<double>(samples.size());
+    trunk = 0.5 * n / num_trunk;
+    other = 0.5 * n / (n - num_trunk);
+  }
+  double of(const AppearanceSample& sample) const { return sample.is_trunk ? trunk : other; }
+};
+
+bool has_both_classes(const Samples& samples) {
+  const auto is_trunk = [](const AppearanceSample* s) { return s->is_trunk; };
+  return std::any_of(samples.begin(), samples.end(), is_trunk) &&
+         !std::all_of(samples.begin(), samples.end(), is_trunk);
+}
+
+void standardise(const Samples& samples, vision::AppearanceConfig& config) {
+  const auto n = static_cast<double>(samples.size());
+  config.mean.assign(kNumFeatures, 0.0);
+  config.scale.assign(kNumFeatures, 0.0);
+  for (std::size_t i = 0; i < kNumFeatures; ++i) {
+    for (const AppearanceSample* sample : samples) config.mean[i] += sample->features[i] / n;
+    for (const AppearanceSample* sample : samples) {
+      const double d = sample->features[i] - config.mean[i];
+      config.scale[i] += d * d / n;
+    }
+    config.scale[i] = std::max(std::sqrt(config.scale[i]), kMinScale);
+  }
+}
+
+/// What is fitted: a ridge penalty, with or without the features' squares.
+struct Shape {
+  double penalty = 0.0;
+  bool squares = false;
+
+  int num_terms() const { return squares ? 2 * kNumFeatures : kNumFeatures; }
+};
+
+/// The terms of appearance_log_odds(), then 1 for the bias.
+Eigen::VectorXd terms_of(const AppearanceSample& sample, const vision::AppearanceConfig& config,
+                         const Shape& shape) {
+  Eigen::VectorXd x(shape.num_terms() + 1);
+  x[shape.num_terms()] = 1.0;
+  for (int i = 0; i < kNumFeatures; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    x[i] = (sample.features[k] - config.mean[k]) / config.scale[k];
+    if (!shape.squares) continue;
+    const double cut =
+        std::clamp(x[i], -vision::kAppearanceSquareReach, vision::kAppearanceSquareReach);
+    x[kNumFeatures + i] = cut * cut - 1.0;
+  }
+  return x;
+}
+
+/// -log(1 / (1 + exp(-margin))) without overflow.
+double loss_of(double margin) {
+  return margin > 0.0 ? std::log1p(std::exp(-margin)) : -margin + std::log1p(std::exp(margin));
+}
+
+/// Penalised negative log likelihood of the coefficients.
+double objective(const Samples& samples, const Eigen::MatrixXd& x, const ClassWeights& weights,
+                 const Eigen::VectorXd& beta, double penalty) {
+  double sum = 0.5 * penalty * beta.head(beta.size() - 1).squaredNorm();
+  const Eigen::VectorXd z = x.transpose() * beta;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const double margin =
+        samples[i]->is_trunk ? z[static_cast<Eigen::Index>(i)] : -z[static_cast<Eigen::Index>(i)];
+    sum += weights.of(*samples[i]) * loss_of(margin);
+  }
+  return sum;
+}
+
+/// Newton's method with halved steps: the problem is convex, so it ends at the one minimum.
+vision::AppearanceConfig fit(const Samples& samples, const Shape& shape) {
+  vision::AppearanceConfig config;
+  standardise(samples, config);
+  const ClassWeights weights(samples);
+  const int num_terms = shape.num_terms();
+  Eigen::MatrixXd x(num_terms + 1, static_cast<Eigen::Index>(samples.size()));
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    x.col(static_cast<Eigen::Index>(i)) = terms_of(*samples[i], config, shape);
+  }
+  Eigen::VectorXd ridge = Eigen::VectorXd::Constant(num_terms + 1, shape.penalty);
+  ridge[num_terms] = 1e-9;  // the bias is free
+  Eigen::VectorXd beta = Eigen::VectorXd::Zero(num_terms + 1);
+  double value = objective(samples, x, weights, beta, shape.penalty);
+  for (int step = 0; step < kMaxSteps; ++step) {
+    Eigen::VectorXd gradient = ridge.cwiseProduct(beta);
+    Eigen::VectorXd curvature(x.cols());
+    const Eigen::VectorXd z = x.transpose() * beta;
+    for (Eigen::Index i = 0; i < x.cols(); ++i) {
+      const AppearanceSample& sample = *samples[static_cast<std::size_t>(i)];
+      const double p = 1.0 / (1.0 + std::exp(-z[i]));
+      const double w = weights.of(sample);
+      gradient += w * (p - (sample.is_trunk ? 1.0 : 0.0)) * x.col(i);
+      curvature[i] = w * p * (1.0 - p);
+    }
+    Eigen::MatrixXd hessian = x * curvature.asDiagonal() * x.transpose();
+    hessian.diagonal() += ridge;
+    const Eigen::VectorXd newton = hessian.ldlt().solve(gradient);
+    double length = 1.0, next = 0.0;
+    for (; length > 1e-6; length *= 0.5) {
+      next = objective(samples, x, weights, beta - length * newton, shape.penalty);
+      if (next <= value) break;
+    }
+    if (next > value) break;
+    beta -= length * newton;
+    const double gain = value - next;
+    value = next;
+    if (gain <= 1e-10 * std::abs(value)) break;
+  }
+  config.weights.assign(beta.data(), beta.data() + kNumFeatures);
+  if (shape.squares) config.squares.assign(beta.data() + kNumFeatures, beta.data() + num_terms);
+  config.bias = beta[num_terms];
+  return config;
+}
+
+/// The samples of one fold, and all others.
+struct Fold {
+  Samples inside, outside;
+};
+
+/// Whole groups per fold, those with and those without trunks dealt out in turn; only folds that
+/// have both classes inside and outside.
+std::vector<Fold> deal_folds(const std::vector<AppearanceSample>& samples, int max_folds) {
+  std::map<int, bool> has_trunk;
+  for (const AppearanceSample& sample : samples) has_trunk[sample.group] |= sample.is_trunk;
+  const int num_folds = std::min(static_cast<int>(has_trunk.size()), max_folds);
+  std::map<int, int> fold_of;
+  int next_with = 0, next_without = 0;
+  for (const auto& [group, with] : has_trunk) {
+    fold_of[group] = (with ? next_with++ : next_without++) % num_folds;
+  }
+  std::vector<Fold> folds(static_cast<std::size_t>(num_folds));
+  for (const AppearanceSample& sample : samples) {
+    for (std::size_t i = 0; i < folds.size(); ++i) {
+      const bool is_inside = fold_of.at(sample.group) == static_cast<int>(i);
+      (is_inside ? folds[i].inside : folds[i].outside).push_back(&sample);
+    }
+  }
+  const auto useless = [](const Fold& fold) {
+    return !has_both_classes(fold.inside) || !has_both_classes(fold.outside);
+  };
+  folds.erase(std::remove_if(folds.begin(), folds.end(), useless), folds.end());
+  return folds;
+}
+
+/// Log odds given to windows, by their truth.
+struct Judged {
+  std::vector<double> trunk, other;
+
+  void add(const Samples& samples, const vision::AppearanceConfig& config) {
+    for (const AppearanceSample* sample : samples) {
+      (sample->is_trunk ? trunk : other)
+          .push_back(vision::appearance_log_odds(sample->features, config));
+    }
+  }
+};
+
+/// Mean area under the ROC curve of all other folds by fits to one.
+double area_of_others(const std::vector<Fold>& folds, const Shape& shape) {
+  double area = 0.0;
+  for (const Fold& fold : folds) {
+    Judged judged;
+    judged.add(fold.outside, fit(fold.inside, shape));
+    area += roc_area(judged.trunk, judged.other) / static_cast<double>(folds.size());
+  }
+  return area;
+}
+
+/// The strongest of the penalties with which a fit to one fold ranks all others best: an orchard
+/// has more trees and more light than those it was learnt from, so the few must speak for the
+/// many. With squares only where they are better even so.
+Shape choose_shape(const std::vector<Fold>& folds, const AppearanceLearnOptions& options) {
+  constexpr double kAlike = 1e-4;  // areas nearer than this say nothing
+  if (folds.empty()) return {options.penalties.at(options.penalties.size() / 2), false};
+  double best_area = 0.0;
+  Shape best;
+  for (const bool squares : {false, true}) {
+    std::vector<double> areas;
+    for (const double penalty : options.penalties) {
+      areas.push_back(area_of_others(folds, {penalty, squares}));
+    }
+    const double area = *std::max_element(areas.begin(), areas.end());
+    if (area <= best_area + kAlike) continue;
+    best_area = area;
+    best = {0.0, squares};
+    for (std::size_t i = 0; i < areas.size(); ++i) {
+      if (areas[i] >= area - kAlike) best.penalty = std::max(best.penalty, options.penalties[i]);
+    }
+  }
+  return best;
+}
+
+/// What makes log odds true: a + b x.
+struct Calibration {
+  double offset = 0.0;
+  double slope = 1.0;
+};
+
+/// Logistic regression of the truth on the log odds of windows left out, both classes weighing the
+/// same; targets a little inside 0 and 1 keep it finite. Source: Platt 1999.
+Calibration calibrate(const Judged& judged) {
+  const auto target = [](const std::vector<double>& scores) {
+    const auto n = static_cast<double>(scores.size());
+    return (n + 1.0) / (n + 2.0);
+  };
+  Calibration c;
+  for (int step = 0; step < kMaxSteps; ++step) {
+    Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
+    Eigen::Matrix2d hessian = 1e-9 * Eigen::Matrix2d::Identity();
+    const auto add = [&](const std::vector<double>& scores, double truth) {
+      for (const double score : scores) {
+        const double p = 1.0 / (1.0 + std::exp(-c.offset - c.slope * score));
+        const double weight = 1.0 / static_cast<double>(scores.size());
+        const Eigen::Vector2d x(1.0, score);
+        gradient += weight * (p - truth) * x;
+        hessian += weight * std::max(p * (1.0 - p), 1e-3) * x * x.transpose();
+      }
+    };
+    add(judged.trunk, target(judged.trunk));
+    add(judged.other, 1.0 - target(judged.other));
+    const Eigen::Vector2d move = hessian.ldlt().solve(gradient);
+    c.offset -= move[0];
+    c.slope -= move[1];
+    if (move.norm() < 1e-9) break;
+  }
+  return c;
+}
+
+/// Judges every fold by fits to all others; gives what makes their log odds true.
+Calibration cross_validate(const std::vector<Fold>& folds, const Shape& shape,
+                           AppearanceFit& found) {
+  Judged judged;
+  for (const Fold& fold : folds) judged.add(fold.inside, fit(fold.outside, shape));
+  if (folds.empty()) return {};
+  found.area = roc_area(judged.trunk, judged.other);
+  const Calibration c = calibrate(judged);
+  for (const double score : judged.trunk) {
+    found.log_loss +=
+        0.5 * loss_of(c.offset + c.slope * score) / static_cast<double>(judged.trunk.size());
+  }
+  for (const double score : judged.other) {
+    found.log_loss +=
+        0.5 * loss_of(-c.offset - c.slope * score) / static_cast<double>(judged.other.size());
+  }
+  return c;
+}
+
+void check(const std::vector<AppearanceSample>& samples, const AppearanceFit& found) {
+  if (found.num_trunk < kMinWindows || found.num_other < kMinWindows) {
+    throw std::runtime_error("there are " + std::to_string(found.num_trunk) +
+                             " windows on trunks and " + std::to_string(found.num_other) +
+                             " elsewhere; at least " + std::to_string(kMinWindows) +
+                             " of each are needed to learn what trunks look like");
+  }
+  for (const AppearanceSample& sample : samples) {
+    for (const double value : sample.features) {
+      if (!std::isfinite(value)) throw std::runtime_error("a window has a feature of no value");
+    }
+  }
+}
+
+}  // namespace
+
+AppearanceFit learn_appearance(const std::vector<AppearanceSample>& samples,
+                               const AppearanceLearnOptions& options) {
+  AppearanceFit found;
+  std::set<int> groups;
+  for (const AppearanceSample& sample : samples) {
+    ++(sample.is_trunk ? found.num_trunk : found.num_other);
+    groups.insert(sample.group);
+  }
+  check(samples, found);
+  found.num_groups = static_cast<int>(groups.size());
+  const std::vector<Fold> folds = deal_folds(samples, options.max_folds);
+  const Shape shape = choose_shape(folds, options);
+  found.penalty = shape.penalty;
+  const Calibration calibration = cross_validate(folds, shape, found);
+  Samples all;
+  for (const AppearanceSample& sample : samples) all.push_back(&sample);
+  found.config = fit(all, shape);
+  for (double& weight : found.config.weights) weight *= calibration.slope;
+  for (double& weight : found.config.squares) weight *= calibration.slope;
+  found.config.bias = calibration.offset + calibration.slope * found.config.bias;
+  return found;
+}
+
+}  // namespace orchard::calibration

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibration/trunks/probability_learner.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "calibration/trunks/multinomial_fit.hpp"
+#include "mapping/landmark_record.hpp"
+
+namespace orchard::calibration {
+namespace {
+
+using detection::ViewKind;
+
+constexpr int kLeastLooks = 20;
+constexpr int kCorrelationSteps = 50;
+
+using Thing = std::pair<int, int>;  // recording, place in its truth
+
+/// Looks of one kind as the regression wants them.
+MultinomialData data_of(const std::vector<ProbabilitySample>& samples, ViewKind view,
+                        std::size_t num_features, const ProbabilityLearnOptions& options,
+                        const std::vector<char>& is_kept) {
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (is_kept[i] && detection::view_kind(samples[i].detection) == view) rows.push_back(i);
+  }
+  MultinomialData data;
+  data.features.resize(static_cast<Eigen::Index>(num_features),
+                       static_cast<Eigen::Index>(rows.size()));
+  std::map<Thing, int> clusters;
+  int next = 0;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const ProbabilitySample& sample = samples[rows[k]];
+    const auto features = detection::probability_features(sample.detection, options.width_mean_m);
+    for (std::size_t f = 0; f < num_features; ++f) {
+      data.features(static_cast<Eigen::Index>(f), static_cast<Eigen::Index>(k)) = features[f];
+    }
+    data.outcomes.push_back(static_cast<int>(sample.outcome));
+    // what is a look at nothing is a cluster of its own
+    int cluster = next++;
+    if (sample.thing >= 0) {
+      cluster = clusters.try_emplace({sample.recording, sample.thing}, cluster).first->second;
+    }
+    data.clusters.push_back(cluster);
+  }
+  return data;
+}
+
+FittedWeights column(const MultinomialFit& fit, Eigen::Index outcome) {
+  const Eigen::VectorXd w = fit.weights.col(outcome), se = fit.standard_errors.col(outcome);
+  return {{w.data(), w.data() + w.size()}, {se.data(), se.data() + se.size()}};
+}
+
+ProbabilityFit fit_weights(const std::vector<ProbabilitySample>& samples,
+                           const ProbabilityLearnOptions& options, const std::vector<char>& is_kept,
+                           bool with_standard_errors) {
+  const auto judged =
+      data_of(samples, ViewKind::kJudged, detection::kNumJudgedFeatures, options, is_kept);
+  const auto laser =
+      data_of(samples, ViewKind::kLaserOnly, detection::kNumLaserFeatures, options, is_kept);
+  const auto of_judged = fit_multinomial(judged, options.penalty, with_standard_errors);
+  const auto of_laser = fit_multinomial(laser, options.penalty, with_standard_errors);
+  ProbabilityFit fit;
+  fit.num_judged = static_cast<int>(judged.outcomes.size());
+  fit.num_laser = static_cast<int>(laser.outcomes.size());
+  fit.judged_tree = column(of_judged, 0);
+  fit.judged_object = column(of_judged, 1);
+  fit.laser_tree = column(of_laser, 0);
+  fit.laser_object = column(of_laser, 1);
+  fit.config = {true, fit.judged_tree.values, fit.judged_object.values, fit.laser_tree.values,
+                fit.laser_object.values};
+  return fit;
+}
+
+/// The looks at one thing as the mapper adds them up.
+struct ThingEvidence {
+  bool is_tree = false;
+  double labelled_sum = 0.0, unseen_sum = 0.0;
+  int num_labelled = 0, num_unseen = 0;
+};
+
+/// -log of the probability given to what things are: mean over them, and its standard error.
+struct ThingLoss {
+  double mean = 0.0, standard_error = 0.0;
+};
+
+ThingLoss loss_of_things(const std::map<Thing, ThingEvidence>& things,
+                         const mapping::MapperConfig& config) {
+  double sum = 0.0, sum2 = 0.0;
+  for (const auto& [key, thing] : things) {
+    const bool labelled = thing.num_labelled > 0;
+    const double log_odds =
+        mapping::log_odds_of_tree(labelled ? thing.labelled_sum : thing.unseen_sum,
+                                  labelled ? thing.num_labelled : thing.num_unseen, config);
+    const double loss = std::log1p(std::exp(thing.is_tree ? -log_odds : log_odds));
+    sum += loss;
+    sum2 += loss * loss;
+  }
+  const auto n = static_cast<double>(std::max<std::size_t>(1, things.size()));
+  return {sum / n, std::sqrt(std::max(0.0, sum2 / n - sum * sum / (n * n)) / n)};
+}
+
+/// The prior is the share of trees among things. The correlation is the largest that is not worse
+/// than the best by more than a standard error: few things are wrong, so the data alone would ask
+/// for certainty.
+void fit_evidence(const std::vector<ProbabilitySample>& samples,
+                  const std::vector<double>& probabilities, ProbabilityFit& fit) {
+  double num_trees = 0.0, num = 0.0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (probabilities[i] < 0.0) continue;
+    num += 1.0;
+    num_trees += samples[i].outcome == Outcome::kTree ? 1.0 : 0.0;
+  }
+  mapping::MapperConfig config;
+  config.evidence = mapping::Evidence::kProbability;
+  fit.base_rate = config.evidence_base_rate = std::clamp(num_trees / num, 0.02, 0.98);
+  std::map<Thing, ThingEvidence> things;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const ProbabilitySample& sample = samples[i];
+    if (probabilities[i] < 0.0 || sample.thing < 0) continue;
+    ThingEvidence& thing = things[{sample.recording, sample.thing}];
+    thing.is_tree = sample.outcome == Outcome::kTree;
+    detection::Detection look = sample.detection;
+    look.probability_tree = static_cast<float>(probabilities[i]);
+    look.probability_object = static_cast<float>(1.0 - probabilities[i]);
+    // as the mapper does: labelled looks count alone once there is one
+    const bool labelled = look.label != detection::Label::kUnseen;
+    (labelled ? thing.labelled_sum : thing.unseen_sum) += mapping::evidence_of(look, config);
+    ++(labelled ? thing.num_labelled : thing.num_unseen);
+  }
+  fit.num_things = static_cast<int>(things.size());
+  double num_tree_things = 0.0;
+  for (const auto& [key, thing] : things) num_tree_things += thing.is_tree ? 1.0 : 0.0;
+  fit.prior =
+      std::clamp((num_tree_things + 1.0) / (static_cast<double>(things.size()) + 2.0), 0.02, 0.98);
+  config.evidence_prior = fit.prior;
+  ThingLoss best{std::numeric_limits<double>::infinity(), 0.0};
+  for (int step = 0; step <= kCorrelationSteps; ++step) {
+    config.evidence_correlation = static_cast<double>(step) / kCorrelationSteps;
+    const ThingLoss loss = loss_of_things(things, config);
+    if (loss.mean < best.mean) best = loss;
+  }
+  for (int step = 0; step <= kCorrelationSteps; ++step) {
+    config.evidence_correlation = static_cast<double>(step) / kCorrelationSteps;
+    if (loss_of_things(things, config).mean > best.mean + best.standard_error) continue;
+    fit.correlation = config.evidence_correlation;
+  }
+}
+
+void check(const std::vector<ProbabilitySample>& samples) {
+  int num_trees = 0, num_others = 0;
+  for (const ProbabilitySample& sample : samples) {
+    if (detection::view_kind(sample.detection) != ViewKind::kJudged) continue;
+    ++(sample.outcome == Outcome::kTree ? num_trees : num_others);
+  }
+  if (num_trees >= kLeastLooks && num_others >= kLeastLooks) return;
+  throw std::runtime_error("there are " + std::to_string(num_trees) +
+                           " judged looks at trees and " + std::to_string(num_others) +
+                           " at other things; at least " + std::to_string(kLeastLooks) +
+                           " of each are needed to learn probabilities");
+}
+
+double log_loss(const ProbabilitySample& sample, const detection::TreeProbability& p) {
+  const double given = sample.outcome == Outcome::kTree     ? p.tree
+                       : sample.outcome == Outcome::kObject ? p.object
+                                                            : 1.0 - p.tree - p.object;
+  return -std::log(std::max(given, 1e-12));
+}
+
+}  // namespace
+
+ProbabilityFit learn_probability(const std::vector<ProbabilitySample>& samples,
+                                 const ProbabilityLearnOptions& options) {
+  check(samples);
+  std::map<int, int> fold_of;
+  for (const ProbabilitySample& sample : samples) fold_of[sample.recording] = 0;
+  const int num_folds = std::min(static_cast<int>(fold_of.size()), options.max_folds);
+  int next = 0;
+  for (auto& [recording, fold] : fold_of) fold = next++ % num_folds;
+
+  std::vector<char> is_kept(samples.size(), 1);
+  ProbabilityFit found = fit_weights(samples, options, is_kept, true);
+  found.num_recordings = static_cast<int>(fold_of.size());
+  found.left_out_tree.assign(samples.size(), -1.0);
+  double loss = 0.0;
+  int num = 0;
+  for (int fold = 0; fold < num_folds; ++fold) {
+    detection::ProbabilityConfig config = found.config;
+    if (num_folds > 1) {
+      for (std::size_t i = 0; i < samples.size(); ++i) {
+        is_kept[i] = fold_of[samples[i].recording] != fold;
+      }
+      config = fit_weights(samples, options, is_kept, false).config;
+    }
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      if (fold_of[samples[i].recording] != fold) continue;
+      if (detection::view_kind(samples[i].detection) == ViewKind::kHidden) continue;
+      const auto p = tree_probability(samples[i].detection, options.width_mean_m, config);
+      found.left_out_tree[i] = p.tree;
+      loss += log_loss(samples[i], p);
+      ++num;
+    }
+  }
+  found.log_loss = loss / std::max(1, num);
+  fit_evidence(samples, found.left_out_tree, found);
+  return found;
+}
+
+}  // namespace orchard::calibration

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibration/trunks/trunk_appearance.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include "calibration/trunks/roc_area.hpp"
+
+namespace orchard::calibration {
+namespace {
+
+constexpr std::size_t kMaxLooks = 12;  // at one thing
+
+/// Looks at a thing, evenly spread over all of them.
+std::vector<std::size_t> spread(const std::vector<std::size_t>& looks) {
+  if (looks.size() <= kMaxLooks) return looks;
+  std::vector<std::size_t> some;
+  for (std::size_t i = 0; i < kMaxLooks; ++i) some.push_back(looks[i * looks.size() / kMaxLooks]);
+  return some;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+TrunkAppearance learn_trunk_appearance(const std::vector<TrunkObservation>& looks,
+                                       const TrunkModel& model,
+                                       const vision::ColourConfig& colour) {
+  vision::ColourConfig interval = colour;
+  interval.hue_min_deg = model.hue_min_deg;
+  interval.hue_max_deg = model.hue_max_deg;
+  std::vector<AppearanceSample> samples;
+  std::vector<double> hue_trunk, hue_other;
+  const auto take = [&](const WindowLook& window, bool is_trunk, int group) {
+    samples.push_back({window.features, is_trunk, group});
+    const double roc = vision::colour_confidence(window.hues, interval).roc;
+    (is_trunk ? hue_trunk : hue_other).push_back(roc);
+  };
+  for (std::size_t thing = 0; thing < model.things.size(); ++thing) {
+    const ThingSeen& seen = model.things[thing];
+    for (const std::size_t i : spread(seen.looks)) {
+      for (const auto& window : looks[i].on) take(window, seen.is_trunk, static_cast<int>(thing));
+      if (!seen.is_trunk) continue;
+      for (const auto& window : looks[i].beside) take(window, false, static_cast<int>(thing));
+    }
+  }
+  TrunkAppearance appearance;
+  appearance.fit = learn_appearance(samples);
+  appearance.hue_interval_area = roc_area(hue_trunk, hue_other);
+  return appearance;
+}
+
+std::optional<vision::WindowLight> trunk_light(const std::vector<TrunkObservation>& looks,
+                                               const TrunkModel& model) {
+  std::vector<double> blue, red, green;
+  for (const ThingSeen& seen : model.things) {
+    std::vector<double> of_thing[3];
+    for (const std::size_t i : seen.looks) {
+      if (!seen.is_trunk || !looks[i].light) continue;
+      of_thing[0].push_back(looks[i].light->blue);
+      of_thing[1].push_back(looks[i].light->red);
+      of_thing[2].push_back(looks[i].light->green);
+    }
+    if (of_thing[0].empty()) continue;
+    blue.push_back(median(std::move(of_thing[0])));
+    red.push_back(median(std::move(of_thing[1])));
+    green.push_back(median(std::move(of_thing[2])));
+  }
+  if (blue.empty()) return std::nullopt;
+  return vision::WindowLight{median(std::move(blue)), median(std::move(red)),
+                             median(std::move(green))};
+}
+
+}  // namespace orchard::calibration

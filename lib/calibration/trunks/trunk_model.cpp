@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibration/trunks/trunk_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+#include <utility>
+
+#include "calibration/trunks/hue_interval.hpp"
+#include "detection/adaptation/two_groups.hpp"
+
+namespace orchard::calibration {
+namespace {
+
+/// Without poses a thing is followed from look to look, for this long at most.
+constexpr std::int64_t kLostAfter_us = 1'000'000;
+/// A look beyond this many robust standard deviations is a mistake of segmentation, not scatter.
+constexpr double kOutlier = 3.5;
+constexpr double kMadToSd = 1.4826;
+
+struct Thing {
+  ThingSeen seen;
+  std::int64_t last_utime = 0;
+  bool in_map = false;
+};
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
+}
+
+double hue_distance_deg(double a_deg, double b_deg) {
+  return std::abs(std::remainder(a_deg - b_deg, 360.0));
+}
+
+std::vector<Thing> follow_things(const std::vector<TrunkObservation>& looks,
+                                 const TrunkModelOptions& options) {
+  std::vector<Thing> things;
+  for (std::size_t i = 0; i < looks.size(); ++i) {
+    const TrunkObservation& look = looks[i];
+    Thing* nearest = nullptr;
+    double nearest_m = options.gate_m;
+    for (Thing& thing : things) {
+      if (thing.seen.log != look.log || thing.in_map != look.in_map) continue;
+      if (thing.last_utime == look.utime) continue;  // one look per scan
+      if (!look.in_map && look.utime - thing.last_utime > kLostAfter_us) continue;
+      const double distance_m = std::hypot(thing.seen.x_m - look.x_m, thing.seen.y_m - look.y_m);
+      if (distance_m < nearest_m) {
+        nearest_m = distance_m;
+        nearest = &thing;
+      }
+    }
+    if (!nearest) {
+      things.emplace_back();
+      nearest = &things.back();
+      nearest->seen.log = look.log;
+      nearest->in_map = look.in_map;
+    }
+    nearest->seen.looks.push_back(i);
+    nearest->last_utime = look.utime;
+    const double share = look.in_map ? 1.0 / static_cast<double>(nearest->seen.looks.size()) : 1.0;
+    nearest->seen.x_m += share * (look.x_m - nearest->seen.x_m);
+    nearest->seen.y_m += share * (look.y_m - nearest->seen.y_m);
+  }
+  for (Thing& thing : things) {
+    std::vector<double> widths_m;
+    vision::HueHistogram hues;
+    for (const std::size_t i : thing.seen.looks) {
+      widths_m.push_back(looks[i].width_m);
+      add(looks[i].hues, hues);
+    }
+    thing.seen.num_observations = static_cast<int>(thing.seen.looks.size());
+    thing.seen.median_width_m = median(std::move(widths_m));
+    thing.seen.dominant_hue_deg = vision::dominant_hue_deg(hues, options.hue_bins);
+  }
+  return things;
+}
+
+bool alike(const ThingSeen& a, const ThingSeen& typical, bool has_hue,
+           const TrunkModelOptions& options) {
+  return std::abs(a.median_width_m - typical.median_width_m) <=
+             options.width_spread * typical.median_width_m &&
+         (!has_hue ||
+          hue_distance_deg(a.dominant_hue_deg, typical.dominant_hue_deg) <= options.hue_spread_deg);
+}
+
+/// The largest group of things alike that are not `taken`; among equals the one looked at most
+/// often. Empty when nothing was looked at often enough.
+std::vector<std::size_t> largest_population(const std::vector<Thing>& things,
+                                            const std::vector<bool>& taken, bool has_hue,
+                                            const TrunkModelOptions& options) {
+  const auto counts = [&](std::size_t i) {
+    return !taken[i] && things[i].seen.num_observations >= options.min_observations;
+  };
+  std::vector<std::size_t> best;
+  int most_looks = 0;
+  for (std::size_t i = 0; i < things.size(); ++i) {
+    if (!counts(i)) continue;
+    std::vector<std::size_t> group;
+    int num_looks = 0;
+    for (std::size_t k = 0; k < things.size(); ++k) {
+      if (!counts(k) || !alike(things[k].seen, things[i].seen, has_hue, options)) continue;
+      group.push_back(k);
+      num_looks += things[k].seen.num_observations;
+    }
+    if (group.size() > best.size() || (group.size() == best.size() && num_looks > most_looks)) {
+      best = std::move(group);
+      most_looks = num_looks;
+    }
+  }
+  return best;
+}
+
+double spread_of(const std::vector<double>& values, double mean) {
+  double squares = 0.0;
+  for (const double value : values) squares += (value - mean) * (value - mean);
+  return values.size() > 1 ? squares / (static_cast<double>(values.size()) - 1.0) : 0.0;
+}
+
+/// How far apart two populations are, in pooled standard deviations.
+double separation(const std::vector<double>& a, const std::vector<double>& b, double sd_floor) {
+  const auto mean = [](const std::vector<double>& values) {
+    double sum = 0.0;
+    for (const double value : values) sum += value;
+    return sum / static_cast<double>(values.size());
+  };
+  const double mean_a = mean(a), mean_b = mean(b);
+  const double pooled = std::sqrt(0.5 * (spread_of(a, mean_a) + spread_of(b, mean_b)));
+  return std::abs(mean_a - mean_b) / std::max(pooled, sd_floor);
+}
+
+std::string with_decimals(double value, int digits) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.*f", digits, value);
+  return text;
+}
+
+std::string millimetres(double metres) { return with_decimals(1e3 * metres, 0) + " mm"; }
+
+/// Says so when the second largest population cannot be told from the trunks, or may be them.
+void compare_populations(const std::vector<Thing>& things, const std::vector<std::size_t>& trunks,
+                         bool has_hue, const TrunkModelOptions& options, TrunkModel& model) {
+  std::vector<bool> taken(things.size());
+  for (const std::size_t i : trunks) taken[i] = true;
+  const auto others = largest_population(things, taken, has_hue, options);
+  if (others.size() < 2 || trunks.size() < 2) return;
+  std::vector<double> widths_m[2], hues_deg[2];
+  const double hue_deg = things[trunks.front()].seen.dominant_hue_deg;
+  for (const int which : {0, 1}) {
+    for (const std::size_t i : which == 0 ? trunks : others) {
+      widths_m[which].push_back(things[i].seen.median_width_m);
+      hues_deg[which].push_back(std::remainder(things[i].seen.dominant_hue_deg - hue_deg, 360.0));
+    }
+  }
+  const double by_width = separation(widths_m[0], widths_m[1], 1e-3);
+  const double by_hue = has_hue ? separation(hues_deg[0], hues_deg[1], 1.0) : 0.0;
+  const std::string what =
+      std::to_string(others.size()) + " other things of about " + millimetres(median(widths_m[1])) +
+      (has_hue ? " and hue " + with_decimals(median(hues_deg[1]) + hue_deg, 0) : std::string());
+  if (std::max(by_width, by_hue) < options.separation_min) {
+    model.warnings.push_back(
+        what + " do not separate from the trunks (" + with_decimals(by_width, 1) + " sd in width" +
+        (has_hue ? ", " + with_decimals(by_hue, 1) + " sd in hue" : "") + "; " +
+        with_decimals(options.separation_min, 0) +
+        " are needed): a mixed orchard, or posts like trunks; pick the trunks with --list and "
+        "--trees");
+  }
+  const double share =
+      static_cast<double>(trunks.size()) / static_cast<double>(trunks.size() + others.size());
+  if (share < options.share_min) {
+    model.warnings.push_back(what + " are about as many as the " + std::to_string(trunks.size()) +
+                             " taken for trunks; check with --list, and pick with --trees");
+  }
+}
+
+/// Says so when the trunks themselves are of two kinds.
+void look_for_two_kinds(const std::vector<Thing>& things, const std::vector<std::size_t>& trunks,
+                        const TrunkModelOptions& options, TrunkModel& model) {
+  std::vector<double> widths_m;
+  for (const std::size_t i : trunks) widths_m.push_back(things[i].seen.median_width_m);
+  if (widths_m.size() < 8) return;
+  const double middle_m = median(widths_m);
+  const auto groups = detection::find_two_groups(widths_m, 0.2, 0.01 * middle_m);
+  if (!groups || groups->separation < options.separation_min) return;
+  model.warnings.push_back("the trunks are of two kinds, about " + millimetres(groups->low_mean) +
+                           " and " + millimetres(groups->high_mean) + " wide (" +
+                           with_decimals(groups->separation, 1) +
+                           " sd apart): one mean fits neither; calibrate on one kind with --trees");
+}
+
+std::vector<std::size_t> picked_by_number(const std::vector<Thing>& things,
+                                          const std::vector<int>& numbers) {
+  std::vector<std::size_t> picked;
+  for (const int number : numbers) {
+    if (number < 1 || number > static_cast<int>(things.size())) {
+      throw std::runtime_error("there is no thing " + std::to_string(number) + ", only 1 to " +
+                               std::to_string(things.size()) + "; --list DIR shows them");
+    }
+    picked.push_back(static_cast<std::size_t>(number - 1));
+  }
+  return picked;
+}
+
+std::vector<std::size_t> picked_by_place(const std::vector<Thing>& things,
+                                         const std::vector<PickedPlace>& places, double gate_m) {
+  std::vector<std::size_t> picked;
+  for (const PickedPlace& place : places) {
+    const auto before = picked.size();
+    for (std::size_t i = 0; i < things.size(); ++i) {
+      const ThingSeen& seen = things[i].seen;
+      if (!things[i].in_map || std::hypot(seen.x_m - place.x_m, seen.y_m - place.y_m) > gate_m) {
+        continue;
+      }
+      if (std::find(picked.begin(), picked.end(), i) == picked.end()) picked.push_back(i);
+    }
+    if (picked.size() == before) {
+      throw std::runtime_error("landmark " + std::to_string(place.id) + " of the map, at (" +
+                               with_decimals(place.x_m, 2) + ", " + with_decimals(place.y_m, 2) +
+                               ") m, was not seen in full; leave it out of --ids");
+    }
+  }
+  return picked;
+}
+
+std::vector<std::size_t> find_trunks(const std::vector<Thing>& things, bool has_hue,
+                                     const TrunkModelOptions& options) {
+  if (!options.picked.empty()) return picked_by_number(things, options.picked);
+  if (!options.picked_places.empty()) {
+    return picked_by_place(things, options.picked_places, options.gate_m);
+  }
+  auto trunks = largest_population(things, std::vector<bool>(things.size()), has_hue, options);
+  if (trunks.empty()) {
+    throw std::runtime_error("nothing that stands alone was seen " +
+                             std::to_string(options.min_observations) +
+                             " times or more, so there is nothing to learn trunks from");
+  }
+  return trunks;
+}
+
+void measure_width(const std::vector<TrunkObservation>& looks, std::vector<std::size_t>& used,
+                   TrunkModel& model) {
+  std::vector<double> widths_m, deviations_m;
+  for (const std::size_t i : used) widths_m.push_back(looks[i].width_m);
+  const double middle_m = median(widths_m);
+  for (const double width_m : widths_m) deviations_m.push_back(std::abs(width_m - middle_m));
+  const double limit_m = std::max(kOutlier * kMadToSd * median(deviations_m), 0.05 * middle_m);
+  used.erase(std::remove_if(
+                 used.begin(), used.end(),
+                 [&](std::size_t i) { return std::abs(looks[i].width_m - middle_m) > limit_m; }),
+             used.end());
+  const auto n = static_cast<double>(used.size());
+  double sum_m = 0.0, squares_m2 = 0.0;
+  for (const std::size_t i : used) sum_m += looks[i].width_m;
+  model.width_mean_m = sum_m / n;
+  for (const std::size_t i : used) {
+    const double deviation_m = looks[i].width_m - model.width_mean_m;
+    squares_m2 += deviation_m * deviation_m;
+  }
+  model.width_sd_m = n > 1.0 ? std::sqrt(squares_m2 / (n - 1.0)) : 0.0;
+}
+
+}  // namespace
+
+TrunkModel estimate_trunk_model(const std::vector<TrunkObservation>& looks,
+                                const TrunkModelOptions& options) {
+  TrunkModel model;
+  model.has_hue = std::any_of(looks.begin(), looks.end(), [](const TrunkObservation& look) {
+    return look.hues.num_coloured > 0;
+  });
+  std::vector<Thing> things = follow_things(looks, options);
+  const std::vector<std::size_t> trunks = find_trunks(things, model.has_hue, options);
+  for (const std::size_t i : trunks) things[i].seen.is_trunk = true;
+
+  std::vector<std::size_t> used;
+  for (const Thing& thing : things) {
+    model.things.push_back(thing.seen);
+    if (!thing.seen.is_trunk) continue;
+    ++model.num_trunks;
+    used.insert(used.end(), thing.seen.looks.begin(), thing.seen.looks.end());
+  }
+  measure_width(looks, used, model);
+  model.num_observations = static_cast<int>(used.size());
+  std::vector<WidthLook> widths;
+  for (const std::size_t i : used) {
+    widths.push_back({looks[i].range_m, looks[i].beam_step_rad, looks[i].width_m});
+  }
+  model.width_by_range = width_by_range(std::move(widths));
+  if (model.has_hue) {
+    vision::HueHistogram hues;
+    for (const std::size_t i : used) add(looks[i].hues, hues);
+    const HueInterval interval = hue_interval(hues, options.hue_tail, options.hue_margin_deg);
+    model.hue_min_deg = interval.min_deg;
+    model.hue_max_deg = interval.max_deg;
+    if (interval.width_deg > 90.0) {
+      model.warnings.push_back("the trunks' hues spread over " +
+                               std::to_string(static_cast<int>(interval.width_deg)) +
+                               " degrees, so that colour will tell little");
+    }
+  }
+  compare_populations(things, trunks, model.has_hue, options, model);
+  look_for_two_kinds(things, trunks, options, model);
+  if (model.num_trunks < options.wanted_trunks) {
+    model.warnings.push_back("only " + std::to_string(model.num_trunks) + " trunks were found; " +
+                             std::to_string(options.wanted_trunks) +
+                             " or more make a model that can be relied on");
+  }
+  return model;
+}
+
+}  // namespace orchard::calibration

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibration/trunks/trunk_observation.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include "detection/centre.hpp"
+#include "detection/trunk_view.hpp"
+#include "laser/segment.hpp"
+#include "vision/appearance/appearance.hpp"
+#include "vision/decode.hpp"
+
+namespace orchard::calibration {
+namespace {
+
+/// A window beside a trunk begins this many of its widths off, so that its bands miss the trunk.
+constexpr int kWidthsOff = 3;
+constexpr int kCropMargin_px = 12;
+
+/// Everything of the scan that the picture shows, so that "beside" is on none of it.
+std::vector<vision::PixelRect> windows_of(const std::vector<laser::Segment>& segments,
+                                          const detection::Rig& rig) {
+  std::vector<vision::PixelRect> windows;
+  for (const laser::Segment& segment : segments) {
+    if (const auto view = detection::view_of(segment, rig)) {
+      windows.push_back(detection::trunk_window(*view, rig));
+    }
+  }
+  return windows;
+}
+
+vision::PixelBlock cut(const vision::PixelBlock& pixels, const vision::PixelRect& area) {
+  vision::PixelBlock part;
+  part.area = vision::intersection(area, pixels.area);
+  const auto stride = 3 * static_cast<std::ptrdiff_t>(pixels.area.width_px);
+  for (int y = 0; y < part.area.height_px; ++y) {
+    const auto row = pixels.bgr.begin() + stride * (part.area.y_px + y - pixels.area.y_px) +
+                     3 * (part.area.x_px - pixels.area.x_px);
+    part.bgr.insert(part.bgr.end(), row, row + 3 * part.area.width_px);
+  }
+  return part;
+}
+
+/// What the picture shows of one segment; false when it does not show it in full.
+bool look(TrunkObservation& seen, const laser::Segment& segment, const vision::Image& image,
+          const std::vector<vision::PixelRect>& taken, const detection::Rig& rig,
+          const ObserveOptions& options) {
+  const auto view = detection::view_of(segment, rig);
+  if (!view) return false;
+  const vision::PixelRect picture = detection::picture_of(rig);
+  const vision::PixelRect window = detection::trunk_window(*view, rig);
+  vision::PixelRect crop = window;
+  if (options.crops) {
+    const int margin = std::max(kCropMargin_px, window.width_px);
+    crop = vision::intersection({window.x_px - margin, window.y_px - margin,
+                                 window.width_px + 2 * margin, window.height_px + 2 * margin},
+                                picture);
+  }
+  const auto reading = vision::bounding(vision::bounding(view->centre, crop),
+                                        vision::appearance_reading_area(window, picture));
+  const auto pixels = vision::decode(image, reading);
+  if (!pixels) return false;
+  const vision::ColourConfig& colour = rig.detector.colour;
+  const auto look_at = [&](const vision::PixelRect& rect) {
+    return WindowLook{vision::appearance_features(*pixels, rect),
+                      vision::hue_histogram(*pixels, rect, colour)};
+  };
+  seen.hues = vision::hue_histogram(*pixels, view->centre, colour);
+  seen.light = vision::window_light(*pixels, view->centre);
+  seen.on.push_back(look_at(window));
+  for (const int side : {-1, 1}) {
+    vision::PixelRect beside = window;
+    beside.x_px += side * kWidthsOff * window.width_px;
+    const bool free = std::all_of(taken.begin(), taken.end(), [&](const auto& other) {
+      return vision::intersection(beside, other).empty();
+    });
+    if (free && picture.contains(beside)) seen.beside.push_back(look_at(beside));
+  }
+  if (options.crops) seen.crop = cut(*pixels, crop);
+  return true;
+}
+
+}  // namespace
+
+std::vector<TrunkObservation> observe_trunks(const laser::Scan& scan, const vision::Image* image,
+                                             const detection::Rig& rig,
+                                             const ObserveOptions& options) {
+  std::vector<TrunkObservation> observations;
+  if (rig.has_camera && !image) return observations;
+  const auto segments =
+      laser::segment(scan, rig.detector.segmentation, rig.detector.width, rig.laser);
+  const auto taken = rig.has_camera ? windows_of(segments, rig) : std::vector<vision::PixelRect>{};
+  for (const laser::Segment& segment : segments) {
+    if (segment.occluded_left || segment.occluded_right) continue;
+    if (segment.num_beams < options.min_beams) continue;
+    detection::Detection placed;
+    detection::place_in_base(placed, segment, scan, false, rig);
+    TrunkObservation observation;
+    observation.utime = scan.utime;
+    observation.x_m = placed.centre_x_m;
+    observation.y_m = placed.centre_y_m;
+    observation.range_m = segment.range_m;
+    observation.beam_step_rad = scan.bearing_step_rad;
+    observation.width_m = segment.width_m;
+    if (rig.has_camera && !look(observation, segment, *image, taken, rig, options)) continue;
+    observations.push_back(std::move(observation));
+  }
+  return observations;
+}
+
+}  // namespace orchard::calibration

@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "detection/adaptation/adaptation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "detection/adaptation/two_groups.hpp"
+
+namespace orchard::detection {
+namespace {
+
+/// A thing is the one looked at before when it is this near in base; base moves on between scans.
+constexpr double kSameThing_m = 0.4;
+constexpr std::int64_t kLostAfter_us = 600'000;
+/// The newest looks at a thing weigh at least this much, so that changing light shows.
+constexpr double kNewestWeight = 0.1;
+/// Of one thing no more looks count: something seen once or twice, a part of a bush, says little,
+/// and what stands there for long says no more than a trunk that is driven past.
+constexpr int kMostLooks = 10;
+/// A model is good while this part of the good share is confirmed.
+constexpr double kStillGood = 0.9;
+constexpr double kGoodShareGain = 0.1;
+/// Groups smaller than this are stragglers, no population.
+constexpr double kPopulationShare = 0.25;
+/// Populations must differ by this much at least to matter: a fraction of the width, a log.
+constexpr double kWidthApart = 0.1;
+constexpr double kColourApart = 0.12;
+
+std::int64_t microseconds(double seconds) { return std::llround(seconds * 1e6); }
+
+/// The middle of some numbers: the mean without the outer fifth on either side. (A median jumps
+/// between two kinds of bark.)
+double middle_of(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t cut = values.size() / 5;
+  double sum = 0.0;
+  for (std::size_t i = cut; i < values.size() - cut; ++i) sum += values[i];
+  return sum / static_cast<double>(values.size() - 2 * cut);
+}
+
+/// A value moved towards the middle of what trees say: by a share of the way, by `most` at most.
+double moved(double value, const std::vector<double>& values, double share, double most) {
+  const double way = middle_of(values) - value;
+  return value + std::clamp(share * way, -most, most);
+}
+
+double bounded(double value, double centre, double limit) {
+  return std::clamp(value, centre - limit, centre + limit);
+}
+
+bool two_populations(const std::vector<double>& values, double separation_max, double apart) {
+  const auto groups = find_two_groups(values, kPopulationShare, 0.0);
+  return groups && groups->separation > separation_max &&
+         groups->high_mean - groups->low_mean > apart;
+}
+
+bool same(const AdaptedModel& a, const AdaptedModel& b) {
+  return a.width_mean_m == b.width_mean_m && a.light.blue == b.light.blue &&
+         a.light.red == b.light.red && a.light.green == b.light.green;
+}
+
+}  // namespace
+
+vision::ChannelGains undoing(const Light& light) {
+  const double green = std::exp(-light.green);
+  return {green * std::exp(-light.blue), green, green * std::exp(-light.red)};
+}
+
+void Adaptation::Follower::add(double look) {
+  ++num_looks;
+  value += std::max(1.0 / num_looks, kNewestWeight) * (look - value);
+}
+
+Adaptation::Adaptation(const AdaptationConfig& config, double width_mean_m) : config_(config) {
+  calibrated_.width_mean_m = width_mean_m;
+  model_ = last_good_ = calibrated_;
+  if (config.reference_blue > 0.0 && config.reference_red > 0.0 && config.reference_green > 0.0) {
+    reference_ =
+        vision::WindowLight{std::log(config.reference_blue), std::log(config.reference_red),
+                            std::log(config.reference_green)};
+  }
+}
+
+std::vector<AdaptationStep> Adaptation::add(std::int64_t utime,
+                                            const std::vector<AdaptationLook>& looks) {
+  std::vector<AdaptationStep> steps;
+  if (utime <= last_utime_) return steps;  // a scan of the past teaches nothing
+  last_utime_ = utime;
+  for (const AdaptationLook& look : looks) follow(utime, look);
+  if (considered_utime_ == INT64_MIN) considered_utime_ = utime;
+  const std::int64_t period_us = microseconds(config_.period_s);
+  const std::int64_t since_us = utime - considered_utime_;
+  if (since_us < period_us) return steps;
+  considered_utime_ = utime;
+  const std::int64_t oldest = utime - microseconds(config_.window_s);
+  things_.erase(std::remove_if(things_.begin(), things_.end(),
+                               [&](const Thing& thing) { return thing.last_utime < oldest; }),
+                things_.end());
+  // A pause without scans taught nothing, so it allows no larger step.
+  consider(1e-6 * static_cast<double>(std::min(since_us, 2 * period_us)), steps);
+  return steps;
+}
+
+void Adaptation::follow(std::int64_t utime, const AdaptationLook& look) {
+  Thing* nearest = nullptr;
+  double nearest_m = kSameThing_m;
+  for (Thing& thing : things_) {
+    if (thing.last_utime == utime || utime - thing.last_utime > kLostAfter_us) continue;
+    const double distance_m = std::hypot(thing.x_m - look.x_m, thing.y_m - look.y_m);
+    if (distance_m < nearest_m) {
+      nearest_m = distance_m;
+      nearest = &thing;
+    }
+  }
+  if (!nearest) nearest = &things_.emplace_back();
+  nearest->last_utime = utime;
+  nearest->x_m = look.x_m;
+  nearest->y_m = look.y_m;
+  teach(*nearest, look);
+}
+
+void Adaptation::teach(Thing& thing, const AdaptationLook& look) const {
+  ++thing.num_looks;
+  const bool by_laser = look.roc_laser >= config_.teach_laser;
+  const bool by_camera = look.roc_vision >= config_.teach_vision;
+  if (by_laser) ++thing.num_by_laser;
+  if (by_laser && by_camera) ++thing.num_confirmed;
+  if (by_camera) thing.width_m.add(look.width_m);
+  if (!by_laser || !look.light || look.roc_colour < config_.teach_colour) return;
+  thing.raw_blue.add(look.light->blue);
+  thing.raw_red.add(look.light->red);
+  thing.raw_green.add(look.light->green);
+  if (!reference_) return;
+  const double blue = look.light->blue - reference_->blue;
+  const double red = look.light->red - reference_->red;
+  if (std::abs(blue - model_.light.blue) > config_.colour_gate) return;
+  if (std::abs(red - model_.light.red) > config_.colour_gate) return;
+  thing.blue.add(blue);
+  thing.red.add(red);
+  thing.green.add(look.light->green - reference_->green);
+  thing.blue_residual.add(blue - model_.light.blue);
+  thing.red_residual.add(red - model_.light.red);
+}
+
+/// Without calibrated references the first trees of the drive are in the light of the calibration.
+void Adaptation::find_reference() {
+  std::vector<double> blue, red, green;
+  for (const Thing& thing : things_) {
+    if (thing.raw_blue.num_looks == 0) continue;
+    blue.push_back(thing.raw_blue.value);
+    red.push_back(thing.raw_red.value);
+    green.push_back(thing.raw_green.value);
+  }
+  if (blue.size() < static_cast<std::size_t>(config_.min_trees)) return;
+  reference_ = vision::WindowLight{middle_of(blue), middle_of(red), middle_of(green)};
+}
+
+Adaptation::Evidence Adaptation::gather() const {
+  Evidence evidence;
+  const auto enough = static_cast<std::size_t>(config_.window_trees);
+  int num_judged = 0, num_confirmed = 0;
+  for (auto thing = things_.rbegin(); thing != things_.rend(); ++thing) {
+    if (thing->width_m.num_looks > 0 && evidence.widths_m.size() < enough) {
+      evidence.widths_m.push_back(thing->width_m.value);
+    }
+    if (thing->blue.num_looks > 0 && evidence.blue.size() < enough) {
+      evidence.blue.push_back(thing->blue.value);
+      evidence.red.push_back(thing->red.value);
+      evidence.green.push_back(thing->green.value);
+      evidence.blue_residual.push_back(thing->blue_residual.value);
+      evidence.red_residual.push_back(thing->red_residual.value);
+    }
+    if (2 * thing->num_by_laser < thing->num_looks) continue;
+    if (evidence.num_by_laser >= config_.window_trees) continue;
+    ++evidence.num_by_laser;
+    const int num_looks = std::min(thing->num_by_laser, kMostLooks);
+    num_judged += num_looks;
+    if (2 * thing->num_confirmed >= thing->num_by_laser) num_confirmed += num_looks;
+  }
+  if (evidence.num_by_laser > 0) {
+    evidence.confident_share = static_cast<double>(num_confirmed) / num_judged;
+  }
+  return evidence;
+}
+
+AdaptationReason Adaptation::width_obstacle(const Evidence& evidence) const {
+  if (evidence.widths_m.size() < static_cast<std::size_t>(config_.min_trees)) {
+    return AdaptationReason::kTooFewTrees;
+  }
+  const bool two = two_populations(evidence.widths_m, config_.separation_max,
+                                   kWidthApart * calibrated_.width_mean_m);
+  return two ? AdaptationReason::kTwoPopulations : AdaptationReason::kNone;
+}
+
+AdaptationReason Adaptation::light_obstacle(const Evidence& evidence) const {
+  if (evidence.blue.size() < static_cast<std::size_t>(config_.min_trees)) {
+    return AdaptationReason::kTooFewTrees;
+  }
+  const bool two = two_populations(evidence.blue_residual, config_.separation_max, kColourApart) ||
+                   two_populations(evidence.red_residual, config_.separation_max, kColourApart);
+  return two ? AdaptationReason::kTwoPopulations : AdaptationReason::kNone;
+}
+
+AdaptationStep Adaptation::step_of(AdaptationAction action, AdaptationReason reason,
+                                   const Evidence& evidence) {
+  AdaptationStep step;
+  step.utime = considered_utime_;
+  step.seq = next_seq_++;
+  step.action = action;
+  step.reason = reason;
+  step.num_width_trees = static_cast<std::int32_t>(evidence.widths_m.size());
+  step.num_colour_trees = static_cast<std::int32_t>(evidence.blue.size());
+  step.confident_share = evidence.confident_share;
+  step.model = model_;
+  return step;
+}
+
+/// Keeps the model's last good state; gives whether far less is confirmed than there. Then the
+/// model goes back, and what was seen with the abandoned one is forgotten.
+bool Adaptation::go_back(const Evidence& evidence, std::vector<AdaptationStep>& steps) {
+  const double share = evidence.confident_share;
+  if (share >= kStillGood * good_share_) {
+    good_share_ += (good_share_ == 0.0 ? 1.0 : kGoodShareGain) * (share - good_share_);
+    last_good_ = model_;
+    return false;
+  }
+  if (share >= config_.collapse_fraction * good_share_) return false;
+  const bool has_moved = !same(model_, last_good_);
+  if (!has_moved && same(model_, calibrated_)) return true;
+  model_ = has_moved ? last_good_ : calibrated_;
+  last_good_ = model_;
+  const auto action = has_moved ? AdaptationAction::kRollback : AdaptationAction::kReset;
+  steps.push_back(step_of(action, AdaptationReason::kConfidenceCollapsed, evidence));
+  things_.clear();
+  return true;
+}
+
+void Adaptation::consider(double dt_s, std::vector<AdaptationStep>& steps) {
+  if (!reference_) find_reference();
+  const Evidence evidence = gather();
+  AdaptationReason width = AdaptationReason::kTooFewTrees, light = width;
+  if (evidence.num_by_laser >= config_.min_trees) {
+    if (go_back(evidence, steps)) {
+      width = light = AdaptationReason::kConfidenceCollapsed;
+    } else if (evidence.confident_share < config_.agreement_min) {
+      width = light = AdaptationReason::kSensorsDisagree;
+    } else {
+      width = width_obstacle(evidence);
+      light = light_obstacle(evidence);
+    }
+  }
+  const AdaptationReason obstacle = std::max(width, light);
+  if (obstacle != frozen_) {
+    const auto action =
+        obstacle == AdaptationReason::kNone ? AdaptationAction::kResume : AdaptationAction::kFreeze;
+    frozen_ = obstacle;
+    steps.push_back(step_of(action, obstacle, evidence));
+  }
+  const AdaptedModel before = model_;
+  const double share = std::min(dt_s / config_.smoothing_s, 1.0);
+  if (width == AdaptationReason::kNone) {
+    const double mean_m = calibrated_.width_mean_m;
+    model_.width_mean_m = bounded(moved(model_.width_mean_m, evidence.widths_m, share,
+                                        config_.width_rate_per_s * dt_s * mean_m),
+                                  mean_m, config_.width_limit * mean_m);
+  }
+  if (light == AdaptationReason::kNone) {
+    Light& l = model_.light;
+    const double most = config_.colour_rate_per_s * dt_s;
+    l.blue = bounded(moved(l.blue, evidence.blue, share, most), 0.0, config_.colour_limit);
+    l.red = bounded(moved(l.red, evidence.red, share, most), 0.0, config_.colour_limit);
+    l.green = bounded(moved(l.green, evidence.green, share, config_.brightness_rate_per_s * dt_s),
+                      0.0, config_.brightness_limit);
+  }
+  if (!same(model_, before)) {
+    steps.push_back(step_of(AdaptationAction::kStep, AdaptationReason::kNone, evidence));
+  }
+}
+
+}  // namespace orchard::detection

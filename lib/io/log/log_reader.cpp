@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/log/log_reader.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <utility>
+
+#include "io/file_error.hpp"
+#include "io/log/log_format.hpp"
+
+namespace orchard::io {
+namespace {
+
+constexpr std::size_t kHeaderBytes = LogEventHeader::kBytes;
+constexpr std::size_t kSyncBytes = 4;
+constexpr std::uint8_t kSync[kSyncBytes] = {0xED, 0xA1, 0xDA, 0x01};
+constexpr std::size_t kSearchBytes = 1u << 16;
+
+std::unique_ptr<std::istream> open_log(const std::string& path) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (std::filesystem::is_directory(status)) {
+    throw FileError(path + " is a folder, not an LCM log; give the log file in it");
+  }
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    throw FileError(path + " is not a file that can be read twice; copy it to a file first");
+  }
+  errno = 0;
+  auto file = std::make_unique<std::ifstream>(path, std::ios::binary);
+  if (!*file) {
+    throw FileError(path + " cannot be opened (" +
+                    (errno != 0 ? std::strerror(errno) : "unknown reason") +
+                    "); give an existing LCM log");
+  }
+  return file;
+}
+
+/// LCM's channel names are printable; anything else is damage.
+bool is_channel_name(const std::uint8_t* bytes, std::size_t size) {
+  return std::all_of(bytes, bytes + size, [](std::uint8_t c) { return c > 0x20 && c < 0x7F; });
+}
+
+}  // namespace
+
+LogReader::LogReader(const std::string& path) : LogReader(open_log(path), path) {}
+
+LogReader::LogReader(std::unique_ptr<std::istream> stream, const std::string& name)
+    : path_(name), window_(std::move(stream)), file_size_(window_.size()) {}
+
+std::optional<LogEvent> LogReader::next() {
+  while (position_ < window_.size()) {
+    if (const auto size = believed_size(position_)) {
+      LogEvent event = event_at(position_, *size);
+      position_ += *size;
+      ++num_events_;
+      return event;
+    }
+    const auto resumed = find_plausible(position_ + 1);
+    skip_to(resumed ? *resumed : file_size_);
+  }
+  if (position_ < file_size_) skip_to(file_size_);  // the file shrank while it was read
+  return std::nullopt;
+}
+
+LogEvent LogReader::read_at(std::uint64_t offset) {
+  const auto size = plausible_size(offset);
+  if (!size) {
+    throw FileError(path_ + " holds no event at offset " + std::to_string(offset) +
+                    " any longer; was it changed while it was read?");
+  }
+  return event_at(offset, *size);
+}
+
+std::optional<std::uint64_t> LogReader::plausible_size(std::uint64_t offset, bool sync_word) {
+  const auto view = window_.at(offset, kHeaderBytes + kMaxChannelBytes);
+  if (view.size < kHeaderBytes) return std::nullopt;
+  const LogEventHeader header = parse_log_event_header(view.bytes);
+  if (sync_word && header.sync != LogEventHeader::kSyncWord) return std::nullopt;
+  if (header.channel_bytes == 0 || header.channel_bytes > kMaxChannelBytes) return std::nullopt;
+  if (header.event_bytes() > kMaxEventBytes) return std::nullopt;
+  if (header.event_bytes() > window_.size() - offset) return std::nullopt;
+  if (!is_channel_name(view.bytes + kHeaderBytes, header.channel_bytes)) return std::nullopt;
+  return header.event_bytes();
+}
+
+std::optional<std::uint64_t> LogReader::find_plausible(std::uint64_t offset) {
+  while (offset + kHeaderBytes <= window_.size()) {
+    const auto view = window_.at(offset, kSearchBytes);
+    if (view.size < kSyncBytes) break;
+    const std::uint8_t* end = view.bytes + view.size;
+    const std::uint8_t* found = std::search(view.bytes, end, kSync, kSync + kSyncBytes);
+    if (found == end) {
+      offset += view.size - (kSyncBytes - 1);  // a sync word may straddle the end
+      continue;
+    }
+    offset += static_cast<std::uint64_t>(found - view.bytes);
+    if (plausible_size(offset)) return offset;
+    ++offset;
+  }
+  return std::nullopt;
+}
+
+/// Size of the event at `offset`, unless what stands around it says that its header is damaged.
+std::optional<std::uint64_t> LogReader::believed_size(std::uint64_t offset) {
+  const auto size = plausible_size(offset);
+  if (!size) return std::nullopt;
+  const std::uint64_t end = offset + *size;
+  // Copied: the window moves below.
+  const std::int64_t next_number =
+      static_cast<std::int64_t>(static_cast<std::uint64_t>(event_number_at(offset)) + 1);
+  const bool followed = end == window_.size() || plausible_size(end).has_value();
+  const bool numbered = end == window_.size() || (followed && event_number_at(end) == next_number);
+  if (followed && numbered && end != window_.size()) return size;
+  // A length that damage made longer swallows its successor; at times it even ends where a later
+  // event begins. Numbers tell: lcm-logger counts events without a break.
+  const auto inner = find_plausible(offset + kSyncBytes);
+  if (!inner || *inner >= end) return size;
+  if (followed) {
+    return event_number_at(*inner) == next_number ? std::nullopt : size;
+  }
+  // The successor may have lost only its sync word, and the data merely look like an event.
+  const auto successor = plausible_size(end, false);
+  const bool successor_holds =
+      successor && event_number_at(end) == next_number &&
+      (end + *successor == window_.size() || plausible_size(end + *successor));
+  return successor_holds ? size : std::nullopt;
+}
+
+/// `offset` holds a plausible header.
+std::int64_t LogReader::event_number_at(std::uint64_t offset) {
+  return parse_log_event_header(window_.at(offset, kHeaderBytes).bytes).event_number;
+}
+
+LogEvent LogReader::event_at(std::uint64_t offset, std::uint64_t size) {
+  const auto view = window_.at(offset, static_cast<std::size_t>(size));
+  if (view.size < size) {
+    throw FileError(path_ + " cannot be read at offset " + std::to_string(offset) +
+                    "; is the disk failing, or the file being written?");
+  }
+  const LogEventHeader header = parse_log_event_header(view.bytes);
+  const std::uint8_t* channel = view.bytes + kHeaderBytes;
+  const std::uint8_t* data = channel + header.channel_bytes;
+  LogEvent event;
+  event.offset = offset;
+  event.event_number = header.event_number;
+  event.timestamp_us = header.timestamp_us;
+  event.channel.assign(reinterpret_cast<const char*>(channel), header.channel_bytes);
+  event.data.assign(data, data + header.data_bytes);
+  return event;
+}
+
+void LogReader::skip_to(std::uint64_t offset) {
+  if (!gaps_.empty() && gaps_.back().offset + gaps_.back().size == position_) {
+    gaps_.back().size += offset - position_;
+  } else {
+    gaps_.push_back({position_, offset - position_});
+  }
+  position_ = offset;
+}
+
+}  // namespace orchard::io

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <istream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "io/log/file_window.hpp"
+#include "io/log/log_event.hpp"
+
+namespace orchard::io {
+
+/// A stretch of a log that could not be read.
+struct LogGap {
+  std::uint64_t offset = 0;  ///< of its first byte in the file
+  std::uint64_t size = 0;    ///< bytes skipped
+};
+
+/// Reads the format of lcm-logger: bounded, and going on after damage.
+///
+/// An event whose header is implausible, that swallows the start of another one, or that ends
+/// beyond the file, is skipped up to the next one that can be believed; each skip is a LogGap.
+/// Never reads more into memory than one event of at most kMaxEventBytes. What damage did to an
+/// event's data cannot be seen here, nor that its length was made too short (the rest of it is a
+/// gap then): whoever decodes the data must check it.
+class LogReader {
+ public:
+  static constexpr std::uint32_t kMaxChannelBytes = 63;
+  static constexpr std::uint32_t kMaxEventBytes = 64u << 20;
+
+  /// Throws io::FileError naming the path when the file cannot be opened.
+  explicit LogReader(const std::string& path);
+
+  /// The same from a stream that can seek; `name` stands for the path in messages.
+  LogReader(std::unique_ptr<std::istream> stream, const std::string& name);
+
+  /// The next event, or none at the end of the file.
+  std::optional<LogEvent> next();
+
+  /// The event at an offset that next() reported before; next() goes on where it was. Throws
+  /// FileError when it is not there.
+  LogEvent read_at(std::uint64_t offset);
+
+  const std::vector<LogGap>& gaps() const { return gaps_; }
+  std::int64_t num_events() const { return num_events_; }
+  std::uint64_t position() const { return position_; }  ///< bytes consumed, for progress
+  std::uint64_t file_size() const { return file_size_; }
+  const std::string& path() const { return path_; }
+
+ private:
+  /// Size of the event at `offset` when its header is plausible; `sync_word` demands its own.
+  std::optional<std::uint64_t> plausible_size(std::uint64_t offset, bool sync_word = true);
+  std::optional<std::uint64_t> find_plausible(std::uint64_t offset);
+  std::optional<std::uint64_t> believed_size(std::uint64_t offset);
+  std::int64_t event_number_at(std::uint64_t offset);
+  LogEvent event_at(std::uint64_t offset, std::uint64_t size);
+  void skip_to(std::uint64_t offset);
+
+  std::string path_;
+  FileWindow window_;
+  std::uint64_t file_size_ = 0;
+  std::uint64_t position_ = 0;
+  std::int64_t num_events_ = 0;
+  std::vector<LogGap> gaps_;
+};
+
+}  // namespace orchard::io

@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/map/comparison_files.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "geometry/angles.hpp"
+#include "io/atomic_file.hpp"
+#include "io/figure/figure_frame.hpp"
+#include "io/file_error.hpp"
+#include "io/fixed_text.hpp"
+#include "io/map/geopackage.hpp"
+#include "io/map/map_csv.hpp"
+
+namespace orchard::io {
+namespace {
+
+using mapping::Change;
+using mapping::Landmark;
+using mapping::MapChange;
+using Json = nlohmann::ordered_json;
+
+constexpr Change kAllChanges[] = {Change::kMissing, Change::kNew,     Change::kMoved,
+                                  Change::kGrown,   Change::kThinner, Change::kUnchanged,
+                                  Change::kNotSeen};
+
+const Landmark* of_a(const ComparisonContent& content, const MapChange& c) {
+  return c.a < 0 ? nullptr : &content.a[static_cast<std::size_t>(c.a)];
+}
+const Landmark* of_b(const ComparisonContent& content, const MapChange& c) {
+  return c.b < 0 ? nullptr : &content.b[static_cast<std::size_t>(c.b)];
+}
+
+/// The number by which people know the tree: the earlier map's, else the later one's.
+const Landmark& known_as(const ComparisonContent& content, const MapChange& c) {
+  const Landmark* a = of_a(content, c);
+  const Landmark* b = of_b(content, c);
+  return a != nullptr && (a->row != 0 || b == nullptr) ? *a : b != nullptr ? *b : *a;
+}
+
+std::string number_or_empty(std::int32_t number) {
+  return number == 0 ? std::string() : std::to_string(number);
+}
+
+Colour colour_of(Change change) {
+  switch (change) {
+    case Change::kMissing:
+      return {225, 60, 50};
+    case Change::kNew:
+      return {50, 170, 70};
+    case Change::kMoved:
+      return {50, 100, 220};
+    case Change::kGrown:
+      return {150, 80, 190};
+    case Change::kThinner:
+      return {205, 160, 225};
+    case Change::kUnchanged:
+      return {190, 190, 190};
+    case Change::kNotSeen:
+      break;
+  }
+  return {245, 245, 245};
+}
+
+constexpr Colour kBlack{30, 30, 30}, kWhite{255, 255, 255}, kEdge{120, 120, 120};
+
+/// Told apart by form, too: missing is crossed out, grown has a ring about it, thinner one in it.
+void draw_sign(Change change, const PixelPoint& at, Canvas& canvas) {
+  constexpr double kRadiusPx = 5.5, kRingPx = 8.5, kCrossPx = 4.0;
+  const Colour colour = colour_of(change);
+  switch (change) {
+    case Change::kUnchanged:
+    case Change::kNotSeen:
+      canvas.circle(at, 3.0, colour, kEdge);
+      return;
+    case Change::kMissing:
+      canvas.circle(at, kRadiusPx + 1.0, kWhite, colour);
+      for (const double rise : {-kCrossPx, kCrossPx}) {
+        canvas.line({at.x - kCrossPx, at.y - rise}, {at.x + kCrossPx, at.y + rise}, colour, 2.0);
+      }
+      return;
+    case Change::kGrown:
+      canvas.circle(at, kRingPx, kWhite, colour);
+      break;
+    case Change::kThinner:
+      canvas.circle(at, kRadiusPx, colour, kBlack);
+      canvas.circle(at, 2.5, kWhite, kBlack);
+      return;
+    case Change::kNew:
+    case Change::kMoved:
+      break;
+  }
+  canvas.circle(at, kRadiusPx, colour, kBlack);
+}
+
+/// The id by which the earlier map knows it, or that it is new, and by how much it changed.
+std::string caption(const ComparisonContent& content, const MapChange& c) {
+  const Landmark* a = of_a(content, c);
+  const std::string id = a ? std::to_string(a->id) : "new " + std::to_string(of_b(content, c)->id);
+  if (c.change == Change::kMoved) return id + ": " + fixed_text(c.moved_m, 1) + " m";
+  if (c.change != Change::kGrown && c.change != Change::kThinner) return id;
+  return id + (c.width_change_m > 0.0 ? ": +" : ": ") + fixed_text(1e3 * c.width_change_m, 0) +
+         " mm";
+}
+
+void draw(const FigureFrame& frame, const ComparisonContent& content, Canvas& canvas) {
+  constexpr double kTextPx = 11.0, kOldPlacePx = 4.0;
+  frame.draw_axes(canvas);
+  const auto is_quiet = [](Change change) {
+    return change == Change::kUnchanged || change == Change::kNotSeen;
+  };
+  for (const bool quiet : {true, false}) {  // what changed on top
+    for (const MapChange& c : content.comparison.changes) {
+      if (is_quiet(c.change) != quiet) continue;
+      const PixelPoint at = frame.at(c.p_a.x(), c.p_a.y());
+      if (c.change == Change::kMoved) {
+        const Landmark& before = *of_a(content, c);
+        const PixelPoint from = frame.at(before.x_m, before.y_m);
+        canvas.line(from, at, colour_of(c.change), 2.0);
+        canvas.circle(from, kOldPlacePx, kWhite, colour_of(c.change));
+      }
+      draw_sign(c.change, at, canvas);
+    }
+  }
+  for (const MapChange& c : content.comparison.changes) {
+    if (is_quiet(c.change) || content.comparison.changes.size() > 3000) continue;
+    const PixelPoint at = frame.at(c.p_a.x(), c.p_a.y());
+    canvas.text({at.x + 10.0, at.y - 4.0}, caption(content, c), kTextPx, kBlack,
+                TextAnchor::kStart);
+  }
+  PixelPoint at = frame.legend();
+  for (const Change change : kAllChanges) {
+    const int count = content.comparison.count(change);
+    if (count == 0) continue;
+    std::string name = mapping::change_text(change);
+    if (change == Change::kNotSeen) name = "not seen";
+    draw_sign(change, {at.x, at.y - 5.0}, canvas);
+    const std::string item = std::to_string(count) + " " + name;
+    canvas.text({at.x + 11.0, at.y}, item, kAxisTextPx, kBlack, TextAnchor::kStart);
+    at.x += 34.0 + 8.0 * static_cast<double>(item.size());
+  }
+}
+
+std::string comparison_geopackage(const ComparisonContent& content) {
+  GeoPackage file(content.georeference);
+  std::vector<GeoField> fields{{"change", GeoType::kText},
+                               {"confidence", GeoType::kReal},
+                               {"id_a", GeoType::kInteger},
+                               {"id_b", GeoType::kInteger},
+                               {"class_a", GeoType::kText},
+                               {"class_b", GeoType::kText},
+                               {"moved_m", GeoType::kReal},
+                               {"width_a_m", GeoType::kReal},
+                               {"width_b_m", GeoType::kReal},
+                               {"width_change_m", GeoType::kReal},
+                               {"width_change_se_m", GeoType::kReal},
+                               {"row", GeoType::kInteger},
+                               {"position", GeoType::kInteger}};
+  file.begin_layer("changes", GeoGeometry::kPoint, fields);
+  const auto integer = [](std::int64_t value) { return GeoValue(value); };
+  for (const MapChange& c : content.comparison.changes) {
+    const Landmark* a = of_a(content, c);
+    const Landmark* b = of_b(content, c);
+    const Landmark& known = known_as(content, c);
+    const bool is_pair = a != nullptr && b != nullptr;
+    file.add(
+        {std::string(mapping::change_text(c.change)), c.confidence, a ? integer(a->id) : GeoValue(),
+         b ? integer(b->id) : GeoValue(),
+         a ? GeoValue(std::string(label_text(a->label))) : GeoValue(),
+         b ? GeoValue(std::string(label_text(b->label))) : GeoValue(),
+         is_pair ? GeoValue(c.moved_m) : GeoValue(), a ? GeoValue(a->width_m) : GeoValue(),
+         b ? GeoValue(b->width_m) : GeoValue(), is_pair ? GeoValue(c.width_change_m) : GeoValue(),
+         is_pair ? GeoValue(c.width_change_se_m) : GeoValue(),
+         known.row ? integer(known.row) : GeoValue(),
+         known.position ? integer(known.position) : GeoValue()},
+        {c.p_a});
+  }
+  return file.finish();
+}
+
+double rounded(double value, double scale = 1e4) { return std::round(value * scale) / scale; }
+
+}  // namespace
+
+std::string comparison_csv(const ComparisonContent& content) {
+  std::string text =
+      "change,confidence,id_a,id_b,class_a,class_b,x_m,y_m,moved_m,width_a_m,width_b_m,"
+      "width_change_m,width_change_se_m,row,position\n";
+  for (const MapChange& c : content.comparison.changes) {
+    const Landmark* a = of_a(content, c);
+    const Landmark* b = of_b(content, c);
+    const Landmark& known = known_as(content, c);
+    const bool is_pair = a != nullptr && b != nullptr;
+    text += std::string(mapping::change_text(c.change)) + "," + fixed_text(c.confidence, 4) + "," +
+            (a ? std::to_string(a->id) : "") + "," + (b ? std::to_string(b->id) : "") + "," +
+            (a ? label_text(a->label) : "") + "," + (b ? label_text(b->label) : "") + "," +
+            fixed_text(c.p_a.x(), 4) + "," + fixed_text(c.p_a.y(), 4) + "," +
+            (is_pair ? fixed_text(c.moved_m, 4) : "") + "," + (a ? fixed_text(a->width_m, 4) : "") +
+            "," + (b ? fixed_text(b->width_m, 4) : "") + "," +
+            (is_pair ? fixed_text(c.width_change_m, 4) : "") + "," +
+            (is_pair ? fixed_text(c.width_change_se_m, 4) : "") + "," + number_or_empty(known.row) +
+            "," + number_or_empty(known.position) + "\n";
+  }
+  return text;
+}
+
+std::string comparison_json(const ComparisonContent& content) {
+  const mapping::MapAlignment& alignment = content.alignment;
+  Json json;
+  json["a"] = content.name_a;
+  json["b"] = content.name_b;
+  json["alignment"] = {{"x_m", rounded(alignment.T_a_b.translation_m.x())},
+                       {"y_m", rounded(alignment.T_a_b.translation_m.y())},
+                       {"yaw_rad", rounded(alignment.T_a_b.yaw_rad, 1e6)},
+                       {"sd_x_m", rounded(std::sqrt(alignment.covariance(0, 0)))},
+                       {"sd_y_m", rounded(std::sqrt(alignment.covariance(1, 1)))},
+                       {"sd_yaw_rad", rounded(std::sqrt(alignment.covariance(2, 2)), 1e6)},
+                       {"pairs", alignment.pairs.size()},
+                       {"rms_m", rounded(alignment.rms_m)},
+                       {"position_sd_m", rounded(alignment.position_sd_m)}};
+  for (const Change change : kAllChanges) {
+    json["counts"][mapping::change_text(change)] = content.comparison.count(change);
+  }
+  json["width_change_common_m"] = rounded(content.comparison.width_change_common_m);
+  json["width_change_common_se_m"] = rounded(content.comparison.width_change_common_se_m);
+  json["changes"] = Json::array();
+  for (const MapChange& c : content.comparison.changes) {
+    const Landmark* a = of_a(content, c);
+    const Landmark* b = of_b(content, c);
+    const Landmark& known = known_as(content, c);
+    Json entry;
+    entry["change"] = mapping::change_text(c.change);
+    entry["confidence"] = rounded(c.confidence);
+    if (a) entry["id_a"] = a->id;
+    if (b) entry["id_b"] = b->id;
+    entry["x_m"] = rounded(c.p_a.x());
+    entry["y_m"] = rounded(c.p_a.y());
+    if (a) entry["width_a_m"] = rounded(a->width_m);
+    if (b) entry["width_b_m"] = rounded(b->width_m);
+    if (a && b) {
+      entry["moved_m"] = rounded(c.moved_m);
+      entry["width_change_m"] = rounded(c.width_change_m);
+      entry["width_change_se_m"] = rounded(c.width_change_se_m);
+    }
+    if (known.row != 0) entry["row"] = known.row;
+    if (known.position != 0) entry["position"] = known.position;
+    json["changes"].push_back(std::move(entry));
+  }
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+MapFigure draw_comparison(const ComparisonContent& content) {
+  std::vector<Eigen::Vector2d> points;
+  for (const MapChange& c : content.comparison.changes) points.push_back(c.p_a);
+  const FigureFrame frame(points);
+  const auto svg = make_svg_canvas(frame.width_px(), frame.height_px());
+  const auto png = make_png_canvas(frame.width_px(), frame.height_px());
+  for (Canvas* canvas : {svg.get(), png.get()}) draw(frame, content, *canvas);
+  return {svg->bytes(), png->bytes()};
+}
+
+void write_comparison_folder(const std::string& folder, const ComparisonContent& content) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!fs::is_directory(folder)) {
+    throw FileError(folder + ": cannot be made a folder" +
+                    (error ? " (" + error.message() + ")" : std::string()) +
+                    "; give another place for the comparison");
+  }
+  const fs::path path(folder);
+  const MapFigure figure = draw_comparison(content);
+  FileReplacement files;
+  files.write((path / "compare.csv").string(), comparison_csv(content));
+  files.write((path / "compare.gpkg").string(), comparison_geopackage(content));
+  files.write((path / "compare.svg").string(), figure.svg);
+  files.write((path / "compare.png").string(), figure.png);
+  files.write((path / "compare.json").string(), comparison_json(content));
+  files.commit();
+}
+
+}  // namespace orchard::io

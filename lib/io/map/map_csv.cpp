@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/map/map_csv.hpp"
+
+#include <limits>
+#include <set>
+
+#include "io/csv.hpp"
+#include "io/fixed_text.hpp"
+
+namespace orchard::io {
+namespace {
+
+using detection::Label;
+using mapping::Landmark;
+
+constexpr double kMaxCoordinateM = 1e8;
+constexpr double kMaxSizeM = 1e6;
+constexpr std::int64_t kMaxInt = std::numeric_limits<std::int32_t>::max();
+
+Label parse_label(const CsvReader& csv, std::size_t field) {
+  for (const Label label : {Label::kTree, Label::kObject, Label::kUnseen}) {
+    if (csv.text(field) == label_text(label)) return label;
+  }
+  csv.fail(field, "must be tree, object or unseen");
+}
+
+std::int32_t parse_number_or_empty(const CsvReader& csv, std::size_t field) {
+  if (csv.text(field).empty()) return 0;
+  return static_cast<std::int32_t>(csv.integer_in(field, 1, kMaxInt));
+}
+
+std::vector<Landmark> read_map(CsvReader csv) {
+  csv.expect_columns({"id", "class", "x_m", "y_m", "n", "roc_mean", "probability", "se_x_m",
+                      "se_y_m", "width_m", "row", "position"});
+  std::vector<Landmark> landmarks;
+  std::set<std::int32_t> ids;
+  while (csv.next()) {
+    Landmark landmark;
+    landmark.id = static_cast<std::int32_t>(csv.integer_in(0, 0, kMaxInt));
+    if (!ids.insert(landmark.id).second) csv.fail(0, "this id stands there twice");
+    landmark.label = parse_label(csv, 1);
+    landmark.x_m = csv.number_in(2, -kMaxCoordinateM, kMaxCoordinateM);
+    landmark.y_m = csv.number_in(3, -kMaxCoordinateM, kMaxCoordinateM);
+    landmark.num_observations = static_cast<std::int32_t>(csv.integer_in(4, 0, kMaxInt));
+    landmark.roc_mean = csv.number_in(5, 0.0, 1.0);
+    landmark.probability = csv.number_in(6, 0.0, 1.0);
+    landmark.se_x_m = csv.number_in(7, 0.0, kMaxSizeM);
+    landmark.se_y_m = csv.number_in(8, 0.0, kMaxSizeM);
+    landmark.width_m = csv.number_in(9, 0.0, kMaxSizeM);
+    landmark.row = parse_number_or_empty(csv, 10);
+    landmark.position = parse_number_or_empty(csv, 11);
+    landmarks.push_back(landmark);
+  }
+  return landmarks;
+}
+
+std::string number_or_empty(std::int32_t number) {
+  return number == 0 ? std::string() : std::to_string(number);
+}
+
+}  // namespace
+
+const char* label_text(Label label) {
+  switch (label) {
+    case Label::kTree:
+      return "tree";
+    case Label::kObject:
+      return "object";
+    case Label::kUnseen:
+      break;
+  }
+  return "unseen";
+}
+
+std::string map_csv(const std::vector<Landmark>& landmarks) {
+  std::string text = "id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,position\n";
+  for (const Landmark& l : landmarks) {
+    text += std::to_string(l.id) + "," + label_text(l.label) + "," + fixed_text(l.x_m, 4) + "," +
+            fixed_text(l.y_m, 4) + "," + std::to_string(l.num_observations) + "," +
+            fixed_text(l.roc_mean, 4) + "," + fixed_text(l.probability, 4) + "," +
+            fixed_text(l.se_x_m, 4) + "," + fixed_text(l.se_y_m, 4) + "," +
+            fixed_text(l.width_m, 4) + "," + number_or_empty(l.row) + "," +
+            number_or_empty(l.position) + "\n";
+  }
+  return text;
+}
+
+std::vector<Landmark> read_map_csv(const std::string& path) {
+  return read_map(CsvReader::open(path));
+}
+
+std::vector<Landmark> parse_map_csv(std::string_view text, const std::string& name) {
+  return read_map(CsvReader::from_text(text, name));
+}
+
+}  // namespace orchard::io

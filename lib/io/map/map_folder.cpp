@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/map/map_folder.hpp"
+
+#include <filesystem>
+
+#include "io/atomic_file.hpp"
+#include "io/figure/map_figure.hpp"
+#include "io/file_error.hpp"
+#include "io/map/graph_json.hpp"
+#include "io/map/map_geopackage.hpp"
+#include "io/map/summary_json.hpp"
+#include "io/map/trajectory_csv.hpp"
+#include "mapping/rows/navigation_graph.hpp"
+
+namespace orchard::io {
+
+void write_map_folder(const std::string& folder, const MapFolderContent& content) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!fs::is_directory(folder)) {
+    throw FileError(folder + ": cannot be made a folder" +
+                    (error ? " (" + error.message() + ")" : std::string()) +
+                    "; give another place for the map");
+  }
+  const fs::path path(folder);
+  const mapping::NavigationGraph graph = mapping::navigation_graph(content.landmarks, content.rows);
+  const MapFigure figure = draw_map(content.landmarks, content.trajectory, content.rows, graph);
+  FileReplacement files;
+  files.write((path / "map.csv").string(), map_csv(content.landmarks));
+  files.write((path / "map.gpkg").string(),
+              map_geopackage(content.landmarks, content.trajectory, content.rows, graph,
+                             content.georeference));
+  files.write((path / "map.svg").string(), figure.svg);
+  files.write((path / "map.png").string(), figure.png);
+  files.write((path / "trajectory.csv").string(), trajectory_csv(content.trajectory));
+  for (std::size_t k = 0; k < content.more_trajectories.size(); ++k) {
+    files.write((path / ("trajectory_" + std::to_string(k + 2) + ".csv")).string(),
+                trajectory_csv(content.more_trajectories[k]));
+  }
+  if (!content.ids_csv.empty()) files.write((path / "ids.csv").string(), content.ids_csv);
+  files.write((path / "graph.json").string(), graph_json(graph));
+  files.write((path / "summary.json").string(), summary_json(content));
+  files.commit();
+}
+
+}  // namespace orchard::io

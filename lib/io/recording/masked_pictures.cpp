@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/recording/masked_pictures.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "io/file_error.hpp"
+#include "io/recording/jpeg_file.hpp"
+#include "vision/decode.hpp"
+
+namespace orchard::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uintmax_t kMaxBytes = std::uintmax_t{16} << 20;
+constexpr int kMaxSide_px = 8192;
+constexpr int kLeastRed = 64;  // darker pixels of a mask are its background
+
+using Range = std::pair<long, long>;  // first and last number
+
+std::optional<long> number_of(std::string_view text) {
+  long number = 0;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), number);
+  const bool good = result.ec == std::errc() && result.ptr == text.data() + text.size();
+  return good && number >= 0 ? std::optional(number) : std::nullopt;
+}
+
+std::vector<Range> ranges_of(const std::string& only) {
+  std::vector<Range> ranges;
+  for (std::size_t begin = 0; begin <= only.size();) {
+    const std::size_t end = std::min(only.find(',', begin), only.size());
+    const std::string_view part = std::string_view(only).substr(begin, end - begin);
+    const std::size_t dash = part.find('-');
+    const auto first = number_of(part.substr(0, dash));
+    const auto last = dash == std::string_view::npos ? first : number_of(part.substr(dash + 1));
+    if (!first || !last || *last < *first) {
+      throw FileError("--only " + only +
+                      ": must be numbers of pictures such as 000-019 or 0-19,30");
+    }
+    ranges.emplace_back(*first, *last);
+    begin = end + 1;
+  }
+  return ranges;
+}
+
+bool is_in(const std::string& name, const std::vector<Range>& ranges) {
+  const auto number = number_of(name);
+  return number && std::any_of(ranges.begin(), ranges.end(), [&number](const Range& range) {
+           return *number >= range.first && *number <= range.second;
+         });
+}
+
+std::string ending_of(const fs::path& path) {
+  std::string ending = path.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return ending;
+}
+
+/// Name without ending -> path, of the pictures in a folder.
+std::map<std::string, std::string> pictures_in(const std::string& folder) {
+  std::map<std::string, std::string> pictures;
+  std::error_code error;
+  for (fs::directory_iterator i(folder, error), end; !error && i != end; i.increment(error)) {
+    const std::string ending = ending_of(i->path());
+    if (ending != ".jpg" && ending != ".jpeg" && ending != ".png") continue;
+    const auto [entry, is_new] = pictures.emplace(i->path().stem().string(), i->path().string());
+    if (!is_new) entry->second = std::min(entry->second, i->path().string());
+  }
+  if (error) throw FileError(folder + ": cannot be read (" + error.message() + ")");
+  if (pictures.empty()) {
+    throw FileError(folder + ": holds no picture (.jpg, .jpeg or .png); give the folder of them");
+  }
+  return pictures;
+}
+
+[[noreturn]] void refuse_as_unreadable(const std::string& path) {
+  throw FileError(path + ": is no picture that can be read to its end; remove or replace it");
+}
+
+/// OpenCV would give what there is of a cut-off JPEG as a picture; our decoder refuses it.
+vision::PixelBlock read_jpeg(const std::string& path) {
+  const vision::Image image = read_jpeg_file(path);
+  if (image.width_px > kMaxSide_px || image.height_px > kMaxSide_px) refuse_as_unreadable(path);
+  auto pixels = vision::decode(image, {0, 0, image.width_px, image.height_px});
+  if (!pixels) refuse_as_unreadable(path);
+  return std::move(*pixels);
+}
+
+vision::PixelBlock read_png(const std::string& path) {
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(path, error);
+  if (error) throw FileError(path + ": cannot be read (" + error.message() + ")");
+  if (size == 0 || size > kMaxBytes) {
+    throw FileError(path + ": " + std::to_string(size) +
+                    " bytes; a picture must have 1 byte to 16 MB; remove or replace it");
+  }
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
+  std::ifstream file(path, std::ios::binary);
+  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
+  if (!file) throw FileError(path + ": cannot be read to its end");
+  cv::Mat picture;
+  try {
+    picture = cv::imdecode(bytes, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+  } catch (const cv::Exception&) {  // sizes beyond what OpenCV reads
+    picture.release();
+  }
+  if (picture.empty() || picture.cols > kMaxSide_px || picture.rows > kMaxSide_px) {
+    refuse_as_unreadable(path);
+  }
+  vision::PixelBlock pixels;
+  pixels.area = {0, 0, picture.cols, picture.rows};
+  pixels.bgr.assign(picture.datastart, picture.dataend);
+  return pixels;
+}
+
+vision::PixelBlock read_picture(const std::string& path) {
+  return ending_of(path) == ".png" ? read_png(path) : read_jpeg(path);
+}
+
+std::string size_text(const vision::PixelRect& area) {
+  return std::to_string(area.width_px) + " x " + std::to_string(area.height_px);
+}
+
+}  // namespace
+
+MaskedPictureList list_masked_pictures(const std::string& picture_folder,
+                                       const std::string& mask_folder, const std::string& only) {
+  const std::vector<Range> ranges = only.empty() ? std::vector<Range>{} : ranges_of(only);
+  const auto pictures = pictures_in(picture_folder);
+  const auto masks = pictures_in(mask_folder);
+  MaskedPictureList list;
+  for (const auto& [name, path] : pictures) {
+    if (!only.empty() && !is_in(name, ranges)) continue;
+    const auto mask = masks.find(name);
+    if (mask == masks.end()) {
+      list.without_mask.push_back(name);
+    } else {
+      list.pictures.push_back({name, path, mask->second});
+    }
+  }
+  if (list.pictures.empty() && list.without_mask.empty()) {
+    throw FileError("--only " + only + ": no picture of " + picture_folder +
+                    " has such a number; they go from " + pictures.begin()->first + " to " +
+                    pictures.rbegin()->first);
+  }
+  if (list.pictures.empty()) {
+    throw FileError(mask_folder + ": holds no mask of the name of a picture, such as " +
+                    list.without_mask.front() + "; give the folder of the masks");
+  }
+  return list;
+}
+
+MaskedPicture read_masked_picture(const MaskedPicturePaths& paths) {
+  MaskedPicture result;
+  result.pixels = read_picture(paths.picture);
+  const vision::PixelBlock mask = read_picture(paths.mask);
+  const vision::PixelRect &size = result.pixels.area, &mask_size = mask.area;
+  if (size.width_px != mask_size.width_px || size.height_px != mask_size.height_px) {
+    throw FileError(paths.mask + ": is " + size_text(mask_size) + " pixels, its picture " +
+                    size_text(size) + "; a mask must have its picture's size");
+  }
+  result.mask.width_px = size.width_px;
+  result.mask.height_px = size.height_px;
+  result.mask.trunk.reserve(mask.bgr.size() / 3);
+  for (std::size_t i = 0; i + 2 < mask.bgr.size(); i += 3) {
+    const int blue = mask.bgr[i], green = mask.bgr[i + 1], red = mask.bgr[i + 2];
+    const bool is_trunk = red >= kLeastRed && red >= 2 * green && red >= 2 * blue;
+    result.mask.trunk.push_back(is_trunk ? 1 : 0);
+  }
+  if (std::count(result.mask.trunk.begin(), result.mask.trunk.end(), 1) == 0) {
+    throw FileError(paths.mask + ": has no red pixel, so it marks no trunk");
+  }
+  return result;
+}
+
+}  // namespace orchard::io

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "simulation/scene/world.hpp"
+
+namespace orchard::io {
+
+/// Reads `utime_us,object,class,x_m,y_m,width_m,range_m,bearing_rad,num_beams,hidden_fraction,
+/// in_picture`: one row per scan and thing that the scanner could see (TrueObservation).
+/// Throws FileError naming file, line and column; also when scans do not come in the order of
+/// time, or an object stands twice in one scan or changes its class.
+std::vector<simulation::TrueObservation> read_observation_csv(const std::string& path);
+
+/// The same from text; `name` stands for the file in messages.
+std::vector<simulation::TrueObservation> parse_observation_csv(std::string_view text,
+                                                               const std::string& name);
+
+/// Writes the same, atomically. Throws FileError.
+void write_observation_csv(const std::string& path,
+                           const std::vector<simulation::TrueObservation>& observations);
+
+}  // namespace orchard::io

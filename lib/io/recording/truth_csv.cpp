@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/recording/truth_csv.hpp"
+
+#include "io/atomic_file.hpp"
+#include "io/csv.hpp"
+#include "io/file_error.hpp"
+#include "io/fixed_text.hpp"
+#include "io/map/trajectory_csv.hpp"
+
+namespace orchard::io {
+namespace {
+
+using detection::Label;
+using simulation::TruthObject;
+
+constexpr double kMaxCoordinateM = 1e8;
+constexpr double kMaxWidthM = 1e3;
+
+std::vector<TruthObject> read_truth(CsvReader csv) {
+  csv.expect_columns({"class", "x_m", "y_m", "width_m"});
+  std::vector<TruthObject> truth;
+  int num_trees = 0;
+  int num_objects = 0;
+  while (csv.next()) {
+    TruthObject object;
+    if (csv.text(0) == "tree") {
+      object.label = Label::kTree;
+      object.name = "T" + std::to_string(++num_trees);
+    } else if (csv.text(0) == "object") {
+      object.label = Label::kObject;
+      object.name = "B" + std::to_string(++num_objects);
+    } else {
+      csv.fail(0, "must be tree or object");
+    }
+    object.x_m = csv.number_in(1, -kMaxCoordinateM, kMaxCoordinateM);
+    object.y_m = csv.number_in(2, -kMaxCoordinateM, kMaxCoordinateM);
+    object.width_m = csv.number_in(3, 0.0, kMaxWidthM);
+    truth.push_back(object);
+  }
+  return truth;
+}
+
+}  // namespace
+
+std::vector<TruthObject> read_truth_csv(const std::string& path) {
+  return read_truth(CsvReader::open(path));
+}
+
+std::vector<TruthObject> parse_truth_csv(std::string_view text, const std::string& name) {
+  return read_truth(CsvReader::from_text(text, name));
+}
+
+void write_truth_csv(const std::string& path, const std::vector<TruthObject>& truth) {
+  std::string text = "class,x_m,y_m,width_m\n";
+  for (const TruthObject& object : truth) {
+    if (object.label == Label::kUnseen) throw FileError(path + ": a truth has no unseen objects");
+    text += object.label == Label::kTree ? "tree," : "object,";
+    text += fixed_text(object.x_m, 4) + "," + fixed_text(object.y_m, 4) + "," +
+            fixed_text(object.width_m, 4) + "\n";
+  }
+  write_file_atomically(path, text);
+}
+
+void write_poses_csv(const std::string& path, const std::vector<simulation::TruePose>& poses) {
+  std::vector<pose::PoseEstimate> trajectory(poses.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    trajectory[i].utime = poses[i].utime;
+    trajectory[i].x_m = poses[i].x_m;
+    trajectory[i].y_m = poses[i].y_m;
+    trajectory[i].yaw_rad = poses[i].yaw_rad;
+  }
+  write_trajectory_csv(path, trajectory);
+}
+
+std::vector<simulation::TruePose> read_poses_csv(const std::string& path) {
+  std::vector<simulation::TruePose> poses;
+  for (const pose::PoseEstimate& pose : read_trajectory_csv(path)) {
+    poses.push_back({pose.utime, pose.x_m, pose.y_m, pose.yaw_rad});
+  }
+  return poses;
+}
+
+}  // namespace orchard::io

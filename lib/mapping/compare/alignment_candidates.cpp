@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/compare/alignment_candidates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include "geometry/angles.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kBaseline_m = 20.0;       ///< longest distance of the two points tried together
+constexpr std::size_t kNumWitnesses = 40;  ///< points around them that must agree
+constexpr double kShareOfWitnesses = 0.4;
+constexpr double kRowHalf =
+    1.5;  ///< of the nearest tree's distance: what is a row's, and no other's
+constexpr std::size_t kWaysMost = 400;
+constexpr int kFitsMost = 40;
+
+/// Two points of a and those around them.
+struct Anchor {
+  std::size_t first = 0, second = 0;
+  Vector2d middle{0.0, 0.0};
+  std::vector<std::int32_t> witnesses;
+};
+
+struct Hypothesis {
+  RigidTransform T_a_b;
+  Vector2d middle_a{0.0, 0.0};
+  int num_agreeing = 0;
+  double sum_m2 = 0.0;
+  double sum_width_m = 0.0;  ///< of what b's partners are wider
+  double sum_width_m2 = 0.0;
+
+  double place_m2() const { return sum_m2 / num_agreeing; }
+  double width_m2() const {
+    const double mean_m = sum_width_m / num_agreeing;
+    return sum_width_m2 / num_agreeing - mean_m * mean_m;
+  }
+};
+
+/// How much better than by chance the witnesses agree: log likelihood, as they themselves show
+/// their noise, and as chance does while they are few.
+double agreement(const Hypothesis& h, double place_by_chance_m2, double width_by_chance_m2) {
+  constexpr double kOfChance = 5.0;
+  const double n = h.num_agreeing;
+  const auto gain = [n](double own, double by_chance) {
+    return 0.5 * n * std::log(by_chance * (n + kOfChance) / (n * own + kOfChance * by_chance));
+  };
+  return 2.0 * gain(h.place_m2(), place_by_chance_m2) + gain(h.width_m2(), width_by_chance_m2);
+}
+
+/// By agreement of places and widths, and by the number that agree, in turn; each once.
+std::vector<std::size_t> most_promising_first(const std::vector<Hypothesis>& hypotheses) {
+  std::vector<double> places_m2, widths_m2;
+  for (const Hypothesis& h : hypotheses) {
+    places_m2.push_back(h.place_m2());
+    widths_m2.push_back(h.width_m2());
+  }
+  const double place_m2 = std::max(1e-6, median_of(std::move(places_m2)));
+  const double width_m2 = std::max(1e-6, median_of(std::move(widths_m2)));
+  std::vector<double> agreements;
+  for (const Hypothesis& h : hypotheses) agreements.push_back(agreement(h, place_m2, width_m2));
+  std::vector<std::size_t> by_agreement(hypotheses.size());
+  std::iota(by_agreement.begin(), by_agreement.end(), std::size_t{0});
+  std::vector<std::size_t> by_number = by_agreement;
+  std::stable_sort(by_agreement.begin(), by_agreement.end(),
+                   [&](std::size_t i, std::size_t j) { return agreements[i] > agreements[j]; });
+  std::stable_sort(by_number.begin(), by_number.end(), [&](std::size_t i, std::size_t j) {
+    return std::make_tuple(-hypotheses[i].num_agreeing, hypotheses[i].sum_m2) <
+           std::make_tuple(-hypotheses[j].num_agreeing, hypotheses[j].sum_m2);
+  });
+  std::vector<std::size_t> order;
+  std::vector<bool> taken(hypotheses.size(), false);
+  for (std::size_t k = 0; k < hypotheses.size(); ++k) {
+    for (const std::size_t i : {by_agreement[k], by_number[k]}) {
+      if (!taken[i]) order.push_back(i);
+      taken[i] = true;
+    }
+  }
+  return order;
+}
+
+/// The points of a map and how wide each is.
+struct Trunks {
+  const IndexedPoints& places;
+  const std::vector<double>& width_m;
+};
+
+double angle_of(const Vector2d& v) { return std::atan2(v.y(), v.x()); }
+
+/// The point farthest from one within the baseline; `along` a direction: of those within some ten
+/// degrees of it either way. -1 for none.
+std::int32_t far_end(const IndexedPoints& a, std::size_t first, const Vector2d* along) {
+  constexpr double kAside = 0.17;  ///< sine of the angle
+  std::int32_t farthest = -1;
+  double farthest_m = 0.0;
+  for (const std::int32_t i : a.within(a[first], kBaseline_m)) {
+    const Vector2d d = a[static_cast<std::size_t>(i)] - a[first];
+    const double d_m = d.norm();
+    if (d_m <= farthest_m) continue;
+    if (along && std::abs(along->x() * d.y() - along->y() * d.x()) > kAside * d_m) continue;
+    farthest_m = d_m;
+    farthest = i;
+  }
+  return farthest;
+}
+
+/// Points around an anchor, no farther than that from the line through its two.
+std::vector<std::int32_t> witnesses_of(const IndexedPoints& a, const Anchor& anchor,
+                                       double aside_m) {
+  const Vector2d along = (a[anchor.second] - a[anchor.first]).stableNormalized();
+  std::vector<std::int32_t> witnesses;
+  for (const std::int32_t i : a.nearest_few(anchor.middle, 0.6 * kBaseline_m, kNumWitnesses)) {
+    const Vector2d d = a[static_cast<std::size_t>(i)] - anchor.middle;
+    if (std::abs(along.x() * d.y() - along.y() * d.x()) <= aside_m) witnesses.push_back(i);
+  }
+  return witnesses;
+}
+
+/// Each of `count` points from all over a with the one farthest from it, and with the one farthest
+/// along its row: two drives may share but one row.
+std::vector<Anchor> anchors_of(const IndexedPoints& a, std::size_t count) {
+  std::vector<std::size_t> order(a.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+    return std::make_tuple(a[i].x(), a[i].y(), i) < std::make_tuple(a[j].x(), a[j].y(), j);
+  });
+  std::vector<Anchor> anchors;
+  const std::size_t num = std::min(count, a.size());
+  for (std::size_t k = 0; k < num; ++k) {
+    const std::size_t first = order[(2 * k + 1) * a.size() / (2 * num)];
+    const auto near = a.nearest_few(a[first], kBaseline_m, 2);
+    if (near.size() < 2) continue;
+    const Vector2d step = a[static_cast<std::size_t>(near[1])] - a[first];
+    const double row_step_m = step.norm();
+    const Vector2d row = step.stableNormalized();
+    const std::int32_t aside = far_end(a, first, nullptr), along = far_end(a, first, &row);
+    for (const std::int32_t second : {aside, along}) {
+      if (second < 0 || (second == along && along == aside && !anchors.empty() &&
+                         anchors.back().first == first)) {
+        continue;
+      }
+      Anchor anchor;
+      anchor.first = first;
+      anchor.second = static_cast<std::size_t>(second);
+      anchor.middle = 0.5 * (a[first] + a[anchor.second]);
+      const bool in_row = second == along && second != aside;
+      anchor.witnesses = witnesses_of(a, anchor, in_row ? kRowHalf * row_step_m : kBaseline_m);
+      anchors.push_back(std::move(anchor));
+    }
+  }
+  return anchors;
+}
+
+RigidTransform through_two(const Vector2d& a1, const Vector2d& a2, const Vector2d& b1,
+                           const Vector2d& b2) {
+  RigidTransform T_a_b;
+  T_a_b.yaw_rad = geometry::wrap_angle_rad(angle_of(a2 - a1) - angle_of(b2 - b1));
+  T_a_b.translation_m = 0.5 * (a1 + a2) - T_a_b.rotation() * (0.5 * (b1 + b2));
+  return T_a_b;
+}
+
+/// Whether enough points around the anchor find partners; stops as soon as they cannot.
+bool is_borne_out(const Trunks& a, const Trunks& b, const Anchor& anchor, double gate_m,
+                  Hypothesis& hypothesis) {
+  const RigidTransform T_b_a = hypothesis.T_a_b.inverse();
+  const Eigen::Matrix2d R_b_a = T_b_a.rotation();
+  const auto num = static_cast<int>(anchor.witnesses.size());
+  const int needed = std::max(3, static_cast<int>(std::ceil(kShareOfWitnesses * num)));
+  int num_left = num;
+  for (const std::int32_t i : anchor.witnesses) {
+    if (hypothesis.num_agreeing + num_left < needed) return false;
+    --num_left;
+    const auto of_a = static_cast<std::size_t>(i);
+    const Vector2d p_b = R_b_a * a.places[of_a] + T_b_a.translation_m;
+    const std::int32_t j = b.places.nearest(p_b, gate_m);
+    if (j < 0) continue;
+    const auto of_b = static_cast<std::size_t>(j);
+    const double wider_m = b.width_m[of_b] - a.width_m[of_a];
+    ++hypothesis.num_agreeing;
+    hypothesis.sum_m2 += (b.places[of_b] - p_b).squaredNorm();
+    hypothesis.sum_width_m += wider_m;
+    hypothesis.sum_width_m2 += wider_m * wider_m;
+  }
+  return hypothesis.num_agreeing >= needed;
+}
+
+bool is_allowed(const RigidTransform& T_a_b, const Vector2d& p_a, const AlignmentSearch& search) {
+  if (search.any_place) return true;
+  const Vector2d p_b = T_a_b.inverse().apply(p_a);
+  return std::abs(T_a_b.yaw_rad) <= search.turn_max_rad &&
+         (p_a - p_b).norm() <= search.offset_max_m;
+}
+
+/// Calls visit(b1, b2) for every two points of b that could be the anchor's.
+template <class Visit>
+void for_each_counterpart(const IndexedPoints& a, const IndexedPoints& b, const Anchor& anchor,
+                          const AlignmentSearch& search, Visit&& visit) {
+  const double length_m = (a[anchor.second] - a[anchor.first]).norm();
+  const double slack_m = std::min(0.3, search.gate_m);
+  const auto fits = [&](std::int32_t i, std::int32_t j) {
+    const double d_m =
+        (b[static_cast<std::size_t>(i)] - b[static_cast<std::size_t>(j)]).norm() - length_m;
+    return i != j && std::abs(d_m) <= slack_m;
+  };
+  if (!search.any_place) {
+    const auto ends = b.within(a[anchor.second], search.offset_max_m);
+    for (const std::int32_t i : b.within(a[anchor.first], search.offset_max_m)) {
+      for (const std::int32_t j : ends) {
+        if (fits(i, j)) visit(i, j);
+      }
+    }
+    return;
+  }
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    for (const std::int32_t j : b.within(b[i], length_m + slack_m)) {
+      if (fits(static_cast<std::int32_t>(i), j)) visit(static_cast<std::int32_t>(i), j);
+    }
+  }
+}
+
+RigidTransform fit_pairs(const IndexedPoints& a, const IndexedPoints& b,
+                         const std::vector<LandmarkPair>& pairs, const Vector2d& middle_a,
+                         double radius_m, const RigidTransform& before) {
+  std::vector<Vector2d> p_a, p_b;
+  for (const LandmarkPair& pair : pairs) {
+    if ((a[static_cast<std::size_t>(pair.a)] - middle_a).norm() > radius_m) continue;
+    p_a.push_back(a[static_cast<std::size_t>(pair.a)]);
+    p_b.push_back(b[static_cast<std::size_t>(pair.b)]);
+  }
+  if (p_a.size() < 2) return before;
+  return fit_rigid(p_a, p_b, std::vector<double>(p_a.size(), 1.0));
+}
+
+/// Fits outwards from the anchor: pairs far away are right only once the turn is.
+AlignmentCandidate refined(const IndexedPoints& a, const IndexedPoints& b,
+                           const Hypothesis& hypothesis, double gate_m) {
+  AlignmentCandidate way{hypothesis.T_a_b, {}};
+  double radius_m = 0.6 * kBaseline_m;
+  std::vector<std::pair<std::int32_t, std::int32_t>> last;
+  for (int k = 0; k < kFitsMost; ++k) {
+    way.pairs = pair_landmarks(a, b, way.T_a_b, gate_m);
+    std::vector<std::pair<std::int32_t, std::int32_t>> now;
+    double farthest_m = 0.0;
+    for (const LandmarkPair& pair : way.pairs) {
+      now.push_back({pair.a, pair.b});
+      farthest_m =
+          std::max(farthest_m, (a[static_cast<std::size_t>(pair.a)] - hypothesis.middle_a).norm());
+    }
+    const bool is_whole = radius_m >= farthest_m;
+    if (is_whole && now == last) break;
+    last = std::move(now);
+    way.T_a_b = fit_pairs(a, b, way.pairs, hypothesis.middle_a, radius_m, way.T_a_b);
+    radius_m *= 1.6;
+  }
+  return way;
+}
+
+bool is_near(const RigidTransform& T, const RigidTransform& other, const Vector2d& p_a,
+             double near_m, double near_rad) {
+  const Vector2d p_b = T.inverse().apply(p_a);
+  return (other.apply(p_b) - p_a).norm() < near_m &&
+         std::abs(geometry::wrap_angle_rad(T.yaw_rad - other.yaw_rad)) < near_rad;
+}
+
+bool is_same_way(const RigidTransform& T, const RigidTransform& other, const Vector2d& p_a,
+                 double spacing_m) {
+  return is_near(T, other, p_a, 0.35 * spacing_m, 0.03);
+}
+
+}  // namespace
+
+AlignmentCandidates alignment_candidates(const IndexedPoints& a,
+                                         const std::vector<double>& width_of_a_m,
+                                         const IndexedPoints& b,
+                                         const std::vector<double>& width_of_b_m,
+                                         const AlignmentSearch& search) {
+  AlignmentCandidates found;
+  if (a.size() < 3 || b.size() < 3) return found;
+  const double spacing_m = std::max(typical_spacing_m(a), 2.0 * search.gate_m);
+  const std::size_t num_anchors = search.any_place && b.size() > 4000 ? 8 : 30;
+  std::vector<Hypothesis> hypotheses;
+  for (const Anchor& anchor : anchors_of(a, num_anchors)) {
+    for_each_counterpart(a, b, anchor, search, [&](std::int32_t i, std::int32_t j) {
+      Hypothesis h;
+      h.middle_a = anchor.middle;
+      h.T_a_b = through_two(a[anchor.first], a[anchor.second], b[static_cast<std::size_t>(i)],
+                            b[static_cast<std::size_t>(j)]);
+      if (!is_allowed(h.T_a_b, anchor.middle, search)) return;
+      found.num_tried += 1.0;
+      if (is_borne_out({a, width_of_a_m}, {b, width_of_b_m}, anchor, search.gate_m, h))
+        hypotheses.push_back(h);
+    });
+  }
+  std::vector<RigidTransform> refined_from;  // many begin alike and end in a way that is known
+  for (const std::size_t k : most_promising_first(hypotheses)) {
+    const Hypothesis& h = hypotheses[k];
+    if (found.ways.size() >= kWaysMost) break;
+    const auto known = [&](const AlignmentCandidate& way) {
+      return is_same_way(h.T_a_b, way.T_a_b, h.middle_a, spacing_m);
+    };
+    const auto begun = [&](const RigidTransform& T) {
+      return is_near(h.T_a_b, T, h.middle_a, 0.1 * spacing_m, 0.01);
+    };
+    if (std::any_of(found.ways.begin(), found.ways.end(), known) ||
+        std::any_of(refined_from.begin(), refined_from.end(), begun)) {
+      continue;
+    }
+    refined_from.push_back(h.T_a_b);
+    AlignmentCandidate way = refined(a, b, h, search.gate_m);
+    const auto same = [&](const AlignmentCandidate& other) {
+      return is_same_way(way.T_a_b, other.T_a_b, h.middle_a, spacing_m);
+    };
+    if (way.pairs.size() < 3 || !is_allowed(way.T_a_b, h.middle_a, search) ||
+        std::any_of(found.ways.begin(), found.ways.end(), same)) {
+      continue;
+    }
+    found.ways.push_back(std::move(way));
+  }
+  std::stable_sort(found.ways.begin(), found.ways.end(),
+                   [](const AlignmentCandidate& x, const AlignmentCandidate& y) {
+                     return x.pairs.size() > y.pairs.size();
+                   });
+  return found;
+}
+
+}  // namespace orchard::mapping

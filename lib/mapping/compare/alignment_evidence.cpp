@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/compare/alignment_evidence.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "geometry/angles.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kShareChanged = 0.05;   ///< of trees between two drives, before looking
+constexpr double kShareOutliers = 0.05;  ///< of pairs that are worse than the noise
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+double normal_density(double deviation, double sd) {
+  const double u = deviation / sd;
+  return std::exp(-0.5 * u * u) / (sd * std::sqrt(2.0 * geometry::kPi));
+}
+
+EvidenceDifference sum_of(const std::vector<double>& values) {
+  EvidenceDifference d;
+  for (const double v : values) d.log_odds += v;
+  const auto n = static_cast<double>(values.size());
+  double variance = 0.0;
+  for (const double v : values) {
+    variance += (v - d.log_odds / n) * (v - d.log_odds / n) * n / std::max(1.0, n - 1.0);
+  }
+  d.sigmas = variance > 0.0 ? d.log_odds / std::sqrt(variance) : (d.log_odds > 0.0 ? 1e3 : 0.0);
+  return d;
+}
+
+}  // namespace
+
+PairNoise pair_noise(const AlignmentTrunks& a, const AlignmentTrunks& b,
+                     const std::vector<LandmarkPair>& pairs, double gate_m) {
+  std::vector<LandmarkPair> straightened = pairs;
+  remove_common_residuals(a.places, straightened);
+  std::vector<double> deviations_m, width_changes_m;
+  for (const LandmarkPair& pair : straightened) {
+    deviations_m.push_back(pair.residual_m.x());
+    deviations_m.push_back(pair.residual_m.y());
+    width_changes_m.push_back(b.width_m[static_cast<std::size_t>(pair.b)] -
+                              a.width_m[static_cast<std::size_t>(pair.a)]);
+  }
+  PairNoise noise;
+  noise.gate_m = gate_m;
+  noise.position_sd_m = std::max(0.01, robust_sd(std::move(deviations_m)));
+  noise.width_offset_m = median_of(width_changes_m);
+  for (double& change_m : width_changes_m) change_m -= noise.width_offset_m;
+  noise.width_sd_m = std::max(0.003, robust_sd(std::move(width_changes_m)));
+  noise.width_mean_m = median_of(b.width_m);
+  std::vector<double> spread_m = b.width_m;
+  for (double& width_m : spread_m) width_m -= noise.width_mean_m;
+  noise.width_spread_m = std::max(noise.width_sd_m, robust_sd(std::move(spread_m)));
+  return noise;
+}
+
+PairNoise chance_noise(const std::vector<PairNoise>& of_ways) {
+  constexpr std::size_t kFewest = 4;
+  PairNoise chance = of_ways.front();
+  if (of_ways.size() < kFewest) {
+    chance.position_sd_m = 0.5 * chance.gate_m;  // of a disc, per axis
+    chance.width_sd_m = std::max(chance.width_sd_m, std::sqrt(2.0) * chance.width_spread_m);
+    return chance;
+  }
+  std::vector<double> positions_m, widths_m;
+  for (const PairNoise& noise : of_ways) {
+    positions_m.push_back(noise.position_sd_m);
+    widths_m.push_back(noise.width_sd_m);
+  }
+  chance.position_sd_m = median_of(std::move(positions_m));
+  chance.width_sd_m = median_of(std::move(widths_m));
+  return chance;
+}
+
+PairNoise cautious(const PairNoise& own, const PairNoise& chance, std::size_t num_pairs) {
+  constexpr double kPairsOfChance = 5.0;
+  const auto n = static_cast<double>(num_pairs);
+  const auto mixed = [&](double sd, double sd_by_chance) {
+    return std::sqrt((n * sd * sd + kPairsOfChance * sd_by_chance * sd_by_chance) /
+                     (n + kPairsOfChance));
+  };
+  PairNoise noise = own;
+  noise.position_sd_m = mixed(own.position_sd_m, chance.position_sd_m);
+  noise.width_sd_m = mixed(own.width_sd_m, chance.width_sd_m);
+  return noise;
+}
+
+AlignmentEvidence evidence_of(const AlignmentTrunks& a, const AlignmentTrunks& b,
+                              const AlignmentCandidate& way, const PairNoise& noise,
+                              const PairNoise& chance) {
+  AlignmentEvidence evidence;
+  evidence.of_a.assign(a.places.size(), kNone);
+  evidence.of_b.assign(b.places.size(), kNone);
+  const double anywhere = 1.0 / (geometry::kPi * noise.gate_m * noise.gate_m);
+  const auto any_width = [&](std::size_t j) {
+    return 0.9 * normal_density(b.width_m[j] - noise.width_mean_m, noise.width_spread_m) + 0.1;
+  };
+  // what a pair by chance has of likelihood, on average
+  const double by_chance = -3.0 * (0.5 + 0.5 * std::log(2.0 * geometry::kPi)) -
+                           2.0 * std::log(chance.position_sd_m) - std::log(chance.width_sd_m);
+  std::vector<LandmarkPair> pairs = way.pairs;
+  remove_common_residuals(a.places, pairs);
+  for (const LandmarkPair& pair : pairs) {
+    const auto i = static_cast<std::size_t>(pair.a), j = static_cast<std::size_t>(pair.b);
+    const double place = normal_density(pair.residual_m.x(), noise.position_sd_m) *
+                         normal_density(pair.residual_m.y(), noise.position_sd_m);
+    const double width =
+        normal_density(b.width_m[j] - a.width_m[i] - noise.width_offset_m, noise.width_sd_m);
+    evidence.of_a[i] = 0.0;
+    evidence.of_b[j] =
+        std::log((1.0 - kShareChanged) * ((1.0 - kShareOutliers) * place * width +
+                                          kShareOutliers * anywhere * any_width(j))) -
+        by_chance;
+  }
+  const RigidTransform T_b_a = way.T_a_b.inverse();
+  for (std::size_t i = 0; i < a.places.size(); ++i) {
+    if (std::isnan(evidence.of_a[i]) && b.is_looked_at(T_b_a.apply(a.places[i]))) {
+      evidence.of_a[i] = std::log(kShareChanged);
+    }
+  }
+  for (std::size_t j = 0; j < b.places.size(); ++j) {
+    if (std::isnan(evidence.of_b[j]) && a.is_looked_at(way.T_a_b.apply(b.places[j]))) {
+      evidence.of_b[j] = std::log(kShareChanged * anywhere * any_width(j)) - by_chance;
+    }
+  }
+  return evidence;
+}
+
+EvidenceDifference difference(const AlignmentEvidence& first, const AlignmentEvidence& second) {
+  std::vector<double> differences;
+  const auto collect = [&](const std::vector<double>& x, const std::vector<double>& y) {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      if (std::isnan(x[i]) && std::isnan(y[i])) continue;
+      differences.push_back((std::isnan(x[i]) ? 0.0 : x[i]) - (std::isnan(y[i]) ? 0.0 : y[i]));
+    }
+  };
+  collect(first.of_b, second.of_b);
+  collect(first.of_a, second.of_a);
+  return sum_of(differences);
+}
+
+EvidenceDifference detail(const AlignmentEvidence& evidence) {
+  std::vector<double> values;
+  for (const double v : evidence.of_b) {
+    if (!std::isnan(v)) values.push_back(v);
+  }
+  return sum_of(values);
+}
+
+std::size_t num_judged_b(const AlignmentEvidence& evidence) {
+  return static_cast<std::size_t>(std::count_if(evidence.of_b.begin(), evidence.of_b.end(),
+                                                [](double v) { return !std::isnan(v); }));
+}
+
+double share_explained(const AlignmentEvidence& evidence, std::size_t num_pairs) {
+  const std::size_t num_judged = num_judged_b(evidence);
+  return num_judged == 0 ? 0.0 : static_cast<double>(num_pairs) / static_cast<double>(num_judged);
+}
+
+}  // namespace orchard::mapping

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/compare/coverage.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mapping/compare/landmark_pairing.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr std::size_t kNumRanges = LookRaster::kRangeEnds_m.size();
+using Rates = std::array<double, kNumRanges>;
+
+/// Rates that are not negative and explain the observations per second of looking best; what the
+/// trees do not tell apart goes to the nearer distances (least squares by coordinates: the problem
+/// is convex and has few unknowns).
+Rates fit_rates(const std::vector<Rates>& shares, const std::vector<double>& per_second) {
+  constexpr int kSweeps = 300;
+  Rates rates{};
+  std::array<Rates, kNumRanges> products{};
+  Rates targets{};
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    for (std::size_t j = 0; j < kNumRanges; ++j) {
+      targets[j] += shares[i][j] * per_second[i];
+      for (std::size_t k = 0; k < kNumRanges; ++k) products[j][k] += shares[i][j] * shares[i][k];
+    }
+  }
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (std::size_t j = 0; j < kNumRanges; ++j) {
+      if (products[j][j] <= 1e-9) continue;
+      double rest = targets[j];
+      for (std::size_t k = 0; k < kNumRanges; ++k) {
+        if (k != j) rest -= products[j][k] * rates[k];
+      }
+      rates[j] = std::max(0.0, rest / products[j][j]);
+    }
+  }
+  return rates;
+}
+
+}  // namespace
+
+DriveView::DriveView(const std::vector<Landmark>& landmarks,
+                     const std::vector<std::vector<pose::PoseEstimate>>& trajectories,
+                     const SensorView& view) {
+  if (trajectories.empty()) return;
+  is_known_ = true;
+  raster_.emplace_back(landmarks, trajectories, view);
+  std::vector<Rates> shares;
+  std::vector<double> per_second;
+  for (const Landmark& l : landmarks) {
+    if (l.label == detection::Label::kObject) continue;
+    const LookRaster::Looks looks = raster_.front().at({l.x_m, l.y_m});
+    double total_s = 0.0;
+    for (const float s : looks) total_s += s;
+    if (total_s <= 0.0) continue;
+    Rates share{};
+    for (std::size_t j = 0; j < kNumRanges; ++j) share[j] = looks[j] / total_s;
+    shares.push_back(share);
+    per_second.push_back(l.num_observations / total_s);
+  }
+  rate_per_s_ = fit_rates(shares, per_second);
+  std::vector<double> deviations;
+  for (const Landmark& l : landmarks) {
+    const double expected = expected_observations({l.x_m, l.y_m});
+    if (l.label == detection::Label::kObject || expected < 3.0) continue;
+    deviations.push_back(l.num_observations / expected - 1.0);
+  }
+  // trees differ at least by half, whatever a small map says
+  const double spread = deviations.empty() ? 1.0 : robust_sd(std::move(deviations));
+  shape_ = std::clamp(1.0 / std::max(1e-6, spread * spread), 0.5, 4.0);
+}
+
+double DriveView::expected_observations(const Vector2d& p_map) const {
+  if (!is_known_) return 0.0;
+  const LookRaster::Looks looks = raster_.front().at(p_map);
+  double sum = 0.0;
+  for (std::size_t j = 0; j < kNumRanges; ++j) sum += looks[j] * rate_per_s_[j];
+  return sum;
+}
+
+double DriveView::visibility(const Landmark& landmark) const {
+  const double expected = expected_observations({landmark.x_m, landmark.y_m});
+  if (expected <= 0.0) return 1.0;
+  return std::clamp(landmark.num_observations / expected, 0.1, 1.0);
+}
+
+double DriveView::probability_missed(const Vector2d& p_map, double visibility) const {
+  if (!is_known_) return 1.0;
+  return std::pow(1.0 + visibility * expected_observations(p_map) / shape_, -shape_);
+}
+
+}  // namespace orchard::mapping

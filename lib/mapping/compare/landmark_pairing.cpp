@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/compare/landmark_pairing.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace orchard::mapping {
+
+using Eigen::Vector2d;
+
+IndexedPoints::IndexedPoints(std::vector<Vector2d> points) : points_(std::move(points)) {
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    grid_.insert(static_cast<std::int32_t>(i), points_[i].x(), points_[i].y());
+  }
+}
+
+std::int32_t IndexedPoints::nearest(const Vector2d& p, double radius_m) const {
+  std::int32_t best = -1;
+  double best_m2 = radius_m * radius_m;
+  grid_.near(p.x(), p.y(), radius_m, [&](std::int32_t i) {
+    const double d_m2 = (points_[static_cast<std::size_t>(i)] - p).squaredNorm();
+    if (d_m2 < best_m2 || (d_m2 == best_m2 && (best < 0 || i < best))) {
+      best = i;
+      best_m2 = d_m2;
+    }
+  });
+  return best;
+}
+
+std::vector<std::int32_t> IndexedPoints::within(const Vector2d& p, double radius_m) const {
+  std::vector<std::int32_t> found;
+  grid_.near(p.x(), p.y(), radius_m, [&](std::int32_t i) {
+    if ((points_[static_cast<std::size_t>(i)] - p).norm() <= radius_m) found.push_back(i);
+  });
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+std::vector<std::int32_t> IndexedPoints::nearest_few(const Vector2d& p, double radius_m,
+                                                     std::size_t count) const {
+  std::vector<std::int32_t> found = within(p, radius_m);
+  std::stable_sort(found.begin(), found.end(), [&](std::int32_t i, std::int32_t j) {
+    return (points_[static_cast<std::size_t>(i)] - p).squaredNorm() <
+           (points_[static_cast<std::size_t>(j)] - p).squaredNorm();
+  });
+  if (found.size() > count) found.resize(count);
+  return found;
+}
+
+std::vector<LandmarkPair> pair_landmarks(const IndexedPoints& a, const IndexedPoints& b,
+                                         const RigidTransform& T_a_b, double gate_m) {
+  struct Offer {
+    double distance_m;
+    LandmarkPair pair;
+  };
+  std::vector<Offer> offers;
+  for (std::size_t j = 0; j < b.size(); ++j) {
+    const Vector2d p_a = T_a_b.apply(b[j]);
+    for (const std::int32_t i : a.within(p_a, gate_m)) {
+      const Vector2d residual_m = p_a - a[static_cast<std::size_t>(i)];
+      offers.push_back({residual_m.norm(), {i, static_cast<std::int32_t>(j), residual_m}});
+    }
+  }
+  std::sort(offers.begin(), offers.end(), [](const Offer& x, const Offer& y) {
+    return std::tie(x.distance_m, x.pair.a, x.pair.b) < std::tie(y.distance_m, y.pair.a, y.pair.b);
+  });
+  std::vector<bool> taken_a(a.size(), false), taken_b(b.size(), false);
+  std::vector<LandmarkPair> pairs;
+  for (const Offer& offer : offers) {
+    const auto i = static_cast<std::size_t>(offer.pair.a);
+    const auto j = static_cast<std::size_t>(offer.pair.b);
+    if (taken_a[i] || taken_b[j]) continue;
+    taken_a[i] = taken_b[j] = true;
+    pairs.push_back(offer.pair);
+  }
+  std::sort(pairs.begin(), pairs.end(),
+            [](const LandmarkPair& x, const LandmarkPair& y) { return x.a < y.a; });
+  return pairs;
+}
+
+void remove_common_residuals(const IndexedPoints& a, std::vector<LandmarkPair>& pairs) {
+  constexpr std::size_t kNumNeighbours = 10, kFewest = 12;
+  constexpr double kReach_m = 25.0;
+  if (pairs.size() < kFewest) return;
+  std::vector<Vector2d> places;
+  for (const LandmarkPair& pair : pairs) places.push_back(a[static_cast<std::size_t>(pair.a)]);
+  const IndexedPoints paired(std::move(places));
+  std::vector<Vector2d> common(pairs.size(), Vector2d(0.0, 0.0));
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    double reach_m = 4.0;
+    std::vector<std::int32_t> around;
+    while (around.size() <= kNumNeighbours && reach_m <= kReach_m) {
+      around = paired.nearest_few(paired[k], reach_m, kNumNeighbours + 1);
+      reach_m *= 1.8;
+    }
+    std::vector<double> x_m, y_m;
+    for (const std::int32_t i : around) {
+      if (static_cast<std::size_t>(i) == k) continue;
+      x_m.push_back(pairs[static_cast<std::size_t>(i)].residual_m.x());
+      y_m.push_back(pairs[static_cast<std::size_t>(i)].residual_m.y());
+    }
+    if (x_m.size() < kNumNeighbours / 2) continue;
+    common[k] = {median_of(std::move(x_m)), median_of(std::move(y_m))};
+  }
+  for (std::size_t k = 0; k < pairs.size(); ++k) pairs[k].residual_m -= common[k];
+}
+
+double typical_spacing_m(const IndexedPoints& points) {
+  std::vector<double> distances_m;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (double reach_m = 2.0; reach_m < 200.0; reach_m *= 3.0) {
+      const auto near = points.nearest_few(points[i], reach_m, 2);
+      if (near.size() < 2) continue;
+      const auto other = static_cast<std::size_t>(near[0]) == i ? near[1] : near[0];
+      distances_m.push_back((points[static_cast<std::size_t>(other)] - points[i]).norm());
+      break;
+    }
+  }
+  return distances_m.empty() ? 0.0 : median_of(std::move(distances_m));
+}
+
+double median_of(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double robust_sd(std::vector<double> deviations) {
+  for (double& d : deviations) d = std::abs(d);
+  return 1.4826 * median_of(std::move(deviations));
+}
+
+}  // namespace orchard::mapping

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "mapping/compare/coverage.hpp"
+#include "mapping/compare/landmark_pairing.hpp"
+
+namespace orchard::mapping {
+
+struct MapAlignmentConfig {
+  bool any_place = false;      ///< the two frames have nothing in common
+  double offset_max_m = 5.0;   ///< else: how far apart the maps place one tree, at most
+  double turn_max_deg = 10.0;  ///< and how far they are turned
+  double gate_m = 0.5;         ///< farthest that one tree lies apart after alignment
+  int min_pairs = 5;           ///< fewer trees in common are no alignment
+};
+
+enum class AlignmentVerdict {
+  kAligned,    ///< T_a_b is the one answer
+  kAmbiguous,  ///< at least two answers explain the maps about equally
+  kNone,       ///< no answer explains them
+};
+
+/// How two maps lie upon each other.
+struct MapAlignment {
+  AlignmentVerdict verdict = AlignmentVerdict::kNone;
+  RigidTransform T_a_b;                                  ///< the best answer
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, yaw) of T_a_b
+  std::vector<LandmarkPair> pairs;  ///< indices into the two lists of landmarks; rigid residuals
+  double rms_m = 0.0;               ///< of the pairs' distances
+  double position_sd_m = 0.0;       ///< of a pair per axis, bends common to neighbours taken out
+  double log_odds = 0.0;            ///< of the best answer against its nearest rival
+  double rival_offset_m = 0.0;      ///< how far the rival lies off; 0: there is none
+  std::string reason;               ///< why not, as a sentence without a full stop
+};
+
+/// Finds T_a_b on the trunks themselves: what stands where, how wide it is, and where none stands.
+///
+/// Rows look alike everywhere, so each of many ways to lay b on a is tried, and the best must
+/// explain positions, widths and gaps better than any other (a shift by a tree, by a row, a turn
+/// by half a circle): by odds of a thousand to one and three standard deviations of the difference
+/// (Vuong 1989), counting only trees that both answers can judge. A tree that stands where the
+/// other drive looked and found nothing counts against an answer; where it did not look, for
+/// nothing. Without views, a place counts as looked at that has landmarks on all sides.
+/// Deterministic. Landmarks that are objects take part only where there are few trees.
+MapAlignment align_maps(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
+                        const DriveView& view_a, const DriveView& view_b,
+                        const MapAlignmentConfig& config);
+
+}  // namespace orchard::mapping

@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/compare/map_comparison.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mapping/compare/change_posterior.hpp"
+#include "mapping/compare/straightening.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+using detection::Label;
+using Eigen::Vector2d;
+
+constexpr double kOneThing_m = 0.25;   ///< landmarks nearer than this may be one thing
+constexpr double kNeverSurer = 0.995;  ///< some moved farther than is looked for
+constexpr double kMissedIfAssumed = 0.005;
+constexpr double kNearestOther = 0.9;  ///< of a tree spacing: what is farther away is another tree
+
+std::vector<Vector2d> places_of(const std::vector<Landmark>& landmarks) {
+  std::vector<Vector2d> places;
+  for (const Landmark& l : landmarks) places.push_back({l.x_m, l.y_m});
+  return places;
+}
+
+/// All that stands alone and is no object: what tells the trees' spacing.
+std::vector<Vector2d> lone_trees(const std::vector<Landmark>& landmarks,
+                                 const std::vector<char>& in_thicket) {
+  std::vector<Vector2d> places;
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    const Landmark& l = landmarks[i];
+    if (l.label != Label::kObject && !in_thicket[i]) places.push_back({l.x_m, l.y_m});
+  }
+  return places.size() < 2 ? places_of(landmarks) : places;
+}
+
+/// How sure one may be that a thing stands there at all, from how often it was seen.
+double reality(const Landmark& l) { return 1.0 - std::exp(-0.5 * l.num_observations); }
+
+/// Scatter of pairs grows as the things were seen more seldom than is usual.
+double seldom_factor(const Landmark& a, const Landmark& b, double typical) {
+  const double share =
+      1.0 / std::max(1, a.num_observations) + 1.0 / std::max(1, b.num_observations);
+  return std::sqrt(0.5 + 0.5 * std::max(1.0, share / typical));
+}
+
+double typical_share(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
+                     const std::vector<LandmarkPair>& pairs) {
+  std::vector<double> shares;
+  for (const LandmarkPair& pair : pairs) {
+    shares.push_back(1.0 / std::max(1, a[static_cast<std::size_t>(pair.a)].num_observations) +
+                     1.0 / std::max(1, b[static_cast<std::size_t>(pair.b)].num_observations));
+  }
+  return std::max(1e-9, median_of(std::move(shares)));
+}
+
+bool are_trees(const Landmark& a, const Landmark& b) {
+  return a.label == Label::kTree && b.label == Label::kTree;
+}
+
+/// How the pairs of two straightened maps scatter.
+PairScatter scatter_of(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
+                       const std::vector<LandmarkPair>& pairs, double typical) {
+  PairScatter scatter;
+  std::vector<double> changes_m, widths_m, deviations_m;
+  for (const LandmarkPair& pair : pairs) {
+    deviations_m.push_back(pair.residual_m.x());
+    deviations_m.push_back(pair.residual_m.y());
+    changes_m.push_back(b[static_cast<std::size_t>(pair.b)].width_m -
+                        a[static_cast<std::size_t>(pair.a)].width_m);
+    widths_m.push_back(b[static_cast<std::size_t>(pair.b)].width_m);
+  }
+  scatter.position_sd_m = std::max(0.004, robust_sd(std::move(deviations_m)));
+  scatter.width_common_m = median_of(changes_m);
+  for (double& change_m : changes_m) change_m -= scatter.width_common_m;
+  scatter.width_sd_m = std::max(0.002, robust_sd(changes_m));
+  scatter.width_mean_m = median_of(widths_m);
+  for (double& width_m : widths_m) width_m -= scatter.width_mean_m;
+  scatter.width_spread_m = std::max(0.01, robust_sd(std::move(widths_m)));
+  std::vector<double> of_trees, of_others;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const Landmark& l = a[static_cast<std::size_t>(pairs[k].a)];
+    const Landmark& m = b[static_cast<std::size_t>(pairs[k].b)];
+    if (l.label == Label::kObject && m.label == Label::kObject) continue;
+    (are_trees(l, m) ? of_trees : of_others)
+        .push_back(changes_m[k] / (seldom_factor(l, m, typical) * scatter.width_sd_m));
+  }
+  scatter.stray_widths_of_trees = stray_share(of_trees, scatter.stray_widths_of_trees, 100.0);
+  scatter.stray_widths_of_others = stray_share(of_others, scatter.stray_widths_of_others, 20.0);
+  return scatter;
+}
+
+/// One of the two maps.
+struct Side {
+  const std::vector<Landmark>& landmarks;
+  const DriveView& view;
+  RigidTransform T_map_a;  ///< from the frame of the earlier map, in which places are, to its own
+  IndexedPoints places;
+  std::vector<char> in_thicket;
+  std::vector<bool> is_paired;
+  /// That a thing has no partner because it has gone, or come, and did not move.
+  std::vector<double> not_moved;
+
+  Side(const std::vector<Landmark>& all, const DriveView& seen, const RigidTransform& T,
+       std::vector<Vector2d> places_in_a, const ThicketConfig& thicket)
+      : landmarks(all),
+        view(seen),
+        T_map_a(T),
+        places(std::move(places_in_a)),
+        in_thicket(in_thickets(all, thicket)),
+        is_paired(all.size(), false),
+        not_moved(all.size(), kNeverSurer) {}
+};
+
+class MapComparer {
+ public:
+  MapComparer(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
+              const DriveView& view_a, const DriveView& view_b, const MapAlignment& alignment,
+              const ComparisonConfig& config)
+      : config_(config),
+        a_(a, view_a, RigidTransform{}, places_of(a), config.thicket),
+        b_(b, view_b, alignment.T_a_b.inverse(),
+           straightened(a_.places, IndexedPoints(places_of(b)), alignment), config.thicket) {
+    const double spacing_m = typical_spacing_m(IndexedPoints(lone_trees(a, a_.in_thicket)));
+    gate_m_ = std::clamp(0.35 * spacing_m, 0.1, 0.5);
+    pairs_ = pair_landmarks(a_.places, b_.places, RigidTransform{}, gate_m_);
+    typical_share_ = typical_share(a, b, pairs_);
+    scatter_ = scatter_of(a, b, pairs_, typical_share_);
+    scatter_.spacing_m = std::max(spacing_m, gate_m_);
+    scatter_.moved_max_m = std::min(config.moved_max_m, kNearestOther * scatter_.spacing_m);
+  }
+
+  MapComparison compare() {
+    comparison_.width_change_common_m = scatter_.width_common_m;
+    comparison_.width_change_common_se_m =
+        pairs_.empty()
+            ? 0.0
+            : 1.253 * scatter_.width_sd_m / std::sqrt(static_cast<double>(pairs_.size()));
+    pair_what_lies_together();
+    pair_what_moved();
+    tell_absent(a_, b_, Change::kMissing);
+    tell_absent(b_, a_, Change::kNew);
+    std::stable_sort(comparison_.changes.begin(), comparison_.changes.end(),
+                     [](const MapChange& x, const MapChange& y) {
+                       if ((x.a < 0) != (y.a < 0)) return y.a < 0;
+                       return x.a < 0 ? x.b < y.b : x.a < y.a;
+                     });
+    return std::move(comparison_);
+  }
+
+ private:
+  bool is_compared(const Landmark& l) const {
+    return config_.with_objects || l.label != Label::kObject;
+  }
+  bool is_left(const Side& side, std::size_t i) const {
+    return !side.is_paired[i] && is_compared(side.landmarks[i]);
+  }
+
+  void pair_what_lies_together() {
+    for (const LandmarkPair& pair : pairs_) {
+      const auto i = static_cast<std::size_t>(pair.a), j = static_cast<std::size_t>(pair.b);
+      if (is_compared(a_.landmarks[i]) || is_compared(b_.landmarks[j])) {
+        take_pair(i, j);
+      } else {
+        a_.is_paired[i] = b_.is_paired[j] = true;
+      }
+    }
+  }
+
+  /// What stands near an empty place and is as wide as what stood there has moved, most likely.
+  void pair_what_moved() {
+    constexpr double kLeastOdds = 0.01;
+    struct Offer {
+      double odds;
+      std::size_t a, b;
+    };
+    std::vector<Offer> offers;
+    for (std::size_t i = 0; i < a_.landmarks.size(); ++i) {
+      if (!is_left(a_, i) || a_.in_thicket[i]) continue;
+      for (const std::int32_t near : b_.places.within(a_.places[i], scatter_.moved_max_m)) {
+        const auto j = static_cast<std::size_t>(near);
+        if (!is_left(b_, j) || b_.in_thicket[j]) continue;
+        const double moved = odds_of(sight_of(i, j), scatter_).moved;
+        if (moved > kLeastOdds) offers.push_back({moved, i, j});
+      }
+    }
+    std::stable_sort(offers.begin(), offers.end(),
+                     [](const Offer& x, const Offer& y) { return x.odds > y.odds; });
+    for (const Offer& offer : offers) {
+      if (a_.is_paired[offer.a] || b_.is_paired[offer.b]) continue;
+      if (offer.odds > 0.5 && take_pair(offer.a, offer.b)) continue;
+      doubt(offer.a, offer.b, 1.0 - offer.odds);
+    }
+  }
+
+  void doubt(std::size_t i, std::size_t j, double not_moved) {
+    a_.not_moved[i] = std::min(a_.not_moved[i], not_moved);
+    b_.not_moved[j] = std::min(b_.not_moved[j], not_moved);
+  }
+
+  PairSight sight_of(std::size_t i, std::size_t j) const {
+    const Landmark &l = a_.landmarks[i], &m = b_.landmarks[j];
+    PairSight pair;
+    pair.distance_m = (b_.places[j] - a_.places[i]).norm();
+    pair.width_b_m = m.width_m;
+    pair.width_change_m = m.width_m - l.width_m;
+    pair.noise_factor = seldom_factor(l, m, typical_share_);
+    pair.both_trees = are_trees(l, m);
+    return pair;
+  }
+
+  /// Tells what became of one thing that stands in both maps; false when it is two, of which one
+  /// has given way to the other.
+  bool take_pair(std::size_t i, std::size_t j) {
+    const PairSight pair = sight_of(i, j);
+    const PairOdds odds = odds_of(pair, scatter_);
+    const bool is_far =
+        pair.distance_m >= config_.moved_min_m &&
+        pair.distance_m >= config_.sigmas_min * pair.noise_factor * scatter_.position_sd_m;
+    const bool in_thicket = a_.in_thicket[i] || b_.in_thicket[j];
+    if (is_far && !in_thicket && odds.replaced > 0.5) {
+      doubt(i, j, odds.replaced);
+      return false;
+    }
+    a_.is_paired[i] = b_.is_paired[j] = true;
+    MapChange c;
+    c.a = static_cast<std::int32_t>(i);
+    c.b = static_cast<std::int32_t>(j);
+    c.p_a = b_.places[j];
+    c.moved_m = pair.distance_m;
+    c.width_change_m = pair.width_change_m;
+    c.width_change_se_m = pair.noise_factor * scatter_.width_sd_m;
+    const double change_m = std::abs(c.width_change_m);
+    const bool is_wide =
+        change_m >= config_.width_change_min_m &&
+        change_m >= config_.sigmas_min * c.width_change_se_m &&
+        (a_.landmarks[i].label == Label::kTree || b_.landmarks[j].label == Label::kTree);
+    if (in_thicket) {
+      c.confidence = 0.5;
+    } else if (is_far && odds.moved > 0.5) {
+      c.change = Change::kMoved;
+      c.confidence = odds.moved;
+    } else if (is_wide && odds.width_changed >= config_.confidence_min) {
+      c.change = c.width_change_m > 0.0 ? Change::kGrown : Change::kThinner;
+      c.confidence = odds.width_changed;
+    } else {
+      c.confidence = odds.unchanged;
+    }
+    comparison_.changes.push_back(c);
+    return true;
+  }
+
+  /// Of what one map has and the other has not: whether the other drive looked there.
+  void tell_absent(const Side& there, const Side& other, Change change) {
+    const double same_m = std::min(kOneThing_m, gate_m_);
+    for (std::size_t i = 0; i < there.landmarks.size(); ++i) {
+      if (!is_left(there, i)) continue;
+      MapChange c;
+      (change == Change::kMissing ? c.a : c.b) = static_cast<std::int32_t>(i);
+      c.p_a = there.places[i];
+      // One thing may stand in a map as two; where the other map has something, nothing is missing.
+      if (other.places.nearest(c.p_a, there.in_thicket[i] ? config_.thicket.reach_m : same_m) >=
+          0) {
+        c.confidence = 0.5;
+        comparison_.changes.push_back(c);
+        continue;
+      }
+      const Landmark& l = there.landmarks[i];
+      const double missed =
+          config_.assume_seen
+              ? kMissedIfAssumed
+              : other.view.probability_missed(other.T_map_a.apply(c.p_a), there.view.visibility(l));
+      const double absent = confidence_of_absence(missed, reality(l));
+      const bool is_sure = absent >= config_.confidence_min;
+      c.change = is_sure ? change : Change::kNotSeen;
+      c.confidence = is_sure ? absent * there.not_moved[i] : 1.0 - absent;
+      comparison_.changes.push_back(c);
+    }
+  }
+
+  const ComparisonConfig& config_;
+  Side a_, b_;  ///< b_ after a_: it is straightened upon it
+  double gate_m_ = 0.5;
+  std::vector<LandmarkPair> pairs_;
+  double typical_share_ = 1.0;
+  PairScatter scatter_;
+  MapComparison comparison_;
+};
+
+}  // namespace
+
+MapComparison compare_maps(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
+                           const DriveView& view_a, const DriveView& view_b,
+                           const MapAlignment& alignment, const ComparisonConfig& config) {
+  return MapComparer(a, b, view_a, view_b, alignment, config).compare();
+}
+
+int MapComparison::count(Change change) const {
+  return static_cast<int>(std::count_if(
+      changes.begin(), changes.end(), [change](const MapChange& c) { return c.change == change; }));
+}
+
+const char* change_text(Change change) {
+  switch (change) {
+    case Change::kUnchanged:
+      return "unchanged";
+    case Change::kMissing:
+      return "missing";
+    case Change::kNew:
+      return "new";
+    case Change::kMoved:
+      return "moved";
+    case Change::kGrown:
+      return "grown";
+    case Change::kThinner:
+      return "thinner";
+    case Change::kNotSeen:
+      break;
+  }
+  return "not_seen";
+}
+
+}  // namespace orchard::mapping

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/compare/map_merging.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "mapping/compare/straightening.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+using detection::Label;
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+
+/// A map cannot know a place better than this [m], whatever its standard errors say.
+constexpr double kFloor_m = 0.01;
+/// Scatter of one look where a single one leaves no standard error [m].
+constexpr double kOneLook_m = 0.03;
+
+/// Sum of squares about the mean that a standard error stands for: eq. 13 backwards.
+double sum_of_squares(double se_m, int n) { return se_m * se_m * n * (n - 1.0); }
+
+double pooled_se(double se_a, int n_a, double se_b, int n_b, double difference_m) {
+  const double n = static_cast<double>(n_a) + n_b;
+  if (n < 2.0) return 0.0;
+  const double sum = sum_of_squares(se_a, n_a) + sum_of_squares(se_b, n_b) +
+                     (n_a > 0 && n_b > 0 ? difference_m * difference_m * n_a * n_b / n : 0.0);
+  return std::sqrt(sum / (n * (n - 1.0)));
+}
+
+/// Covariance of the place: as the map knows it, else by its standard errors.
+Matrix2d covariance_of(const Landmark& l) {
+  Matrix2d c;
+  c << l.covariance[0], l.covariance[1], l.covariance[1], l.covariance[2];
+  if (!(c.determinant() > 0.0)) {
+    const double one_m = kOneLook_m / std::sqrt(std::max(1, l.num_observations));
+    const double x_m = l.se_x_m > 0.0 ? l.se_x_m : one_m, y_m = l.se_y_m > 0.0 ? l.se_y_m : one_m;
+    c << x_m * x_m, 0.0, 0.0, y_m * y_m;
+  }
+  return c + Matrix2d::Identity() * kFloor_m * kFloor_m;
+}
+
+double log_odds(double probability) {
+  const double p = std::clamp(probability, 1e-4, 1.0 - 1e-4);  // four digits are written
+  return std::log(p / (1.0 - p));
+}
+
+}  // namespace
+
+Landmark transformed(const Landmark& b, const RigidTransform& T_a_b) {
+  Landmark l = b;
+  const Matrix2d R = T_a_b.rotation();
+  const Vector2d p = T_a_b.apply({b.x_m, b.y_m});
+  l.x_m = p.x();
+  l.y_m = p.y();
+  Matrix2d errors = Matrix2d::Zero();
+  errors(0, 0) = b.se_x_m * b.se_x_m;
+  errors(1, 1) = b.se_y_m * b.se_y_m;
+  errors = R * errors * R.transpose();
+  l.se_x_m = std::sqrt(errors(0, 0));
+  l.se_y_m = std::sqrt(errors(1, 1));
+  Matrix2d c;
+  c << b.covariance[0], b.covariance[1], b.covariance[1], b.covariance[2];
+  c = R * c * R.transpose();
+  l.covariance = {c(0, 0), c(0, 1), c(1, 1)};
+  return l;
+}
+
+Landmark united(const Landmark& a, const Landmark& b) {
+  Landmark l = a;
+  const int n_a = a.num_observations, n_b = b.num_observations;
+  const double n = static_cast<double>(n_a) + n_b;
+  l.num_observations = n_a + n_b;
+  if (n > 0.0) l.roc_mean = (n_a * a.roc_mean + n_b * b.roc_mean) / n;
+  l.se_x_m = pooled_se(a.se_x_m, n_a, b.se_x_m, n_b, b.x_m - a.x_m);
+  l.se_y_m = pooled_se(a.se_y_m, n_a, b.se_y_m, n_b, b.y_m - a.y_m);
+  const Matrix2d information_a = covariance_of(a).inverse();
+  const Matrix2d information_b = covariance_of(b).inverse();
+  const Matrix2d covariance = (information_a + information_b).inverse();
+  const Vector2d p = covariance * (information_a * Vector2d(a.x_m, a.y_m) +
+                                   information_b * Vector2d(b.x_m, b.y_m));
+  l.x_m = p.x();
+  l.y_m = p.y();
+  l.covariance = {covariance(0, 0), covariance(0, 1), covariance(1, 1)};
+  const double weight_a = std::max(1, n_a), weight_b = std::max(1, n_b);
+  l.width_m = (weight_a * a.width_m + weight_b * b.width_m) / (weight_a + weight_b);
+  if (a.label == Label::kUnseen || b.label == Label::kUnseen) {
+    const Landmark& judged = a.label == Label::kUnseen ? b : a;
+    l.label = judged.label;
+    l.probability = judged.probability;
+  } else {
+    const double odds = log_odds(a.probability) + log_odds(b.probability);
+    l.probability = 1.0 / (1.0 + std::exp(-odds));
+    if (a.label != b.label) l.label = odds > 0.0 ? Label::kTree : Label::kObject;
+  }
+  return l;
+}
+
+std::vector<KeptId> merge_into(MergedMap& merged, const std::vector<Landmark>& b,
+                               const MapAlignment& alignment) {
+  std::vector<Vector2d> places_a, places_b;
+  for (const Landmark& l : merged.landmarks) {
+    places_a.push_back({l.x_m, l.y_m});
+    merged.next_id = std::max(merged.next_id, l.id + 1);
+  }
+  for (const Landmark& l : b) places_b.push_back({l.x_m, l.y_m});
+  const IndexedPoints a_points(std::move(places_a)), b_points(std::move(places_b));
+  // Paired as straightened, so that a bend parts no tree in two.
+  const IndexedPoints b_in_a(straightened(a_points, b_points, alignment));
+  const double gate_m = std::clamp(0.35 * typical_spacing_m(a_points), 0.1, 0.5);
+  std::vector<std::int32_t> partner(b.size(), -1);
+  for (const LandmarkPair& pair : pair_landmarks(a_points, b_in_a, RigidTransform{}, gate_m)) {
+    partner[static_cast<std::size_t>(pair.b)] = pair.a;
+  }
+  std::vector<std::size_t> order(b.size());
+  for (std::size_t j = 0; j < order.size(); ++j) order[j] = j;
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t x, std::size_t y) { return b[x].id < b[y].id; });
+  std::vector<KeptId> ids(b.size());
+  for (const std::size_t j : order) {
+    Landmark l = transformed(b[j], alignment.T_a_b);
+    l.x_m = b_in_a[j].x();
+    l.y_m = b_in_a[j].y();
+    if (partner[j] >= 0) {
+      Landmark& known = merged.landmarks[static_cast<std::size_t>(partner[j])];
+      known = united(known, l);
+      ids[j] = {b[j].id, known.id};
+    } else {
+      l.id = merged.next_id++;
+      l.row = l.position = 0;
+      merged.landmarks.push_back(l);
+      ids[j] = {b[j].id, l.id};
+    }
+  }
+  return ids;
+}
+
+}  // namespace orchard::mapping

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/existence/free_space.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/angles.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+using Eigen::Vector2d;
+
+// codes: 1 to kFarthest are ranges
+constexpr std::uint8_t kSaysNothing = 0;
+constexpr std::uint8_t kFarthest = 253;
+constexpr std::uint8_t kBeyondReach = 254;
+constexpr std::uint8_t kNoReturn = 255;
+
+/// Bark is rough and trunks are not round: returns this much before or behind a circle are its.
+constexpr double kRough_m = 0.05;
+/// Beams that must cross a thing's own width, all of them going on, to say that it is gone.
+constexpr int kFewestAcross = 2;
+
+}  // namespace
+
+BeamLook::BeamLook(const laser::Scan& scan, const laser::LaserConfig& laser,
+                   const laser::BlindSector& blind, const PresenceConfig& config)
+    : utime_(scan.utime),
+      laser_(laser),
+      bearing_middle_rad_(scan.bearing_rad(0.5 * (static_cast<double>(scan.ranges_m.size()) - 1))),
+      bearing_step_rad_(scan.bearing_step_rad),
+      beam_period_s_(1e-6 * scan.beam_period_us),
+      reach_m_(config.beam_reach_m),
+      sigmas_(config.past_sigmas),
+      share_(config.past_share),
+      no_return_m_(0.5 * scan.range_max_m) {
+  codes_.assign(scan.ranges_m.size(), kSaysNothing);
+  const double per_m = kFarthest / reach_m_;
+  for (std::size_t i = 0; i < codes_.size(); ++i) {
+    const double range_m = scan.ranges_m[i];
+    if (blind.contains(scan.bearing_rad(static_cast<double>(i)))) continue;
+    if (range_m == 0.0 || range_m >= scan.range_max_m) {  // drivers give the farthest for none
+      codes_[i] = kNoReturn;
+    } else if (scan.valid(i) && range_m >= reach_m_) {
+      codes_[i] = kBeyondReach;
+    } else if (scan.valid(i)) {
+      codes_[i] =
+          std::min<std::uint8_t>(kFarthest, static_cast<std::uint8_t>(1.0 + range_m * per_m));
+    }
+  }
+}
+
+/// A point of base in the laser's frame when that beam was sent.
+Vector2d BeamLook::in_laser(const Vector2d& p_base, double beam) const {
+  const double time_s = beam_period_s_ * beam;
+  const Vector2d arm = p_base - time_s * velocity_.head<2>();
+  const double yaw_rad = time_s * velocity_.z();
+  const double c = std::cos(yaw_rad), s = std::sin(yaw_rad);
+  const Vector2d p(c * arm.x() + s * arm.y() - laser_.mount_x_m,
+                   c * arm.y() - s * arm.x() - laser_.mount_y_m);
+  const double cl = std::cos(laser_.mount_yaw_rad), sl = std::sin(laser_.mount_yaw_rad);
+  return {cl * p.x() + sl * p.y(), cl * p.y() - sl * p.x()};
+}
+
+/// The beam towards a point, between two beams as a rule.
+double BeamLook::beam_of(const Vector2d& p_laser) const {
+  const double bearing_rad = std::atan2(p_laser.y(), p_laser.x());
+  return 0.5 * (static_cast<double>(codes_.size()) - 1) +
+         geometry::wrap_angle_rad(bearing_rad - bearing_middle_rad_) / bearing_step_rad_;
+}
+
+BeamAnswer BeamLook::at(const Vector2d& p_base, double width_m, double sd_m) const {
+  if (codes_.empty()) return {};
+  const double last = static_cast<double>(codes_.size()) - 1;
+  Vector2d p = in_laser(p_base, 0.0);
+  double middle = beam_of(p);
+  if (is_sweep()) {
+    p = in_laser(p_base, std::clamp(middle, 0.0, last));
+    middle = beam_of(p);
+  }
+  const double range_m = p.norm();
+  const double along_m = 0.5 * width_m + kRough_m + 0.5 * reach_m_ / kFarthest +
+                         sigmas_ * std::hypot(sd_m, laser_.range_sd_at(range_m));
+  const double across_m = 0.5 * width_m + sigmas_ * sd_m;
+  if (range_m + along_m > reach_m_ || range_m < along_m + across_m) return {};
+  const double beams_per_rad = 1.0 / std::abs(bearing_step_rad_);
+  const double reach = std::asin(std::min(1.0, across_m / range_m)) * beams_per_rad;
+  const double own = std::asin(std::min(1.0, 0.5 * width_m / range_m)) * beams_per_rad;
+  if (!(middle - reach >= 0.0 && middle + reach <= last)) return {};
+
+  int num = 0, num_past = 0, num_own = 0, num_own_past = 0;
+  for (double k = std::ceil(middle - reach); k <= middle + reach; ++k) {
+    const std::uint8_t code = codes_[static_cast<std::size_t>(k)];
+    bool is_past = code == kBeyondReach || (code == kNoReturn && range_m < no_return_m_);
+    if (code >= 1 && code <= kFarthest) {
+      const double beam_m = (code - 0.5) * reach_m_ / kFarthest;
+      if (std::abs(beam_m - range_m) <= along_m) return {BeamVerdict::kReturns, 0};
+      is_past = beam_m > range_m;
+    }
+    const bool is_own = std::abs(k - middle) <= own;
+    ++num;
+    num_past += is_past;
+    num_own += is_own;
+    num_own_past += is_own && is_past;
+  }
+  const bool sees_past =
+      num_own >= kFewestAcross && num_own_past == num_own && num_past >= share_ * num;
+  if (!sees_past) return {};
+  return {BeamVerdict::kSeesPast, num_own};
+}
+
+}  // namespace orchard::mapping

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "laser/blind_sector.hpp"
+#include "laser/laser_config.hpp"
+#include "laser/scan.hpp"
+#include "mapping/existence/existence_config.hpp"
+
+namespace orchard::mapping {
+
+/// What the beams of a scan say of a place.
+enum class BeamVerdict {
+  kUnknown,   ///< hidden, out of reach, or too few beams
+  kReturns,   ///< something returned from there, whatever it is
+  kSeesPast,  ///< every beam across the thing, and nearly all across where it may be, goes on
+};
+
+struct BeamAnswer {
+  BeamVerdict verdict = BeamVerdict::kUnknown;
+  int num_across = 0;  ///< beams across the thing's own width; of kSeesPast alone
+};
+
+/// The beams of one scan, kept small (a byte each), asked where things stand and where they do not.
+class BeamLook {
+ public:
+  /// Beams in the blind sector and returns that the scanner itself does not believe say nothing. Of
+  /// what lies beyond config.beam_reach_m from the laser only that it does is kept.
+  BeamLook(const laser::Scan& scan, const laser::LaserConfig& laser,
+           const laser::BlindSector& blind, const PresenceConfig& config);
+
+  std::int64_t utime() const { return utime_; }
+
+  /// Whether its beams were sent one after the other.
+  bool is_sweep() const { return beam_period_s_ > 0.0; }
+
+  /// How base moves during the sweep, per second: x, y [m/s] and yaw [rad/s] in base. Unset: not.
+  void set_velocity(const Eigen::Vector3d& velocity) { velocity_ = velocity; }
+
+  /// Of something round, `width_m` wide, at `p_base` as base was at the scan's utime. `sd_m`:
+  /// 1-sigma per axis of all that is uncertain about its place. No return counts as going on up to
+  /// half the scanner's range: beyond it, dark bark gives none either.
+  BeamAnswer at(const Eigen::Vector2d& p_base, double width_m, double sd_m) const;
+
+  std::size_t num_bytes() const { return sizeof(*this) + codes_.capacity(); }
+
+ private:
+  Eigen::Vector2d in_laser(const Eigen::Vector2d& p_base, double beam) const;
+  double beam_of(const Eigen::Vector2d& p_laser) const;
+
+  std::int64_t utime_;
+  laser::LaserConfig laser_;
+  double bearing_middle_rad_;
+  double bearing_step_rad_;
+  double beam_period_s_;
+  double reach_m_;
+  double sigmas_;
+  double share_;
+  double no_return_m_;  ///< up to which no return counts as going on
+  Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();
+  std::vector<std::uint8_t> codes_;
+};
+
+}  // namespace orchard::mapping

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/rows/row_chains.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "mapping/landmark_grid.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+constexpr std::int32_t kNone = -1;
+/// Trees nearer than this along a row stand in one place.
+constexpr double kLeastStep_spacings = 0.3;
+/// A step sideways costs more than one along: the next tree is ahead.
+constexpr double kCostBeside = 3.0;
+
+/// A row does not turn by more than this (cosine of 30 degrees) from one tree to the next.
+constexpr double kTurnMost_cos = 0.866;
+
+struct Step {
+  double along_m = 0.0;   ///< positive ahead
+  double beside_m = 0.0;  ///< positive to the left
+};
+
+class Linker {
+ public:
+  Linker(const std::vector<Eigen::Vector2d>& p_map, const RowDirections& rows)
+      : p_map_(p_map),
+        spacing_m_(rows.spacing_m),
+        directions_(rows.directions),
+        next_(p_map.size(), kNone),
+        previous_(p_map.size(), kNone) {
+    for (std::size_t i = 0; i < p_map.size(); ++i) {
+      grid_.insert(static_cast<std::int32_t>(i), p_map[i].x(), p_map[i].y());
+    }
+    row_spacing_m_ = row_spacing_m();
+  }
+
+  void link(double gap_max_spacings) {
+    for (double reach = 1.6; reach < gap_max_spacings; reach += 1.0) {
+      link_within(reach);
+      take_directions_from_links();
+    }
+    link_within(gap_max_spacings);
+  }
+
+  std::vector<RowChain> chains() const {
+    std::vector<RowChain> all;
+    for (std::size_t i = 0; i < p_map_.size(); ++i) {
+      if (previous_[i] != kNone) continue;
+      RowChain chain;
+      for (auto k = static_cast<std::int32_t>(i); k != kNone; k = next_[index(k)]) {
+        chain.push_back(k);
+      }
+      all.push_back(std::move(chain));
+    }
+    return all;
+  }
+
+ private:
+  static std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+  /// From i to j along the mean of both trees' rows: the chord of an arc.
+  Step step(std::int32_t i, std::int32_t j) const {
+    const Eigen::Vector2d u = (directions_[index(i)] + directions_[index(j)]).normalized();
+    const Eigen::Vector2d d = p_map_[index(j)] - p_map_[index(i)];
+    return {u.dot(d), u.x() * d.y() - u.y() * d.x()};
+  }
+
+  /// Whether both trees' rows and the way from one to the other point alike.
+  bool in_line(std::int32_t i, std::int32_t j) const {
+    const Eigen::Vector2d &u = directions_[index(i)], &v = directions_[index(j)];
+    const Eigen::Vector2d way = (p_map_[index(j)] - p_map_[index(i)]).normalized();
+    return u.dot(v) > kTurnMost_cos && std::abs(way.dot(u)) > kTurnMost_cos &&
+           std::abs(way.dot(v)) > kTurnMost_cos;
+  }
+
+  /// Median distance to the nearest tree beside, in another row.
+  double row_spacing_m() const {
+    std::vector<double> beside_m;
+    const double reach_m = 4.0 * spacing_m_;
+    for (std::size_t i = 0; i < p_map_.size(); ++i) {
+      double nearest_m = reach_m;
+      grid_.near(p_map_[i].x(), p_map_[i].y(), reach_m, [&](std::int32_t j) {
+        const Step s = step(static_cast<std::int32_t>(i), j);
+        if (std::abs(s.along_m) > 0.6 * spacing_m_) return;
+        if (std::abs(s.beside_m) < 0.4 * spacing_m_) return;
+        nearest_m = std::min(nearest_m, std::abs(s.beside_m));
+      });
+      beside_m.push_back(nearest_m);
+    }
+    const auto middle = beside_m.begin() + static_cast<std::ptrdiff_t>(beside_m.size() / 2);
+    std::nth_element(beside_m.begin(), middle, beside_m.end());
+    return *middle;
+  }
+
+  /// What follows i (or comes before it) within reach at the least cost; kNone for nothing.
+  std::int32_t best(std::int32_t i, bool ahead, double reach_m) const {
+    double least = std::numeric_limits<double>::infinity();
+    std::int32_t found = kNone;
+    const Eigen::Vector2d& p = p_map_[index(i)];
+    grid_.near(p.x(), p.y(), reach_m, [&](std::int32_t j) {
+      if (j == i || (ahead ? previous_ : next_)[index(j)] != kNone) return;
+      if (!in_line(i, j)) return;
+      const Step s = step(i, j);
+      const double along_m = ahead ? s.along_m : -s.along_m;
+      if (along_m < kLeastStep_spacings * spacing_m_ || along_m > reach_m) return;
+      const double beside_m = std::abs(s.beside_m);
+      if (beside_m > std::min(0.35 * row_spacing_m_, 0.15 * spacing_m_ + 0.15 * along_m)) {
+        return;
+      }
+      const double cost = along_m + kCostBeside * beside_m;
+      if (cost < least || (cost == least && j < found)) {
+        least = cost;
+        found = j;
+      }
+    });
+    return found;
+  }
+
+  /// Links those that choose each other, until nothing changes.
+  void link_within(double reach_spacings) {
+    const double reach_m = reach_spacings * spacing_m_;
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (std::size_t i = 0; i < p_map_.size(); ++i) {
+        const auto from = static_cast<std::int32_t>(i);
+        if (next_[i] != kNone) continue;
+        const std::int32_t to = best(from, true, reach_m);
+        if (to == kNone || best(to, false, reach_m) != from || closes_ring(from, to)) continue;
+        next_[i] = to;
+        previous_[index(to)] = from;
+        changed = true;
+      }
+    }
+  }
+
+  /// Once trees are linked, their row is known better than from the votes about each: along the
+  /// links for those that have them, as around it for a tree that stands alone.
+  void take_directions_from_links() {
+    std::vector<Eigen::Vector2d> linked(p_map_.size(), Eigen::Vector2d(0.0, 0.0));
+    for (std::size_t i = 0; i < p_map_.size(); ++i) {
+      const std::int32_t before = previous_[i], after = next_[i];
+      if (before != kNone) linked[i] += p_map_[i] - p_map_[index(before)];
+      if (after != kNone) linked[i] += p_map_[index(after)] - p_map_[i];
+      if (before != kNone || after != kNone) linked[i].normalize();
+    }
+    for (std::size_t i = 0; i < p_map_.size(); ++i) {
+      if (!linked[i].isZero()) {
+        directions_[i] = linked[i];
+        continue;
+      }
+      std::vector<std::int32_t> near;
+      const double reach_m = 4.0 * spacing_m_;
+      grid_.near(p_map_[i].x(), p_map_[i].y(), reach_m, [&](std::int32_t j) { near.push_back(j); });
+      std::sort(near.begin(), near.end());  // sums must not depend on the grid's order
+      Eigen::Vector2d sum(0.0, 0.0);
+      for (const std::int32_t j : near) {
+        const double distance_m = (p_map_[index(j)] - p_map_[i]).norm();
+        if (distance_m <= reach_m) sum += linked[index(j)];
+      }
+      if (sum.norm() > 0.5) directions_[i] = sum.normalized();
+    }
+  }
+
+  bool closes_ring(std::int32_t from, std::int32_t to) const {
+    for (std::int32_t k = to; k != kNone; k = next_[index(k)]) {
+      if (k == from) return true;
+    }
+    return false;
+  }
+
+  const std::vector<Eigen::Vector2d>& p_map_;
+  double spacing_m_ = 0.0;
+  std::vector<Eigen::Vector2d> directions_;
+  LandmarkGrid grid_;
+  std::vector<std::int32_t> next_, previous_;
+  double row_spacing_m_ = 0.0;
+};
+
+}  // namespace
+
+std::vector<RowChain> row_chains(const std::vector<Eigen::Vector2d>& p_map,
+                                 const RowDirections& rows, double gap_max_spacings) {
+  if (rows.directions.size() != p_map.size()) return {};
+  Linker linker(p_map, rows);
+  linker.link(gap_max_spacings);
+  return linker.chains();
+}
+
+}  // namespace orchard::mapping

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/rows/row_direction.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "geometry/angles.hpp"
+#include "mapping/landmark_grid.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+constexpr int kNumAngles = 60;  ///< of half a turn
+constexpr double kAngleStep_rad = geometry::kPi / kNumAngles;
+constexpr double kReach_spacings = 4.5;
+/// How far beside a line a tree still stands in it, in spacings: as much as half an angle step
+/// moves a line at its reach.
+constexpr double kBeside_spacings = 0.1;
+constexpr int kRounds = 12;
+
+using Votes = std::array<float, kNumAngles>;
+
+struct Neighbours {
+  std::vector<std::int32_t> indices;
+};
+
+double nearest_distance_m(const std::vector<Eigen::Vector2d>& p_map, const LandmarkGrid& grid,
+                          std::size_t i) {
+  for (double reach_m = 2.0; reach_m < 600.0; reach_m *= 2.0) {
+    double nearest_m = reach_m;
+    grid.near(p_map[i].x(), p_map[i].y(), reach_m, [&](std::int32_t j) {
+      if (static_cast<std::size_t>(j) == i) return;
+      nearest_m = std::min(nearest_m, (p_map[static_cast<std::size_t>(j)] - p_map[i]).norm());
+    });
+    if (nearest_m < reach_m) return nearest_m;
+  }
+  return 600.0;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// For each angle, how many neighbours stand in that line through tree i.
+Votes votes_of(const std::vector<Eigen::Vector2d>& p_map, const std::vector<std::int32_t>& near,
+               std::size_t i, double spacing_m) {
+  Votes votes{};
+  const double beside_m = kBeside_spacings * spacing_m;
+  for (const std::int32_t j : near) {
+    const Eigen::Vector2d d = p_map[static_cast<std::size_t>(j)] - p_map[i];
+    for (int k = 0; k < kNumAngles; ++k) {
+      const double angle_rad = k * kAngleStep_rad;
+      const double beside = (std::cos(angle_rad) * d.y() - std::sin(angle_rad) * d.x()) / beside_m;
+      if (std::abs(beside) < 3.0) {
+        votes[static_cast<std::size_t>(k)] += static_cast<float>(std::exp(-0.5 * beside * beside));
+      }
+    }
+  }
+  return votes;
+}
+
+void normalise(Votes& votes) {
+  float sum = 0.0f;
+  for (const float v : votes) sum += v;
+  if (sum <= 0.0f) {
+    votes.fill(1.0f / kNumAngles);
+    return;
+  }
+  for (float& v : votes) v /= sum;
+}
+
+Votes blurred(const Votes& votes) {
+  constexpr std::array<float, 5> kKernel{0.06f, 0.24f, 0.4f, 0.24f, 0.06f};
+  Votes out{};
+  for (int k = 0; k < kNumAngles; ++k) {
+    for (int s = -2; s <= 2; ++s) {
+      const auto from = static_cast<std::size_t>((k + s + kNumAngles) % kNumAngles);
+      out[static_cast<std::size_t>(k)] += kKernel[static_cast<std::size_t>(s + 2)] * votes[from];
+    }
+  }
+  return out;
+}
+
+/// The angle of the peak, by the parabola through it and its neighbours [rad].
+double peak_rad(const Votes& votes) {
+  const auto peak = static_cast<int>(std::max_element(votes.begin(), votes.end()) - votes.begin());
+  const auto at = [&](int k) {
+    return static_cast<double>(votes[static_cast<std::size_t>((k + kNumAngles) % kNumAngles)]);
+  };
+  const double bend = at(peak - 1) - 2.0 * at(peak) + at(peak + 1);
+  const double shift = bend < 0.0 ? 0.5 * (at(peak - 1) - at(peak + 1)) / bend : 0.0;
+  return (peak + shift) * kAngleStep_rad;
+}
+
+/// Lets neighbours agree on one of several families of lines: each tree's votes times what its
+/// neighbours believe, again and again.
+void agree(std::vector<Votes>& belief, const std::vector<Neighbours>& neighbours) {
+  const std::vector<Votes> own = belief;
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<Votes> next(belief.size());
+    for (std::size_t i = 0; i < belief.size(); ++i) {
+      Votes around = belief[i];
+      for (const std::int32_t j : neighbours[i].indices) {
+        for (std::size_t k = 0; k < kNumAngles; ++k) {
+          around[k] += belief[static_cast<std::size_t>(j)][k];
+        }
+      }
+      normalise(around);
+      around = blurred(around);
+      for (std::size_t k = 0; k < kNumAngles; ++k) {
+        next[i][k] = (own[i][k] + 1e-4f) * (around[k] + 1e-6f);
+      }
+      normalise(next[i]);
+    }
+    belief = std::move(next);
+  }
+}
+
+/// The line through tree i that its neighbours in row confirm: principal axis of their offsets.
+Eigen::Vector2d refined(const std::vector<Eigen::Vector2d>& p_map,
+                        const std::vector<std::int32_t>& near, std::size_t i, double spacing_m,
+                        const Eigen::Vector2d& axis) {
+  Eigen::Vector2d sum(0.0, 0.0);
+  for (const std::int32_t j : near) {
+    const Eigen::Vector2d d = p_map[static_cast<std::size_t>(j)] - p_map[i];
+    const double along = d.dot(axis);
+    const double beside = axis.x() * d.y() - axis.y() * d.x();
+    if (std::abs(along) > 2.6 * spacing_m || std::abs(beside) > 0.3 * std::abs(along)) continue;
+    sum += along < 0.0 ? Eigen::Vector2d(-d) : d;
+  }
+  return sum.norm() > 0.3 * spacing_m ? sum.normalized() : axis;
+}
+
+/// Turns the axes so that all agree with the mean axis.
+void orient(std::vector<Eigen::Vector2d>& axes) {
+  Eigen::Vector2d doubled(0.0, 0.0);
+  for (const Eigen::Vector2d& a : axes) {
+    doubled += Eigen::Vector2d(a.x() * a.x() - a.y() * a.y(), 2.0 * a.x() * a.y());
+  }
+  const double mean_rad = 0.5 * std::atan2(doubled.y(), doubled.x());
+  const Eigen::Vector2d mean(std::cos(mean_rad), std::sin(mean_rad));
+  for (Eigen::Vector2d& a : axes) {
+    if (a.dot(mean) < 0.0) a = -a;
+  }
+}
+
+}  // namespace
+
+RowDirections row_directions(const std::vector<Eigen::Vector2d>& p_map) {
+  RowDirections result;
+  if (p_map.size() < 3) return result;
+  LandmarkGrid grid;
+  for (std::size_t i = 0; i < p_map.size(); ++i) {
+    grid.insert(static_cast<std::int32_t>(i), p_map[i].x(), p_map[i].y());
+  }
+  std::vector<double> nearest_m;
+  for (std::size_t i = 0; i < p_map.size(); ++i) {
+    nearest_m.push_back(nearest_distance_m(p_map, grid, i));
+  }
+  result.spacing_m = std::max(0.05, median(nearest_m));
+
+  const double reach_m = kReach_spacings * result.spacing_m;
+  std::vector<Neighbours> neighbours(p_map.size());
+  std::vector<Votes> belief(p_map.size());
+  for (std::size_t i = 0; i < p_map.size(); ++i) {
+    std::vector<std::int32_t>& near = neighbours[i].indices;
+    grid.near(p_map[i].x(), p_map[i].y(), reach_m, [&](std::int32_t j) {
+      const double distance_m = (p_map[static_cast<std::size_t>(j)] - p_map[i]).norm();
+      if (static_cast<std::size_t>(j) != i && distance_m <= reach_m) near.push_back(j);
+    });
+    std::sort(near.begin(), near.end());  // sums must not depend on the grid's order
+    belief[i] = votes_of(p_map, near, i, result.spacing_m);
+    normalise(belief[i]);
+  }
+  agree(belief, neighbours);
+  for (std::size_t i = 0; i < p_map.size(); ++i) {
+    const double angle_rad = peak_rad(belief[i]);
+    result.directions.push_back(refined(p_map, neighbours[i].indices, i, result.spacing_m,
+                                        {std::cos(angle_rad), std::sin(angle_rad)}));
+  }
+  orient(result.directions);
+  return result;
+}
+
+}  // namespace orchard::mapping

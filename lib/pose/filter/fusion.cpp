@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/filter/fusion.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <variant>
+
+#include "geometry/angles.hpp"
+
+namespace orchard::pose {
+namespace {
+
+constexpr double kImuFresh_s = 0.2;
+constexpr double kStandingSpeed_mps = 1e-3;
+constexpr double kStandingYawRate_radps = 1e-3;
+constexpr double kNoteShown_s = 5.0;
+
+double seconds(std::int64_t duration_us) { return 1e-6 * static_cast<double>(duration_us); }
+double square(double value) { return value * value; }
+
+}  // namespace
+
+Fusion::Fusion(const PoseConfig& config)
+    : config_(config),
+      filter_(config.fusion),
+      positions_(config.gnss),
+      monitor_(config.gnss),
+      heading_start_(config.heading_baseline_m),
+      is_placed_(!config.fusion.use_gnss && !config.fusion.use_fixes) {}
+
+void Fusion::add(const Measurement& measurement) {
+  const std::int64_t utime = utime_of(measurement);
+  if (utime_ && utime < *utime_) return;
+  if (const auto* odometry = std::get_if<Odometry>(&measurement)) add(*odometry);
+  if (const auto* imu = std::get_if<Imu>(&measurement); imu && config_.fusion.use_imu) add(*imu);
+  if (const auto* gnss = std::get_if<Gnss>(&measurement); gnss && config_.fusion.use_gnss) {
+    add(*gnss);
+  }
+  if (const auto* fix = std::get_if<PoseFix>(&measurement); fix && config_.fusion.use_fixes) {
+    add(*fix);
+  }
+}
+
+void Fusion::add(const Odometry& odometry) {
+  // Velocity is taken to change linearly from one message to the next.
+  const Odometry& before = odometry_ ? *odometry_ : odometry;
+  const double silent_s = silence_s(odometry.utime);
+  if (silent_s > config_.odometry_gap_max_s) {
+    move_to(odometry.utime);
+    ++num_silences_;
+    silence_most_s_ = std::max(silence_most_s_, silent_s);
+    note("no ODOMETRY for %.1f s: what the robot did meanwhile is unknown", silent_s);
+  } else {
+    move_to(odometry.utime, 0.5 * (before.speed_mps + odometry.speed_mps),
+            0.5 * (before.yaw_rate_radps + odometry.yaw_rate_radps));
+  }
+  odometry_ = odometry;
+  const bool stands = std::abs(odometry.speed_mps) < kStandingSpeed_mps &&
+                      std::abs(odometry.yaw_rate_radps) < kStandingYawRate_radps;
+  if (stands && hears_gyro_at(odometry.utime)) {
+    const double sd_radps = std::max(config_.fusion.gyro_sd_radps, 1e-4);
+    filter_.correct_gyro_bias(imu_->angular_rate_radps[2], square(sd_radps));
+  }
+}
+
+void Fusion::add(const Imu& imu) {
+  move_to(imu.utime);
+  imu_ = imu;
+}
+
+void Fusion::add(const Gnss& gnss) {
+  if (odometry_) move_to(gnss.utime);
+  const std::optional<GnssPosition> position = positions_.add(gnss);
+  if (!position) return;
+  const bool is_frozen = monitor_.is_frozen_at(gnss, travel_m_);
+  travel_m_ = 0.0;
+  if (is_frozen) {
+    ++num_left_out_;
+    note("GNSS is frozen: the same fix again and again while the robot moves", 0.0);
+    return;
+  }
+  PositionSight sight;
+  sight.p_map_m = position->p_enu_m;
+  sight.covariance = position->covariance;
+  sight.p_base_m = {config_.gnss.antenna_m[0], config_.gnss.antenna_m[1]};
+  const Eigen::Vector2d antenna_m = filter_.p_map_m(sight.p_base_m);
+  if (last_fix_ && is_placed_) {
+    monitor_.add_step_error((sight.p_map_m - last_fix_->p_map_m) -
+                            (antenna_m - last_fix_->antenna_m));
+  }
+  if (const auto scatter_m = monitor_.scatter_m();
+      scatter_m && square(*scatter_m) > 4.0 * sight.covariance.diagonal().maxCoeff()) {
+    sight.covariance = square(*scatter_m) * Eigen::Matrix2d::Identity();
+    note("GNSS scatters by %.2f m, more than it claims: believed that much less", *scatter_m);
+  }
+  if (odometry_) take_position(sight);
+  last_fix_ = LastFix{gnss.utime, sight.p_map_m, filter_.p_map_m(sight.p_base_m)};
+}
+
+void Fusion::take_position(const PositionSight& sight) {
+  if (!is_placed_) {
+    const auto frame = heading_start_.add(filter_.p_map_m(sight.p_base_m), sight.p_map_m,
+                                          sight.covariance.diagonal().maxCoeff());
+    if (frame) start(*frame);
+    return;
+  }
+  const Eigen::Vector2d off_m = sight.p_map_m - filter_.p_map_m(sight.p_base_m);
+  if (filter_.distance2(sight) > square(config_.gnss.gate_sigma)) {
+    if (!left_out_since_) left_out_since_ = *utime_;
+    if (seconds(*utime_ - *left_out_since_) < config_.gnss.believe_again_s) {
+      ++num_left_out_;
+      left_out_most_m_ = std::max(left_out_most_m_, off_m.norm());
+      note("GNSS is %.1f m from where the robot can be: left out", off_m.norm());
+      return;
+    }
+    filter_.doubt(off_m.squaredNorm(), square(0.5));
+  }
+  left_out_since_.reset();
+  filter_.correct(sight);
+}
+
+void Fusion::start(const LocalFrame& frame) {
+  const Eigen::Vector3d local = filter_.mean().head<3>();
+  const double c = std::cos(frame.x_y_yaw.z()), s = std::sin(frame.x_y_yaw.z());
+  const Eigen::Vector3d in_map(c * local.x() - s * local.y() + frame.x_y_yaw.x(),
+                               s * local.x() + c * local.y() + frame.x_y_yaw.y(),
+                               local.z() + frame.x_y_yaw.z());
+  // Known best at the points' centre; from there to base the heading's error counts.
+  const Eigen::Vector2d arm = local.head<2>() - frame.centre_local_m;
+  const Eigen::Vector2d by_yaw(-(s * arm.x() + c * arm.y()), c * arm.x() - s * arm.y());
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  covariance.topLeftCorner<2, 2>() = frame.position_variance * Eigen::Matrix2d::Identity() +
+                                     frame.yaw_variance * by_yaw * by_yaw.transpose();
+  covariance.topRightCorner<2, 1>() = frame.yaw_variance * by_yaw;
+  covariance.bottomLeftCorner<1, 2>() = covariance.topRightCorner<2, 1>().transpose();
+  covariance(2, 2) = frame.yaw_variance;
+  filter_.place(in_map, covariance);
+  is_placed_ = true;
+}
+
+void Fusion::add(const PoseFix& fix) {
+  if (odometry_) move_to(fix.utime);
+  PositionSight sight;
+  sight.p_map_m = {fix.x_m, fix.y_m};
+  const auto& c = fix.covariance;
+  if (c[0] > 0.0 && c[3] > 0.0 && c[1] * c[1] < c[0] * c[3]) {
+    sight.covariance << c[0], c[1], c[1], c[3];
+  } else {
+    sight.covariance = square(config_.fix_position_sd_m) * Eigen::Matrix2d::Identity();
+  }
+  const double yaw_variance = c[5] > 0.0 ? c[5] : square(config_.fix_yaw_sd_rad);
+  if (!is_placed_ && fix.has_yaw) {
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    covariance.topLeftCorner<2, 2>() = sight.covariance;
+    covariance(2, 2) = yaw_variance;
+    filter_.place({fix.x_m, fix.y_m, fix.yaw_rad}, covariance);
+    is_placed_ = true;
+    utime_ = fix.utime;
+    return;
+  }
+  if (!odometry_) return;
+  take_position(sight);
+  if (is_placed_ && fix.has_yaw) filter_.correct_yaw(fix.yaw_rad, yaw_variance);
+}
+
+bool Fusion::hears_gyro_at(std::int64_t utime) const {
+  return imu_ && seconds(utime - imu_->utime) <= kImuFresh_s;
+}
+
+double Fusion::silence_s(std::int64_t utime) const {
+  return odometry_ ? seconds(utime - odometry_->utime) : 0.0;
+}
+
+void Fusion::move_to(std::int64_t utime) {
+  if (!odometry_) {
+    if (!utime_) utime_ = utime;
+    return;
+  }
+  const double silent_s = silence_s(utime);
+  if (silent_s <= config_.odometry_gap_max_s) {
+    move_to(utime, odometry_->speed_mps, odometry_->yaw_rate_radps);
+    return;
+  }
+  // A constant but unknown velocity since the wheels fell silent.
+  const double before_s = std::max(0.0, silence_s(*utime_));
+  const double grown = square(silent_s) - square(before_s);
+  filter_.doubt(square(config_.fusion.silence_speed_mps) * grown,
+                hears_gyro_at(utime) ? 0.0 : square(config_.fusion.silence_yaw_rate_radps) * grown);
+  if (hears_gyro_at(utime)) {
+    MotionStep turn;
+    turn.dt_s = seconds(utime - *utime_);
+    turn.yaw_rate_radps = imu_->angular_rate_radps[2];
+    turn.yaw_rate_sd_radps = config_.fusion.gyro_sd_radps;
+    turn.is_gyro = true;
+    filter_.move(turn);
+  }
+  note("no ODOMETRY for %.1f s: what the robot does meanwhile is unknown", silent_s);
+  utime_ = utime;
+}
+
+void Fusion::move_to(std::int64_t utime, double speed_mps, double yaw_rate_radps) {
+  if (!utime_) utime_ = utime;
+  MotionStep step;
+  step.dt_s = seconds(utime - *utime_);
+  step.speed_mps = speed_mps;
+  const auto& covariance = odometry_ ? odometry_->covariance : std::array<double, 3>{};
+  const bool states_covariance = covariance[0] > 0.0 || covariance[2] > 0.0;
+  step.speed_sd_mps = states_covariance ? std::sqrt(covariance[0])
+                                        : config_.speed_sd_fraction * std::abs(speed_mps);
+  step.is_gyro = hears_gyro_at(utime);
+  if (step.is_gyro) {
+    step.yaw_rate_radps = imu_->angular_rate_radps[2];
+    step.yaw_rate_sd_radps = imu_->angular_rate_variance > 0.0
+                                 ? std::sqrt(imu_->angular_rate_variance)
+                                 : config_.fusion.gyro_sd_radps;
+  } else {
+    step.yaw_rate_radps = yaw_rate_radps;
+    step.yaw_rate_sd_radps =
+        states_covariance ? std::sqrt(covariance[2]) : config_.yaw_rate_sd_radps;
+  }
+  filter_.move(step);
+  travel_m_ += std::abs(speed_mps) * step.dt_s;
+  utime_ = utime;
+}
+
+std::optional<PoseEstimate> Fusion::estimate() const {
+  if (!is_placed_ || !utime_) return std::nullopt;
+  const FusionFilter::Vector& mean = filter_.mean();
+  const FusionFilter::Matrix& P = filter_.covariance();
+  if (!mean.allFinite() || !P.allFinite()) return std::nullopt;
+  PoseEstimate pose;
+  pose.utime = *utime_;
+  pose.x_m = mean(0);
+  pose.y_m = mean(1);
+  pose.yaw_rad = mean(2);
+  pose.covariance = {P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2)};
+  return pose;
+}
+
+void Fusion::note(const char* what, double figure) {
+  char text[160];
+  std::snprintf(text, sizeof text, what, figure);
+  note_ = text;
+  note_utime_ = utime_.value_or(0);
+}
+
+std::string Fusion::warning() const {
+  char text[200];
+  if (is_finished_) {
+    std::string all;
+    if (num_left_out_ > 0) {
+      std::snprintf(text, sizeof text, "%lld GNSS fixes left out, up to %.1f m off; ",
+                    static_cast<long long>(num_left_out_), left_out_most_m_);
+      all += text;
+    }
+    if (num_silences_ > 0) {
+      std::snprintf(text, sizeof text, "ODOMETRY silent %lld times, up to %.1f s; ",
+                    static_cast<long long>(num_silences_), silence_most_s_);
+      all += text;
+    }
+    if (!is_placed_) all += "never found where it started: no heading from GNSS or POSE_FIX; ";
+    if (!all.empty()) all.resize(all.size() - 2);
+    return all;
+  }
+  if (utime_ && !note_.empty() && seconds(*utime_ - note_utime_) < kNoteShown_s) return note_;
+  if (!is_placed_ && utime_) {
+    return "no pose yet: the robot must travel before GNSS or POSE_FIX give a heading";
+  }
+  const double worst_variance = filter_.covariance().diagonal().head<2>().maxCoeff();
+  if (is_placed_ && worst_variance > square(config_.fusion.warn_sd_m)) {
+    std::snprintf(text, sizeof text, "position uncertain to %.2f m", std::sqrt(worst_variance));
+    return text;
+  }
+  return {};
+}
+
+}  // namespace orchard::pose

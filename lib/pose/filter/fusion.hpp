@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "pose/filter/fusion_filter.hpp"
+#include "pose/filter/gnss_monitor.hpp"
+#include "pose/filter/gnss_positions.hpp"
+#include "pose/filter/heading_start.hpp"
+#include "pose/localiser.hpp"
+
+namespace orchard::pose {
+
+/// T_map_base from wheels, IMU, GNSS and fixes: mode `fused`.
+///
+/// Map is the east-north plane of the GNSS datum; POSE_FIX must be in it too. Without GNSS and
+/// fixes the robot starts at the map's origin. With them there is no pose until the first fix with
+/// a heading, or until the path dead-reckoned so far fits the positions over heading_baseline_m.
+/// Positions that cannot be (a jump, a frozen receiver) are left out and named in warning(); a
+/// receiver that claims more than its steps bear out is believed that much less.
+class Fusion : public Localiser {
+ public:
+  explicit Fusion(const PoseConfig& config);
+
+  void add(const Measurement& measurement) override;
+  std::optional<PoseEstimate> estimate() const override;
+  void finish() override { is_finished_ = true; }
+  std::string warning() const override;
+
+  /// What was found of the sensors: scale error, turn per metre [1/m], gyro bias [rad/s].
+  Eigen::Vector3d sensor_errors() const { return filter_.mean().tail<3>(); }
+
+ private:
+  void add(const Odometry& odometry);
+  void add(const Imu& imu);
+  void add(const Gnss& gnss);
+  void add(const PoseFix& fix);
+  void take_position(const PositionSight& sight);
+  void start(const LocalFrame& T_map_local);
+  void move_to(std::int64_t utime, double speed_mps, double yaw_rate_radps);
+  void move_to(std::int64_t utime);
+  bool hears_gyro_at(std::int64_t utime) const;
+  double silence_s(std::int64_t utime) const;
+  void note(const char* what, double figure);
+
+  PoseConfig config_;
+  FusionFilter filter_;
+  GnssPositions positions_;
+  GnssMonitor monitor_;
+  HeadingStart heading_start_;
+  bool is_placed_ = false;  ///< in map; before, the filter's frame starts where the robot did
+  bool is_finished_ = false;
+  std::optional<std::int64_t> utime_;  ///< of the filter
+  std::optional<Odometry> odometry_;
+  std::optional<Imu> imu_;
+  double travel_m_ = 0.0;  ///< since the last GNSS fix
+
+  struct LastFix {
+    std::int64_t utime;
+    Eigen::Vector2d p_map_m;
+    Eigen::Vector2d antenna_m;  ///< by the filter, when the fix had been taken
+  };
+  std::optional<LastFix> last_fix_;
+  std::optional<std::int64_t> left_out_since_;
+  std::int64_t num_left_out_ = 0;
+  double left_out_most_m_ = 0.0;
+  std::int64_t num_silences_ = 0;
+  double silence_most_s_ = 0.0;
+  std::string note_;  ///< of the last thing that was wrong
+  std::int64_t note_utime_ = 0;
+};
+
+}  // namespace orchard::pose

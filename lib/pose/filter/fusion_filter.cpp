@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/filter/fusion_filter.hpp"
+
+#include <Eigen/LU>
+#include <cmath>
+
+#include "geometry/angles.hpp"
+
+namespace orchard::pose {
+namespace {
+
+enum Index { kX = 0, kY = 1, kYaw = 2, kScale = 3, kCurvature = 4, kGyroBias = 5 };
+
+double square(double value) { return value * value; }
+
+Eigen::Vector2d turned(const Eigen::Vector2d& p, double yaw_rad) {
+  const double c = std::cos(yaw_rad), s = std::sin(yaw_rad);
+  return {c * p.x() - s * p.y(), s * p.x() + c * p.y()};
+}
+
+/// sin(a) / a
+double sinc(double a) { return std::abs(a) < 1e-4 ? 1.0 - a * a / 6.0 : std::sin(a) / a; }
+
+}  // namespace
+
+FusionFilter::FusionFilter(const FusionConfig& config) : config_(config) {
+  covariance_(kScale, kScale) = square(config.speed_scale_sd);
+  covariance_(kCurvature, kCurvature) = square(config.curvature_sd_per_m);
+  covariance_(kGyroBias, kGyroBias) = square(config.gyro_bias_sd_radps);
+}
+
+Eigen::Vector2d FusionFilter::p_map_m(const Eigen::Vector2d& p_base_m) const {
+  return mean_.head<2>() + turned(p_base_m, mean_(kYaw));
+}
+
+void FusionFilter::move(const MotionStep& step) {
+  const double dt_s = step.dt_s;
+  const double wheels_m = step.speed_mps * dt_s;
+  const double length_m = (1.0 + mean_(kScale)) * wheels_m;
+  const double turn_rad = step.is_gyro ? (step.yaw_rate_radps - mean_(kGyroBias)) * dt_s
+                                       : step.yaw_rate_radps * dt_s + mean_(kCurvature) * length_m;
+  // The chord of an arc points half the turn aside and is shorter by sinc of it: exact.
+  const double heading_rad = mean_(kYaw) + 0.5 * turn_rad;
+  const Eigen::Vector2d along(std::cos(heading_rad), std::sin(heading_rad));
+  const Eigen::Vector2d across(-along.y(), along.x());
+  const double chord = sinc(0.5 * turn_rad);
+  mean_.head<2>() += length_m * chord * along;
+  mean_(kYaw) = geometry::wrap_angle_rad(mean_(kYaw) + turn_rad);
+
+  Vector length_by = Vector::Zero();
+  length_by(kScale) = wheels_m;
+  Vector turn_by = Vector::Zero();
+  if (step.is_gyro) {
+    turn_by(kGyroBias) = -dt_s;
+  } else {
+    turn_by(kCurvature) = length_m;
+    turn_by(kScale) = mean_(kCurvature) * wheels_m;
+  }
+  Vector heading_by = 0.5 * turn_by;
+  heading_by(kYaw) += 1.0;
+  Matrix F = Matrix::Identity();
+  F.topRows<2>() +=
+      chord * along * length_by.transpose() + length_m * chord * across * heading_by.transpose();
+  F.row(kYaw) += turn_by.transpose();
+
+  Eigen::Matrix<double, kSize, 2> G = Eigen::Matrix<double, kSize, 2>::Zero();
+  G.block<2, 1>(0, 0) = chord * along;
+  G.block<2, 1>(0, 1) = 0.5 * length_m * chord * across;
+  G(kYaw, 1) = 1.0;
+  const Eigen::Vector2d noise(square(step.speed_sd_mps) * config_.noise_time_s * dt_s,
+                              square(step.yaw_rate_sd_radps) * config_.noise_time_s * dt_s);
+  covariance_ = F * covariance_ * F.transpose() + G * noise.asDiagonal() * G.transpose();
+  const double walk = square(config_.scale_walk_per_sqrt_m) * std::abs(length_m);
+  covariance_(kScale, kScale) += walk;
+  covariance_(kCurvature, kCurvature) += walk;
+  covariance_(kGyroBias, kGyroBias) += square(config_.gyro_walk_radps_per_sqrt_s) * dt_s;
+  covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();
+}
+
+void FusionFilter::doubt(double position_variance, double yaw_variance) {
+  covariance_(kX, kX) += position_variance;
+  covariance_(kY, kY) += position_variance;
+  covariance_(kYaw, kYaw) += yaw_variance;
+}
+
+void FusionFilter::place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance) {
+  mean_.head<3>() = x_y_yaw;
+  mean_(kYaw) = geometry::wrap_angle_rad(mean_(kYaw));
+  covariance_.topRows<3>().setZero();
+  covariance_.leftCols<3>().setZero();
+  covariance_.topLeftCorner<3, 3>() = covariance;
+}
+
+Eigen::Matrix<double, 2, FusionFilter::kSize> FusionFilter::jacobian(
+    const Eigen::Vector2d& p_base_m) const {
+  Eigen::Matrix<double, 2, kSize> H = Eigen::Matrix<double, 2, kSize>::Zero();
+  H(0, kX) = H(1, kY) = 1.0;
+  const Eigen::Vector2d arm = turned(p_base_m, mean_(kYaw));
+  H.col(kYaw) = Eigen::Vector2d(-arm.y(), arm.x());
+  return H;
+}
+
+double FusionFilter::distance2(const PositionSight& sight) const {
+  const Eigen::Matrix<double, 2, kSize> H = jacobian(sight.p_base_m);
+  const Eigen::Matrix2d S = H * covariance_ * H.transpose() + sight.covariance;
+  const Eigen::Vector2d innovation = sight.p_map_m - p_map_m(sight.p_base_m);
+  return innovation.dot(S.inverse() * innovation);
+}
+
+void FusionFilter::correct(const PositionSight& sight) {
+  apply<2>(sight.p_map_m - p_map_m(sight.p_base_m), jacobian(sight.p_base_m), sight.covariance);
+}
+
+void FusionFilter::correct_yaw(double yaw_rad, double variance) {
+  Eigen::Matrix<double, 1, kSize> H = Eigen::Matrix<double, 1, kSize>::Zero();
+  H(kYaw) = 1.0;
+  apply<1>(Eigen::Matrix<double, 1, 1>(geometry::wrap_angle_rad(yaw_rad - mean_(kYaw))), H,
+           Eigen::Matrix<double, 1, 1>(variance));
+}
+
+void FusionFilter::correct_gyro_bias(double rate_radps, double variance) {
+  Eigen::Matrix<double, 1, kSize> H = Eigen::Matrix<double, 1, kSize>::Zero();
+  H(kGyroBias) = 1.0;
+  apply<1>(Eigen::Matrix<double, 1, 1>(rate_radps - mean_(kGyroBias)), H,
+           Eigen::Matrix<double, 1, 1>(variance));
+}
+
+template <int N>
+void FusionFilter::apply(const Eigen::Matrix<double, N, 1>& innovation,
+                         const Eigen::Matrix<double, N, kSize>& H,
+                         const Eigen::Matrix<double, N, N>& R) {
+  const Eigen::Matrix<double, N, N> S = H * covariance_ * H.transpose() + R;
+  const Eigen::Matrix<double, kSize, N> K = covariance_ * H.transpose() * S.inverse();
+  mean_ += K * innovation;
+  mean_(kYaw) = geometry::wrap_angle_rad(mean_(kYaw));
+  // Joseph's form keeps the covariance positive whatever the gain's rounding.
+  const Matrix A = Matrix::Identity() - K * H;
+  covariance_ = A * covariance_ * A.transpose() + K * R * K.transpose();
+  covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();
+}
+
+}  // namespace orchard::pose

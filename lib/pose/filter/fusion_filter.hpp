@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+
+#include "pose/filter/fusion_config.hpp"
+
+namespace orchard::pose {
+
+/// How base moved over a short time, as measured.
+struct MotionStep {
+  double dt_s = 0.0;
+  double speed_mps = 0.0;       ///< of the wheels
+  double yaw_rate_radps = 0.0;  ///< of the wheels or of the gyro
+  double speed_sd_mps = 0.0;
+  double yaw_rate_sd_radps = 0.0;
+  bool is_gyro = false;  ///< which of the two gave the yaw rate
+};
+
+/// A position that base's own is compared with.
+struct PositionSight {
+  Eigen::Vector2d p_map_m = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
+  Eigen::Vector2d p_base_m = Eigen::Vector2d::Zero();  ///< what in base is there: the antenna
+};
+
+/// An extended Kalman filter over where base is and what is wrong with its wheels and gyro:
+/// x, y, yaw in map; the wheels' scale error; their turn per metre (unequal wheels, a steering
+/// offset) [1/m]; the gyro's bias [rad/s].
+class FusionFilter {
+ public:
+  static constexpr int kSize = 6;
+  using Vector = Eigen::Matrix<double, kSize, 1>;
+  using Matrix = Eigen::Matrix<double, kSize, kSize>;
+
+  /// At the map's origin, certain of it, with the configured doubts about the sensors.
+  explicit FusionFilter(const FusionConfig& config);
+
+  const Vector& mean() const { return mean_; }
+  const Matrix& covariance() const { return covariance_; }
+
+  /// Where a point of base is now [m].
+  Eigen::Vector2d p_map_m(const Eigen::Vector2d& p_base_m) const;
+
+  /// The motion of one step along an arc, its errors as constant over noise_time_s.
+  void move(const MotionStep& step);
+
+  /// Unheard motion: nothing moves, doubts grow by these variances [m2 per axis, rad2].
+  void doubt(double position_variance, double yaw_variance);
+
+  /// Puts base there, with no correlation to what is known of the sensors.
+  void place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance);
+
+  /// Squared Mahalanobis distance of what was seen from what was expected; 2 degrees of freedom.
+  double distance2(const PositionSight& sight) const;
+
+  void correct(const PositionSight& sight);
+  void correct_yaw(double yaw_rad, double variance);
+
+  /// The gyro's rate while the robot stands is its bias.
+  void correct_gyro_bias(double rate_radps, double variance);
+
+ private:
+  template <int N>
+  void apply(const Eigen::Matrix<double, N, 1>& innovation,
+             const Eigen::Matrix<double, N, kSize>& H, const Eigen::Matrix<double, N, N>& R);
+  Eigen::Matrix<double, 2, kSize> jacobian(const Eigen::Vector2d& p_base_m) const;
+
+  FusionConfig config_;
+  Vector mean_ = Vector::Zero();
+  Matrix covariance_ = Matrix::Zero();
+};
+
+}  // namespace orchard::pose

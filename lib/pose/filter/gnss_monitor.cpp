@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/filter/gnss_monitor.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace orchard::pose {
+namespace {
+
+constexpr std::size_t kLeastSteps = 7;
+
+}  // namespace
+
+bool GnssMonitor::is_frozen_at(const Gnss& gnss, double travel_m) {
+  const bool same = first_same_ && gnss.latitude_deg == first_same_->latitude_deg &&
+                    gnss.longitude_deg == first_same_->longitude_deg;
+  travel_m_ = same ? travel_m_ + travel_m : 0.0;
+  if (!same) first_same_ = gnss;
+  return travel_m_ > config_.freeze_travel_m;
+}
+
+void GnssMonitor::add_step_error(const Eigen::Vector2d& error_m) {
+  steps2_[num_steps_++ % kNumSteps] = error_m.squaredNorm();
+}
+
+std::optional<double> GnssMonitor::scatter_m() const {
+  const std::size_t count = std::min(num_steps_, kNumSteps);
+  if (count < kLeastSteps) return std::nullopt;
+  std::array<double, kNumSteps> steps2 = steps2_;
+  const auto middle = steps2.begin() + static_cast<std::ptrdiff_t>(count / 2);
+  std::nth_element(steps2.begin(), middle, steps2.begin() + static_cast<std::ptrdiff_t>(count));
+  // A step has twice the variance of a fix, on two axes: its square is exponential with mean
+  // 4 sd^2, and the median of that is ln 2 of the mean.
+  return std::sqrt(*middle / (4.0 * std::log(2.0)));
+}
+
+}  // namespace orchard::pose

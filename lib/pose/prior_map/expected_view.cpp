@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/prior_map/expected_view.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "pose/planar.hpp"
+
+namespace orchard::pose {
+namespace {
+
+constexpr double kSecondsPerMicrosecond = 1e-6;
+
+/// A scan lasts no longer; a sighting that claims to be farther from its scan is not moved.
+constexpr double kMaxScanS = 1.0;
+
+}  // namespace
+
+std::vector<Sighting> sightings_at_scan(const SeenTrunks& seen, double speed_mps,
+                                        double yaw_rate_radps, const PriorMapConfig& config) {
+  std::vector<Sighting> sightings;
+  sightings.reserve(seen.trunks.size());
+  const double sd2 = config.sighting_sd_m * config.sighting_sd_m;
+  for (const SeenTrunk& trunk : seen.trunks) {
+    Sighting s;
+    s.p_base = {trunk.x_base_m, trunk.y_base_m};
+    s.covariance << trunk.covariance[0], trunk.covariance[1], trunk.covariance[1],
+        trunk.covariance[2];
+    const bool sound = s.p_base.allFinite() && s.covariance.allFinite() &&
+                       s.covariance(0, 0) >= 0.0 && s.covariance(1, 1) >= 0.0 &&
+                       s.covariance.determinant() >= 0.0 && std::isfinite(trunk.width_m);
+    if (!sound || s.p_base.norm() > config.sighting_range_max_m) continue;
+    s.covariance += sd2 * Eigen::Matrix2d::Identity();
+    s.width_m = std::max(0.0, trunk.width_m);
+    s.width_sd_m = std::isfinite(trunk.width_sd_m) ? std::max(0.0, trunk.width_sd_m) : 1.0;
+    const double dt_s = static_cast<double>(trunk.utime - seen.utime) * kSecondsPerMicrosecond;
+    if (std::abs(dt_s) <= kMaxScanS) {
+      const double turn_rad = yaw_rate_radps * dt_s;
+      const Eigen::Vector3d T_scan_then(speed_mps * dt_s * std::cos(0.5 * turn_rad),
+                                        speed_mps * dt_s * std::sin(0.5 * turn_rad), turn_rad);
+      s.p_base = transform(T_scan_then, s.p_base);
+      const Eigen::Matrix2d R = rotation(turn_rad);
+      s.covariance = R * s.covariance * R.transpose();
+    }
+    sightings.push_back(s);
+  }
+  return sightings;
+}
+
+}  // namespace orchard::pose

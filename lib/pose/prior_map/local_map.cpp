@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/prior_map/local_map.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "pose/planar.hpp"
+
+namespace orchard::pose {
+namespace {
+
+constexpr double kGate = 13.8;          ///< chi-square of 2 degrees of freedom, 99.9 %
+constexpr double kMatchM = 0.5;         ///< a trunk is never farther from where it was seen before
+constexpr double kNewTrunkM = 0.6;      ///< nothing begins nearer to a trunk than this
+constexpr int kSureSightings = 3;       ///< that make a trunk
+constexpr double kSureShare = 0.5;      ///< of the scans that should have shown it
+constexpr int kMissedForgotten = 5;     ///< scans in a row without what is not sure yet
+constexpr double kUnsureTravelM = 3.0;  ///< what is not sure by then, and unseen since, is dropped
+constexpr std::size_t kMaxTrunks = 60;
+constexpr double kViewTravelM = 0.5;
+constexpr double kViewTurnRad = 0.3;
+constexpr std::size_t kMaxViews = 200;
+constexpr int kJudgedTrunks = 3;  ///< fewer expected ones say nothing of the motion
+constexpr double kBrokenShare = 0.34;
+/// A trunk is judged by after so many scans: one that began after the robot was moved would say
+/// that all is well.
+constexpr int kOldScans = 10;
+/// Fewer trunks that are not there, or stand where none was, may come together by chance.
+constexpr int kSurprises = 3;
+
+}  // namespace
+
+LocalTrunkMap::LocalTrunkMap(const PriorMapConfig& config) : config_(config) { clear(); }
+
+void LocalTrunkMap::clear() {
+  x_ = Eigen::VectorXd::Zero(3);
+  P_ = Eigen::MatrixXd::Zero(3, 3);
+  T_local_base_.setZero();
+  pose_covariance_.setZero();
+  entries_.clear();
+  views_.clear();
+  num_broken_scans_ = 0;
+  surprised_ = false;
+}
+
+void LocalTrunkMap::move(const Eigen::Vector3d& T_base_next, const Eigen::Matrix3d& covariance,
+                         double travel_m) {
+  const Eigen::Matrix3d F = compose_jacobian_first(T_local_base_, T_base_next);
+  const Eigen::Matrix3d G = compose_jacobian_second(T_local_base_);
+  T_local_base_ = compose(T_local_base_, T_base_next);
+  x_.head<3>() = T_local_base_;
+  P_.topRows<3>() = (F * P_.topRows<3>()).eval();
+  P_.leftCols<3>() = (P_.leftCols<3>() * F.transpose()).eval();
+  P_.topLeftCorner<3, 3>() += G * covariance * G.transpose();
+  pose_covariance_ = P_.topLeftCorner<3, 3>();
+  travel_m_ += travel_m;
+}
+
+void LocalTrunkMap::observe(const std::vector<Sighting>& sightings, const SightField& field) {
+  const Shadows shadows(sightings);
+  const std::size_t num_before = entries_.size();
+  std::vector<bool> taken(num_before, false);
+  std::vector<const Sighting*> fresh;
+  int num_matched = 0, num_surprises = 0;
+  for (const Sighting& sighting : sightings) {
+    double nearest_m = kNewTrunkM;
+    const int trunk = match(sighting, taken, nearest_m);
+    if (trunk >= 0) {
+      taken[static_cast<std::size_t>(trunk)] = true;
+      correct(trunk, sighting);
+      ++num_matched;
+      continue;
+    }
+    // beside a trunk of before, or where one would have been seen before
+    const bool beside = nearest_m < kNewTrunkM;
+    num_surprises += beside || field.covers(sighting.p_base);
+    if (!beside) fresh.push_back(&sighting);
+  }
+
+  int num_expected = 0, num_seen = 0;
+  for (int i = static_cast<int>(num_before) - 1; i >= 0; --i) {
+    Entry& entry = entries_[static_cast<std::size_t>(i)];
+    const bool seen = taken[static_cast<std::size_t>(i)];
+    const Eigen::Vector2d p_base = transform_back(T_local_base_, p_local(i));
+    const bool expected = field.covers(p_base) && !shadows.hide(p_base);
+    num_surprises += expected && is_sure(entry) && !seen;
+    if (expected && is_sure(entry) && entry.num_expected >= kOldScans) {
+      ++num_expected;
+      num_seen += seen;
+    }
+    entry.num_expected += seen || expected;
+    entry.num_missed_in_a_row = seen ? 0 : entry.num_missed_in_a_row + expected;
+    if (entry.num_missed_in_a_row >= kMissedForgotten && !is_sure(entry)) remove(i);
+  }
+  if (num_expected >= kJudgedTrunks) {
+    num_broken_scans_ = num_seen < kBrokenShare * num_expected ? num_broken_scans_ + 1 : 0;
+  }
+  // with nothing known of before, all of a scan is new
+  surprised_ = num_before > 0 && num_surprises >= kSurprises && num_surprises > num_matched;
+
+  for (const Sighting* sighting : fresh) insert(*sighting);
+  forget_what_is_old();
+  const bool looks_anew =
+      views_.empty() || travel_m_ - views_.back().travel_m >= kViewTravelM ||
+      std::abs(geometry::wrap_angle_rad(T_local_base_.z() - views_.back().T_local_base.z())) >=
+          kViewTurnRad;
+  if (looks_anew) views_.push_back({T_local_base_, shadows, travel_m_});
+}
+
+bool LocalTrunkMap::is_sure(const Entry& entry) const {
+  return entry.num_seen >= kSureSightings && entry.num_seen >= kSureShare * entry.num_expected;
+}
+
+int LocalTrunkMap::match(const Sighting& sighting, const std::vector<bool>& taken,
+                         double& nearest_m) const {
+  const Eigen::Vector2d p_seen = transform(T_local_base_, sighting.p_base);
+  const Eigen::Matrix2d R = rotation(T_local_base_.z());
+  const Eigen::Matrix2d seen_covariance = R * sighting.covariance * R.transpose();
+  const Eigen::Vector2d arm = p_seen - T_local_base_.head<2>();
+  Eigen::Matrix<double, 2, 3> J = Eigen::Matrix<double, 2, 3>::Zero();
+  J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
+  int best = -1;
+  double best_d2 = kGate;
+  for (std::size_t i = 0; i < taken.size(); ++i) {
+    const Eigen::Vector2d r = p_seen - x_.segment<2>(3 + 2 * static_cast<Eigen::Index>(i));
+    const double distance_m = r.norm();
+    nearest_m = std::min(nearest_m, distance_m);
+    if (taken[i] || distance_m > kMatchM) continue;
+    const auto at = 3 + 2 * static_cast<Eigen::Index>(i);
+    const Eigen::Matrix2d cross = J * P_.block<3, 2>(0, at);
+    const Eigen::Matrix2d S = J * P_.topLeftCorner<3, 3>() * J.transpose() - cross -
+                              cross.transpose() + P_.block<2, 2>(at, at) + seen_covariance;
+    const double d2 = r.dot(S.inverse() * r);
+    if (d2 < best_d2) {
+      best_d2 = d2;
+      best = static_cast<int>(i);
+    }
+  }
+  return best;
+}
+
+void LocalTrunkMap::correct(int trunk, const Sighting& sighting) {
+  // innovation: where it is seen, less where it stands, both in the local frame
+  const auto at = 3 + 2 * static_cast<Eigen::Index>(trunk);
+  const Eigen::Vector2d p_seen = transform(T_local_base_, sighting.p_base);
+  const Eigen::Vector2d arm = p_seen - T_local_base_.head<2>();
+  Eigen::Matrix<double, 2, 3> J;
+  J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
+  const Eigen::Matrix2d R = rotation(T_local_base_.z());
+  const Eigen::MatrixXd PHt = P_.leftCols<3>() * J.transpose() - P_.middleCols<2>(at);
+  const Eigen::Matrix2d S =
+      J * PHt.topRows<3>() - PHt.middleRows<2>(at) + R * sighting.covariance * R.transpose();
+  const Eigen::MatrixXd K = PHt * S.inverse();
+  x_ -= K * (p_seen - x_.segment<2>(at));
+  x_(2) = geometry::wrap_angle_rad(x_(2));
+  P_ -= K * PHt.transpose();
+  P_ = (0.5 * (P_ + P_.transpose())).eval();
+  T_local_base_ = x_.head<3>();
+  pose_covariance_ = P_.topLeftCorner<3, 3>();
+
+  Entry& entry = entries_[static_cast<std::size_t>(trunk)];
+  ++entry.num_seen;
+  entry.last_travel_m = travel_m_;
+  if (sighting.width_m > 0.0) {
+    const double sd_m = std::max(sighting.width_sd_m, config_.width_sd_m);
+    entry.width_sum += sighting.width_m / (sd_m * sd_m);
+    entry.width_weight += 1.0 / (sd_m * sd_m);
+  }
+}
+
+void LocalTrunkMap::insert(const Sighting& sighting) {
+  if (entries_.size() >= kMaxTrunks) return;
+  const Eigen::Index n = x_.size();
+  const Eigen::Vector2d p = transform(T_local_base_, sighting.p_base);
+  const Eigen::Vector2d arm = p - T_local_base_.head<2>();
+  Eigen::Matrix<double, 2, 3> J;
+  J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
+  const Eigen::Matrix2d R = rotation(T_local_base_.z());
+  x_.conservativeResize(n + 2);
+  x_.tail<2>() = p;
+  P_.conservativeResize(n + 2, n + 2);
+  const Eigen::MatrixXd rows = J * P_.topLeftCorner(3, n);
+  P_.bottomLeftCorner(2, n) = rows;
+  P_.topRightCorner(n, 2) = rows.transpose();
+  P_.bottomRightCorner<2, 2>() =
+      J * pose_covariance_ * J.transpose() + R * sighting.covariance * R.transpose();
+  Entry entry;
+  entry.num_seen = entry.num_expected = 1;
+  entry.last_travel_m = travel_m_;
+  entries_.push_back(entry);
+}
+
+void LocalTrunkMap::remove(int trunk) {
+  const Eigen::Index at = 3 + 2 * trunk;
+  const Eigen::Index n = x_.size();
+  const Eigen::Index rest = n - at - 2;
+  x_.segment(at, rest) = x_.tail(rest).eval();
+  x_.conservativeResize(n - 2);
+  P_.middleRows(at, rest) = P_.bottomRows(rest).eval();
+  P_.middleCols(at, rest) = P_.rightCols(rest).eval();
+  P_.conservativeResize(n - 2, n - 2);
+  entries_.erase(entries_.begin() + trunk);
+}
+
+void LocalTrunkMap::forget_what_is_old() {
+  for (int i = static_cast<int>(entries_.size()) - 1; i >= 0; --i) {
+    const Entry& entry = entries_[static_cast<std::size_t>(i)];
+    const double unseen_m = travel_m_ - entry.last_travel_m;
+    if (unseen_m > (is_sure(entry) ? config_.window_m : kUnsureTravelM)) remove(i);
+  }
+  while (!views_.empty() &&
+         (travel_m_ - views_.front().travel_m > config_.window_m || views_.size() > kMaxViews)) {
+    views_.pop_front();
+  }
+}
+
+void LocalTrunkMap::anchor() {
+  const Eigen::Vector3d T = T_local_base_;
+  const Eigen::Matrix2d Rt = rotation(T.z()).transpose();
+  const Eigen::Index n = x_.size();
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index at = 3; at < n; at += 2) {
+    const Eigen::Vector2d p = Rt * (x_.segment<2>(at) - T.head<2>());
+    x_.segment<2>(at) = p;
+    J.block<2, 2>(at, 0) = -Rt;
+    J.block<2, 1>(at, 2) = Eigen::Vector2d(p.y(), -p.x());
+    J.block<2, 2>(at, at) = Rt;
+  }
+  P_ = (J * P_ * J.transpose()).eval();
+  P_ = (0.5 * (P_ + P_.transpose())).eval();
+  for (View& view : views_) view.T_local_base = between(T, view.T_local_base);
+  T_local_base_.setZero();
+  x_.head<3>().setZero();
+  pose_covariance_.setZero();
+}
+
+std::vector<LocalTrunkMap::Trunk> LocalTrunkMap::trunks() const {
+  std::vector<Trunk> trunks;
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    const Entry& entry = entries_[i];
+    if (!is_sure(entry)) continue;
+    const auto at = 3 + 2 * static_cast<Eigen::Index>(i);
+    Trunk trunk;
+    trunk.p_local = x_.segment<2>(at);
+    trunk.covariance = P_.block<2, 2>(at, at);
+    if (entry.width_weight > 0.0) {
+      trunk.width_m = entry.width_sum / entry.width_weight;
+      trunk.width_sd_m = std::sqrt(1.0 / entry.width_weight);
+    }
+    trunk.last_travel_m = entry.last_travel_m;
+    trunks.push_back(trunk);
+  }
+  std::stable_sort(trunks.begin(), trunks.end(), [](const Trunk& a, const Trunk& b) {
+    return a.last_travel_m > b.last_travel_m;
+  });
+  return trunks;
+}
+
+}  // namespace orchard::pose

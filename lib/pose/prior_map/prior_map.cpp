@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/prior_map/prior_map.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <limits>
+#include <numeric>
+#include <tuple>
+
+namespace orchard::pose {
+namespace {
+
+constexpr std::size_t kMinLandmarks = 3;
+constexpr double kMaxCoordinateM = 1e8;
+
+/// Two landmarks nearer to each other than this are one trunk.
+constexpr double kOneTrunkM = 0.4;
+
+// What no orchard in metres has: used to tell millimetres, centimetres and kilometres from them.
+constexpr double kMaxTrunkM = 3.0;
+constexpr double kMaxSpacingM = 50.0;
+constexpr double kMinSpacingM = 0.05;
+
+/// Neighbours of one landmark that make pairs with it: bounds what a dense map costs.
+constexpr std::size_t kMaxNeighbours = 60;
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Median distance to the nearest other landmark, by a sweep over x.
+double median_spacing_m(const std::vector<PriorLandmark>& landmarks) {
+  std::vector<Eigen::Vector2d> points;
+  for (const PriorLandmark& l : landmarks) points.push_back(l.p_map);
+  std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
+    return std::make_pair(a.x(), a.y()) < std::make_pair(b.x(), b.y());
+  });
+  std::vector<double> nearest_m(points.size(), std::numeric_limits<double>::max());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t j = i + 1; j < points.size(); ++j) {
+      const double dx_m = points[j].x() - points[i].x();
+      if (dx_m > nearest_m[i]) break;
+      const double distance_m = (points[j] - points[i]).norm();
+      nearest_m[i] = std::min(nearest_m[i], distance_m);
+      nearest_m[j] = std::min(nearest_m[j], distance_m);
+    }
+  }
+  return median(std::move(nearest_m));
+}
+
+std::string rounded(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+}  // namespace
+
+std::string problem_with(const std::vector<PriorLandmark>& landmarks) {
+  if (landmarks.empty()) return "holds no landmark that was seen often enough";
+  if (landmarks.size() < kMinLandmarks) {
+    return "holds only " + std::to_string(landmarks.size()) +
+           " landmarks; a place cannot be told by fewer than " + std::to_string(kMinLandmarks);
+  }
+  std::vector<double> widths_m;
+  for (const PriorLandmark& l : landmarks) {
+    const bool sound = std::abs(l.p_map.x()) <= kMaxCoordinateM &&
+                       std::abs(l.p_map.y()) <= kMaxCoordinateM && std::isfinite(l.width_m);
+    if (!sound) return "holds a landmark whose position or width is no number of metres";
+    if (l.width_m > 0.0) widths_m.push_back(l.width_m);
+  }
+  const double width_m = widths_m.empty() ? 0.0 : median(std::move(widths_m));
+  if (width_m > kMaxTrunkM) {
+    return "is not in metres: half of its landmarks are " + rounded(width_m) + " m wide or more";
+  }
+  const double spacing_m = median_spacing_m(landmarks);
+  if (spacing_m > kMaxSpacingM || spacing_m < kMinSpacingM) {
+    return "is not in metres: its landmarks are " + rounded(spacing_m) +
+           " m apart, as a median; trees are " + rounded(kMinSpacingM) + " to " +
+           rounded(kMaxSpacingM) + " m apart";
+  }
+  return {};
+}
+
+std::vector<PriorLandmark> without_doubles(const std::vector<PriorLandmark>& landmarks) {
+  std::vector<PriorLandmark> heaviest_first = landmarks;
+  std::stable_sort(heaviest_first.begin(), heaviest_first.end(),
+                   [](const auto& a, const auto& b) { return a.weight > b.weight; });
+  const PriorMap map(heaviest_first, 0.0);
+  std::vector<std::int32_t> kept(heaviest_first.size(), -1);  // where each one went
+  std::vector<PriorLandmark> merged;
+  for (std::int32_t i = 0; i < static_cast<std::int32_t>(heaviest_first.size()); ++i) {
+    const PriorLandmark& here = map[i];
+    std::int32_t into = -1;
+    map.near(here.p_map, kOneTrunkM, [&](std::int32_t j) {
+      const bool double_of = j < i && kept[static_cast<std::size_t>(j)] >= 0 &&
+                             (map[j].p_map - here.p_map).norm() < kOneTrunkM;
+      if (double_of && (into < 0 || j < into)) into = j;
+    });
+    if (into < 0) {
+      kept[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(merged.size());
+      merged.push_back(here);
+      continue;
+    }
+    PriorLandmark& one = merged[static_cast<std::size_t>(kept[static_cast<std::size_t>(into)])];
+    const double share = here.weight / std::max(1e-9, one.weight + here.weight);
+    one.p_map += share * (here.p_map - one.p_map);
+    if (one.width_m > 0.0 && here.width_m > 0.0) {
+      one.width_m += share * (here.width_m - one.width_m);
+    }
+    one.weight += here.weight;
+  }
+  return merged;
+}
+
+PriorMap::PriorMap(std::vector<PriorLandmark> landmarks, double pair_max_m)
+    : landmarks_(std::move(landmarks)) {
+  const auto cell_of = [this](std::int32_t i) {
+    const Eigen::Vector2d& p = (*this)[i].p_map;
+    return std::make_pair(cell(p.x()), cell(p.y()));
+  };
+  order_.resize(landmarks_.size());
+  std::iota(order_.begin(), order_.end(), 0);
+  std::stable_sort(order_.begin(), order_.end(),
+                   [&](auto a, auto b) { return cell_of(a) < cell_of(b); });
+  for (std::size_t begin = 0, end = 0; begin < order_.size(); begin = end) {
+    const auto here = cell_of(order_[begin]);
+    while (end < order_.size() && cell_of(order_[end]) == here) ++end;
+    cells_[key(here.first, here.second)] = {static_cast<std::int32_t>(begin),
+                                            static_cast<std::int32_t>(end)};
+  }
+
+  for (std::int32_t i = 0; i < static_cast<std::int32_t>(landmarks_.size()); ++i) {
+    std::vector<Pair> mine;
+    near((*this)[i].p_map, pair_max_m, [&](std::int32_t j) {
+      const double distance_m = ((*this)[j].p_map - (*this)[i].p_map).norm();
+      if (j > i && distance_m <= pair_max_m) mine.push_back({static_cast<float>(distance_m), i, j});
+    });
+    std::sort(mine.begin(), mine.end(), [](const Pair& a, const Pair& b) {
+      return std::tie(a.distance_m, a.second) < std::tie(b.distance_m, b.second);
+    });
+    mine.resize(std::min(mine.size(), kMaxNeighbours));
+    pairs_.insert(pairs_.end(), mine.begin(), mine.end());
+  }
+  std::sort(pairs_.begin(), pairs_.end(), [](const Pair& a, const Pair& b) {
+    return std::tie(a.distance_m, a.first, a.second) < std::tie(b.distance_m, b.first, b.second);
+  });
+
+  double sum_m = 0.0, sum_m2 = 0.0;
+  int num_widths = 0;
+  for (const PriorLandmark& l : landmarks_) {
+    if (l.width_m <= 0.0) continue;
+    sum_m += l.width_m;
+    sum_m2 += l.width_m * l.width_m;
+    ++num_widths;
+  }
+  if (num_widths > 1) {
+    const double mean_m = sum_m / num_widths;
+    width_sd_m_ = std::sqrt(std::max(0.0, sum_m2 / num_widths - mean_m * mean_m));
+  }
+  if (landmarks_.size() > 1) spacing_m_ = median_spacing_m(landmarks_);
+}
+
+std::pair<std::size_t, std::size_t> PriorMap::pairs_at(double least_m, double most_m) const {
+  const auto below = [](const Pair& pair, double distance_m) {
+    return pair.distance_m < distance_m;
+  };
+  const auto begin = std::lower_bound(pairs_.begin(), pairs_.end(), least_m, below);
+  const auto end = std::lower_bound(begin, pairs_.end(), most_m, below);
+  return {static_cast<std::size_t>(begin - pairs_.begin()),
+          static_cast<std::size_t>(end - pairs_.begin())};
+}
+
+}  // namespace orchard::pose

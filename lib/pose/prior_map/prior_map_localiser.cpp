@@ -1,0 +1,362 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/prior_map/prior_map_localiser.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+#include <utility>
+#include <variant>
+
+#include "pose/planar.hpp"
+
+namespace orchard::pose {
+namespace {
+
+constexpr double kSecondsPerMicrosecond = 1e-6;
+
+/// What base may do while nothing measures its motion.
+constexpr double kSilentSpeedSdMps = 0.5;
+constexpr double kSilentYawRateSdRadps = 0.3;
+constexpr double kMaxStepS = 1e6;  ///< keeps every number finite across any jump of time
+
+constexpr int kJudgedTrees = 4;  ///< fewer say nothing of the place
+
+/// A trunk that the local map knows this badly against base says nothing of the place.
+constexpr double kBentSdM = 0.25;
+
+/// Checks in a row that speak against a place.
+constexpr int kContradictions = 2;
+
+/// A place dead-reckoned to more than this share of the trees' spacing may be a tree off.
+constexpr double kLostSpacings = 0.3;
+
+std::string fixed(double value, int digits) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", digits, value);
+  return text;
+}
+
+std::string place_text(const Place& place) {
+  return "(" + fixed(place.T_map_base.x(), 1) + ", " + fixed(place.T_map_base.y(), 1) + ") m";
+}
+
+double largest_sd_m(const Eigen::Matrix3d& P) {
+  const Eigen::Matrix2d xy = P.topLeftCorner<2, 2>();
+  return std::sqrt(
+      std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(xy, Eigen::EigenvaluesOnly)
+                        .eigenvalues()
+                        .maxCoeff()));
+}
+
+bool is_sound(const Odometry& o) {
+  return std::isfinite(o.speed_mps) && std::isfinite(o.yaw_rate_radps) &&
+         std::isfinite(o.covariance[0]) && std::isfinite(o.covariance[1]) &&
+         std::isfinite(o.covariance[2]);
+}
+
+std::vector<PriorLandmark> checked(const std::vector<PriorLandmark>& landmarks) {
+  const std::string problem = problem_with(landmarks);
+  if (!problem.empty()) throw std::invalid_argument("the prior map " + problem);
+  return without_doubles(landmarks);
+}
+
+}  // namespace
+
+PriorMapLocaliser::PriorMapLocaliser(const PoseConfig& config,
+                                     const std::vector<PriorLandmark>& landmarks)
+    : pose_config_(config),
+      config_(config.prior_map),
+      map_(checked(landmarks), config_.pair_max_m),
+      field_(config_.sure_range_m),
+      local_(config_),
+      tracker_(map_, config_) {
+  state_ = "LOST: no trunk was seen yet";
+}
+
+void PriorMapLocaliser::add(const Measurement& measurement) {
+  if (const auto* odometry = std::get_if<Odometry>(&measurement)) add(*odometry);
+  if (const auto* seen = std::get_if<SeenTrunks>(&measurement)) add(*seen);
+}
+
+void PriorMapLocaliser::add(const Odometry& odometry) {
+  if (!is_sound(odometry) || (utime_ && odometry.utime < *utime_)) return;
+  begin_at(odometry.utime);
+  const bool fresh = silence_s() <= pose_config_.odometry_gap_max_s;
+  const Odometry& before = last_odometry_ && fresh ? *last_odometry_ : odometry;
+  advance_to(odometry.utime, 0.5 * (before.speed_mps + odometry.speed_mps),
+             0.5 * (before.yaw_rate_radps + odometry.yaw_rate_radps), covariance_of(odometry));
+  last_odometry_ = odometry;
+}
+
+void PriorMapLocaliser::add(const SeenTrunks& seen) {
+  if (utime_ && seen.utime < *utime_) return;
+  begin_at(seen.utime);
+  advance_to(seen.utime);
+  const double speed_mps = last_odometry_ ? last_odometry_->speed_mps : 0.0;
+  const double yaw_rate_radps = last_odometry_ ? last_odometry_->yaw_rate_radps : 0.0;
+  const std::vector<Sighting> sightings =
+      sightings_at_scan(seen, speed_mps, yaw_rate_radps, config_);
+  field_.learn(sightings);
+  local_.observe(sightings, field_);
+  suspect(sightings);
+  if (tracking_) {
+    track(sightings);
+  } else {
+    search();
+  }
+}
+
+void PriorMapLocaliser::begin_at(std::int64_t utime) {
+  if (utime_) return;
+  utime_ = utime;
+  if (config_.start != PriorStart::kGiven) return;
+  const double position_variance = config_.start_position_sd_m * config_.start_position_sd_m;
+  const double yaw_variance = config_.start_yaw_sd_rad * config_.start_yaw_sd_rad;
+  tracker_.start({config_.start_x_m, config_.start_y_m, config_.start_yaw_rad},
+                 Eigen::Vector3d(position_variance, position_variance, yaw_variance).asDiagonal());
+  tracking_ = true;
+  state_.clear();
+}
+
+double PriorMapLocaliser::silence_s() const {
+  if (!last_odometry_) return kMaxStepS;
+  return static_cast<double>(*utime_ - last_odometry_->utime) * kSecondsPerMicrosecond;
+}
+
+void PriorMapLocaliser::advance_to(std::int64_t utime) {
+  const double silence =
+      last_odometry_ ? static_cast<double>(utime - last_odometry_->utime) * kSecondsPerMicrosecond
+                     : kMaxStepS;
+  const double speed_mps = last_odometry_ ? last_odometry_->speed_mps : 0.0;
+  const double yaw_rate_radps = last_odometry_ ? last_odometry_->yaw_rate_radps : 0.0;
+  if (silence <= pose_config_.odometry_gap_max_s) {
+    advance_to(utime, speed_mps, yaw_rate_radps, covariance_of(*last_odometry_));
+  } else {
+    advance_to(utime, speed_mps, yaw_rate_radps,
+               {kSilentSpeedSdMps * kSilentSpeedSdMps, 0.0,
+                kSilentYawRateSdRadps * kSilentYawRateSdRadps});
+  }
+}
+
+void PriorMapLocaliser::advance_to(std::int64_t utime, double speed_mps, double yaw_rate_radps,
+                                   const std::array<double, 3>& covariance) {
+  const double dt_s =
+      std::min(kMaxStepS, static_cast<double>(utime - *utime_) * kSecondsPerMicrosecond);
+  utime_ = utime;
+  if (dt_s <= 0.0) return;
+  const WheelStep step{speed_mps, yaw_rate_radps, covariance, dt_s};
+  const Eigen::Vector3d T_base_next = tracker_.motion(step);
+  const Eigen::Matrix3d covariance_next = tracker_.motion_covariance(step);
+  const double travel_m = std::abs(speed_mps) * dt_s;
+  local_.move(T_base_next, covariance_next, travel_m);
+  if (since_suspicion_) since_suspicion_->move(T_base_next, covariance_next, travel_m);
+  if (tracking_) tracker_.move(step);
+}
+
+std::array<double, 3> PriorMapLocaliser::covariance_of(const Odometry& odometry) const {
+  if (odometry.covariance[0] > 0.0 || odometry.covariance[2] > 0.0) return odometry.covariance;
+  const double speed_sd_mps = pose_config_.speed_sd_fraction * odometry.speed_mps;
+  return {speed_sd_mps * speed_sd_mps, 0.0,
+          pose_config_.yaw_rate_sd_radps * pose_config_.yaw_rate_sd_radps};
+}
+
+void PriorMapLocaliser::suspect(const std::vector<Sighting>& sightings) {
+  if (since_suspicion_) since_suspicion_->observe(sightings, field_);
+  const bool anew = since_suspicion_ ? since_suspicion_->surprised() : local_.surprised();
+  if (!anew) {
+    // by then local_ knows nothing older either
+    if (local_.travel_m() - suspected_travel_m_ > config_.window_m) since_suspicion_.reset();
+    return;
+  }
+  suspected_travel_m_ = local_.travel_m();
+  since_suspicion_ = local_;
+  since_suspicion_->clear();
+  since_suspicion_->observe(sightings, field_);
+}
+
+void PriorMapLocaliser::begin_anew() {
+  if (since_suspicion_) {
+    local_ = *std::move(since_suspicion_);
+    since_suspicion_.reset();
+    lost_travel_m_ = suspected_travel_m_;
+  } else {
+    local_.clear();
+    lost_travel_m_ = local_.travel_m();
+  }
+  search_.reset();
+  checked_travel_m_ = local_.travel_m();
+  checked_trunks_ = 0;
+}
+
+LocalEvidence PriorMapLocaliser::evidence(const LocalTrunkMap& local) const {
+  LocalEvidence evidence{local.trunks(), local.views(), field_};
+  // What lies beyond a headland turn by wheels that are not known yet may be bent away from base.
+  const auto bent = std::find_if(evidence.trunks.begin(), evidence.trunks.end(),
+                                 [](const LocalTrunkMap::Trunk& trunk) {
+                                   return 0.5 * trunk.covariance.trace() > kBentSdM * kBentSdM;
+                                 });
+  if (bent == evidence.trunks.end()) return evidence;
+  const double until_m = bent->last_travel_m;
+  evidence.trunks.erase(bent, evidence.trunks.end());
+  while (!evidence.views.empty() && evidence.views.front().travel_m <= until_m) {
+    evidence.views.pop_front();
+  }
+  return evidence;
+}
+
+void PriorMapLocaliser::track(const std::vector<Sighting>& sightings) {
+  watch_.add(tracker_.correct(sightings, field_).expected);
+  if (local_.broken()) {
+    lose("what was seen just now has gone, though the wheels did not say so", true);
+    return;
+  }
+  const double sd_m = largest_sd_m(tracker_.covariance());
+  if (sd_m > std::min(config_.lost_sd_m, kLostSpacings * map_.spacing_m())) {
+    lose("no tree was recognised for so long that the last place is known to " + fixed(sd_m, 1) +
+             " m only",
+         false);
+    return;
+  }
+  const TreeWatch::Count trees = watch_.count();
+  const bool trees_gone =
+      trees.num_trees >= kJudgedTrees && trees.num_there < config_.lost_share * trees.num_trees;
+  if (trees_gone || local_.travel_m() - checked_travel_m_ >= config_.search_every_m) {
+    check_place(trees_gone, trees);
+  }
+}
+
+std::optional<Place> PriorMapLocaliser::here(const PlaceScorer& scorer) const {
+  Place here;
+  here.T_map_base = tracker_.T_map_base();
+  here.covariance = tracker_.covariance();
+  std::optional<Place> place = scorer.fit(here, scorer.order_from(Eigen::Vector2d::Zero()));
+  if (place) scorer.count_missing(*place);
+  return place;
+}
+
+void PriorMapLocaliser::check_place(bool trees_gone, const TreeWatch::Count& trees) {
+  local_.anchor();
+  checked_travel_m_ = local_.travel_m();
+  const auto num_enough = static_cast<std::size_t>(config_.min_trunks);
+  const PlaceScorer scorer(map_, config_, evidence(local_));
+  const bool enough = scorer.evidence().trunks.size() >= num_enough;
+  bool contradicted_since = false;
+  if (since_suspicion_) {
+    since_suspicion_->anchor();
+    const PlaceScorer since(map_, config_, evidence(*since_suspicion_));
+    if (since.evidence().trunks.size() >= num_enough) {
+      const std::optional<Place> place = here(since);
+      contradicted_since = !place || place->score < -config_.lost_log_fit;
+      if (place && place->score > config_.lost_log_fit) since_suspicion_.reset();
+    }
+  }
+  if (!enough && !trees_gone && !contradicted_since) return;
+  const std::optional<Place> place = here(scorer);
+  // where many trees were felled the trunks of the way there still speak for the place
+  const bool supported =
+      enough && place && place->score >= -config_.lost_log_fit && !contradicted_since;
+  num_contradictions_ = supported ? 0 : num_contradictions_ + 1;
+  if (trees_gone && !supported) {
+    lose("of the " + std::to_string(trees.num_trees) +
+             " trees that should be seen at the last place only " +
+             std::to_string(trees.num_there) + " are",
+         true);
+  } else if (num_contradictions_ >= kContradictions) {
+    const double since_m =
+        contradicted_since ? local_.travel_m() - suspected_travel_m_ : config_.window_m;
+    lose("the trunks of the last " + fixed(since_m, 0) +
+             " m speak against the place that was taken" +
+             (contradicted_since ? ": the robot may have been carried before them" : ""),
+         true);
+  }
+}
+
+void PriorMapLocaliser::search() {
+  if (local_.broken()) {
+    begin_anew();
+    state_ = "LOST: the robot was moved while it was looking for its place; it begins anew";
+  }
+  if (!search_) {
+    const std::size_t num_trunks = local_.trunks().size();
+    const bool enough = num_trunks >= static_cast<std::size_t>(config_.min_trunks);
+    const bool due = local_.travel_m() - checked_travel_m_ >= config_.search_every_m ||
+                     num_trunks >= checked_trunks_ + 2;
+    if (!enough || !due) return;
+    local_.anchor();
+    checked_travel_m_ = local_.travel_m();
+    checked_trunks_ = num_trunks;
+    LocalEvidence local = evidence(local_);
+    if (local.trunks.size() < static_cast<std::size_t>(config_.min_trunks)) return;
+    search_.emplace(map_, config_, std::move(local));
+  }
+  if (!search_->step(config_.hypotheses_per_scan)) return;
+  judge(search_->result());
+  search_.reset();
+}
+
+void PriorMapLocaliser::judge(const SearchResult& result) {
+  const std::string since =
+      std::to_string(checked_trunks_) + " trunks of the last " +
+      fixed(std::min(config_.window_m, local_.travel_m() - lost_travel_m_), 0) + " m";
+  if (result.places.empty() || result.log_fit < config_.min_log_fit) {
+    state_ = "LOST: the " + since + " fit no place of the prior map well enough; drive on, or " +
+             "check that it is the map of this orchard";
+    return;
+  }
+  if (result.log_odds < config_.min_log_odds) {
+    const auto num = std::count_if(result.places.begin(), result.places.end(), [&](const Place& p) {
+      return p.score > result.places.front().score - config_.min_log_odds;
+    });
+    state_ = "AMBIGUOUS: the " + since + " fit " + std::to_string(num) +
+             " places of the prior map about equally well, such as " +
+             place_text(result.places[0]) + " and " + place_text(result.places[1]) + "; drive on";
+    return;
+  }
+  // base has moved on since the search began, in the frame of then
+  const Place& place = result.places.front();
+  tracker_.start(compose(place.T_map_base, local_.T_local_base()),
+                 compose_covariance(place.T_map_base, place.covariance, local_.T_local_base(),
+                                    local_.pose_covariance()));
+  tracking_ = true;
+  state_.clear();
+  watch_.clear();
+  num_contradictions_ = 0;
+}
+
+void PriorMapLocaliser::lose(const std::string& why, bool forget_trunks) {
+  tracking_ = false;
+  ++num_lost_;
+  search_.reset();
+  watch_.clear();
+  num_contradictions_ = 0;
+  checked_trunks_ = 0;
+  lost_travel_m_ = local_.travel_m();
+  if (forget_trunks) begin_anew();
+  state_ = "LOST: " + why;
+}
+
+std::optional<PoseEstimate> PriorMapLocaliser::estimate() const {
+  if (!tracking_ || !utime_) return std::nullopt;
+  const Eigen::Vector3d T = tracker_.T_map_base();
+  const Eigen::Matrix3d P = tracker_.covariance();
+  if (!T.allFinite() || !P.allFinite()) return std::nullopt;
+  PoseEstimate pose;
+  pose.utime = *utime_;
+  pose.x_m = T.x();
+  pose.y_m = T.y();
+  pose.yaw_rad = geometry::wrap_angle_rad(T.z());
+  pose.covariance = {P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2)};
+  return pose;
+}
+
+std::string PriorMapLocaliser::warning() const {
+  if (!tracking_) return state_;
+  if (last_odometry_ && silence_s() > pose_config_.odometry_gap_max_s) {
+    return "no ODOMETRY for " + fixed(silence_s(), 1) + " s: motion is guessed between scans";
+  }
+  return {};
+}
+
+}  // namespace orchard::pose

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/prior_map/score.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "pose/planar.hpp"
+
+namespace orchard::pose {
+namespace {
+
+constexpr double kGate = 11.8;  ///< chi-square of 2 degrees of freedom, 99.7 %
+constexpr double kGateM = 0.6;
+
+/// Density of trunks where a lattice of rows, shifted at will, expects one: 0.2 m about its places
+/// [1/m2]. A match must be nearer than that to say more than that this is an orchard.
+constexpr double kLatticeDensity = 3.0;
+
+/// How the local map bends, per root metre.
+constexpr double kBendSdM = 0.015;
+constexpr double kBendSdRad = 0.003;
+
+/// A place is given up when this many more trunks are new there than matched.
+constexpr int kGivenUpAt = 3;
+
+constexpr double kLeastWidthEvidence = -2.0;  ///< a trunk may have grown or been measured badly
+
+/// Views that must have had a landmark in sight for it to be missing.
+constexpr int kMissingViews = 3;
+
+}  // namespace
+
+PlaceScorer::PlaceScorer(const PriorMap& map, const PriorMapConfig& config, LocalEvidence evidence)
+    : map_(map),
+      config_(config),
+      evidence_(std::move(evidence)),
+      position_variance_(config.landmark_sd_m * config.landmark_sd_m +
+                         config.sighting_sd_m * config.sighting_sd_m),
+      change_cost_(-std::log(config.change_fraction)),
+      gate_radius_m_(std::min(kGateM, 0.45 * map.spacing_m())) {}
+
+std::optional<Place> PlaceScorer::fit(const Place& start, const std::vector<int>& order) const {
+  Place place = start;
+  Eigen::Vector3d& T = place.T_map_base;
+  Eigen::Matrix3d& P = place.covariance;
+  const double log_kept = std::log(1.0 - config_.change_fraction);
+  const Eigen::Vector2d* before = nullptr;
+  for (const int k : order) {
+    const LocalTrunkMap::Trunk& trunk = evidence_.trunks[static_cast<std::size_t>(k)];
+    const Eigen::Vector2d arm = rotation(T.z()) * trunk.p_local;
+    if (before) {
+      const double apart_m = (trunk.p_local - *before).norm();
+      const Eigen::Vector3d turn(arm.y(), -arm.x(), 1.0);  // about the trunk, not the origin
+      P += kBendSdRad * kBendSdRad * apart_m * turn * turn.transpose();
+      P.topLeftCorner<2, 2>() += kBendSdM * kBendSdM * apart_m * Eigen::Matrix2d::Identity();
+    }
+    before = &trunk.p_local;
+
+    const Eigen::Vector2d p_map = T.head<2>() + arm;
+    Eigen::Matrix<double, 2, 3> J;
+    J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
+    const Eigen::Matrix<double, 3, 2> PJt = P * J.transpose();
+    const Eigen::Matrix2d S = J * PJt + position_variance_ * Eigen::Matrix2d::Identity();
+    const Eigen::Matrix2d S_inverse = S.inverse();
+    const double radius_m = std::min(gate_radius_m_, std::sqrt(kGate * S.trace()));
+    std::int32_t best = -1;
+    double best_d2 = kGate;
+    Eigen::Vector2d best_r = Eigen::Vector2d::Zero();
+    map_.near(p_map, radius_m, [&](std::int32_t i) {
+      const Eigen::Vector2d r = map_[i].p_map - p_map;
+      if (r.squaredNorm() > gate_radius_m_ * gate_radius_m_) return;
+      const double d2 = r.dot(S_inverse * r);
+      const bool free =
+          std::find(place.matched.begin(), place.matched.end(), i) == place.matched.end();
+      if (d2 < best_d2 && free) {
+        best = i;
+        best_d2 = d2;
+        best_r = r;
+      }
+    });
+
+    double gain = -change_cost_;
+    if (best >= 0) {
+      const double density =
+          std::exp(-0.5 * best_d2) * std::sqrt(S_inverse.determinant()) / (2.0 * geometry::kPi);
+      const double match_gain =
+          log_kept + std::log(density / kLatticeDensity) + width_evidence(trunk, map_[best]);
+      if (match_gain > -2.0 * change_cost_) {
+        gain = match_gain;
+        place.matched.push_back(best);
+        const Eigen::Matrix<double, 3, 2> K = PJt * S_inverse;
+        T += K * best_r;
+        P -= K * PJt.transpose();
+      } else {
+        best = -1;
+      }
+    }
+    place.num_new += best < 0;
+    place.score += gain;
+    if (place.num_new - static_cast<int>(place.matched.size()) >= kGivenUpAt) return std::nullopt;
+  }
+  T.z() = geometry::wrap_angle_rad(T.z());
+  P = (0.5 * (P + P.transpose())).eval();
+  return place;
+}
+
+void PlaceScorer::count_missing(Place& place) const {
+  const double range_m = evidence_.field.range_m();
+  std::vector<std::int32_t> nearby;
+  for (const LocalTrunkMap::View& view : evidence_.views) {
+    const Eigen::Vector3d T = compose(place.T_map_base, view.T_local_base);
+    map_.near(T.head<2>(), range_m, [&](std::int32_t i) {
+      const Eigen::Vector2d p_base = transform_back(T, map_[i].p_map);
+      if (evidence_.field.covers(p_base) && !view.shadows.hide(p_base)) nearby.push_back(i);
+    });
+  }
+  std::sort(nearby.begin(), nearby.end());
+  for (std::size_t begin = 0, end = 0; begin < nearby.size(); begin = end) {
+    while (end < nearby.size() && nearby[end] == nearby[begin]) ++end;
+    const bool matched =
+        std::find(place.matched.begin(), place.matched.end(), nearby[begin]) != place.matched.end();
+    if (matched || end - begin < kMissingViews) continue;
+    ++place.num_missing;
+    place.score -= change_cost_;
+  }
+}
+
+double PlaceScorer::width_evidence(const LocalTrunkMap::Trunk& trunk,
+                                   const PriorLandmark& landmark) const {
+  const double population2 = map_.width_sd_m() * map_.width_sd_m();
+  if (trunk.width_m <= 0.0 || landmark.width_m <= 0.0 || population2 <= 0.0) return 0.0;
+  const double same2 =
+      trunk.width_sd_m * trunk.width_sd_m + config_.width_sd_m * config_.width_sd_m;
+  const double other2 = same2 + 2.0 * population2;
+  const double apart_m = trunk.width_m - landmark.width_m;
+  return std::max(kLeastWidthEvidence, 0.5 * std::log(other2 / same2) -
+                                           0.5 * apart_m * apart_m * (1.0 / same2 - 1.0 / other2));
+}
+
+std::vector<int> PlaceScorer::order_from(const Eigen::Vector2d& p_local) const {
+  std::vector<int> order(evidence_.trunks.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto distance2 = [&](int i) {
+    return (evidence_.trunks[static_cast<std::size_t>(i)].p_local - p_local).squaredNorm();
+  };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return distance2(a) < distance2(b); });
+  return order;
+}
+
+}  // namespace orchard::pose

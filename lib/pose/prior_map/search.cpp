@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/prior_map/search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "pose/planar.hpp"
+
+namespace orchard::pose {
+namespace {
+
+constexpr double kPairMinM = 1.5;  ///< a shorter pair tells little of the heading
+constexpr std::size_t kSeedTrunks = 14;
+constexpr std::size_t kMaxSeeds = 10;
+constexpr int kSeedsPerTrunk = 3;
+constexpr double kToleranceSigma = 3.0;
+
+/// Two places nearer to each other than this are one.
+constexpr double kSamePlaceM = 0.5;
+constexpr double kSamePlaceRad = 0.2;
+
+constexpr double kKeptBelowBest = 30.0;  ///< a place whose score is lower says nothing any more
+constexpr std::size_t kMaxPlaces = 200;
+
+/// The other places of the map are another orchard of such rows too, and have the same trunks to
+/// explain, the same of which were felled or planted. In another orchard's map the best place's
+/// score and its lead over the second came to 14 together at most (137 drives, one of them above
+/// 8.3): by what they come to beyond this it fits here rather than there.
+constexpr double kScoreAndLeadElsewhere = 20.0;
+
+bool same_place(const Place& a, const Place& b) {
+  return (a.T_map_base - b.T_map_base).head<2>().norm() < kSamePlaceM &&
+         std::abs(geometry::wrap_angle_rad(a.T_map_base.z() - b.T_map_base.z())) < kSamePlaceRad;
+}
+
+}  // namespace
+
+PriorMapSearch::PriorMapSearch(const PriorMap& map, const PriorMapConfig& config,
+                               LocalEvidence evidence)
+    : map_(map), config_(config), scorer_(map, config, std::move(evidence)) {
+  choose_seeds();
+  if (!seeds_.empty()) next_pair_ = seeds_.front().begin;
+}
+
+void PriorMapSearch::choose_seeds() {
+  const auto& trunks = scorer_.evidence().trunks;
+  const double pair_sd_m =
+      std::sqrt(2.0) * std::hypot(config_.landmark_sd_m, config_.sighting_sd_m);
+  std::vector<Seed> candidates;
+  const int num = static_cast<int>(std::min(trunks.size(), kSeedTrunks));
+  for (int i = 0; i < num; ++i) {
+    for (int j = i + 1; j < num; ++j) {
+      const double apart_m = (trunks[static_cast<std::size_t>(i)].p_local -
+                              trunks[static_cast<std::size_t>(j)].p_local)
+                                 .norm();
+      if (apart_m < kPairMinM || apart_m > config_.pair_max_m) continue;
+      Seed seed;
+      seed.first = i;
+      seed.second = j;
+      std::tie(seed.begin, seed.end) = map_.pairs_at(apart_m - kToleranceSigma * pair_sd_m,
+                                                     apart_m + kToleranceSigma * pair_sd_m);
+      if (seed.begin < seed.end) candidates.push_back(std::move(seed));
+    }
+  }
+  // The rarest distances first; no trunk that is new, and so in no pair, spoils all of them.
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Seed& a, const Seed& b) { return a.end - a.begin < b.end - b.begin; });
+  std::vector<int> uses(trunks.size(), 0);
+  for (Seed& seed : candidates) {
+    int& first = uses[static_cast<std::size_t>(seed.first)];
+    int& second = uses[static_cast<std::size_t>(seed.second)];
+    if (first >= kSeedsPerTrunk || second >= kSeedsPerTrunk) continue;
+    ++first;
+    ++second;
+    const Eigen::Vector2d middle = 0.5 * (trunks[static_cast<std::size_t>(seed.first)].p_local +
+                                          trunks[static_cast<std::size_t>(seed.second)].p_local);
+    for (const int k : scorer_.order_from(middle)) {
+      if (k != seed.first && k != seed.second) seed.order.push_back(k);
+    }
+    seeds_.push_back(std::move(seed));
+    if (seeds_.size() >= kMaxSeeds) break;
+  }
+}
+
+bool PriorMapSearch::step(int num_hypotheses) {
+  for (int tried = 0; tried < num_hypotheses && seed_ < seeds_.size();) {
+    const Seed& seed = seeds_[seed_];
+    if (next_pair_ >= seed.end) {
+      if (++seed_ < seeds_.size()) next_pair_ = seeds_[seed_].begin;
+      continue;
+    }
+    const PriorMap::Pair& pair = map_.pairs()[next_pair_++];
+    try_hypothesis(seed, pair.first, pair.second);
+    try_hypothesis(seed, pair.second, pair.first);
+    tried += 2;
+  }
+  return seed_ >= seeds_.size();
+}
+
+void PriorMapSearch::try_hypothesis(const Seed& seed, std::int32_t first, std::int32_t second) {
+  ++num_hypotheses_;
+  const auto& a = scorer_.evidence().trunks[static_cast<std::size_t>(seed.first)];
+  const auto& b = scorer_.evidence().trunks[static_cast<std::size_t>(seed.second)];
+  const Eigen::Vector2d from_local = b.p_local - a.p_local;
+  const Eigen::Vector2d from_map = map_[second].p_map - map_[first].p_map;
+  const double length_m = from_local.norm();
+  const double end_variance =
+      config_.landmark_sd_m * config_.landmark_sd_m + config_.sighting_sd_m * config_.sighting_sd_m;
+
+  Place start;
+  const double yaw_rad = geometry::wrap_angle_rad(std::atan2(from_map.y(), from_map.x()) -
+                                                  std::atan2(from_local.y(), from_local.x()));
+  const Eigen::Vector2d arm = rotation(yaw_rad) * (0.5 * (a.p_local + b.p_local));
+  const Eigen::Vector2d middle_map = 0.5 * (map_[first].p_map + map_[second].p_map);
+  start.T_map_base << middle_map - arm, yaw_rad;
+  const double yaw_variance = 2.0 * end_variance / (length_m * length_m);
+  const Eigen::Vector3d turn(arm.y(), -arm.x(), 1.0);  // about the middle, not the origin
+  start.covariance = yaw_variance * turn * turn.transpose();
+  start.covariance.topLeftCorner<2, 2>() += 0.5 * end_variance * Eigen::Matrix2d::Identity();
+  // of the pair itself only what did not go into the place counts: its length, and the widths
+  const double stretch_m = from_map.norm() - length_m;
+  start.score = -0.25 * stretch_m * stretch_m / end_variance +
+                scorer_.width_evidence(a, map_[first]) + scorer_.width_evidence(b, map_[second]);
+  start.matched = {first, second};
+
+  std::optional<Place> place = scorer_.fit(start, seed.order);
+  if (!place) return;
+  const double best = places_.empty() ? -kKeptBelowBest : places_.front().score;
+  if (place->score < best - kKeptBelowBest) return;
+  scorer_.count_missing(*place);
+  keep(*std::move(place));
+}
+
+void PriorMapSearch::keep(Place place) {
+  for (auto other = places_.begin(); other != places_.end();) {
+    if (!same_place(*other, place)) {
+      ++other;
+      continue;
+    }
+    if (other->score >= place.score) return;
+    other = places_.erase(other);
+  }
+  const auto at =
+      std::upper_bound(places_.begin(), places_.end(), place,
+                       [](const Place& a, const Place& b) { return a.score > b.score; });
+  places_.insert(at, std::move(place));
+  while (places_.size() > kMaxPlaces ||
+         places_.back().score < places_.front().score - kKeptBelowBest) {
+    places_.pop_back();
+  }
+}
+
+SearchResult PriorMapSearch::result() const {
+  SearchResult result;
+  result.places = places_;
+  if (places_.empty()) return result;
+  double rivals = 0.0;
+  for (std::size_t i = 1; i < places_.size(); ++i) {
+    rivals += std::exp(places_[i].score - places_.front().score);
+  }
+  result.log_odds = places_.size() > 1 ? -std::log(rivals) : kKeptBelowBest;
+  // a map of many places fits anything somewhere a little: each tree, two headings
+  const double score = places_.front().score;
+  result.log_fit = score - std::log(2.0 * static_cast<double>(map_.size()));
+  if (score >= -config_.lost_log_fit) {
+    result.log_fit = std::max(result.log_fit, score + result.log_odds - kScoreAndLeadElsewhere);
+  }
+
+  // once more from the oldest trunk to the newest: where the local map bends, base is at its end
+  std::vector<int> order(scorer_.evidence().trunks.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    order[i] = static_cast<int>(order.size() - 1 - i);
+  }
+  Place start;
+  start.T_map_base = places_.front().T_map_base;
+  start.covariance = Eigen::Vector3d(0.2 * 0.2, 0.2 * 0.2, 0.03 * 0.03).asDiagonal();
+  if (const std::optional<Place> place = scorer_.fit(start, order)) {
+    if (same_place(*place, places_.front())) {
+      result.places.front().T_map_base = place->T_map_base;
+      result.places.front().covariance = place->covariance;
+    }
+  }
+  return result;
+}
+
+}  // namespace orchard::pose

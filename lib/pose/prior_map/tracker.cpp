@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/prior_map/tracker.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "pose/planar.hpp"
+
+namespace orchard::pose {
+namespace {
+
+constexpr double kGate = 11.8;       ///< chi-square of 2 degrees of freedom, 99.7 %
+constexpr double kGateM = 1.0;       ///< most from a sighting to its landmark
+constexpr double kRivalGap = 6.0;    ///< by which the second best landmark must fit worse
+constexpr double kWidthSigma = 5.0;  ///< a sighting that is so much wider is something else
+constexpr double kWidthSlackM = 0.15;
+
+/// The map errs at each tree in one way, however often the tree is seen: so many sightings of it
+/// weigh as one.
+constexpr double kSightingsPerTree = 10.0;
+
+/// Of a turn from one alley to the next, which is half a circle.
+constexpr double kTurnTravelM = 6.0;
+constexpr double kTurnS = 6.0;
+
+/// The errors of the wheels wander by this share of their first standard deviation per root second.
+constexpr double kWander = 0.01;
+
+}  // namespace
+
+PriorMapTracker::PriorMapTracker(const PriorMap& map, const PriorMapConfig& config)
+    : map_(map), config_(config) {
+  const Eigen::Vector3d sd(config.speed_scale_sd, config.turn_scale_sd,
+                           config.yaw_rate_bias_sd_radps);
+  P_.bottomRightCorner<3, 3>() = sd.cwiseAbs2().asDiagonal();
+}
+
+void PriorMapTracker::start(const Eigen::Vector3d& T_map_base, const Eigen::Matrix3d& covariance) {
+  x_.head<3>() = T_map_base;
+  P_.topRightCorner<3, 3>().setZero();
+  P_.bottomLeftCorner<3, 3>().setZero();
+  P_.topLeftCorner<3, 3>() = covariance;
+}
+
+Eigen::Vector3d PriorMapTracker::motion(const WheelStep& step) const {
+  const double length_m = (1.0 - x_(3)) * step.speed_mps * step.dt_s;
+  const double turn_rad = ((1.0 - x_(4)) * step.yaw_rate_radps - x_(5)) * step.dt_s;
+  return {length_m * std::cos(0.5 * turn_rad), length_m * std::sin(0.5 * turn_rad), turn_rad};
+}
+
+Eigen::Matrix3d PriorMapTracker::motion_covariance(const WheelStep& step) const {
+  const double speed_mps = std::abs(step.speed_mps);
+  WheelStep unlearnt = step;
+  unlearnt.covariance[0] += P_(3, 3) * speed_mps * kTurnTravelM / step.dt_s;
+  unlearnt.covariance[2] +=
+      (P_(4, 4) * std::abs(step.yaw_rate_radps) * geometry::kPi + P_(5, 5) * kTurnS) / step.dt_s;
+  return noise(unlearnt);
+}
+
+Eigen::Matrix3d PriorMapTracker::noise(const WheelStep& step) const {
+  const Eigen::Vector3d delta = motion(step);
+  const double dt = step.dt_s;
+  const double half_rad = 0.5 * delta.z();
+  Eigen::Matrix<double, 3, 2> G;
+  G << dt * std::cos(half_rad), -0.5 * dt * delta.y(), dt * std::sin(half_rad),
+      0.5 * dt * delta.x(), 0.0, dt;
+  Eigen::Matrix2d Q;
+  Q << step.covariance[0], step.covariance[1], step.covariance[1], step.covariance[2];
+  Eigen::Matrix3d C = G * Q * G.transpose();
+  C.topLeftCorner<2, 2>() += config_.drift_sd_m * config_.drift_sd_m * std::abs(step.speed_mps) *
+                             dt * Eigen::Matrix2d::Identity();
+  return C;
+}
+
+void PriorMapTracker::move(const WheelStep& step) {
+  const Eigen::Vector3d delta = motion(step);
+  const Eigen::Matrix3d C = noise(step);
+  const Eigen::Vector3d T = x_.head<3>();
+  const Eigen::Matrix3d G = compose_jacobian_second(T);
+  Eigen::Matrix3d E = Eigen::Matrix3d::Zero();  // d(delta) / d(errors of the wheels)
+  const double half_rad = 0.5 * delta.z();
+  const double length_m = step.speed_mps * step.dt_s;
+  E.col(0) << -length_m * std::cos(half_rad), -length_m * std::sin(half_rad), 0.0;
+  const Eigen::Vector3d turn(-0.5 * delta.y(), 0.5 * delta.x(), 1.0);
+  E.col(1) = -step.yaw_rate_radps * step.dt_s * turn;
+  E.col(2) = -step.dt_s * turn;
+
+  Covariance F = Covariance::Identity();
+  F.topLeftCorner<3, 3>() = compose_jacobian_first(T, delta);
+  F.topRightCorner<3, 3>() = G * E;
+  P_ = (F * P_ * F.transpose()).eval();
+  P_.topLeftCorner<3, 3>() += G * C * G.transpose();
+  const Eigen::Vector3d sd(config_.speed_scale_sd, config_.turn_scale_sd,
+                           config_.yaw_rate_bias_sd_radps);
+  // learnt errors wander, but never further than where they were unlearnt
+  for (int i = 0; i < 3; ++i) {
+    double& variance = P_(3 + i, 3 + i);
+    const double wandered = variance + std::pow(kWander * sd(i), 2) * step.dt_s;
+    variance = std::max(variance, std::min(wandered, sd(i) * sd(i)));
+  }
+  P_ = (0.5 * (P_ + P_.transpose())).eval();
+  x_.head<3>() = compose(T, delta);
+}
+
+Eigen::Matrix<double, 2, 6> PriorMapTracker::jacobian(const Sighting& sighting) const {
+  const Eigen::Vector2d arm = rotation(x_(2)) * sighting.p_base;
+  Eigen::Matrix<double, 2, 6> H = Eigen::Matrix<double, 2, 6>::Zero();
+  H(0, 0) = H(1, 1) = 1.0;
+  H(0, 2) = -arm.y();
+  H(1, 2) = arm.x();
+  return H;
+}
+
+PriorMapTracker::Match PriorMapTracker::best_match(const Sighting& sighting,
+                                                   const std::vector<std::int32_t>& taken) const {
+  const Eigen::Matrix<double, 2, 6> H = jacobian(sighting);
+  const Eigen::Matrix2d R = rotation(x_(2));
+  const double map_variance = config_.landmark_sd_m * config_.landmark_sd_m;
+  const Eigen::Matrix2d S = H * P_ * H.transpose() + R * sighting.covariance * R.transpose() +
+                            map_variance * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix2d S_inverse = S.inverse();
+  const Eigen::Vector2d p_map = transform(x_.head<3>(), sighting.p_base);
+  const double radius_m = std::min(kGateM, std::sqrt((kGate + kRivalGap) * S.trace()));
+  Match best;
+  double second_d2 = kGate + kRivalGap;
+  best.d2 = second_d2;
+  map_.near(p_map, radius_m, [&](std::int32_t i) {
+    const Eigen::Vector2d r = map_[i].p_map - p_map;
+    const double d2 = r.dot(S_inverse * r);
+    const double width_m = map_[i].width_m;
+    const bool other_size =
+        sighting.width_m > 0.0 && width_m > 0.0 &&
+        std::abs(sighting.width_m - width_m) > kWidthSlackM + kWidthSigma * sighting.width_sd_m;
+    if (r.norm() > kGateM || other_size) return;
+    if (std::find(taken.begin(), taken.end(), i) != taken.end()) return;
+    if (d2 < best.d2) {
+      second_d2 = best.d2;
+      best = {i, d2, r};
+    } else {
+      second_d2 = std::min(second_d2, d2);
+    }
+  });
+  if (best.d2 > kGate || second_d2 - best.d2 < kRivalGap) best.landmark = -1;
+  return best;
+}
+
+void PriorMapTracker::update(const Sighting& sighting, const Eigen::Vector2d& innovation) {
+  const Eigen::Matrix<double, 2, 6> H = jacobian(sighting);
+  const Eigen::Matrix2d R = rotation(x_(2));
+  const double map_variance = config_.landmark_sd_m * config_.landmark_sd_m * kSightingsPerTree;
+  const Eigen::Matrix2d N =
+      R * sighting.covariance * R.transpose() + map_variance * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix<double, 6, 2> PHt = P_ * H.transpose();
+  const Eigen::Matrix<double, 6, 2> K = PHt * (H * PHt + N).inverse();
+  x_ += K * innovation;
+  x_(2) = geometry::wrap_angle_rad(x_(2));
+  // Joseph's form keeps the covariance positive whatever the gain's rounding.
+  const Covariance A = Covariance::Identity() - K * H;
+  P_ = (A * P_ * A.transpose() + K * N * K.transpose()).eval();
+}
+
+PriorMapTracker::Matching PriorMapTracker::correct(const std::vector<Sighting>& sightings,
+                                                   const SightField& field) {
+  Matching matching;
+  std::vector<std::int32_t> taken;
+  // the surest match first: it narrows the gates of the others
+  std::vector<std::pair<double, const Sighting*>> by_distance;
+  for (const Sighting& sighting : sightings) {
+    const Match match = best_match(sighting, taken);
+    by_distance.emplace_back(match.landmark < 0 ? 2.0 * kGate : match.d2, &sighting);
+  }
+  std::stable_sort(by_distance.begin(), by_distance.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (const auto& [d2, sighting] : by_distance) {
+    const Match match = best_match(*sighting, taken);
+    if (match.landmark < 0) continue;
+    update(*sighting, match.innovation);
+    taken.push_back(match.landmark);
+    ++matching.num_matched;
+  }
+
+  const Shadows shadows(sightings);
+  const Eigen::Vector3d T = x_.head<3>();
+  map_.near(T.head<2>(), field.range_m(), [&](std::int32_t i) {
+    const Eigen::Vector2d p_base = transform_back(T, map_[i].p_map);
+    if (!field.covers(p_base) || shadows.hide(p_base)) return;
+    matching.expected.push_back({i, std::find(taken.begin(), taken.end(), i) != taken.end()});
+  });
+  return matching;
+}
+
+}  // namespace orchard::pose

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/scan_matching/scan_covariance.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace orchard::pose {
+namespace {
+
+/// The scan is moved by so many kernels to each side: exp(-0.5 * 1.5^2) = 0.32 is left of the fit
+/// of points that tell of it.
+constexpr double kProbeKernels = 1.5;
+/// Share that points on something without end along the direction seem to have, by their noise.
+constexpr double kShareByChance = 0.045;
+
+/// Share of the points that tell of a shift along a direction, from what the shift does to the fit.
+double telling_share(const ScanMatcher& matcher, const std::vector<SurfacePoint>& points,
+                     const ScanMatch& match, const Eigen::Vector2d& direction, double kernel_m) {
+  const double shift_m = kProbeKernels * kernel_m;
+  double drop = 0.0;
+  for (const double side : {-1.0, 1.0}) {
+    Eigen::Vector3d moved = match.T_map_base;
+    moved.head<2>() += side * shift_m * direction;
+    drop += 0.5 * (match.score - matcher.score(points, moved, kernel_m));
+  }
+  const double drop_of_telling = 1.0 - std::exp(-0.5 * kProbeKernels * kProbeKernels);
+  return std::clamp((drop / drop_of_telling - kShareByChance) / (1.0 - kShareByChance), 0.0, 1.0);
+}
+
+}  // namespace
+
+Eigen::Matrix3d unknown_motion(const ScanMotionConfig& config) {
+  return Eigen::Vector3d(config.unknown_shift_sd_m * config.unknown_shift_sd_m,
+                         config.unknown_shift_sd_m * config.unknown_shift_sd_m,
+                         config.unknown_turn_sd_rad * config.unknown_turn_sd_rad)
+      .asDiagonal();
+}
+
+Eigen::Matrix3d covariance_of(const ScanMatcher& matcher, const std::vector<SurfacePoint>& points,
+                              const ScanMatch& match, const ScanMotionConfig& config) {
+  const Eigen::Matrix3d nothing = unknown_motion(config);
+  const double weight = match.weight;
+  if (!(weight > 0.0) || !match.information.allFinite()) return nothing;
+  Eigen::Matrix3d information = match.information;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
+  axes.computeDirect(match.information.topLeftCorner<2, 2>());
+  for (int axis = 0; axis < 2; ++axis) {
+    const Eigen::Vector2d direction = axes.eigenvectors().col(axis);
+    const double claimed = std::max(0.0, axes.eigenvalues()(axis)) / weight;
+    const double share = telling_share(matcher, points, match, direction, config.score_kernel_m);
+    if (!(claimed > 0.0) || share >= claimed) continue;
+    // scales what is said along the direction, and its ties to the turn, by share / claimed
+    Eigen::Matrix3d scale = Eigen::Matrix3d::Identity();
+    scale.topLeftCorner<2, 2>() -=
+        (1.0 - std::sqrt(share / claimed)) * direction * direction.transpose();
+    information = scale * information * scale;
+  }
+  const double floor_m2 = config.residual_sd_m * config.residual_sd_m;
+  const double variance_m2 =
+      config.correlated_points * std::max(match.residual_variance_m2, floor_m2);
+  const Eigen::Matrix3d total =
+      information / variance_m2 + Eigen::Matrix3d(nothing.diagonal().cwiseInverse().asDiagonal());
+  const Eigen::Matrix3d covariance = total.inverse();
+  if (!covariance.allFinite()) return nothing;
+  return 0.5 * (covariance + covariance.transpose());
+}
+
+}  // namespace orchard::pose

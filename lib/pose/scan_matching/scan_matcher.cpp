@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/scan_matching/scan_matcher.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "pose/planar.hpp"
+#include "pose/scan_matching/fit_raster.hpp"
+
+namespace orchard::pose {
+namespace {
+
+constexpr double kDoneShift_m = 2e-4;
+constexpr double kDoneTurn_rad = 2e-5;
+constexpr int kPairsMin = 5;
+/// What a smooth surface is taken to say along itself while iterating: it steadies the steps.
+constexpr double kAlongShare = 0.05;
+
+constexpr double kSearchTurnStep_rad = 0.05;
+constexpr double kSearchKernel_m = 0.3;
+constexpr double kSearchShiftStep_m = 0.15;
+constexpr std::size_t kSearchPoints = 120;
+/// Places of the search that end up in the same fit.
+constexpr double kSameTurn_rad = 0.11;
+constexpr double kSameShift_m = 0.45;
+
+std::vector<SurfacePoint> every_nth(const std::vector<SurfacePoint>& points, std::size_t wanted) {
+  const std::size_t step = std::max<std::size_t>(1, points.size() / wanted);
+  std::vector<SurfacePoint> some;
+  for (std::size_t i = 0; i < points.size(); i += step) some.push_back(points[i]);
+  return some;
+}
+
+struct Place {
+  Eigen::Vector3d T_map_base;
+  double score = 0.0;
+
+  bool is_near(const Place& other) const {
+    return std::abs(geometry::wrap_angle_rad(T_map_base.z() - other.T_map_base.z())) <
+               kSameTurn_rad &&
+           (T_map_base - other.T_map_base).head<2>().norm() < kSameShift_m;
+  }
+};
+
+}  // namespace
+
+double ScanMatcher::score(const std::vector<SurfacePoint>& points,
+                          const Eigen::Vector3d& T_map_base, double kernel_m) const {
+  if (points.empty()) return 0.0;
+  const Eigen::Matrix2d R = rotation(T_map_base.z());
+  const double scale = -0.5 / (kernel_m * kernel_m);
+  double sum = 0.0;
+  for (const SurfacePoint& point : points) {
+    double d2 = 0.0;
+    if (map_.nearest(R * point.p + T_map_base.head<2>(), 2.0 * kernel_m, d2)) {
+      sum += std::exp(scale * d2);
+    }
+  }
+  return sum / static_cast<double>(points.size());
+}
+
+void ScanMatcher::iterate(const std::vector<SurfacePoint>& points, double pair_m, double kernel_m,
+                          ScanMatch& match) const {
+  const double kernel2 = kernel_m * kernel_m;
+  for (int round = 0; round < config_.iterations_max; ++round) {
+    const Eigen::Vector3d& T = match.T_map_base;
+    const Eigen::Matrix2d R = rotation(T.z());
+    Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+    int pairs = 0;
+    double squares = 0.0, weights = 0.0;
+    for (const SurfacePoint& point : points) {
+      const Eigen::Vector2d arm = R * point.p;
+      const Eigen::Vector2d p = arm + T.head<2>();
+      double d2 = 0.0;
+      const SurfacePoint* partner = map_.nearest(p, pair_m, d2);
+      if (!partner) continue;
+      const Eigen::Vector2d residual = p - partner->p;
+      Eigen::Matrix2d across = Eigen::Matrix2d::Identity();
+      Eigen::Matrix2d metric = across;
+      if (partner->flat) {
+        across = partner->normal * partner->normal.transpose();
+        metric = (1.0 - kAlongShare) * across + kAlongShare * Eigen::Matrix2d::Identity();
+      }
+      const double r2 = residual.dot(metric * residual);
+      // Geman-McClure
+      const double share = kernel2 / (kernel2 + r2);
+      const double weight = share * share;
+      Eigen::Matrix<double, 2, 3> J;
+      J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
+      const Eigen::Matrix<double, 3, 2> Jt = weight * J.transpose();
+      H += Jt * metric * J;
+      information += Jt * across * J;
+      gradient += Jt * metric * residual;
+      squares += weight * r2;
+      weights += weight;
+      ++pairs;
+    }
+    match.matched = static_cast<double>(pairs) / static_cast<double>(points.size());
+    match.information = information;
+    match.weight = weights;
+    match.residual_variance_m2 = weights > 0.0 ? squares / weights : 0.0;
+    if (pairs < kPairsMin) return;
+    H.diagonal() += Eigen::Vector3d(1e-6, 1e-6, 1e-6);
+    const Eigen::Vector3d step = -H.ldlt().solve(gradient);
+    if (!step.allFinite()) return;
+    match.T_map_base += step;
+    if (step.head<2>().norm() < kDoneShift_m && std::abs(step.z()) < kDoneTurn_rad) return;
+  }
+}
+
+ScanMatch ScanMatcher::refined(const std::vector<SurfacePoint>& points,
+                               const Eigen::Vector3d& guess) const {
+  ScanMatch match;
+  match.T_map_base = guess;
+  iterate(points, config_.pair_max_m, config_.kernel_m, match);
+  iterate(points, config_.pair_fine_m, config_.kernel_fine_m, match);
+  match.T_map_base.z() = geometry::wrap_angle_rad(match.T_map_base.z());
+  match.score = score(points, match.T_map_base, config_.score_kernel_m);
+  return match;
+}
+
+ScanMatch ScanMatcher::searched(const std::vector<SurfacePoint>& points,
+                                const Eigen::Vector3d& centre, const ScanMatch& found) const {
+  const std::vector<SurfacePoint> some = every_nth(points, kSearchPoints);
+  double farthest_m = 0.0;
+  for (const SurfacePoint& point : some) farthest_m = std::max(farthest_m, point.p.norm());
+  const FitRaster raster(map_, centre.head<2>(), farthest_m + config_.search_shift_m,
+                         kSearchKernel_m);
+  const int turns = static_cast<int>(std::ceil(config_.search_turn_rad / kSearchTurnStep_rad));
+  const int shifts = static_cast<int>(std::ceil(config_.search_shift_m / kSearchShiftStep_m));
+  std::vector<Place> places;
+  std::vector<Eigen::Vector2d> arms_map(some.size());
+  for (int turn = -turns; turn <= turns; ++turn) {
+    const double yaw_rad = centre.z() + turn * kSearchTurnStep_rad;
+    const Eigen::Matrix2d R = rotation(yaw_rad);
+    for (std::size_t i = 0; i < some.size(); ++i) arms_map[i] = R * some[i].p;
+    for (int x = -shifts; x <= shifts; ++x) {
+      for (int y = -shifts; y <= shifts; ++y) {
+        const Eigen::Vector2d base_map =
+            centre.head<2>() + kSearchShiftStep_m * Eigen::Vector2d(x, y);
+        places.push_back({{base_map.x(), base_map.y(), yaw_rad}, raster.score(arms_map, base_map)});
+      }
+    }
+  }
+  std::stable_sort(places.begin(), places.end(),
+                   [](const Place& a, const Place& b) { return a.score > b.score; });
+  std::vector<Place> tried;
+  ScanMatch best = refined(some, found.T_map_base);
+  const double score_to_beat = best.score;
+  for (const Place& place : places) {
+    if (static_cast<int>(tried.size()) >= config_.search_candidates) break;
+    if (std::any_of(tried.begin(), tried.end(),
+                    [&place](const Place& other) { return place.is_near(other); })) {
+      continue;
+    }
+    tried.push_back(place);
+    const ScanMatch match = refined(some, place.T_map_base);
+    if (match.score > best.score) best = match;
+  }
+  if (best.score <= score_to_beat) return found;
+  best = refined(points, best.T_map_base);
+  return best.score > found.score + config_.score_advantage ? best : found;
+}
+
+ScanMatch ScanMatcher::match(const std::vector<SurfacePoint>& points,
+                             const std::vector<Eigen::Vector3d>& guesses) const {
+  const Eigen::Vector3d* start = &guesses.front();
+  double best_score = -1.0;
+  for (const Eigen::Vector3d& guess : guesses) {
+    const double fit = score(points, guess, kSearchKernel_m);
+    if (fit > best_score + 0.01) {
+      best_score = fit;
+      start = &guess;
+    }
+  }
+  const ScanMatch match = refined(points, *start);
+  if (match.score >= config_.score_good) return match;
+  return searched(points, guesses.front(), match);
+}
+
+}  // namespace orchard::pose

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/slam/dead_reckoning.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace orchard::pose {
+namespace {
+
+constexpr double kSecondsPerMicrosecond = 1e-6;
+
+}  // namespace
+
+void DeadReckoning::set_default_noise(double speed_sd_fraction, double yaw_rate_sd_radps) {
+  speed_sd_fraction_ = speed_sd_fraction;
+  yaw_rate_sd_radps_ = yaw_rate_sd_radps;
+}
+
+double DeadReckoning::silence_s() const {
+  if (!utime_) return 0.0;
+  return (*utime_ - measured_utime_.value_or(*started_utime_)) * kSecondsPerMicrosecond;
+}
+
+void DeadReckoning::drive_to(std::int64_t utime, double speed_mps, double yaw_rate_radps) {
+  const double dt_s = (utime - *utime_) * kSecondsPerMicrosecond;
+  if (dt_s <= 0.0) return;
+  std::array<double, 3> covariance = velocity_covariance_;
+  utime_ = utime;
+  if (silence_s() > config_.gap_s) {
+    // A velocity that strays: its variance times a second of correlation, whatever the step.
+    const double speed_sd_mps = std::max(config_.gap_speed_sd_mps, 0.3 * std::abs(speed_mps));
+    covariance[0] += speed_sd_mps * speed_sd_mps / dt_s;
+    covariance[2] += config_.gap_yaw_rate_sd_radps * config_.gap_yaw_rate_sd_radps / dt_s;
+  }
+  motion_.drive(speed_mps, yaw_rate_radps, covariance, dt_s);
+}
+
+void DeadReckoning::add(const Odometry& odometry) {
+  if (!std::isfinite(odometry.speed_mps) || !std::isfinite(odometry.yaw_rate_radps)) return;
+  if (utime_ && odometry.utime < *utime_) return;
+  velocity_covariance_ = odometry.covariance;
+  if (velocity_covariance_[0] <= 0.0 && velocity_covariance_[2] <= 0.0) {
+    const double speed_sd_mps = speed_sd_fraction_ * odometry.speed_mps;
+    velocity_covariance_ = {speed_sd_mps * speed_sd_mps, 0.0,
+                            yaw_rate_sd_radps_ * yaw_rate_sd_radps_};
+  }
+  if (!utime_) {
+    utime_ = started_utime_ = odometry.utime;
+  } else if (measured_utime_) {
+    drive_to(odometry.utime, 0.5 * (speed_mps_ + odometry.speed_mps),
+             0.5 * (yaw_rate_radps_ + odometry.yaw_rate_radps));
+  } else {
+    drive_to(odometry.utime, odometry.speed_mps, odometry.yaw_rate_radps);
+  }
+  measured_utime_ = odometry.utime;
+  speed_mps_ = odometry.speed_mps;
+  yaw_rate_radps_ = odometry.yaw_rate_radps;
+}
+
+void DeadReckoning::add(std::int64_t utime, const Eigen::Vector3d& T_now_then,
+                        const Eigen::Matrix3d& covariance) {
+  if (!T_now_then.allFinite() || !covariance.allFinite()) return;
+  if (utime_ && utime <= *utime_) return;
+  if (utime_) {
+    const double dt_s = (utime - *utime_) * kSecondsPerMicrosecond;
+    speed_mps_ = T_now_then.x() / dt_s;
+    yaw_rate_radps_ = T_now_then.z() / dt_s;
+  }
+  motion_.append(T_now_then, covariance);
+  utime_ = utime;
+  if (!started_utime_) started_utime_ = utime;
+  measured_utime_ = utime;
+}
+
+void DeadReckoning::advance_to(std::int64_t utime) {
+  if (!utime_) utime_ = started_utime_ = utime;
+  if (utime > *utime_) drive_to(utime, speed_mps_, yaw_rate_radps_);
+}
+
+void DeadReckoning::restart(const WheelErrors& errors) {
+  motion_ = RelativeMotion{};
+  motion_.errors = errors;
+}
+
+void DeadReckoning::set_velocity(double speed_mps, double yaw_rate_radps) {
+  speed_mps_ = speed_mps;
+  yaw_rate_radps_ = yaw_rate_radps;
+}
+
+}  // namespace orchard::pose

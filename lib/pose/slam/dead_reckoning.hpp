@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "pose/measurements.hpp"
+#include "pose/slam/motion.hpp"
+#include "pose/slam/slam_config.hpp"
+
+namespace orchard::pose {
+
+/// Adds up what the wheels say, or what was measured in their stead, to the motion since a time of
+/// the caller's choice. Across a silence the robot is taken to go on as it did, ever less surely.
+class DeadReckoning {
+ public:
+  explicit DeadReckoning(const SlamConfig& config) : config_(config) {}
+
+  /// Used for odometry that states no covariance.
+  void set_default_noise(double speed_sd_fraction, double yaw_rate_sd_radps);
+
+  /// Goes on to the odometry's time; velocity is taken to change linearly between messages.
+  void add(const Odometry& odometry);
+
+  /// Goes on to `utime` by a measured motion T_now_then.
+  void add(std::int64_t utime, const Eigen::Vector3d& T_now_then,
+           const Eigen::Matrix3d& covariance);
+
+  /// Goes on to `utime` at the last velocity. Earlier times change nothing.
+  void advance_to(std::int64_t utime);
+
+  /// Starts a new motion here, with these errors of the wheels.
+  void restart(const WheelErrors& errors);
+
+  /// The velocity that something else has found, for a silence.
+  void set_velocity(double speed_mps, double yaw_rate_radps);
+
+  bool started() const { return utime_.has_value(); }
+  std::int64_t utime() const { return utime_.value_or(0); }
+  const RelativeMotion& motion() const { return motion_; }
+  /// How long nothing has measured the motion [s].
+  double silence_s() const;
+  double speed_mps() const { return speed_mps_; }
+  double yaw_rate_radps() const { return yaw_rate_radps_; }
+
+ private:
+  void drive_to(std::int64_t utime, double speed_mps, double yaw_rate_radps);
+
+  SlamConfig config_;
+  double speed_sd_fraction_ = 0.03;
+  double yaw_rate_sd_radps_ = 0.02;
+  std::optional<std::int64_t> utime_;
+  std::optional<std::int64_t> started_utime_;
+  std::optional<std::int64_t> measured_utime_;
+  RelativeMotion motion_;
+  double speed_mps_ = 0.0;
+  double yaw_rate_radps_ = 0.0;
+  std::array<double, 3> velocity_covariance_{};
+};
+
+}  // namespace orchard::pose

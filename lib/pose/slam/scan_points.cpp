@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/slam/scan_points.hpp"
+
+#include <Eigen/LU>
+#include <cmath>
+
+#include "pose/arc_motion.hpp"
+#include "pose/planar.hpp"
+
+namespace orchard::pose {
+namespace {
+
+// A beam lies no farther from its scan's stamp: more is a clock's error.
+constexpr double kSweepMaxS = 0.5;
+constexpr double kWidthSdMinM = 0.02;
+constexpr double kVarianceMin = 1e-6;
+
+bool usable(const SeenTrunk& t, const SlamConfig& config) {
+  return std::isfinite(t.x_base_m) && std::isfinite(t.y_base_m) && std::isfinite(t.width_m) &&
+         std::isfinite(t.width_sd_m) && std::isfinite(t.covariance[0]) &&
+         std::isfinite(t.covariance[1]) && std::isfinite(t.covariance[2]) &&
+         std::hypot(t.x_base_m, t.y_base_m) <= config.sight_range_max_m && t.width_m >= 0.0 &&
+         t.width_m <= config.width_max_m;
+}
+
+double floor_sd_m(const SeenTrunk& t, const SlamConfig& config) {
+  double sd_m = std::hypot(config.sighting_sd_m, config.sighting_sd_widths * t.width_m);
+  if (t.occlusion != 0) sd_m = std::hypot(sd_m, config.occluded_sd_widths * t.width_m);
+  if (t.label == SeenLabel::kObject) sd_m = std::hypot(sd_m, config.object_sd_m);
+  return sd_m;
+}
+
+}  // namespace
+
+std::vector<ScanPoint> scan_points(const SeenTrunks& seen, const ScanMotionState& motion,
+                                   const SlamConfig& config) {
+  std::vector<ScanPoint> points;
+  points.reserve(seen.trunks.size());
+  for (const SeenTrunk& t : seen.trunks) {
+    if (!usable(t, config)) continue;
+    double dt_s = (t.utime - seen.utime) * 1e-6;
+    if (std::abs(dt_s) > kSweepMaxS) dt_s = 0.0;
+    const Eigen::Vector3d T_scan_beam = arc_motion(motion.speed_mps, motion.yaw_rate_radps, dt_s);
+    const Eigen::Vector3d T_keyframe_beam = compose(motion.T_keyframe_scan, T_scan_beam);
+    const Eigen::Matrix2d R = rotation(T_keyframe_beam.z());
+    ScanPoint point;
+    point.p_base = transform(T_keyframe_beam, {t.x_base_m, t.y_base_m});
+    Eigen::Matrix2d C;
+    C << std::max(t.covariance[0], kVarianceMin), t.covariance[1], t.covariance[1],
+        std::max(t.covariance[2], kVarianceMin);
+    if (C.determinant() < kVarianceMin * kVarianceMin) C(0, 1) = C(1, 0) = 0.0;
+    Eigen::Matrix<double, 2, 3> H;  // of the motion since the keyframe
+    const Eigen::Vector2d arm = point.p_base - motion.T_keyframe_scan.head<2>();
+    H << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
+    point.scan_covariance = R * C * R.transpose() + H * motion.covariance * H.transpose();
+    point.floor_sd_m = floor_sd_m(t, config);
+    point.covariance =
+        point.scan_covariance + point.floor_sd_m * point.floor_sd_m * Eigen::Matrix2d::Identity();
+    point.width_m = t.width_m;
+    point.width_sd_m = std::max(t.width_sd_m, kWidthSdMinM);
+    if (t.occlusion != 0) point.width_sd_m = std::hypot(point.width_sd_m, t.width_m);
+    points.push_back(point);
+  }
+  return points;
+}
+
+}  // namespace orchard::pose

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/slam/slam_localiser.hpp"
+
+#include <cmath>
+#include <variant>
+
+namespace orchard::pose {
+
+SlamLocaliser::SlamLocaliser(const PoseConfig& config, const laser::LaserConfig& mount,
+                             const laser::BlindSector& blind)
+    : config_(config), gnss_(config.gnss), slam_(config.slam) {
+  if (config.motion == MotionSource::kScans) scan_motion_.emplace(config.scan_motion, mount, blind);
+  slam_.set_default_noise(config.speed_sd_fraction, config.yaw_rate_sd_radps);
+}
+
+void SlamLocaliser::add(const Measurement& measurement) {
+  if (const auto* odometry = std::get_if<Odometry>(&measurement)) {
+    if (!scan_motion_) slam_.add(*odometry);
+  } else if (const auto* scan = std::get_if<laser::Scan>(&measurement)) {
+    if (!scan_motion_) return;
+    if (const auto motion = scan_motion_->add(*scan)) {
+      slam_.add_motion(motion->utime_to, motion->T_from_to, motion->covariance);
+    }
+  } else if (const auto* seen = std::get_if<SeenTrunks>(&measurement)) {
+    slam_.add(*seen);
+  } else if (const auto* fix = std::get_if<PoseFix>(&measurement)) {
+    if (config_.slam.use_fixes) add(*fix);
+  } else if (const auto* gnss = std::get_if<Gnss>(&measurement)) {
+    if (config_.slam.use_gnss) add(*gnss);
+  }
+}
+
+void SlamLocaliser::add(const PoseFix& fix) {
+  PlaceFix place;
+  place.p_map = {fix.x_m, fix.y_m};
+  place.covariance << fix.covariance[0], fix.covariance[1], fix.covariance[1], fix.covariance[3];
+  if (fix.covariance[0] <= 0.0 || fix.covariance[3] <= 0.0) {
+    place.covariance =
+        config_.fix_position_sd_m * config_.fix_position_sd_m * Eigen::Matrix2d::Identity();
+  }
+  place.has_yaw = fix.has_yaw;
+  place.yaw_rad = fix.yaw_rad;
+  place.yaw_sd_rad =
+      fix.covariance[5] > 0.0 ? std::sqrt(fix.covariance[5]) : config_.fix_yaw_sd_rad;
+  slam_.add_fix(fix.utime, place);
+}
+
+void SlamLocaliser::add(const Gnss& gnss) {
+  const std::optional<GnssPosition> position = gnss_.add(gnss);
+  if (!position) return;
+  PlaceFix place;
+  place.lever_base_m = {config_.gnss.antenna_m[0], config_.gnss.antenna_m[1]};
+  place.p_map = position->p_enu_m;
+  place.covariance = position->covariance;
+  slam_.add_fix(gnss.utime, place);
+}
+
+}  // namespace orchard::pose

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include "pose/filter/gnss_positions.hpp"
+#include "pose/localiser.hpp"
+#include "pose/scan_matching/scan_motion.hpp"
+#include "pose/slam/trunk_slam.hpp"
+
+namespace orchard::pose {
+
+/// pose.mode slam: the trunks tell where the robot is, without a map, and without fixes unless
+/// pose.slam asks for them. How it moves from scan to scan say the wheels, or, with motion scans,
+/// the scans themselves.
+class SlamLocaliser : public Localiser {
+ public:
+  explicit SlamLocaliser(const PoseConfig& config, const laser::LaserConfig& mount = {},
+                         const laser::BlindSector& blind = {});
+
+  void add(const Measurement& measurement) override;
+  std::optional<PoseEstimate> estimate() const override { return slam_.estimate(); }
+  std::optional<Trajectory> take_correction() override { return slam_.take_correction(); }
+  void finish() override { slam_.finish(); }
+  std::string warning() const override { return slam_.warning(); }
+
+ private:
+  void add(const PoseFix& fix);
+  void add(const Gnss& gnss);
+
+  PoseConfig config_;
+  GnssPositions gnss_;
+  std::optional<ScanMotion> scan_motion_;
+  TrunkSlam slam_;
+};
+
+}  // namespace orchard::pose

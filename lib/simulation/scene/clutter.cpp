@@ -1,0 +1,437 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/scene/clutter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "geometry/angles.hpp"
+#include "simulation/random.hpp"
+
+namespace orchard::simulation {
+namespace {
+
+constexpr double kRobotHalfWidth_m = 0.6;
+constexpr std::uint64_t kTrellisPosts = 1u << 20;  ///< their random numbers follow those of trees
+
+class ClutterBuilder {
+ public:
+  ClutterBuilder(std::uint64_t seed, const SimulationConfig& config, Scene& scene)
+      : seed_(seed), config_(config), clutter_(config.clutter), scene_(scene) {
+    constexpr double kStep_s = 0.25;
+    for (double t_s = 0.0; t_s <= scene.path.duration_s(); t_s += kStep_s) {
+      track_.push_back(scene.path.pose_at(t_s));
+    }
+    for (std::size_t i = 0; i < scene.truth.size(); ++i) {
+      if (scene.truth[i].label == detection::Label::kTree) trees_.push_back(scene.truth[i]);
+    }
+  }
+
+  void build() {
+    for (Cylinder& c : scene_.world.cylinders) {
+      if (scene_.truth[c.target].name[0] == 'S') c.sway_m = clutter_.bush_sway_m;
+    }
+    if (clutter_.post_materials) give_posts_materials();
+    add_twins();
+    add_trunk_posts();
+    add_stakes();
+    add_crates();
+    add_branches();
+    if (clutter_.row_end_hedges) add_hedges();
+    add_thin(Stream::kGrass, clutter_.grass_per_tree);
+    add_thin(Stream::kTwigs, clutter_.twigs_per_tree);
+    add_crowns();
+    mark_with_reflectors();
+    for (int i = 0; i < clutter_.num_people; ++i) add_person(i);
+    for (int i = 0; i < clutter_.num_vehicles; ++i) add_vehicle(i);
+  }
+
+ private:
+  /// What the trellis posts of the scene are made of.
+  void give_posts_materials() {
+    for (std::size_t i = 0; i < scene_.world.cylinders.size(); ++i) {
+      Cylinder& c = scene_.world.cylinders[i];
+      if (scene_.truth[c.target].name[0] != 'P') continue;
+      Random random(seed_, Stream::kPosts, kTrellisPosts + i);
+      c.appearance = post_look(random);
+    }
+  }
+
+  void add_twins() {
+    for (std::size_t i = 0; i < trees_.size(); ++i) {
+      Random random(seed_, Stream::kTwins, i);
+      if (random.uniform() >= clutter_.twin_fraction) continue;
+      const TruthObject& tree = trees_[i];
+      Cylinder stem = scene_.world.cylinders[cylinder_of(tree)];
+      stem.radius_m *= random.uniform(0.7, 1.0);
+      const double apart_m = 0.5 * tree.width_m + stem.radius_m + random.uniform(0.0, 0.01);
+      const double towards_rad =
+          (random.uniform() < 0.5 ? 0.5 : -0.5) * geometry::kPi + random.uniform(-1.0, 1.0);
+      stem.x_m += apart_m * std::cos(towards_rad);
+      stem.y_m += apart_m * std::sin(towards_rad);
+      stem.appearance.texture_seed = static_cast<std::uint32_t>(random.bits());
+      add(stem, detection::Label::kTree, "T" + std::to_string(trees_.size() + ++num_twins_));
+    }
+  }
+
+  void add_trunk_posts() {
+    const OrchardConfig& orchard = config_.orchard;
+    for (std::size_t i = 0; i < trees_.size(); ++i) {
+      Random random(seed_, Stream::kPosts, i);
+      if (random.uniform() >= clutter_.trunk_post_fraction) continue;
+      Cylinder post;
+      const double width_m =
+          std::clamp(random.normal(orchard.trunk_width_m, orchard.trunk_width_sd_m),
+                     0.6 * orchard.trunk_width_m, 1.5 * orchard.trunk_width_m);
+      post.radius_m = 0.5 * width_m;
+      post.height_m = random.uniform(1.4, 2.2);
+      post.appearance = post_look(random);
+      for (const double share : {0.5, 0.35, 0.65}) {
+        post.x_m = trees_[i].x_m + random.uniform(-0.08, 0.08);
+        post.y_m = trees_[i].y_m + share * orchard.tree_spacing_m;
+        if (!clear(post.x_m, post.y_m, post.radius_m + 0.2)) continue;
+        add(post, detection::Label::kObject, "P" + std::to_string(++num_posts_));
+        break;
+      }
+    }
+  }
+
+  /// What posts are made of: galvanized steel, weathered timber, treated timber, concrete.
+  static Appearance post_look(Random& random) {
+    Appearance look;
+    look.texture = Appearance::Texture::kWood;
+    look.texture_seed = static_cast<std::uint32_t>(random.bits());
+    const double kind = random.uniform();
+    const auto paint = [&](double hue, double hue_sd, double saturation, double value) {
+      look.hue_deg = hue + random.uniform(-hue_sd, hue_sd);
+      look.saturation = saturation * random.uniform(0.7, 1.3);
+      look.value = value * random.uniform(0.85, 1.15);
+    };
+    if (kind < 0.25) {
+      paint(215.0, 15.0, 0.08, 0.72);
+      look.reflectivity = 0.6;
+    } else if (kind < 0.5) {
+      paint(38.0, 10.0, 0.10, 0.62);
+      look.reflectivity = 0.4;
+    } else if (kind < 0.75) {
+      paint(85.0, 20.0, 0.24, 0.50);
+      look.reflectivity = 0.35;
+    } else {
+      paint(48.0, 10.0, 0.05, 0.76);
+      look.reflectivity = 0.5;
+    }
+    return look;
+  }
+
+  void add_stakes() {
+    for (std::size_t i = 0; i < trees_.size(); ++i) {
+      Random random(seed_, Stream::kStakes, i);
+      if (random.uniform() >= clutter_.stake_fraction) continue;
+      Cylinder stake;
+      stake.radius_m = random.uniform(0.010, 0.020);
+      stake.height_m = random.uniform(1.0, 1.8);
+      stake.appearance.hue_deg = random.uniform(35.0, 52.0);
+      stake.appearance.saturation = random.uniform(0.15, 0.40);
+      stake.appearance.value = random.uniform(0.50, 0.80);
+      stake.appearance.texture = Appearance::Texture::kWood;
+      const double away_m = 0.5 * trees_[i].width_m + stake.radius_m + random.uniform(0.03, 0.20);
+      const double towards_rad = random.uniform(-geometry::kPi, geometry::kPi);
+      stake.x_m = trees_[i].x_m + away_m * std::cos(towards_rad);
+      stake.y_m = trees_[i].y_m + away_m * std::sin(towards_rad);
+      add(stake, detection::Label::kObject, "K" + std::to_string(i + 1));
+    }
+  }
+
+  void add_crates() {
+    for (int i = 0; i < clutter_.num_crates; ++i) {
+      Random random(seed_, Stream::kCrates, i);
+      Box crate;
+      const bool bin = random.uniform() < 0.4;  // a bulk bin, or stacked picking crates
+      crate.length_m = bin ? 1.20 : 0.60;
+      crate.width_m = bin ? 1.00 : 0.40;
+      crate.height_m = bin ? 0.76 : 0.93;
+      crate.appearance.texture = Appearance::Texture::kWood;
+      crate.appearance.hue_deg = bin ? random.uniform(28.0, 45.0) : random.uniform(100.0, 240.0);
+      crate.appearance.saturation = bin ? random.uniform(0.2, 0.4) : random.uniform(0.4, 0.8);
+      crate.appearance.value = random.uniform(0.45, 0.75);
+      place_box(random, crate, 0.6, detection::Label::kObject, "C" + std::to_string(i + 1));
+    }
+  }
+
+  void add_branches() {
+    for (int i = 0; i < clutter_.num_branches; ++i) {
+      Random random(seed_, Stream::kBranches, i);
+      Box branch;  // propped up on its own twigs
+      branch.length_m = random.uniform(0.5, 1.4);
+      branch.width_m = random.uniform(0.03, 0.07);
+      branch.base_m = std::max(0.0, config_.scanner.height_m - random.uniform(0.02, 0.15));
+      branch.height_m = config_.scanner.height_m - branch.base_m + random.uniform(0.02, 0.05);
+      branch.appearance.texture = Appearance::Texture::kRoughBark;
+      branch.appearance.hue_deg = random.uniform(25.0, 60.0);
+      branch.appearance.saturation = random.uniform(0.1, 0.35);
+      branch.appearance.value = random.uniform(0.30, 0.55);
+      place_box(random, branch, 1.0, detection::Label::kObject, "F" + std::to_string(i + 1));
+    }
+  }
+
+  /// Somewhere within `beside_m` of a row, clear of everything; not at all where none is found.
+  void place_box(Random& random, Box box, double beside_m, detection::Label label,
+                 const std::string& name) {
+    const OrchardConfig& orchard = config_.orchard;
+    const double reach_m = 0.5 * std::hypot(box.length_m, box.width_m);
+    for (int attempt = 0; attempt < 200; ++attempt) {
+      const int row = static_cast<int>(random.uniform() * orchard.num_rows);
+      box.x_m = (row - 0.5) * orchard.row_spacing_m + random.uniform(-beside_m, beside_m);
+      box.y_m = random.uniform(first_y_m(), last_y_m());
+      box.yaw_rad = random.uniform(-geometry::kPi, geometry::kPi);
+      box.appearance.texture_seed = static_cast<std::uint32_t>(random.bits());
+      if (!clear(box.x_m, box.y_m, reach_m + 0.1) || on_track(box.x_m, box.y_m, reach_m)) continue;
+      box.target = scene_.world.num_targets++;
+      scene_.truth.push_back({label, box.x_m, box.y_m, box.length_m, name});
+      scene_.world.boxes.push_back(box);
+      return;
+    }
+  }
+
+  /// In pieces of a metre, each a thing of its own.
+  void add_hedges() {
+    double low_m = first_y_m(), high_m = last_y_m();
+    for (const Pose2& pose : track_) {
+      low_m = std::min(low_m, pose.y_m);
+      high_m = std::max(high_m, pose.y_m);
+    }
+    const double x_min_m = -config_.orchard.row_spacing_m;
+    const double x_max_m = config_.orchard.row_spacing_m * config_.orchard.num_rows;
+    int num_pieces = 0;
+    for (const double y_m : {low_m - 1.8, high_m + 1.8}) {
+      Random random(seed_, Stream::kHedges, y_m < 0.0 ? 0 : 1);
+      for (double x_m = x_min_m; x_m < x_max_m; x_m += 1.0) {
+        Box piece;
+        piece.x_m = x_m + 0.5;
+        piece.y_m = y_m + random.uniform(-0.1, 0.1);
+        piece.yaw_rad = random.uniform(-0.1, 0.1);
+        piece.length_m = 1.0;
+        piece.width_m = random.uniform(0.4, 0.7);
+        piece.height_m = random.uniform(1.5, 2.0);
+        piece.appearance.hue_deg = random.uniform(85.0, 120.0);
+        piece.appearance.saturation = random.uniform(0.35, 0.6);
+        piece.appearance.value = random.uniform(0.25, 0.45);
+        piece.appearance.texture = Appearance::Texture::kLeaves;
+        piece.appearance.texture_seed = static_cast<std::uint32_t>(random.bits());
+        piece.target = scene_.world.num_targets++;
+        scene_.truth.push_back({detection::Label::kObject, piece.x_m, piece.y_m, piece.length_m,
+                                "H" + std::to_string(++num_pieces)});
+        scene_.world.boxes.push_back(piece);
+      }
+    }
+  }
+
+  /// Stalks that rise, or twigs that hang, into the scan plane near trunks: no things of the truth.
+  void add_thin(Stream stream, double mean) {
+    const bool grass = stream == Stream::kGrass;
+    const double scan_m = config_.scanner.height_m;
+    for (std::size_t i = 0; i < trees_.size(); ++i) {
+      Random random(seed_, stream, i);
+      const int n = static_cast<int>(2.0 * mean * random.uniform() + 0.5);
+      for (int k = 0; k < n; ++k) {
+        Cylinder stalk;
+        const double away_m = 0.5 * trees_[i].width_m +
+                              (grass ? random.uniform(0.03, 0.60) : random.uniform(0.05, 0.80));
+        const double towards_rad = random.uniform(-geometry::kPi, geometry::kPi);
+        stalk.x_m = trees_[i].x_m + away_m * std::cos(towards_rad);
+        stalk.y_m = trees_[i].y_m + away_m * std::sin(towards_rad);
+        stalk.radius_m = grass ? random.uniform(0.001, 0.0025) : random.uniform(0.002, 0.005);
+        stalk.base_m = grass ? 0.0 : scan_m - random.uniform(0.02, 0.25);
+        stalk.height_m = grass ? scan_m + random.uniform(0.02, 0.25) : random.uniform(0.6, 1.0);
+        stalk.sway_m = clutter_.sway_m;
+        stalk.target = -1;
+        stalk.appearance.hue_deg = grass ? random.uniform(48.0, 100.0) : random.uniform(20.0, 45.0);
+        stalk.appearance.saturation = random.uniform(0.25, 0.55);
+        stalk.appearance.value = grass ? random.uniform(0.4, 0.7) : random.uniform(0.2, 0.4);
+        stalk.appearance.texture_seed = static_cast<std::uint32_t>(random.bits());
+        scene_.world.cylinders.push_back(stalk);
+      }
+    }
+  }
+
+  void add_crowns() {
+    if (clutter_.foliage <= 0.0) return;
+    for (std::size_t i = 0; i < trees_.size(); ++i) {
+      Random random(seed_, Stream::kCrowns, i);
+      Crown crown;
+      crown.foliage = clutter_.foliage;
+      crown.appearance.texture = Appearance::Texture::kLeaves;
+      crown.appearance.hue_deg = random.uniform(75.0, 112.0);
+      crown.appearance.saturation = random.uniform(0.35, 0.65);
+      crown.appearance.value = random.uniform(0.35, 0.60);
+      for (int ball = 0; ball < 3; ++ball) {
+        crown.x_m = trees_[i].x_m + random.uniform(-0.45, 0.45);
+        crown.y_m = trees_[i].y_m + random.uniform(-0.55, 0.55);
+        crown.radius_m = random.uniform(0.45, 0.8);
+        crown.z_m = random.uniform(1.75, 2.4);
+        crown.appearance.texture_seed = static_cast<std::uint32_t>(random.bits());
+        scene_.world.crowns.push_back(crown);
+      }
+    }
+  }
+
+  void mark_with_reflectors() {
+    for (Cylinder& c : scene_.world.cylinders) {
+      if (c.target < 0) continue;
+      const char kind = scene_.truth[c.target].name[0];
+      const double fraction = kind == 'T'   ? clutter_.reflector_tree_fraction
+                              : kind == 'P' ? clutter_.reflector_post_fraction
+                                            : 0.0;
+      Random random(seed_, Stream::kReflectors, static_cast<std::uint64_t>(c.target));
+      if (random.uniform() < fraction) c.appearance.reflectivity = 8.0;
+    }
+  }
+
+  /// Passes 4 to 8 m ahead of where the robot is at some time, along the alley or across it.
+  void add_person(int index) {
+    Random random(seed_, Stream::kPeople, static_cast<std::uint64_t>(index));
+    for (int attempt = 0; attempt < 200; ++attempt) {
+      const double time_s = random.uniform(2.0, std::max(4.0, scene_.path.duration_s() - 4.0));
+      const Pose2 robot = scene_.path.pose_at(time_s);
+      const double ahead_m = random.uniform(4.0, 8.0);
+      const bool crosses = random.uniform() < 0.5;
+      const double side = random.uniform() < 0.5 ? -1.0 : 1.0;
+      const double beside_m = crosses ? 0.0 : side * random.uniform(0.9, 1.2);
+      const Pose2 meeting = compose(robot, {ahead_m, beside_m, 0.0});
+      Person person;
+      person.heading_rad =
+          crosses ? (side > 0.0 ? 0.0 : geometry::kPi) : side * 0.5 * geometry::kPi;
+      person.speed_mps = clutter_.person_speed_mps * random.uniform(0.8, 1.2);
+      const double walked_m = person.speed_mps * time_s;
+      person.x_m = meeting.x_m - walked_m * std::cos(person.heading_rad);
+      person.y_m = meeting.y_m - walked_m * std::sin(person.heading_rad);
+      person.clothes.hue_deg = random.uniform(0.0, 360.0);
+      person.clothes.saturation = random.uniform(0.1, 0.6);
+      person.clothes.value = random.uniform(0.15, 0.7);
+      person.clothes.texture_seed = static_cast<std::uint32_t>(random.bits());
+      if (!walks_free(person)) continue;
+      person.target = scene_.world.num_targets++;
+      TruthObject thing{detection::Label::kObject, person.x_m, person.y_m, 0.32,
+                        "M" + std::to_string(index + 1)};
+      thing.moving = true;
+      scene_.truth.push_back(thing);
+      scene_.people.push_back(person);
+      return;
+    }
+  }
+
+  /// Through no thing of the truth, and never within a metre of the robot's middle.
+  bool walks_free(const Person& person) const {
+    const double c = std::cos(person.heading_rad), s = std::sin(person.heading_rad);
+    const double way_m = person.speed_mps * scene_.path.duration_s();
+    for (const TruthObject& thing : scene_.truth) {
+      if (thing.moving) continue;
+      const double ex = thing.x_m - person.x_m, ey = thing.y_m - person.y_m;
+      const double along_m = ex * c + ey * s;
+      if (along_m < -1.0 || along_m > way_m + 1.0) continue;
+      const bool wide = thing.name[0] == 'H';  // walks through gates in hedges
+      if (!wide && std::abs(ex * s - ey * c) < 0.5 * thing.width_m + 0.30) return false;
+    }
+    for (double t_s = 0.0; t_s < scene_.path.duration_s(); t_s += 0.25) {
+      const Pose2 robot = scene_.path.pose_at(t_s);
+      const double x_m = person.x_m + c * person.speed_mps * t_s;
+      const double y_m = person.y_m + s * person.speed_mps * t_s;
+      if (std::hypot(x_m - robot.x_m, y_m - robot.y_m) < 0.8) return false;
+    }
+    return true;
+  }
+
+  /// Stands since the start in an alley where the robot has not been yet; leaves when that is 5 m
+  /// behind it.
+  void add_vehicle(int index) {
+    Random random(seed_, Stream::kVehicles, static_cast<std::uint64_t>(index));
+    for (int attempt = 0; attempt < 200; ++attempt) {
+      Vehicle vehicle;
+      vehicle.leaves_s = random.uniform(2.0, std::max(4.0, scene_.path.duration_s() - 4.0));
+      const Pose2 robot = scene_.path.pose_at(vehicle.leaves_s);
+      if (std::abs(std::cos(robot.yaw_rad)) > 0.02) continue;
+      const Pose2 place = compose(robot, {5.0, random.uniform(-0.4, 0.4), 0.0});
+      vehicle.x_m = place.x_m;
+      vehicle.y_m = place.y_m;
+      vehicle.heading_rad = robot.yaw_rad;
+      vehicle.speed_mps = clutter_.vehicle_speed_mps;
+      if (place.y_m < first_y_m() || place.y_m > last_y_m() || !drives_free(vehicle)) continue;
+      vehicle.target = scene_.world.num_targets++;
+      TruthObject thing{detection::Label::kObject, place.x_m, place.y_m, 1.1,
+                        "V" + std::to_string(index + 1)};
+      thing.moving = true;
+      scene_.truth.push_back(thing);
+      scene_.vehicles.push_back(vehicle);
+      return;
+    }
+  }
+
+  /// Through no thing of the truth but hedges, never within 3 m of the robot's middle.
+  bool drives_free(const Vehicle& vehicle) const {
+    const double c = std::cos(vehicle.heading_rad), s = std::sin(vehicle.heading_rad);
+    for (const TruthObject& thing : scene_.truth) {
+      const double ex = thing.x_m - vehicle.x_m, ey = thing.y_m - vehicle.y_m;
+      if (thing.moving || ex * c + ey * s < -1.2 || thing.name[0] == 'H') continue;
+      if (std::abs(ex * s - ey * c) < 0.5 * thing.width_m + 0.7) return false;
+    }
+    for (double t_s = 0.0; t_s < scene_.path.duration_s(); t_s += 0.25) {
+      const Pose2 robot = scene_.path.pose_at(t_s);
+      // it is not behind this, however slowly it starts
+      const double way_m = std::max(0.0, t_s - vehicle.leaves_s - 2.0) * vehicle.speed_mps;
+      const double x_m = vehicle.x_m + c * way_m, y_m = vehicle.y_m + s * way_m;
+      if (std::hypot(x_m - robot.x_m, y_m - robot.y_m) < 3.0) return false;
+    }
+    return true;
+  }
+
+  bool clear(double x_m, double y_m, double reach_m) const {
+    return std::none_of(scene_.truth.begin(), scene_.truth.end(), [&](const TruthObject& other) {
+      return std::hypot(other.x_m - x_m, other.y_m - y_m) < reach_m + 0.5 * other.width_m;
+    });
+  }
+
+  bool on_track(double x_m, double y_m, double reach_m) const {
+    return std::any_of(track_.begin(), track_.end(), [&](const Pose2& pose) {
+      return std::hypot(pose.x_m - x_m, pose.y_m - y_m) < reach_m + kRobotHalfWidth_m;
+    });
+  }
+
+  void add(Cylinder cylinder, detection::Label label, const std::string& name) {
+    cylinder.target = scene_.world.num_targets++;
+    scene_.truth.push_back({label, cylinder.x_m, cylinder.y_m, 2.0 * cylinder.radius_m, name});
+    scene_.world.cylinders.push_back(cylinder);
+  }
+
+  std::size_t cylinder_of(const TruthObject& tree) const {
+    const auto& all = scene_.world.cylinders;
+    const auto found = std::find_if(all.begin(), all.end(), [&](const Cylinder& c) {
+      return c.x_m == tree.x_m && c.y_m == tree.y_m;
+    });
+    return static_cast<std::size_t>(found - all.begin());
+  }
+
+  double first_y_m() const { return trees_.empty() ? 0.0 : extreme_y(false); }
+  double last_y_m() const { return trees_.empty() ? 1.0 : extreme_y(true); }
+  double extreme_y(bool last) const {
+    const auto less = [](const TruthObject& a, const TruthObject& b) { return a.y_m < b.y_m; };
+    return last ? std::max_element(trees_.begin(), trees_.end(), less)->y_m
+                : std::min_element(trees_.begin(), trees_.end(), less)->y_m;
+  }
+
+  std::uint64_t seed_;
+  const SimulationConfig& config_;
+  const ClutterConfig& clutter_;
+  Scene& scene_;
+  std::vector<Pose2> track_;
+  std::vector<TruthObject> trees_;  ///< as planted, without second stems
+  int num_twins_ = 0;
+  int num_posts_ = 1000;  // beside the trellis posts' numbers
+};
+
+}  // namespace
+
+void add_clutter(std::uint64_t seed, const SimulationConfig& config, Scene& scene) {
+  ClutterBuilder(seed, config, scene).build();
+}
+
+}  // namespace orchard::simulation

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "geometry/camera_config.hpp"
+#include "laser/laser_config.hpp"
+#include "simulation/scene/scene.hpp"
+#include "simulation/simulation_config.hpp"
+
+namespace orchard::simulation {
+
+/// What a rig is, as far as a simulation must know it.
+struct RigConfig {
+  laser::LaserConfig laser;
+  geometry::CameraConfig camera;
+  SimulationConfig simulation;
+};
+
+/// The paper's simulated environment (Shalal et al. 2013, sections 3.4 and 6.1, figures 3, 11):
+/// tubes T1-T6 left and T7-T12 right of the robot's path along map +Y, which begins at the origin
+/// midway between the rows; B1, B3, B4 of 170 mm and B2, a tube of another colour, stand between
+/// and outside the rows. Names are in the truth. Objects are placed so that every tube and object
+/// is in 5 to 8 pairs within 4 m, in the camera's view, and hidden by nothing (where the
+/// configured geometry allows it). The room's walls stand beyond the scanner's range: only the
+/// camera sees them.
+Scene make_tube_scene(std::uint64_t seed, const RigConfig& rig);
+
+/// In how many of a stepped scene's pairs the scene's truth[i] is within the range, wholly in the
+/// camera's view at the scan plane, and not hidden.
+std::vector<int> count_pairs(const Scene& scene, const RigConfig& rig, double range_max_m);
+
+}  // namespace orchard::simulation

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "simulation/random.hpp"
+#include "simulation/scene/scene.hpp"
+#include "simulation/scene/tube_scene.hpp"
+#include "simulation/sensor/lighting.hpp"
+#include "simulation/sensor/shadow_map.hpp"
+#include "vision/image.hpp"
+
+namespace orchard::simulation {
+
+/// A picture in memory: rows of blue-green-red pixels.
+struct Picture {
+  int width_px = 0;
+  int height_px = 0;
+  std::vector<float> bgr;  ///< 3 x width x height
+};
+
+/// When a picture is taken, and how fast the robot turns then.
+struct Exposure {
+  double time_s = 0.0;  ///< of the run
+  double yaw_rate_radps = 0.0;
+};
+
+/// Draws worlds as a rig's camera sees them: one ray per pixel through the inverse of the lens
+/// distortion, edges blended by the share of the pixel that they cover.
+class CameraRenderer {
+ public:
+  explicit CameraRenderer(const RigConfig& rig);
+
+  /// What stands and casts shadows from now on, when `simulation.light` asks for them.
+  void cast_shadows(const World& world);
+
+  /// Without noise and blur. T_map_base: where the robot is. Stored values (0 to 255), or linear
+  /// light when `simulation.light` is enabled.
+  Picture draw(const World& world, const Pose2& T_map_base, const Exposure& exposure = {}) const;
+
+  /// The picture a sensor makes of it, as JPEG. Leaves utime and seq 0.
+  vision::Image take(const World& world, const Pose2& T_map_base, Random& random,
+                     const Exposure& exposure = {}) const;
+
+ private:
+  /// A pixel's ray in base: unit length in the plane, so that distance is horizontal distance.
+  struct Ray {
+    float x = 0.0f;
+    float y = 0.0f;
+    float slope = 0.0f;
+    float width_rad = 0.0f;     ///< bearing that the pixel covers
+    float slope_height = 0.0f;  ///< slope that the pixel covers
+  };
+  struct Column {
+    float azimuth_min_rad = 0.0f;
+    float azimuth_max_rad = 0.0f;
+  };
+
+  /// What all shapes of one picture share.
+  struct Frame {
+    const World& world;
+    Pose2 T_map_camera;
+    const Lighting* lighting;   ///< none: the plain shading
+    float sun_x, sun_y, sun_z;  ///< direction to the sun in base axes
+    Picture& picture;
+  };
+
+  void draw_background(const Frame& frame) const;
+  void draw_cylinder(const Frame& frame, const Cylinder& cylinder) const;
+  void draw_box(const Frame& frame, const Box& box) const;
+  void draw_crown(const Frame& frame, const Crown& crown) const;
+  float open(const Frame& frame, float x_m, float y_m, float z_m, int target) const;
+  void respond(const Lighting& lighting, const Exposure& exposure, Picture& picture) const;
+  static void blend(Picture& picture, std::size_t pixel, const Bgr& colour, float share);
+  double sun_azimuth_rad(const World& world) const;
+  double sun_elevation_rad(const World& world) const;
+  const Ray& ray(int u, int v) const { return rays_[static_cast<std::size_t>(v) * width_px_ + u]; }
+
+  RigConfig rig_;
+  int width_px_ = 0;
+  int height_px_ = 0;
+  double camera_x_m_ = 0.0;  ///< in base
+  double camera_y_m_ = 0.0;
+  double camera_height_m_ = 0.0;  ///< above the ground
+  double axis_rad_ = 0.0;         ///< azimuth of the picture's middle in base
+  std::vector<Ray> rays_;
+  ShadowMap shadows_;
+  std::vector<Column> columns_;  ///< azimuths relative to axis_rad_
+};
+
+}  // namespace orchard::simulation

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "pose/measurements.hpp"
+#include "simulation/scene/drive_path.hpp"
+#include "simulation/simulation_config.hpp"
+
+namespace orchard::simulation {
+
+/// A satellite receiver on a robot in scene orchard, with all that section `simulation.gnss` says.
+/// What a stretch of an alley hides it hides on every lap.
+class SatelliteReceiver {
+ public:
+  SatelliteReceiver() = default;
+  SatelliteReceiver(std::uint64_t seed, const SimulationConfig& config);
+
+  /// Fix `index`, due at a time of the run [s], with the robot on `path`; none when there is no
+  /// sky. Leaves utime and seq 0.
+  std::optional<pose::Gnss> fix(const DrivePath& path, std::int64_t index, double time_s) const;
+
+ private:
+  bool under_canopy(double x_m, double y_m) const;
+
+  std::uint64_t seed_ = 0;
+  ReceiverConfig config_;
+  MotionConfig motion_;
+  OrchardConfig orchard_;
+};
+
+}  // namespace orchard::simulation

@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vision/appearance/appearance.hpp"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <stdexcept>
+
+#include "vision/appearance/area_grid.hpp"
+#include "vision/block_view.hpp"
+
+namespace orchard::vision {
+namespace {
+
+// Window and bands are brought to this grid, so that cost and meaning do not depend on range.
+constexpr int kRows = 16;
+constexpr int kCols = 8;  // of the window and of each band
+constexpr int kAllCols = 3 * kCols;
+constexpr double kFloor = 0.1;  // of a normalised channel under a log: dark noise stays small
+constexpr double kSpreadFloor = 0.02;
+
+/// A third of the grid.
+enum Part { kLeft = 0, kWindow = 1, kRight = 2 };
+
+/// One quantity over the grid, left band, window and right band side by side.
+using Plane = Eigen::Array<float, kRows, kAllCols, Eigen::RowMajor>;
+
+struct Planes {
+  Plane brightness, red, blue;
+};
+
+/// A mean colour by brightness, red over green and blue over green, as logs.
+struct Tone {
+  double brightness = 0.0, red = 0.0, blue = 0.0;
+};
+
+/// Every fourth row from the first: a mean of a scene needs no more, and costs a quarter.
+cv::Mat thinned(const cv::Mat& pixels) {
+  return {(pixels.rows + 3) / 4, pixels.cols, pixels.type(), pixels.data, 4 * pixels.step[0]};
+}
+
+std::uint16_t add(std::uint16_t sum, std::uint8_t value) {
+  return static_cast<std::uint16_t>(sum + value);
+}
+
+/// The mean of each channel: cv::mean() to the last bit, in a tenth of its time.
+std::array<double, 3> channel_means(const cv::Mat& pixels) {
+  // Sixteen pixels are added to as many columns of sums at once; 128 rows fit into 16 bits.
+  constexpr std::size_t kLanes = 48;
+  constexpr int kRowsAtOnce = 128;
+  std::array<std::uint32_t, 3> sums{};
+  const std::size_t row_bytes = 3u * static_cast<std::size_t>(pixels.cols);
+  for (std::size_t x = 0; x < row_bytes; x += kLanes) {
+    const std::size_t size = std::min(kLanes, row_bytes - x);
+    for (int y0 = 0; y0 < pixels.rows; y0 += kRowsAtOnce) {
+      std::array<std::uint16_t, kLanes> lanes{};
+      for (int y = y0; y < std::min(y0 + kRowsAtOnce, pixels.rows); ++y) {
+        const auto* row = pixels.ptr<std::uint8_t>(y) + x;
+        if (size == kLanes) {
+          for (std::size_t i = 0; i < kLanes; ++i) lanes[i] = add(lanes[i], row[i]);
+        } else {
+          for (std::size_t i = 0; i < size; ++i) lanes[i] = add(lanes[i], row[i]);
+        }
+      }
+      for (std::size_t i = 0; i < kLanes; ++i) sums[i % 3] += lanes[i];
+    }
+  }
+  const double share = 1.0 / (static_cast<double>(pixels.rows) * pixels.cols);
+  return {sums[0] * share, sums[1] * share, sums[2] * share};
+}
+
+Tone tone_of(const cv::Mat& pixels) {
+  const auto mean = channel_means(pixels);
+  const double blue = mean[0] + 1.0, green = mean[1] + 1.0, red = mean[2] + 1.0;
+  return {std::log(blue + green + red), std::log(red / green), std::log(blue / green)};
+}
+
+PixelRect band(const PixelRect& window, Part part) {
+  PixelRect rect = window;
+  rect.x_px += (part - 1) * window.width_px;
+  return rect;
+}
+
+/// The part of the grid that a rectangle of the block fills.
+cv::Mat grid_of(const PixelBlock& pixels, const PixelRect& rect) {
+  return area_grid(view_of(pixels, rect), kRows, kCols);
+}
+
+/// A band that mostly lies beyond the block is the other one seen in a mirror, or, where neither
+/// is there, the window itself.
+std::array<cv::Mat, 3> grids_of(const PixelBlock& pixels, const PixelRect& window) {
+  std::array<cv::Mat, 3> grids;
+  grids[kWindow] = grid_of(pixels, window);
+  for (const Part part : {kLeft, kRight}) {
+    const PixelRect there = intersection(band(window, part), pixels.area);
+    if (2 * there.width_px >= window.width_px && there.height_px == window.height_px) {
+      grids[part] = grid_of(pixels, there);
+    }
+  }
+  for (const Part part : {kLeft, kRight}) {
+    if (!grids[part].empty()) continue;
+    const cv::Mat& other = grids[2 - part].empty() ? grids[kWindow] : grids[2 - part];
+    cv::flip(other, grids[part], 1);
+  }
+  return grids;
+}
+
+/// Logs of a channel's values times its gain, each computed once: a grid holds few different ones.
+class Logarithms {
+ public:
+  explicit Logarithms(float gain) : gain_(gain) {}
+
+  float operator()(std::uint8_t value) {
+    if (!known_[value]) {
+      known_[value] = true;
+      logs_[value] = std::log(gain_ * value + static_cast<float>(kFloor));
+    }
+    return logs_[value];
+  }
+
+ private:
+  float gain_;
+  std::array<bool, 256> known_{};
+  std::array<float, 256> logs_;
+};
+
+Planes planes_of(const std::array<cv::Mat, 3>& grids) {
+  std::array<double, 3> sums{};
+  for (const cv::Mat& grid : grids) {
+    const cv::Scalar sum = cv::sum(grid);
+    for (int c = 0; c < 3; ++c) sums[static_cast<std::size_t>(c)] += sum[c];
+  }
+  // Each channel in units of its mean over window and bands: exposure and white balance cancel.
+  std::array<float, 3> gains{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    gains[c] = static_cast<float>(kRows * kAllCols / std::max(sums[c], 1.0));
+  }
+  Planes planes;
+  std::array<Logarithms, 3> logs{Logarithms(gains[0]), Logarithms(gains[1]), Logarithms(gains[2])};
+  for (int row = 0; row < kRows; ++row) {
+    for (int part = 0; part < 3; ++part) {
+      const auto* pixel = grids[static_cast<std::size_t>(part)].ptr<std::uint8_t>(row);
+      for (int col = part * kCols; col < (part + 1) * kCols; ++col, pixel += 3) {
+        const float blue = gains[0] * pixel[0], green = gains[1] * pixel[1];
+        const float red = gains[2] * pixel[2];
+        const float log_green = logs[1](pixel[1]);
+        planes.brightness(row, col) = (blue + green + red) / 3.0f;
+        planes.red(row, col) = logs[2](pixel[2]) - log_green;
+        planes.blue(row, col) = logs[0](pixel[0]) - log_green;
+      }
+    }
+  }
+  planes.brightness = (planes.brightness + static_cast<float>(kFloor)).log();
+  return planes;
+}
+
+/// Sums over one part of a plane.
+struct PartStatistics {
+  double mean = 0.0;
+  double sd = 0.0;
+  double in_columns = 0.0;  ///< share of the variance that lies between columns
+  double rows_sd = 0.0;     ///< standard deviation of the row means
+  double across = 0.0;      ///< mean absolute difference of neighbours in a row
+  double along = 0.0;       ///< and in a column
+};
+
+using Profile = Eigen::Array<float, 1, kAllCols>;
+
+PartStatistics statistics_of(const Plane& plane, const Profile& profile, Part part) {
+  PartStatistics s;
+  const auto values = plane.middleCols<kCols>(part * kCols);
+  const float mean = profile.segment<kCols>(part * kCols).mean();
+  const Eigen::Array<float, kRows, kCols, Eigen::RowMajor> off = values - mean;
+  const double variance = off.square().mean();
+  s.mean = mean;
+  s.sd = std::sqrt(variance);
+  s.in_columns = (profile.segment<kCols>(part * kCols) - mean).square().mean() /
+                 (variance + kSpreadFloor * kSpreadFloor);
+  s.rows_sd = std::sqrt(off.rowwise().mean().square().mean());
+  s.across = (values.rightCols<kCols - 1>() - values.leftCols<kCols - 1>()).abs().mean();
+  s.along = (values.bottomRows<kRows - 1>() - values.topRows<kRows - 1>()).abs().mean();
+  return s;
+}
+
+/// The steepest step of the column means about one side of the window.
+struct Step {
+  double brightness = 0.0;  ///< absolute
+  double colour = 0.0;      ///< absolute, red and blue together, at its own steepest column
+  double agreement = 0.0;   ///< share of rows that step the same way, at the steepest brightness
+};
+
+double step_at(const Profile& profile, int col) {
+  return 0.5 * (profile(col) + profile(col + 1) - profile(col - 1) - profile(col - 2));
+}
+
+Step step_about(int side, const Planes& planes, const std::array<Profile, 3>& profiles) {
+  constexpr int kReach = 2;
+  Step step;
+  int steepest = side;
+  for (int col = side - kReach; col <= side + kReach; ++col) {
+    const double brightness = std::abs(step_at(profiles[0], col));
+    const double colour = std::hypot(step_at(profiles[1], col), step_at(profiles[2], col));
+    if (brightness > step.brightness) {
+      step.brightness = brightness;
+      steepest = col;
+    }
+    step.colour = std::max(step.colour, colour);
+  }
+  const double sign = step_at(profiles[0], steepest) < 0.0 ? -1.0 : 1.0;
+  for (int row = 0; row < kRows; ++row) {
+    const Plane& p = planes.brightness;
+    const double rise =
+        p(row, steepest) + p(row, steepest + 1) - p(row, steepest - 1) - p(row, steepest - 2);
+    if (sign * rise > 0.0) step.agreement += 1.0 / kRows;
+  }
+  return step;
+}
+
+/// The value that a share of the values of a part lies below.
+struct Quantiles {
+  double dark = 0.0, bright = 0.0;
+};
+
+Quantiles quantiles_of(const Plane& plane, Part part) {
+  std::array<float, kRows * kCols> values;
+  std::size_t n = 0;
+  for (int row = 0; row < kRows; ++row) {
+    for (int col = 0; col < kCols; ++col) values[n++] = plane(row, part * kCols + col);
+  }
+  const auto tenth = values.begin() + kRows * kCols / 10;
+  const auto ninetieth = values.begin() + kRows * kCols * 9 / 10;
+  std::nth_element(values.begin(), ninetieth, values.end());
+  std::nth_element(values.begin(), tenth, ninetieth);
+  return {*tenth, *ninetieth};
+}
+
+/// The smaller of two differences that point the same way.
+double common(double a, double b) {
+  if (a * b <= 0.0) return 0.0;
+  return std::abs(a) < std::abs(b) ? a : b;
+}
+
+double log_of(double spread) { return std::log(spread + kSpreadFloor); }
+
+}  // namespace
+
+PixelRect appearance_reading_area(const PixelRect& window, const PixelRect& picture) {
+  return intersection({picture.x_px, window.y_px, picture.width_px, window.height_px}, picture);
+}
+
+AppearanceFeatures appearance_features(const PixelBlock& pixels, const PixelRect& window) {
+  const Planes planes = planes_of(grids_of(pixels, window));
+  const std::array<const Plane*, 3> quantities{&planes.brightness, &planes.red, &planes.blue};
+  std::array<Profile, 3> profiles;
+  std::array<std::array<PartStatistics, 3>, 3> s;  // of quantity, of part
+  for (std::size_t q = 0; q < 3; ++q) {
+    profiles[q] = quantities[q]->colwise().mean();
+    for (const Part part : {kLeft, kWindow, kRight}) {
+      s[q][part] = statistics_of(*quantities[q], profiles[q], part);
+    }
+  }
+  AppearanceFeatures f{};
+  std::size_t n = 0;
+  for (const auto& q : s) f[n++] = q[kWindow].mean - 0.5 * (q[kLeft].mean + q[kRight].mean);
+  for (const auto& q : s) {
+    f[n++] = common(q[kWindow].mean - q[kLeft].mean, q[kWindow].mean - q[kRight].mean);
+  }
+  PixelRect strip = pixels.area;
+  strip.y_px = window.y_px;
+  strip.height_px = window.height_px;
+  const Tone scene = tone_of(thinned(view_of(pixels, strip))),
+             own = tone_of(view_of(pixels, window));
+  f[n++] = own.brightness - scene.brightness;
+  f[n++] = own.red - scene.red;
+  f[n++] = own.blue - scene.blue;
+  for (const auto& q : s) f[n++] = std::abs(q[kLeft].mean - q[kRight].mean);
+  for (const auto& q : s) f[n++] = log_of(q[kWindow].sd);
+  for (const auto& q : s) f[n++] = log_of(0.5 * (q[kLeft].sd + q[kRight].sd));
+  const auto& light = s[0];
+  f[n++] = log_of(light[kWindow].across);
+  f[n++] = log_of(light[kWindow].along);
+  f[n++] = log_of(0.5 * (light[kLeft].across + light[kRight].across));
+  f[n++] = log_of(0.5 * (light[kLeft].along + light[kRight].along));
+  f[n++] = light[kWindow].in_columns;
+  f[n++] = s[2][kWindow].in_columns;
+  f[n++] = 0.5 * (light[kLeft].in_columns + light[kRight].in_columns);
+  const Step left = step_about(kCols, planes, profiles);
+  const Step right = step_about(2 * kCols, planes, profiles);
+  f[n++] = std::min(left.brightness, right.brightness);
+  f[n++] = std::max(left.brightness, right.brightness);
+  f[n++] = std::min(left.colour, right.colour);
+  f[n++] = std::max(left.colour, right.colour);
+  f[n++] = std::min(left.agreement, right.agreement);
+  f[n++] = std::max(left.agreement, right.agreement);
+  const auto mean_of = [&profiles](int first, int last) {
+    return static_cast<double>(profiles[0].segment(first, last - first).mean());
+  };
+  f[n++] = mean_of(kCols + 2, kCols + 6) -
+           0.5 * (mean_of(kCols, kCols + 2) + mean_of(kCols + 6, kCols + 8));
+  f[n++] = std::abs(mean_of(kCols, kCols + 4) - mean_of(kCols + 4, kCols + 8));
+  f[n++] =
+      log_of(light[kWindow].rows_sd) - log_of(0.5 * (light[kLeft].rows_sd + light[kRight].rows_sd));
+  const Quantiles w = quantiles_of(planes.brightness, kWindow);
+  const Quantiles l = quantiles_of(planes.brightness, kLeft);
+  const Quantiles r = quantiles_of(planes.brightness, kRight);
+  f[n++] = w.bright - 0.5 * (l.bright + r.bright);
+  f[n++] = w.dark - 0.5 * (l.dark + r.dark);
+  return f;
+}
+
+double appearance_log_odds(const AppearanceFeatures& features, const AppearanceConfig& config) {
+  if (!config.learnt() || !fits_features(config)) {
+    throw std::invalid_argument("the appearance model is not learnt");
+  }
+  double log_odds = config.bias;
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    const double z = (features[i] - config.mean[i]) / config.scale[i];
+    log_odds += config.weights[i] * z;
+    if (config.squares.empty()) continue;
+    const double cut = std::clamp(z, -kAppearanceSquareReach, kAppearanceSquareReach);
+    log_odds += config.squares[i] * (cut * cut - 1.0);
+  }
+  return log_odds;
+}
+
+double appearance_confidence(const AppearanceFeatures& features, const AppearanceConfig& config) {
+  return 1.0 / (1.0 + std::exp(-appearance_log_odds(features, config)));
+}
+
+}  // namespace orchard::vision

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "vision/appearance/appearance_features.hpp"
+
+namespace orchard::vision {
+
+/// Standardised features are cut at this many standard deviations before they are squared.
+inline constexpr double kAppearanceSquareReach = 3.0;
+
+/// What trunks look like beside what surrounds them, learnt from windows on trunks and elsewhere: a
+/// logistic regression on standardised features and, where that is better, on their squares.
+/// Section `detector.appearance`. Written by `orchard calibrate trunks`, not by hand; empty until
+/// then.
+struct AppearanceConfig {
+  int version = kAppearanceVersion;  ///< which features the numbers belong to
+  double confidence_min = 0.5;       ///< below it a window is no trunk's: edges are not looked at
+  double bias = 0.0;
+  std::vector<double> mean;     ///< of each feature over the calibration windows
+  std::vector<double> scale;    ///< its standard deviation there, > 0
+  std::vector<double> weights;  ///< of each standardised feature
+  /// Of each one's square less one, or empty: bark is neither as even as a post nor as restless as
+  /// leaves, neither grey nor gaudy.
+  std::vector<double> squares;
+
+  bool learnt() const { return !weights.empty(); }
+};
+
+/// Whether the numbers fit together: all lists empty, or each with one number per feature.
+inline bool fits_features(const AppearanceConfig& c) {
+  const std::size_t size = c.learnt() ? kNumAppearanceFeatures : 0;
+  return c.weights.size() == size && c.mean.size() == size && c.scale.size() == size &&
+         (c.squares.empty() || c.squares.size() == size);
+}
+
+template <class Visitor>
+void describe(Visitor& v, AppearanceConfig& c) {
+  v.integer("version", c.version, kAppearanceVersion, kAppearanceVersion, "1",
+            "of the features; another one must be learnt anew");
+  v.number("confidence_min", c.confidence_min, 0, 1, "1",
+           "below it a window is no trunk's: edges are not looked at");
+  v.number("bias", c.bias, -1e3, 1e3, "1", "log odds of an average window");
+  v.numbers("mean", c.mean, -1e6, 1e6, "1", "of each feature where it was learnt");
+  v.numbers("scale", c.scale, 1e-9, 1e6, "1", "standard deviation of each feature there");
+  v.numbers("weights", c.weights, -1e3, 1e3, "1",
+            "log odds per standard deviation of each feature");
+  v.numbers("squares", c.squares, -1e3, 1e3, "1",
+            "log odds per square of each feature in standard deviations (3 at most), less one; "
+            "empty = none");
+  v.check(fits_features(c), "weights",
+          "mean, scale and weights must have one number per feature each, or all be empty (squares "
+          "too, or be empty alone); run "
+          "`orchard calibrate trunks` again");
+}
+
+}  // namespace orchard::vision

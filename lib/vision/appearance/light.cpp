@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vision/appearance/light.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "vision/block_view.hpp"
+
+namespace orchard::vision {
+namespace {
+
+// Beyond these a channel no longer tells what the light did to it.
+constexpr int kDark = 4;
+constexpr int kClipped = 250;
+
+using Table = std::array<std::uint8_t, 256>;
+
+Table table_of(double gain) {
+  Table table{};
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const double value = std::round(std::max(gain, 0.0) * static_cast<double>(i));
+    table[i] = static_cast<std::uint8_t>(std::min(value, 255.0));
+  }
+  return table;
+}
+
+}  // namespace
+
+void apply(const ChannelGains& gains, PixelBlock& pixels) {
+  if (gains.none()) return;
+  const std::array<Table, 3> tables{table_of(gains.blue), table_of(gains.green),
+                                    table_of(gains.red)};
+  for (std::size_t i = 0; i + 2 < pixels.bgr.size(); i += 3) {
+    for (std::size_t c = 0; c < 3; ++c) pixels.bgr[i + c] = tables[c][pixels.bgr[i + c]];
+  }
+}
+
+std::optional<WindowLight> window_light(const PixelBlock& pixels, const PixelRect& window) {
+  const cv::Mat view = view_of(pixels, window);
+  std::array<double, 3> sums{};
+  int num_used = 0;
+  for (int y = 0; y < view.rows; ++y) {
+    const auto* pixel = view.ptr<std::uint8_t>(y);
+    for (int x = 0; x < view.cols; ++x, pixel += 3) {
+      const auto [low, high] = std::minmax({pixel[0], pixel[1], pixel[2]});
+      if (low < kDark || high > kClipped) continue;
+      for (std::size_t c = 0; c < 3; ++c) sums[c] += pixel[c];
+      ++num_used;
+    }
+  }
+  if (4 * num_used < view.rows * view.cols || num_used == 0) return std::nullopt;
+  const double green = std::log(sums[1] / num_used);
+  return WindowLight{std::log(sums[0] / num_used) - green, std::log(sums[2] / num_used) - green,
+                     green};
+}
+
+}  // namespace orchard::vision

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "io/config/config_edit.hpp"
+#include "vision/appearance/appearance_config.hpp"
+
+namespace orchard::cli {
+
+/// What makes a rig use a learnt appearance model: colour_model and all of detector.appearance, as
+/// values to set in its YAML. Numbers are rounded to six digits, which changes no confidence by
+/// more than 1e-4.
+std::vector<io::ConfigValue> appearance_values(const vision::AppearanceConfig& config);
+
+}  // namespace orchard::cli

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bus/node/node.hpp"
+#include "calibration/board/still_views.hpp"
+#include "detection/scan_image_pairer.hpp"
+#include "io/config/config.hpp"
+
+namespace orchard::cli {
+
+/// A node that looks for a calibration board in a log's scan-image pairs; sends nothing.
+class BoardCollector : public bus::Node {
+ public:
+  BoardCollector(const io::Config& config, const calibration::BoardConfig& board);
+
+  std::string_view name() const override { return "calibration"; }
+  std::vector<bus::Channel> inputs() const override;
+  void handle(const bus::Message& input, const bus::Outbox& send) override;
+  void flush(const bus::Outbox& send) override;
+
+  /// Pairs whose picture shows the board, in order of time.
+  const std::vector<calibration::BoardPair>& pairs() const { return pairs_; }
+  int num_scans() const { return num_scans_; }
+  int num_images() const { return num_images_; }
+  int num_pairs() const { return num_pairs_; }
+  /// Pictures that could not be read, of those in pairs.
+  int num_unreadable() const { return num_unreadable_; }
+  /// Pictures whose size is not the configured one.
+  int num_wrong_size() const { return num_wrong_size_; }
+  /// The size of the last of them, "640x480"; empty when there is none.
+  const std::string& wrong_size() const { return wrong_size_; }
+
+ private:
+  void look(const detection::ScanImagePair& pair);
+
+  geometry::CameraIntrinsics intrinsics_;
+  calibration::BoardConfig board_;
+  detection::ScanImagePairer pairer_;
+  std::vector<calibration::BoardPair> pairs_;
+  int num_scans_ = 0;
+  int num_images_ = 0;
+  int num_pairs_ = 0;
+  int num_unreadable_ = 0;
+  int num_wrong_size_ = 0;
+  std::string wrong_size_;
+};
+
+}  // namespace orchard::cli

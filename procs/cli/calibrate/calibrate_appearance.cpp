@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/calibrate/calibrate_appearance.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <stdexcept>
+#include <utility>
+
+#include "bus/node/process.hpp"
+#include "bus/replay/in_process_replay.hpp"
+#include "calibration/trunks/appearance_learner.hpp"
+#include "cli/calibrate/appearance_collector.hpp"
+#include "cli/calibrate/appearance_values.hpp"
+#include "evaluation/look.hpp"
+#include "io/config/config.hpp"
+#include "io/config/config_edit.hpp"
+#include "io/file_error.hpp"
+#include "io/fixed_text.hpp"
+#include "io/progress_bar.hpp"
+#include "io/recording/observation_csv.hpp"
+
+namespace orchard::cli {
+namespace {
+
+using calibration::AppearanceSample;
+
+/// More things than a drive has: keeps the groups of two drives apart.
+constexpr int kThingsMost = 100000;
+
+void add_samples(const CalibrateAppearanceOptions& options, const io::Config& config, std::size_t i,
+                 std::vector<AppearanceSample>& samples) {
+  AppearanceCollector collector(config, options.stride);
+  io::ProgressBar bar("looking", !options.quiet);
+  bus::ReplayOptions replay;
+  replay.progress = [&](std::uint64_t done, std::uint64_t total) { bar.update(done, total); };
+  bus::replay_in_process(options.log_paths[i], {&collector}, replay);
+  bar.finish();
+  const auto truth = io::read_observation_csv(options.observation_paths[i]);
+  const auto found = evaluation::match_looks(collector.messages(), truth, static_cast<int>(i));
+  if (found.num_scans == 0) {
+    throw io::FileError(options.observation_paths[i] + " holds no scan with a picture of " +
+                        options.log_paths[i] + ": not one time is the same");
+  }
+  std::map<std::pair<std::int64_t, std::size_t>, const evaluation::Look*> looks;
+  for (const evaluation::Look& look : found.looks) {
+    if (look.detection) looks[{look.scan_utime, look.detection_index}] = &look;
+  }
+  for (const SeenWindow& window : collector.windows()) {
+    const auto at = looks.find({window.utime, window.index});
+    if (at == looks.end()) continue;
+    const evaluation::Look& look = *at->second;
+    const int thing = look.truth ? look.truth->object + 1 : 0;
+    samples.push_back({window.features, look.is_tree(), static_cast<int>(i) * kThingsMost + thing});
+  }
+}
+
+}  // namespace
+
+int run_calibrate_appearance(const CalibrateAppearanceOptions& options) {
+  const io::Config config = io::load_config(options.config_path);
+  if (!config.camera.enabled) {
+    throw io::FileError(options.config_path + " has no camera (camera.enabled: false)");
+  }
+  if (options.observation_paths.size() != options.log_paths.size()) {
+    throw io::FileError("there are " + std::to_string(options.log_paths.size()) + " logs and " +
+                        std::to_string(options.observation_paths.size()) +
+                        " observation files; give one --observations per log, in order");
+  }
+  std::vector<AppearanceSample> samples;
+  for (std::size_t i = 0; i < options.log_paths.size(); ++i) {
+    add_samples(options, config, i, samples);
+  }
+  calibration::AppearanceFit fit;
+  try {
+    fit = calibration::learn_appearance(samples);
+  } catch (const std::runtime_error& error) {
+    throw io::FileError(options.log_paths.front() + ": " + error.what());
+  }
+  fit.config.confidence_min = config.detector.appearance.confidence_min;
+  const std::string note =
+      std::to_string(fit.num_trunk) + " windows on trunks, " + std::to_string(fit.num_other) +
+      " on other things, " + std::to_string(fit.num_groups) + " of those, in " +
+      std::to_string(options.log_paths.size()) + " drives from " +
+      std::filesystem::path(options.log_paths.front()).filename().string() +
+      "; area under the ROC curve where left out " + io::fixed_text(fit.area, 4);
+  const std::string out = options.out_path.empty() ? options.config_path : options.out_path;
+  io::edit_config_file(options.config_path, out, appearance_values(fit.config),
+                       "orchard calibrate appearance", note);
+  if (!options.quiet) std::printf("%s\nwritten to %s\n", note.c_str(), out.c_str());
+  return bus::kExitOk;
+}
+
+}  // namespace orchard::cli

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/calibrate/calibrate_delay.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <set>
+#include <stdexcept>
+
+#include "bus/node/process.hpp"
+#include "bus/replay/in_process_replay.hpp"
+#include "cli/calibrate/delay_collector.hpp"
+#include "geometry/angles.hpp"
+#include "io/config/config.hpp"
+#include "io/config/config_edit.hpp"
+#include "io/file_error.hpp"
+#include "io/progress_bar.hpp"
+
+namespace orchard::cli {
+namespace {
+
+/// A better delay pairs other pictures and shortens what odometry bridges: look again until the
+/// delay stays.
+constexpr int kMaxRounds = 6;
+constexpr double kSettled_s = 0.0005;
+/// A camera that is turned by more than this is worth a calibration of its own.
+constexpr double kOffsetWorthTelling_deg = 0.3;
+
+struct Round {
+  std::vector<calibration::DelayLook> looks;
+  int num_pairs = 0;
+  int num_moving = 0;
+};
+
+Round look_at_logs(const CalibrateDelayOptions& options, const io::Config& config,
+                   std::set<std::string>& warnings) {
+  Round round;
+  std::int32_t next_picture = 0;
+  for (const std::string& path : options.log_paths) {
+    DelayCollector collector(config, next_picture);
+    io::ProgressBar bar("looking", !options.quiet);
+    bus::ReplayOptions replay;
+    replay.progress = [&](std::uint64_t done, std::uint64_t total) { bar.update(done, total); };
+    const bus::ReplayReport report = bus::replay_in_process(path, {&collector}, replay);
+    bar.finish();
+    for (const std::string& warning : report.warnings) {
+      if (!warnings.insert(warning).second) continue;
+      std::fprintf(stderr, "orchard calibrate delay: warning: %s\n", warning.c_str());
+    }
+    round.looks.insert(round.looks.end(), collector.looks().begin(), collector.looks().end());
+    round.num_pairs += collector.num_pairs();
+    round.num_moving += collector.num_moving();
+    next_picture = collector.next_picture();
+  }
+  const std::string& name = options.log_paths.front();
+  if (round.num_pairs == 0) {
+    throw io::FileError(name +
+                        " holds no scan with an image at its time; a camera's delay is "
+                        "measured from both (see `orchard log info`)");
+  }
+  if (round.num_moving == 0) {
+    throw io::FileError(name +
+                        " holds no ODOMETRY at its images' times; without it nobody knows how the "
+                        "robot turned (see `orchard log info`)");
+  }
+  return round;
+}
+
+double degrees(double offset_px, const io::Config& config) {
+  return std::atan(offset_px / config.camera.intrinsics.fc_px[0]) * 180.0 / geometry::kPi;
+}
+
+void print(const calibration::DelayEstimate& e, double delay_s, const io::Config& config) {
+  std::printf("looks at trunks   %d in %d pictures, %d while turning (%d more disagree)\n",
+              e.num_looks, e.num_pictures, e.num_turning, e.num_all - e.num_looks);
+  std::printf("delay             %.1f ms, standard error %.1f ms\n", 1e3 * delay_s, 1e3 * e.se_s);
+  std::printf("left over         %.2f px (%.2f deg) whatever the motion, standard error %.2f px\n",
+              e.offset_px, degrees(e.offset_px, config), e.offset_se_px);
+  std::printf("residual          %.2f px\n", e.residual_sd_px);
+}
+
+std::string decimals(double value, int digits) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", digits, value);
+  return text;
+}
+
+}  // namespace
+
+int run_calibrate_delay(const CalibrateDelayOptions& options) {
+  io::Config config = io::load_config(options.config_path);
+  if (options.log_paths.empty()) throw io::FileError("no log was given to measure the delay from");
+  if (!config.camera.enabled) {
+    throw io::FileError(options.config_path +
+                        " has camera.enabled: false; a rig without a camera has no delay");
+  }
+  calibration::DelayEstimate estimate;
+  std::set<std::string> warnings;
+  try {
+    for (int round = 0; round < kMaxRounds; ++round) {
+      estimate = calibration::estimate_delay(look_at_logs(options, config, warnings).looks, {});
+      config.camera.delay_s += estimate.delay_s;
+      if (std::abs(config.camera.delay_s) > 0.5) {
+        throw std::runtime_error("the delay found, " + decimals(config.camera.delay_s, 3) +
+                                 " s, is beyond 0.5 s; check the clocks of camera and laser");
+      }
+      if (std::abs(estimate.delay_s) < kSettled_s) break;
+    }
+  } catch (const io::FileError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw io::FileError(options.log_paths.front() + ": " + error.what());
+  }
+  if (!options.quiet) print(estimate, config.camera.delay_s, config);
+  if (std::abs(degrees(estimate.offset_px, config)) > kOffsetWorthTelling_deg) {
+    std::fprintf(stderr,
+                 "orchard calibrate delay: warning: image edges stand %.1f px (%.2f deg) beside "
+                 "the laser's whatever the motion; see `orchard calibrate laser-camera`\n",
+                 estimate.offset_px, degrees(estimate.offset_px, config));
+  }
+
+  std::string note = "standard error " + decimals(1e3 * estimate.se_s, 1) + " ms, " +
+                     std::to_string(estimate.num_looks) + " looks in " +
+                     std::filesystem::path(options.log_paths.front()).filename().string();
+  if (options.log_paths.size() > 1) {
+    note += " and " + std::to_string(options.log_paths.size() - 1) + " more";
+  }
+  const std::string out = options.out_path.empty() ? options.config_path : options.out_path;
+  io::edit_config_file(options.config_path, out,
+                       {{"camera.delay_s", decimals(config.camera.delay_s, 4)}},
+                       "orchard calibrate delay", note);
+  if (!options.quiet) std::printf("written to %s\n", out.c_str());
+  return bus::kExitOk;
+}
+
+}  // namespace orchard::cli

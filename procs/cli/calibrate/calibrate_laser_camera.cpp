@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/calibrate/calibrate_laser_camera.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "bus/node/process.hpp"
+#include "bus/replay/in_process_replay.hpp"
+#include "calibration/extrinsics/check.hpp"
+#include "calibration/extrinsics/import.hpp"
+#include "calibration/extrinsics/laser_camera_calibration.hpp"
+#include "cli/calibrate/board_collector.hpp"
+#include "io/config/config.hpp"
+#include "io/config/config_edit.hpp"
+#include "io/file_error.hpp"
+#include "io/progress_bar.hpp"
+
+namespace orchard::cli {
+namespace {
+
+using calibration::LaserCameraView;
+using calibration::Mount;
+
+constexpr double kDeg = 3.14159265358979323846 / 180.0;
+/// Corners of a board held still move by less between two pictures of 320 pixels' width.
+constexpr double kStillShift = 0.8 / 320.0;
+
+std::string text(const char* format, ...) __attribute__((format(printf, 1, 2)));
+std::string text(const char* format, ...) {
+  char buffer[512];
+  va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(buffer, sizeof buffer, format, arguments);
+  va_end(arguments);
+  return buffer;
+}
+
+std::string three(const std::array<double, 3>& values) {
+  return text("[%.5f, %.5f, %.5f]", values[0], values[1], values[2]);
+}
+
+/// What of a log can be used, with every reason why not.
+std::vector<calibration::StillView> read_views(const CalibrateLaserCameraOptions& options,
+                                               const io::Config& config) {
+  BoardCollector collector(config, options.board);
+  io::ProgressBar bar("looking for the board", !options.quiet);
+  bus::ReplayOptions replay;
+  replay.progress = [&](std::uint64_t done, std::uint64_t total) { bar.update(done, total); };
+  const auto report = bus::replay_in_process(options.log_path, {&collector}, replay);
+  bar.finish();
+  for (const std::string& warning : report.warnings) {
+    std::fprintf(stderr, "orchard calibrate laser-camera: warning: %s\n", warning.c_str());
+  }
+  const std::string& log = options.log_path;
+  const auto& lens = config.camera.intrinsics;
+  if (collector.num_wrong_size() > 0 && collector.num_wrong_size() < collector.num_images()) {
+    throw io::FileError(
+        text("%s: its pictures are of different sizes, %d of %d are not %dx%d (as %s says) but "
+             "e.g. %s: record again at one resolution",
+             log.c_str(), collector.num_wrong_size(), collector.num_images(), lens.width_px,
+             lens.height_px, options.config_path.c_str(), collector.wrong_size().c_str()));
+  }
+  if (collector.num_wrong_size() > 0) {
+    throw io::FileError(
+        text("%s: its pictures are %s, but camera in %s is %dx%d: the YAML of another camera?",
+             log.c_str(), collector.wrong_size().c_str(), options.config_path.c_str(),
+             lens.width_px, lens.height_px));
+  }
+  if (collector.num_scans() == 0) throw io::FileError(log + ": holds no usable SCAN");
+  if (collector.num_images() == 0) throw io::FileError(log + ": holds no usable IMAGE");
+  if (collector.num_pairs() == 0) {
+    throw io::FileError(
+        text("%s: no picture is within %.3f s of a scan "
+             "(detector.pairing_tolerance_s): are both stamped with one clock?",
+             log.c_str(), config.detector.pairing_tolerance_s));
+  }
+  if (collector.num_unreadable() == collector.num_pairs()) {
+    throw io::FileError(
+        text("%s: none of its %d pictures can be decoded; record JPEG, or raw pixels of the size "
+             "that the message states",
+             log.c_str(), collector.num_pairs()));
+  }
+  if (collector.pairs().empty()) {
+    throw io::FileError(
+        text("%s: the camera never saw the board: no %s of %dx%d %s in any of %d pictures; show it "
+             "wholly, in good light, and check --columns and --rows",
+             log.c_str(), options.board_kind.c_str(), options.board.columns, options.board.rows,
+             options.board_kind == "charuco" ? "squares" : "inner corners", collector.num_pairs()));
+  }
+  const double shift_max_px = kStillShift * config.camera.intrinsics.width_px;
+  auto views = calibration::still_views(collector.pairs(), shift_max_px);
+  constexpr std::size_t kEnough = 6;
+  if (views.size() < kEnough && collector.pairs().size() > 2 * views.size() + kEnough) {
+    std::fprintf(stderr,
+                 "orchard calibrate laser-camera: warning: the board was hardly ever held still "
+                 "for two pictures; each picture counts as a view, and what moved between scan "
+                 "and picture spoils it\n");
+    views = calibration::single_views(collector.pairs());
+  }
+  if (!options.quiet) {
+    std::printf("%d scans with a picture, %zu of them show the board, held still in %zu views\n",
+                collector.num_pairs(), collector.pairs().size(), views.size());
+  }
+  return calibration::spread_subset(views, options.max_views);
+}
+
+const char* fate_text(LaserCameraView::Fate fate) {
+  switch (fate) {
+    case LaserCameraView::Fate::kUsed:
+      return "used";
+    case LaserCameraView::Fate::kNoLine:
+      return "no line of its size in the scan";
+    case LaserCameraView::Fate::kNotSeen:
+      return "no line of the scan lies on it";
+    default:
+      return "OUTLIER, left out";
+  }
+}
+
+void print_views(const calibration::LaserCameraCalibration& result,
+                 const std::vector<calibration::MountView>& views,
+                 const std::vector<std::int64_t>& utimes) {
+  std::printf("%-5s %-17s %5s %10s %9s %8s %8s %7s\n", "view", "utime", "scans", "distance m",
+              "corner px", "mean mm", "rms mm", "sigmas");
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const LaserCameraView& view = result.views[i];
+    std::printf("%-5zu %-17lld %5d %10.3f %9.3f ", i + 1, static_cast<long long>(utimes[i]),
+                views[i].num_scans, views[i].board.distance_m(), views[i].board.rms_px);
+    if (view.fate == LaserCameraView::Fate::kUsed || view.fate == LaserCameraView::Fate::kOutlier) {
+      std::printf("%8.1f %8.1f %7.1f  ", 1e3 * view.mean_m, 1e3 * view.rms_m, view.disagreement);
+    } else {
+      std::printf("%8s %8s %7s  ", "-", "-", "-");
+    }
+    std::printf("%s\n", fate_text(view.fate));
+  }
+  std::printf(
+      "(corner px: how well the corners fit a flat board; mean, rms: of the scan's points off that "
+      "board; sigmas: how far the view disagrees with the others)\n");
+}
+
+bool has_outlier(const calibration::LaserCameraCalibration& result) {
+  for (const LaserCameraView& view : result.views) {
+    if (view.fate == LaserCameraView::Fate::kOutlier) return true;
+  }
+  return false;
+}
+
+void print_result(const calibration::LaserCameraCalibration& result) {
+  const auto sd = [&](int i) { return std::sqrt(result.covariance(i, i)); };
+  std::printf("%d of %zu views used, their points lie %.1f mm (RMS) off the boards\n",
+              result.num_used, result.views.size(), 1e3 * result.rms_m);
+  std::printf("delta_m %s, standard deviations %.1f, %.1f, %.1f mm (camera's x, y, z)\n",
+              three(result.extrinsics.delta_m).c_str(), 1e3 * sd(0), 1e3 * sd(1), 1e3 * sd(2));
+  std::printf(
+      "phi_rad %s, standard deviations %.2f, %.2f, %.2f deg (turn about the camera's x, y, z)\n",
+      three(result.extrinsics.phi_rad).c_str(), sd(3) / kDeg, sd(4) / kDeg, sd(5) / kDeg);
+  std::printf("95 %% of the time the truth is within %.2f standard deviations\n",
+              result.interval95_factor);
+}
+
+Mount mount_of(const geometry::LaserCameraExtrinsics& extrinsics) {
+  const geometry::LaserToCamera T(extrinsics);
+  return {T.rotation(), T.translation_m()};
+}
+
+void write(const CalibrateLaserCameraOptions& options,
+           const geometry::LaserCameraExtrinsics& extrinsics, const std::string& note) {
+  const std::string out = options.out_path.empty() ? options.config_path : options.out_path;
+  io::edit_config_file(options.config_path, out,
+                       {{"camera.delta_m", three(extrinsics.delta_m)},
+                        {"camera.phi_rad", three(extrinsics.phi_rad)}},
+                       "orchard calibrate laser-camera", note);
+  if (!options.quiet) std::printf("written to %s\n", out.c_str());
+}
+
+int import_file(const CalibrateLaserCameraOptions& options) {
+  std::ifstream file(options.import_path, std::ios::binary);
+  if (!file) throw io::FileError(options.import_path + ": cannot be read");
+  std::ostringstream content;
+  content << file.rdbuf();
+  const auto axes = options.import_axes == "orchard" ? calibration::LaserAxes::kOrchard
+                                                     : calibration::LaserAxes::kToolbox;
+  const auto unit = options.import_angles == "deg"   ? calibration::AngleUnit::kDegrees
+                    : options.import_angles == "rad" ? calibration::AngleUnit::kRadians
+                                                     : calibration::AngleUnit::kAsStated;
+  geometry::LaserCameraExtrinsics extrinsics;
+  try {
+    extrinsics = calibration::import_mount(content.str(), axes, unit);
+  } catch (const std::runtime_error& error) {
+    throw io::FileError(options.import_path + " " + error.what());
+  }
+  if (!options.quiet) {
+    std::printf("delta_m %s\nphi_rad %s\n", three(extrinsics.delta_m).c_str(),
+                three(extrinsics.phi_rad).c_str());
+  }
+  write(options, extrinsics,
+        "imported from " + std::filesystem::path(options.import_path).filename().string() +
+            ", axes " + options.import_axes);
+  return bus::kExitOk;
+}
+
+}  // namespace
+
+int run_calibrate_laser_camera(const CalibrateLaserCameraOptions& options) {
+  const io::Config config = io::load_config(options.config_path);
+  if (!config.camera.enabled) {
+    throw io::FileError(options.config_path + ": camera.enabled is false: nothing to calibrate");
+  }
+  if (!options.import_path.empty()) return import_file(options);
+  if (options.log_path.empty()) {
+    throw io::FileError("no log was given: name one, or --import FILE");
+  }
+  CalibrateLaserCameraOptions o = options;
+  o.board.kind = o.board_kind == "charuco" ? calibration::BoardConfig::kCharuco
+                                           : calibration::BoardConfig::kChessboard;
+  if (const auto problem = calibration::problem_with(o.board)) throw io::FileError(*problem);
+
+  // the outer size, measured or guessed; a guess only tells what cannot be the board
+  const bool measured = o.board_width_m > 0.0 && o.board_height_m > 0.0;
+  calibration::BoardOutline outline = calibration::outline_of(o.board);
+  if (measured) {
+    const double x_m = 0.5 * (outline.x_min_m + outline.x_max_m);
+    const double y_m = 0.5 * (outline.y_min_m + outline.y_max_m);
+    outline = {x_m - 0.5 * o.board_width_m, y_m - 0.5 * o.board_height_m,
+               x_m + 0.5 * o.board_width_m, y_m + 0.5 * o.board_height_m};
+  }
+  const auto still = read_views(o, config);
+  std::vector<calibration::BoardView> boards;
+  for (const auto& view : still) boards.push_back(view.board);
+  const geometry::CameraModel camera(config.camera.intrinsics);
+  const auto poses = calibration::estimate_board_poses(boards, camera);
+  const auto search = calibration::line_search(outline, config.laser);
+  std::vector<calibration::MountView> views;
+  std::vector<std::int64_t> utimes;
+  for (std::size_t i = 0; i < still.size(); ++i) {
+    if (!poses[i] || poses[i]->ambiguous) continue;
+    views.push_back(
+        {*poses[i], calibration::find_board_lines(still[i].scan, search), still[i].num_pairs});
+    utimes.push_back(still[i].scan.utime);
+  }
+  calibration::LaserCameraOptions rules = calibration::laser_camera_options(config.laser);
+  rules.use_edges = measured;
+  const auto result = calibration::calibrate_laser_camera(views, outline, rules);
+  if (!result.refusal.empty()) {
+    if (!o.quiet && has_outlier(result)) print_views(result, views, utimes);
+    throw io::FileError(o.log_path + ": " + result.refusal);
+  }
+  const std::string contradiction =
+      calibration::mount_contradiction(result.mount, mount_of(config.camera.extrinsics));
+  if (!contradiction.empty() && !o.any_mount) {
+    throw io::FileError(o.log_path + ": " + contradiction +
+                        "; if the mount really is so, say "
+                        "--any-mount or put a rough camera.phi_rad and delta_m into " +
+                        o.config_path);
+  }
+  if (!contradiction.empty()) {
+    std::fprintf(stderr, "orchard calibrate laser-camera: warning: %s\n", contradiction.c_str());
+  }
+  if (!o.quiet) {
+    print_views(result, views, utimes);
+    print_result(result);
+    if (!measured) {
+      std::printf(
+          "give the board's outer size (--board-width-m, --board-height-m) and the ends of the "
+          "lines count too: the result gets more certain\n");
+    }
+  }
+  const auto sd = [&](int i) { return std::sqrt(result.covariance(i, i)); };
+  write(o, result.extrinsics,
+        text("%d views in %s, %.1f mm RMS; sd of delta %.1f %.1f %.1f mm, of the rotation %.2f "
+             "%.2f %.2f deg",
+             result.num_used, std::filesystem::path(o.log_path).filename().string().c_str(),
+             1e3 * result.rms_m, 1e3 * sd(0), 1e3 * sd(1), 1e3 * sd(2), sd(3) / kDeg, sd(4) / kDeg,
+             sd(5) / kDeg));
+  return bus::kExitOk;
+}
+
+}  // namespace orchard::cli

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/calibrate/calibrate_pictures.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <stdexcept>
+#include <vector>
+
+#include "bus/node/process.hpp"
+#include "calibration/trunks/appearance_learner.hpp"
+#include "calibration/trunks/hue_interval.hpp"
+#include "cli/calibrate/appearance_values.hpp"
+#include "io/atomic_file.hpp"
+#include "io/config/config.hpp"
+#include "io/config/config_edit.hpp"
+#include "io/file_error.hpp"
+#include "vision/appearance/appearance.hpp"
+
+namespace orchard::cli {
+namespace {
+
+constexpr const char* kCommand = "orchard calibrate";
+constexpr double kHueTail = 0.02;  // as for trunks seen from a drive
+constexpr double kHueMargin_deg = 2.0;
+constexpr double kUselessHues_deg = 90.0;
+
+/// What the windows of all pictures teach.
+struct Lessons {
+  std::vector<calibration::AppearanceSample> samples;
+  vision::HueHistogram hues;  ///< of the windows on trunks
+};
+
+void learn_from(const PictureWindows& picture, const vision::ColourConfig& colour,
+                Lessons& lessons) {
+  for (const calibration::LabelledWindow& labelled : picture.windows) {
+    lessons.samples.push_back({vision::appearance_features(picture.picture.pixels, labelled.window),
+                               labelled.is_trunk, picture.group});
+    if (labelled.is_trunk) {
+      calibration::add(vision::hue_histogram(picture.picture.pixels, labelled.window, colour),
+                       lessons.hues);
+    }
+  }
+}
+
+std::string decimals(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f", value);
+  return text;
+}
+
+void add_hue_interval(const vision::HueHistogram& hues, std::vector<io::ConfigValue>& values) {
+  if (hues.num_coloured == 0) return;
+  const auto interval = calibration::hue_interval(hues, kHueTail, kHueMargin_deg);
+  values.push_back({"detector.colour.hue_min_deg", decimals(interval.min_deg)});
+  values.push_back({"detector.colour.hue_max_deg", decimals(interval.max_deg)});
+  if (interval.width_deg > kUselessHues_deg) {
+    std::fprintf(stderr,
+                 "%s: warning: the trunks' hues spread over %.0f degrees, so that colour_model "
+                 "hue_interval would tell little; the learnt model does not use them\n",
+                 kCommand, interval.width_deg);
+  }
+}
+
+std::string note_of(const calibration::AppearanceFit& fit, const PictureCount& count,
+                    const CalibratePicturesOptions& options) {
+  std::string from = std::filesystem::path(options.pictures.picture_folder).lexically_normal();
+  if (!options.pictures.only.empty()) from += " " + options.pictures.only;
+  char text[200];
+  std::snprintf(text, sizeof text,
+                ": %d pictures of %d trees, %d windows on trunks, %d elsewhere; area under the ROC "
+                "curve on trees left out %.4f, penalty %g",
+                count.used, count.num_groups, fit.num_trunk, fit.num_other, fit.area, fit.penalty);
+  return from + text;
+}
+
+}  // namespace
+
+int run_calibrate_pictures(const CalibratePicturesOptions& options) {
+  const io::Config config =
+      options.config_path.empty() ? io::Config() : io::load_config(options.config_path);
+  Lessons lessons;
+  const PictureCount count = for_each_masked_picture(
+      options.pictures, kCommand,
+      [&](const PictureWindows& picture) { learn_from(picture, config.detector.colour, lessons); });
+  calibration::AppearanceFit fit;
+  try {
+    fit = calibration::learn_appearance(lessons.samples);
+  } catch (const std::runtime_error& error) {
+    throw io::FileError(options.pictures.picture_folder + ": " + error.what());
+  }
+  fit.config.confidence_min = config.detector.appearance.confidence_min;
+  if (count.num_groups < 2) {
+    std::fprintf(stderr,
+                 "%s: warning: all pictures show one tree, so that nothing tells how the model "
+                 "does on others; give pictures of about twenty\n",
+                 kCommand);
+  }
+
+  std::vector<io::ConfigValue> values = appearance_values(fit.config);
+  add_hue_interval(lessons.hues, values);
+  const std::string note = note_of(fit, count, options);
+  const std::string out = options.out_path.empty() ? options.config_path : options.out_path;
+  if (options.config_path.empty()) {
+    io::write_file_atomically(out,
+                              io::edit_config("", out, values, "orchard calibrate trunks", note));
+  } else {
+    io::edit_config_file(options.config_path, out, values, "orchard calibrate trunks", note);
+  }
+  if (!options.pictures.quiet) std::printf("%s\nwritten to %s\n", note.c_str(), out.c_str());
+  return bus::kExitOk;
+}
+
+}  // namespace orchard::cli

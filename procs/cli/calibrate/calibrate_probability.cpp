@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/calibrate/calibrate_probability.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "bus/node/process.hpp"
+#include "calibration/trunks/probability_learner.hpp"
+#include "cli/evaluate/detection_log.hpp"
+#include "evaluation/look.hpp"
+#include "evaluation/reliability.hpp"
+#include "io/config/config.hpp"
+#include "io/config/config_edit.hpp"
+#include "io/file_error.hpp"
+#include "io/fixed_text.hpp"
+#include "io/recording/observation_csv.hpp"
+
+namespace orchard::cli {
+namespace {
+
+using calibration::Outcome;
+using calibration::ProbabilityFit;
+using calibration::ProbabilitySample;
+
+constexpr const char* kFeatureNames[] = {"1",
+                                         "width z",
+                                         "width z^2 / 5",
+                                         "range (m)",
+                                         "log(beams / 10)",
+                                         "hidden sides",
+                                         "colour log odds",
+                                         "colour is 0",
+                                         "roc_edges",
+                                         "roc_edges is 0"};
+
+Outcome outcome_of(const evaluation::Look& look) {
+  if (!look.truth) return Outcome::kNeither;
+  return look.is_tree() ? Outcome::kTree : Outcome::kObject;
+}
+
+/// What each detection of a log was a look at.
+void add_samples(const CalibrateProbabilityOptions& options, const io::Config& config,
+                 std::size_t i, std::vector<ProbabilitySample>& samples) {
+  const int recording = static_cast<int>(i);
+  const auto messages = detect_log(options.log_paths[i], config, !options.quiet);
+  const auto truth = io::read_observation_csv(options.observation_paths[i]);
+  const auto found = evaluation::match_looks(messages, truth, recording);
+  if (found.num_scans == 0) {
+    throw io::FileError(options.observation_paths[i] + " holds no scan of " + options.log_paths[i] +
+                        ": not one time is the same");
+  }
+  for (const evaluation::Look& look : found.looks) {
+    if (!look.detection) continue;
+    samples.push_back(
+        {*look.detection, outcome_of(look), recording, look.truth ? look.truth->object : -1});
+  }
+}
+
+std::string list_text(const std::vector<double>& values) {
+  std::string text = "[";
+  for (const double value : values) {
+    text += (text.size() > 1 ? ", " : "") + io::fixed_text(value, 4);
+  }
+  return text + "]";
+}
+
+void print_weights(const char* title, const calibration::FittedWeights& tree,
+                   const calibration::FittedWeights& object) {
+  std::printf("%-18s %9s %7s   %9s %7s\n", title, "tree", "se", "object", "se");
+  for (std::size_t i = 0; i < tree.values.size(); ++i) {
+    std::printf("  %-16s %9.3f %7.3f   %9.3f %7.3f\n", kFeatureNames[i], tree.values[i],
+                tree.standard_errors[i], object.values[i], object.standard_errors[i]);
+  }
+}
+
+double left_out_error(const std::vector<ProbabilitySample>& samples, const ProbabilityFit& fit) {
+  std::vector<evaluation::Forecast> forecasts;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (fit.left_out_tree[i] < 0.0) continue;
+    forecasts.push_back(
+        {std::min(1.0, fit.left_out_tree[i]), samples[i].outcome == Outcome::kTree});
+  }
+  return evaluation::reliability(forecasts).expected_calibration_error;
+}
+
+void print_fit(const ProbabilityFit& fit, double error) {
+  print_weights("what is judged", fit.judged_tree, fit.judged_object);
+  print_weights("laser only", fit.laser_tree, fit.laser_object);
+  std::printf(
+      "%d judged looks, %d by the laser only, of %d things in %d recordings\n"
+      "%s: expected calibration error %.4f, log loss %.4f\n"
+      "landmarks: prior %.3f, trees' share of looks %.3f, correlation of looks %.3f\n",
+      fit.num_judged, fit.num_laser, fit.num_things, fit.num_recordings,
+      fit.num_recordings > 1 ? "cross-validated over recordings"
+                             : "on the recording it was learnt from (give more than one)",
+      error, fit.log_loss, fit.prior, fit.base_rate, fit.correlation);
+}
+
+}  // namespace
+
+int run_calibrate_probability(const CalibrateProbabilityOptions& options) {
+  const io::Config config = io::load_config(options.config_path);
+  if (options.observation_paths.size() != options.log_paths.size()) {
+    throw io::FileError("there are " + std::to_string(options.log_paths.size()) + " logs and " +
+                        std::to_string(options.observation_paths.size()) +
+                        " observation files; give one --observations per log, in order");
+  }
+  std::vector<ProbabilitySample> samples;
+  for (std::size_t i = 0; i < options.log_paths.size(); ++i) {
+    add_samples(options, config, i, samples);
+  }
+  calibration::ProbabilityLearnOptions rules;
+  rules.width_mean_m = config.detector.width.mean_m;
+  ProbabilityFit fit;
+  try {
+    fit = calibration::learn_probability(samples, rules);
+  } catch (const std::runtime_error& error) {
+    throw io::FileError(options.log_paths.front() + ": " + error.what());
+  }
+  const double error = left_out_error(samples, fit);
+  if (!options.quiet) print_fit(fit, error);
+
+  const std::string out = options.out_path.empty() ? options.config_path : options.out_path;
+  const std::string note = std::to_string(fit.num_judged + fit.num_laser) + " looks in " +
+                           std::to_string(fit.num_recordings) + " recordings, from " +
+                           std::filesystem::path(options.log_paths.front()).filename().string() +
+                           "; calibration error " + io::fixed_text(error, 4) + " where left out";
+  io::edit_config_file(options.config_path, out,
+                       {{"detector.probability.enabled", "true"},
+                        {"detector.probability.judged_tree", list_text(fit.config.judged_tree)},
+                        {"detector.probability.judged_object", list_text(fit.config.judged_object)},
+                        {"detector.probability.laser_tree", list_text(fit.config.laser_tree)},
+                        {"detector.probability.laser_object", list_text(fit.config.laser_object)},
+                        {"mapper.evidence_prior", io::fixed_text(fit.prior, 3)},
+                        {"mapper.evidence_base_rate", io::fixed_text(fit.base_rate, 3)},
+                        {"mapper.evidence_correlation", io::fixed_text(fit.correlation, 3)}},
+                       "orchard calibrate probability", note);
+  if (!options.quiet) std::printf("written to %s\n", out.c_str());
+  return bus::kExitOk;
+}
+
+}  // namespace orchard::cli

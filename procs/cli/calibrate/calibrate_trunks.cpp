@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/calibrate/calibrate_trunks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "bus/node/process.hpp"
+#include "bus/replay/in_process_replay.hpp"
+#include "calibration/trunks/trunk_appearance.hpp"
+#include "calibration/trunks/trunk_model.hpp"
+#include "cli/calibrate/appearance_values.hpp"
+#include "cli/calibrate/calibrate_pictures.hpp"
+#include "cli/calibrate/number_list.hpp"
+#include "cli/calibrate/trunk_collector.hpp"
+#include "cli/calibrate/trunk_list.hpp"
+#include "io/config/config.hpp"
+#include "io/config/config_edit.hpp"
+#include "io/file_error.hpp"
+#include "io/map/map_csv.hpp"
+#include "io/progress_bar.hpp"
+#include "pose/pose_node.hpp"
+
+namespace orchard::cli {
+namespace {
+
+std::string decimals(double value, int digits) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", digits, value);
+  return text;
+}
+
+std::vector<calibration::TrunkObservation> look_at_logs(const CalibrateTrunksOptions& options,
+                                                        const io::Config& config) {
+  std::vector<calibration::TrunkObservation> looks;
+  int num_pairs = 0;
+  for (std::size_t i = 0; i < options.log_paths.size(); ++i) {
+    procs::PoseNode pose(config);
+    TrunkCollector collector(config, static_cast<int>(i), !options.list_folder.empty());
+    io::ProgressBar bar("looking", !options.quiet);
+    bus::ReplayOptions replay;
+    replay.progress = [&](std::uint64_t done, std::uint64_t total) { bar.update(done, total); };
+    const bus::ReplayReport report =
+        bus::replay_in_process(options.log_paths[i], {&pose, &collector}, replay);
+    bar.finish();
+    for (const std::string& warning : report.warnings) {
+      std::fprintf(stderr, "orchard calibrate: warning: %s\n", warning.c_str());
+    }
+    const auto seen = collector.observations();
+    looks.insert(looks.end(), seen.begin(), seen.end());
+    num_pairs += collector.num_pairs();
+  }
+  if (num_pairs == 0) {
+    throw io::FileError(options.log_paths.front() +
+                        (config.camera.enabled
+                             ? " holds no scan with an image at its time; trunks are learnt from "
+                               "both (camera.enabled: false for a rig without a camera)"
+                             : " holds no usable scan"));
+  }
+  return looks;
+}
+
+void print_table(const calibration::TrunkModel& model) {
+  std::printf("%-6s %5s %9s %8s  %s\n", "thing", "looks", "width mm", "hue deg", "taken for");
+  int number = 0;
+  for (const calibration::ThingSeen& thing : model.things) {
+    ++number;
+    if (thing.num_observations < 2) continue;
+    std::printf("%-6d %5d %9.1f %8.1f  %s\n", number, thing.num_observations,
+                1e3 * thing.median_width_m, thing.dominant_hue_deg,
+                thing.is_trunk ? "a trunk" : "something else");
+  }
+  std::printf("%d trunks, %d looks: width %.2f mm, sd %.2f mm", model.num_trunks,
+              model.num_observations, 1e3 * model.width_mean_m, 1e3 * model.width_sd_m);
+  if (model.has_hue) std::printf(", hue %.1f to %.1f deg", model.hue_min_deg, model.hue_max_deg);
+  std::printf("\n");
+}
+
+void print_width_by_range(const calibration::WidthByRange& width) {
+  std::printf("%16s %6s %9s %7s\n", "range m", "looks", "width mm", "sd mm");
+  for (const calibration::WidthBin& bin : width.bins) {
+    std::printf("%7.2f - %6.2f %6d %9.2f %7.2f\n", bin.range_min_m, bin.range_max_m, bin.num_looks,
+                1e3 * bin.mean_m, 1e3 * bin.sd_m);
+  }
+  if (width.has_growth) {
+    std::printf("sd^2 = (%.2f mm)^2 + (%.2f x range x beam step)^2\n", 1e3 * width.sd_m,
+                width.sd_per_beam_step);
+  } else {
+    std::printf("the ranges are too much alike to tell how sd grows: sd_per_beam_step stays\n");
+  }
+}
+
+/// Where the landmarks with these ids stand in a first map.
+std::vector<calibration::PickedPlace> places_of(const CalibrateTrunksOptions& options) {
+  namespace fs = std::filesystem;
+  const std::string path = fs::is_directory(options.map_folder)
+                               ? (fs::path(options.map_folder) / "map.csv").string()
+                               : options.map_folder;
+  const auto landmarks = io::read_map_csv(path);
+  std::vector<calibration::PickedPlace> places;
+  for (const int id : parse_number_list(options.ids, "--ids")) {
+    const auto found = std::find_if(landmarks.begin(), landmarks.end(),
+                                    [id](const auto& landmark) { return landmark.id == id; });
+    if (found == landmarks.end()) {
+      throw io::FileError(path + ": there is no landmark " + std::to_string(id) +
+                          " (its column id holds those there are)");
+    }
+    places.push_back({id, found->x_m, found->y_m});
+  }
+  return places;
+}
+
+calibration::TrunkModelOptions rules_of(const CalibrateTrunksOptions& options,
+                                        const io::Config& config) {
+  calibration::TrunkModelOptions rules;
+  rules.wanted_trunks = options.wanted_trunks;
+  rules.gate_m = config.mapper.gate_m;
+  rules.hue_bins = config.detector.colour.hue_bins;
+  if (!options.trees.empty()) rules.picked = parse_number_list(options.trees, "--trees");
+  if (!options.ids.empty()) rules.picked_places = places_of(options);
+  return rules;
+}
+
+/// The appearance model, when it is asked for or better than the hue interval. Says which and why.
+std::optional<vision::AppearanceConfig> choose_appearance(
+    const std::vector<calibration::TrunkObservation>& looks, const calibration::TrunkModel& model,
+    const io::Config& config, const CalibrateTrunksOptions& options, std::string& note) {
+  if (!model.has_hue || options.colour_model == ColourChoice::kHueInterval) return std::nullopt;
+  try {
+    const auto learnt = calibration::learn_trunk_appearance(looks, model, config.detector.colour);
+    char text[200];
+    std::snprintf(text, sizeof text,
+                  "area under the ROC curve, %d windows on trunks, %d elsewhere: appearance %.4f "
+                  "(trunks left out), hue interval %.4f",
+                  learnt.fit.num_trunk, learnt.fit.num_other, learnt.fit.area,
+                  learnt.hue_interval_area);
+    if (!options.quiet) std::printf("%s\n", text);
+    note += std::string("; ") + text;
+    const bool better = learnt.fit.area > learnt.hue_interval_area;
+    if (better || options.colour_model == ColourChoice::kAppearance) return learnt.fit.config;
+  } catch (const std::runtime_error& error) {
+    if (options.colour_model == ColourChoice::kAppearance) {
+      throw io::FileError(options.log_paths.front() + ": " + error.what());
+    }
+    std::fprintf(stderr, "orchard calibrate: warning: no appearance model (%s)\n", error.what());
+  }
+  return std::nullopt;
+}
+
+std::vector<io::ConfigValue> values_of(const calibration::TrunkModel& model) {
+  const calibration::WidthByRange& width = model.width_by_range;
+  std::vector<io::ConfigValue> values{{"detector.width.mean_m", decimals(model.width_mean_m, 5)},
+                                      {"detector.width.sd_m", decimals(width.sd_m, 5)}};
+  if (width.has_growth) {
+    values.push_back(
+        {"detector.width.sd_per_beam_step", decimals(std::min(width.sd_per_beam_step, 5.0), 3)});
+  }
+  if (model.has_hue) {
+    values.push_back({"detector.colour.hue_min_deg", decimals(model.hue_min_deg, 1)});
+    values.push_back({"detector.colour.hue_max_deg", decimals(model.hue_max_deg, 1)});
+  }
+  return values;
+}
+
+void add_light(const vision::WindowLight& light, std::vector<io::ConfigValue>& values) {
+  values.push_back({"detector.adaptation.reference_blue", decimals(std::exp(light.blue), 4)});
+  values.push_back({"detector.adaptation.reference_red", decimals(std::exp(light.red), 4)});
+  values.push_back({"detector.adaptation.reference_green", decimals(std::exp(light.green), 2)});
+}
+
+}  // namespace
+
+int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
+  if (!options.pictures.picture_folder.empty()) {
+    CalibratePicturesOptions pictures{options.pictures, options.config_path, options.out_path};
+    pictures.pictures.quiet = options.quiet;
+    return run_calibrate_pictures(pictures);
+  }
+  const io::Config config = io::load_config(options.config_path);
+  if (options.log_paths.empty()) throw io::FileError("no log was given to learn trunks from");
+  const calibration::TrunkModelOptions rules = rules_of(options, config);
+  const auto looks = look_at_logs(options, config);
+  calibration::TrunkModel model;
+  try {
+    model = calibration::estimate_trunk_model(looks, rules);
+  } catch (const std::runtime_error& error) {
+    throw io::FileError(options.log_paths.front() + ": " + error.what());
+  }
+  if (!options.list_folder.empty()) {
+    write_trunk_list(options.list_folder, model, looks);
+    std::printf("%zu things written to %s/index.html and things.csv; nothing else was changed\n",
+                model.things.size(), options.list_folder.c_str());
+    return bus::kExitOk;
+  }
+  if (!options.quiet) {
+    print_table(model);
+    print_width_by_range(model.width_by_range);
+  }
+  for (const std::string& warning : model.warnings) {
+    std::fprintf(stderr, "orchard calibrate: warning: %s\n", warning.c_str());
+  }
+
+  std::string note = std::to_string(model.num_trunks) + " trunks, " +
+                     std::to_string(model.num_observations) + " looks in " +
+                     std::filesystem::path(options.log_paths.front()).filename().string();
+  if (options.log_paths.size() > 1) {
+    note += " and " + std::to_string(options.log_paths.size() - 1) + " more";
+  }
+  if (!options.trees.empty()) note += ", picked by number";
+  if (!options.ids.empty()) note += ", picked by id";
+  std::vector<io::ConfigValue> values = values_of(model);
+  if (model.has_hue) {
+    if (const auto appearance = choose_appearance(looks, model, config, options, note)) {
+      const auto more = appearance_values(*appearance);
+      values.insert(values.end(), more.begin(), more.end());
+    } else if (config.detector.colour_model != detection::ColourModel::kHueInterval) {
+      values.push_back({"detector.colour_model", "hue_interval"});
+    }
+  }
+  if (const auto light = calibration::trunk_light(looks, model)) add_light(*light, values);
+  const std::string out = options.out_path.empty() ? options.config_path : options.out_path;
+  io::edit_config_file(options.config_path, out, values, "orchard calibrate trunks", note);
+  if (!options.quiet) std::printf("written to %s\n", out.c_str());
+  return bus::kExitOk;
+}
+
+}  // namespace orchard::cli

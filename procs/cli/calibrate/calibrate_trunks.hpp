@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cli/evaluate/mask_windows_reader.hpp"
+
+namespace orchard::cli {
+
+/// Which colour model a calibration writes.
+enum class ColourChoice {
+  kAuto,         ///< the better one by the area under the ROC curve
+  kHueInterval,  ///< the paper's
+  kAppearance,
+};
+
+/// `orchard calibrate trunks LOG... --config IN --out OUT`, or with --images (calibrate_pictures).
+struct CalibrateTrunksOptions {
+  std::vector<std::string> log_paths;  ///< one or more drives past trunks of one kind
+  std::string config_path;
+  std::string out_path;    ///< empty or config_path: that file, the old one as .bak
+  int wanted_trunks = 20;  ///< fewer give a warning
+  ColourChoice colour_model = ColourChoice::kAuto;
+  std::string list_folder;        ///< only write a page of everything seen, to pick trunks from
+  std::string trees;              ///< numbers of that page: "3,7,9-20"; empty: automatic
+  std::string map_folder;         ///< or a first map (a folder, or its map.csv) ...
+  std::string ids;                ///< ... and the ids of its landmarks that are trunks
+  MaskedPictureOptions pictures;  ///< instead of logs, when it names folders
+  bool quiet = false;
+};
+
+/// Measures width (by range) and colour of the trunks in logs (the paper's initialisation): those
+/// picked, or else the largest population alike. Writes them into a rig's YAML, whose comments and
+/// layout stay; returns the exit code. Throws io::FileError and io::ConfigError, and then writes
+/// nothing.
+int run_calibrate_trunks(const CalibrateTrunksOptions& options);
+
+}  // namespace orchard::cli

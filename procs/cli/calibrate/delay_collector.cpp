@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/calibrate/delay_collector.hpp"
+
+#include <cmath>
+
+#include "detection/detect.hpp"
+#include "geometry/angles.hpp"
+
+namespace orchard::cli {
+namespace {
+
+/// How far from where they are expected edges are looked for: 0.2 s at 0.5 rad/s.
+constexpr double kReach_deg = 6.0;
+
+}  // namespace
+
+DelayCollector::DelayCollector(const io::Config& config, std::int32_t first_picture)
+    : rig_(config.laser, config.camera, config.detector),
+      pairer_(config.detector.pairing_tolerance_s, config.detector.image_wait_s, true,
+              config.camera.delay_s),
+      reach_px_(config.camera.intrinsics.fc_px[0] * std::tan(kReach_deg * geometry::kPi / 180.0)),
+      next_picture_(first_picture) {}
+
+void DelayCollector::handle(const bus::Message& input, const bus::Outbox&) {
+  std::vector<detection::ScanImagePair> pairs;
+  if (const auto* scan = std::get_if<laser::Scan>(&input)) {
+    pairs = pairer_.add(*scan);
+  } else if (const auto* image = std::get_if<vision::Image>(&input)) {
+    pairs = pairer_.add(*image);
+  } else if (const auto* odometry = std::get_if<pose::Odometry>(&input)) {
+    pairs = pairer_.add(
+        detection::Motion{odometry->utime, odometry->speed_mps, odometry->yaw_rate_radps});
+  }
+  for (const auto& pair : pairs) look(pair);
+}
+
+void DelayCollector::flush(const bus::Outbox&) {
+  for (const auto& pair : pairer_.flush()) look(pair);
+}
+
+void DelayCollector::look(const detection::ScanImagePair& pair) {
+  if (!pair.image) return;
+  ++num_pairs_;
+  if (!pair.motion) return;
+  ++num_moving_;
+  const auto findings = detection::find_by_laser(pair.scan, rig_);
+  for (auto& seen : calibration::look_at_delay(findings, *pair.image, rig_, *pair.motion, reach_px_,
+                                               next_picture_)) {
+    looks_.push_back(std::move(seen));
+  }
+  ++next_picture_;
+}
+
+}  // namespace orchard::cli

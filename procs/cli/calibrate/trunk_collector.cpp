@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/calibrate/trunk_collector.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "geometry/angles.hpp"
+
+namespace orchard::cli {
+namespace {
+
+/// Narrower things tell nothing of a trunk's width.
+constexpr int kMinBeams = 4;
+
+struct Pose2 {
+  double x_m, y_m, yaw_rad;
+};
+
+std::optional<Pose2> pose_at(const std::vector<pose::PoseEstimate>& poses, std::int64_t utime,
+                             std::int64_t gap_max_us) {
+  const auto after = std::lower_bound(
+      poses.begin(), poses.end(), utime,
+      [](const pose::PoseEstimate& pose, std::int64_t t) { return pose.utime < t; });
+  if (after == poses.end()) return std::nullopt;
+  if (after->utime == utime) return Pose2{after->x_m, after->y_m, after->yaw_rad};
+  if (after == poses.begin()) return std::nullopt;
+  const pose::PoseEstimate &a = *(after - 1), &b = *after;
+  if (b.utime - a.utime > gap_max_us) return std::nullopt;
+  const double share =
+      static_cast<double>(utime - a.utime) / static_cast<double>(b.utime - a.utime);
+  return Pose2{a.x_m + share * (b.x_m - a.x_m), a.y_m + share * (b.y_m - a.y_m),
+               a.yaw_rad + share * geometry::wrap_angle_rad(b.yaw_rad - a.yaw_rad)};
+}
+
+}  // namespace
+
+TrunkCollector::TrunkCollector(const io::Config& config, int log, bool crops)
+    : rig_(config.laser, config.camera, config.detector),
+      pairer_(config.detector.pairing_tolerance_s, config.detector.image_wait_s, false,
+              config.camera.delay_s),
+      pose_gap_max_us_(std::llround(config.mapper.pose_gap_max_s * 1e6)),
+      log_(log),
+      crops_(crops) {}
+
+std::vector<bus::Channel> TrunkCollector::inputs() const {
+  std::vector<bus::Channel> channels{bus::Channel::kScan, bus::Channel::kPose};
+  if (rig_.has_camera) channels.push_back(bus::Channel::kImage);
+  return channels;
+}
+
+void TrunkCollector::handle(const bus::Message& input, const bus::Outbox&) {
+  if (const auto* pose = std::get_if<pose::PoseEstimate>(&input)) {
+    poses_.push_back(*pose);
+  } else if (const auto* scan = std::get_if<laser::Scan>(&input)) {
+    if (!rig_.has_camera) return look({*scan, nullptr, std::nullopt});
+    for (const auto& pair : pairer_.add(*scan)) look(pair);
+  } else if (const auto* image = std::get_if<vision::Image>(&input)) {
+    for (const auto& pair : pairer_.add(*image)) look(pair);
+  }
+}
+
+void TrunkCollector::flush(const bus::Outbox&) {
+  for (const auto& pair : pairer_.flush()) look(pair);
+}
+
+std::vector<calibration::TrunkObservation> TrunkCollector::observations() const {
+  std::vector<calibration::TrunkObservation> looks = in_base_;
+  for (calibration::TrunkObservation& look : looks) {
+    const auto T_map_base = pose_at(poses_, look.utime, pose_gap_max_us_);
+    if (!T_map_base) continue;
+    const double c = std::cos(T_map_base->yaw_rad), s = std::sin(T_map_base->yaw_rad);
+    const double x_m = look.x_m, y_m = look.y_m;
+    look.x_m = T_map_base->x_m + c * x_m - s * y_m;
+    look.y_m = T_map_base->y_m + s * x_m + c * y_m;
+    look.in_map = true;
+  }
+  return looks;
+}
+
+void TrunkCollector::look(const detection::ScanImagePair& pair) {
+  if (pair.image || !rig_.has_camera) ++num_pairs_;
+  calibration::ObserveOptions options;
+  options.min_beams = kMinBeams;
+  options.crops = crops_;
+  for (auto& seen : calibration::observe_trunks(pair.scan, pair.image.get(), rig_, options)) {
+    seen.log = log_;
+    in_base_.push_back(std::move(seen));
+  }
+}
+
+}  // namespace orchard::cli

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/calibrate/trunk_list.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "io/atomic_file.hpp"
+#include "io/file_error.hpp"
+
+namespace orchard::cli {
+namespace {
+
+constexpr int kPictureHeight_px = 160;
+
+/// The nearest look that has a picture, or none.
+const calibration::TrunkObservation* best_look(
+    const calibration::ThingSeen& thing, const std::vector<calibration::TrunkObservation>& looks) {
+  const calibration::TrunkObservation* best = nullptr;
+  for (const std::size_t i : thing.looks) {
+    if (looks[i].crop.area.empty()) continue;
+    if (!best || looks[i].range_m < best->range_m) best = &looks[i];
+  }
+  return best;
+}
+
+void write_picture(const std::string& path, const vision::PixelBlock& crop) {
+  const cv::Mat pixels(crop.area.height_px, crop.area.width_px, CV_8UC3,
+                       const_cast<std::uint8_t*>(crop.bgr.data()));
+  cv::Mat large;
+  const double scale = static_cast<double>(kPictureHeight_px) / crop.area.height_px;
+  cv::resize(pixels, large, {}, scale, scale, cv::INTER_NEAREST);
+  std::vector<std::uint8_t> png;
+  cv::imencode(".png", large, png);
+  io::write_file_atomically(path, std::string(png.begin(), png.end()));
+}
+
+std::string row(const char* format, int number, const calibration::ThingSeen& t) {
+  char text[400];
+  std::snprintf(text, sizeof text, format, number, t.is_trunk ? "trunk" : "other", t.log + 1, t.x_m,
+                t.y_m, t.num_observations, 1e3 * t.median_width_m, t.dominant_hue_deg);
+  return text;
+}
+
+}  // namespace
+
+void write_trunk_list(const std::string& folder, const calibration::TrunkModel& model,
+                      const std::vector<calibration::TrunkObservation>& looks) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) {
+    throw io::FileError(folder + " cannot be made a folder (" + error.message() +
+                        "); give another one with --list");
+  }
+  std::string csv = "number,taken_for,log,x_m,y_m,looks,width_mm,hue_deg\n";
+  std::string html =
+      "<!doctype html>\n<meta charset=\"utf-8\">\n<title>Things seen</title>\n"
+      "<style>body{font-family:sans-serif}table{border-collapse:collapse}"
+      "td,th{border:1px solid #ccc;padding:4px 10px;text-align:right}"
+      "tr.trunk{background:#e4f4e0}</style>\n"
+      "<h1>Things seen</h1>\n<p>Pick the trunks by their numbers: <code>--trees 3,7,9-20</code>. "
+      "Green rows are what was taken for trunks.</p>\n"
+      "<table>\n<tr><th>number</th><th>taken for</th><th>log</th><th>x (m)</th><th>y (m)</th>"
+      "<th>looks</th><th>width (mm)</th><th>hue (deg)</th><th>nearest look</th></tr>\n";
+  int number = 0;
+  for (const calibration::ThingSeen& thing : model.things) {
+    ++number;
+    csv += row("%d,%s,%d,%.3f,%.3f,%d,%.1f,%.1f\n", number, thing);
+    html += thing.is_trunk ? "<tr class=\"trunk\">" : "<tr>";
+    html +=
+        row("<td>%d</td><td>%s</td><td>%d</td><td>%.2f</td><td>%.2f</td><td>%d</td>"
+            "<td>%.0f</td><td>%.0f</td>",
+            number, thing);
+    if (const auto* best = best_look(thing, looks)) {
+      const std::string name = "thing_" + std::to_string(number) + ".png";
+      write_picture(folder + "/" + name, best->crop);
+      html += "<td><img src=\"" + name + "\" alt=\"thing " + std::to_string(number) + "\"></td>";
+    } else {
+      html += "<td></td>";
+    }
+    html += "</tr>\n";
+  }
+  io::write_file_atomically(folder + "/things.csv", csv);
+  io::write_file_atomically(folder + "/index.html", html + "</table>\n");
+}
+
+}  // namespace orchard::cli

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/evaluate/detection_log.hpp"
+
+#include <filesystem>
+#include <utility>
+
+#include "bus/messages/codec.hpp"
+#include "bus/replay/in_process_replay.hpp"
+#include "detector/detector_node.hpp"
+#include "io/file_error.hpp"
+#include "io/log/log_reader.hpp"
+#include "io/progress_bar.hpp"
+
+namespace orchard::cli {
+namespace {
+
+using bus::Channel;
+using detection::Detections;
+
+std::string log_in(const std::string& path) {
+  return std::filesystem::is_directory(path)
+             ? (std::filesystem::path(path) / "derived.lcm").string()
+             : path;
+}
+
+void take(const void* data, std::size_t size, std::vector<Detections>& all) {
+  auto decoded = bus::decode(Channel::kDetections, data, size);
+  auto* message = std::get_if<bus::Message>(&decoded);
+  if (!message) return;
+  if (auto* detections = std::get_if<Detections>(message)) all.push_back(std::move(*detections));
+}
+
+bool has_scans(const std::string& path) {
+  io::LogReader reader(path);
+  while (const auto event = reader.next()) {
+    if (event->channel == bus::info(Channel::kScan).name) return true;
+    if (event->channel == bus::info(Channel::kDetections).name && reader.num_events() > 1000) {
+      return false;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+std::vector<Detections> read_detections(const std::string& path) {
+  io::LogReader reader(log_in(path));
+  std::vector<Detections> all;
+  while (const auto event = reader.next()) {
+    if (event->channel != bus::info(Channel::kDetections).name) continue;
+    take(event->data.data(), event->data.size(), all);
+  }
+  if (all.empty()) {
+    throw io::FileError(log_in(path) + " holds no usable " +
+                        std::string(bus::info(Channel::kDetections).name) +
+                        " message; `orchard map` writes them to derived.lcm in its folder");
+  }
+  return all;
+}
+
+std::vector<Detections> detect_log(const std::string& path, const io::Config& config,
+                                   bool show_progress) {
+  const std::string log = log_in(path);
+  if (!has_scans(log)) return read_detections(log);
+  procs::DetectorNode detector(config);
+  std::vector<Detections> all;
+  io::ProgressBar bar("detecting", show_progress);
+  bus::ReplayOptions replay;
+  replay.progress = [&](std::uint64_t done, std::uint64_t total) { bar.update(done, total); };
+  replay.on_derived = [&](Channel channel, std::int64_t, const std::vector<std::uint8_t>& data) {
+    if (channel == Channel::kDetections) take(data.data(), data.size(), all);
+  };
+  bus::replay_in_process(log, {&detector}, replay);
+  bar.finish();
+  if (all.empty()) throw io::FileError(log + " holds no usable scan");
+  return all;
+}
+
+}  // namespace orchard::cli

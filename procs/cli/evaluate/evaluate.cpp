@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/evaluate/evaluate.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "bus/node/process.hpp"
+#include "evaluation/map_evaluation.hpp"
+#include "evaluation/paper_tables.hpp"
+#include "evaluation/trajectory_evaluation.hpp"
+#include "geometry/angles.hpp"
+#include "io/map/map_folder.hpp"
+#include "io/recording/track_csv.hpp"
+#include "io/recording/truth_csv.hpp"
+
+namespace orchard::cli {
+namespace {
+
+std::string in_folder(const std::string& path, const char* file) {
+  return std::filesystem::is_directory(path) ? (std::filesystem::path(path) / file).string() : path;
+}
+
+/// trajectory.csv beside the map against the true poses.
+evaluation::TrajectoryEvaluation judge_trajectory(const EvaluateOptions& options) {
+  const std::string folder = std::filesystem::is_directory(options.map_path)
+                                 ? options.map_path
+                                 : std::filesystem::path(options.map_path).parent_path().string();
+  const std::string path = (std::filesystem::path(folder) / "trajectory.csv").string();
+  evaluation::TrajectoryRules rules;
+  if (options.align) rules.alignment = evaluation::Alignment::kRigid;
+  return evaluation::evaluate_trajectory(io::read_track_csv(path),
+                                         io::read_track_csv(options.poses_path), rules);
+}
+
+/// In a line for a person.
+void print_trajectory(const evaluation::TrajectoryEvaluation& evaluation, bool aligned) {
+  constexpr double kDegPerRad = 180.0 / geometry::kPi;
+  std::printf(
+      "trajectory%s: RMS %.2f mm and %.3f deg, largest %.2f mm and %.3f deg, at %zu poses"
+      " (%d outside the true ones' time)\n",
+      aligned ? ", aligned by itself" : "", 1e3 * evaluation.position_m.rmse,
+      kDegPerRad * evaluation.yaw_rad.rmse, 1e3 * evaluation.position_m.max,
+      kDegPerRad * evaluation.yaw_rad.max, evaluation.compared.size(), evaluation.num_outside);
+}
+
+}  // namespace
+
+int run_evaluate(const EvaluateOptions& options) {
+  const std::string map_csv = in_folder(options.map_path, "map.csv");
+  const std::vector<mapping::Landmark> landmarks = io::read_map_csv(map_csv);
+  const std::vector<simulation::TruthObject> truth = io::read_truth_csv(options.truth_path);
+  std::optional<evaluation::TrajectoryEvaluation> trajectory;
+  if (!options.poses_path.empty()) trajectory = judge_trajectory(options);
+  std::optional<evaluation::RigidMotion> guess;
+  if (trajectory && !trajectory->compared.empty()) guess = trajectory->T_truth_estimate;
+  const evaluation::MapEvaluation evaluation =
+      options.align ? evaluation::evaluate_aligned_map(landmarks, truth, options.gate_m,
+                                                       options.search, guess)
+                    : evaluation::evaluate_map(landmarks, truth, options.gate_m);
+  if (options.json) {
+    std::fputs(evaluation_json(evaluation).c_str(), stdout);
+  } else {
+    std::printf("%s\n%s", paper_tables(evaluation).c_str(), evaluation_summary(evaluation).c_str());
+    if (trajectory) print_trajectory(*trajectory, options.align);
+  }
+  return options.check && !evaluation.perfect() ? bus::kExitRuntime : bus::kExitOk;
+}
+
+}  // namespace orchard::cli

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/evaluate/evaluate_trajectory.hpp"
+
+#include <cstdio>
+#include <filesystem>
+
+#include "bus/node/process.hpp"
+#include "evaluation/trajectory_report.hpp"
+#include "io/atomic_file.hpp"
+#include "io/figure/trajectory_figure.hpp"
+#include "io/file_error.hpp"
+#include "io/recording/track_csv.hpp"
+
+namespace orchard::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+void write_figure(const std::string& path, const evaluation::TrajectoryEvaluation& evaluation,
+                  const evaluation::Track& truth) {
+  const io::TrajectoryFigure figure = io::draw_trajectory(evaluation, truth);
+  io::write_file_atomically(path, fs::path(path).extension() == ".png" ? figure.png : figure.svg);
+}
+
+}  // namespace
+
+int run_evaluate_trajectory(const EvaluateTrajectoryOptions& options) {
+  const std::string extension = fs::path(options.figure_path).extension().string();
+  if (!options.figure_path.empty() && extension != ".svg" && extension != ".png") {
+    throw io::FileError(options.figure_path + ": a figure is written as .svg or .png");
+  }
+  evaluation::TrajectoryRules rules = options.rules;
+  if (options.align) rules.alignment = evaluation::Alignment::kRigid;
+  if (options.align_origin) rules.alignment = evaluation::Alignment::kOrigin;
+  if (options.nearest) rules.association = evaluation::Association::kNearest;
+  if (options.gap_max_s > 0.0) rules.gap_max_s = options.gap_max_s;
+  const std::string path = fs::is_directory(options.trajectory_path)
+                               ? (fs::path(options.trajectory_path) / "trajectory.csv").string()
+                               : options.trajectory_path;
+  const evaluation::Track estimate = io::read_track_csv(path);
+  const evaluation::Track truth = io::read_track_csv(options.truth_path);
+  const evaluation::TrajectoryEvaluation evaluation =
+      evaluation::evaluate_trajectory(estimate, truth, rules);
+  std::fputs(
+      (options.json ? trajectory_json(evaluation, rules) : trajectory_summary(evaluation, rules))
+          .c_str(),
+      stdout);
+  if (evaluation.compared.empty()) {
+    std::fprintf(stderr,
+                 "orchard evaluate trajectory: nothing to compare: no pose of %s is at a time that "
+                 "%s tells of; are both from one drive, and in microseconds?\n",
+                 path.c_str(), options.truth_path.c_str());
+    return bus::kExitRuntime;
+  }
+  if (!options.figure_path.empty()) write_figure(options.figure_path, evaluation, truth);
+  return bus::kExitOk;
+}
+
+}  // namespace orchard::cli

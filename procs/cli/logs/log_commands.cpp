@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/logs/log_commands.hpp"
+
+#include <cinttypes>
+#include <cstdio>
+
+#include "bus/node/process.hpp"
+#include "cli/logs/log_survey.hpp"
+#include "io/log/log_repair.hpp"
+
+namespace orchard::cli {
+namespace {
+
+constexpr double kSecondsPerMicrosecond = 1e-6;
+
+const char* role_name(const std::string& channel) {
+  const auto known = bus::find_channel(channel);
+  if (!known) return "unknown";
+  switch (bus::info(*known).role) {
+    case bus::Role::kSource:
+      return "source";
+    case bus::Role::kDerived:
+      return "derived";
+    case bus::Role::kService:
+      break;
+  }
+  return "service";
+}
+
+void print_channels(const LogSurvey& survey) {
+  std::printf("%-14s %-14s %-8s %10s %9s %12s %10s\n", "channel", "type", "role", "messages", "Hz",
+              "bytes", "span (s)");
+  for (const auto& [name, channel] : survey.channels) {
+    const auto known = bus::find_channel(name);
+    const std::string type = known ? std::string(bus::info(*known).type) : "?";
+    const double span_s =
+        static_cast<double>(channel.last_utime - channel.first_utime) * kSecondsPerMicrosecond;
+    const double rate_hz =
+        span_s > 0.0 ? static_cast<double>(channel.num_messages - 1) / span_s : 0.0;
+    std::printf("%-14s %-14s %-8s %10" PRId64 " %9.2f %12" PRId64 " %10.3f\n", name.c_str(),
+                type.c_str(), role_name(name), channel.num_messages, rate_hz, channel.num_bytes,
+                span_s);
+  }
+}
+
+void print_gap(const std::string& path, const io::LogGap& gap) {
+  std::printf("%s: damaged: %" PRIu64 " bytes lost at offset %" PRIu64 "\n", path.c_str(), gap.size,
+              gap.offset);
+}
+
+/// Prints each finding as a line; returns how many there are that make a log unsound.
+int print_findings(const std::string& path, const LogSurvey& survey) {
+  int num_problems = 0;
+  for (const io::LogGap& gap : survey.gaps) {
+    print_gap(path, gap);
+    ++num_problems;
+  }
+  for (const auto& [name, channel] : survey.channels) {
+    if (channel.num_refused > 0) {
+      std::printf("%s: %s: %" PRId64 " of %" PRId64 " messages cannot be used (first: %s)\n",
+                  path.c_str(), name.c_str(), channel.num_refused, channel.num_messages,
+                  channel.first_refusal.c_str());
+      ++num_problems;
+    }
+    if (channel.num_missing > 0) {
+      std::printf("%s: %s: %" PRId64 " messages are missing (gaps in seq)\n", path.c_str(),
+                  name.c_str(), channel.num_missing);
+    }
+    if (channel.num_duplicates > 0) {
+      std::printf("%s: %s: %" PRId64
+                  " messages repeat an older seq (several senders, or a restart)\n",
+                  path.c_str(), name.c_str(), channel.num_duplicates);
+    }
+  }
+  if (!survey.knows_a_channel()) {
+    std::printf("%s: no channel that Orchard Mapper knows\n", path.c_str());
+    ++num_problems;
+  }
+  return num_problems;
+}
+
+}  // namespace
+
+int run_log_info(const LogOptions& options) {
+  const LogSurvey survey = survey_log(options.log_path);
+  std::printf("%s: %" PRIu64 " bytes, %" PRId64 " messages, received over %.3f s\n",
+              options.log_path.c_str(), survey.file_size, survey.num_events,
+              static_cast<double>(survey.last_timestamp_us - survey.first_timestamp_us) *
+                  kSecondsPerMicrosecond);
+  print_channels(survey);
+  if (!survey.gaps.empty() || survey.num_refused() > 0) {
+    std::printf("parts of it cannot be read: see `orchard log check %s`\n",
+                options.log_path.c_str());
+  }
+  return bus::kExitOk;
+}
+
+int run_log_check(const LogOptions& options) {
+  const LogSurvey survey = survey_log(options.log_path);
+  const int num_problems = print_findings(options.log_path, survey);
+  if (num_problems == 0) {
+    std::printf("%s: sound: %" PRId64 " messages\n", options.log_path.c_str(), survey.num_events);
+    return bus::kExitOk;
+  }
+  if (survey.knows_a_channel()) {
+    std::printf("%s: %" PRId64 " messages can be used; `orchard map` does so\n",
+                options.log_path.c_str(), survey.num_events - survey.num_refused());
+  }
+  return bus::kExitInput;
+}
+
+int run_log_repair(const LogOptions& options) {
+  const io::LogRepair read = io::repair_log(options.log_path, options.out_path);
+  for (const io::LogGap& gap : read.gaps) print_gap(options.log_path, gap);
+  std::printf("%s: recovered %" PRId64 " messages, lost %" PRIu64 " bytes in %zu places\n",
+              options.out_path.c_str(), read.num_events, read.num_lost_bytes, read.gaps.size());
+  return bus::kExitOk;
+}
+
+}  // namespace orchard::cli

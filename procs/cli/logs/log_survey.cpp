@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/logs/log_survey.hpp"
+
+#include <algorithm>
+#include <variant>
+
+#include "io/file_error.hpp"
+#include "io/progress_bar.hpp"
+
+namespace orchard::cli {
+namespace {
+
+bool is_guarded(std::string_view channel) {
+  const auto known = bus::find_channel(channel);
+  return known && bus::info(*known).role != bus::Role::kService;
+}
+
+void count_refusal(const bus::Rejection& rejection, ChannelSurvey& survey) {
+  ++survey.num_refused;
+  ++survey.num_refused_by_reason[static_cast<std::size_t>(rejection.reason)];
+  if (!survey.first_refusal.empty()) return;
+  survey.first_refusal = std::string(bus::to_string(rejection.reason)) +
+                         (rejection.detail.empty() ? "" : ": " + rejection.detail);
+}
+
+void count_seq(std::int32_t seq, bool first, ChannelSurvey& survey) {
+  if (!first && seq <= survey.last_seq) {
+    ++survey.num_duplicates;
+    return;
+  }
+  if (!first) survey.num_missing += std::int64_t{seq} - survey.last_seq - 1;
+  survey.last_seq = seq;
+}
+
+void count(const io::LogEvent& event, ChannelSurvey& survey) {
+  const bool first = survey.num_messages == survey.num_refused;  // the first good one
+  ++survey.num_messages;
+  survey.num_bytes += static_cast<std::int64_t>(event.data.size());
+  std::int64_t utime = event.timestamp_us;
+  if (is_guarded(event.channel)) {
+    const auto decoded =
+        bus::decode(*bus::find_channel(event.channel), event.data.data(), event.data.size());
+    if (const auto* rejection = std::get_if<bus::Rejection>(&decoded)) {
+      count_refusal(*rejection, survey);
+      return;
+    }
+    const auto& message = std::get<bus::Message>(decoded);
+    utime = bus::utime_of(message);
+    count_seq(bus::seq_of(message), first, survey);
+  }
+  survey.first_utime = first ? utime : std::min(survey.first_utime, utime);
+  survey.last_utime = first ? utime : std::max(survey.last_utime, utime);
+}
+
+}  // namespace
+
+std::int64_t LogSurvey::num_refused() const {
+  std::int64_t num = 0;
+  for (const auto& [name, channel] : channels) num += channel.num_refused;
+  return num;
+}
+
+bool LogSurvey::knows_a_channel() const {
+  return std::any_of(channels.begin(), channels.end(),
+                     [](const auto& entry) { return bus::find_channel(entry.first).has_value(); });
+}
+
+LogSurvey survey_log(const std::string& path) {
+  io::LogReader reader(path);
+  LogSurvey survey;
+  survey.file_size = reader.file_size();
+  io::ProgressBar bar("reading " + path);
+  while (const auto event = reader.next()) {
+    count(*event, survey.channels[event->channel]);
+    if (survey.num_events == 0) survey.first_timestamp_us = event->timestamp_us;
+    survey.last_timestamp_us = event->timestamp_us;
+    ++survey.num_events;
+    bar.update(reader.position(), reader.file_size());
+  }
+  bar.finish();
+  survey.gaps = reader.gaps();
+  if (survey.num_events == 0) {
+    throw io::FileError(path + (survey.file_size == 0
+                                    ? " is empty; was it recorded with lcm-logger?"
+                                    : " holds no LCM event; is it an LCM log (lcm-logger)?"));
+  }
+  return survey;
+}
+
+}  // namespace orchard::cli

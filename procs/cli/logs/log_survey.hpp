@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "bus/messages/codec.hpp"
+#include "io/log/log_reader.hpp"
+
+namespace orchard::cli {
+
+/// What a log holds on one channel.
+struct ChannelSurvey {
+  std::int64_t num_messages = 0;
+  std::int64_t num_bytes = 0;
+  std::int64_t num_refused = 0;     ///< by the guard; only on channels that we know
+  std::int64_t num_duplicates = 0;  ///< same or older seq
+  std::int64_t num_missing = 0;     ///< gaps in seq
+  std::int64_t first_utime = 0;     ///< of measurement; of receipt where we cannot decode
+  std::int64_t last_utime = 0;
+  std::int32_t last_seq = 0;
+  std::array<std::int64_t, bus::kNumReasons> num_refused_by_reason{};
+  std::string first_refusal;  ///< reason and detail of the first refused message
+};
+
+/// A log read from end to end.
+struct LogSurvey {
+  std::map<std::string, ChannelSurvey> channels;
+  std::vector<io::LogGap> gaps;
+  std::int64_t num_events = 0;
+  std::uint64_t file_size = 0;
+  std::int64_t first_timestamp_us = 0;  ///< of receipt
+  std::int64_t last_timestamp_us = 0;
+
+  std::int64_t num_refused() const;
+  bool knows_a_channel() const;
+};
+
+/// Reads the whole log. Throws io::FileError when it cannot be opened or is empty of events.
+LogSurvey survey_log(const std::string& path);
+
+}  // namespace orchard::cli

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/logs/simulate.hpp"
+
+#include <algorithm>
+#include <cinttypes>
+#include <cmath>
+#include <cstdio>
+#include <variant>
+#include <vector>
+
+#include "bus/messages/codec.hpp"
+#include "bus/node/process.hpp"
+#include "cli/logs/simulate_board.hpp"
+#include "io/config/config.hpp"
+#include "io/file_error.hpp"
+#include "io/log/log_writer.hpp"
+#include "io/progress_bar.hpp"
+#include "io/recording/observation_csv.hpp"
+#include "io/recording/truth_csv.hpp"
+#include "simulation/simulator.hpp"
+
+namespace orchard::cli {
+namespace {
+
+bus::Message to_message(const simulation::SensorMessage& sensed) {
+  return std::visit([](const auto& m) { return bus::Message(m); }, sensed);
+}
+
+/// What part of the scene's time is wanted.
+struct Stretch {
+  std::int64_t begin_utime = 0, end_utime = 0;
+  bool holds(std::int64_t utime) const { return utime >= begin_utime && utime <= end_utime; }
+};
+
+Stretch stretch_of(const SimulateOptions& options, std::int64_t scene_end_utime) {
+  const auto after_us = [](double s) { return static_cast<std::int64_t>(std::llround(s * 1e6)); };
+  Stretch stretch{simulation::kEpochUtime + after_us(options.from_s), scene_end_utime};
+  if (stretch.begin_utime > scene_end_utime) {
+    char text[128];
+    std::snprintf(text, sizeof text,
+                  "nothing is left after %.1f s: scene %s ends at %.1f s; give a smaller --from",
+                  options.from_s, options.scene.c_str(),
+                  1e-6 * static_cast<double>(scene_end_utime - simulation::kEpochUtime));
+    throw io::FileError(text);
+  }
+  if (options.duration_s > 0.0) {
+    stretch.end_utime =
+        std::min(scene_end_utime, stretch.begin_utime + after_us(options.duration_s));
+  }
+  return stretch;
+}
+
+/// Writes what the simulator senses; returns the number of messages.
+std::int64_t write_log(const SimulateOptions& options, simulation::Simulator& simulator,
+                       const Stretch& stretch, std::int64_t& last_utime) {
+  io::LogWriter writer(options.out_path);
+  io::ProgressBar bar("simulating");
+  std::int64_t num_messages = 0;
+  while (const auto sensed = simulator.next()) {
+    const bus::Message message = to_message(*sensed);
+    const std::int64_t utime = bus::utime_of(message);
+    if (options.duration_s > 0.0 && utime > stretch.end_utime) break;
+    if (utime < stretch.begin_utime) continue;
+    writer.write(utime, bus::info(bus::channel_of(message)).name, bus::encode(message));
+    ++num_messages;
+    last_utime = utime;
+    bar.update(static_cast<std::uint64_t>(utime - simulation::kEpochUtime),
+               static_cast<std::uint64_t>(stretch.end_utime - simulation::kEpochUtime));
+  }
+  bar.finish();
+  writer.close();
+  return num_messages;
+}
+
+/// What each scan of the stretch truly held.
+std::vector<simulation::TrueObservation> observe_all(const simulation::Simulator& simulator,
+                                                     const Stretch& stretch) {
+  std::vector<simulation::TrueObservation> all;
+  for (std::int64_t scan = 0; scan < simulator.num_scans(); ++scan) {
+    if (!stretch.holds(simulator.scan_utime(scan))) continue;
+    const auto observations = simulator.true_observations(scan);
+    all.insert(all.end(), observations.begin(), observations.end());
+  }
+  return all;
+}
+
+}  // namespace
+
+int run_simulate(const SimulateOptions& options) {
+  if (options.scene == "board") {
+    if (options.from_s > 0.0) throw io::FileError("scene board has no --from; leave it out");
+    return run_simulate_board(options);
+  }
+  const auto scene = simulation::find_scene(options.scene);
+  if (!scene) throw io::FileError("there is no scene \"" + options.scene + "\"");
+  const io::Config config =
+      options.config_path.empty() ? io::Config() : io::load_config(options.config_path);
+  const simulation::RigConfig rig{config.laser, config.camera, config.simulation};
+  simulation::Simulator simulator(*scene, options.seed, rig);
+  std::vector<simulation::TruePose> poses = simulator.true_poses();
+  const Stretch stretch =
+      stretch_of(options, poses.empty() ? simulation::kEpochUtime : poses.back().utime);
+  if (options.from_s > 0.0 || options.duration_s > 0.0) {
+    poses.erase(std::remove_if(
+                    poses.begin(), poses.end(),
+                    [&](const simulation::TruePose& pose) { return !stretch.holds(pose.utime); }),
+                poses.end());
+  }
+
+  std::int64_t last_utime = stretch.begin_utime;
+  const std::int64_t num_messages = write_log(options, simulator, stretch, last_utime);
+  std::printf("%s: %" PRId64 " messages, %.1f s of scene %s, seed %" PRIu64 "\n",
+              options.out_path.c_str(), num_messages,
+              static_cast<double>(last_utime - stretch.begin_utime) * 1e-6, options.scene.c_str(),
+              options.seed);
+  if (!options.truth_path.empty()) {
+    io::write_truth_csv(options.truth_path, simulator.truth());
+    std::printf("%s: %zu things that stand there\n", options.truth_path.c_str(),
+                simulator.truth().size());
+  }
+  if (!options.poses_path.empty()) {
+    io::write_poses_csv(options.poses_path, poses);
+    std::printf("%s: %zu true poses\n", options.poses_path.c_str(), poses.size());
+  }
+  if (!options.observations_path.empty()) {
+    const auto observations = observe_all(simulator, stretch);
+    io::write_observation_csv(options.observations_path, observations);
+    std::printf("%s: %zu true observations\n", options.observations_path.c_str(),
+                observations.size());
+  }
+  return bus::kExitOk;
+}
+
+}  // namespace orchard::cli

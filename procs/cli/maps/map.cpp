@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/maps/map.hpp"
+
+#include <algorithm>
+#include <cinttypes>
+#include <cstdio>
+#include <filesystem>
+#include <numeric>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "bus/messages/codec.hpp"
+#include "bus/node/process.hpp"
+#include "bus/replay/in_process_replay.hpp"
+#include "cli/maps/map_laying.hpp"
+#include "cli/maps/scan_timer.hpp"
+#include "detector/detector_node.hpp"
+#include "io/config/config.hpp"
+#include "io/file_error.hpp"
+#include "io/log/log_reader.hpp"
+#include "io/log/log_writer.hpp"
+#include "io/map/map_folder.hpp"
+#include "io/map/stored_map.hpp"
+#include "io/progress_bar.hpp"
+#include "mapper/mapper_node.hpp"
+#include "pose/pose_node.hpp"
+
+namespace orchard::cli {
+namespace {
+
+using bus::Channel;
+using bus::ReplayReport;
+
+/// The three roles between a log and its map.
+struct Pipeline {
+  explicit Pipeline(const io::Config& config) : detector(config), pose(config), mapper(config) {}
+  std::vector<bus::Node*> nodes() { return {&detector, &pose, &mapper}; }
+
+  procs::DetectorNode detector;
+  procs::PoseNode pose;
+  procs::MapperNode mapper;
+};
+
+std::int64_t num_in(const ReplayReport& report, Channel channel) {
+  return report.num_in[static_cast<std::size_t>(channel)];
+}
+std::int64_t num_out(const ReplayReport& report, Channel channel) {
+  return report.num_out[static_cast<std::size_t>(channel)];
+}
+
+/// An empty map must not pass for a result: says what the log lacks.
+void require_usable(const MapOptions& options, const ReplayReport& report) {
+  if (num_in(report, Channel::kScan) == 0) {
+    throw io::FileError(options.log_path + " holds no usable " +
+                        std::string(bus::info(Channel::kScan).name) +
+                        " message; a map needs the laser's scans (see `orchard log info`)");
+  }
+  if (num_out(report, Channel::kPose) == 0) {
+    throw io::FileError(options.log_path + " does not say where the robot was as " +
+                        options.config_path +
+                        " asks (pose.mode); see which channels it has with `orchard log info`");
+  }
+}
+
+std::uint64_t num_lost_bytes(const ReplayReport& report) {
+  return std::accumulate(report.gaps.begin(), report.gaps.end(), std::uint64_t{0},
+                         [](std::uint64_t sum, const io::LogGap& gap) { return sum + gap.size; });
+}
+
+std::vector<std::pair<std::string, std::int64_t>> counts_of(const ReplayReport& report,
+                                                            Pipeline& pipeline) {
+  std::vector<std::pair<std::string, std::int64_t>> counts{
+      {"events", report.num_events},
+      {"unknown_channel", report.num_unknown_channel},
+      {"damaged_places", static_cast<std::int64_t>(report.gaps.size())},
+      {"damaged_bytes", static_cast<std::int64_t>(num_lost_bytes(report))}};
+  const std::vector<bus::Node*> nodes = pipeline.nodes();
+  const auto traffic = bus::named_counts(report, {nodes.begin(), nodes.end()});
+  counts.insert(counts.end(), traffic.begin(), traffic.end());
+  return counts;
+}
+
+std::int64_t count_label(const std::vector<mapping::Landmark>& landmarks, detection::Label label) {
+  return std::count_if(landmarks.begin(), landmarks.end(),
+                       [label](const mapping::Landmark& l) { return l.label == label; });
+}
+
+void print_summary(const MapOptions& options, const ReplayReport& report,
+                   const io::MapFolderContent& content) {
+  using detection::Label;
+  const auto& landmarks = content.landmarks;
+  std::printf("%zu landmarks: %" PRId64 " trees, %" PRId64 " objects, %" PRId64 " unseen\n",
+              landmarks.size(), count_label(landmarks, Label::kTree),
+              count_label(landmarks, Label::kObject), count_label(landmarks, Label::kUnseen));
+  std::printf("from %" PRId64 " scans and %" PRId64 " images over %.1f s\n",
+              num_in(report, Channel::kScan), num_in(report, Channel::kImage),
+              1e-6 * static_cast<double>(report.last_utime - report.first_utime));
+  std::string losses;
+  for (const auto& [name, value] : content.summary.counts) {
+    // Other programs' channels on the bus, and LCM's own, are nothing that was lost.
+    const bool is_loss = name != "events" && name != "unknown_channel" &&
+                         name.rfind("in_", 0) != 0 && name.rfind("out_", 0) != 0;
+    if (is_loss && value > 0) {
+      losses += (losses.empty() ? "" : ", ") + name + " " + std::to_string(value);
+    }
+  }
+  std::printf("losses: %s\n", losses.empty() ? "none" : losses.c_str());
+  std::printf(
+      "written to %s: map.csv (table), map.gpkg (QGIS), map.svg and map.png (picture),\n"
+      "  trajectory.csv, summary.json, derived.lcm (every message on the way)\n",
+      options.out_folder.c_str());
+}
+
+void make_folder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error || !std::filesystem::is_directory(folder)) {
+    throw io::FileError(folder + " cannot be made a folder" +
+                        (error ? " (" + error.message() + ")" : "") +
+                        "; give another one with --out");
+  }
+}
+
+/// Where the laser looks, by the rig and the log's first scan: what later comparisons go by.
+mapping::SensorView view_of(const io::Config& config, const std::string& log_path) {
+  mapping::SensorView view;
+  view.reach_m = std::min(config.detector.segmentation.range_max_m, config.mapper.range_use_max_m);
+  view.mount_x_m = config.laser.mount_x_m;
+  view.mount_y_m = config.laser.mount_y_m;
+  view.mount_yaw_rad = config.laser.mount_yaw_rad;
+  io::LogReader reader(log_path);
+  while (const auto event = reader.next()) {
+    if (event->channel != bus::info(Channel::kScan).name) continue;
+    const auto decoded = bus::decode(Channel::kScan, event->data.data(), event->data.size());
+    const auto* message = std::get_if<bus::Message>(&decoded);
+    const auto* scan = message ? std::get_if<laser::Scan>(message) : nullptr;
+    if (scan == nullptr || scan->ranges_m.empty()) continue;
+    const double end_rad = scan->bearing_rad(static_cast<double>(scan->ranges_m.size()) - 1.0);
+    view.bearing_min_rad = std::min(scan->bearing_min_rad, end_rad);
+    view.bearing_max_rad = std::max(scan->bearing_min_rad, end_rad);
+    break;
+  }
+  return view;
+}
+
+}  // namespace
+
+int run_map(const MapOptions& options) {
+  const io::Config config = io::load_config(options.config_path);
+  std::optional<io::StoredMap> previous;
+  if (!options.previous_path.empty()) {
+    previous = io::read_stored_map(options.previous_path);
+    require_other_folder(options.out_folder, {options.previous_path});
+  }
+  io::LogReader(
+      options.log_path);  // a log that cannot be opened is refused before anything is made
+  make_folder(options.out_folder);
+  Pipeline pipeline(config);
+  io::LogWriter derived(options.out_folder + "/derived.lcm");
+
+  io::ProgressBar bar("mapping", !options.quiet);
+  ScanTimer timer;
+  bus::ReplayOptions replay;
+  replay.strict = options.strict;
+  replay.progress = [&](std::uint64_t done, std::uint64_t total) { bar.update(done, total); };
+  replay.on_derived = [&](Channel channel, std::int64_t utime,
+                          const std::vector<std::uint8_t>& data) {
+    derived.write(utime, bus::info(channel).name, data);
+    if (channel == Channel::kDetections) timer.count();
+  };
+  const ReplayReport report = bus::replay_in_process(options.log_path, pipeline.nodes(), replay);
+  bar.finish();
+  std::vector<std::string> warnings = report.warnings;
+  for (const bus::Node* node : pipeline.nodes()) {
+    if (std::string warning = node->warning(); !warning.empty()) {
+      warnings.push_back(std::move(warning));
+    }
+  }
+  for (const std::string& warning : warnings) {
+    std::fprintf(stderr, "orchard map: warning: %s\n", warning.c_str());
+  }
+  require_usable(options, report);
+
+  io::MapSummary summary;
+  summary.source = std::filesystem::path(options.log_path).filename().string();
+  summary.config_hash = io::config_hash(config);
+  summary.version = ORCHARD_VERSION;
+  summary.first_utime = report.first_utime;
+  summary.last_utime = report.last_utime;
+  summary.counts = counts_of(report, pipeline);
+  summary.warnings = std::move(warnings);
+  io::MapFolderContent content = pipeline.mapper.content(summary);
+  content.view = view_of(config, options.log_path);
+  if (content.landmarks.empty()) {
+    content.summary.warnings.push_back("nothing was mapped: no object was seen often enough");
+    std::fprintf(stderr, "orchard map: warning: %s\n", content.summary.warnings.back().c_str());
+  }
+  if (previous) keep_known(*previous, options.previous_alignment, config.mapper.rows, content);
+  io::write_map_folder(options.out_folder, content);
+  derived.close();
+  if (!options.quiet) print_summary(options, report, content);
+  if (options.timing) std::fputs(timer.text().c_str(), stdout);
+  return bus::kExitOk;
+}
+
+}  // namespace orchard::cli

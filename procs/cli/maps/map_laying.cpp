@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/maps/map_laying.hpp"
+
+#include <filesystem>
+
+#include "io/file_error.hpp"
+#include "mapping/rows/rows.hpp"
+
+namespace orchard::cli {
+
+mapping::DriveView view_of(const io::StoredMap& map, double reach_m) {
+  mapping::SensorView view = map.view;
+  if (reach_m > 0.0) view.reach_m = reach_m;
+  return mapping::DriveView(map.landmarks, map.trajectories, view);
+}
+
+mapping::MapAlignment lay_on(const io::StoredMap& a, const mapping::DriveView& view_a,
+                             const io::StoredMap& b, const mapping::DriveView& view_b,
+                             const mapping::MapAlignmentConfig& config) {
+  mapping::MapAlignment alignment =
+      mapping::align_maps(a.landmarks, b.landmarks, view_a, view_b, config);
+  switch (alignment.verdict) {
+    case mapping::AlignmentVerdict::kAligned:
+      break;
+    case mapping::AlignmentVerdict::kAmbiguous:
+      throw io::FileError(b.name + " cannot be laid on " + a.name +
+                          " without doubt: " + alignment.reason +
+                          "; if their frames agree better than that, say so with --max-offset");
+    case mapping::AlignmentVerdict::kNone:
+      throw io::FileError(b.name + " cannot be laid on " + a.name + ": " + alignment.reason +
+                          (config.any_place ? "; are they of one orchard?"
+                                            : "; are they of one orchard, and of one frame (else "
+                                              "--any-place)?"));
+  }
+  return alignment;
+}
+
+mapping::KeptNumbers keep_known(const io::StoredMap& earlier,
+                                const mapping::MapAlignmentConfig& config,
+                                const mapping::RowsConfig& rows, io::MapFolderContent& content) {
+  io::StoredMap now;
+  now.name = "the new map";
+  now.landmarks = content.landmarks;
+  if (!content.trajectory.empty()) now.trajectories = {content.trajectory};
+  if (content.view) now.view = *content.view;
+  const mapping::MapAlignment alignment =
+      lay_on(earlier, view_of(earlier, 0.0), now, view_of(now, 0.0), config);
+  content.next_id = earlier.next_id;
+  mapping::KeptNumbers kept =
+      mapping::keep_ids(earlier.landmarks, alignment, content.next_id, content.landmarks);
+  if (rows.enabled) {
+    content.rows = mapping::find_rows(content.landmarks, rows);
+    mapping::keep_numbers(earlier.landmarks, content.rows, content.landmarks, kept);
+  }
+  content.summary.counts.push_back({"kept_ids", kept.num_found});
+  content.summary.counts.push_back({"gone_ids", kept.num_gone});
+  content.summary.counts.push_back({"new_ids", kept.num_new});
+  if (kept.num_without_number > 0) {
+    content.summary.warnings.push_back(
+        std::to_string(kept.num_without_number) +
+        " new trees stand in rows where no number is free at their place: they have a row and no "
+        "position");
+  }
+  return kept;
+}
+
+void require_other_folder(const std::string& out_folder, const std::vector<std::string>& inputs) {
+  namespace fs = std::filesystem;
+  for (const std::string& input : inputs) {
+    fs::path folder(input);
+    if (!fs::is_directory(folder)) folder = folder.parent_path();
+    if (folder.empty()) folder = ".";
+    std::error_code error;
+    if (fs::equivalent(folder, out_folder, error)) {
+      throw io::FileError(out_folder + " holds the map " + input +
+                          ", which must not be overwritten; give another folder with --out");
+    }
+  }
+}
+
+}  // namespace orchard::cli

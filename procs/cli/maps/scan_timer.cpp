@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/maps/scan_timer.hpp"
+
+#include <array>
+#include <cinttypes>
+#include <cstdio>
+#include <fstream>
+
+namespace orchard::cli {
+namespace {
+
+constexpr std::int64_t kStretch = 1000;
+
+/// The most memory that this process has held so far [MiB]; 0 where the system does not say.
+double peak_mib() {
+  std::ifstream status("/proc/self/status");
+  std::string line;
+  while (std::getline(status, line)) {
+    double kib = 0.0;
+    if (std::sscanf(line.c_str(), "VmHWM: %lf kB", &kib) == 1) return kib / 1024.0;
+  }
+  return 0.0;
+}
+
+}  // namespace
+
+void ScanTimer::count() {
+  if (++num_scans_ % kStretch != 0) return;
+  const std::clock_t now = std::clock();
+  stretches_.push_back({num_scans_ - kStretch + 1, num_scans_,
+                        1e3 * static_cast<double>(now - begin_) / CLOCKS_PER_SEC / kStretch,
+                        peak_mib()});
+  begin_ = now;
+}
+
+std::string ScanTimer::text() const {
+  std::string text;
+  for (const Stretch& s : stretches_) {
+    std::array<char, 160> line{};
+    std::snprintf(line.data(), line.size(),
+                  "timing: scans %" PRId64 "-%" PRId64 ": %.3f ms a scan, %.1f MiB at most\n",
+                  s.first, s.last, s.ms_per_scan, s.peak_mib);
+    text += line.data();
+  }
+  return text;
+}
+
+}  // namespace orchard::cli

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/rig/network_facts.hpp"
+
+#include <arpa/inet.h>
+#include <ifaddrs.h>
+#include <linux/rtnetlink.h>
+#include <net/if.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+#include <fstream>
+#include <memory>
+#include <sstream>
+
+namespace orchard::cli {
+namespace {
+
+template <class Number>
+bool read_number(std::string_view text, Number& value) {
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
+  return result.ec == std::errc() && result.ptr == text.data() + text.size();
+}
+
+bool read_option(std::string_view option, UdpmUrl& url) {
+  const std::size_t equals = option.find('=');
+  if (equals == std::string_view::npos) return false;
+  const std::string_view key = option.substr(0, equals);
+  const std::string_view value = option.substr(equals + 1);
+  if (key == "ttl") return read_number(value, url.ttl);
+  if (key == "recv_buf_size") return read_number(value, url.recv_buf_size);
+  return true;
+}
+
+}  // namespace
+
+std::optional<UdpmUrl> parse_udpm_url(const std::string& text) {
+  constexpr std::string_view kScheme = "udpm://";
+  std::string_view rest = text;
+  if (rest.substr(0, kScheme.size()) != kScheme) return std::nullopt;
+  rest.remove_prefix(kScheme.size());
+  UdpmUrl url;
+  const std::size_t question = rest.find('?');
+  std::string_view network = rest.substr(0, question);
+  std::string_view options =
+      question == std::string_view::npos ? std::string_view() : rest.substr(question + 1);
+  const std::size_t colon = network.find(':');
+  if (colon != std::string_view::npos && !read_number(network.substr(colon + 1), url.port)) {
+    return std::nullopt;
+  }
+  network = network.substr(0, colon);
+  if (!network.empty()) url.address = std::string(network);
+  while (!options.empty()) {
+    const std::size_t end = std::min(options.find_first_of("&;"), options.size());
+    if (!read_option(options.substr(0, end), url)) return std::nullopt;
+    options.remove_prefix(std::min(end + 1, options.size()));
+  }
+  in_addr address{};
+  if (inet_pton(AF_INET, url.address.c_str(), &address) != 1) return std::nullopt;
+  if (!IN_MULTICAST(ntohl(address.s_addr)) || url.port < 1 || url.port > 65535) return std::nullopt;
+  return url;
+}
+
+std::vector<NetworkInterface> network_interfaces() {
+  ifaddrs* list = nullptr;
+  if (getifaddrs(&list) != 0) return {};
+  const std::unique_ptr<ifaddrs, void (*)(ifaddrs*)> owner(list, freeifaddrs);
+  std::vector<NetworkInterface> interfaces;
+  for (const ifaddrs* entry = list; entry != nullptr; entry = entry->ifa_next) {
+    auto known = std::find_if(interfaces.begin(), interfaces.end(),
+                              [&](const NetworkInterface& i) { return i.name == entry->ifa_name; });
+    if (known == interfaces.end()) {
+      NetworkInterface interface;
+      interface.name = entry->ifa_name;
+      known = interfaces.insert(interfaces.end(), interface);
+    }
+    known->up = (entry->ifa_flags & IFF_UP) != 0;
+    known->loopback = (entry->ifa_flags & IFF_LOOPBACK) != 0;
+    known->multicast = (entry->ifa_flags & IFF_MULTICAST) != 0;
+    if (entry->ifa_addr != nullptr && entry->ifa_addr->sa_family == AF_INET) known->has_ipv4 = true;
+  }
+  return interfaces;
+}
+
+std::optional<std::string> route_to(const std::string& address) {
+  struct Request {
+    nlmsghdr header;
+    rtmsg route;
+    rtattr attribute;
+    in_addr destination;
+  } request{};
+  request.header.nlmsg_len = sizeof(request);
+  request.header.nlmsg_type = RTM_GETROUTE;
+  request.header.nlmsg_flags = NLM_F_REQUEST;
+  request.route.rtm_family = AF_INET;
+  request.route.rtm_dst_len = 32;
+  request.attribute.rta_type = RTA_DST;
+  request.attribute.rta_len = RTA_LENGTH(sizeof(request.destination));
+  if (inet_pton(AF_INET, address.c_str(), &request.destination) != 1) return std::nullopt;
+  const int fd = socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE);
+  if (fd < 0) return std::nullopt;
+  alignas(nlmsghdr) char reply[4096];
+  const bool asked = send(fd, &request, sizeof(request), 0) == sizeof(request);
+  const ssize_t size = asked ? recv(fd, reply, sizeof(reply), 0) : -1;
+  close(fd);
+  const auto* header = reinterpret_cast<const nlmsghdr*>(reply);
+  if (size < static_cast<ssize_t>(sizeof(nlmsghdr)) || header->nlmsg_type != RTM_NEWROUTE ||
+      header->nlmsg_len > static_cast<std::size_t>(size)) {
+    return std::nullopt;  // an error: no route
+  }
+  auto* route = static_cast<rtmsg*>(NLMSG_DATA(header));
+  auto left = static_cast<int>(RTM_PAYLOAD(header));
+  for (rtattr* entry = RTM_RTA(route); RTA_OK(entry, left); entry = RTA_NEXT(entry, left)) {
+    if (entry->rta_type != RTA_OIF) continue;
+    unsigned index = 0;
+    std::memcpy(&index, RTA_DATA(entry), sizeof(index));
+    char name[IF_NAMESIZE] = {};
+    if (if_indextoname(index, name) != nullptr) return std::string(name);
+  }
+  return std::nullopt;
+}
+
+std::optional<std::int64_t> receive_buffer_limit() {
+  std::ifstream file("/proc/sys/net/core/rmem_max");
+  std::int64_t limit = 0;
+  if (!(file >> limit)) return std::nullopt;
+  return limit;
+}
+
+int num_sockets_on_port(int port) {
+  std::ifstream file("/proc/net/udp");
+  std::string line;
+  std::getline(file, line);  // headings
+  int count = 0;
+  while (std::getline(file, line)) {
+    // "sl  local_address rem_address ...": local_address is ADDRESS:PORT in hexadecimal
+    std::istringstream words(line);
+    std::string slot;
+    std::string local;
+    words >> slot >> local;
+    const std::size_t colon = local.find(':');
+    if (colon == std::string::npos) continue;
+    int local_port = 0;
+    const std::string hex = local.substr(colon + 1);
+    std::from_chars(hex.data(), hex.data() + hex.size(), local_port, 16);
+    count += local_port == port ? 1 : 0;
+  }
+  return count;
+}
+
+}  // namespace orchard::cli

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/rig/overlay.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <optional>
+#include <utility>
+
+#include "bus/node/process.hpp"
+#include "bus/replay/replay_index.hpp"
+#include "detection/detect.hpp"
+#include "detection/scan_image_pairer.hpp"
+#include "detection/trunk_view.hpp"
+#include "io/atomic_file.hpp"
+#include "io/config/config.hpp"
+#include "io/figure/overlay_figure.hpp"
+#include "io/file_error.hpp"
+#include "vision/decode.hpp"
+
+namespace orchard::cli {
+namespace {
+
+/// Larger numbers are no seconds of a drive.
+constexpr double kAbsoluteFrom = 1e12;
+/// Around the time asked for, which a pair may lie from it and its messages from the pair.
+constexpr double kReach_s = 1.0;
+constexpr double kMargin_s = 1.5;
+
+/// A node that keeps the pair nearest to a time; sends nothing.
+class NearestPair : public bus::Node {
+ public:
+  NearestPair(const io::Config& config, std::int64_t utime)
+      : pairer_(config.detector.pairing_tolerance_s, config.detector.image_wait_s,
+                config.detector.use_odometry, config.camera.delay_s),
+        utime_(utime) {}
+
+  std::string_view name() const override { return "overlay"; }
+  std::vector<bus::Channel> inputs() const override {
+    return {bus::Channel::kScan, bus::Channel::kImage, bus::Channel::kOdometry};
+  }
+  void handle(const bus::Message& input, const bus::Outbox&) override {
+    if (const auto* scan = std::get_if<laser::Scan>(&input)) {
+      keep(pairer_.add(*scan));
+    } else if (const auto* image = std::get_if<vision::Image>(&input)) {
+      keep(pairer_.add(*image));
+    } else if (const auto* odometry = std::get_if<pose::Odometry>(&input)) {
+      keep(pairer_.add(
+          detection::Motion{odometry->utime, odometry->speed_mps, odometry->yaw_rate_radps}));
+    }
+  }
+  void flush(const bus::Outbox&) override { keep(pairer_.flush()); }
+
+  const std::optional<detection::ScanImagePair>& pair() const { return nearest_; }
+
+ private:
+  void keep(std::vector<detection::ScanImagePair> pairs) {
+    for (auto& pair : pairs) {
+      if (!pair.image || distance_us(pair) > static_cast<std::int64_t>(1e6 * kReach_s)) continue;
+      if (!nearest_ || distance_us(pair) < distance_us(*nearest_)) nearest_ = std::move(pair);
+    }
+  }
+  std::int64_t distance_us(const detection::ScanImagePair& pair) const {
+    return std::llabs(pair.scan.utime - utime_);
+  }
+
+  detection::ScanImagePairer pairer_;
+  std::int64_t utime_;
+  std::optional<detection::ScanImagePair> nearest_;
+};
+
+std::string seconds_text(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3f", seconds);
+  return text;
+}
+
+/// The utime asked for, within what the log covers.
+std::int64_t utime_asked(const OverlayOptions& options, const bus::ReplayIndex& index) {
+  const std::int64_t first = index.report.first_utime, last = index.report.last_utime;
+  const double at_us =
+      options.at >= kAbsoluteFrom ? options.at : static_cast<double>(first) + 1e6 * options.at;
+  if (!(at_us >= static_cast<double>(first) && at_us <= static_cast<double>(last))) {
+    throw io::FileError(options.log_path + " covers 0 to " +
+                        seconds_text(1e-6 * static_cast<double>(last - first)) + " s (utime " +
+                        std::to_string(first) + " to " + std::to_string(last) +
+                        "); --at is outside");
+  }
+  return std::llround(at_us);
+}
+
+void require_channel(const OverlayOptions& options, const bus::ReplayIndex& index,
+                     bus::Channel channel, const char* what) {
+  const auto& entries = index.entries;
+  const bool found = std::any_of(entries.begin(), entries.end(),
+                                 [&](const auto& entry) { return entry.channel == channel; });
+  if (found) return;
+  throw io::FileError(options.log_path + " holds no usable " +
+                      std::string(bus::info(channel).name) + " message; an overlay needs " + what +
+                      " (see `orchard log info`)");
+}
+
+std::vector<io::OverlayPoint> points_of(const laser::Scan& scan, const detection::Rig& rig,
+                                        const std::optional<detection::ScanToPicture>& motion) {
+  std::vector<io::OverlayPoint> points;
+  for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
+    if (!scan.valid(beam)) continue;
+    const double range_m = scan.ranges_m[beam];
+    const auto pixel = detection::project_beam(range_m, scan.bearing_rad(static_cast<double>(beam)),
+                                               beam, rig, motion);
+    if (pixel) points.push_back({pixel->x(), pixel->y(), range_m});
+  }
+  return points;
+}
+
+io::OverlayContent content_of(const OverlayOptions& options, const detection::ScanImagePair& pair,
+                              const io::Config& config, std::int64_t first_utime) {
+  const detection::Rig rig(config.laser, config.camera, config.detector);
+  const vision::Image& image = *pair.image;
+  const auto& camera = config.camera.intrinsics;
+  if (image.width_px != camera.width_px || image.height_px != camera.height_px) {
+    throw io::FileError(options.log_path + " holds pictures of " + std::to_string(image.width_px) +
+                        "x" + std::to_string(image.height_px) + " px, " + options.config_path +
+                        " describes a camera of " + std::to_string(camera.width_px) + "x" +
+                        std::to_string(camera.height_px) + "; give the rig they were taken with");
+  }
+  auto picture = vision::decode(image, detection::picture_of(rig));
+  if (!picture) {
+    throw io::FileError(options.log_path + ": the picture at utime " + std::to_string(image.utime) +
+                        " does not decode; try another --at");
+  }
+  const auto findings = detection::find_by_laser(pair.scan, rig);
+  const auto motion = detection::to_picture(findings, image, rig, pair.motion);
+  vision::PictureReader reader(image);
+  const auto judged = detection::judge_by_camera(findings, &reader, rig, pair.motion);
+  const auto edges = vision::edge_map(*picture, config.detector.edges);
+  io::OverlayContent content;
+  int num_outside = 0;
+  content.points = points_of(pair.scan, rig, motion);
+  for (const detection::Candidate& candidate : findings.candidates) {
+    const auto view = detection::view_of(candidate.segment, rig, motion);
+    if (!view) {
+      ++num_outside;
+      continue;
+    }
+    const detection::Detection& d = judged.detections.trunks[candidate.index];
+    content.candidates.push_back(
+        {*view, vision::find_edge(edges, view->left_edge, view->left_x_px, config.detector.edges),
+         vision::find_edge(edges, view->right_edge, view->right_x_px, config.detector.edges),
+         d.roc_vision > 0.0f, d});
+  }
+  char exposed[32];
+  std::snprintf(exposed, sizeof exposed, "%+.3f",
+                1e-6 * static_cast<double>(image.utime - pair.scan.utime) - config.camera.delay_s);
+  content.title = "scan " +
+                  seconds_text(1e-6 * static_cast<double>(pair.scan.utime - first_utime)) +
+                  " s (utime " + std::to_string(pair.scan.utime) + "), picture " + exposed + " s" +
+                  (motion ? ", moved by odometry" : "") + "; points red near, blue far";
+  if (num_outside > 0) content.title += "; " + std::to_string(num_outside) + " more outside";
+  content.picture = std::move(*picture);
+  return content;
+}
+
+}  // namespace
+
+int run_overlay(const OverlayOptions& options) {
+  const io::Config config = io::load_config(options.config_path);
+  if (!config.camera.enabled) {
+    throw io::FileError(options.config_path +
+                        " has camera.enabled: false; an overlay needs a camera");
+  }
+  const bus::ReplayIndex index = bus::index_log(options.log_path, {});
+  require_channel(options, index, bus::Channel::kScan, "the laser's scans");
+  require_channel(options, index, bus::Channel::kImage, "pictures");
+  const std::int64_t first_utime = index.report.first_utime;
+  const std::int64_t utime = utime_asked(options, index);
+
+  NearestPair node(config, utime);
+  bus::ReplayOptions replay;
+  const double at_s = 1e-6 * static_cast<double>(utime - first_utime);
+  replay.from_s = std::max(0.0, at_s - kMargin_s);
+  replay.to_s = at_s + kMargin_s;
+  bus::replay_in_process(options.log_path, {&node}, replay);
+  if (!node.pair()) {
+    throw io::FileError(options.log_path + " has no scan with a picture within " +
+                        seconds_text(kReach_s) + " s of --at " + seconds_text(at_s) +
+                        " s (see detector.pairing_tolerance_s)");
+  }
+  const io::OverlayContent content = content_of(options, *node.pair(), config, first_utime);
+  io::write_file_atomically(options.out_path, io::overlay_png(content));
+  std::printf("written to %s: %zu scan points, %zu candidates\n", options.out_path.c_str(),
+              content.points.size(), content.candidates.size());
+  return bus::kExitOk;
+}
+
+}  // namespace orchard::cli

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How well widths and centres are measured: the angle a trunk fills and its mean range, against a
+// circle through its arc. Exact rays, seeded noise. tests/experiments/laser_widths.sh runs it.
+#include <cstdio>
+#include <cstdlib>
+
+#include "laser/segment.hpp"
+#include "unit/laser/exact_scan.hpp"
+
+namespace {
+
+using namespace orchard::laser;
+using namespace orchard::laser::test;
+
+struct Sums {
+  int n = 0, in95 = 0;
+  double width = 0.0, width2 = 0.0, along2 = 0.0, across2 = 0.0, z2 = 0.0, beams = 0.0;
+};
+
+/// `hidden` of the trunk's width, from its left side on, stands behind a wall.
+void row(const char* name, const Scanner& scanner, double diameter_m, double range_m, double hidden,
+         int num_seeds, int first_seed) {
+  Sums angle, circle;
+  int missing = 0;
+  for (int seed = first_seed; seed < first_seed + num_seeds; ++seed) {
+    Noise noise(static_cast<std::uint64_t>(seed));
+    const double bearing_rad = 2.0 * (noise.uniform() - 0.5);
+    const double radius_m = 0.5 * diameter_m, centre_m = range_m + radius_m;
+    const double c = std::cos(bearing_rad), s = std::sin(bearing_rad);
+    Things things{{{centre_m * c, centre_m * s, radius_m}}, {}};
+    if (hidden > 0.0) {
+      const double half_rad = std::asin(radius_m / centre_m);
+      const double from_rad = bearing_rad + half_rad * (1.0 - 2.0 * hidden);
+      const double near_m = 0.6 * range_m, to_rad = bearing_rad + half_rad + 0.2;
+      things.walls.push_back({near_m * std::cos(from_rad), near_m * std::sin(from_rad),
+                              near_m * std::cos(to_rad), near_m * std::sin(to_rad)});
+    }
+    SegmentationConfig config;
+    config.range_max_m = 30.0;
+    config.min_beams_circle = 3;
+    LaserConfig laser;
+    laser.range_sd_m = scanner.range_sd_m;
+    laser.range_sd_fraction = scanner.range_sd_fraction;
+    const Segment* found = nullptr;
+    const auto segments = segment(noisy_scan(things, scanner, noise), config, {}, laser);
+    for (const Segment& x : segments) {
+      if (x.range_m > 0.8 * range_m) found = &x;
+    }
+    if (!found) {
+      ++missing;
+      continue;
+    }
+    const auto add = [&](Sums& sums, double x_m, double y_m, double width_m, double z2) {
+      const double along_m = c * x_m + s * y_m - centre_m, across_m = c * y_m - s * x_m;
+      ++sums.n;
+      sums.width += width_m - diameter_m;
+      sums.width2 += (width_m - diameter_m) * (width_m - diameter_m);
+      sums.along2 += along_m * along_m;
+      sums.across2 += across_m * across_m;
+      sums.in95 += z2 < 5.991;
+      sums.beams += found->num_beams;
+    };
+    const double r_m = found->range_m + 0.5 * found->width_m;
+    add(angle, r_m * std::cos(found->bearing_rad), r_m * std::sin(found->bearing_rad),
+        found->width_m, 0.0);
+    if (found->circle) {
+      const CircleFit& f = *found->circle;
+      const double dx = f.x_m - centre_m * c, dy = f.y_m - centre_m * s;
+      const double xx = f.covariance[0], xy = f.covariance[1], yy = f.covariance[2];
+      const double z2 = (dx * dx * yy - 2.0 * dx * dy * xy + dy * dy * xx) / (xx * yy - xy * xy);
+      add(circle, f.x_m, f.y_m, 2.0 * f.radius_m, z2);
+    }
+  }
+  const auto rms_mm = [](double sum2, int n) { return n ? 1e3 * std::sqrt(sum2 / n) : 0.0; };
+  std::printf(
+      "%-6s %4.0f %5.2f %4.0f %5.1f | %6.1f %5.1f %5.1f %5.1f | %6.1f %5.1f %5.1f %5.1f %5.1f "
+      "%4.0f%%\n",
+      name, 1e3 * diameter_m, range_m, 100 * hidden, angle.beams / std::max(angle.n, 1),
+      1e3 * angle.width / std::max(angle.n, 1), rms_mm(angle.width2, angle.n),
+      rms_mm(angle.along2, angle.n), rms_mm(angle.across2, angle.n),
+      1e3 * circle.width / std::max(circle.n, 1), rms_mm(circle.width2, circle.n),
+      rms_mm(circle.along2, circle.n), rms_mm(circle.across2, circle.n),
+      100.0 * circle.in95 / std::max(circle.n, 1), 100.0 * circle.n / num_seeds);
+  (void)missing;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int num_seeds = argc > 1 ? std::atoi(argv[1]) : 400;
+  const int first_seed = argc > 2 ? std::atoi(argv[2]) : 5001;
+  std::printf(
+      "                            | angle and mean range      | circle\n"
+      "       width range hid beams | w bias  w rms along acr   | w bias w rms along  acr  in95 "
+      "fitted\n"
+      "          mm     m   %%       |     mm    mm    mm    mm |     mm    mm    mm    mm     "
+      "%%\n");
+  const struct {
+    const char* name;
+    Scanner scanner;
+  } kScanners[] = {{"urg", urg()}, {"field", field_scanner()}, {"vlp16", vlp16_slice()}};
+  for (const double hidden : {0.0, 0.3, 0.5, 0.7}) {
+    for (const auto& k : kScanners) {
+      for (const double diameter_m : {0.090, 0.125, 0.230}) {
+        for (const double range_m : {0.5, 1.0, 2.0, 3.0, 4.0, 6.0}) {
+          row(k.name, k.scanner, diameter_m, range_m, hidden, num_seeds, first_seed);
+        }
+      }
+    }
+  }
+}

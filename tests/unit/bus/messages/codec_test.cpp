@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bus/messages/codec.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <set>
+#include <stdexcept>
+
+#include "bus/messages/service_messages.hpp"
+#include "bus/messages/wire_layout.hpp"
+#include "bus/messages/wire_types.hpp"
+#include "unit/bus/messages/sample_messages.hpp"
+
+namespace orchard::bus {
+namespace {
+
+using testing::jpeg_head;
+using testing::sample_messages;
+
+std::optional<Reason> reason_of(Channel channel, const std::vector<std::uint8_t>& bytes) {
+  const auto result = decode(channel, bytes.data(), bytes.size());
+  if (const auto* rejection = std::get_if<Rejection>(&result)) return rejection->reason;
+  return std::nullopt;
+}
+
+TEST(Codec, RoundTripKeepsEveryByte) {
+  for (const Message& message : sample_messages()) {
+    const std::vector<std::uint8_t> bytes = encode(message);
+    const auto result = decode(channel_of(message), bytes.data(), bytes.size());
+    ASSERT_TRUE(std::holds_alternative<Message>(result))
+        << info(channel_of(message)).name << ": " << std::get<Rejection>(result).detail;
+    EXPECT_EQ(encode(std::get<Message>(result)), bytes) << info(channel_of(message)).name;
+    EXPECT_EQ(utime_of(std::get<Message>(result)), utime_of(message));
+    EXPECT_EQ(seq_of(std::get<Message>(result)), seq_of(message));
+  }
+}
+
+TEST(Codec, RoundTripKeepsFields) {
+  const auto messages = sample_messages();
+  const auto bytes = encode(messages[6]);
+  const auto result = decode(Channel::kDetections, bytes.data(), bytes.size());
+  const auto& was = std::get<detection::Detections>(messages[6]).trunks[1];
+  const auto& is = std::get<detection::Detections>(std::get<Message>(result)).trunks.at(1);
+  EXPECT_EQ(is.width_m, was.width_m);
+  EXPECT_EQ(is.roc_tree, was.roc_tree);
+  EXPECT_EQ(is.label, was.label);
+  EXPECT_EQ(is.occlusion, was.occlusion);
+  EXPECT_EQ(is.covariance, was.covariance);
+}
+
+TEST(Codec, AnotherTypeIsRefused) {
+  const auto messages = sample_messages();
+  for (const Message& message : messages) {
+    for (const ChannelInfo& channel : kChannels) {
+      if (channel.role == Role::kService || channel.channel == channel_of(message)) continue;
+      EXPECT_EQ(reason_of(channel.channel, encode(message)), Reason::kWrongType);
+    }
+  }
+}
+
+TEST(Codec, EveryTruncationAndExtensionIsRefused) {
+  for (const Message& message : sample_messages()) {
+    std::vector<std::uint8_t> bytes = encode(message);
+    for (std::size_t size = 0; size < bytes.size(); ++size) {
+      // a copy of exactly this size, so that a sanitizer sees any read beyond it
+      EXPECT_TRUE(reason_of(channel_of(message), {bytes.begin(), bytes.begin() + size}))
+          << info(channel_of(message)).name << " cut to " << size;
+    }
+    bytes.push_back(0);
+    EXPECT_EQ(reason_of(channel_of(message), bytes), Reason::kBadCount);
+  }
+}
+
+TEST(Codec, EveryFlippedBitIsRefusedOrDecodesToSomethingValid) {
+  for (const Message& message : sample_messages()) {
+    const std::vector<std::uint8_t> bytes = encode(message);
+    for (std::size_t i = 0; i < 8 * bytes.size(); ++i) {
+      std::vector<std::uint8_t> flipped = bytes;
+      flipped[i / 8] ^= static_cast<std::uint8_t>(1 << i % 8);
+      const auto result = decode(channel_of(message), flipped.data(), flipped.size());
+      if (const auto* decoded = std::get_if<Message>(&result)) {
+        EXPECT_EQ(encode(*decoded), flipped);  // nothing was repaired on the way
+      }
+    }
+  }
+}
+
+TEST(Codec, HugeCountOfTwentyBytesIsRefusedBeforeAllocation) {
+  for (const Channel channel :
+       {Channel::kScan, Channel::kImage, Channel::kDetections, Channel::kMap}) {
+    const auto messages = sample_messages();
+    std::vector<std::uint8_t> bytes = encode(messages[static_cast<std::size_t>(channel)]);
+    for (const std::uint32_t count : {0x7FFFFFFFu, 0xFFFFFFFFu, 0x80000000u, 0x20000000u}) {
+      for (int i = 0; i < 4; ++i) bytes[20 + i] = static_cast<std::uint8_t>(count >> (24 - 8 * i));
+      EXPECT_EQ(reason_of(channel, bytes), Reason::kBadCount) << info(channel).name;
+      EXPECT_EQ(reason_of(channel, {bytes.begin(), bytes.begin() + 24}), Reason::kTooShort);
+    }
+  }
+}
+
+TEST(Codec, SizeOfARuntDatagramIsRefusedWithoutAccess) {
+  // LCM hands over a size of about 4 GB with it; nothing may be read.
+  const std::uint8_t byte = 0;
+  const auto result = decode(Channel::kScan, &byte, 0xFFFFFFF4u);
+  EXPECT_EQ(std::get<Rejection>(result).reason, Reason::kTooLarge);
+  EXPECT_EQ(std::get<Rejection>(decode(Channel::kScan, nullptr, 0)).reason, Reason::kTooShort);
+}
+
+TEST(Codec, ServiceChannelsHaveTheirOwnDecoders) {
+  EXPECT_THROW(decode(Channel::kStatus, nullptr, 0), std::invalid_argument);
+}
+
+Message sample_of(Channel channel) {
+  for (Message& message : sample_messages()) {
+    if (channel_of(message) == channel) return message;
+  }
+  throw std::invalid_argument("no sample of this channel");
+}
+
+struct Spoilt {
+  const char* what;
+  Channel channel;
+  std::function<void(Message&)> spoil;
+  Reason reason;
+};
+
+template <class Type>
+std::function<void(Message&)> on(std::function<void(Type&)> change) {
+  return [change](Message& message) { change(std::get<Type>(message)); };
+}
+
+TEST(Codec, ContentThatCannotBeIsRefused) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double inf = std::numeric_limits<double>::infinity();
+  using detection::Detections;
+  using Step = detection::AdaptationStep;
+  using Imu = pose::Imu;
+  using Page = pose::TrajectoryPage;
+  using laser::Scan;
+  using mapping::MapTile;
+  using pose::Gnss;
+  using pose::Odometry;
+  using pose::PoseEstimate;
+  using pose::PoseFix;
+  using vision::Encoding;
+  using vision::Image;
+  const std::vector<Spoilt> cases{
+      {"utime < 0", Channel::kScan, on<Scan>([](Scan& m) { m.utime = -1; }), Reason::kOutOfRange},
+      {"utime of 2200", Channel::kPose,
+       on<PoseEstimate>([](PoseEstimate& m) { m.utime = 7258118400000000; }), Reason::kOutOfRange},
+      {"seq < 0", Channel::kOdometry, on<Odometry>([](Odometry& m) { m.seq = -1; }),
+       Reason::kOutOfRange},
+      {"no beams", Channel::kScan, on<Scan>([](Scan& m) {
+         m.ranges_m.clear();
+         m.intensities.clear();
+       }),
+       Reason::kOutOfRange},
+      {"step 0", Channel::kScan, on<Scan>([](Scan& m) { m.bearing_step_rad = 0; }),
+       Reason::kOutOfRange},
+      {"step nan", Channel::kScan, on<Scan>([nan](Scan& m) { m.bearing_step_rad = nan; }),
+       Reason::kNotFinite},
+      {"more than a turn", Channel::kScan, on<Scan>([](Scan& m) { m.bearing_step_rad = 3.2; }),
+       Reason::kOutOfRange},
+      {"limits crossed", Channel::kScan, on<Scan>([](Scan& m) { m.range_max_m = 0.01; }),
+       Reason::kInconsistent},
+      {"range nan", Channel::kScan,
+       on<Scan>([nan](Scan& m) { m.ranges_m[1] = static_cast<float>(nan); }), Reason::kNotFinite},
+      {"range inf", Channel::kScan,
+       on<Scan>([inf](Scan& m) { m.ranges_m[1] = static_cast<float>(inf); }), Reason::kNotFinite},
+      {"range < 0", Channel::kScan, on<Scan>([](Scan& m) { m.ranges_m[1] = -1; }),
+       Reason::kOutOfRange},
+      {"intensities", Channel::kScan, on<Scan>([](Scan& m) { m.intensities.pop_back(); }),
+       Reason::kInconsistent},
+      {"no width", Channel::kImage, on<Image>([](Image& m) { m.width_px = 0; }),
+       Reason::kOutOfRange},
+      {"not the JPEG's size", Channel::kImage, on<Image>([](Image& m) { m.width_px = 640; }),
+       Reason::kInconsistent},
+      {"no JPEG", Channel::kImage, on<Image>([](Image& m) { m.data[1] = 0; }),
+       Reason::kInconsistent},
+      {"JPEG cut before its frame", Channel::kImage, on<Image>([](Image& m) { m.data.resize(12); }),
+       Reason::kInconsistent},
+      {"raw of another size", Channel::kImage, on<Image>([](Image& m) {
+         m.encoding = Encoding::kBgr8;
+         m.data.resize(3 * 320 * 240 - 1);
+       }),
+       Reason::kInconsistent},
+      {"encoding", Channel::kImage,
+       on<Image>([](Image& m) { m.encoding = static_cast<Encoding>(9); }), Reason::kOutOfRange},
+      {"variance < 0", Channel::kOdometry, on<Odometry>([](Odometry& m) { m.covariance[2] = -1; }),
+       Reason::kOutOfRange},
+      {"speed inf", Channel::kOdometry, on<Odometry>([inf](Odometry& m) { m.speed_mps = inf; }),
+       Reason::kNotFinite},
+      {"latitude 400", Channel::kGnss, on<Gnss>([](Gnss& m) { m.latitude_deg = 400; }),
+       Reason::kOutOfRange},
+      {"quality", Channel::kGnss, on<Gnss>([](Gnss& m) { m.fix_quality = -1; }),
+       Reason::kOutOfRange},
+      {"x nan", Channel::kPoseFix, on<PoseFix>([nan](PoseFix& m) { m.x_m = nan; }),
+       Reason::kNotFinite},
+      {"yaw 4", Channel::kPose, on<PoseEstimate>([](PoseEstimate& m) { m.yaw_rad = 4; }),
+       Reason::kOutOfRange},
+      {"roc 1.5", Channel::kDetections,
+       on<Detections>([](Detections& m) { m.trunks[1].roc_tree = 1.5f; }), Reason::kOutOfRange},
+      {"probabilities 1.4", Channel::kDetections,
+       on<Detections>([](Detections& m) { m.trunks[0].probability_object = 0.7f; }),
+       Reason::kOutOfRange},
+      {"width < 0", Channel::kDetections,
+       on<Detections>([](Detections& m) { m.trunks[0].width_m = -0.1; }), Reason::kOutOfRange},
+      {"label 3", Channel::kDetections,
+       on<Detections>([](Detections& m) { m.trunks[0].label = static_cast<detection::Label>(3); }),
+       Reason::kOutOfRange},
+      {"probability nan", Channel::kMap,
+       on<MapTile>([nan](MapTile& m) { m.landmarks[0].probability = nan; }), Reason::kNotFinite},
+      {"total < 0", Channel::kMap, on<MapTile>([](MapTile& m) { m.num_landmarks_total = -1; }),
+       Reason::kOutOfRange},
+      {"action 0", Channel::kAdaptation,
+       on<Step>([](Step& m) { m.action = static_cast<detection::AdaptationAction>(0); }),
+       Reason::kOutOfRange},
+      {"reason 5", Channel::kAdaptation,
+       on<Step>([](Step& m) { m.reason = static_cast<detection::AdaptationReason>(5); }),
+       Reason::kOutOfRange},
+      {"share 1.1", Channel::kAdaptation, on<Step>([](Step& m) { m.confident_share = 1.1; }),
+       Reason::kOutOfRange},
+      {"trees < 0", Channel::kAdaptation, on<Step>([](Step& m) { m.num_width_trees = -1; }),
+       Reason::kOutOfRange},
+      {"rate nan", Channel::kImu, on<Imu>([nan](Imu& m) { m.angular_rate_radps[1] = nan; }),
+       Reason::kNotFinite},
+      {"variance < 0", Channel::kImu, on<Imu>([](Imu& m) { m.acceleration_variance = -1; }),
+       Reason::kOutOfRange},
+      {"page 3 of 3", Channel::kTrajectory, on<Page>([](Page& m) { m.page = 3; }),
+       Reason::kOutOfRange},
+      {"revision 0", Channel::kTrajectory, on<Page>([](Page& m) { m.revision = 0; }),
+       Reason::kOutOfRange},
+      {"poses out of order", Channel::kTrajectory,
+       on<Page>([](Page& m) { m.poses[1].utime = m.poses[0].utime; }), Reason::kInconsistent},
+      {"pose inf", Channel::kTrajectory, on<Page>([inf](Page& m) { m.poses[1].x_m = inf; }),
+       Reason::kNotFinite},
+      {"light nan", Channel::kAdaptation, on<Step>([nan](Step& m) { m.model.light.red = nan; }),
+       Reason::kNotFinite},
+  };
+  for (const Spoilt& spoilt : cases) {
+    Message message = sample_of(spoilt.channel);
+    spoilt.spoil(message);
+    EXPECT_EQ(reason_of(spoilt.channel, encode(message)), spoilt.reason) << spoilt.what;
+  }
+}
+
+TEST(Codec, HasYawIsZeroOrOne) {
+  std::vector<std::uint8_t> bytes = encode(sample_messages()[4]);
+  bytes.back() = 2;
+  EXPECT_EQ(reason_of(Channel::kPoseFix, bytes), Reason::kUndecodable);
+}
+
+TEST(Codec, RawPicturesPassWithTheirExactSize) {
+  auto image = std::get<vision::Image>(sample_messages()[1]);
+  image.encoding = vision::Encoding::kGray8;
+  image.data.assign(320 * 240, 7);
+  EXPECT_EQ(reason_of(Channel::kImage, encode(image)), std::nullopt);
+  image.encoding = vision::Encoding::kBgr8;
+  image.data.assign(3 * 320 * 240, 7);
+  EXPECT_EQ(reason_of(Channel::kImage, encode(image)), std::nullopt);
+}
+
+TEST(Codec, EveryReasonHasAName) {
+  std::set<std::string_view> names;
+  for (std::size_t i = 0; i < kNumReasons; ++i) names.insert(to_string(static_cast<Reason>(i)));
+  EXPECT_EQ(names.size(), kNumReasons);
+}
+
+}  // namespace
+}  // namespace orchard::bus

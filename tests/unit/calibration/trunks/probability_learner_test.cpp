@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibration/trunks/probability_learner.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "calibration/trunks/multinomial_fit.hpp"
+#include "simulation/random.hpp"
+
+namespace orchard::calibration {
+namespace {
+
+using detection::Detection;
+using detection::Label;
+
+TEST(MultinomialFit, RecoversTheWeightsThatMadeTheData) {
+  simulation::Random random(11);
+  const double a[3] = {0.5, 1.5, -1.0}, b[3] = {-0.3, -0.7, 0.8};
+  MultinomialData data;
+  const int n = 20000;
+  data.features.resize(3, n);
+  for (int i = 0; i < n; ++i) {
+    const Eigen::Vector3d x(1.0, random.normal(), random.normal());
+    data.features.col(i) = x;
+    const double ea = std::exp(a[0] + a[1] * x[1] + a[2] * x[2]);
+    const double eb = std::exp(b[0] + b[1] * x[1] + b[2] * x[2]);
+    const double u = random.uniform() * (1.0 + ea + eb);
+    data.outcomes.push_back(u < ea ? 0 : u < ea + eb ? 1 : 2);
+    data.clusters.push_back(i);
+  }
+  const MultinomialFit fit = fit_multinomial(data, 1e-6);
+  for (int k = 0; k < 3; ++k) {
+    for (const auto& [column, truth] : {std::pair{0, a[k]}, std::pair{1, b[k]}}) {
+      const double se = fit.standard_errors(k, column);
+      EXPECT_NEAR(fit.weights(k, column), truth, 4.0 * se) << k << " " << column;
+      EXPECT_GT(se, 0.005);
+      EXPECT_LT(se, 0.06);
+    }
+  }
+}
+
+TEST(MultinomialFit, ACopyOfEachLookMakesNobodySurer) {
+  simulation::Random random(12);
+  MultinomialData once, twice;
+  once.features.resize(2, 500);
+  twice.features.resize(2, 1000);
+  for (int i = 0; i < 500; ++i) {
+    once.features.col(i) = Eigen::Vector2d(1.0, random.normal());
+    once.outcomes.push_back(static_cast<int>(3.0 * random.uniform()));
+    once.clusters.push_back(i);
+    for (int copy = 0; copy < 2; ++copy) {
+      twice.features.col(2 * i + copy) = once.features.col(i);
+      twice.outcomes.push_back(once.outcomes.back());
+      twice.clusters.push_back(i);
+    }
+  }
+  const auto a = fit_multinomial(once, 1e-6), b = fit_multinomial(twice, 1e-6);
+  EXPECT_TRUE(a.weights.isApprox(b.weights, 1e-5));
+  EXPECT_TRUE(a.standard_errors.isApprox(b.standard_errors, 1e-5));
+}
+
+TEST(MultinomialFit, SeparableOrMissingOutcomesStayFinite) {
+  MultinomialData data;
+  data.features = Eigen::MatrixXd::Ones(2, 10);
+  for (int i = 0; i < 10; ++i) {
+    data.features(1, i) = i < 5 ? -1.0 : 1.0;
+    data.outcomes.push_back(i < 5 ? 0 : 1);
+    data.clusters.push_back(i);
+  }
+  EXPECT_TRUE(fit_multinomial(data, 1.0).weights.allFinite());
+  EXPECT_TRUE(fit_multinomial({Eigen::MatrixXd(2, 0), {}, {}}, 1.0).weights.isZero());
+}
+
+/// Looks at things of a class each: the class decides colour and width, with overlap; some are of
+/// the laser only.
+std::vector<ProbabilitySample> looks(std::uint64_t seed, int num_recordings, int num_things) {
+  simulation::Random random(seed);
+  std::vector<ProbabilitySample> samples;
+  for (int recording = 0; recording < num_recordings; ++recording) {
+    for (int thing = 0; thing < num_things; ++thing) {
+      const bool is_tree = random.uniform() < 0.6;
+      const double own = random.normal();  // what all looks at this thing share
+      for (int look = 0; look < 8; ++look) {
+        ProbabilitySample sample;
+        sample.recording = recording;
+        sample.thing = thing;
+        sample.outcome = is_tree ? Outcome::kTree : Outcome::kObject;
+        Detection& d = sample.detection;
+        d.range_m = random.uniform(1.0, 4.0);
+        d.num_beams = static_cast<int>(30.0 / d.range_m);
+        d.width_m = 0.1 + (is_tree ? 0.0 : 0.015) + 0.01 * random.normal();
+        d.roc_laser = std::exp(-0.5 * std::pow((d.width_m - 0.1) / 0.01, 2));
+        d.label = look == 0 ? Label::kUnseen : Label::kObject;
+        if (look > 0) {
+          const double score = (is_tree ? 1.0 : -1.0) + own + random.normal();
+          d.roc_colour = static_cast<float>(1.0 / (1.0 + std::exp(-score)));
+          d.roc_edges = static_cast<float>(random.uniform(0.2, 0.9));
+        }
+        samples.push_back(sample);
+      }
+    }
+  }
+  return samples;
+}
+
+double calibration_error(const std::vector<ProbabilitySample>& samples,
+                         const detection::ProbabilityConfig& config) {
+  double sum[10] = {}, hits[10] = {}, error = 0.0;
+  for (const ProbabilitySample& s : samples) {
+    const double p = detection::tree_probability(s.detection, 0.1, config).tree;
+    const int bin = std::min(9, static_cast<int>(10.0 * p));
+    sum[bin] += p;
+    hits[bin] += s.outcome == Outcome::kTree ? 1.0 : 0.0;
+  }
+  for (int i = 0; i < 10; ++i) error += std::abs(sum[i] - hits[i]);
+  return error / static_cast<double>(samples.size());
+}
+
+TEST(ProbabilityLearner, IsCalibratedOnLooksItNeverSaw) {
+  const ProbabilityFit fit = learn_probability(looks(1, 5, 60), {0.1, 1.0, 10});
+  EXPECT_LT(calibration_error(looks(2, 5, 60), fit.config), 0.05);
+  EXPECT_EQ(fit.num_recordings, 5);
+  EXPECT_EQ(fit.num_laser, 300);
+  EXPECT_EQ(fit.num_judged, 2100);
+  EXPECT_NEAR(fit.base_rate, 0.6, 0.06);
+}
+
+TEST(ProbabilityLearner, MoreColourIsMoreTree) {
+  const ProbabilityFit fit = learn_probability(looks(1, 5, 60), {0.1, 1.0, 10});
+  Detection d = looks(1, 1, 1)[1].detection;
+  double last = 0.0;
+  for (const float colour : {0.02f, 0.2f, 0.5f, 0.8f, 0.98f}) {
+    d.roc_colour = colour;
+    const auto p = detection::tree_probability(d, 0.1, fit.config);
+    EXPECT_GT(p.tree, last);
+    EXPECT_LE(p.tree + p.object, 1.0);
+    last = p.tree;
+  }
+}
+
+TEST(ProbabilityLearner, LooksThatShareTheirErrorsCountForLess) {
+  std::vector<ProbabilitySample> alike = looks(3, 5, 60);
+  const ProbabilityFit of_alike = learn_probability(alike, {0.1, 1.0, 10});
+  EXPECT_GT(of_alike.correlation, 0.1);
+  // the same looks shared out anew within each class are independent
+  std::vector<int> things[2];
+  for (const auto& s : alike) things[s.outcome == Outcome::kTree].push_back(s.thing);
+  std::vector<ProbabilitySample> shuffled;
+  for (const bool tree : {true, false}) {
+    std::vector<ProbabilitySample> own;
+    for (const auto& s : alike) {
+      if ((s.outcome == Outcome::kTree) == tree) own.push_back(s);
+    }
+    simulation::Random random(7);
+    for (std::size_t i = own.size(); i > 1; --i) {
+      std::swap(own[i - 1].detection, own[random.bits() % i].detection);
+    }
+    shuffled.insert(shuffled.end(), own.begin(), own.end());
+  }
+  EXPECT_LT(learn_probability(shuffled, {0.1, 1.0, 10}).correlation, of_alike.correlation);
+}
+
+TEST(ProbabilityLearner, SameSamplesSameBits) {
+  const auto a = learn_probability(looks(4, 3, 30), {}), b = learn_probability(looks(4, 3, 30), {});
+  EXPECT_EQ(a.config.judged_tree, b.config.judged_tree);
+  EXPECT_EQ(a.config.laser_object, b.config.laser_object);
+}
+
+TEST(ProbabilityLearner, RefusesTooLittle) {
+  auto few = looks(1, 1, 2);
+  EXPECT_THROW(learn_probability(few, {}), std::runtime_error);
+  EXPECT_THROW(learn_probability({}, {}), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace orchard::calibration

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/map/map_folder.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <ogrsf_frmts.h>
+#include <sched.h>
+#include <sys/mount.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <memory>
+
+#include "io/atomic_file.hpp"
+#include "io/file_error.hpp"
+#include "io/recording/truth_csv.hpp"
+#include "unit/io/test_folder.hpp"
+
+namespace orchard::io {
+namespace {
+
+using detection::Label;
+using ::testing::HasSubstr;
+
+MapFolderContent make_content(int num_landmarks) {
+  MapFolderContent content;
+  for (int i = 0; i < num_landmarks; ++i) {
+    mapping::Landmark l;
+    l.id = i + 1;
+    l.label = i % 7 == 3 ? Label::kObject : i % 11 == 5 ? Label::kUnseen : Label::kTree;
+    l.x_m = 0.9 * (i % 25);
+    l.y_m = 3.0 * (i / 25) - 0.00001;
+    l.num_observations = 5 + i;
+    l.roc_mean = 0.87;
+    l.probability = 0.999;
+    l.se_x_m = l.se_y_m = 0.005;
+    l.width_m = 0.09;
+    l.row = i % 2;
+    l.position = i % 2;
+    content.landmarks.push_back(l);
+  }
+  for (int i = 0; i < 100; ++i) {
+    pose::PoseEstimate p;
+    p.utime = 1000000 + 100000 * i;
+    p.x_m = 0.2 * i;
+    p.y_m = 1.5 + std::sin(0.1 * i);
+    content.trajectory.push_back(p);
+  }
+  content.summary.source = "a.lcm";
+  content.summary.counts = {{"SCAN", 100}};
+  content.summary.warnings = {"bad \xFF name"};
+  return content;
+}
+
+const char* const kFiles[] = {"map.csv",        "map.gpkg",   "map.svg",     "map.png",
+                              "trajectory.csv", "graph.json", "summary.json"};
+
+TEST(MapFolder, EqualContentGivesEqualBytes) {
+  const TestFolder a, b;
+  for (const int n : {0, 16, 500}) {
+    write_map_folder(a.path(), make_content(n));
+    write_map_folder(b / "made/for/it", make_content(n));
+    for (const std::string file : kFiles) {
+      EXPECT_EQ(read_bytes(a / file), read_bytes(b / ("made/for/it/" + file))) << file << " " << n;
+      EXPECT_FALSE(read_bytes(a / file).empty());
+    }
+  }
+  EXPECT_THAT(read_bytes(a / "map.svg"), HasSubstr(">1</text>"));
+  int num_files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(a.path())) {
+    num_files += entry.exists() ? 1 : 0;
+  }
+  EXPECT_EQ(num_files, 7) << "no temporary stays";
+}
+
+TEST(MapCsv, HasItsFixedFormAndReadsBack) {
+  const TestFolder folder;
+  const auto landmarks = make_content(8).landmarks;
+  const std::string text = map_csv(landmarks);
+  EXPECT_THAT(text, HasSubstr("id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,"
+                              "position\n1,tree,0.0000,0.0000,5,0.8700,0.9990,0.0050,0.0050,"
+                              "0.0900,,\n2,tree,0.9000,0.0000,6,"));
+  write_bytes(folder / "map.csv", text);
+  EXPECT_EQ(map_csv(read_map_csv(folder / "map.csv")), text);
+  EXPECT_THROW(parse_map_csv(text + text.substr(text.find('\n') + 1), "twice"), FileError);
+  EXPECT_THROW(parse_map_csv("id,x\n1,2\n", "map.csv"), FileError);
+}
+
+TEST(MapGeopackage, OpensWithBothLayers) {
+  const TestFolder folder;
+  write_map_folder(folder.path(), make_content(20));
+  const std::unique_ptr<GDALDataset> dataset(
+      GDALDataset::Open((folder / "map.gpkg").c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY));
+  ASSERT_NE(dataset, nullptr);
+  OGRLayer* landmarks = dataset->GetLayerByName("landmarks");
+  ASSERT_NE(landmarks, nullptr);
+  EXPECT_EQ(landmarks->GetFeatureCount(), 20);
+  const std::unique_ptr<OGRFeature> second(landmarks->GetFeature(2));
+  ASSERT_NE(second, nullptr);
+  EXPECT_DOUBLE_EQ(second->GetGeometryRef()->toPoint()->getX(), 0.9);
+  EXPECT_STREQ(second->GetFieldAsString("class"), "tree");
+  ASSERT_NE(landmarks->GetSpatialRef(), nullptr);
+  EXPECT_TRUE(landmarks->GetSpatialRef()->IsLocal());
+  OGRLayer* path = dataset->GetLayerByName("path");
+  ASSERT_NE(path, nullptr);
+  EXPECT_EQ(path->GetFeatureCount(), 1);
+}
+
+TEST(TruthCsv, RoundTrip) {
+  const TestFolder folder;
+  std::vector<simulation::TruthObject> truth(2);
+  truth[0].x_m = 1.25;
+  truth[1].label = Label::kObject;
+  truth[1].width_m = 0.17;
+  write_truth_csv(folder / "truth.csv", truth);
+  const auto again = read_truth_csv(folder / "truth.csv");
+  ASSERT_EQ(again.size(), 2u);
+  EXPECT_EQ(again[0].x_m, 1.25);
+  EXPECT_EQ(again[0].name, "T1");
+  EXPECT_EQ(again[1].label, Label::kObject);
+  EXPECT_THROW(parse_truth_csv("class,x_m,y_m,width_m\nunseen,0,0,0\n", "t"), FileError);
+}
+
+TEST(AtomicFile, AFailureLeavesTheOldFileAndNoTemporary) {
+  const TestFolder folder;
+  write_file_atomically(folder / "a.txt", "old");
+  EXPECT_THROW(replace_file_atomically(folder / "a.txt",
+                                       [](const std::string& temporary) {
+                                         write_bytes(temporary, "half");
+                                         throw FileError("failed");
+                                       }),
+               FileError);
+  EXPECT_EQ(read_bytes(folder / "a.txt"), "old");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+  EXPECT_THROW(write_file_atomically("/dev/full", "x"), FileError);
+  EXPECT_THROW(write_file_atomically(folder.path(), "x"), FileError);
+}
+
+/// In a child with a file system of its own: 0 = as wanted, 77 = not allowed here.
+int full_disk_child(const std::string& folder) {
+  if (unshare(CLONE_NEWNS) != 0) return 77;
+  if (mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0) return 77;
+  if (mount("tmpfs", folder.c_str(), "tmpfs", 0, "size=700k") != 0) return 77;
+  try {
+    write_map_folder(folder, make_content(16));
+  } catch (const FileError&) {
+    return 1;  // the first map should have fitted
+  }
+  std::vector<std::string> before;
+  for (const char* file : kFiles) before.push_back(read_bytes(folder + "/" + file));
+  bool refused = false;
+  try {
+    write_map_folder(folder, make_content(5000));
+  } catch (const FileError& error) {
+    refused = std::string(error.what()).find("No space left") != std::string::npos;
+  }
+  if (!refused) return 2;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (before[i] != read_bytes(folder + "/" + kFiles[i])) return 3;
+  }
+  return 0;
+}
+
+TEST(MapFolder, OnAFullDiskTheLastGoodMapStays) {
+  const TestFolder folder;
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) _exit(full_disk_child(folder.path()));
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  if (WEXITSTATUS(status) == 77) GTEST_SKIP() << "no mount namespace is allowed here";
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
+}  // namespace
+}  // namespace orchard::io

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/recording/recording_folder.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <cmath>
+
+#include "geometry/angles.hpp"
+#include "io/file_error.hpp"
+#include "unit/io/test_folder.hpp"
+
+namespace orchard::io {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+constexpr char kSensors[] =
+    "laser:\n  num_beams: 2\n  bearing_min_rad: -0.1\n  bearing_step_rad: 0.2\n"
+    "  range_min_m: 0.1\n  range_max_m: 5\n  mount: {x_m: 0.3, y_m: 0, yaw_rad: 0}\n";
+constexpr char kScans[] = "utime_us,range_0_m,range_1_m\n100,0,1.5\n200,7.25,2\n";
+
+void write_recording(const TestFolder& folder) {
+  write_bytes(folder / "sensors.yaml", kSensors);
+  write_bytes(folder / "scans.csv", kScans);
+  write_bytes(folder / "poses.csv", "utime_us,x_m,y_m,yaw_rad\n100,1,2,3.5\n");
+  write_bytes(folder / "odometry.csv", "utime_us,v_mps,yaw_rate_radps\n50,0.5,-0.1\n150,0.6,0\n");
+}
+
+std::string error_of(const std::string& path) {
+  try {
+    read_recording_folder(path);
+  } catch (const FileError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(RecordingFolder, MessagesComeInOrderOfTimeAndKind) {
+  const TestFolder folder;
+  write_recording(folder);
+  const auto messages = read_recording_folder(folder.path());
+  ASSERT_THAT(messages, SizeIs(5));
+  EXPECT_EQ(std::get<pose::Odometry>(messages[0]).speed_mps, 0.5);
+  const auto& scan = std::get<laser::Scan>(messages[1]);
+  EXPECT_EQ(scan.utime, 100);
+  EXPECT_EQ(scan.ranges_m, (std::vector<float>{0.0f, 1.5f}));
+  EXPECT_EQ(scan.bearing_step_rad, 0.2);
+  EXPECT_NEAR(std::get<pose::PoseFix>(messages[2]).yaw_rad, 3.5 - 2 * geometry::kPi, 1e-12);
+  EXPECT_EQ(std::get<pose::Odometry>(messages[3]).seq, 1);
+  EXPECT_EQ(std::get<laser::Scan>(messages[4]).ranges_m[0], 7.25f) << "beyond range_max stays";
+  EXPECT_EQ(RecordingFolder(folder.path()).laser().mount.x_m, 0.3);
+}
+
+TEST(RecordingFolder, MistakesAreNamedWithFileAndLine) {
+  const TestFolder folder;
+  EXPECT_THAT(error_of(folder / "none"), HasSubstr("is no folder"));
+  EXPECT_THAT(error_of(folder.path()), HasSubstr("sensors.yaml"));
+  write_recording(folder);
+  write_bytes(folder / "sensors.yaml", std::string(kSensors) + "  colour: red\n");
+  EXPECT_THAT(error_of(folder.path()), HasSubstr("sensors.yaml:8: laser.colour: unknown key"));
+  write_bytes(folder / "sensors.yaml", kSensors);
+  const std::pair<const char*, const char*> cases[] = {
+      {"utime_us,a,b\n100,0,1\n100,0,1\n", "scans.csv:3:1: utime_us: 100 does not come after"},
+      {"utime_us,a,b\n100,0\n", "scans.csv:2:1: 2 fields"},
+      {"utime_us,a,b\n100,0,nan\n", "scans.csv:2:7: b: \"nan\" is not a finite number"},
+      {"utime_us,a,b\n100,0,-1\n", "scans.csv:2:7: b: \"-1\" must be in"},
+      {"utime_us,a,b\n100,,1\n", "scans.csv:2:5: a: \"\" is not a finite number"},
+      {"utime_us,a,b\n\n", "scans.csv:2:1: an empty line"},
+      {"utime_us,a\n100,0\n", "scans.csv:1:1: 1 columns after utime_us, but sensors.yaml says"},
+      {"", "scans.csv is empty"}};
+  for (const auto& [text, error] : cases) {
+    write_bytes(folder / "scans.csv", text);
+    EXPECT_THAT(error_of(folder.path()), HasSubstr(error));
+  }
+  write_bytes(folder / "scans.csv", kScans);
+  std::filesystem::create_directory(folder / "images");
+  write_bytes(folder / "images/100.jpg", "no picture");
+  EXPECT_THAT(error_of(folder.path()), HasSubstr("100.jpg: is no JPEG"));
+}
+
+TEST(RecordingFolder, ACompressedFileThatIsCutOrFlippedIsRefused) {
+  const TestFolder folder;
+  write_recording(folder);
+  std::filesystem::remove(folder / "scans.csv");
+  const gzFile file = gzopen((folder / "scans.csv.gz").c_str(), "wb");
+  gzwrite(file, kScans, sizeof(kScans) - 1);
+  gzclose(file);
+  EXPECT_THAT(read_recording_folder(folder.path()), SizeIs(5));
+  const std::string good = read_bytes(folder / "scans.csv.gz");
+  write_bytes(folder / "scans.csv.gz", good.substr(0, good.size() - 9));
+  EXPECT_THAT(error_of(folder.path()), HasSubstr("damaged or cut short"));
+  std::string bad = good;
+  bad[good.size() - 6] = static_cast<char>(bad[good.size() - 6] ^ 1);  // in the check sum
+  write_bytes(folder / "scans.csv.gz", bad);
+  EXPECT_THAT(error_of(folder.path()), HasSubstr("damaged or cut short"));
+}
+
+TEST(RecordingFolder, TheRealOnesAreRead) {
+  const std::string data = ORCHARD_DATA_DIR;
+  if (!std::filesystem::exists(data + "/pullally_drive_1")) {
+    GTEST_SKIP() << "no recordings in " << data;
+  }
+  const auto messages = read_recording_folder(data + "/pullally_drive_1");
+  EXPECT_THAT(messages, SizeIs(3 * 546));
+  EXPECT_THAT(std::get<laser::Scan>(messages[0]).ranges_m, SizeIs(897));
+  EXPECT_THAT(read_recording_folder(data + "/koala_poles"), SizeIs(3349 + 3348));
+  EXPECT_THAT(read_recording_folder(data + "/urg_geometry_front"), SizeIs(331));
+  EXPECT_THAT(read_recording_folder(data + "/urg_geometry_rear"), SizeIs(330));
+}
+
+}  // namespace
+}  // namespace orchard::io

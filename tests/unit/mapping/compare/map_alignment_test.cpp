@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/compare/map_alignment.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+
+#include <algorithm>
+
+#include "unit/mapping/compare/two_drives.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+using Eigen::Vector2d;
+using ::testing::HasSubstr;
+
+constexpr double kDeg = 3.14159265358979323846 / 180.0;
+
+DriveView view_of(const DrivenMap& map) {
+  SensorView view;
+  view.reach_m = 8.0;  // more than the drives truly have: that is for the map to tell
+  return DriveView(map.landmarks, {map.trajectory}, view);
+}
+
+/// Largest distance between where the alignment and the truth put trees of b.
+double error_m(const MapAlignment& alignment, const RigidTransform& T_a_b, const DrivenMap& b) {
+  double error = 0.0;
+  for (const Landmark& l : b.landmarks) {
+    const Vector2d p(l.x_m, l.y_m);
+    error = std::max(error, (alignment.T_a_b.apply(p) - T_a_b.apply(p)).norm());
+  }
+  return error;
+}
+
+void change_some(Block& block, double share, Dice& dice) {
+  for (TrueTree& t : block.trees) {
+    if (dice.uniform(0, 1) < share) t.stands = !t.stands;
+  }
+}
+
+TEST(RigidFit, RecoversTurnAndShift) {
+  const RigidTransform truth{{3.0, -7.0}, 2.5};
+  std::vector<Vector2d> a, b;
+  for (int i = 0; i < 7; ++i) {
+    b.push_back({1.3 * i, 0.4 * i * i});
+    a.push_back(truth.apply(b.back()));
+  }
+  const RigidTransform T = fit_rigid(a, b, std::vector<double>(a.size(), 1.0));
+  EXPECT_NEAR(T.yaw_rad, 2.5, 1e-12);
+  EXPECT_NEAR((T.translation_m - truth.translation_m).norm(), 0.0, 1e-12);
+  const RigidTransform identity = compose(T, T.inverse());
+  EXPECT_NEAR(identity.translation_m.norm() + std::abs(identity.yaw_rad), 0.0, 1e-12);
+}
+
+TEST(MapAlignment, FindsOffsetAndTurnOfTheSameBlock) {
+  for (int seed = 1; seed <= 4; ++seed) {
+    Dice dice(static_cast<std::uint64_t>(seed));
+    Block block = plant_block(dice, 10, 30);
+    const DrivenMap a = drive_through(block, Drive{}, dice);
+    change_some(block, 0.05, dice);
+    Drive later;
+    later.T_map_block = {{dice.uniform(-3, 3), dice.uniform(-3, 3)}, dice.uniform(-0.03, 0.03)};
+    const DrivenMap b = drive_through(block, later, dice);
+    const MapAlignment alignment =
+        align_maps(a.landmarks, b.landmarks, view_of(a), view_of(b), MapAlignmentConfig{});
+    EXPECT_EQ(alignment.verdict, AlignmentVerdict::kAligned) << seed << ": " << alignment.reason;
+    EXPECT_LT(error_m(alignment, later.T_map_block.inverse(), b), 0.13) << seed;
+    EXPECT_GT(alignment.pairs.size(), 240u);
+    for (const LandmarkPair& pair : alignment.pairs) {
+      EXPECT_EQ(a.tree_of[static_cast<std::size_t>(pair.a)],
+                b.tree_of[static_cast<std::size_t>(pair.b)]);
+    }
+  }
+}
+
+TEST(MapAlignment, FindsAnyPlaceOfPartlyOverlappingMaps) {
+  for (int seed = 1; seed <= 3; ++seed) {
+    Dice dice(100 + static_cast<std::uint64_t>(seed));
+    Block block = plant_block(dice, 10, 30);
+    Drive first, second;
+    first.last_alley = 6;
+    second.first_alley = 4;
+    second.along_min_m = 15.0;
+    second.T_map_block = {{dice.uniform(-500, 500), dice.uniform(-500, 500)},
+                          dice.uniform(-3.1, 3.1)};
+    const DrivenMap a = drive_through(block, first, dice);
+    change_some(block, 0.05, dice);
+    const DrivenMap b = drive_through(block, second, dice);
+    MapAlignmentConfig config;
+    config.any_place = true;
+    const MapAlignment alignment =
+        align_maps(a.landmarks, b.landmarks, view_of(a), view_of(b), config);
+    EXPECT_EQ(alignment.verdict, AlignmentVerdict::kAligned) << seed << ": " << alignment.reason;
+    EXPECT_LT(error_m(alignment, second.T_map_block.inverse(), b), 0.25) << seed;
+  }
+}
+
+TEST(MapAlignment, RobotsThatShareTwoRowsAreLaidRightAndThoseThatShareNoneAreRefused) {
+  MapAlignmentConfig config;
+  config.any_place = true;
+  for (int seed = 1; seed <= 2; ++seed) {
+    Dice dice(400 + static_cast<std::uint64_t>(seed));
+    Block block = plant_block(dice, 10, 30);
+    Drive first, second, apart;
+    first.last_alley = 3;
+    second.first_alley = 3;  // from the other side of the block, in a frame of its own
+    second.T_map_block = {{30.0, -20.0}, 3.14159};
+    apart = second;
+    apart.first_alley = 6;
+    const DrivenMap a = drive_through(block, first, dice);
+    const DrivenMap b = drive_through(block, second, dice);
+    const DrivenMap c = drive_through(block, apart, dice);
+    const MapAlignment alignment =
+        align_maps(a.landmarks, b.landmarks, view_of(a), view_of(b), config);
+    EXPECT_EQ(alignment.verdict, AlignmentVerdict::kAligned) << seed << ": " << alignment.reason;
+    EXPECT_LT(error_m(alignment, second.T_map_block.inverse(), b), 0.5) << seed;
+    // rows that end alike lie upon each other however one shifts them by a row
+    EXPECT_NE(align_maps(a.landmarks, c.landmarks, view_of(a), view_of(c), config).verdict,
+              AlignmentVerdict::kAligned)
+        << seed;
+  }
+}
+
+TEST(MapAlignment, CovarianceCoversTheError) {
+  // normalised errors squared of x, y, yaw: mean 3 when the covariance is right
+  double sum = 0.0;
+  constexpr int kNum = 30;
+  for (int seed = 1; seed <= kNum; ++seed) {
+    Dice dice(200 + static_cast<std::uint64_t>(seed));
+    Block block = plant_block(dice, 4, 20);
+    Drive drive;
+    drive.last_alley = 4;
+    drive.along_max_m = 41.0;
+    drive.bend_m = 0.0;
+    const DrivenMap a = drive_through(block, drive, dice);
+    drive.T_map_block = {{0.7, -0.4}, 0.02};
+    const DrivenMap b = drive_through(block, drive, dice);
+    const MapAlignment alignment =
+        align_maps(a.landmarks, b.landmarks, view_of(a), view_of(b), MapAlignmentConfig{});
+    ASSERT_EQ(alignment.verdict, AlignmentVerdict::kAligned) << seed << ": " << alignment.reason;
+    const RigidTransform truth = drive.T_map_block.inverse();
+    Eigen::Vector3d e;
+    e << alignment.T_a_b.translation_m - truth.translation_m,
+        alignment.T_a_b.yaw_rad - truth.yaw_rad;
+    sum += e.dot(alignment.covariance.inverse() * e) / kNum;
+  }
+  EXPECT_GT(sum, 1.5);
+  EXPECT_LT(sum, 4.5);
+}
+
+TEST(MapAlignment, SaysWhenAShiftByATreeFitsAsWell) {
+  // planted like a chessboard, all trunks alike, none missing, and neither drive saw an end
+  Dice dice(1);
+  Block block = plant_block(dice, 12, 60, 0.0, 0.0, 0.0);
+  Drive drive;
+  drive.first_alley = 3;
+  drive.last_alley = 9;
+  drive.along_min_m = 30.0;
+  drive.along_max_m = 90.0;
+  const DrivenMap a = drive_through(block, drive, dice);
+  const DrivenMap b = drive_through(block, drive, dice);
+  const MapAlignment free =
+      align_maps(a.landmarks, b.landmarks, DriveView(), DriveView(), MapAlignmentConfig{});
+  EXPECT_EQ(free.verdict, AlignmentVerdict::kAmbiguous);
+  EXPECT_NEAR(free.rival_offset_m, 2.0, 0.2);
+  EXPECT_THAT(free.reason, HasSubstr("shifted by another 2."));
+  // who knows that the frames agree within less than half a spacing need not be asked
+  MapAlignmentConfig close;
+  close.offset_max_m = 0.9;
+  const MapAlignment known = align_maps(a.landmarks, b.landmarks, DriveView(), DriveView(), close);
+  EXPECT_EQ(known.verdict, AlignmentVerdict::kAligned) << known.reason;
+}
+
+TEST(MapAlignment, RowEndsTellWhenBothDrivesLookedThere) {
+  Dice dice(2);
+  Block block = plant_block(dice, 10, 20, 0.0, 0.0, 0.0);
+  Drive drive;
+  drive.last_alley = 10;
+  drive.bend_m = drive.position_sd_m = 0.02;
+  drive.along_min_m = -5.0;
+  drive.along_max_m = 43.0;
+  const DrivenMap a = drive_through(block, drive, dice);
+  const DrivenMap b = drive_through(block, drive, dice);
+  const MapAlignment alignment =
+      align_maps(a.landmarks, b.landmarks, view_of(a), view_of(b), MapAlignmentConfig{});
+  EXPECT_EQ(alignment.verdict, AlignmentVerdict::kAligned) << alignment.reason;
+  EXPECT_LT(error_m(alignment, RigidTransform{}, b), 0.1);
+}
+
+TEST(MapAlignment, RefusesAnotherOrchard) {
+  int num_aligned = 0;
+  for (int seed = 1; seed <= 10; ++seed) {
+    Dice dice(300 + static_cast<std::uint64_t>(seed));
+    Block block = plant_block(dice, 6, 25);
+    Block other = plant_block(dice, 6, 25);
+    Drive drive;
+    drive.last_alley = 6;
+    drive.along_max_m = 51.0;
+    const DrivenMap a = drive_through(block, drive, dice);
+    const DrivenMap b = drive_through(other, drive, dice);
+    const MapAlignment alignment =
+        align_maps(a.landmarks, b.landmarks, DriveView(), DriveView(), MapAlignmentConfig{});
+    num_aligned += alignment.verdict == AlignmentVerdict::kAligned;
+  }
+  EXPECT_EQ(num_aligned, 0);
+}
+
+TEST(MapAlignment, ScatteredPolesAndMapsTooSmall) {
+  Dice dice(5);
+  std::vector<Landmark> a, b;
+  const RigidTransform T_b_a{{40.0, -12.0}, 170.0 * kDeg};
+  for (int i = 0; i < 12; ++i) {
+    Landmark l;
+    l.id = i + 1;
+    l.label = detection::Label::kObject;  // poles
+    const Vector2d p(dice.uniform(0, 9), dice.uniform(0, 6));
+    l.x_m = p.x();
+    l.y_m = p.y();
+    l.width_m = 0.05;
+    l.num_observations = 20;
+    a.push_back(l);
+    const Vector2d q = T_b_a.apply(p);
+    l.x_m = q.x() + dice.normal(0.03);
+    l.y_m = q.y() + dice.normal(0.03);
+    if (i != 4) b.push_back(l);
+  }
+  MapAlignmentConfig config;
+  config.any_place = true;
+  const MapAlignment alignment = align_maps(a, b, DriveView(), DriveView(), config);
+  EXPECT_EQ(alignment.verdict, AlignmentVerdict::kAligned) << alignment.reason;
+  EXPECT_EQ(alignment.pairs.size(), 11u);
+  EXPECT_NEAR(alignment.T_a_b.yaw_rad, -170.0 * kDeg, 0.02);
+  config.any_place = false;
+  EXPECT_EQ(align_maps(a, b, DriveView(), DriveView(), config).verdict, AlignmentVerdict::kNone);
+  b.resize(2);
+  EXPECT_EQ(align_maps(a, b, DriveView(), DriveView(), config).verdict, AlignmentVerdict::kNone);
+  EXPECT_EQ(align_maps(a, {}, DriveView(), DriveView(), config).verdict, AlignmentVerdict::kNone);
+}
+
+}  // namespace
+}  // namespace orchard::mapping

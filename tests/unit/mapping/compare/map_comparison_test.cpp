@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/compare/map_comparison.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "unit/mapping/compare/two_drives.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+using Eigen::Vector2d;
+
+DriveView view_of(const DrivenMap& map) {
+  SensorView view;
+  view.reach_m = 8.0;  // more than the drives truly have: that is for the map to tell
+  return DriveView(map.landmarks, {map.trajectory}, view);
+}
+
+MapComparison compare(const DrivenMap& a, const DrivenMap& b, ComparisonConfig config = {}) {
+  const DriveView view_a = view_of(a), view_b = view_of(b);
+  const MapAlignment alignment =
+      align_maps(a.landmarks, b.landmarks, view_a, view_b, MapAlignmentConfig{});
+  EXPECT_EQ(alignment.verdict, AlignmentVerdict::kAligned) << alignment.reason;
+  return compare_maps(a.landmarks, b.landmarks, view_a, view_b, alignment, config);
+}
+
+/// The tree of the block that a change speaks of.
+std::size_t tree_of(const MapChange& c, const DrivenMap& a, const DrivenMap& b) {
+  return static_cast<std::size_t>(c.a >= 0 ? a.tree_of[static_cast<std::size_t>(c.a)]
+                                           : b.tree_of[static_cast<std::size_t>(c.b)]);
+}
+
+struct Score {
+  int right = 0, wrong = 0, overlooked = 0;
+};
+
+TEST(MapComparison, FindsFivePercentOfChange) {
+  Score score;
+  for (int seed = 1; seed <= 5; ++seed) {
+    Dice dice(static_cast<std::uint64_t>(seed));
+    Block block = plant_block(dice, 10, 30);
+    const DrivenMap a = drive_through(block, Drive{}, dice);
+    std::map<std::size_t, Change> truth;
+    for (std::size_t i = 0; i < block.trees.size(); ++i) {
+      TrueTree& t = block.trees[i];
+      const double die = dice.uniform(0, 1);
+      if (!t.stands) {
+        if (die < 0.25) {  // replanted in a gap
+          t.stands = true;
+          truth[i] = Change::kNew;
+        }
+      } else if (die < 0.03) {
+        t.stands = false;
+        truth[i] = Change::kMissing;
+      } else if (die < 0.04) {
+        t.width_m += 0.06;
+        truth[i] = Change::kGrown;
+      } else if (die < 0.05) {
+        t.p += Vector2d(0.35, -0.25);
+        truth[i] = Change::kMoved;
+      }
+    }
+    Drive later;
+    later.T_map_block = {{1.5, -0.8}, 0.02};
+    const DrivenMap b = drive_through(block, later, dice);
+    int right = 0;
+    for (const MapChange& c : compare(a, b).changes) {
+      if (c.change == Change::kUnchanged || c.change == Change::kNotSeen) continue;
+      const auto found = truth.find(tree_of(c, a, b));
+      const bool is_right = found != truth.end() && found->second == c.change;
+      right += is_right;
+      score.wrong += !is_right;
+    }
+    score.right += right;
+    score.overlooked += static_cast<int>(truth.size()) - right;
+  }
+  const double precision = static_cast<double>(score.right) / (score.right + score.wrong);
+  const double recall = static_cast<double>(score.right) / (score.right + score.overlooked);
+  EXPECT_GE(precision, 0.95) << score.wrong << " wrong";
+  EXPECT_GE(recall, 0.95) << score.overlooked << " overlooked of "
+                          << score.right + score.overlooked;
+  EXPECT_GT(score.right, 70);
+}
+
+TEST(MapComparison, TwoDrivesOfOneBlockDifferInNothing) {
+  int num_changes = 0, num_trees = 0;
+  for (int seed = 11; seed <= 14; ++seed) {
+    Dice dice(static_cast<std::uint64_t>(seed));
+    Block block = plant_block(dice, 10, 30);
+    Drive poor;
+    poor.rate = 0.08;  // some trees are missed by chance
+    const DrivenMap a = drive_through(block, Drive{}, dice);
+    const DrivenMap b = drive_through(block, seed % 2 == 0 ? poor : Drive{}, dice);
+    const MapComparison comparison = compare(a, b);
+    for (const MapChange& c : comparison.changes) {
+      num_changes += c.change != Change::kUnchanged && c.change != Change::kNotSeen;
+      ++num_trees;
+    }
+    EXPECT_NEAR(comparison.width_change_common_m, 0.0, 0.003);
+  }
+  EXPECT_LE(num_changes, num_trees / 100) << "of " << num_trees;
+}
+
+TEST(MapComparison, WhatWasNotLookedAtIsNotMissing) {
+  Dice dice(21);
+  Block block = plant_block(dice, 10, 30);
+  Drive whole, half;
+  half.last_alley = 4;  // sees rows 0 to 4 only
+  const DrivenMap a = drive_through(block, whole, dice);
+  const DrivenMap b = drive_through(block, half, dice);
+  const MapComparison comparison = compare(a, b);
+  EXPECT_LE(comparison.count(Change::kMissing), 1);
+  EXPECT_GT(comparison.count(Change::kNotSeen), 100);
+  // and backwards: what only the whole drive saw is not new
+  EXPECT_LE(compare(b, a).count(Change::kNew), 1);
+  ComparisonConfig trusting;
+  trusting.assume_seen = true;
+  EXPECT_GT(compare(a, b, trusting).count(Change::kMissing), 100);
+}
+
+TEST(MapComparison, MovedIsWhatIsAsWideAndReplacedWhatIsNot) {
+  Dice dice(61);
+  Block block = plant_block(dice, 6, 15);
+  Drive drive;
+  drive.last_alley = 6;
+  drive.along_max_m = 31.0;
+  const DrivenMap a = drive_through(block, drive, dice);
+  const auto far_from_gaps = [&](std::size_t i) {
+    return block.trees[i - 1].stands && block.trees[i].stands && block.trees[i + 1].stands;
+  };
+  std::size_t moved = 20, replaced = 50;
+  while (!far_from_gaps(moved)) ++moved;
+  while (!far_from_gaps(replaced)) ++replaced;
+  block.trees[moved].p.x() += 1.3;
+  block.trees[replaced].p.x() += 1.3;
+  block.trees[replaced].width_m += 0.08;
+  const DrivenMap b = drive_through(block, drive, dice);
+  const MapComparison comparison = compare(a, b);
+  EXPECT_EQ(comparison.count(Change::kMoved), 1);
+  EXPECT_EQ(comparison.count(Change::kMissing), 1);
+  EXPECT_EQ(comparison.count(Change::kNew), 1);
+  for (const MapChange& c : comparison.changes) {
+    if (c.change == Change::kUnchanged) continue;
+    EXPECT_EQ(tree_of(c, a, b), c.change == Change::kMoved ? moved : replaced);
+    if (c.change == Change::kMoved) {
+      EXPECT_NEAR(c.moved_m, 1.3, 0.2);
+    }
+  }
+}
+
+TEST(MapComparison, ATrunkThatGrewBeyondTheClassOfTreesHasGrown) {
+  Dice dice(62);
+  Block block = plant_block(dice, 6, 15);
+  Drive drive;
+  drive.last_alley = 6;
+  drive.along_max_m = 31.0;
+  drive.position_sd_m = 0.005;
+  drive.width_sd_m = 0.002;
+  drive.bend_m = 0.0;
+  const DrivenMap a = drive_through(block, drive, dice);
+  DrivenMap b = drive_through(block, drive, dice);
+  Landmark &grown = b.landmarks[30], &other = b.landmarks[40];
+  grown.width_m += 0.04;
+  grown.label = detection::Label::kObject;  // a laser alone judges by width
+  other.width_m += 0.3;                     // something else stands before it now
+  other.x_m += 0.1;
+  other.label = detection::Label::kObject;
+  const MapComparison comparison = compare(a, b);
+  ASSERT_EQ(comparison.count(Change::kGrown), 1);
+  for (const MapChange& c : comparison.changes) {
+    if (c.change != Change::kGrown) continue;
+    EXPECT_EQ(c.b, 30);
+    EXPECT_GE(c.confidence, 0.8);
+  }
+}
+
+TEST(MapComparison, OneThingThatIsTwoLandmarksIsNoChange) {
+  Dice dice(31);
+  Block block = plant_block(dice, 6, 15);
+  Drive drive;
+  drive.last_alley = 6;
+  drive.along_max_m = 31.0;
+  DrivenMap a = drive_through(block, drive, dice);
+  const DrivenMap b = drive_through(block, drive, dice);
+  Landmark echo = a.landmarks[20];
+  echo.id = 900;
+  echo.x_m += 0.12;
+  a.landmarks.push_back(echo);
+  a.tree_of.push_back(a.tree_of[20]);
+  EXPECT_EQ(compare(a, b).count(Change::kMissing), 0);
+  EXPECT_EQ(compare(b, a).count(Change::kNew), 0);
+  // a class that changed is no change of the tree, nor is the width that an object is given
+  DrivenMap relabelled = b;
+  relabelled.landmarks[10].label = detection::Label::kObject;
+  relabelled.landmarks[10].width_m += 0.2;
+  const MapComparison comparison = compare(a, relabelled);
+  EXPECT_EQ(comparison.count(Change::kMissing) + comparison.count(Change::kGrown), 0);
+}
+
+TEST(MapComparison, ABushIsNotTheTreesThatItsPartsPassFor) {
+  Dice dice(41);
+  Block block = plant_block(dice, 6, 15);
+  Drive drive;
+  drive.last_alley = 6;
+  drive.along_max_m = 31.0;
+  DrivenMap a = drive_through(block, drive, dice);
+  DrivenMap b = drive_through(block, drive, dice);
+  // halfway between trees; each drive sees parts of its own, one or two of them thick as a trunk
+  const auto add_bush = [&](DrivenMap& map, const Vector2d& p, int id) {
+    for (int part = 0; part < 5; ++part) {
+      Landmark l = map.landmarks[10];
+      l.id = id + part;
+      l.x_m = p.x() + dice.uniform(-0.3, 0.3);
+      l.y_m = p.y() + dice.uniform(-0.3, 0.3);
+      l.width_m = part < 2 ? dice.uniform(0.09, 0.15) : dice.uniform(0.06, 0.5);
+      l.label = part < 2 ? detection::Label::kTree : detection::Label::kObject;
+      map.landmarks.push_back(l);
+      map.tree_of.push_back(-1);
+    }
+  };
+  for (int bush = 0; bush < 8; ++bush) {
+    const Vector2d p(3.0 + 4.0 * (bush % 4), 4.0 * (bush / 4 + 1));
+    add_bush(a, p, 1000 + 10 * bush);
+    add_bush(b, p, 2000 + 10 * bush);
+  }
+  add_bush(b, {25.0, 12.0}, 3000);  // and one is truly new
+  const MapComparison comparison = compare(a, b);
+  int num_false = 0, num_of_new = 0;
+  for (const MapChange& c : comparison.changes) {
+    if (c.change == Change::kUnchanged || c.change == Change::kNotSeen) continue;
+    ((c.p_a - Vector2d(25.0, 12.0)).norm() < 0.6 ? num_of_new : num_false)++;
+  }
+  EXPECT_EQ(num_false, 0);
+  EXPECT_EQ(num_of_new, 2) << "its parts that pass for trees";
+}
+
+TEST(DriveView, HiddenAndFarPlacesAreNotLookedAt) {
+  std::vector<Landmark> landmarks;
+  std::vector<pose::PoseEstimate> path;
+  for (int i = 0; i < 80; ++i) {  // rows at y = 2 and y = -4, seen from y = 0 a hundred times each
+    Landmark l;
+    l.id = i + 1;
+    l.label = detection::Label::kTree;
+    l.x_m = i % 40;
+    l.y_m = i < 40 ? 2.0 : -4.0;
+    l.width_m = i == 20 ? 2.4 : 0.1;  // one is a wall
+    l.num_observations = 100;
+    landmarks.push_back(l);
+  }
+  for (int i = 0; i < 400; ++i) {
+    pose::PoseEstimate p;
+    p.utime = 100000 * (i + 1);
+    p.x_m = 0.1 * i;
+    path.push_back(p);
+  }
+  SensorView view;
+  view.reach_m = 8.0;
+  const DriveView seen(landmarks, {path}, view);
+  EXPECT_NEAR(seen.expected_observations({10.2, 2.0}), 100.0, 35.0);
+  EXPECT_LT(seen.probability_missed({10.5, 2.0}), 0.01);
+  EXPECT_EQ(seen.probability_missed({10.5, 12.0}), 1.0) << "beyond reach";
+  EXPECT_EQ(seen.probability_missed({10.5, -30.0}), 1.0);
+  const LookRaster raster(landmarks, {path}, view);
+  const auto seconds_near = [&](const Vector2d& p) {
+    const LookRaster::Looks looks = raster.at(p);
+    return looks[0] + looks[1] + looks[2] + looks[3];  // within 4.5 m
+  };
+  EXPECT_GT(seconds_near({8.4, 3.2}), 3.0);
+  EXPECT_LT(seconds_near({20.2, 3.2}), 0.25 * seconds_near({8.4, 3.2})) << "behind the wall";
+  SensorView left = view;  // a laser that looks to the right only sees no row to the left
+  left.bearing_min_rad = -2.0;
+  left.bearing_max_rad = -0.5;
+  EXPECT_EQ(DriveView(landmarks, {path}, left).probability_missed({10.5, 2.0}), 1.0);
+  EXPECT_EQ(DriveView().probability_missed({10.5, 2.0}), 1.0);
+}
+
+}  // namespace
+}  // namespace orchard::mapping

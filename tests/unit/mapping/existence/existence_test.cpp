@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "mapping/mapper.hpp"
+#include "unit/mapping/compare/two_drives.hpp"
+#include "unit/mapping/existence/beam_world.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+using detection::Detection;
+using detection::Detections;
+using detection::Label;
+using Eigen::Vector2d;
+
+/// Two rows along x at y = -2 and y = 2, a tree every 2 m from 0 to 40.
+std::vector<Thing> two_rows() {
+  std::vector<Thing> things;
+  for (int i = 0; i <= 20; ++i) {
+    for (const double y : {-2.0, 2.0}) things.push_back({{2.0 * i, y}});
+  }
+  return things;
+}
+
+/// What a laser half a metre ahead of base, of 8 m and three quarters of a turn, makes of the
+/// things: those that nothing nearer covers in the middle, with noise; one in twenty is overlooked.
+Detections scan(const std::vector<Thing>& things, const pose::PoseEstimate& T_map_base,
+                Dice& dice) {
+  const double c = std::cos(T_map_base.yaw_rad), s = std::sin(T_map_base.yaw_rad);
+  std::vector<Vector2d> p_laser;
+  for (const Thing& thing : things) {
+    const Vector2d d = thing.p - Vector2d(T_map_base.x_m, T_map_base.y_m);
+    p_laser.push_back({c * d.x() + s * d.y() - 0.5, c * d.y() - s * d.x()});
+  }
+  Detections detections;
+  detections.utime = T_map_base.utime;
+  for (std::size_t i = 0; i < things.size(); ++i) {
+    const Vector2d& p = p_laser[i];
+    if (p.norm() > 8.0 || std::abs(std::atan2(p.y(), p.x())) > 2.35) continue;
+    bool hidden = false;
+    for (std::size_t k = 0; k < things.size(); ++k) {
+      const double along_m = p_laser[k].dot(p) / p.norm();
+      if (k == i || along_m < 0.0 || p_laser[k].norm() > p.norm()) continue;
+      const double across_m = std::abs(p_laser[k].x() * p.y() - p_laser[k].y() * p.x()) / p.norm();
+      hidden = hidden || across_m < 0.5 * things[k].width_m;
+    }
+    if (hidden || dice.uniform(0, 1) < 0.05) continue;
+    Detection d;
+    d.centre_x_m = p.x() + 0.5 + dice.normal(0.02);
+    d.centre_y_m = p.y() + dice.normal(0.02);
+    d.covariance = {4e-4, 0.0, 4e-4};
+    d.width_m = things[i].width_m + dice.normal(0.01);
+    d.width_sd_m = 0.01;
+    d.label = things[i].width_m < 0.3 ? Label::kTree : Label::kObject;
+    d.roc_tree = d.label == Label::kTree ? 0.9f : 0.0f;
+    detections.trunks.push_back(d);
+  }
+  return detections;
+}
+
+/// For a scanner that overlooks little and poses that are good.
+MapperConfig quick_to_give_up() {
+  MapperConfig config;
+  config.presence.seen_rate = 0.75;
+  config.presence.log_odds_max = 6.0;
+  return config;
+}
+
+enum class Sees { kDetections, kBeams };
+
+laser::LaserConfig laser_ahead() {
+  laser::LaserConfig laser;
+  laser.mount_x_m = 0.5;
+  return laser;
+}
+
+/// Drives the alley from x = -2 to 42 and back `num_passes` times at 1 m/s, ten scans a second,
+/// past what stands there at each time [s]. With beams, the mapper is given four looks a second.
+/// `overlooked` is no detection's from the second pass on.
+Mapper drive(int num_passes, const std::function<std::vector<Thing>(double time_s)>& things_at,
+             const MapperConfig& config = quick_to_give_up(), Sees sees = Sees::kDetections,
+             const Vector2d& overlooked = {1e3, 1e3}) {
+  Mapper mapper(config, {0.5, 0.0});
+  Dice dice(5);
+  for (int k = 0; k < 440 * num_passes; ++k) {
+    const double time_s = 0.1 * k;
+    const bool back = (k / 440) % 2 == 1;
+    const double way_m = 0.1 * (k % 440);
+    pose::PoseEstimate pose;
+    pose.utime = 1000000 + 100000LL * k;
+    pose.x_m = back ? 42.0 - way_m : -2.0 + way_m;
+    pose.yaw_rad = back ? 3.14159265358979 : 0.0;
+    pose.covariance = {1e-4, 0, 0, 1e-4, 0, 1e-5};
+    const std::vector<Thing> things = things_at(time_s);
+    std::shared_ptr<const BeamLook> look;
+    if (sees == Sees::kBeams && k % 3 == 0) {
+      laser::Scan beams = beams_of(things, pose, laser_ahead());
+      for (float& range_m : beams.ranges_m) {
+        if (range_m > 0.0f) range_m += static_cast<float>(dice.normal(0.01));
+      }
+      look =
+          std::make_shared<BeamLook>(beams, laser_ahead(), laser::BlindSector{}, PresenceConfig{});
+    }
+    std::vector<Thing> detected = things;
+    if (k >= 440) {
+      detected.erase(std::remove_if(detected.begin(), detected.end(),
+                                    [&](const Thing& t) { return t.p == overlooked; }),
+                     detected.end());
+    }
+    mapper.update(scan(detected, pose, dice), pose, look);
+  }
+  return mapper;
+}
+
+/// Landmarks within a box.
+int num_within(const Mapper& mapper, const Vector2d& least, const Vector2d& most,
+               int min_observations = 1) {
+  int num = 0;
+  for (const Landmark& l : mapper.landmarks(min_observations)) {
+    num += l.x_m > least.x() && l.x_m < most.x() && l.y_m > least.y() && l.y_m < most.y();
+  }
+  return num;
+}
+
+TEST(Presence, AWalkerLeavesNothingInTheMap) {
+  // two legs on the robot's right, ahead of it, then overtaken
+  const auto things_at = [](double time_s) {
+    std::vector<Thing> things = two_rows();
+    const double x_m = 4.0 + 0.7 * time_s;
+    things.push_back({{x_m, -0.9}, 0.13});
+    things.push_back({{x_m + 0.25, -1.08}, 0.13});
+    return things;
+  };
+  MapperConfig off;
+  off.presence.enabled = false;
+  EXPECT_GT(num_within(drive(2, things_at, off), {-5, -1.6}, {45, 1.6}, 3), 20);
+  // met once more on the way back: what that leaves, the third pass clears
+  const Mapper mapper = drive(3, things_at);
+  EXPECT_EQ(num_within(mapper, {-5, -1.6}, {45, 1.6}, 3), 0);
+  EXPECT_EQ(mapper.landmarks(20).size(), 42u);
+}
+
+TEST(Presence, AVehicleThatDroveAwayIsDropped) {
+  MapperConfig off;
+  off.presence.enabled = false;
+  const auto things_at = [](double time_s) {
+    std::vector<Thing> things = two_rows();
+    if (time_s < 44.0) {  // stands there for the whole first pass, wheels and body
+      for (const double x_m : {20.5, 21.3, 22.1}) things.push_back({{x_m, 1.2}, 0.5});
+      things.push_back({{23.0, 1.0}, 0.13});
+    }
+    return things;
+  };
+  EXPECT_EQ(num_within(drive(1, things_at), {20, 0.5}, {24, 1.6}, 10), 4);
+  EXPECT_EQ(num_within(drive(2, things_at, off), {20, 0.5}, {24, 1.6}, 10), 4);
+  const Mapper mapper = drive(2, things_at);
+  EXPECT_EQ(num_within(mapper, {20, 0.5}, {24, 1.6}), 0);
+  EXPECT_EQ(mapper.landmarks(20).size(), 42u);
+}
+
+std::vector<Thing> walker_and_rows(double time_s) {
+  std::vector<Thing> things = two_rows();
+  const double x_m = 4.0 + 0.7 * time_s;
+  things.push_back({{x_m, -0.9}, 0.13});
+  things.push_back({{x_m + 0.25, -1.08}, 0.13});
+  return things;
+}
+
+TEST(Presence, BeamsClearAWalkersWayWhileItWalks) {
+  // followed for 15 s, which leaves nothing, then overtaken, which the way back clears
+  const Mapper once = drive(1, walker_and_rows, MapperConfig{}, Sees::kBeams);
+  EXPECT_EQ(num_within(once, {-5, -1.6}, {13, 1.6}), 0);
+  EXPECT_GT(num_within(drive(1, walker_and_rows, MapperConfig{}), {-5, -1.6}, {13, 1.6}, 3), 10);
+  const Mapper twice = drive(2, walker_and_rows, MapperConfig{}, Sees::kBeams);
+  EXPECT_EQ(num_within(twice, {-5, -1.6}, {25, 1.6}, 3), 0);
+  EXPECT_EQ(twice.landmarks(20).size(), 42u);
+}
+
+TEST(Presence, BeamsClearTheWayOfAVehicleThatDroveAhead) {
+  const auto things_at = [](double time_s) {
+    std::vector<Thing> things = two_rows();
+    if (time_s < 20.0) {  // the robot is 4 m behind it then
+      for (const double x_m : {20.5, 21.3, 22.1}) things.push_back({{x_m, 0.8}, 0.5});
+      things.push_back({{23.0, 0.6}, 0.13});
+    }
+    return things;
+  };
+  const Mapper mapper = drive(1, things_at, MapperConfig{}, Sees::kBeams);
+  EXPECT_EQ(num_within(mapper, {20, 0.2}, {24, 1.6}), 0);
+  EXPECT_EQ(mapper.landmarks(20).size(), 42u);
+}
+
+TEST(Presence, WhatReturnsBeamsStaysThoughNothingDetectsIt) {
+  // something about it has changed: every later scan makes no trunk of it
+  const auto things_at = [](double) { return two_rows(); };
+  const Vector2d tree(20.0, 2.0);
+  const auto has_it = [&](const Mapper& mapper) {
+    return num_within(mapper, tree - Vector2d(0.3, 0.3), tree + Vector2d(0.3, 0.3)) == 1;
+  };
+  EXPECT_TRUE(has_it(drive(4, things_at, MapperConfig{}, Sees::kBeams, tree)));
+  EXPECT_FALSE(has_it(drive(4, things_at, quick_to_give_up(), Sees::kDetections, tree)));
+}
+
+TEST(Presence, BeamsOfAFelledTreeDropIt) {
+  const auto things_at = [](double time_s) {
+    std::vector<Thing> things = two_rows();
+    if (time_s > 44.0) things.erase(things.begin() + 20);
+    return things;
+  };
+  EXPECT_EQ(drive(2, things_at, MapperConfig{}, Sees::kBeams).landmarks(20).size(), 41u);
+}
+
+TEST(Presence, WhatIsHiddenStays) {
+  // Trees 1.5 m behind the left row, in full view at first; then somebody parks crates between
+  // the trees of the row, and nothing of those behind is seen any more.
+  const auto things_at = [](double time_s) {
+    std::vector<Thing> things = two_rows();
+    for (int i = 0; i <= 10; ++i) things.push_back({{10.0 + i, 3.5}});
+    if (time_s > 44.0) {
+      for (int i = 0; i < 22; ++i) things.push_back({{8.0 + 0.8 * i, 2.4}, 0.7});
+    }
+    return things;
+  };
+  for (const Sees sees : {Sees::kDetections, Sees::kBeams}) {
+    const Mapper once = drive(1, things_at, quick_to_give_up(), sees);
+    const Mapper mapper = drive(4, things_at, quick_to_give_up(), sees);
+    EXPECT_EQ(num_within(once, {9, 3.2}, {21, 3.8}, 10), 11);
+    EXPECT_EQ(num_within(mapper, {9, 3.2}, {21, 3.8}, 10), 11);
+  }
+}
+
+TEST(Presence, AScanFromAWrongPlaceDropsNothing) {
+  Mapper mapper = drive(2, [](double) { return two_rows(); });
+  ASSERT_EQ(mapper.landmarks(50).size(), 42u);
+  Dice dice(6);
+  for (int k = 0; k < 600; ++k) {  // the pose says it stands in the alley; it is carried about
+    pose::PoseEstimate pose;
+    pose.utime = 200000000 + 100000LL * k;
+    pose.x_m = 20.0;
+    pose::PoseEstimate truth = pose;
+    truth.x_m = 20.0 + 0.9 + 0.01 * k;
+    truth.y_m = -8.0;
+    truth.yaw_rad = 0.3;
+    const auto look =
+        std::make_shared<BeamLook>(beams_of(two_rows(), truth, laser_ahead()), laser_ahead(),
+                                   laser::BlindSector{}, PresenceConfig{});
+    mapper.update(scan(two_rows(), truth, dice), pose, k % 2 == 0 ? look : nullptr);
+  }
+  EXPECT_EQ(
+      num_within(mapper, {-1, -2.2}, {41, -1.8}, 50) + num_within(mapper, {-1, 1.8}, {41, 2.2}, 50),
+      42);
+}
+
+TEST(Presence, IsTheSameWhenDerivedAnew) {
+  const auto things_at = [](double time_s) {
+    std::vector<Thing> things = two_rows();
+    if (time_s < 44.0) things.push_back({{21.0, 0.8}});
+    return things;
+  };
+  for (const Sees sees : {Sees::kDetections, Sees::kBeams}) {
+    Mapper mapper = drive(2, things_at, quick_to_give_up(), sees);
+    const std::vector<Landmark> before = mapper.landmarks();
+    mapper.rederive([](const pose::PoseEstimate& was) { return was; });
+    const std::vector<Landmark> after = mapper.landmarks();
+    ASSERT_EQ(after.size(), before.size());
+    for (std::size_t i = 0; i < after.size(); ++i) {
+      EXPECT_EQ(after[i].id, before[i].id);
+      EXPECT_NEAR(after[i].x_m, before[i].x_m, 1e-3);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace orchard::mapping

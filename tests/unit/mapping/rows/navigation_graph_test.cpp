@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/rows/navigation_graph.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace orchard::mapping {
+namespace {
+
+using Eigen::Vector2d;
+
+/// Rows along x, row k at y = -4 k (the first on the left), trees two metres apart.
+struct Planted {
+  std::vector<Landmark> landmarks;
+  std::vector<Row> rows;
+};
+
+Planted plant(const std::vector<double>& y_m, int num_places, double bend = 0.0) {
+  Planted p;
+  for (std::size_t r = 0; r < y_m.size(); ++r) {
+    for (int k = 0; k < num_places; ++k) {
+      if (k == 5 && r == 1) continue;  // a gap
+      Landmark l;
+      l.id = static_cast<std::int32_t>(p.landmarks.size()) + 1;
+      l.label = detection::Label::kTree;
+      l.width_m = 0.2;
+      const double radius_m = bend == 0.0 ? 0.0 : bend - y_m[r];
+      l.x_m = bend == 0.0 ? 2.0 * k : radius_m * std::sin(2.0 * k / bend);
+      l.y_m = bend == 0.0 ? y_m[r] : bend - radius_m * std::cos(2.0 * k / bend);
+      p.landmarks.push_back(l);
+    }
+  }
+  RowsConfig config;
+  config.numbering = RowNumbering::kDirection;
+  config.forward_deg = 0.0;
+  p.rows = find_rows(p.landmarks, config);
+  return p;
+}
+
+TEST(NavigationGraph, AlleysRunMidwayAndHeadlandsJoinThem) {
+  const Planted p = plant({0.0, -4.0, -8.0, -12.0}, 11);
+  ASSERT_EQ(p.rows.size(), 4u);
+  const NavigationGraph graph = navigation_graph(p.landmarks, p.rows);
+  EXPECT_EQ(graph.nodes.size(), 6u);
+  ASSERT_EQ(graph.edges.size(), 3u + 4u);
+  for (int k = 0; k < 3; ++k) {
+    const NavigationEdge& alley = graph.edges[static_cast<std::size_t>(k)];
+    EXPECT_EQ(alley.kind, WayKind::kAlley);
+    EXPECT_EQ(alley.row_left, k + 1);
+    EXPECT_EQ(alley.row_right, k + 2);
+    for (const Vector2d& point : alley.line_map) EXPECT_NEAR(point.y(), -4.0 * k - 2.0, 1e-9);
+    EXPECT_NEAR(alley.width_m, 4.0 - 0.2, 1e-9) << "trunk to trunk";
+    EXPECT_NEAR(alley.length_m, 20.0 + 2 * 2.0, 1e-9) << "half an alley beyond each end";
+  }
+  for (std::size_t e = 3; e < 7; ++e) {
+    const NavigationEdge& headland = graph.edges[e];
+    EXPECT_EQ(headland.kind, WayKind::kHeadland);
+    EXPECT_NEAR(headland.length_m, 4.0, 1e-9);
+    const double x = headland.line_map.front().x();
+    EXPECT_TRUE(std::abs(x + 2.0) < 1e-9 || std::abs(x - 22.0) < 1e-9) << x;
+  }
+}
+
+TEST(NavigationGraph, WhatStandsInAnAlleyNarrowsIt) {
+  Planted p = plant({0.0, -4.0, -8.0}, 11);
+  Landmark post;
+  post.id = 900;
+  post.label = detection::Label::kObject;
+  post.x_m = 9.0;
+  post.y_m = -1.2;
+  post.width_m = 0.4;
+  p.landmarks.push_back(post);
+  const NavigationGraph graph = navigation_graph(p.landmarks, p.rows);
+  // 0.8 m from the middle less its radius to the post, at most 2 m to the row on the other side
+  EXPECT_GE(graph.edges[0].width_m, 0.6 + 1.9);
+  EXPECT_LE(graph.edges[0].width_m, 0.6 + 2.0 + 1e-9);
+  EXPECT_NEAR(graph.edges[1].width_m, 3.8, 1e-9);
+}
+
+TEST(NavigationGraph, CurvedRowsAndBlocksApart) {
+  const Planted curved = plant({0.0, -4.0, -8.0}, 16, 60.0);
+  ASSERT_EQ(curved.rows.size(), 3u);
+  const NavigationGraph graph = navigation_graph(curved.landmarks, curved.rows);
+  ASSERT_EQ(graph.edges.size(), 2u + 2u);
+  for (const Vector2d& point : graph.edges[0].line_map) {
+    const double radius_m = (point - Vector2d(0.0, 60.0)).norm();
+    EXPECT_NEAR(radius_m, 62.0, 0.12) << "midway between rows of radius 60 and 64";
+  }
+  // two pairs of rows 14 m apart are two blocks
+  const Planted apart = plant({0.0, -4.0, -18.0, -22.0}, 11);
+  const NavigationGraph two = navigation_graph(apart.landmarks, apart.rows);
+  EXPECT_EQ(std::count_if(two.edges.begin(), two.edges.end(),
+                          [](const NavigationEdge& e) { return e.kind == WayKind::kAlley; }),
+            2);
+  EXPECT_TRUE(navigation_graph({}, {}).edges.empty());
+  EXPECT_TRUE(navigation_graph(apart.landmarks, {apart.rows[0]}).edges.empty());
+}
+
+TEST(NavigationGraph, AShortRowBetweenLongOnesIsGoneRound) {
+  Planted p = plant({0.0, -4.0, -8.0}, 11);
+  // the middle row keeps its first six places only
+  const double end_x_m = 8.0;
+  Row& middle = p.rows[1];
+  middle.places.erase(std::remove_if(middle.places.begin(), middle.places.end(),
+                                     [&](const RowPlace& q) { return q.p_map.x() > end_x_m; }),
+                      middle.places.end());
+  const NavigationGraph graph = navigation_graph(p.landmarks, p.rows);
+  for (const NavigationEdge& edge : graph.edges) {
+    if (edge.kind != WayKind::kHeadland) continue;
+    for (const Vector2d& q : edge.line_map) {
+      EXPECT_TRUE(q.x() < -0.5 || q.x() > end_x_m + 0.5) << "not through the row";
+    }
+  }
+}
+
+TEST(RowSpacing, CountsOnlyNeighbours) {
+  const Planted p = plant({0.0, -4.0, -8.0}, 11);
+  const RowSpacing spacing = row_spacing(p.rows[1]);  // the one with a gap
+  EXPECT_NEAR(spacing.median_m, 2.0, 1e-9);
+  EXPECT_NEAR(spacing.most_m, 2.0, 1e-9) << "the step over the gap is none";
+  EXPECT_NEAR(spacing.sd_m, 0.0, 1e-9);
+  EXPECT_EQ(row_spacing(Row{}).median_m, 0.0);
+}
+
+}  // namespace
+}  // namespace orchard::mapping

@@ -1,0 +1,366 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/rows/rows.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+#include <utility>
+#include <vector>
+
+namespace orchard::mapping {
+namespace {
+
+using detection::Label;
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// A block whose rows and places are known because it was planted by them.
+struct Planted {
+  std::vector<Landmark> landmarks;
+  std::map<std::int32_t, std::pair<int, int>> numbers;  ///< id -> row, position
+  double forward_deg = 0.0;
+};
+
+struct Plan {
+  int num_rows = 8;
+  int num_places = 25;
+  double row_spacing_m = 4.0;
+  double tree_spacing_m = 2.0;
+  double unequal = 0.12;  ///< steps differ from the spacing by up to this share
+  double bend_m = 0.0;    ///< radius of the middle row; 0 = straight
+  double heading_rad = 0.3;
+  double missing = 0.1;
+  double noise_m = 0.03;
+  double post_share = 0.2;  ///< of the steps have a post halfway
+};
+
+Planted plant(const Plan& plan, std::mt19937_64& random) {
+  const auto uniform = [&](double a, double b) {
+    return a + (b - a) * static_cast<double>(random() >> 11) * 0x1p-53;
+  };
+  const auto normal = [&] {
+    double sum = -6.0;
+    for (int i = 0; i < 12; ++i) sum += uniform(0.0, 1.0);
+    return sum;
+  };
+  Planted block;
+  block.forward_deg = plan.heading_rad * 180.0 / kPi;
+  int id = 100;
+  // along a row as arc length of the middle row, across to the right of it
+  const auto place = [&](double along_m, double across_m) {
+    double x = along_m, y = -across_m;
+    if (plan.bend_m != 0.0) {
+      const double angle = along_m / plan.bend_m;
+      x = (plan.bend_m + across_m) * std::sin(angle);
+      y = plan.bend_m - (plan.bend_m + across_m) * std::cos(angle);
+    }
+    const double c = std::cos(plan.heading_rad), s = std::sin(plan.heading_rad);
+    return std::make_pair(c * x - s * y, s * x + c * y);
+  };
+  const auto add = [&](double along_m, double across_m, Label label) {
+    Landmark l;
+    l.id = ++id;
+    l.label = label;
+    std::tie(l.x_m, l.y_m) = place(along_m, across_m);
+    l.x_m += plan.noise_m * normal();
+    l.y_m += plan.noise_m * normal();
+    block.landmarks.push_back(l);
+    return l.id;
+  };
+  const double length_m = (plan.num_places - 1) * plan.tree_spacing_m;
+  for (int row = 0; row < plan.num_rows; ++row) {
+    const double across_m = (row - 0.5 * (plan.num_rows - 1)) * plan.row_spacing_m;
+    double along_m = -0.5 * length_m;
+    for (int position = 0; position < plan.num_places; ++position) {
+      if (uniform(0, 1) >= plan.missing) {
+        block.numbers[add(along_m, across_m, Label::kTree)] = {row + 1, position + 1};
+      }
+      const double step_m = plan.tree_spacing_m * uniform(1.0 - plan.unequal, 1.0 + plan.unequal);
+      if (uniform(0, 1) < plan.post_share) add(along_m + 0.5 * step_m, across_m, Label::kObject);
+      along_m += step_m;
+    }
+  }
+  std::shuffle(block.landmarks.begin(), block.landmarks.end(), random);
+  return block;
+}
+
+RowsConfig counted_along(const Planted& block) {
+  RowsConfig config;
+  config.numbering = RowNumbering::kDirection;
+  config.forward_deg = block.forward_deg;
+  return config;
+}
+
+/// Trees whose numbers are not those they were planted with.
+int num_wrong(const Planted& block, const RowsConfig& config) {
+  std::vector<Landmark> landmarks = block.landmarks;
+  number_landmarks(find_rows(landmarks, config), landmarks);
+  int wrong = 0;
+  for (const Landmark& l : landmarks) {
+    const auto planted = block.numbers.find(l.id);
+    const auto truth = planted == block.numbers.end() ? std::make_pair(0, 0) : planted->second;
+    wrong += std::make_pair(l.row, l.position) != truth;
+  }
+  return wrong;
+}
+
+Plan random_plan(std::mt19937_64& random) {
+  const auto uniform = [&](double a, double b) {
+    return a + (b - a) * static_cast<double>(random() >> 11) * 0x1p-53;
+  };
+  Plan plan;
+  plan.num_rows = 3 + static_cast<int>(uniform(0, 10));
+  plan.num_places = 10 + static_cast<int>(uniform(0, 31));
+  plan.row_spacing_m = uniform(3.0, 6.0);
+  plan.tree_spacing_m = plan.row_spacing_m * uniform(0.25, 0.75);
+  plan.heading_rad = uniform(-kPi, kPi);
+  const double length_m = plan.num_places * plan.tree_spacing_m;
+  if (uniform(0, 1) < 0.6) {
+    // bent by up to two thirds of a right angle over its length, either way, inner rows included
+    const double turn_rad = uniform(0.1, 1.05);
+    const double radius_m = length_m / turn_rad + plan.num_rows * plan.row_spacing_m;
+    plan.bend_m = uniform(0, 1) < 0.5 ? radius_m : -radius_m;
+  }
+  return plan;
+}
+
+TEST(Rows, NumbersTwoHundredRandomOrchards) {
+  int wrong_orchards = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    std::mt19937_64 random(seed);
+    const Planted block = plant(random_plan(random), random);
+    const int wrong = num_wrong(block, counted_along(block));
+    if (wrong > 0) {
+      ++wrong_orchards;
+      ADD_FAILURE() << "seed " << seed << ": " << wrong << " of " << block.landmarks.size();
+    }
+  }
+  EXPECT_EQ(wrong_orchards, 0);
+}
+
+/// What find_rows numbers a planted block.
+std::map<std::int32_t, std::pair<int, int>> numbered(const std::vector<Landmark>& landmarks,
+                                                     const RowsConfig& config) {
+  std::vector<Landmark> all = landmarks;
+  number_landmarks(find_rows(all, config), all);
+  std::map<std::int32_t, std::pair<int, int>> numbers;
+  for (const Landmark& l : all) numbers[l.id] = {l.row, l.position};
+  return numbers;
+}
+
+TEST(Rows, NumbersStayWhenOneTreeInTwentyChanges) {
+  for (std::uint64_t seed = 301; seed <= 320; ++seed) {
+    std::mt19937_64 random(seed);
+    Plan plan;
+    plan.heading_rad = 1.2;
+    Planted block = plant(plan, random);
+    const RowsConfig config;  // automatic
+    const auto before = numbered(block.landmarks, config);
+    // another day's map: other noise, a tree in forty gone, and as many planted in gaps
+    std::vector<Landmark> later;
+    for (Landmark l : block.landmarks) {
+      if (l.label == Label::kTree && random() % 40 == 0) continue;
+      l.x_m += 0.02 * (static_cast<double>(random() % 2001) / 1000.0 - 1.0);
+      l.y_m += 0.02 * (static_cast<double>(random() % 2001) / 1000.0 - 1.0);
+      later.push_back(l);
+    }
+    int new_id = 10000;
+    for (const Row& row : find_rows(block.landmarks, config)) {
+      for (const RowPlace& place : row.places) {
+        if (place.landmark_id != 0 || random() % 4 != 0) continue;
+        Landmark l;
+        l.id = ++new_id;
+        l.label = Label::kTree;
+        l.x_m = place.p_map.x();
+        l.y_m = place.p_map.y();
+        later.push_back(l);
+      }
+    }
+    std::shuffle(later.begin(), later.end(), random);
+    EXPECT_GT(new_id, 10000);
+    for (const auto& [id, number] : numbered(later, config)) {
+      const auto was = before.find(id);
+      if (was == before.end()) continue;
+      EXPECT_EQ(number, was->second) << "seed " << seed << " id " << id;
+    }
+  }
+}
+
+TEST(Rows, DoesNotDependOnTheOrderOfTheLandmarks) {
+  std::mt19937_64 random(401);
+  Plan plan;
+  plan.bend_m = 90.0;
+  Planted block = plant(plan, random);
+  const auto first = numbered(block.landmarks, {});
+  std::shuffle(block.landmarks.begin(), block.landmarks.end(), random);
+  EXPECT_EQ(numbered(block.landmarks, {}), first);
+}
+
+TEST(Rows, GapsStandWhereTreesAreMissing) {
+  Plan plan;
+  plan.num_rows = 3;
+  plan.num_places = 12;
+  plan.unequal = plan.noise_m = plan.missing = plan.post_share = 0.0;
+  plan.heading_rad = 0.0;
+  std::mt19937_64 random(1);
+  Planted block = plant(plan, random);
+  // without the fifth and sixth tree of the middle row
+  auto& all = block.landmarks;
+  all.erase(std::remove_if(all.begin(), all.end(),
+                           [&](const Landmark& l) {
+                             const auto n = block.numbers.at(l.id);
+                             return n.first == 2 && (n.second == 5 || n.second == 6);
+                           }),
+            all.end());
+  const std::vector<Row> rows = find_rows(all, counted_along(block));
+  ASSERT_EQ(rows.size(), 3u);
+  ASSERT_EQ(rows[1].places.size(), 12u);
+  EXPECT_NEAR(rows[1].spacing_m, 2.0, 1e-9);
+  for (const RowPlace& place : rows[1].places) {
+    EXPECT_EQ(place.landmark_id == 0, place.position == 5 || place.position == 6);
+    EXPECT_NEAR(place.p_map.x(), -11.0 + 2.0 * (place.position - 1), 1e-9);
+    EXPECT_NEAR(place.p_map.y(), 0.0, 1e-9);
+  }
+}
+
+TEST(Rows, BeginAtTheCornerNearestToTheOrigin) {
+  Plan plan;
+  plan.missing = 0.0;
+  std::mt19937_64 random(2);
+  const Planted block = plant(plan, random);
+  std::map<std::pair<int, int>, const Landmark*> at;
+  for (const Landmark& l : block.landmarks) {
+    if (block.numbers.count(l.id)) at[block.numbers.at(l.id)] = &l;
+  }
+  for (const int row : {1, plan.num_rows}) {
+    for (const int position : {1, plan.num_places}) {
+      const Landmark& corner = *at.at({row, position});
+      RowsConfig config;
+      config.numbering = RowNumbering::kOrigin;
+      config.origin_m = {corner.x_m + 0.4, corner.y_m - 0.3};
+      config.first_row = 11;
+      config.first_position = 101;
+      EXPECT_EQ(numbered(block.landmarks, config).at(corner.id), std::make_pair(11, 101));
+    }
+  }
+}
+
+TEST(Rows, AHedgeAcrossTheirEndsChangesNoNumber) {
+  Plan plan;
+  plan.heading_rad = 0.0;
+  std::mt19937_64 random(5);
+  Planted block = plant(plan, random);
+  for (int i = 0; i < 24; ++i) {  // 3 m beyond the last places, from the first row to the last
+    Landmark l;
+    l.id = 5000 + i;
+    l.label = Label::kTree;
+    l.x_m = 27.0;
+    l.y_m = -14.0 + 28.0 * i / 23.0;
+    block.landmarks.push_back(l);
+  }
+  const auto numbers = numbered(block.landmarks, counted_along(block));
+  // a lone last tree beside the hedge may be taken for one of it, and stay without a number
+  int num_unnumbered = 0;
+  for (const auto& [id, planted] : block.numbers) {
+    if (numbers.at(id).first == 0) {
+      ++num_unnumbered;
+    } else {
+      EXPECT_EQ(numbers.at(id), planted) << id;
+    }
+  }
+  EXPECT_LE(num_unnumbered, 1);
+  // one of the hedge may stand just where a row goes on, but it is no row itself
+  int num_numbered = 0;
+  for (int i = 0; i < 24; ++i) num_numbered += numbers.at(5000 + i).first != 0;
+  EXPECT_LE(num_numbered, plan.num_rows);
+}
+
+/// Gives trees and posts the confidences of a rig without a camera: posts pass for trees.
+void take_posts_for_trees(Planted& block) {
+  for (Landmark& l : block.landmarks) {
+    l.probability = 1.0;
+    l.roc_mean = l.label == Label::kTree ? 0.8 : 0.25;
+    l.label = Label::kTree;
+  }
+}
+
+TEST(Rows, PostsThatPassForTreesMoveNoNumber) {
+  for (std::uint64_t seed = 501; seed <= 540; ++seed) {
+    std::mt19937_64 random(seed);
+    Planted block = plant(random_plan(random), random);
+    take_posts_for_trees(block);
+    EXPECT_EQ(num_wrong(block, counted_along(block)), 0) << "seed " << seed;
+  }
+}
+
+TEST(Rows, PartsOfBushesNeitherBreakNorShiftRows) {
+  int num_wrong = 0, num_trees = 0;
+  for (std::uint64_t seed = 601; seed <= 620; ++seed) {
+    std::mt19937_64 random(seed);
+    const auto uniform = [&](double a, double b) {
+      return a + (b - a) * static_cast<double>(random() >> 11) * 0x1p-53;
+    };
+    Plan plan;
+    plan.heading_rad = 0.0;
+    plan.unequal = 0.05;
+    Planted block = plant(plan, random);
+    take_posts_for_trees(block);
+    // bushes as each of their sides shows them: some parts thick as trunks, in a row, off the trees
+    int id = 9000;
+    for (int bush = 0; bush < 5; ++bush) {
+      const double x_m = -24.0 + 2.0 * static_cast<double>(random() % 24) + uniform(0.8, 1.2);
+      const double y_m = 14.0 - 4.0 * static_cast<double>(random() % 8) + uniform(-0.2, 0.2);
+      for (int part = 0; part < 4; ++part) {
+        Landmark l;
+        l.id = ++id;
+        l.label = Label::kTree;
+        l.x_m = x_m + uniform(-0.3, 0.3);
+        l.y_m = y_m + uniform(-0.3, 0.3);
+        l.probability = 1.0;
+        l.roc_mean = part == 0 ? 0.55 : uniform(0.2, 0.35);
+        block.landmarks.push_back(l);
+      }
+    }
+    const RowsConfig config = counted_along(block);
+    EXPECT_EQ(find_rows(block.landmarks, config).size(), 8u) << "seed " << seed;
+    const auto numbers = numbered(block.landmarks, config);
+    for (const auto& [tree, planted] : block.numbers) num_wrong += numbers.at(tree) != planted;
+    num_trees += static_cast<int>(block.numbers.size());
+  }
+  EXPECT_LE(num_wrong, num_trees / 100) << "of " << num_trees;
+}
+
+TEST(Rows, OfTwoInOnePlaceTheSurerOneIsTheTree) {
+  Plan plan;
+  plan.heading_rad = 0.0;
+  plan.missing = 0.0;
+  std::mt19937_64 random(7);
+  Planted block = plant(plan, random);
+  take_posts_for_trees(block);
+  const int num_things = static_cast<int>(block.landmarks.size());
+  for (int i = 0; i < num_things; i += 9) {  // beside a tree, towards either side
+    Landmark l = block.landmarks[static_cast<std::size_t>(i)];
+    if (block.numbers.count(l.id) == 0) continue;
+    l.id += 5000;
+    l.x_m += i % 2 == 0 ? 0.35 : -0.35;
+    l.roc_mean = 0.45;
+    block.landmarks.push_back(l);
+  }
+  EXPECT_EQ(num_wrong(block, counted_along(block)), 0);
+}
+
+TEST(Rows, FindsNoneInTooLittle) {
+  EXPECT_TRUE(find_rows({}, {}).empty());
+  std::vector<Landmark> two(2);
+  two[0].label = two[1].label = Label::kTree;
+  two[1].x_m = 2.0;
+  EXPECT_TRUE(find_rows(two, {}).empty());
+  std::vector<Landmark> same(5, two[0]);  // all in one place
+  EXPECT_TRUE(find_rows(same, {}).empty());
+}
+
+}  // namespace
+}  // namespace orchard::mapping

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/prior_map/prior_map_localiser.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "geometry/angles.hpp"
+#include "unit/pose/prior_map/prior_world.hpp"
+
+namespace orchard::pose {
+namespace {
+
+PoseConfig config_of(PriorStart start = PriorStart::kGlobal,
+                     const Eigen::Vector3d& T = Eigen::Vector3d::Zero()) {
+  PoseConfig config;
+  config.mode = PoseMode::kPriorMap;
+  config.prior_map.start = start;
+  config.prior_map.start_x_m = T.x();
+  config.prior_map.start_y_m = T.y();
+  config.prior_map.start_yaw_rad = T.z();
+  return config;
+}
+
+/// What became of a drive.
+struct Outcome {
+  double found_m = -1.0;  ///< driven until the first pose
+  double lost_m = -1.0;   ///< driven until the last pose went
+  double worst_m = 0.0;   ///< of all poses given
+  double rmse_m = 0.0;
+  double rmse_rad = 0.0;
+  int num_poses = 0;
+  std::vector<std::string> warnings;  ///< distinct, in order
+  PoseEstimate last;
+
+  bool warned(const std::string& word) const {
+    for (const std::string& warning : warnings) {
+      if (warning.find(word) != std::string::npos) return true;
+    }
+    return false;
+  }
+};
+
+Outcome run(PriorMapLocaliser& localiser, const PriorWorld& world,
+            const std::vector<Stretch>& stretches, std::uint64_t seed,
+            const PriorDriveOptions& options = {}, double judged_from_m = 0.0) {
+  Outcome outcome;
+  drive(
+      world, way_through(world), stretches, seed, options,
+      [&](const Measurement& m, const Eigen::Vector3d& T, double driven_m) {
+        localiser.add(m);
+        const std::string warning = localiser.warning();
+        if (!warning.empty() && (outcome.warnings.empty() || outcome.warnings.back() != warning)) {
+          outcome.warnings.push_back(warning);
+        }
+        const auto estimate = localiser.estimate();
+        if (!estimate) {
+          if (outcome.num_poses > 0 && outcome.lost_m < 0.0) outcome.lost_m = driven_m;
+          return true;
+        }
+        for (const double value : estimate->covariance) EXPECT_TRUE(std::isfinite(value));
+        EXPECT_GT(estimate->covariance[0], 0.0);
+        if (outcome.found_m < 0.0) outcome.found_m = driven_m;
+        outcome.last = *estimate;
+        if (driven_m < judged_from_m) return true;
+        const double error_m = std::hypot(estimate->x_m - T.x(), estimate->y_m - T.y());
+        const double error_rad = geometry::wrap_angle_rad(estimate->yaw_rad - T.z());
+        outcome.worst_m = std::max(outcome.worst_m, error_m);
+        outcome.rmse_m += error_m * error_m;
+        outcome.rmse_rad += error_rad * error_rad;
+        ++outcome.num_poses;
+        return true;
+      });
+  outcome.rmse_m = std::sqrt(outcome.rmse_m / std::max(1, outcome.num_poses));
+  outcome.rmse_rad = std::sqrt(outcome.rmse_rad / std::max(1, outcome.num_poses));
+  return outcome;
+}
+
+PriorWorldOptions small() {
+  PriorWorldOptions options;
+  options.num_rows = 5;
+  options.trees_per_row = 14;
+  return options;
+}
+
+TEST(PriorMapLocaliser, FollowsADriveThroughAlleysAndHeadlands) {
+  const PriorWorld world = prior_world(1, small());
+  PriorMapLocaliser localiser(config_of(PriorStart::kGiven, way_through(world).front()),
+                              mapped(world, 1));
+  const Outcome outcome = run(localiser, changed(world, 1, 0.05), {{0.0, 170.0}}, 1, {}, 1.0);
+  EXPECT_LT(outcome.rmse_m, 0.06);
+  EXPECT_LT(outcome.rmse_rad, 0.6 * geometry::kPi / 180.0);
+  EXPECT_EQ(localiser.num_lost(), 0);
+  EXPECT_TRUE(outcome.warnings.empty());
+}
+
+TEST(PriorMapLocaliser, FindsItsPlaceFromNothing) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const PriorWorld world = prior_world(seed, small());
+    PriorMapLocaliser localiser(config_of(), mapped(world, seed));
+    const double from_m = 25.0 * static_cast<double>(seed);
+    const bool back = seed % 2 == 0;
+    const Outcome outcome =
+        run(localiser, changed(world, seed, 0.05),
+            {back ? Stretch{from_m + 25.0, from_m} : Stretch{from_m, from_m + 25.0}}, seed);
+    EXPECT_GT(outcome.found_m, 0.0) << seed;
+    EXPECT_LT(outcome.worst_m, 0.3) << seed;
+    EXPECT_TRUE(outcome.warned("LOST")) << seed;
+  }
+}
+
+TEST(PriorMapLocaliser, RowsThatLookAlikeAreAmbiguousAndGiveNoPose) {
+  PriorWorldOptions options = small();
+  options.jitter_m = options.missing_fraction = options.width_sd_m = 0.0;
+  const PriorWorld world = prior_world(1, options);
+  PriorMapLocaliser localiser(config_of(), world.trees);
+  const Outcome outcome = run(localiser, world, {{10.0, 32.0}}, 1);
+  EXPECT_EQ(outcome.num_poses, 0);
+  EXPECT_TRUE(outcome.warned("AMBIGUOUS"));
+  EXPECT_TRUE(localiser.warning().find("AMBIGUOUS") == 0) << localiser.warning();
+}
+
+TEST(PriorMapLocaliser, TwoEqualHalvesOfAnOrchardAreAmbiguousUntilSomethingTells) {
+  // the second two rows repeat the first two; beyond the 20th metre they do not
+  PriorWorldOptions options = small();
+  options.num_rows = 2;
+  const PriorWorld half = prior_world(5, options);
+  PriorWorld world = half;
+  world.num_rows = 4;
+  const auto other = prior_world(6, options).trees;
+  for (const PriorLandmark& tree : half.trees) {
+    if (tree.p_map.x() > 20.0) continue;
+    PriorLandmark twin = tree;
+    twin.p_map.y() += 8.0;
+    world.trees.push_back(twin);
+  }
+  for (PriorLandmark tree : other) {
+    tree.p_map.y() += 8.0;
+    if (tree.p_map.x() > 20.0) world.trees.push_back(tree);
+  }
+  PriorMapLocaliser localiser(config_of(), mapped(world, 1, 0.02));
+  const Outcome outcome = run(localiser, world, {{2.0, 38.0}}, 3);
+  EXPECT_TRUE(outcome.warned("AMBIGUOUS"));
+  // 3 m of headland and 5.6 m of sight: nothing can tell before 17 m
+  EXPECT_GT(outcome.found_m, 15.0);
+  EXPECT_LT(outcome.worst_m, 0.3);
+}
+
+TEST(PriorMapLocaliser, AnotherOrchardsMapStaysLost) {
+  const PriorWorld world = prior_world(1, small());
+  PriorMapLocaliser localiser(config_of(), mapped(prior_world(77, small()), 1));
+  const Outcome outcome = run(localiser, world, {{5.0, 60.0}}, 1);
+  EXPECT_EQ(outcome.num_poses, 0);
+  EXPECT_EQ(localiser.warning().find("LOST"), 0u) << localiser.warning();
+}
+
+TEST(PriorMapLocaliser, AWrongStartIsNoticedAndMended) {
+  const PriorWorld world = prior_world(1, small());
+  // given: one alley further
+  Eigen::Vector3d T = way_through(world).front();
+  T.y() += 4.0;
+  PriorMapLocaliser localiser(config_of(PriorStart::kGiven, T), mapped(world, 1));
+  const Outcome outcome = run(localiser, world, {{0.0, 35.0}}, 1, {}, 25.0);
+  EXPECT_GE(localiser.num_lost(), 1);
+  EXPECT_TRUE(outcome.warned("LOST"));
+  ASSERT_GT(outcome.num_poses, 0);
+  EXPECT_LT(outcome.worst_m, 0.3);
+}
+
+TEST(PriorMapLocaliser, CarriedToAnotherRowItIsLostAndFindsItselfAgain) {
+  const PriorWorld world = prior_world(2, small());
+  PriorMapLocaliser localiser(config_of(PriorStart::kGiven, way_through(world).front()),
+                              mapped(world, 2));
+  // first alley, then backwards down the third (each is 44.8 m with its turn)
+  const Outcome outcome =
+      run(localiser, changed(world, 2, 0.05), {{0.0, 20.0}, {118.0, 98.0}}, 2, {}, 35.0);
+  EXPECT_GE(localiser.num_lost(), 1);
+  ASSERT_GT(outcome.num_poses, 0);
+  EXPECT_LT(outcome.worst_m, 0.3);
+}
+
+TEST(PriorMapLocaliser, CarriedByWholeTreeSpacingsItNoticesSoonAndKeepsWhatItSawSince) {
+  // to the third alley, where trees stand as those that it would see had it not been carried
+  const double third_m = 2.0 * (13 * 2.5 + 6.0 + 2.0 * geometry::kPi);
+  // by the check of all trunks of the way alone these take 5 to 9 m to be noticed
+  for (const std::uint64_t seed : {1004, 1019, 1038, 1040, 1041}) {
+    const PriorWorld world = prior_world(seed, small());
+    PriorMapLocaliser localiser(config_of(PriorStart::kGiven, way_through(world).front()),
+                                mapped(world, seed));
+    const Outcome outcome = run(localiser, changed(world, seed, 0.05),
+                                {{0.0, 20.0}, {third_m + 10.0, third_m + 21.0}}, seed, {}, 30.0);
+    EXPECT_GE(localiser.num_lost(), 1) << seed;
+    EXPECT_LT(outcome.lost_m, 24.0) << seed;
+    EXPECT_TRUE(outcome.warned("may have been carried")) << seed;
+    EXPECT_GT(outcome.num_poses, 0) << seed << ": " << localiser.warning();
+    EXPECT_LT(outcome.worst_m, 0.3) << seed;
+  }
+}
+
+TEST(PriorMapLocaliser, FindsItsPlaceWhereManyTreesHaveChanged) {
+  for (std::uint64_t seed = 1001; seed <= 1006; ++seed) {
+    const PriorWorld world = prior_world(seed, small());
+    PriorMapLocaliser localiser(config_of(), mapped(world, seed));
+    const Outcome outcome = run(localiser, changed(world, seed, 0.15), {{5.0, 20.0}}, seed);
+    EXPECT_GT(outcome.found_m, 0.0) << seed << ": " << localiser.warning();
+    EXPECT_LT(outcome.worst_m, 0.3) << seed;
+  }
+}
+
+TEST(PriorMapLocaliser, TenSecondsWithoutOdometryAreSaidAndSurvived) {
+  const PriorWorld world = prior_world(3, small());
+  PriorMapLocaliser localiser(config_of(PriorStart::kGiven, way_through(world).front()),
+                              mapped(world, 3));
+  PriorDriveOptions options;
+  options.silent_from_s = 12.0;
+  options.silent_to_s = 22.0;
+  const Outcome outcome = run(localiser, world, {{0.0, 34.0}}, 3, options, 1.0);
+  EXPECT_TRUE(outcome.warned("no ODOMETRY"));
+  EXPECT_TRUE(localiser.warning().empty()) << localiser.warning();
+  EXPECT_LT(outcome.worst_m, 0.5);
+}
+
+TEST(PriorMapLocaliser, NoBadNumberAndNoJumpOfTimeBringsItDown) {
+  const PriorWorld world = prior_world(3, small());
+  PriorMapLocaliser localiser(config_of(PriorStart::kGiven, way_through(world).front()),
+                              mapped(world, 3));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const Outcome before = run(localiser, world, {{0.0, 10.0}}, 3);
+  ASSERT_TRUE(localiser.estimate());
+  const PoseEstimate pose = *localiser.estimate();
+  Odometry odometry;
+  odometry.utime = pose.utime + 20000;
+  odometry.speed_mps = nan;
+  localiser.add(Measurement(odometry));
+  odometry.speed_mps = 1.0;
+  odometry.utime = pose.utime - 5'000'000;  // backwards
+  localiser.add(Measurement(odometry));
+  SeenTrunks seen;
+  seen.utime = pose.utime + 20000;
+  SeenTrunk trunk;
+  trunk.utime = seen.utime;
+  trunk.x_base_m = nan;
+  seen.trunks.assign(5, trunk);
+  localiser.add(Measurement(seen));
+  ASSERT_TRUE(localiser.estimate());
+  EXPECT_NEAR(localiser.estimate()->x_m, pose.x_m, 0.1);
+  // a year ahead
+  odometry.utime = pose.utime + 31'000'000'000'000;
+  localiser.add(Measurement(odometry));
+  seen.utime = odometry.utime + 1;
+  localiser.add(Measurement(seen));
+  EXPECT_FALSE(localiser.estimate()) << "nobody knows where it is after a year";
+  EXPECT_NE(localiser.warning().find("LOST"), std::string::npos);
+}
+
+TEST(PriorMapLocaliser, TheSameInputGivesTheSameBits) {
+  const PriorWorld world = prior_world(4, small());
+  std::vector<PoseEstimate> ends;
+  for (int i = 0; i < 2; ++i) {
+    PriorMapLocaliser localiser(config_of(), mapped(world, 4));
+    ends.push_back(run(localiser, changed(world, 4, 0.05), {{5.0, 30.0}}, 4).last);
+  }
+  EXPECT_GT(ends[0].utime, 0);
+  EXPECT_EQ(ends[0].utime, ends[1].utime);
+  EXPECT_EQ(ends[0].x_m, ends[1].x_m);
+  EXPECT_EQ(ends[0].covariance, ends[1].covariance);
+}
+
+TEST(PriorMapLocaliser, RefusesAMapThatNobodyCanGoBy) {
+  EXPECT_THROW(PriorMapLocaliser(config_of(), {}), std::invalid_argument);
+  EXPECT_THROW(make_localiser(config_of()), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace orchard::pose

@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/scan_matching/scan_motion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "pose/planar.hpp"
+#include "unit/pose/scan_matching/cast_world.hpp"
+
+namespace orchard::pose {
+namespace {
+
+constexpr std::int64_t kPeriod_us = 100000;
+
+ScanMotion motion_of(const ScanMotionConfig& config = {}) { return ScanMotion(config, {}, {}); }
+
+void expect_finite(const MeasuredMotion& motion) {
+  EXPECT_TRUE(motion.T_from_to.allFinite());
+  EXPECT_TRUE(motion.covariance.allFinite());
+  EXPECT_TRUE(std::isfinite(motion.matched));
+}
+
+/// An S through the orchard: 0.25 m and up to 0.09 rad from scan to scan.
+std::vector<Eigen::Vector3d> weaving_path(int num_scans) {
+  std::vector<Eigen::Vector3d> path{{2.0, 0.0, 0.0}};
+  while (static_cast<int>(path.size()) < num_scans) {
+    const double turn_rad = 0.09 * std::cos(0.2 * static_cast<double>(path.size()));
+    path.push_back(compose(path.back(), {0.25, 0.0, turn_rad}));
+  }
+  return path;
+}
+
+/// Largest error of the way from the first pose, by adding up the motions.
+struct PathError {
+  double position_m = 0.0;
+  double yaw_rad = 0.0;
+  int num_unreliable = 0;
+};
+PathError drive(const CastWorld& world, const std::vector<Eigen::Vector3d>& path, ScanMotion motion,
+                double range_sd_m, int seed) {
+  std::mt19937 random(static_cast<unsigned>(seed));
+  Eigen::Vector3d T_map_base = path.front();
+  PathError worst;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const auto step = motion.add(
+        world.scan(static_cast<std::int64_t>(i) * kPeriod_us, path[i], &random, range_sd_m));
+    EXPECT_EQ(step.has_value(), i > 0);
+    if (!step) continue;
+    EXPECT_EQ(step->utime_from, static_cast<std::int64_t>(i - 1) * kPeriod_us);
+    EXPECT_EQ(step->utime_to, static_cast<std::int64_t>(i) * kPeriod_us);
+    expect_finite(*step);
+    T_map_base = compose(T_map_base, step->T_from_to);
+    const Eigen::Vector3d error = between(path[i], T_map_base);
+    worst.position_m = std::max(worst.position_m, error.head<2>().norm());
+    worst.yaw_rad = std::max(worst.yaw_rad, std::abs(error.z()));
+    worst.num_unreliable += !step->reliable;
+  }
+  return worst;
+}
+
+TEST(ScanMotion, FollowsAPathAmongTrunksExactly) {
+  const PathError worst = drive(orchard_world(), weaving_path(60), motion_of(), 0.0, 1);
+  EXPECT_LT(worst.position_m, 0.03);  // of 15 m
+  EXPECT_LT(worst.yaw_rad, 0.004);
+  EXPECT_EQ(worst.num_unreliable, 0);
+}
+
+TEST(ScanMotion, FollowsAPathThroughNoise) {
+  const PathError worst = drive(orchard_world(), weaving_path(60), motion_of(), 0.03, 2);
+  EXPECT_LT(worst.position_m, 0.10);
+  EXPECT_LT(worst.yaw_rad, 0.012);
+  EXPECT_EQ(worst.num_unreliable, 0);
+}
+
+TEST(ScanMotion, DoesNotCareHowFastTheClockRuns) {
+  const CastWorld world = orchard_world();
+  const std::vector<Eigen::Vector3d> path = weaving_path(12);
+  ScanMotion slow = motion_of(), fast = motion_of();
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    // stretched a hundredfold, and unevenly
+    const auto late = static_cast<std::int64_t>(i * (100 + i)) * kPeriod_us;
+    const auto a = slow.add(world.scan(late, path[i], nullptr));
+    const auto b =
+        fast.add(world.scan(static_cast<std::int64_t>(i) * kPeriod_us, path[i], nullptr));
+    if (!a || !b) continue;
+    EXPECT_EQ(a->T_from_to, b->T_from_to);
+    EXPECT_EQ(a->covariance, b->covariance);
+  }
+}
+
+TEST(ScanMotion, FindsATurnOnTheSpotBetweenTwoScans) {
+  const CastWorld world = orchard_world();
+  ScanMotionConfig config;
+  config.search_turn_rad = 1.6;
+  for (const double turn_rad : {-1.3, -0.5, 0.4, 1.3}) {
+    ScanMotion motion = motion_of(config);
+    std::vector<Eigen::Vector3d> path = weaving_path(12);
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      motion.add(world.scan(static_cast<std::int64_t>(i) * kPeriod_us, path[i], nullptr));
+    }
+    const Eigen::Vector3d jump(0.6, 0.2, turn_rad);
+    const auto step = motion.add(world.scan(12 * kPeriod_us, compose(path.back(), jump), nullptr));
+    ASSERT_TRUE(step);
+    EXPECT_TRUE(step->reliable) << turn_rad;
+    EXPECT_LT((step->T_from_to - jump).norm(), 0.02) << turn_rad;
+  }
+}
+
+TEST(ScanMotion, SaysThatSmoothWallsTellNothingAlongThem) {
+  CastWorld corridor;
+  corridor.walls = {{{-100.0, -2.0}, {100.0, -2.0}}, {{-100.0, 2.0}, {100.0, 2.0}}};
+  ScanMotion motion = motion_of();
+  std::mt19937 random(3);
+  for (int i = 0; i < 10; ++i) {
+    const auto step =
+        motion.add(corridor.scan(i * kPeriod_us, {0.3 * i, 0.02 * i, 0.01 * i}, &random, 0.01));
+    if (!step) continue;
+    expect_finite(*step);
+    EXPECT_FALSE(step->reliable);
+    // along: as little as is known without any scan; across and of the turn: well
+    EXPECT_GT(std::sqrt(step->covariance(0, 0)), 0.3);
+    EXPECT_LT(std::sqrt(step->covariance(1, 1)), 0.05);
+    EXPECT_LT(std::sqrt(step->covariance(2, 2)), 0.01);
+    EXPECT_NEAR(step->T_from_to.z(), 0.01, 0.005);
+  }
+}
+
+TEST(ScanMotion, SaysThatARoughHedgeTellsLittleAlongIt) {
+  // leaves anywhere within a band: another scan sees others
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> depth(0.0, 0.25);
+  ScanMotion motion = motion_of();
+  for (int i = 0; i < 10; ++i) {
+    CastWorld hedge;
+    for (double x = -25.0; x < 30.0; x += 0.12) {
+      hedge.circles.push_back({{x + depth(random), 2.0 + depth(random)}, 0.03});
+      hedge.circles.push_back({{x + depth(random), -2.0 - depth(random)}, 0.03});
+    }
+    const auto step = motion.add(hedge.scan(i * kPeriod_us, {0.3 * i, 0.0, 0.0}, nullptr));
+    if (!step) continue;
+    EXPECT_FALSE(step->reliable);
+    EXPECT_GT(step->covariance(0, 0), 25.0 * step->covariance(1, 1));
+  }
+}
+
+TEST(ScanMotion, AScanWithoutReturnsGoesOnAsExpectedAndSaysSo) {
+  const CastWorld world = orchard_world();
+  const std::vector<Eigen::Vector3d> path = weaving_path(20);
+  ScanMotion motion = motion_of();
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    laser::Scan scan = world.scan(static_cast<std::int64_t>(i) * kPeriod_us, path[i], nullptr);
+    if (i == 8) scan.ranges_m.clear();
+    if (i == 9) scan.ranges_m.assign(897, std::numeric_limits<float>::quiet_NaN());
+    if (i == 10) scan.ranges_m.assign(897, std::numeric_limits<float>::infinity());
+    if (i == 11) scan.ranges_m.assign(897, 20.0f);
+    const bool blind = i >= 8 && i <= 11;
+    const auto step = motion.add(scan);
+    if (!step) continue;
+    expect_finite(*step);
+    EXPECT_EQ(step->reliable, !blind) << i;
+    if (blind) {
+      EXPECT_GT(step->covariance(0, 0), 0.1);
+      EXPECT_EQ(step->matched, 0.0);
+    }
+  }
+}
+
+TEST(ScanMotion, StartsWithoutReturns) {
+  ScanMotion motion = motion_of();
+  const CastWorld nothing;
+  EXPECT_FALSE(motion.add(nothing.scan(0, {0, 0, 0}, nullptr)));
+  for (int i = 1; i < 4; ++i) {
+    const auto step = motion.add(nothing.scan(i * kPeriod_us, {0.1 * i, 0, 0}, nullptr));
+    ASSERT_TRUE(step);
+    EXPECT_FALSE(step->reliable);
+    EXPECT_EQ(step->T_from_to, Eigen::Vector3d::Zero().eval());
+  }
+}
+
+TEST(ScanMotion, BeingCarriedElsewhereIsNotReliableAndThenItGoesOn) {
+  const CastWorld world = orchard_world();
+  CastWorld other;
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> place(-12.0, 12.0);
+  for (int i = 0; i < 25; ++i) other.circles.push_back({{place(random), place(random)}, 0.1});
+  ScanMotion motion = motion_of();
+  int first_reliable_again = 0;
+  for (int i = 0; i < 24; ++i) {
+    const Eigen::Vector3d pose(0.2 * (i % 12), 0.1, 0.0);
+    const auto step = motion.add((i < 12 ? world : other).scan(i * kPeriod_us, pose, nullptr));
+    if (i == 0) continue;
+    ASSERT_TRUE(step);
+    expect_finite(*step);
+    if (i == 12) {
+      EXPECT_FALSE(step->reliable);
+    }
+    if (i > 12 && step->reliable && first_reliable_again == 0) first_reliable_again = i;
+    if (i > 18) {
+      EXPECT_TRUE(step->reliable) << i;
+      EXPECT_LT((step->T_from_to - Eigen::Vector3d(0.2, 0.0, 0.0)).norm(), 0.03) << i;
+    }
+  }
+  EXPECT_GT(first_reliable_again, 12);
+}
+
+TEST(ScanMotion, TheRobotItselfDoesNotHoldItBack) {
+  // a mast and a seat that go with the robot fill 60 degrees behind
+  const CastWorld world = orchard_world();
+  const std::vector<Eigen::Vector3d> path = weaving_path(30);
+  const laser::BlindSector blind{geometry::kPi, 0.55};
+  ScanMotion motion({}, {}, blind);
+  Eigen::Vector3d T_map_base = path.front();
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    laser::Scan scan = world.scan(static_cast<std::int64_t>(i) * kPeriod_us, path[i], nullptr);
+    for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
+      if (blind.contains(scan.bearing_rad(static_cast<double>(beam)))) scan.ranges_m[beam] = 0.9f;
+    }
+    if (const auto step = motion.add(scan)) T_map_base = compose(T_map_base, step->T_from_to);
+  }
+  EXPECT_LT(between(path.back(), T_map_base).head<2>().norm(), 0.03);
+}
+
+TEST(ScanMotion, TheMountIsTakenIntoAccount) {
+  // a laser 0.4 m ahead of the turning centre moves sideways where base only turns
+  const CastWorld world = orchard_world();
+  const Eigen::Vector3d T_base_laser(0.4, -0.1, 0.3);
+  laser::LaserConfig mount;
+  mount.mount_x_m = T_base_laser.x();
+  mount.mount_y_m = T_base_laser.y();
+  mount.mount_yaw_rad = T_base_laser.z();
+  ScanMotion motion({}, mount, {});
+  for (int i = 0; i < 10; ++i) {
+    const Eigen::Vector3d T_map_base(8.0, 0.3, 0.05 * i);
+    const auto step =
+        motion.add(world.scan(i * kPeriod_us, compose(T_map_base, T_base_laser), nullptr));
+    if (!step) continue;
+    EXPECT_LT((step->T_from_to - Eigen::Vector3d(0, 0, 0.05)).norm(), 0.015);
+  }
+}
+
+TEST(ScanMotion, UndoesTheMotionWithinAScan) {
+  // a weaving robot: up to 0.15 rad while the laser sweeps, which takes as long as the period
+  const CastWorld world = orchard_world();
+  for (const bool deskew : {true, false}) {
+    ScanMotionConfig config;
+    config.deskew = deskew;
+    ScanMotion motion = motion_of(config);
+    Eigen::Vector3d T_map_base(2.0, 0.0, 0.0), reached = T_map_base;
+    double worst_m = 0.0;
+    for (int i = 0; i < 30; ++i) {
+      const Eigen::Vector3d step_of_scan(0.25, 0.0, 0.15 * std::cos(0.5 * i));
+      laser::Scan scan = world.scan(i * kPeriod_us, T_map_base, nullptr, 0.0, step_of_scan);
+      scan.beam_period_us = kPeriod_us / 897.0;
+      if (const auto step = motion.add(scan)) reached = compose(reached, step->T_from_to);
+      worst_m = std::max(worst_m, between(T_map_base, reached).head<2>().norm());
+      T_map_base = compose(T_map_base, step_of_scan);
+    }
+    if (deskew) {
+      EXPECT_LT(worst_m, 0.10);
+    } else {
+      EXPECT_GT(worst_m, 0.20) << "the test does not show what deskewing is for";
+    }
+  }
+}
+
+TEST(ScanMotion, AScanThatIsNotLaterIsLeftOut) {
+  const CastWorld world = orchard_world();
+  ScanMotion motion = motion_of();
+  motion.add(world.scan(kPeriod_us, {2, 0, 0}, nullptr));
+  EXPECT_FALSE(motion.add(world.scan(kPeriod_us, {3, 0, 0}, nullptr)));
+  EXPECT_FALSE(motion.add(world.scan(0, {3, 0, 0}, nullptr)));
+  const auto step = motion.add(world.scan(2 * kPeriod_us, {2.2, 0, 0}, nullptr));
+  ASSERT_TRUE(step);
+  EXPECT_EQ(step->utime_from, kPeriod_us);
+  EXPECT_NEAR(step->T_from_to.x(), 0.2, 0.01);
+}
+
+}  // namespace
+}  // namespace orchard::pose

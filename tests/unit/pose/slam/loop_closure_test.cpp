@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/slam/loop_closure.hpp"
+
+#include <gtest/gtest.h>
+
+#include "pose/planar.hpp"
+#include "simulation/random.hpp"
+
+namespace orchard::pose {
+namespace {
+
+/// Rows that were mapped long ago, and a stretch of 20 m of two of them mapped anew, displaced by
+/// what the robot drifted meanwhile.
+struct Rows {
+  ClosureQuestion question;
+  Eigen::Vector3d drift = Eigen::Vector3d(1.8, -0.9, 0.06);  ///< T_old_recent about the pivot
+
+  Rows(std::uint64_t seed, double jitter_m, double missing, bool same_place) {
+    simulation::Random random(seed);
+    question.pivot = {25.0, 2.0};
+    for (int row = 0; row < 3; ++row) {
+      for (int t = 0; t < 24; ++t) {
+        const Eigen::Vector2d p(2.5 * t + random.uniform(-jitter_m, jitter_m),
+                                4.0 * row + random.uniform(-jitter_m, jitter_m));
+        if (random.uniform() < missing) continue;
+        question.old.push_back(landmark(100 * row + t, p));
+        const bool passed = row < 2 && p.x() > 12.0 && p.x() < 32.0;
+        if (passed && same_place) {
+          const Eigen::Vector2d seen =
+              p + Eigen::Vector2d(random.normal(0.0, 0.03), random.normal(0.0, 0.03));
+          question.recent.push_back(landmark(1000 + 100 * row + t, moved_back(seen)));
+        }
+      }
+    }
+    if (!same_place) {  // two other rows that stand as regularly
+      for (int row = 0; row < 2; ++row) {
+        for (int t = 5; t < 13; ++t) {
+          const Eigen::Vector2d p(2.5 * t + random.uniform(-jitter_m, jitter_m),
+                                  4.0 * row + random.uniform(-jitter_m, jitter_m));
+          if (random.uniform() < missing) continue;
+          question.recent.push_back(landmark(1000 + 100 * row + t, moved_back(p)));
+        }
+      }
+    }
+    for (double x_m = 15.0; x_m <= 29.0; x_m += 0.5) {
+      question.path.push_back(moved_back({x_m, 2.0}));
+    }
+    question.view_m = 2.8;
+    question.covariance = Eigen::Vector3d(1.5 * 1.5, 1.5 * 1.5, 0.06 * 0.06).asDiagonal();
+  }
+
+  static ClosureLandmark landmark(int id, const Eigen::Vector2d& p_map) {
+    return {id, p_map, 0.12, 0.01};
+  }
+  /// Where the drifted robot puts what stands there.
+  Eigen::Vector2d moved_back(const Eigen::Vector2d& p) const {
+    return question.pivot +
+           rotation(drift.z()).transpose() * (p - question.pivot - drift.head<2>());
+  }
+};
+
+TEST(FindClosure, LaysTheStretchWhereItBelongs) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const Rows rows(seed, 0.15, 0.08, true);
+    const Closure closure = find_closure(rows.question, SlamConfig{});
+    ASSERT_TRUE(closure.found) << seed;
+    EXPECT_LT((closure.shift - rows.drift).norm(), 0.1) << seed;
+    for (const auto& [recent, old] : closure.same) EXPECT_EQ(recent, old + 1000) << seed;
+    EXPECT_GE(closure.same.size(), rows.question.recent.size() - 1);
+  }
+}
+
+TEST(FindClosure, ARegularRowWithoutGapsFitsAtEveryTreeAndIsLeftOpen) {
+  const Rows rows(1, 0.0, 0.0, true);
+  const Closure closure = find_closure(rows.question, SlamConfig{});
+  EXPECT_FALSE(closure.found);
+  EXPECT_TRUE(closure.ambiguous);
+}
+
+TEST(FindClosure, RowsNeverSeenBeforeAreNotTakenForOthers) {
+  int num_found = 0;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    num_found += find_closure(Rows(seed, 0.15, 0.08, false).question, SlamConfig{}).found;
+  }
+  EXPECT_EQ(num_found, 0);
+}
+
+TEST(FindClosure, WhatThePoseExcludesIsNotFound) {
+  Rows rows(1, 0.15, 0.08, true);
+  rows.question.covariance = Eigen::Vector3d(0.04, 0.04, 1e-4).asDiagonal();
+  EXPECT_FALSE(find_closure(rows.question, SlamConfig{}).found);
+}
+
+TEST(FindClosure, AFewTreesAreNotEnough) {
+  Rows rows(1, 0.15, 0.0, true);
+  rows.question.recent.resize(4);
+  EXPECT_FALSE(find_closure(rows.question, SlamConfig{}).found);
+  rows.question.recent.clear();
+  EXPECT_FALSE(find_closure(rows.question, SlamConfig{}).found);
+}
+
+}  // namespace
+}  // namespace orchard::pose

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/slam/trunk_slam.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <map>
+
+#include "unit/pose/slam/slam_world.hpp"
+
+namespace orchard::pose {
+namespace {
+
+/// What a drive through a world came to, in the frame of its first pose.
+struct Drive {
+  std::vector<Eigen::Vector2d> truth;      ///< trees
+  std::vector<Eigen::Vector2d> landmarks;  ///< confirmed, seen in five keyframes at least
+  Trajectory trajectory;
+  std::map<std::int64_t, Eigen::Vector3d> poses;  ///< true T_start_base
+  std::vector<std::int64_t> operations;           ///< per 500 scans
+  double live_error_max_m = 0.0;
+  std::vector<std::string> warnings;
+
+  double path_rms_m() const {
+    double sum = 0.0;
+    for (const PoseEstimate& p : trajectory.poses) {
+      const auto truth_at = poses.find(p.utime);
+      if (truth_at == poses.end()) continue;
+      sum += (truth_at->second.head<2>() - Eigen::Vector2d(p.x_m, p.y_m)).squaredNorm();
+    }
+    return std::sqrt(sum / static_cast<double>(trajectory.poses.size()));
+  }
+  /// Of all poses but the first, which is known: 3 where the covariance is right.
+  double mean_nees() const {
+    double sum = 0.0;
+    int n = 0;
+    for (const PoseEstimate& p : trajectory.poses) {
+      const auto truth_at = poses.find(p.utime);
+      if (truth_at == poses.end() || &p == &trajectory.poses.front()) continue;
+      Eigen::Matrix3d P;
+      const auto& c = p.covariance;
+      P << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+      Eigen::Vector3d error = truth_at->second - Eigen::Vector3d(p.x_m, p.y_m, p.yaw_rad);
+      error.z() = geometry::wrap_angle_rad(error.z());
+      sum += error.dot(P.inverse() * error);
+      ++n;
+    }
+    return sum / n;
+  }
+  /// Trees without a landmark within reach, landmarks beyond the first of a tree or of none.
+  std::pair<int, int> missed_and_extra(double reach_m) const {
+    int missed = 0;
+    int found = 0;
+    for (const Eigen::Vector2d& tree : truth) {
+      bool near = false;
+      for (const Eigen::Vector2d& l : landmarks) near = near || (l - tree).norm() < reach_m;
+      near ? ++found : ++missed;
+    }
+    return {missed, static_cast<int>(landmarks.size()) - found};
+  }
+};
+
+Drive drive(const SlamWorld& world, std::uint64_t seed, const SlamConfig& config = {}) {
+  TrunkSlam slam(config);
+  Drive d;
+  std::optional<Eigen::Vector3d> start;
+  std::optional<PoseEstimate> live;
+  std::int64_t operations = 0;
+  int num_scans = 0;
+  run(world, seed,
+      {[&](const Odometry& o) { slam.add(o); },
+       [&](const SeenTrunks& seen) {
+         slam.add(seen);
+         live = slam.estimate();
+         if (++num_scans % 500 == 0) {
+           d.operations.push_back(slam.num_operations() - operations);
+           operations = slam.num_operations();
+         }
+         const std::string warning = slam.warning();
+         if (!warning.empty() && (d.warnings.empty() || d.warnings.back() != warning)) {
+           d.warnings.push_back(warning);
+         }
+       },
+       [&](std::int64_t utime, const Eigen::Vector3d& T_map_base) {
+         if (!start) start = T_map_base;
+         const Eigen::Vector3d T = between(*start, T_map_base);
+         d.poses[utime] = T;
+         ASSERT_TRUE(live);
+         d.live_error_max_m = std::max(
+             d.live_error_max_m, (T.head<2>() - Eigen::Vector2d(live->x_m, live->y_m)).norm());
+       }});
+  slam.finish();
+  const auto trajectory = slam.take_correction();
+  EXPECT_TRUE(trajectory);
+  if (trajectory) d.trajectory = *trajectory;
+  for (const SlamWorld::Tree& tree : world.trees) {
+    d.truth.push_back(transform_back(*start, tree.p_map));
+  }
+  for (const SlamLandmark& l : slam.graph().landmarks) {
+    if (l.confirmed && l.keyframes.size() >= 5) d.landmarks.push_back(l.p_map);
+  }
+  return d;
+}
+
+TEST(TrunkSlam, ABlockDrivenOnceComesOutAsItIs) {
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    const Drive d = drive(SlamWorld::block(seed, 4, 12, 1), seed);
+    EXPECT_LT(d.path_rms_m(), 0.10);
+    EXPECT_LT(d.live_error_max_m, 0.4);
+    const auto [missed, extra] = d.missed_and_extra(0.3);
+    EXPECT_EQ(missed, 0);
+    EXPECT_LE(extra, 1);
+    EXPECT_TRUE(d.warnings.empty());
+  }
+}
+
+TEST(TrunkSlam, TheStatedCovarianceIsThatOfTheErrors) {
+  // Mean over poses and seeds of a quantity whose expectation is 3; poses of one drive err
+  // together, so that few drives tell little: the limits are wide, and a covariance of a quarter
+  // fails them.
+  double sum = 0.0;
+  const int num_seeds = 6;
+  for (std::uint64_t seed = 11; seed < 11 + num_seeds; ++seed) {
+    sum += drive(SlamWorld::block(seed, 3, 8, 1), seed).mean_nees();
+  }
+  EXPECT_GT(sum / num_seeds, 0.8);
+  EXPECT_LT(sum / num_seeds, 6.0);
+}
+
+TEST(TrunkSlam, TheSameMeasurementsGiveTheSameNumbers) {
+  const SlamWorld world = SlamWorld::block(3, 3, 8, 1);
+  const Drive a = drive(world, 3);
+  const Drive b = drive(world, 3);
+  ASSERT_EQ(a.trajectory.poses.size(), b.trajectory.poses.size());
+  for (std::size_t i = 0; i < a.trajectory.poses.size(); ++i) {
+    EXPECT_EQ(a.trajectory.poses[i].x_m, b.trajectory.poses[i].x_m);
+    EXPECT_EQ(a.trajectory.poses[i].yaw_rad, b.trajectory.poses[i].yaw_rad);
+    EXPECT_EQ(a.trajectory.poses[i].covariance, b.trajectory.poses[i].covariance);
+  }
+}
+
+TEST(TrunkSlam, EncodersThatFailForTenSecondsAreSaidAndSurvived) {
+  SlamWorld world = SlamWorld::block(4, 3, 12, 1);
+  world.odometry_silent_from_s = 8.0;
+  world.odometry_silent_to_s = 18.0;
+  const Drive d = drive(world, 4);
+  ASSERT_FALSE(d.warnings.empty());
+  EXPECT_NE(d.warnings[0].find("no motion measured"), std::string::npos);
+  EXPECT_LT(d.path_rms_m(), 0.15);
+}
+
+TEST(TrunkSlam, FalseAndMissingDetectionsDoNoHarm) {
+  SlamWorld world = SlamWorld::block(5, 3, 10, 1);
+  world.miss_probability = 0.4;
+  world.false_per_scan = 1.0;
+  const Drive d = drive(world, 5);
+  EXPECT_LT(d.path_rms_m(), 0.10);
+  const auto [missed, extra] = d.missed_and_extra(0.3);
+  EXPECT_EQ(missed, 0);
+  EXPECT_LE(extra, 1);
+}
+
+TEST(SlamGraph, WhatFewScansOfAKeyframeSawIsForgotten) {
+  SlamGraph graph;
+  graph.keyframes.resize(1);
+  graph.landmarks.resize(3);
+  const Eigen::Matrix2d covariance = 1e-4 * Eigen::Matrix2d::Identity();
+  graph.add_sighting(0, 1, {2.0, 0.0}, covariance, 0.0);
+  graph.keyframes.resize(2);
+  for (int scan = 0; scan < 4; ++scan) graph.add_sighting(1, 0, {1.0, 0.0}, covariance, 0.0);
+  graph.add_sighting(1, 1, {2.0, 0.0}, covariance, 0.0);
+  graph.add_sighting(1, 2, {3.0, 0.0}, covariance, 0.0);
+  graph.drop_rare_sightings(2.0);
+  ASSERT_EQ(graph.keyframes[1].sightings.size(), 1u);
+  EXPECT_EQ(graph.keyframes[1].sightings[0].landmark, 0);
+  EXPECT_EQ(graph.landmarks[1].keyframes, std::vector<int>{0});  // seen well before
+  EXPECT_TRUE(graph.landmarks[1].alive);
+  EXPECT_FALSE(graph.landmarks[2].alive);
+}
+
+TEST(TrunkSlam, ALoopIsClosedAfterALongWayWithNothingInView) {
+  const Drive d = drive(SlamWorld::island(7, 30.0, false), 7);
+  // dead reckoning alone is metres off by then
+  EXPECT_GT(d.live_error_max_m, 0.2);
+  const Eigen::Vector3d& end = d.poses.rbegin()->second;
+  const PoseEstimate& last = d.trajectory.poses.back();
+  EXPECT_LT((end.head<2>() - Eigen::Vector2d(last.x_m, last.y_m)).norm(), 0.3);
+  const auto [missed, extra] = d.missed_and_extra(0.3);
+  EXPECT_EQ(missed, 0);
+  EXPECT_LE(extra, 1);
+}
+
+TEST(TrunkSlam, AScanCostsTheSameAfterThreeLapsAsInTheFirst) {
+  const Drive d = drive(SlamWorld::block(8, 4, 8, 3), 8);
+  ASSERT_GE(d.operations.size(), 4u);
+  // counted, not timed; known ground has somewhat more landmarks around than new ground
+  EXPECT_LT(d.operations.back(), 2 * d.operations[1]);
+}
+
+TEST(TrunkSlam, FixesPlaceTheMapAndKeepItThere) {
+  SlamWorld world = SlamWorld::block(9, 3, 10, 1);
+  TrunkSlam slam{SlamConfig{}};
+  simulation::Random noise(9);
+  const Eigen::Vector2d lever(0.3, -0.2);
+  int num_scans = 0;
+  double worst_m = 0.0;
+  run(world, 9,
+      {[&](const Odometry& o) { slam.add(o); }, [&](const SeenTrunks& seen) { slam.add(seen); },
+       [&](std::int64_t utime, const Eigen::Vector3d& T_map_base) {
+         ++num_scans;
+         if (num_scans % 2 == 0) {
+           PlaceFix fix;
+           fix.lever_base_m = lever;
+           fix.p_map = transform(T_map_base, lever) +
+                       Eigen::Vector2d(noise.normal(0.0, 0.02), noise.normal(0.0, 0.02));
+           if (num_scans % 100 == 0) fix.p_map.x() += 30.0;  // a jump
+           fix.covariance = 0.02 * 0.02 * Eigen::Matrix2d::Identity();
+           slam.add_fix(utime, fix);
+         }
+         if (num_scans < 200) return;
+         const auto pose = slam.estimate();
+         worst_m = std::max(worst_m,
+                            (T_map_base.head<2>() - Eigen::Vector2d(pose->x_m, pose->y_m)).norm());
+       }});
+  EXPECT_LT(worst_m, 0.15);
+  slam.finish();
+  ASSERT_TRUE(slam.graph().placed);
+  int num_found = 0;
+  for (const SlamWorld::Tree& tree : world.trees) {
+    for (const SlamLandmark& l : slam.graph().landmarks) {
+      num_found += l.confirmed && (l.p_map - tree.p_map).norm() < 0.05;
+    }
+  }
+  EXPECT_EQ(num_found, static_cast<int>(world.trees.size()));
+}
+
+TEST(TrunkSlam, NothingAtAllIsNoPose) {
+  TrunkSlam slam{SlamConfig{}};
+  EXPECT_FALSE(slam.estimate());
+  slam.finish();
+  EXPECT_FALSE(slam.take_correction());
+}
+
+}  // namespace
+}  // namespace orchard::pose

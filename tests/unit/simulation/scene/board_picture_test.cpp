@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "simulation/scene/board_picture.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/aruco/charuco.hpp>
+#include <opencv2/core.hpp>
+
+#include "simulation/scene/board_motion.hpp"
+
+namespace orchard::simulation {
+namespace {
+
+using calibration::BoardConfig;
+
+geometry::CameraIntrinsics tube_lens() {
+  geometry::CameraIntrinsics camera;
+  camera.fc_px = {221.5, 221.9};
+  camera.cc_px = {161.3, 118.2};
+  camera.kc = {-0.105, 0.018, 0.0006, -0.0004, 0.0};
+  return camera;
+}
+
+BoardConfig charuco_board() {
+  BoardConfig board;
+  board.kind = BoardConfig::kCharuco;
+  board.columns = 7;
+  board.rows = 6;
+  board.square_m = 0.04;
+  board.marker_m = 0.03;
+  return board;
+}
+
+/// Root mean square distance of found corners from where the lens puts them.
+double corner_error_px(const BoardConfig& board, int num_views) {
+  const geometry::CameraIntrinsics camera = tube_lens();
+  const geometry::CameraModel model(camera);
+  const BoardPainter painter(camera, board);
+  Random random(5);
+  double sum_px2 = 0.0;
+  int count = 0;
+  for (const Eigen::Isometry3d& T_camera_board : show_board(camera, board, num_views, {}, random)) {
+    const auto view = calibration::find_board(painter.take(T_camera_board, random), board);
+    if (!view) continue;
+    for (std::size_t i = 0; i < view->corners_px.size(); ++i) {
+      double nearest_px = 1e9;
+      // a chessboard's frame may be turned by half a turn
+      for (const bool turned : {false, true}) {
+        double x_m = view->corners_m[i].x_m, y_m = view->corners_m[i].y_m;
+        if (turned) {
+          x_m = (board.corner_columns() - 1) * board.square_m - x_m;
+          y_m = (board.corner_rows() - 1) * board.square_m - y_m;
+        }
+        const auto truth_px = model.project(T_camera_board * Eigen::Vector3d(x_m, y_m, 0.0));
+        nearest_px = std::min(nearest_px, std::hypot(view->corners_px[i].x_px - truth_px->x(),
+                                                     view->corners_px[i].y_px - truth_px->y()));
+        if (board.kind == BoardConfig::kCharuco) break;
+      }
+      sum_px2 += nearest_px * nearest_px;
+      ++count;
+    }
+  }
+  EXPECT_GT(count, num_views * board.corner_columns() * board.corner_rows() * 2 / 3);
+  return std::sqrt(sum_px2 / count);
+}
+
+TEST(BoardPicture, CornersAreFoundWhereTheLensPutsThem) {
+  EXPECT_LT(corner_error_px(BoardConfig{}, 12), 0.1);
+  EXPECT_LT(corner_error_px(charuco_board(), 12), 0.2);
+}
+
+TEST(BoardPicture, ThePatternIsTheOneThatOpenCvPrints) {
+  const BoardConfig board = charuco_board();
+  const calibration::BoardPattern pattern(board);
+  const auto layout =
+      cv::aruco::CharucoBoard::create(board.columns, board.rows, 0.04f, 0.03f,
+                                      cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50));
+  constexpr int kPerSquare_px = 48;  // a marker's cell is 6 pixels
+  cv::Mat print;
+  layout->draw({board.columns * kPerSquare_px, board.rows * kPerSquare_px}, print);
+  int different = 0;
+  for (int v = 0; v < print.rows; ++v) {
+    for (int u = 0; u < print.cols; ++u) {
+      const double x_m = ((u + 0.5) / kPerSquare_px - 1.0) * board.square_m;
+      const double y_m = ((v + 0.5) / kPerSquare_px - 1.0) * board.square_m;
+      const auto white = pattern.is_white(x_m, y_m);
+      ASSERT_TRUE(white);
+      different += *white != (print.at<std::uint8_t>(v, u) > 127);
+    }
+  }
+  EXPECT_LT(different, print.rows * print.cols / 500);
+}
+
+TEST(BoardPicture, BeyondTheSheetThereIsNoBoard) {
+  const BoardConfig board;
+  const calibration::BoardPattern pattern(board);
+  EXPECT_EQ(pattern.is_white(-0.045, -0.045), true);   // the margin
+  EXPECT_EQ(pattern.is_white(-0.015, -0.015), false);  // the first square
+  EXPECT_EQ(pattern.is_white(0.015, -0.015), true);
+  EXPECT_FALSE(pattern.is_white(-0.061, 0.0));
+  EXPECT_FALSE(pattern.is_white(0.0, 5 * 0.03 + 0.061));
+}
+
+TEST(BoardPicture, TheSameSeedGivesTheSameBytesAndNoBoardGivesNone) {
+  const BoardConfig board;
+  const BoardPainter painter(tube_lens(), board);
+  Random one(3), two(3);
+  const auto pose = show_board(tube_lens(), board, 1, {}, one);
+  show_board(tube_lens(), board, 1, {}, two);
+  ASSERT_EQ(pose.size(), 1u);
+  EXPECT_EQ(painter.take(pose[0], one).grey, painter.take(pose[0], two).grey);
+  EXPECT_FALSE(calibration::find_board(painter.take(std::nullopt, one), board));
+  Eigen::Isometry3d from_behind = pose[0];
+  from_behind.linear() *= Eigen::AngleAxisd(3.14159, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  EXPECT_FALSE(calibration::find_board(painter.take(from_behind, one), board));
+}
+
+}  // namespace
+}  // namespace orchard::simulation

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vision/appearance/appearance.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "unit/vision/test_pictures.hpp"
+
+namespace orchard::vision {
+namespace {
+
+constexpr PixelRect kWindow{40, 20, 16, 32};  // two pixels per column of the grid
+
+std::size_t index_of(const std::string& name) {
+  for (std::size_t i = 0; i < kNumAppearanceFeatures; ++i) {
+    if (name == kAppearanceFeatureNames[i]) return i;
+  }
+  ADD_FAILURE() << "no feature " << name;
+  return 0;
+}
+
+double feature(const AppearanceFeatures& features, const std::string& name) {
+  return features[index_of(name)];
+}
+
+/// A bar of one colour on another, as wide as the window.
+cv::Mat bar(const cv::Scalar& bar_bgr, const cv::Scalar& rest_bgr) {
+  cv::Mat picture(80, 96, CV_8UC3, rest_bgr);
+  picture(cv::Rect(kWindow.x_px, 0, kWindow.width_px, picture.rows)).setTo(bar_bgr);
+  return picture;
+}
+
+/// A model that listens to every feature.
+AppearanceConfig some_model() {
+  AppearanceConfig config;
+  config.mean.assign(kNumAppearanceFeatures, 0.1);
+  config.scale.assign(kNumAppearanceFeatures, 0.5);
+  for (std::size_t i = 0; i < kNumAppearanceFeatures; ++i) {
+    config.weights.push_back(i % 2 == 0 ? 0.2 : -0.2);
+  }
+  return config;
+}
+
+/// Light of another strength and colour.
+cv::Mat in_light(const cv::Mat& picture, double blue, double green, double red) {
+  cv::Mat result;
+  cv::multiply(picture, cv::Scalar(blue, green, red), result);
+  return result;
+}
+
+TEST(Appearance, OfOneColourNothingStandsOut) {
+  const auto f = appearance_features(test::block_of(bar({50, 90, 120}, {50, 90, 120})), kWindow);
+  for (const char* name :
+       {"brightness_contrast", "red_contrast", "blue_contrast", "brightness_stands_out",
+        "brightness_in_scene", "red_in_scene", "brightness_bands_differ", "brightness_in_columns",
+        "brightness_step_strong", "colour_step_strong", "step_agrees_strong", "brightness_bulge",
+        "brightness_slant", "rows_spread", "brights_contrast", "darks_contrast"}) {
+    EXPECT_NEAR(feature(f, name), 0.0, 1e-6) << name;
+  }
+  EXPECT_NEAR(feature(f, "brightness_spread"), std::log(0.02), 1e-4);
+  EXPECT_NEAR(feature(f, "gradient_along_beside"), std::log(0.02), 1e-4);
+}
+
+TEST(Appearance, ABarTwiceAsBrightHasItsContrast) {
+  // Mean over window and bands: (60 + 120 + 60) / 3 = 80, so the bar is 1.5 of it, the rest 0.75.
+  const auto f = appearance_features(test::block_of(bar({120, 120, 120}, {60, 60, 60})), kWindow);
+  const double contrast = std::log(1.6) - std::log(0.85);
+  EXPECT_NEAR(feature(f, "brightness_contrast"), contrast, 1e-5);
+  EXPECT_NEAR(feature(f, "brightness_stands_out"), contrast, 1e-5);
+  EXPECT_NEAR(feature(f, "brightness_step_weak"), contrast, 1e-5);
+  EXPECT_NEAR(feature(f, "brightness_step_strong"), contrast, 1e-5);
+  EXPECT_DOUBLE_EQ(feature(f, "step_agrees_weak"), 1.0);
+  EXPECT_NEAR(feature(f, "brights_contrast"), contrast, 1e-5);
+  EXPECT_NEAR(feature(f, "red_contrast"), 0.0, 1e-6);
+  // The whole rows: 16 of 96 columns are the bar.
+  const double scene = (80.0 * 60.0 + 16.0 * 120.0) / 96.0;
+  EXPECT_NEAR(feature(f, "brightness_in_scene"), std::log(121.0 / (scene + 1.0)), 1e-6);
+}
+
+TEST(Appearance, RedderAndBlueThanItsSurroundings) {
+  const auto red = appearance_features(test::block_of(bar({60, 60, 120}, {60, 60, 60})), kWindow);
+  EXPECT_GT(feature(red, "red_contrast"), 0.5);
+  EXPECT_NEAR(feature(red, "blue_contrast"), 0.0, 1e-6);
+  EXPECT_GT(feature(red, "red_in_scene"), 0.5);
+  const auto blue = appearance_features(test::block_of(bar({120, 60, 60}, {60, 60, 60})), kWindow);
+  EXPECT_GT(feature(blue, "blue_contrast"), 0.5);
+  EXPECT_GT(feature(blue, "colour_step_weak"), 0.5);
+}
+
+TEST(Appearance, OneSidedStepDoesNotStandOut) {
+  cv::Mat picture(80, 96, CV_8UC3, cv::Scalar::all(60));
+  picture(cv::Rect(48, 0, 48, 80)).setTo(cv::Scalar::all(160));  // a wall's end in mid window
+  const auto f = appearance_features(test::block_of(picture), kWindow);
+  EXPECT_EQ(feature(f, "brightness_stands_out"), 0.0);
+  EXPECT_GT(feature(f, "brightness_bands_differ"), 0.5);
+  EXPECT_LT(feature(f, "brightness_step_weak"), 0.01);
+}
+
+TEST(Appearance, TextureAcrossIsNotTextureAlong) {
+  cv::Mat picture(80, 96, CV_8UC3, cv::Scalar::all(100));
+  for (int x = 0; x < picture.cols; x += 4)
+    picture(cv::Rect(x, 0, 2, 80)).setTo(cv::Scalar::all(50));
+  const auto upright = appearance_features(test::block_of(picture), kWindow);
+  EXPECT_GT(feature(upright, "gradient_across"), feature(upright, "gradient_along") + 2.0);
+  EXPECT_GT(feature(upright, "brightness_in_columns"), 0.99);
+}
+
+TEST(Appearance, ExposureAndWhiteBalanceCancel) {
+  const AppearanceConfig model = some_model();
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const cv::Mat picture = 0.6 * test::busy_picture(96, 80, seed) + cv::Scalar(15, 20, 30);
+    const auto as_is = appearance_features(test::block_of(picture), kWindow);
+    const double confidence = appearance_confidence(as_is, model);
+    for (const auto& [blue, green, red] :
+         {std::array{0.6, 0.6, 0.6}, {1.3, 1.3, 1.3}, {0.7, 1.0, 1.4}, {1.4, 1.0, 0.7}}) {
+      const auto lit =
+          appearance_features(test::block_of(in_light(picture, blue, green, red)), kWindow);
+      EXPECT_NEAR(appearance_confidence(lit, model), confidence, 0.03)
+          << "seed " << seed << " light " << blue << " " << green << " " << red;
+    }
+  }
+}
+
+TEST(Appearance, AMirrorChangesNothing) {
+  const cv::Mat picture = test::busy_picture(96, 80, 3);
+  cv::Mat mirrored;
+  cv::flip(picture, mirrored, 1);
+  PixelRect there = kWindow;
+  there.x_px = picture.cols - kWindow.x_px - kWindow.width_px;
+  const auto f = appearance_features(test::block_of(picture), kWindow);
+  const auto g = appearance_features(test::block_of(mirrored), there);
+  for (std::size_t i = 0; i < f.size(); ++i) {
+    EXPECT_NEAR(f[i], g[i], 1e-5) << kAppearanceFeatureNames[i];
+  }
+}
+
+TEST(Appearance, SizeInThePictureHardlyMatters) {
+  const cv::Mat small = bar({60, 90, 140}, {90, 60, 50});
+  cv::Mat large;
+  cv::resize(small, large, {}, 3, 3, cv::INTER_NEAREST);
+  const auto f = appearance_features(test::block_of(small), kWindow);
+  const auto g = appearance_features(test::block_of(large), {120, 60, 48, 96});
+  for (std::size_t i = 0; i < f.size(); ++i) {
+    EXPECT_NEAR(f[i], g[i], 0.01) << kAppearanceFeatureNames[i];
+  }
+}
+
+TEST(Appearance, ReadsOnlyItsRowsOfThePicture) {
+  const cv::Mat picture = test::busy_picture(96, 80, 5);
+  const PixelRect whole{0, 0, 96, 80};
+  const PixelRect area = appearance_reading_area(kWindow, whole);
+  EXPECT_TRUE(area.contains(kWindow));
+  EXPECT_EQ(appearance_features(test::block_of(picture), kWindow),
+            appearance_features(test::block_of(picture, area), kWindow));
+}
+
+TEST(Appearance, ABandBeyondThePictureIsTheOtherOne) {
+  // Left of the window is nothing; what is right of it stands in, so the bar stands out still.
+  cv::Mat picture(80, 96, CV_8UC3, cv::Scalar::all(60));
+  picture(cv::Rect(0, 0, 16, 80)).setTo(cv::Scalar::all(120));
+  const auto f = appearance_features(test::block_of(picture), {0, 20, 16, 32});
+  EXPECT_NEAR(feature(f, "brightness_stands_out"), std::log(1.6) - std::log(0.85), 1e-5);
+  EXPECT_NEAR(feature(f, "brightness_bands_differ"), 0.0, 1e-6);
+  // A window as wide as the picture has no band at all.
+  const auto alone = appearance_features(test::block_of(picture), {0, 20, 96, 32});
+  for (const double value : alone) EXPECT_TRUE(std::isfinite(value));
+}
+
+TEST(Appearance, EveryPictureHasFiniteFeatures) {
+  for (const int level : {0, 1, 255}) {
+    const auto f = appearance_features(
+        test::block_of(cv::Mat(80, 96, CV_8UC3, cv::Scalar::all(level))), kWindow);
+    for (const double value : f) EXPECT_TRUE(std::isfinite(value)) << level;
+  }
+  const cv::Mat picture = test::busy_picture(96, 80, 9);
+  for (const PixelRect& window : {PixelRect{7, 3, 1, 1}, PixelRect{95, 79, 1, 1},
+                                  PixelRect{0, 0, 96, 80}, PixelRect{30, 0, 2, 80}}) {
+    for (const double value : appearance_features(test::block_of(picture), window)) {
+      EXPECT_TRUE(std::isfinite(value));
+    }
+  }
+}
+
+TEST(Appearance, RefusesWindowsBeyondThePixels) {
+  const auto block = test::block_of(test::busy_picture(96, 80, 1));
+  EXPECT_THROW(appearance_features(block, {90, 0, 10, 10}), std::invalid_argument);
+  EXPECT_THROW(appearance_features(block, {10, 10, 0, 10}), std::invalid_argument);
+}
+
+TEST(Appearance, ConfidenceIsTheLogisticOfTheWeightedFeatures) {
+  AppearanceConfig config = some_model();
+  config.weights.assign(kNumAppearanceFeatures, 0.0);
+  config.weights[2] = 1.5;
+  config.bias = -0.25;
+  AppearanceFeatures features{};
+  features[2] = 1.1;  // two standard deviations above the mean
+  EXPECT_NEAR(appearance_log_odds(features, config), 2.75, 1e-12);
+  EXPECT_NEAR(appearance_confidence(features, config), 1.0 / (1.0 + std::exp(-2.75)), 1e-12);
+  config.squares.assign(kNumAppearanceFeatures, 0.0);
+  config.squares[2] = -0.5;
+  EXPECT_NEAR(appearance_log_odds(features, config), 2.75 - 0.5 * (2.0 * 2.0 - 1.0), 1e-12);
+  features[2] = config.mean[2] - 7.0 * config.scale[2];  // squares reach three
+  EXPECT_NEAR(appearance_log_odds(features, config), -0.25 - 7.0 * 1.5 - 0.5 * 8.0, 1e-12);
+  config.squares.pop_back();
+  EXPECT_THROW(appearance_confidence(features, config), std::invalid_argument);
+  config.squares.clear();
+  config.weights.pop_back();
+  EXPECT_THROW(appearance_confidence(features, config), std::invalid_argument);
+  EXPECT_THROW(appearance_confidence(features, AppearanceConfig()), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace orchard::vision

@@ -35,17 +35,20 @@ Eigen::Vector2d CameraModel::distort(const Eigen::Vector2d& n) const {
   const auto& kc = intrinsics_.kc;
   const double x = n.x(), y = n.y();
   const double r2 = x * x + y * y;
+  // Shalal et al. 2013, eq. 5: tangential distortion; eq. 4 adds it to the radial one.
   const double radial = radial_factor(kc, r2);
   const double dx = 2.0 * kc[2] * x * y + kc[3] * (r2 + 2.0 * x * x);
   const double dy = kc[2] * (r2 + 2.0 * y * y) + 2.0 * kc[3] * x * y;
-  return {radial * x + dx, radial * y + dy};
+  return {radial * x + dx, radial * y + dy};  // eq. 4
 }
 
 std::optional<Eigen::Vector2d> CameraModel::project(const Eigen::Vector3d& p_camera) const {
   if (!(p_camera.z() > 0.0)) return std::nullopt;
+  // Shalal et al. 2013, eq. 3
   const Eigen::Vector2d normalized(p_camera.x() / p_camera.z(), p_camera.y() / p_camera.z());
   if (!(normalized.norm() <= max_radius_)) return std::nullopt;
   const Eigen::Vector2d d = distort(normalized);
+  // Shalal et al. 2013, eq. 6; eq. 7 is the same as a matrix.
   return Eigen::Vector2d(
       intrinsics_.fc_px[0] * (d.x() + intrinsics_.alpha_c * d.y()) + intrinsics_.cc_px[0],
       intrinsics_.fc_px[1] * d.y() + intrinsics_.cc_px[1]);

@@ -10,7 +10,7 @@ Eigen::Matrix3d paper_rotation(const std::array<double, 3>& phi_rad) {
   const double sx = std::sin(phi_rad[0]), cx = std::cos(phi_rad[0]);
   const double sy = std::sin(phi_rad[1]), cy = std::cos(phi_rad[1]);
   const double sz = std::sin(phi_rad[2]), cz = std::cos(phi_rad[2]);
-  Eigen::Matrix3d phi;
+  Eigen::Matrix3d phi;  // Shalal et al. 2013, eq. 2
   // clang-format off
   phi <<  cy * cz, cx * sz + sx * cz * sy, sx * sz - cx * sy * cz,
          -cy * sz, cx * cz - sx * sy * sz, sx * cz + cx * sy * sz,

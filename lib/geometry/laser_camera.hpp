@@ -29,6 +29,7 @@ class LaserToCamera {
   explicit LaserToCamera(const LaserCameraExtrinsics& extrinsics);
 
   Eigen::Vector3d operator()(const Eigen::Vector3d& p_laser) const {
+    // Shalal et al. 2013, eq. 1, solved for p_camera.
     return R_camera_laser_ * p_laser + delta_m_;
   }
   const Eigen::Matrix3d& rotation() const { return R_camera_laser_; }

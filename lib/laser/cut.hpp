@@ -49,7 +49,7 @@ void for_each_beam(const Beams& beams, const Run& run, Visitor visit) {
   }
 }
 
-/// Cuts the beams at the spikes of their derivative (Shalal et al. 2013, figure 5).
+/// Cuts the beams at the spikes of their derivative (Shalal et al. 2013, figure 6).
 std::vector<Run> cut(const Beams& beams);
 
 /// Takes off a beam at the rim that is half on the object and half on what is behind or in front

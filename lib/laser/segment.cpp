@@ -58,6 +58,7 @@ double roc_laser(double width_m, double range_m, double bearing_step_rad,
                  const WidthConfig& width) {
   const double sigma_m = width_sigma_m(range_m, bearing_step_rad, width);
   const double deviation = (width_m - width.mean_m) / sigma_m;
+  // Shalal et al. 2013, eq. 10: the density of eq. 9 at the width over that at the mean.
   return std::exp(-0.5 * deviation * deviation);
 }
 

@@ -124,6 +124,7 @@ Eigen::Vector2d standard_error_m(const LandmarkRecord& r) {
   if (r.num_observations < 2) return Eigen::Vector2d::Zero();
   const double n = r.num_observations;
   const double scale = 1.0 / (n * (n - 1.0));
+  // Shalal et al. 2013, eq. 13: s / sqrt(N), with N - 1 in s.
   return {std::sqrt(std::max(0.0, scale * r.m2_xx)), std::sqrt(std::max(0.0, scale * r.m2_yy))};
 }
 

@@ -17,6 +17,7 @@ class PoseComposition {
 
   /// Where a point [m] of base lies in map.
   Eigen::Vector2d apply(double x_base_m, double y_base_m) const {
+    // Shalal et al. 2013, eq. 11 (x) and eq. 12 (y) of a robot that looks anywhere.
     return {xx_ * x_base_m + xy_ * y_base_m + x_m_, yx_ * x_base_m + yy_ * y_base_m + y_m_};
   }
 

@@ -26,6 +26,7 @@ struct EdgeMap {
 /// Grey as the weighted sum of the colours, median filter, Canny, over all of a block or an area in
 /// it: one pass for all windows costs a fraction of a pass for each. Throws std::invalid_argument
 /// when the area is empty or does not lie inside the block.
+/// Source: Shalal et al. 2013, section 4.2 and figure 13.
 EdgeMap edge_map(const PixelBlock& pixels, const EdgeConfig& config);
 EdgeMap edge_map(const PixelBlock& pixels, const PixelRect& area, const EdgeConfig& config);
 

@@ -66,6 +66,7 @@ std::optional<Line> fit_regression(const std::vector<EdgePoint>& points) {
   line.x_mean_px = m.x_mean;
   line.y_mean_px = m.y_mean;
   line.tilt_rad = std::atan(m.xy / m.yy);
+  // R^2 of the regression (Shalal et al. 2013, section 4.2 and figure 9)
   line.straightness = m.xx > 0.0 ? std::clamp(m.xy * m.xy / (m.xx * m.yy), 0.0, 1.0) : 0.0;
   return line;
 }

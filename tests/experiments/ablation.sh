@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# The ablation table of lib/detection/ABLATION.md: the paper's rules in the hard orchard, then each
+# The ablation table of tests/RESULTS.md: the paper's rules in the hard orchard, then each
 # improvement on top of those before it. Every step learns its own models from drives of seeds 1001
 # and up (each under another light) and is judged on the same drives of seeds 1-20 (or FIRST LAST)
-# under the rig's own light. Prints the table; with --write it replaces the one in the file.
+# under the rig's own light. Prints the table; with --write it replaces the one of that page.
 #   RIG=config/orchard_hard.yaml DRIVES=12 SECONDS_PER_DRIVE=0 (the whole drive)
 # Drives are kept in out/orchard and out/orchard_fit. Needs a build in build/ (or BUILD=folder).
 set -euo pipefail
@@ -10,7 +10,7 @@ cd "$(dirname "$0")/../.."
 . tests/experiments/orchard_lights.sh
 orchard=${BUILD:-build}/bin/orchard
 rig=${RIG:-config/orchard_hard.yaml}
-table=lib/detection/ABLATION.md
+page=tests/RESULTS.md
 write=0
 if [ "${1:-}" = --write ]; then write=1 && shift; fi
 first=${1:-1} last=${2:-20} seconds=${SECONDS_PER_DRIVE:-0} drives=${DRIVES:-12}
@@ -144,20 +144,20 @@ set_key "$work/rig.yaml" detector.adaptation enabled true
 judge "adaptation"
 
 how="seeds $first-$last, $([ "$seconds" = 0 ] && echo "whole drives" || echo "the first $seconds s of each drive"); models from $drives drives of seeds 1001 and up, as long"
-text="| rules so far, and | precision | recall | F1 per look | F1 per landmark | centre at 3-4 m (mm RMS) |
+text="| rules so far, and | precision | recall | F1 per observation | F1 per landmark | centre at 3-4 m (mm RMS) |
 |---|---|---|---|---|---|
 ${rows}
 $how"
 echo "$text"
 if [ "$write" = 1 ]; then
-  {
-    echo "# Ablation"
-    echo
-    echo "What each rule is worth in the simulated hard orchard (config/orchard_hard.yaml). Each row keeps what stands above"
-    echo "it. Looks and landmarks are counted as lib/evaluation/README.md says, within 4 m. Made by:"
-    echo
-    echo "    SECONDS_PER_DRIVE=$seconds DRIVES=$drives tests/experiments/ablation.sh --write $first $last"
-    echo
-    echo "$text"
-  } >"$table"
+  echo "$text" >"$work/table.md"
+  awk -v file="$work/table.md" '
+    index($0, "<!-- ablation: ") == 1 {
+      print; print "";
+      while ((getline line < file) > 0) print line;
+      print ""; skip = 1; next
+    }
+    index($0, "<!-- end of ablation -->") == 1 { skip = 0 }
+    !skip' "$page" >"$page.new"
+  mv "$page.new" "$page"
 fi

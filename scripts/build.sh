@@ -1,7 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Installs what is needed, configures and builds everything into build/. Says what it does.
+#   scripts/build.sh             everything
+#   scripts/build.sh TARGET...   arguments go to ninja
 set -euo pipefail
+case "${1:-}" in
+  -h | --help) sed -n '/^[^#]/q; /^#!/d; /^# SPDX/d; s/^# \{0,1\}//p' "$0"; exit 0 ;;
+  -*) echo "build: unknown option $1; see $0 --help" >&2; exit 2 ;;
+esac
 cd "$(dirname "$0")/.."
 
 echo "== 1/3 packages (scripts/install_deps.sh)"

@@ -28,7 +28,7 @@ while [ $# -gt 0 ]; do
     --build) build_dir=${2:?--build needs a folder}; build=no; shift ;;
     --no-build) build=no ;;
     --inside) inside=$2; shift ;;  # how this script calls itself within a namespace
-    -h | --help) sed -n '5,11s/^# //p' "$0"; exit 0 ;;
+    -h | --help) sed -n '/^[^#]/q; /^#!/d; /^# SPDX/d; s/^# \{0,1\}//p' "$0"; exit 0 ;;
     *) echo "demo: unknown option $1; see $0 --help" >&2; exit 2 ;;
   esac
   shift

@@ -1,7 +1,13 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Installs what Orchard Mapper needs to build and run, as Debian 12 and Ubuntu 24.04 name it.
 # Run as root or as a user with sudo. Does nothing, and needs no network, when all is there.
+#   scripts/install_deps.sh
 set -euo pipefail
+case "${1:-}" in
+  -h | --help) sed -n '/^[^#]/q; /^#!/d; /^# SPDX/d; s/^# \{0,1\}//p' "$0"; exit 0 ;;
+  ?*) echo "install_deps: unknown argument $1; see $0 --help" >&2; exit 2 ;;
+esac
 
 packages=(
   # toolchain

@@ -2,7 +2,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Lets LCM work on this machine alone: loopback up, with multicast, and the multicast route through
 # it. Does nothing where multicast already has a route. Until the next boot.
+#   scripts/multicast_lo.sh
 set -euo pipefail
+case "${1:-}" in
+  -h | --help) sed -n '/^[^#]/q; /^#!/d; /^# SPDX/d; s/^# \{0,1\}//p' "$0"; exit 0 ;;
+  ?*) echo "multicast_lo: unknown argument $1; see $0 --help" >&2; exit 2 ;;
+esac
 
 as_root=()
 if [ "$(id -u)" -ne 0 ]; then

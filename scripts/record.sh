@@ -3,7 +3,10 @@
 # Records every message on the bus with lcm-logger until Ctrl-C.
 #   scripts/record.sh [NAME] [LCM_URL]   writes out/recordings/NAME-YYYYmmdd-HHMMSS.lcm
 set -euo pipefail
-case "${1:-}" in -h | --help) sed -n '3,4s/^# //p' "$0"; exit 0 ;; esac
+case "${1:-}" in
+  -h | --help) sed -n '/^[^#]/q; /^#!/d; /^# SPDX/d; s/^# \{0,1\}//p' "$0"; exit 0 ;;
+  -*) echo "record: unknown option $1; see $0 --help" >&2; exit 2 ;;
+esac
 
 name=${1:-drive}
 url=${2:-${LCM_DEFAULT_URL:-udpm://239.255.76.67:7667?ttl=0&recv_buf_size=4194304}}

@@ -4,6 +4,7 @@
 #   spy.sh -l "udpm://239.255.76.67:7667?ttl=0"
 # (Debian's own lcm-spy passes -Xincgc, which Java 17 refuses, so lcm.spy.Spy is started here.)
 set -euo pipefail
+case "${1:-}" in -h | --help) sed -n '/^[^#]/q; /^#!/d; /^# SPDX/d; s/^# \{0,1\}//p' "$0"; exit 0 ;; esac
 here=$(cd "$(dirname "$0")/.." && pwd)
 
 first_of() {  # first_of WHAT HINT PATH...: the first path that exists
@@ -20,17 +21,13 @@ first_of() {  # first_of WHAT HINT PATH...: the first path that exists
   exit 1
 }
 
-if [ "${1:-}" = "--help" ] || [ "${1:-}" = "-h" ]; then
-  sed -n '3,5p' "$0" | sed 's/^# \{0,1\}//'
-  exit 0
-fi
 command -v java >/dev/null || {
-  echo "spy: java is missing; install it with: sudo apt-get install default-jre" >&2
+  echo "spy: java is missing; install it with: sudo apt-get install --no-install-recommends default-jre" >&2
   exit 1
 }
 java_home=$(java -XshowSettings:properties -version 2>&1 | sed -n 's/^ *java\.home = //p')
 if [ -d "$java_home/lib" ] && [ ! -e "$java_home/lib/libawt_xawt.so" ]; then
-  echo "spy: this java opens no windows; install the other half with: sudo apt-get install default-jre" >&2
+  echo "spy: this java opens no windows; install the other half with: sudo apt-get install --no-install-recommends default-jre" >&2
   exit 1
 fi
 types=$(first_of "the jar of the message types" \

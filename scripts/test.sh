@@ -4,6 +4,7 @@
 #   scripts/test.sh             all tests
 #   scripts/test.sh -R mapper   arguments go to ctest
 set -euo pipefail
+case "${1:-}" in -h | --help) sed -n '/^[^#]/q; /^#!/d; /^# SPDX/d; s/^# \{0,1\}//p' "$0"; exit 0 ;; esac
 cd "$(dirname "$0")/.."
 
 scripts/build.sh

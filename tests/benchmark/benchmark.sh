@@ -7,6 +7,8 @@
 #     --no-build   use it as it is
 # Exit code 1 when a target was missed; the whole output of each stays in out/benchmark.
 set -euo pipefail
+known_options="--build --no-build"
+. "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
 
 build_dir=build
@@ -15,7 +17,6 @@ while [ $# -gt 0 ]; do
   case $1 in
     --build) build_dir=${2:?--build needs a folder}; shift ;;
     --no-build) build=no ;;
-    -h | --help) sed -n '3,8s/^# //p' "$0"; exit 0 ;;
     *) echo "benchmark: unknown option $1; see $0 --help" >&2; exit 2 ;;
   esac
   shift

@@ -14,8 +14,8 @@
 # that only its path is judged. The competitors' time holds the reading of their log and start.
 # Needs the Debian package mrpt-apps. An hour and more; the machine should be quiet.
 set -euo pipefail
+. "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
-case ${1:-} in -h | --help) sed -n '3,17s/^# \{0,1\}//p' "tests/benchmark/slam_peers.sh"; exit 0 ;; esac
 build=$(realpath "${BUILD:-build}")
 peers=$build/benchmark/slam_peers
 out=${OUT:-out/slam_peers}

@@ -6,6 +6,8 @@
 #   RIG=config/orchard_hard.yaml DRIVES=12 SECONDS_PER_DRIVE=0 (the whole drive)
 # Drives are kept in out/orchard and out/orchard_fit. Needs a build in build/ (or BUILD=folder).
 set -euo pipefail
+known_options="--write"
+. "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
 . tests/experiments/orchard_lights.sh
 orchard=${BUILD:-build}/bin/orchard

@@ -4,6 +4,7 @@
 # light changes, and what posts of trunk width do to it. Several minutes. The keys of
 # detector.adaptation were chosen on seeds 1-2; the figures of the README are of 101-110.
 set -e
+. "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
 first=${1:-101}
 last=${2:-110}

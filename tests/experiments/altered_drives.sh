@@ -10,8 +10,8 @@
 # BUILD=DIR uses another build folder than build/, RIG=FILE and RIG_ALONE=FILE other rigs, and
 # OUT=DIR another place for the maps than out/altered.
 set -euo pipefail
+. "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
-case "${1:-}" in -h | --help) sed -n '6,11s/^# //p' "$0"; exit 0 ;; esac
 recording=${1:-../shared/data/pullally_drive_1}
 seed=${2:-1}
 [ -d "$recording" ] || { echo "altered_drives: there is no folder $recording" >&2; exit 3; }

@@ -9,6 +9,7 @@
 #   without alignment, is what counts then; OUT=out/block_rtk)
 # Drives are kept in OUT and used again; remove the folder after a change of the simulation.
 set -euo pipefail
+. "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
 orchard=${BUILD:-build}/bin/orchard
 rig=${RIG:-config/block.yaml}

@@ -7,6 +7,7 @@
 # Without OUT.yaml the rig itself is rewritten (the old one kept as .bak). Drives are kept in
 # out/orchard_fit. Needs a build in build/ (or BUILD=folder).
 set -euo pipefail
+. "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
 . tests/experiments/orchard_lights.sh
 orchard=${BUILD:-build}/bin/orchard

@@ -3,6 +3,7 @@
 # FIRST LAST), and how many of the stated 95 % intervals hold it. Needs a build in build/ (or
 # BUILD=folder). The seeds were used for nothing else: no threshold was chosen on them.
 set -euo pipefail
+. "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
 build=${BUILD:-build}
 mkdir -p out

@@ -14,6 +14,8 @@
 #                    earlier day; pullally needs its recording in $ORCHARD_DATA, or in shared/data
 #                    beside this checkout)
 set -euo pipefail
+known_options="--runs --orders --build --no-build --scenes --inside"
+. "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
 
 runs=20
@@ -31,7 +33,6 @@ while [ $# -gt 0 ]; do
     --scenes) scenes=${2:?--scenes needs a list}; shift ;;
     --no-build) build=no ;;
     --inside) inside=yes ;;  # how this script calls itself within a namespace
-    -h | --help) sed -n '3,15s/^# //p' "$0"; exit 0 ;;
     *) echo "determinism: unknown option $1; see $0 --help" >&2; exit 2 ;;
   esac
   shift

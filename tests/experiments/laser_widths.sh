@@ -5,6 +5,6 @@
 # rays, seeded noise. Needs a build in build/ (or BUILD=folder).
 #   tests/experiments/laser_widths.sh [SEEDS [FIRST]]   (default 400 from 5001)
 set -euo pipefail
+. "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
-case "${1:-}" in -h | --help) sed -n '6s/^# //p' "$0"; exit 0 ;; esac
 "${BUILD:-build}/experiments/laser_widths" "$@"

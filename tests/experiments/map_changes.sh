@@ -13,6 +13,7 @@
 #   KINDS=replaced  only fells and plants
 #   VERBOSE=1       says which claims are false and which changes were not found
 set -euo pipefail
+. "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
 orchard=${BUILD:-$PWD/build}/bin/orchard
 mode=${MODE:-fixes}

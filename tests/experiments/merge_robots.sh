@@ -8,6 +8,7 @@
 #
 # usage: tests/experiments/merge_robots.sh [FIRST_SEED [LAST_SEED]]     (default 1 1)
 set -euo pipefail
+. "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
 orchard=${BUILD:-$PWD/build}/bin/orchard
 first=${1:-1}

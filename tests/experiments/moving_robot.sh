@@ -4,6 +4,7 @@
 # between two rows of 12 trees, some 25 s; positions come with 3 mm and 1 mrad of noise only, so that
 # the pose hides nothing. The two run beside each other. Needs a build in build/ (or BUILD=folder).
 set -euo pipefail
+. "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
 build=${BUILD:-build}
 mkdir -p out

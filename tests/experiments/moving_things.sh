@@ -10,6 +10,7 @@
 # Seeds from 1001 on are for choosing, 1-20 for reporting. Drives are kept in OUT (out/moving) and
 # used again; remove the folder after a change of the simulation.
 set -euo pipefail
+. "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
 orchard=${BUILD:-build}/bin/orchard
 rig=${RIG:-config/block.yaml}

@@ -8,6 +8,7 @@
 # Drives are kept in out/orchard and used again; remove the folder after a change of the simulation.
 # A whole drive takes about a minute to simulate. Needs a build in build/ (or BUILD=folder).
 set -euo pipefail
+. "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
 . tests/experiments/orchard_lights.sh
 orchard=${BUILD:-build}/bin/orchard

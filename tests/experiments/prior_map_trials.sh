@@ -5,6 +5,7 @@
 # alley, drives through all alleys. Seeds FIRST to LAST (1 to 800; those below are kept for reports,
 # 1001 and above for choosing). Half an hour of one core. Needs a build in build/ (or BUILD=folder).
 set -euo pipefail
+. "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
 trials=${BUILD:-build}/experiments/prior_map_trials
 first=${1:-1}

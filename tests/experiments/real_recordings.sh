@@ -6,8 +6,8 @@
 #   tests/experiments/real_recordings.sh [FOLDER]   the folder of recordings (default ../shared/data)
 # BUILD=DIR uses another build folder than build/.
 set -euo pipefail
+. "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
-case "${1:-}" in -h | --help) sed -n '6s/^# //p' "$0"; exit 0 ;; esac
 data=${1:-../shared/data}
 [ -d "$data" ] || { echo "real_recordings: there is no folder $data" >&2; exit 3; }
 orchard=${BUILD:-build}/bin/orchard

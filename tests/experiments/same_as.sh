@@ -12,6 +12,8 @@
 #                      out/same_as/REV)
 #     --build DIR      the build folder of this checkout (default build), used as it is
 set -euo pipefail
+known_options="--scenes --rev-build --build"
+. "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
 fail() { echo "same_as: $*" >&2; exit 2; }
 
@@ -24,7 +26,6 @@ while [ $# -gt 0 ]; do
     --scenes) scenes=${2:?--scenes needs a list}; shift ;;
     --rev-build) rev_build=${2:?--rev-build needs a folder}; shift ;;
     --build) build_dir=${2:?--build needs a folder}; shift ;;
-    -h | --help) sed -n '3,14s/^# \{0,1\}//p' "$0"; exit 0 ;;
     -*) fail "unknown option $1; see $0 --help" ;;
     *) rev=$1 ;;
   esac

@@ -5,6 +5,7 @@
 #   RIG=config/scale.yaml  SECONDS_PER_DRIVE=0 (the whole drive)  BUILD=build  OUT=out/scale
 # The log takes half a gigabyte, the map's messages as much again. The drive is kept and used again.
 set -euo pipefail
+. "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
 orchard=${BUILD:-build}/bin/orchard
 rig=${RIG:-config/scale.yaml}

@@ -3,6 +3,8 @@
 # distributions beside the paper's tables 1 and 2. With --calibrate the trunk model is first measured
 # anew on seeds 1001-1020, as config/tubes.yaml's was. Needs a build in build/ (or BUILD=folder).
 set -euo pipefail
+known_options="--calibrate"
+. "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
 build=${BUILD:-build}
 config=config/tubes.yaml

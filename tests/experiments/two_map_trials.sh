@@ -7,6 +7,7 @@
 # those above 1000 are for choosing). Some 6 s of one core a seed. Needs a build in build/ (or
 # BUILD=folder).
 set -euo pipefail
+. "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
 trials=${BUILD:-build}/experiments/two_map_trials
 first=${1:-1}

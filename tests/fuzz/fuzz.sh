@@ -3,6 +3,7 @@
 # Runs every fuzzer with libFuzzer under the address and undefined-behaviour sanitizers.
 # usage: tests/fuzz/fuzz.sh [SECONDS_EACH]   (default 60). Findings are left in build-fuzz/findings.
 set -euo pipefail
+. "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
 seconds=${1:-60}
 

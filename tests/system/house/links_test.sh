@@ -67,6 +67,19 @@ check_paths() {  # check_paths PAGE
     tr -d '\`' | grep -vE "$example" | sort -u)
 }
 
+# In the tables of lib, a column named "file" holds names of files beside the page, without ending.
+check_files() {  # check_files PAGE
+  local page=$1 folder name
+  [[ $page == lib/*/README.md ]] || return 0
+  folder=$(dirname "$page")
+  while IFS= read -r name; do
+    any_exists "$folder/$name" "$folder/$name".{hpp,cpp} || complain "$page: there is no $name"
+  done < <(awk -F'|' '
+    !/^\|/ { column = 0; next }
+    !column { for (i = 2; i < NF; ++i) if ($i ~ /^ *file *$/) column = i; if (!column) column = -1; next }
+    column > 0 { print $column }' "$page" | grep -oE '`[^`]+`' | tr -d '\`' | sort -u)
+}
+
 # Each row of the paper's page: its functions stand in its files, its tests too.
 check_paper() {
   local page=lib/PAPER.md line words files word suite name n
@@ -97,6 +110,7 @@ check_paper() {
 while IFS= read -r page; do
   check_links "$page"
   check_paths "$page"
+  check_files "$page"
 done < <(pages)
 check_paper
 [ $failed -eq 0 ] && echo "every page names only what exists"

@@ -31,6 +31,8 @@ whole && echo '[x](missing.md)' >>"$tree/lib/laser/README.md" && expect 1 "a dea
 whole && echo '[x](../PAPER.md#nowhere)' >>"$tree/lib/laser/README.md" && expect 1 "a dead anchor"
 whole && echo 'run tests/unit/gone.sh' >>"$tree/lib/laser/README.md" && expect 1 "a dead path"
 whole && echo '`gone.hpp`' >>"$tree/lib/laser/README.md" && expect 1 "a file that is gone"
+whole && printf '| file | what |\n|---|---|\n| `gone` | x |\n' >>"$tree/lib/laser/README.md" &&
+  expect 1 "a file of a table that is gone"
 whole && sed -i 's/void cut/void slice/' "$tree/lib/laser/cut.cpp" && expect 1 "a function that is gone"
 whole && sed -i 's/Cut, Cuts/Cut, Slices/' "$tree/tests/unit/cut_test.cpp" && expect 1 "a test that is gone"
 whole && sed -i 's/eq\. 10/eq. 100/' "$tree/lib/laser/cut.cpp" && expect 1 "an equation without a line"

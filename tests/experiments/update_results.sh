@@ -1,17 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Puts what scripts wrote into out/ between the marks of tests/RESULTS.md, and the pictures of the
-# demo and of Pullally into scripts/figures: nothing there is typed.
-#   tests/experiments/update_results.sh [--help]
+# Puts what scripts wrote into out/ between the marks of tests/RESULTS.md, and the pictures that the
+# pages show into scripts/figures: nothing there is typed.
 # What was not made is left as it is: scripts/demo.sh, tests/experiments/tube_seeds.sh,
-# tests/benchmark/benchmark.sh and tests/experiments/real_recordings.sh make it.
+# tests/benchmark/benchmark.sh, tests/experiments/real_recordings.sh and
+# tests/experiments/compare_figure.sh make it.
 set -euo pipefail
+. "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
-case ${1:-} in
-  '') ;;
-  -h | --help) sed -n '3,7s/^# \{0,1\}//p' "$0"; exit 0 ;;
-  *) echo "update_results: unknown option $1; see $0 --help" >&2; exit 2 ;;
-esac
 page=tests/RESULTS.md
 
 # insert NAME FILE SCRIPT: replaces what stands between the two marks of NAME by FILE, indented.
@@ -45,3 +41,4 @@ insert "benchmarks" out/benchmark/summary.txt tests/benchmark/benchmark.sh
 insert "real recordings" out/real/summary.txt tests/experiments/real_recordings.sh
 picture out/demo/map.png demo_map.png
 picture out/real/pullally_drive_1/map.png pullally_map.png
+picture out/compare_figure/changes/compare.png compare.png

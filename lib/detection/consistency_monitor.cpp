@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "detection/consistency_monitor.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include "geometry/angles.hpp"
+#include "geometry/statistics.hpp"
 
 namespace orchard::detection {
 namespace {
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 double seconds(std::int64_t duration_us) { return 1e-6 * static_cast<double>(duration_us); }
 
@@ -41,7 +35,7 @@ void ConsistencyMonitor::add(std::int64_t utime, const std::vector<double>& offs
   std::vector<double> values;
   values.reserve(looks_.size());
   for (const Look& look : looks_) values.push_back(look.offset_px);
-  median_px_ = median_of(std::move(values));
+  median_px_ = geometry::median(std::move(values));
   const double size_deg = std::abs(degrees(median_px_));
   raised_ = size_deg >= (raised_ ? config_.clear_deg : config_.warn_deg);
   if (raised_ && std::abs(median_px_) > std::abs(worst_px_)) worst_px_ = median_px_;

@@ -9,6 +9,7 @@
 
 #include "evaluation/track_association.hpp"
 #include "geometry/angles.hpp"
+#include "geometry/statistics.hpp"
 
 namespace orchard::evaluation {
 namespace {
@@ -154,12 +155,10 @@ ErrorStatistics error_statistics(std::vector<double> errors) {
   double squares_about_mean = 0.0;
   for (const double error : errors) squares_about_mean += std::pow(error - statistics.mean, 2);
   statistics.sd = std::sqrt(squares_about_mean / n);
-  std::sort(errors.begin(), errors.end());
-  const std::size_t middle = errors.size() / 2;
-  statistics.median =
-      errors.size() % 2 == 1 ? errors[middle] : 0.5 * (errors[middle - 1] + errors[middle]);
-  statistics.min = errors.front();
-  statistics.max = errors.back();
+  const auto [least, greatest] = std::minmax_element(errors.begin(), errors.end());
+  statistics.min = *least;
+  statistics.max = *greatest;
+  statistics.median = geometry::midpoint_median(std::move(errors));
   return statistics;
 }
 

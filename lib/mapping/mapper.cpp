@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "geometry/statistics.hpp"
 #include "mapping/association.hpp"
 #include "mapping/bulk_centre.hpp"
 #include "mapping/candidate.hpp"
@@ -402,10 +403,10 @@ std::optional<double> Mapper::tree_scatter_m() const {
     for (const std::int32_t k : impl_->observations.newest_of(r.last_observation, kSamplesMost)) {
       distances_m.push_back((impl_->observations.p_map(k) - centre).norm());
     }
-    medians_m.push_back(median_of(std::move(distances_m)));
+    medians_m.push_back(geometry::median(std::move(distances_m)));
   }
   if (medians_m.empty()) return std::nullopt;
-  return median_of(std::move(medians_m));
+  return geometry::median(std::move(medians_m));
 }
 
 std::vector<Landmark> Mapper::landmarks(int min_observations) const {

@@ -16,6 +16,7 @@
 #include "benchmark/result_line.hpp"
 #include "detection/detect.hpp"
 #include "detection/trunk_view.hpp"
+#include "geometry/statistics.hpp"
 #include "unit/detection/tube_rig.hpp"
 #include "vision/appearance/appearance.hpp"
 #include "vision/decode.hpp"
@@ -112,11 +113,6 @@ void whole_frame(benchmark::State& state) {
 }
 BENCHMARK(whole_frame)->Unit(benchmark::kMicrosecond);
 
-double median_us(std::vector<double> times) {
-  std::nth_element(times.begin(), times.begin() + static_cast<long>(times.size() / 2), times.end());
-  return times[times.size() / 2];
-}
-
 template <class Work>
 double time_us(const Work& work) {
   const auto begin = std::chrono::steady_clock::now();
@@ -133,11 +129,11 @@ void print_ratio(const detection::Rig& rig, const char* name) {
     ours.push_back(
         time_us([&] { benchmark::DoNotOptimize(detection::detect(s.scan, &s.jpeg, rig)); }));
   }
-  const double ratio = median_us(ours) / median_us(baseline);
+  const double ratio = geometry::median(ours) / geometry::median(baseline);
   std::printf(
       "%s: JPEG of %zu bytes to detections %.0f us, whole frame by OpenCV %.0f us: "
       "%.2fx (limit %.2fx)\n",
-      name, s.jpeg.data.size(), median_us(ours), median_us(baseline), ratio, kLimit);
+      name, s.jpeg.data.size(), geometry::median(ours), geometry::median(baseline), ratio, kLimit);
   char measured[32];
   std::snprintf(measured, sizeof measured, "%.2fx", ratio);
   const std::string row =

@@ -18,13 +18,13 @@
 #include "benchmark/child_process.hpp"
 #include "benchmark/field_drive.hpp"
 #include "benchmark/live_pipeline.hpp"
-#include "benchmark/median.hpp"
 #include "benchmark/private_network.hpp"
 #include "benchmark/relay.hpp"
 #include "benchmark/result_line.hpp"
 #include "bus/messages/codec.hpp"
 #include "bus/replay/in_process_replay.hpp"
 #include "detector/detector_node.hpp"
+#include "geometry/statistics.hpp"
 #include "mapper/mapper_node.hpp"
 #include "pose/pose_node.hpp"
 
@@ -174,19 +174,19 @@ double through_relays(Probe& probe, const MessageSet& set, Clock::time_point unt
 
 void print_quantiles(const char* name, const std::vector<double>& times_ms) {
   std::printf("%s, %zu scans: p50 %.3f ms, p90 %.3f ms, p99 %.3f ms, most %.3f ms\n", name,
-              times_ms.size(), bench::median(times_ms), bench::quantile(times_ms, 0.9),
-              bench::quantile(times_ms, 0.99), bench::quantile(times_ms, 1.0));
+              times_ms.size(), geometry::median(times_ms), geometry::quantile(times_ms, 0.9),
+              geometry::quantile(times_ms, 0.99), geometry::quantile(times_ms, 1.0));
 }
 
 bool report(const std::vector<double>& pipeline_ms, const std::vector<double>& relay_ms,
             int num_missing) {
   print_quantiles("live processes", pipeline_ms);
   print_quantiles("bare LCM relay", relay_ms);
-  const double ratio = bench::median(pipeline_ms) / bench::median(relay_ms);
-  const double p99_ms = bench::quantile(pipeline_ms, 0.99);
+  const double ratio = geometry::median(pipeline_ms) / geometry::median(relay_ms);
+  const double p99_ms = geometry::quantile(pipeline_ms, 0.99);
   char text[96];
   std::snprintf(text, sizeof text, "%.2fx (%.2f ms against %.2f ms)", ratio,
-                bench::median(pipeline_ms), bench::median(relay_ms));
+                geometry::median(pipeline_ms), geometry::median(relay_ms));
   bool met = bench::print_result("scan to map, p50, against a bare LCM relay", text, "<= 2.5x",
                                  ratio <= kTargetRatio);
   std::snprintf(text, sizeof text, "%.2f ms", p99_ms);
@@ -231,7 +231,7 @@ std::pair<double, double> alone_ms(const bench::FieldDrive& drive,
     }
     mapper_ms.push_back(sum_ms);
   }
-  return {bench::median(detector_ms), bench::median(mapper_ms)};
+  return {geometry::median(detector_ms), geometry::median(mapper_ms)};
 }
 
 }  // namespace

@@ -13,7 +13,6 @@
 #include "benchmark/child_process.hpp"
 #include "benchmark/field_drive.hpp"
 #include "benchmark/log_player_loss.hpp"
-#include "benchmark/median.hpp"
 #include "benchmark/private_network.hpp"
 #include "benchmark/result_line.hpp"
 #include "bus/bus.hpp"
@@ -23,6 +22,7 @@
 #include "bus/replay/lockstep_player.hpp"
 #include "bus/replay/replay_index.hpp"
 #include "detector/detector_node.hpp"
+#include "geometry/statistics.hpp"
 #include "mapper/mapper_node.hpp"
 #include "pose/pose_node.hpp"
 
@@ -160,7 +160,7 @@ Replayed bench_in_process(const FieldDrive& drive, bool& met) {
     replayed = replay_once(drive, pointers(nodes));
     factors.push_back(drive.duration_s / replayed.elapsed_s);
   }
-  const double factor = bench::median(factors);
+  const double factor = geometry::median(factors);
   met &= bench::print_result("replay in one process, one core", factor_text(factor),
                              ">= " + factor_text(kInProcessTarget), factor >= kInProcessTarget);
   print_shares(drive);
@@ -209,7 +209,7 @@ void bench_lockstep(const FieldDrive& drive, const Replayed& expected,
   for (ChildProcess& node : nodes) {
     if (node.stop() != 0) std::printf("%s did not end well\n", node.name().c_str());
   }
-  const double factor = bench::median(factors);
+  const double factor = geometry::median(factors);
   met &= bench::print_result("replay in lockstep over multicast", factor_text(factor),
                              ">= " + factor_text(kLockstepTarget), factor >= kLockstepTarget);
   met &= bench::print_result(
@@ -230,7 +230,7 @@ void bench_logplayer(const FieldDrive& drive, const bench::TemporaryFolder& fold
                        static_cast<double>(received) / static_cast<double>(drive.messages.size()));
     }
     char text[64];
-    std::snprintf(text, sizeof text, "%.1f %%", 100.0 * bench::median(shares));
+    std::snprintf(text, sizeof text, "%.1f %%", 100.0 * geometry::median(shares));
     bench::print_figure("lcm-logplayer --speed=0 loses of the same log, subscriber's queue " +
                             (capacity > 0 ? "of " + std::to_string(capacity) + " (LCM's default)"
                                           : std::string("without limit")),

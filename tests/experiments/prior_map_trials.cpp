@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "geometry/angles.hpp"
+#include "geometry/statistics.hpp"
 #include "pose/prior_map/prior_map_localiser.hpp"
 #include "simulation/random.hpp"
 #include "unit/pose/prior_map/prior_world.hpp"
@@ -48,13 +49,6 @@ struct Block {
   std::vector<Eigen::Vector3d> way;
   double way_m;
 };
-
-double percentile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[std::min(values.size() - 1,
-                         static_cast<std::size_t>(share * static_cast<double>(values.size())))];
-}
 
 /// Somewhere on the way, in one of the two directions, with room ahead.
 Stretch random_stretch(const Block& block, simulation::Random& random, double length_m) {
@@ -122,7 +116,8 @@ void print(const char* name, const GlobalCount& c) {
       "m\n",
       name, c.trials, c.right, 100.0 * c.right / std::max(1, c.trials), kGlobalTravelM, c.undecided,
       c.wrong, 100.0 * c.wrong / std::max(1, c.trials), kAfterM, c.later_wrong,
-      percentile(c.travel_m, 0.5), percentile(c.travel_m, 0.95), percentile(c.travel_m, 1.0));
+      geometry::quantile(c.travel_m, 0.5), geometry::quantile(c.travel_m, 0.95),
+      geometry::quantile(c.travel_m, 1.0));
 }
 
 void carried_trials(std::uint64_t first, std::uint64_t last) {
@@ -185,8 +180,9 @@ void carried_trials(std::uint64_t first, std::uint64_t last) {
       "noticed after: median %.1f m, most %.1f m; recovered after: median %.1f m, 95 %% %.1f m, "
       "most %.1f m\n",
       trials, noticed, recovered, within_15_m, 100.0 * within_15_m / std::max(1, trials), wrong,
-      percentile(notice_m, 0.5), percentile(notice_m, 1.0), percentile(recovery_m, 0.5),
-      percentile(recovery_m, 0.95), percentile(recovery_m, 1.0));
+      geometry::quantile(notice_m, 0.5), geometry::quantile(notice_m, 1.0),
+      geometry::quantile(recovery_m, 0.5), geometry::quantile(recovery_m, 0.95),
+      geometry::quantile(recovery_m, 1.0));
 }
 
 void tracking_trials(std::uint64_t first, std::uint64_t last) {

@@ -7,6 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "geometry/statistics.hpp"
+
 namespace orchard::calibration {
 namespace {
 
@@ -27,13 +29,6 @@ struct Fit {
   }
   double along_m(const Eigen::Vector2d& p) const { return direction.dot(p - centre_m); }
 };
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 Fit fit_line(const Beam* first, const Beam* last) {
   Fit fit;
@@ -105,7 +100,7 @@ class LineFinder {
         if (stated > 0.0) shares.push_back(std::abs(bend) / (0.6745 * std::sqrt(6.0) * stated));
       }
     }
-    return std::clamp(median(std::move(shares)), 0.02, 1.0);
+    return std::clamp(geometry::median(std::move(shares)), 0.02, 1.0);
   }
 
   double tolerance_m(const Beam& beam) const { return 4.5 * sd_m(beam.range_m) + 1e-3; }
@@ -176,7 +171,7 @@ class LineFinder {
     for (int round = 0; round < 3; ++round) {
       std::vector<double> off;
       for (const Beam& beam : beams) off.push_back(fit.off_m(beam.point_m));
-      const double limit_m = std::max(1e-3, 3.0 * 1.4826 * median(off));
+      const double limit_m = std::max(1e-3, 3.0 * geometry::kMadToSd * geometry::median(off));
       Beams kept;
       for (const Beam& beam : beams) {
         if (fit.off_m(beam.point_m) <= limit_m) kept.push_back(beam);

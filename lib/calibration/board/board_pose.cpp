@@ -9,6 +9,8 @@
 #include <opencv2/calib3d.hpp>
 #include <utility>
 
+#include "geometry/statistics.hpp"
+
 namespace orchard::calibration {
 namespace {
 
@@ -176,9 +178,7 @@ std::vector<std::optional<BoardPose>> estimate_board_poses(const std::vector<Boa
   }
   if (variances.empty()) return poses;
   // the middle picture's: a few wrong ones do not count
-  const auto middle = variances.begin() + static_cast<std::ptrdiff_t>(variances.size() / 2);
-  std::nth_element(variances.begin(), middle, variances.end());
-  const double variance = std::max(0.02 * 0.02, *middle);
+  const double variance = std::max(0.02 * 0.02, geometry::median(std::move(variances)));
   for (auto& pose : poses) {
     if (!pose) continue;
     pose->covariance *= variance;

@@ -7,6 +7,8 @@
 #include <opencv2/core.hpp>
 #include <stdexcept>
 
+#include "geometry/statistics.hpp"
+
 namespace orchard::calibration {
 namespace {
 
@@ -105,9 +107,7 @@ double median_rms_px(const std::vector<const NamedView*>& views, const Solution&
   for (std::size_t i = 0; i < views.size(); ++i) {
     errors.push_back(figures_of(*views[i], solution, i).rms_px);
   }
-  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-  std::nth_element(errors.begin(), middle, errors.end());
-  return *middle;
+  return geometry::median(std::move(errors));
 }
 
 /// The view that disagrees most, when it disagrees too much.

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/extrinsics/mean_scan.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
+
+#include "geometry/statistics.hpp"
 
 namespace orchard::calibration {
 namespace {
@@ -35,9 +36,7 @@ laser::Scan mean_scan(const std::vector<laser::Scan>& scans) {
       mean.ranges_m[i] = 0.0f;
       continue;
     }
-    const auto middle = ranges_m.begin() + static_cast<std::ptrdiff_t>(ranges_m.size() / 2);
-    std::nth_element(ranges_m.begin(), middle, ranges_m.end());
-    const double middle_m = *middle;
+    const double middle_m = geometry::median(ranges_m);
     double sum_m = 0.0;
     int num = 0;
     for (const double range_m : ranges_m) {

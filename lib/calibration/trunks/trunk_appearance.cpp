@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/trunks/trunk_appearance.hpp"
 
-#include <algorithm>
 #include <cstddef>
 #include <utility>
 
 #include "calibration/trunks/roc_area.hpp"
+#include "geometry/statistics.hpp"
 
 namespace orchard::calibration {
 namespace {
@@ -18,12 +18,6 @@ std::vector<std::size_t> spread(const std::vector<std::size_t>& looks) {
   std::vector<std::size_t> some;
   for (std::size_t i = 0; i < kMaxLooks; ++i) some.push_back(looks[i * looks.size() / kMaxLooks]);
   return some;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace
@@ -67,13 +61,13 @@ std::optional<vision::WindowLight> trunk_light(const std::vector<TrunkObservatio
       of_thing[2].push_back(looks[i].light->green);
     }
     if (of_thing[0].empty()) continue;
-    blue.push_back(median(std::move(of_thing[0])));
-    red.push_back(median(std::move(of_thing[1])));
-    green.push_back(median(std::move(of_thing[2])));
+    blue.push_back(geometry::median(std::move(of_thing[0])));
+    red.push_back(geometry::median(std::move(of_thing[1])));
+    green.push_back(geometry::median(std::move(of_thing[2])));
   }
   if (blue.empty()) return std::nullopt;
-  return vision::WindowLight{median(std::move(blue)), median(std::move(red)),
-                             median(std::move(green))};
+  return vision::WindowLight{geometry::median(std::move(blue)), geometry::median(std::move(red)),
+                             geometry::median(std::move(green))};
 }
 
 }  // namespace orchard::calibration

@@ -9,6 +9,7 @@
 
 #include "calibration/trunks/hue_interval.hpp"
 #include "detection/adaptation/two_groups.hpp"
+#include "geometry/statistics.hpp"
 
 namespace orchard::calibration {
 namespace {
@@ -17,20 +18,12 @@ namespace {
 constexpr std::int64_t kLostAfter_us = 1'000'000;
 /// A look beyond this many robust standard deviations is a mistake of segmentation, not scatter.
 constexpr double kOutlier = 3.5;
-constexpr double kMadToSd = 1.4826;
 
 struct Thing {
   ThingSeen seen;
   std::int64_t last_utime = 0;
   bool in_map = false;
 };
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
-}
 
 double hue_distance_deg(double a_deg, double b_deg) {
   return std::abs(std::remainder(a_deg - b_deg, 360.0));
@@ -73,7 +66,7 @@ std::vector<Thing> follow_things(const std::vector<TrunkObservation>& looks,
       add(looks[i].hues, hues);
     }
     thing.seen.num_observations = static_cast<int>(thing.seen.looks.size());
-    thing.seen.median_width_m = median(std::move(widths_m));
+    thing.seen.median_width_m = geometry::midpoint_median(std::move(widths_m));
     thing.seen.dominant_hue_deg = vision::dominant_hue_deg(hues, options.hue_bins);
   }
   return things;
@@ -158,8 +151,10 @@ void compare_populations(const std::vector<Thing>& things, const std::vector<std
   const double by_width = separation(widths_m[0], widths_m[1], 1e-3);
   const double by_hue = has_hue ? separation(hues_deg[0], hues_deg[1], 1.0) : 0.0;
   const std::string what =
-      std::to_string(others.size()) + " other things of about " + millimetres(median(widths_m[1])) +
-      (has_hue ? " and hue " + with_decimals(median(hues_deg[1]) + hue_deg, 0) : std::string());
+      std::to_string(others.size()) + " other things of about " +
+      millimetres(geometry::midpoint_median(widths_m[1])) +
+      (has_hue ? " and hue " + with_decimals(geometry::midpoint_median(hues_deg[1]) + hue_deg, 0)
+               : std::string());
   if (std::max(by_width, by_hue) < options.separation_min) {
     model.warnings.push_back(
         what + " do not separate from the trunks (" + with_decimals(by_width, 1) + " sd in width" +
@@ -182,7 +177,7 @@ void look_for_two_kinds(const std::vector<Thing>& things, const std::vector<std:
   std::vector<double> widths_m;
   for (const std::size_t i : trunks) widths_m.push_back(things[i].seen.median_width_m);
   if (widths_m.size() < 8) return;
-  const double middle_m = median(widths_m);
+  const double middle_m = geometry::midpoint_median(widths_m);
   const auto groups = detection::find_two_groups(widths_m, 0.2, 0.01 * middle_m);
   if (!groups || groups->separation < options.separation_min) return;
   model.warnings.push_back("the trunks are of two kinds, about " + millimetres(groups->low_mean) +
@@ -244,9 +239,10 @@ void measure_width(const std::vector<TrunkObservation>& looks, std::vector<std::
                    TrunkModel& model) {
   std::vector<double> widths_m, deviations_m;
   for (const std::size_t i : used) widths_m.push_back(looks[i].width_m);
-  const double middle_m = median(widths_m);
+  const double middle_m = geometry::midpoint_median(widths_m);
   for (const double width_m : widths_m) deviations_m.push_back(std::abs(width_m - middle_m));
-  const double limit_m = std::max(kOutlier * kMadToSd * median(deviations_m), 0.05 * middle_m);
+  const double limit_m = std::max(
+      kOutlier * geometry::kMadToSd * geometry::midpoint_median(deviations_m), 0.05 * middle_m);
   used.erase(std::remove_if(
                  used.begin(), used.end(),
                  [&](std::size_t i) { return std::abs(looks[i].width_m - middle_m) > limit_m; }),

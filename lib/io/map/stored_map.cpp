@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "geometry/statistics.hpp"
 #include "io/file_error.hpp"
 #include "io/fixed_text.hpp"
 #include "io/map/map_csv.hpp"
@@ -36,7 +37,7 @@ void require_metres(const std::string& name, const std::vector<Landmark>& landma
     widths_m.push_back(l.width_m);
     places.push_back({l.x_m, l.y_m});
   }
-  if (mapping::median_of(widths_m) > kWidestTrunk_m) {
+  if (geometry::median(widths_m) > kWidestTrunk_m) {
     const auto wide = std::find_if(landmarks.begin(), landmarks.end(),
                                    [](const Landmark& l) { return l.width_m > kWidestTrunk_m; });
     throw FileError(at_line(name, static_cast<std::size_t>(wide - landmarks.begin())) +

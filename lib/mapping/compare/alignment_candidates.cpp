@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "geometry/angles.hpp"
+#include "geometry/statistics.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -61,8 +62,8 @@ std::vector<std::size_t> most_promising_first(const std::vector<Hypothesis>& hyp
     places_m2.push_back(h.place_m2());
     widths_m2.push_back(h.width_m2());
   }
-  const double place_m2 = std::max(1e-6, median_of(std::move(places_m2)));
-  const double width_m2 = std::max(1e-6, median_of(std::move(widths_m2)));
+  const double place_m2 = std::max(1e-6, geometry::median(std::move(places_m2)));
+  const double width_m2 = std::max(1e-6, geometry::median(std::move(widths_m2)));
   std::vector<double> agreements;
   for (const Hypothesis& h : hypotheses) agreements.push_back(agreement(h, place_m2, width_m2));
   std::vector<std::size_t> by_agreement(hypotheses.size());

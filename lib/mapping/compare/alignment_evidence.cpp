@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "geometry/angles.hpp"
+#include "geometry/statistics.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -48,14 +49,14 @@ PairNoise pair_noise(const AlignmentTrunks& a, const AlignmentTrunks& b,
   }
   PairNoise noise;
   noise.gate_m = gate_m;
-  noise.position_sd_m = std::max(0.01, robust_sd(std::move(deviations_m)));
-  noise.width_offset_m = median_of(width_changes_m);
+  noise.position_sd_m = std::max(0.01, geometry::robust_sd(std::move(deviations_m)));
+  noise.width_offset_m = geometry::median(width_changes_m);
   for (double& change_m : width_changes_m) change_m -= noise.width_offset_m;
-  noise.width_sd_m = std::max(0.003, robust_sd(std::move(width_changes_m)));
-  noise.width_mean_m = median_of(b.width_m);
+  noise.width_sd_m = std::max(0.003, geometry::robust_sd(std::move(width_changes_m)));
+  noise.width_mean_m = geometry::median(b.width_m);
   std::vector<double> spread_m = b.width_m;
   for (double& width_m : spread_m) width_m -= noise.width_mean_m;
-  noise.width_spread_m = std::max(noise.width_sd_m, robust_sd(std::move(spread_m)));
+  noise.width_spread_m = std::max(noise.width_sd_m, geometry::robust_sd(std::move(spread_m)));
   return noise;
 }
 
@@ -72,8 +73,8 @@ PairNoise chance_noise(const std::vector<PairNoise>& of_ways) {
     positions_m.push_back(noise.position_sd_m);
     widths_m.push_back(noise.width_sd_m);
   }
-  chance.position_sd_m = median_of(std::move(positions_m));
-  chance.width_sd_m = median_of(std::move(widths_m));
+  chance.position_sd_m = geometry::median(std::move(positions_m));
+  chance.width_sd_m = geometry::median(std::move(widths_m));
   return chance;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/statistics.hpp"
 #include "mapping/compare/landmark_pairing.hpp"
 
 namespace orchard::mapping {
@@ -70,7 +71,7 @@ DriveView::DriveView(const std::vector<Landmark>& landmarks,
     deviations.push_back(l.num_observations / expected - 1.0);
   }
   // trees differ at least by half, whatever a small map says
-  const double spread = deviations.empty() ? 1.0 : robust_sd(std::move(deviations));
+  const double spread = deviations.empty() ? 1.0 : geometry::robust_sd(std::move(deviations));
   shape_ = std::clamp(1.0 / std::max(1e-6, spread * spread), 0.5, 4.0);
 }
 

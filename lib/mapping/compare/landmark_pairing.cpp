@@ -5,6 +5,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "geometry/statistics.hpp"
+
 namespace orchard::mapping {
 
 using Eigen::Vector2d;
@@ -101,7 +103,7 @@ void remove_common_residuals(const IndexedPoints& a, std::vector<LandmarkPair>& 
       y_m.push_back(pairs[static_cast<std::size_t>(i)].residual_m.y());
     }
     if (x_m.size() < kNumNeighbours / 2) continue;
-    common[k] = {median_of(std::move(x_m)), median_of(std::move(y_m))};
+    common[k] = {geometry::median(std::move(x_m)), geometry::median(std::move(y_m))};
   }
   for (std::size_t k = 0; k < pairs.size(); ++k) pairs[k].residual_m -= common[k];
 }
@@ -117,19 +119,7 @@ double typical_spacing_m(const IndexedPoints& points) {
       break;
     }
   }
-  return distances_m.empty() ? 0.0 : median_of(std::move(distances_m));
-}
-
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-double robust_sd(std::vector<double> deviations) {
-  for (double& d : deviations) d = std::abs(d);
-  return 1.4826 * median_of(std::move(deviations));
+  return geometry::median(std::move(distances_m));
 }
 
 }  // namespace orchard::mapping

@@ -53,9 +53,4 @@ void remove_common_residuals(const IndexedPoints& a, std::vector<LandmarkPair>& 
 /// Median distance from a point to the nearest other one [m]; 0 for fewer than two points.
 double typical_spacing_m(const IndexedPoints& points);
 
-/// Half-wide robust standard deviation: 1.4826 times the median of the absolute values.
-double robust_sd(std::vector<double> deviations);
-
-double median_of(std::vector<double> values);
-
 }  // namespace orchard::mapping

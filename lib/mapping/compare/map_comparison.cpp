@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/statistics.hpp"
 #include "mapping/compare/change_posterior.hpp"
 #include "mapping/compare/straightening.hpp"
 
@@ -52,7 +53,7 @@ double typical_share(const std::vector<Landmark>& a, const std::vector<Landmark>
     shares.push_back(1.0 / std::max(1, a[static_cast<std::size_t>(pair.a)].num_observations) +
                      1.0 / std::max(1, b[static_cast<std::size_t>(pair.b)].num_observations));
   }
-  return std::max(1e-9, median_of(std::move(shares)));
+  return std::max(1e-9, geometry::median(std::move(shares)));
 }
 
 bool are_trees(const Landmark& a, const Landmark& b) {
@@ -71,13 +72,13 @@ PairScatter scatter_of(const std::vector<Landmark>& a, const std::vector<Landmar
                         a[static_cast<std::size_t>(pair.a)].width_m);
     widths_m.push_back(b[static_cast<std::size_t>(pair.b)].width_m);
   }
-  scatter.position_sd_m = std::max(0.004, robust_sd(std::move(deviations_m)));
-  scatter.width_common_m = median_of(changes_m);
+  scatter.position_sd_m = std::max(0.004, geometry::robust_sd(std::move(deviations_m)));
+  scatter.width_common_m = geometry::median(changes_m);
   for (double& change_m : changes_m) change_m -= scatter.width_common_m;
-  scatter.width_sd_m = std::max(0.002, robust_sd(changes_m));
-  scatter.width_mean_m = median_of(widths_m);
+  scatter.width_sd_m = std::max(0.002, geometry::robust_sd(changes_m));
+  scatter.width_mean_m = geometry::median(widths_m);
   for (double& width_m : widths_m) width_m -= scatter.width_mean_m;
-  scatter.width_spread_m = std::max(0.01, robust_sd(std::move(widths_m)));
+  scatter.width_spread_m = std::max(0.01, geometry::robust_sd(std::move(widths_m)));
   std::vector<double> of_trees, of_others;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const Landmark& l = a[static_cast<std::size_t>(pairs[k].a)];

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping/compare/straightening.hpp"
 
+#include "geometry/statistics.hpp"
+
 namespace orchard::mapping {
 
 using Eigen::Vector2d;
@@ -30,7 +32,7 @@ std::vector<Vector2d> straightened(const IndexedPoints& a, const IndexedPoints& 
       y_m.push_back(pair.residual_m.y());
     }
     if (x_m.size() < kNumNeighbours / 2) continue;
-    result[j] -= Vector2d(median_of(std::move(x_m)), median_of(std::move(y_m)));
+    result[j] -= Vector2d(geometry::median(std::move(x_m)), geometry::median(std::move(y_m)));
   }
   return result;
 }

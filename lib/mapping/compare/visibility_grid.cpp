@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "geometry/angles.hpp"
+#include "geometry/statistics.hpp"
 #include "mapping/compare/landmark_pairing.hpp"
 
 namespace orchard::mapping {
@@ -44,7 +45,7 @@ std::vector<View> views_of(const std::vector<pose::PoseEstimate>& trajectory,
     const std::int64_t end = i + 1 < kept.size() ? kept[i + 1]->utime : trajectory.back().utime;
     seconds.push_back(1e-6 * static_cast<double>(end - kept[i]->utime));
   }
-  const double typical_s = std::max(1e-3, median_of(seconds));
+  const double typical_s = std::max(1e-3, geometry::median(seconds));
   std::vector<View> views;
   for (std::size_t i = 0; i < kept.size(); ++i) {
     const double c = std::cos(kept[i]->yaw_rad), s = std::sin(kept[i]->yaw_rad);

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include "geometry/statistics.hpp"
 #include "mapping/compare/landmark_pairing.hpp"
 
 namespace orchard::mapping {
@@ -170,7 +171,7 @@ Alley alley_between(const std::vector<LinePoint>& walk, const Line& right) {
     distances_m.push_back(*d_m);
   }
   take();
-  best.distance_m = median_of(std::move(best_distances_m));
+  best.distance_m = geometry::median(std::move(best_distances_m));
   return best;
 }
 
@@ -189,7 +190,7 @@ std::vector<Alley> alleys_of(const std::vector<Line>& lines) {
     distances_m.push_back(alley.distance_m);
     alleys.push_back(std::move(alley));
   }
-  const double widest_m = kWidestAlley * median_of(distances_m);
+  const double widest_m = kWidestAlley * geometry::median(distances_m);
   alleys.erase(std::remove_if(alleys.begin(), alleys.end(),
                               [&](const Alley& alley) { return alley.distance_m > widest_m; }),
                alleys.end());
@@ -282,7 +283,7 @@ RowSpacing row_spacing(const Row& row) {
       steps_m.size() < 2 ? 0.0 : std::sqrt(spacing.sd_m / static_cast<double>(steps_m.size() - 1));
   spacing.least_m = *std::min_element(steps_m.begin(), steps_m.end());
   spacing.most_m = *std::max_element(steps_m.begin(), steps_m.end());
-  spacing.median_m = median_of(std::move(steps_m));
+  spacing.median_m = geometry::median(std::move(steps_m));
   return spacing;
 }
 

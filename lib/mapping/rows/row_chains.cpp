@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "geometry/statistics.hpp"
 #include "mapping/landmark_grid.hpp"
 
 namespace orchard::mapping {
@@ -92,9 +93,7 @@ class Linker {
       });
       beside_m.push_back(nearest_m);
     }
-    const auto middle = beside_m.begin() + static_cast<std::ptrdiff_t>(beside_m.size() / 2);
-    std::nth_element(beside_m.begin(), middle, beside_m.end());
-    return *middle;
+    return geometry::median(std::move(beside_m));
   }
 
   /// What follows i (or comes before it) within reach at the least cost; kNone for nothing.

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "geometry/angles.hpp"
+#include "geometry/statistics.hpp"
 #include "mapping/landmark_grid.hpp"
 
 namespace orchard::mapping {
@@ -36,12 +37,6 @@ double nearest_distance_m(const std::vector<Eigen::Vector2d>& p_map, const Landm
     if (nearest_m < reach_m) return nearest_m;
   }
   return 600.0;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// For each angle, how many neighbours stand in that line through tree i.
@@ -160,7 +155,7 @@ RowDirections row_directions(const std::vector<Eigen::Vector2d>& p_map) {
   for (std::size_t i = 0; i < p_map.size(); ++i) {
     nearest_m.push_back(nearest_distance_m(p_map, grid, i));
   }
-  result.spacing_m = std::max(0.05, median(nearest_m));
+  result.spacing_m = std::max(0.05, geometry::median(nearest_m));
 
   const double reach_m = kReach_spacings * result.spacing_m;
   std::vector<Neighbours> neighbours(p_map.size());

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "geometry/statistics.hpp"
 #include "mapping/compare/landmark_pairing.hpp"
 #include "mapping/rows/row_slots.hpp"
 
@@ -53,7 +54,7 @@ std::pair<Vector2d, double> across(const std::vector<Vector2d>& p_map, const Row
     for (const std::int32_t i : few) {
       all_m.push_back(u.x() * p_map[index(i)].y() - u.y() * p_map[index(i)].x());
     }
-    return median_of(std::move(all_m));
+    return geometry::median(std::move(all_m));
   };
   return {u, std::abs(beside_m(last) - beside_m(first))};
 }
@@ -72,11 +73,7 @@ double spacing_amid_clutter_m(const IndexedPoints& points) {
       break;
     }
   }
-  if (distances_m.empty()) return 0.0;
-  const auto quartile =
-      distances_m.begin() + static_cast<std::ptrdiff_t>(3 * distances_m.size() / 4);
-  std::nth_element(distances_m.begin(), quartile, distances_m.end());
-  return *quartile;
+  return geometry::quantile(std::move(distances_m), 0.75);
 }
 
 /// Where a tree would join a chain: before that of its elements, and how far beside it.
@@ -90,7 +87,7 @@ struct Slot {
 std::vector<double> row_strengths(const std::vector<const Landmark*>& trees) {
   std::vector<double> strengths;
   for (const Landmark* tree : trees) strengths.push_back(tree->probability * tree->roc_mean);
-  const double half = strengths.empty() ? 0.0 : 0.5 * median_of(strengths);
+  const double half = 0.5 * geometry::median(strengths);
   for (double& s : strengths) s = half > 0.0 ? s / half : 1.0;
   return strengths;
 }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "geometry/statistics.hpp"
+
 namespace orchard::mapping {
 namespace {
 
@@ -16,12 +18,6 @@ constexpr std::size_t kSpacingWindow = 15;
 constexpr std::size_t kNumCompared = 4;
 /// Rows on either side that tell where a row should begin.
 constexpr int kRowsAround = 8;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Spacing about step k.
 double local_spacing_m(const std::vector<double>& steps_m, std::size_t k) {
@@ -87,7 +83,7 @@ std::optional<double> later_start(const std::vector<Vector2d>& p_map, const RowC
     if (place) offsets.push_back(*place - places_r[i]);
   }
   if (offsets.empty()) return std::nullopt;
-  return median(offsets);
+  return geometry::median(offsets);
 }
 
 /// A headland: where rows begin, as a straight line over the rows' order.
@@ -150,7 +146,7 @@ double single_step_m(std::vector<double> steps_m) {
   for (const double step_m : steps_m) {
     if (step_m < 1.45 * typical_m) single.push_back(step_m);
   }
-  return median(single);
+  return geometry::median(single);
 }
 
 std::vector<std::vector<int>> positions_of(const std::vector<Vector2d>& p_map,
@@ -192,7 +188,7 @@ double place_spacing_m(const std::vector<Vector2d>& p_map, const RowChain& chain
             .norm();
     spacings_m.push_back(step_m / (positions[i] - positions[i - 1]));
   }
-  return spacings_m.empty() ? 0.0 : median(spacings_m);
+  return spacings_m.empty() ? 0.0 : geometry::median(spacings_m);
 }
 
 }  // namespace orchard::mapping

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/statistics.hpp"
+
 namespace orchard::pose {
 namespace {
 
@@ -62,10 +64,7 @@ std::optional<GnssAlignment> align_to_gnss(const std::vector<AntennaSight>& sigh
     for (std::size_t i = 0; i < sights.size(); ++i) {
       off_m[i] = (sights[i].p_enu_m - laid(best.x_y_yaw, sights[i].p_map_m)).norm();
     }
-    std::vector<double> sorted = off_m;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    median_m = *middle;
+    median_m = geometry::median(off_m);
   };
   // Geman and McClure's weights at the scale of the median, which shrinks as outliers lose theirs.
   for (int round = 0; round < kRounds; ++round) {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/statistics.hpp"
+
 namespace orchard::pose {
 namespace {
 
@@ -26,12 +28,11 @@ void GnssMonitor::add_step_error(const Eigen::Vector2d& error_m) {
 std::optional<double> GnssMonitor::scatter_m() const {
   const std::size_t count = std::min(num_steps_, kNumSteps);
   if (count < kLeastSteps) return std::nullopt;
-  std::array<double, kNumSteps> steps2 = steps2_;
-  const auto middle = steps2.begin() + static_cast<std::ptrdiff_t>(count / 2);
-  std::nth_element(steps2.begin(), middle, steps2.begin() + static_cast<std::ptrdiff_t>(count));
+  const std::vector<double> steps2(steps2_.begin(),
+                                   steps2_.begin() + static_cast<std::ptrdiff_t>(count));
   // A step has twice the variance of a fix, on two axes: its square is exponential with mean
   // 4 sd^2, and the median of that is ln 2 of the mean.
-  return std::sqrt(*middle / (4.0 * std::log(2.0)));
+  return std::sqrt(geometry::median(steps2) / (4.0 * std::log(2.0)));
 }
 
 }  // namespace orchard::pose

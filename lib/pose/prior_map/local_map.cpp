@@ -6,12 +6,13 @@
 #include <cmath>
 #include <numeric>
 
+#include "geometry/statistics.hpp"
 #include "pose/planar.hpp"
 
 namespace orchard::pose {
 namespace {
 
-constexpr double kGate = 13.8;          ///< chi-square of 2 degrees of freedom, 99.9 %
+constexpr double kGate = geometry::kChiSquare2_999;
 constexpr double kMatchM = 0.5;         ///< a trunk is never farther from where it was seen before
 constexpr double kNewTrunkM = 0.6;      ///< nothing begins nearer to a trunk than this
 constexpr int kSureSightings = 3;       ///< that make a trunk

@@ -7,6 +7,8 @@
 #include <numeric>
 #include <tuple>
 
+#include "geometry/statistics.hpp"
+
 namespace orchard::pose {
 namespace {
 
@@ -23,12 +25,6 @@ constexpr double kMinSpacingM = 0.05;
 
 /// Neighbours of one landmark that make pairs with it: bounds what a dense map costs.
 constexpr std::size_t kMaxNeighbours = 60;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Median distance to the nearest other landmark, by a sweep over x.
 double median_spacing_m(const std::vector<PriorLandmark>& landmarks) {
@@ -47,7 +43,7 @@ double median_spacing_m(const std::vector<PriorLandmark>& landmarks) {
       nearest_m[j] = std::min(nearest_m[j], distance_m);
     }
   }
-  return median(std::move(nearest_m));
+  return geometry::median(std::move(nearest_m));
 }
 
 std::string rounded(double value) {
@@ -71,7 +67,7 @@ std::string problem_with(const std::vector<PriorLandmark>& landmarks) {
     if (!sound) return "holds a landmark whose position or width is no number of metres";
     if (l.width_m > 0.0) widths_m.push_back(l.width_m);
   }
-  const double width_m = widths_m.empty() ? 0.0 : median(std::move(widths_m));
+  const double width_m = geometry::median(std::move(widths_m));
   if (width_m > kMaxTrunkM) {
     return "is not in metres: half of its landmarks are " + rounded(width_m) + " m wide or more";
   }

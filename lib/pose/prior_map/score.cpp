@@ -7,12 +7,13 @@
 #include <numeric>
 #include <utility>
 
+#include "geometry/statistics.hpp"
 #include "pose/planar.hpp"
 
 namespace orchard::pose {
 namespace {
 
-constexpr double kGate = 11.8;  ///< chi-square of 2 degrees of freedom, 99.7 %
+constexpr double kGate = geometry::kChiSquare2_997;
 constexpr double kGateM = 0.6;
 
 /// Density of trunks where a lattice of rows, shifted at will, expects one: 0.2 m about its places

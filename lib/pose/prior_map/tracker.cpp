@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/statistics.hpp"
 #include "pose/planar.hpp"
 
 namespace orchard::pose {
 namespace {
 
-constexpr double kGate = 11.8;       ///< chi-square of 2 degrees of freedom, 99.7 %
+constexpr double kGate = geometry::kChiSquare2_997;
 constexpr double kGateM = 1.0;       ///< most from a sighting to its landmark
 constexpr double kRivalGap = 6.0;    ///< by which the second best landmark must fit worse
 constexpr double kWidthSigma = 5.0;  ///< a sighting that is so much wider is something else

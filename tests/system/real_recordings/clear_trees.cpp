@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "system/real_recordings/clear_trees.hpp"
+#include "geometry/statistics.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -128,9 +129,7 @@ int ClearTreeComparison::num_doubled() const {
       std::count_if(num_landmarks.begin(), num_landmarks.end(), [](int num) { return num > 1; }));
 }
 
-double ClearTreeComparison::median_distance_m() const {
-  return distances_m.empty() ? 0.0 : distances_m[distances_m.size() / 2];
-}
+double ClearTreeComparison::median_distance_m() const { return geometry::median(distances_m); }
 
 bool is_same_place(const ClearTree& a, const ClearTree& b) {
   return distance_m({a.x_m, a.y_m}, {b.x_m, b.y_m}) < kReach_m;

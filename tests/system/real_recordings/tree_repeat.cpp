@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "system/real_recordings/tree_repeat.hpp"
+#include "geometry/statistics.hpp"
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -61,10 +62,6 @@ std::map<std::int64_t, Eigen::Vector3d> by_time(const std::vector<pose::PoseEsti
   return poses;
 }
 
-double median(const std::vector<double>& rising) {
-  return rising.empty() ? 0.0 : rising[rising.size() / 2];
-}
-
 /// T_first_second by the places of the two paths at the same times, by least squares.
 Eigen::Vector3d lay_upon(const MappedDrive& first, const MappedDrive& second) {
   const auto a = by_time(first.trajectory);
@@ -100,7 +97,7 @@ std::string text(const char* format, Values... values) {
 
 }  // namespace
 
-double TreeScatter::median_m() const { return median(medians_m); }
+double TreeScatter::median_m() const { return geometry::median(medians_m); }
 
 TreeScatter tree_scatter(const std::vector<io::SensorMessage>& recording, const MappedDrive& drive,
                          const std::vector<ClearTree>& clear_trees) {
@@ -127,7 +124,7 @@ TreeScatter tree_scatter(const std::vector<io::SensorMessage>& recording, const 
   for (std::vector<double>& d : distances_m) {
     if (d.size() < kObservationsLeast) continue;
     std::sort(d.begin(), d.end());
-    scatter.medians_m.push_back(median(d));
+    scatter.medians_m.push_back(geometry::median(d));
     scatter.num_observations += static_cast<int>(d.size());
   }
   std::sort(scatter.medians_m.begin(), scatter.medians_m.end());
@@ -169,7 +166,7 @@ std::string report(const SameTrees& same) {
       text("clear trees of the other map: one landmark for %d of %d, %d beside them\n",
            same.num_in_both, same.num_in_both + same.num_missing, same.num_extra);
   if (!same.distances_m.empty()) {
-    all += text("distance to it: median %.3f m, most %.3f m\n", median(same.distances_m),
+    all += text("distance to it: median %.3f m, most %.3f m\n", geometry::median(same.distances_m),
                 same.distances_m.back());
   }
   return all;

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "geometry/statistics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace orchard::geometry {
+
+double quantile(std::vector<double> values, double fraction) {
+  if (values.empty()) return 0.0;
+  const auto rank = static_cast<std::size_t>(fraction * static_cast<double>(values.size()));
+  const auto found =
+      values.begin() + static_cast<std::ptrdiff_t>(std::min(rank, values.size() - 1));
+  std::nth_element(values.begin(), found, values.end());
+  return *found;
+}
+
+double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
+
+double midpoint_median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return 0.5 * (*std::max_element(values.begin(), middle) + *middle);
+}
+
+double robust_sd(std::vector<double> deviations) {
+  for (double& d : deviations) d = std::abs(d);
+  return kMadToSd * median(std::move(deviations));
+}
+
+}  // namespace orchard::geometry

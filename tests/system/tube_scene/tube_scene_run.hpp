@@ -15,7 +15,7 @@ namespace orchard::test {
 evaluation::MapEvaluation run_tube_scene(std::uint64_t seed, const io::Config& config);
 
 /// What a scene's map must satisfy; one sentence per thing that it does not, empty when all is
-/// well. The limits are those of the README's table.
+/// well. The limits are those of tests/RESULTS.md.
 std::vector<std::string> shortcomings(const evaluation::MapEvaluation& evaluation);
 
 }  // namespace orchard::test

@@ -71,7 +71,7 @@ find lib procs -name '*.hpp' | sort |
   violations "headers include no heavy library (of OpenCV only its core)"
 
 # 9. the top level
-ls -A | grep -vE '^(CMakeLists\.txt|CMakePresets\.json|lcmtypes|procs|lib|config|scripts|tests|README\.md|LICENSE|\..*|build.*|out)$' |
+ls -A | grep -vE '^(CMakeLists\.txt|CMakePresets\.json|lcmtypes|procs|lib|config|scripts|tests|README\.md|LICENSE|CHANGELOG\.md|CONTRIBUTING\.md|CITATION\.cff|SECURITY\.md|\..*|build.*|out)$' |
   violations "the top level holds only what the README lists"
 
 exit $failed

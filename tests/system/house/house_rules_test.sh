@@ -8,11 +8,12 @@ trap 'rm -rf "$tree"' EXIT
 
 clean() {
   rm -rf "${tree:?}"/*
-  mkdir -p "$tree"/lib/laser "$tree"/lib/bus "$tree"/procs/mapper "$tree"/tests
+  mkdir -p "$tree"/lib/laser "$tree"/lib/bus/messages "$tree"/procs/mapper "$tree"/tests
   local licence='// SPDX-License-Identifier: BSD-3-Clause'
   echo "$licence" >"$tree/lib/laser/scan.hpp"
   echo "$licence" >"$tree/procs/mapper/main.cpp"
-  printf '%s\n    {Channel::kScan, "SCAN", "scan_t", Role::kSource},\n' "$licence" >"$tree/lib/bus/messages/channel.hpp"
+  printf '%s\n    {Channel::kScan, "SCAN", "scan_t", Role::kSource},\n' "$licence" >"$tree/lib/bus/messages/channel.hpp" ||
+    exit 1  # what follows "clean &&" must not be passed over
 }
 
 expect() {  # expect CODE WHAT
@@ -33,5 +34,6 @@ clean && echo 'auto c = "SCAN";' >>"$tree/lib/laser/scan.hpp" && expect 1 "a cha
 clean && yes '//' | head -n 61 >>"$tree/procs/mapper/main.cpp" && expect 1 "a long main"
 clean && sed -i 1d "$tree/lib/laser/scan.hpp" && expect 1 "no licence line"
 clean && echo '#include <opencv2/imgproc.hpp>' >>"$tree/lib/laser/scan.hpp" && expect 1 "a heavy header"
+clean && touch "$tree/CHANGELOG.md" "$tree/SECURITY.md" && expect 0 "the pages of a project"
 clean && touch "$tree/notes.txt" && expect 1 "a stray file"
 echo "house_rules.sh sees every kind of violation"

@@ -9,7 +9,7 @@
 
 namespace orchard::io {
 
-/// map.csv as text: the columns of lib/io/README.md, fixed formatting.
+/// map.csv as text: the columns of its README.md, fixed formatting.
 std::string map_csv(const std::vector<mapping::Landmark>& landmarks);
 
 /// Reads a map.csv (plain or .gz). Throws FileError naming file, line and column of the first

@@ -20,7 +20,8 @@ constexpr double kWorstFit = 4.0;
 
 double square(double x) { return x * x; }
 
-/// The distance between two returns: Shalal et al. 2013, eq. 8, with the root that its text lacks.
+/// The distance between two returns: Shalal et al. 2013, eq. 8 and figure 7, with the root that the
+/// paper leaves out.
 double chord_m(double r1_m, double r2_m, double angle_rad) {
   const double square_m2 = r1_m * r1_m + r2_m * r2_m - 2.0 * r1_m * r2_m * std::cos(angle_rad);
   return std::sqrt(std::max(0.0, square_m2));

@@ -9,7 +9,7 @@ trap 'rm -rf "$tree" "$tree.out"' EXIT
 whole() {
   rm -rf "${tree:?}"/*
   mkdir -p "$tree"/lib/laser "$tree"/tests/unit
-  for n in $(seq 1 13); do echo "// eq. $n"; done >"$tree/lib/laser/cut.cpp"
+  printf '// %s\n' 'eq. '{1..13} 'figure '{3..13} 'table '{1,2} >"$tree/lib/laser/cut.cpp"
   echo 'void cut();' >>"$tree/lib/laser/cut.cpp"
   echo 'TEST(Cut, Cuts) {}' >"$tree/tests/unit/cut_test.cpp"
   printf '# Laser\n\n[up](../PAPER.md#from-a-to-b), `cut.cpp`\n' >"$tree/lib/laser/README.md"

@@ -39,7 +39,6 @@ struct MapperConfig {
   int min_observations = 1;       ///< landmarks seen less often are left out of map files
   double refresh_period_s = 2.0;  ///< of message time: between two slow refreshes of MAP
   double refresh_per_s = 200.0;   ///< landmarks refreshed at most: large maps come round less often
-  double save_period_s = 1.0;     ///< of wall time: between two live saves of map.csv
   PresenceConfig presence;
   RowsConfig rows;
 };
@@ -92,8 +91,6 @@ void describe(Visitor& v, MapperConfig& c) {
            "message time between two refreshes of the whole map");
   v.number("refresh_per_s", c.refresh_per_s, 1, 1e6, "landmarks/s",
            "refreshed at most: larger maps take longer than refresh_period_s to come round");
-  v.number("save_period_s", c.save_period_s, 0.1, 3600, "s",
-           "wall time between two live saves of map.csv");
   v.section("presence", c.presence, "what was seen and is there no more");
   v.section("rows", c.rows, "rows and numbers");
   v.check(c.tree_rate_of_objects < c.tree_rate_of_trees, "tree_rate_of_objects",

@@ -3,6 +3,7 @@
 
 #include "bus/node/process.hpp"
 #include "detector/detector_node.hpp"
+#include "io/config/config.hpp"
 
 int main(int argc, char** argv) {
   orchard::bus::ProcessInfo info;
@@ -10,9 +11,8 @@ int main(int argc, char** argv) {
   info.description =
       "Finds tree trunks and other objects in each laser scan and its camera image.\n"
       "Reads SCAN and IMAGE, sends DETECTIONS.";
-  return orchard::bus::run_node_process(
-      argc, argv, info,
-      [](const orchard::io::Config& config) -> std::unique_ptr<orchard::bus::Node> {
-        return std::make_unique<orchard::procs::DetectorNode>(config);
-      });
+  orchard::io::RigFile rig;
+  return orchard::bus::run_node_process(argc, argv, info, rig, [&] {
+    return std::make_unique<orchard::procs::DetectorNode>(rig.config());
+  });
 }

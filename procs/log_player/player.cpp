@@ -84,9 +84,9 @@ int play_in_process(const PlayerOptions& options) {
   Sink sink(options);
   io::ProgressBar bar("replaying");
   const auto start = std::chrono::steady_clock::now();
-  DetectorNode detector(options.process.config);
-  PoseNode pose(options.process.config);
-  MapperNode mapper(options.process.config);
+  DetectorNode detector(options.rig.config());
+  PoseNode pose(options.rig.config());
+  MapperNode mapper(options.rig.config());
   const bus::ReplayReport report = bus::replay_in_process(
       options.log_path, {&detector, &pose, &mapper}, replay_options(options, sink, bar));
   bar.finish();
@@ -99,7 +99,7 @@ int play_in_lockstep(const PlayerOptions& options) {
   Sink sink(options);
   io::ProgressBar bar("replaying in lockstep");
   bus::StopSignal stop;
-  bus::Bus bus(options.process.config.lcm.url);
+  bus::Bus bus(options.rig.config().lcm.url);
   bus::LockstepOptions lockstep;
   lockstep.replay = replay_options(options, sink, bar);
   lockstep.nodes = options.nodes;
@@ -121,7 +121,7 @@ int play_paced(const PlayerOptions& options) {
   LogSource source(options.log_path, options.replay);
   for (const std::string& warning : source.report().warnings) spdlog::warn("{}", warning);
   bus::StopSignal stop;
-  bus::Bus bus(options.process.config.lcm.url);
+  bus::Bus bus(options.rig.config().lcm.url);
   bus::LiveDriver(bus, source, "orchard-log-player", options.process).run(stop);
   return bus::kExitOk;
 }

@@ -42,6 +42,7 @@ std::optional<int> read_player_options(int argc, char** argv, PlayerOptions& opt
   std::string lcm_url;
   std::string log_level = "info";
   bool print_config = false;
+  bool print_all = false;
   bool in_process = false;
   bool lockstep = false;
   app.add_option("log", options.log_path, "the log (lcm-logger's format)")->option_text("LOG");
@@ -85,7 +86,10 @@ std::optional<int> read_player_options(int argc, char** argv, PlayerOptions& opt
   app.add_option("--log-level", log_level, "trace, debug, info, warning, error or off")
       ->option_text("LEVEL")
       ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}));
-  app.add_flag("--print-config", print_config, "print the effective configuration, and exit");
+  auto* print_flag =
+      app.add_flag("--print-config", print_config, "print the effective configuration, and exit");
+  app.add_flag("--all", print_all, "with --print-config: the keys for experts, too")
+      ->needs(print_flag);
   try {
     app.parse(argc, argv);
     if (options.log_path.empty() && !print_config) throw CLI::RequiredError("LOG");
@@ -101,18 +105,13 @@ std::optional<int> read_player_options(int argc, char** argv, PlayerOptions& opt
   for (std::string& name : options.process.wait_for) {
     if (name.rfind("orchard-", 0) != 0) name = "orchard-" + name;
   }
-  try {
-    if (!config_path.empty()) options.process.config = io::load_config(config_path);
-  } catch (const io::ConfigError& error) {
-    for (const std::string& problem : error.problems()) std::cerr << problem << "\n";
-    std::cerr << kName << ": " << error.problems().size() << " mistake(s) in the configuration\n";
-    return bus::kExitInput;
-  }
-  if (!lcm_url.empty()) options.process.config.lcm.url = lcm_url;
+  if (!bus::load_config(kName, config_path, options.rig)) return bus::kExitInput;
+  if (!lcm_url.empty()) options.rig.lcm().url = lcm_url;
   if (print_config) {
-    std::cout << io::print_config(options.process.config);
+    std::cout << options.rig.print(print_all ? io::PrintedKeys::kAll : io::PrintedKeys::kUser);
     return bus::kExitOk;
   }
+  options.process.config = options.rig.effective();
   if (config_path.empty() && options.mode == PlayerMode::kInProcess) {
     spdlog::warn("no --config given: replaying with built-in defaults");
   }

@@ -7,6 +7,7 @@
 
 #include "bus/node/process_options.hpp"
 #include "bus/replay/in_process_replay.hpp"
+#include "io/config/config.hpp"
 
 namespace orchard::procs {
 
@@ -21,7 +22,8 @@ struct PlayerOptions {
   bus::ReplayOptions replay;                                     ///< strict, from_s, to_s
   std::vector<std::string> nodes{"detector", "pose", "mapper"};  ///< lockstep
   int start_timeout_s = 60;                                      ///< lockstep
-  bus::ProcessOptions process;  ///< configuration; speed, wait_for and hold when paced
+  io::RigFile rig;
+  bus::ProcessOptions process;  ///< speed, wait_for and hold when paced
 };
 
 /// Returns the exit code when the program is to end here.

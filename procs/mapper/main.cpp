@@ -3,6 +3,7 @@
 #include <string>
 
 #include "bus/node/process.hpp"
+#include "io/config/config.hpp"
 #include "mapper/map_saver.hpp"
 #include "mapper/mapper_node.hpp"
 
@@ -18,12 +19,12 @@ int main(int argc, char** argv) {
       "while it runs.";
   info.options.push_back(
       {"--out", "DIR", "folder of the map's files (none are saved without)", &folder});
+  orchard::io::RigFile rig;
   return orchard::bus::run_node_process(
-      argc, argv, info,
-      [&](const orchard::io::Config& config) -> std::unique_ptr<orchard::bus::Node> {
-        saver =
-            std::make_unique<orchard::procs::MapSaver>(folder, orchard::io::config_hash(config));
-        return std::make_unique<MapperNode>(config);
+      argc, argv, info, rig,
+      [&] {
+        saver = std::make_unique<orchard::procs::MapSaver>(folder, rig.effective().hash);
+        return std::make_unique<MapperNode>(rig.config());
       },
       [&](orchard::bus::Node& node, const orchard::bus::SaveRequest& request) {
         saver->save(dynamic_cast<const MapperNode&>(node), request);

@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "bus/node/process.hpp"
+#include "io/config/config.hpp"
 #include "sim_driver/sim_source.hpp"
 
 int main(int argc, char** argv) {
@@ -21,12 +22,12 @@ int main(int argc, char** argv) {
       {"--poses", "CSV", "write where the robot truly was: utime_us,x_m,y_m,yaw_rad",
        &options.poses_path},
   };
+  orchard::io::RigFile rig;
   bool bad_usage = false;
   const int code = orchard::bus::run_driver_process(
-      argc, argv, info,
-      [&](const orchard::io::Config& config) -> std::unique_ptr<orchard::bus::Source> {
+      argc, argv, info, rig, [&]() -> std::unique_ptr<orchard::bus::Source> {
         try {
-          return orchard::procs::make_sim_source(options, config);
+          return orchard::procs::make_sim_source(options, rig.config());
         } catch (const std::invalid_argument&) {
           bad_usage = true;  // a scene or seed that is none
           throw;

@@ -4,7 +4,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <cmath>
 #include <exception>
 
 namespace orchard::bus {
@@ -12,6 +11,9 @@ namespace {
 
 /// Pictures that wait for a slow node; beyond it the oldest is dropped, since the newest matter.
 constexpr int kImagesWaiting = 4;
+
+/// Between two live saves of map.csv: what a killed process may lose.
+constexpr std::chrono::seconds kSavePeriod{1};
 
 /// Between two live saves of everything, which may take a tenth of a second: a scan in three
 /// hundred at 10 Hz can meet one.
@@ -52,15 +54,14 @@ const char* publisher_of(Channel channel) {
 
 }  // namespace
 
-LiveNode::LiveNode(Bus& bus, Node& node, const std::string& name, const io::Config& config,
+LiveNode::LiveNode(Bus& bus, Node& node, const std::string& name, const io::EffectiveConfig& config,
                    SaveHook save)
     : bus_(bus),
       node_(node),
       host_(node, [&bus](Output&& output) { bus.publish(output.channel, output.bytes); }),
       report_(bus, name, config),
       save_(std::move(save)),
-      save_period_(std::chrono::milliseconds(std::lround(config.mapper.save_period_s * 1e3))),
-      next_save_(Clock::now() + save_period_),
+      next_save_(Clock::now() + kSavePeriod),
       next_full_save_(Clock::now() + kFullSavePeriod),
       start_(Clock::now()) {
   for (const Channel channel : node.inputs()) {
@@ -148,7 +149,7 @@ void LiveNode::save_when_due() {
   const bool idle = inbox_.empty();
   const Clock::time_point now = Clock::now();
   if (now < (idle ? next_save_ : next_save_ + kSaveDelayMost)) return;
-  next_save_ = now + save_period_;
+  next_save_ = now + kSavePeriod;
   const bool full = idle && now >= next_full_save_;
   save_now(full ? SaveKind::kFull : SaveKind::kQuick);
   if (full) next_full_save_ = Clock::now() + kFullSavePeriod;

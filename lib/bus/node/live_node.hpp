@@ -18,7 +18,8 @@ namespace orchard::bus {
 /// A node on the network: one thread, one event loop, until a signal ends it.
 class LiveNode {
  public:
-  LiveNode(Bus& bus, Node& node, const std::string& name, const io::Config& config, SaveHook save);
+  LiveNode(Bus& bus, Node& node, const std::string& name, const io::EffectiveConfig& config,
+           SaveHook save);
 
   /// Runs until a stop is asked for, then takes in what has already arrived, flushes and saves.
   /// Throws BusError, and what the node throws.
@@ -40,7 +41,6 @@ class LiveNode {
   NodeHost host_;
   ProcessReport report_;
   SaveHook save_;
-  Clock::duration save_period_;
   Clock::time_point next_save_;
   Clock::time_point next_full_save_;
   bool changed_ = false;

@@ -38,43 +38,44 @@ int guarded(const std::string& name, const std::function<void()>& body) {
   }
 }
 
-void log_start(const ProcessOptions& options) {
-  spdlog::info("version {}, {}, configuration {:016x}", version(), options.config.lcm.url,
-               static_cast<std::uint64_t>(io::config_hash(options.config)));
+void log_start(const std::string& lcm_url, const ProcessOptions& options) {
+  spdlog::info("version {}, {}, configuration {:016x}", version(), lcm_url,
+               static_cast<std::uint64_t>(options.config.hash));
 }
 
 }  // namespace
 
-int run_node_process(int argc, char** argv, ProcessInfo info,
-                     const std::function<std::unique_ptr<Node>(const io::Config&)>& make_node,
+int run_node_process(int argc, char** argv, ProcessInfo info, io::ConfigFile& config,
+                     const std::function<std::unique_ptr<Node>()>& make_node,
                      const SaveHook& save) {
   ProcessOptions options;
-  if (const auto code = read_options(argc, argv, info, ProcessKind::kNode, options)) return *code;
+  if (const auto code = read_options(argc, argv, info, ProcessKind::kNode, config, options)) {
+    return *code;
+  }
   return guarded(info.name, [&] {
     StopSignal stop;
-    Bus bus(options.config.lcm.url);
-    log_start(options);
+    Bus bus(config.lcm().url);
+    log_start(config.lcm().url, options);
     if (options.lockstep) {
-      LockstepNode(
-          bus, [&] { return make_node(options.config); }, save)
-          .run(stop);
+      LockstepNode(bus, make_node, save).run(stop);
     } else {
-      const std::unique_ptr<Node> node = make_node(options.config);
+      const std::unique_ptr<Node> node = make_node();
       LiveNode(bus, *node, info.name, options.config, save).run(stop);
     }
   });
 }
 
-int run_driver_process(
-    int argc, char** argv, ProcessInfo info,
-    const std::function<std::unique_ptr<Source>(const io::Config&)>& make_source) {
+int run_driver_process(int argc, char** argv, ProcessInfo info, io::ConfigFile& config,
+                       const std::function<std::unique_ptr<Source>()>& make_source) {
   ProcessOptions options;
-  if (const auto code = read_options(argc, argv, info, ProcessKind::kDriver, options)) return *code;
+  if (const auto code = read_options(argc, argv, info, ProcessKind::kDriver, config, options)) {
+    return *code;
+  }
   return guarded(info.name, [&] {
     StopSignal stop;
-    Bus bus(options.config.lcm.url);
-    log_start(options);
-    const std::unique_ptr<Source> source = make_source(options.config);
+    Bus bus(config.lcm().url);
+    log_start(config.lcm().url, options);
+    const std::unique_ptr<Source> source = make_source();
     LiveDriver(bus, *source, info.name, options).run(stop);
   });
 }

@@ -9,7 +9,7 @@
 #include "bus/node/node.hpp"
 #include "bus/node/source.hpp"
 #include "bus/node/traffic_counts.hpp"
-#include "io/config/config.hpp"
+#include "io/config/config_file.hpp"
 
 namespace orchard::bus {
 
@@ -17,7 +17,7 @@ namespace orchard::bus {
 enum ExitCode : int { kExitOk = 0, kExitRuntime = 1, kExitUsage = 2, kExitInput = 3 };
 
 /// A command-line option beyond the common ones (--config, --lcm-url, --log-level, --version,
-/// --help, --print-config; --lockstep for nodes; --speed, --wait-for for drivers).
+/// --help, --print-config with --all; --lockstep for nodes; --speed, --wait-for for drivers).
 struct ExtraOption {
   std::string flag;        ///< as typed: "--out"
   std::string value_name;  ///< "DIR"; empty for a switch, whose value becomes "true"
@@ -33,7 +33,7 @@ struct ProcessInfo {
 
 /// How much a save may cost.
 enum class SaveKind {
-  kQuick,  ///< live, about every mapper.save_period_s: the node waits for it
+  kQuick,  ///< live, about every second: the node waits for it
   kFull,   ///< live, every half minute, and only when no message waits
   kFinal,  ///< once, after the flush
 };
@@ -50,14 +50,14 @@ using SaveHook = std::function<void(Node& node, const SaveRequest& request)>;
 
 /// Runs one node as a process: parses options, loads the configuration, opens the bus, hands the
 /// node what the guard lets through, sends its outputs, STATUS and CONFIG, stops at SIGINT or
-/// SIGTERM with a flush. Returns the exit code; prints every error in one clear sentence.
-int run_node_process(int argc, char** argv, ProcessInfo info,
-                     const std::function<std::unique_ptr<Node>(const io::Config&)>& make_node,
+/// SIGTERM with a flush. `make_node` is called once `config` is loaded. Returns the exit code;
+/// prints every error in one clear sentence.
+int run_node_process(int argc, char** argv, ProcessInfo info, io::ConfigFile& config,
+                     const std::function<std::unique_ptr<Node>()>& make_node,
                      const SaveHook& save = {});
 
 /// Runs one driver as a process: the same, publishing what the source gives at its pace (--speed).
-int run_driver_process(
-    int argc, char** argv, ProcessInfo info,
-    const std::function<std::unique_ptr<Source>(const io::Config&)>& make_source);
+int run_driver_process(int argc, char** argv, ProcessInfo info, io::ConfigFile& config,
+                       const std::function<std::unique_ptr<Source>()>& make_source);
 
 }  // namespace orchard::bus

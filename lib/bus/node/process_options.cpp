@@ -31,8 +31,20 @@ std::string full_name(const std::string& name) {
 
 std::string_view version() { return ORCHARD_VERSION; }
 
+bool load_config(const std::string& program, const std::string& path, io::ConfigFile& config) {
+  if (path.empty()) return true;
+  try {
+    for (const std::string& warning : config.load(path)) spdlog::warn("{}", warning);
+    return true;
+  } catch (const io::ConfigError& error) {
+    for (const std::string& problem : error.problems()) std::cerr << problem << "\n";
+    std::cerr << program << ": " << error.problems().size() << " mistake(s) in the configuration\n";
+    return false;
+  }
+}
+
 std::optional<int> read_options(int argc, char** argv, const ProcessInfo& info, ProcessKind kind,
-                                ProcessOptions& options) {
+                                io::ConfigFile& config, ProcessOptions& options) {
   CLI::App app(info.description, info.name);
   app.footer(kFooter);
   app.set_version_flag("--version", info.name + " " + std::string(version()));
@@ -40,6 +52,7 @@ std::optional<int> read_options(int argc, char** argv, const ProcessInfo& info, 
   std::string lcm_url;
   std::string log_level = "info";
   bool print_config = false;
+  bool print_all = false;
   app.add_option("--config", config_path, "the rig's YAML (without: built-in defaults)")
       ->option_text("FILE");
   app.add_option("--lcm-url", lcm_url, "LCM network, instead of the configuration's lcm.url")
@@ -48,8 +61,11 @@ std::optional<int> read_options(int argc, char** argv, const ProcessInfo& info, 
   app.add_option("--log-level", log_level, "trace, debug, info, warning, error or off")
       ->option_text("LEVEL")
       ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}));
-  app.add_flag("--print-config", print_config,
-               "print the effective configuration with units and ranges, and exit");
+  auto* print_flag =
+      app.add_flag("--print-config", print_config,
+                   "print the effective configuration with units and ranges, and exit");
+  app.add_flag("--all", print_all, "with --print-config: the keys for experts, too")
+      ->needs(print_flag);
   if (kind == ProcessKind::kNode) {
     app.add_flag("--lockstep", options.lockstep,
                  "take turns with orchard-log-player --lockstep instead of running live; stays "
@@ -83,19 +99,13 @@ std::optional<int> read_options(int argc, char** argv, const ProcessInfo& info, 
   }
   for (std::string& name : options.wait_for) name = full_name(name);
   set_up_log(info.name, log_level);
-  try {
-    if (!config_path.empty()) options.config = io::load_config(config_path);
-  } catch (const io::ConfigError& error) {
-    for (const std::string& problem : error.problems()) std::cerr << problem << "\n";
-    std::cerr << info.name << ": " << error.problems().size()
-              << " mistake(s) in the configuration\n";
-    return kExitInput;
-  }
-  if (!lcm_url.empty()) options.config.lcm.url = lcm_url;
+  if (!load_config(info.name, config_path, config)) return kExitInput;
+  if (!lcm_url.empty()) config.lcm().url = lcm_url;
   if (print_config) {
-    std::cout << io::print_config(options.config);
+    std::cout << config.print(print_all ? io::PrintedKeys::kAll : io::PrintedKeys::kUser);
     return kExitOk;
   }
+  options.config = config.effective();
   if (config_path.empty()) spdlog::warn("no --config given: running with built-in defaults");
   return std::nullopt;
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bus/node/process.hpp"
-#include "io/config/config.hpp"
+#include "io/config/config_file.hpp"
 
 namespace orchard::bus {
 
@@ -14,7 +14,7 @@ enum class ProcessKind { kNode, kDriver };
 
 /// What the command line of a process said.
 struct ProcessOptions {
-  io::Config config;  ///< loaded; lcm.url is the one to use
+  io::EffectiveConfig config;  ///< with the lcm.url to use
   bool lockstep = false;
   double speed = 1.0;
   std::vector<std::string> wait_for;  ///< full names of processes
@@ -24,9 +24,13 @@ struct ProcessOptions {
 /// Version of the software.
 std::string_view version();
 
+/// Loads the rig at `path` ("": the defaults stay), logs the reader's warnings and prints what is
+/// wrong with it; false when it was refused.
+bool load_config(const std::string& program, const std::string& path, io::ConfigFile& config);
+
 /// Reads the command line and the configuration, prints what is wrong with them, and sets the log
 /// level. Returns the exit code when the program is to end here (also after --help).
 std::optional<int> read_options(int argc, char** argv, const ProcessInfo& info, ProcessKind kind,
-                                ProcessOptions& options);
+                                io::ConfigFile& config, ProcessOptions& options);
 
 }  // namespace orchard::bus

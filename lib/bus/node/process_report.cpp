@@ -25,12 +25,12 @@ std::int64_t wall_utime() {
       .count();
 }
 
-ProcessReport::ProcessReport(Bus& bus, std::string name, const io::Config& config)
+ProcessReport::ProcessReport(Bus& bus, std::string name, const io::EffectiveConfig& config)
     : bus_(bus), name_(std::move(name)), host_(host_name()) {
-  notice_.hash = io::config_hash(config);
+  notice_.hash = config.hash;
   notice_.name = name_;
   notice_.version = std::string(version());
-  notice_.text = io::effective_config(config);
+  notice_.text = config.text;
   next_status_ = next_config_ = last_status_ = Clock::now();
 }
 

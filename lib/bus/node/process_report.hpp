@@ -6,7 +6,7 @@
 #include <string>
 
 #include "bus/bus.hpp"
-#include "io/config/config.hpp"
+#include "io/config/config_file.hpp"
 
 namespace orchard::bus {
 
@@ -17,7 +17,7 @@ std::int64_t wall_utime();
 /// seconds.
 class ProcessReport {
  public:
-  ProcessReport(Bus& bus, std::string name, const io::Config& config);
+  ProcessReport(Bus& bus, std::string name, const io::EffectiveConfig& config);
 
   /// One input was handed to the node and its outputs were sent, `latency_s` later.
   void note_input(double latency_s);

@@ -2,12 +2,13 @@
 #pragma once
 
 #include <cstdint>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "detection/detector_config.hpp"
 #include "geometry/camera_config.hpp"
+#include "io/config/config_error.hpp"
+#include "io/config/config_file.hpp"
 #include "laser/laser_config.hpp"
 #include "mapping/mapper_config.hpp"
 #include "pose/pose_config.hpp"
@@ -15,17 +16,8 @@
 
 namespace orchard::io {
 
-/// Where the messages go. Section `lcm`.
-struct LcmConfig {
-  std::string url = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=4194304";
-};
-
-template <class Visitor>
-void describe(Visitor& v, LcmConfig& c) {
-  v.text("url", c.url, "LCM provider; ttl=0 stays on this machine, ttl=1 reaches its network");
-}
-
-/// The whole configuration of a rig: one YAML file, read by every process.
+/// The whole configuration of a rig: one YAML file, read by every process. Whoever includes this
+/// header is compiled anew whenever a key of any room changes: only programs and tests do.
 struct Config {
   LcmConfig lcm;
   laser::LaserConfig laser;
@@ -36,41 +28,44 @@ struct Config {
   simulation::SimulationConfig simulation;
 };
 
-template <class Visitor>
-void describe(Visitor& v, Config& c) {
-  v.section("lcm", c.lcm, "messages");
-  v.section("laser", c.laser, "laser mount and noise");
-  v.section("camera", c.camera, "camera intrinsics and extrinsics");
-  v.section("detector", c.detector, "scan and image to detections");
-  v.section("pose", c.pose, "where the robot is");
-  v.section("mapper", c.mapper, "detections to the map");
-  v.section("simulation", c.simulation, "the simulated world and its sensors");
-}
-
-/// A configuration that was refused: one line per mistake, each "file:line: key = value: why".
-class ConfigError : public std::runtime_error {
- public:
-  explicit ConfigError(std::vector<std::string> problems);
-  const std::vector<std::string>& problems() const { return problems_; }
-
- private:
-  std::vector<std::string> problems_;
+/// A rig's configuration and what the reader warned of: keys that were renamed or are fixed now.
+struct LoadedConfig {
+  Config config;
+  std::vector<std::string> warnings;  ///< one line each
 };
 
 /// Reads a rig's YAML over the defaults. Throws ConfigError naming every unknown key (with its
 /// nearest neighbour), wrong type, value out of range and crossed limit at once; repairs nothing.
-Config load_config(const std::string& path);
+LoadedConfig load_config_with_warnings(const std::string& path);
 
 /// The same from text; `name` stands for the file in messages.
+LoadedConfig parse_config_with_warnings(const std::string& yaml, const std::string& name);
+
+/// The same for who has nobody to warn.
+Config load_config(const std::string& path);
 Config parse_config(const std::string& yaml, const std::string& name);
 
 /// All keys with values, units, ranges and meanings, as YAML that load_config reads.
-std::string print_config(const Config& config);
+std::string print_config(const Config& config, PrintedKeys keys = PrintedKeys::kAll);
 
 /// The effective configuration without comments: what CONFIG carries and the hash is of.
 std::string effective_config(const Config& config);
 
 /// FNV-1a of effective_config().
 std::int64_t config_hash(const Config& config);
+
+/// A rig's configuration as a process loads it.
+class RigFile : public ConfigFile {
+ public:
+  const Config& config() const { return config_; }
+
+  std::vector<std::string> load(const std::string& path) override;
+  LcmConfig& lcm() override { return config_.lcm; }
+  EffectiveConfig effective() const override;
+  std::string print(PrintedKeys keys) const override { return print_config(config_, keys); }
+
+ private:
+  Config config_;
+};
 
 }  // namespace orchard::io

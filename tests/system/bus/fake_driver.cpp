@@ -3,6 +3,7 @@
 #include <deque>
 
 #include "bus/node/process.hpp"
+#include "io/config/config.hpp"
 #include "node/bus/fake_log.hpp"
 
 namespace {
@@ -29,6 +30,7 @@ int main(int argc, char** argv) {
   orchard::bus::ProcessInfo info;
   info.name = "orchard-fake-driver";
   info.description = "A fake driver for tests.";
-  return orchard::bus::run_driver_process(
-      argc, argv, info, [](const orchard::io::Config&) { return std::make_unique<Drive>(); });
+  orchard::io::RigFile rig;
+  return orchard::bus::run_driver_process(argc, argv, info, rig,
+                                          [] { return std::make_unique<Drive>(); });
 }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "bus/node/process.hpp"
+#include "io/config/config.hpp"
 #include "node/bus/fake_nodes.hpp"
 
 namespace {
@@ -45,12 +46,13 @@ int main(int argc, char** argv) {
   info.options = {{"--role", "NAME", "which", &role},
                   {"--mute-after", "N", "inputs", &mute_after},
                   {"--full-disk", "", "every save fails", &full_disk}};
-  const auto make_node = [&](const orchard::io::Config&) {
+  const auto make_node = [&] {
     return std::make_unique<Mute>(orchard::bus::testing::make_fake_node(role),
                                   std::atoi(mute_after.c_str()));
   };
   const auto save = [&](Node&, const orchard::bus::SaveRequest&) {
     if (!full_disk.empty()) throw std::runtime_error("map.csv: no space left on device");
   };
-  return orchard::bus::run_node_process(argc, argv, info, make_node, save);
+  orchard::io::RigFile rig;
+  return orchard::bus::run_node_process(argc, argv, info, rig, make_node, save);
 }

@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/config/yaml_reader.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cstddef>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "io/config/config_error.hpp"
+#include "io/config/number_text.hpp"
+#include "io/config/old_keys.hpp"
+
+namespace orchard::io {
+namespace {
+
+/// Most numbers of a list: no list of a rig is anywhere near as long.
+constexpr std::size_t kMaxNumbers = 4096;
+
+/// Levenshtein distance.
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t above = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, diagonal + (a[i - 1] != b[j - 1])});
+      diagonal = above;
+    }
+  }
+  return row[b.size()];
+}
+
+std::string nearest(const std::string& key, const std::set<std::string>& candidates) {
+  std::string best;
+  std::size_t best_distance = ~std::size_t{0};
+  for (const std::string& candidate : candidates) {
+    const std::size_t distance = edit_distance(key, candidate);
+    if (distance < best_distance) {
+      best_distance = distance;
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+std::string scalar_text(const YAML::Node& node) {
+  if (node.IsScalar()) return node.Scalar();
+  return node.IsNull() ? "(nothing)" : node.IsSequence() ? "(a list)" : "(a section)";
+}
+
+/// The whole text as a number, with a leading + allowed; none when it is not one.
+std::optional<double> parse_number(const std::string& text) {
+  double value = 0.0;
+  const char* begin = text.data();
+  if (!text.empty() && *begin == '+') ++begin;
+  const auto result = std::from_chars(begin, text.data() + text.size(), value);
+  if (text.empty() || result.ec != std::errc() || result.ptr != text.data() + text.size()) {
+    return std::nullopt;
+  }
+  return value;
+}
+
+/// Fills a configuration from YAML and collects what is wrong with it.
+class Reader : public ConfigVisitor {
+ public:
+  Reader(const YAML::Node& root, std::string file) : file_(std::move(file)), root_{root, ""} {}
+
+  /// Names the keys of the present section that nothing has asked for.
+  void refuse_unknown() {
+    if (!section_->node.IsMap()) return;
+    std::set<std::string> seen;
+    for (const auto& entry : section_->node) {
+      const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "(not a text)";
+      const std::string where = location(entry.first) + section_->prefix + key;
+      if (!seen.insert(key).second) problems.push_back(where + ": stands here twice");
+      if (section_->known.count(key) || section_->renamed.count(key)) continue;
+      if (const OldKey* old = find_fixed_key(section_->prefix + key)) {
+        warn_of_fixed(*old, entry.second, where);
+      } else {
+        problems.push_back(where + ": unknown key; did you mean " + nearest(key, section_->known) +
+                           "?");
+      }
+    }
+  }
+
+  std::vector<std::string> problems;
+  std::vector<std::string> warnings;
+
+ private:
+  /// What is being read.
+  struct Section {
+    YAML::Node node;
+    std::string prefix;               ///< "detector.width."
+    std::set<std::string> known{};    ///< keys that the schema has asked for
+    std::set<std::string> renamed{};  ///< keys of the file that were read by their former name
+  };
+
+  void on_number(const ConfigKey& key, double& value, double lo, double hi) override {
+    if (const YAML::Node field = find(key.name)) read_number(field, key.name, value, lo, hi);
+  }
+
+  void on_integer(const ConfigKey& key, int& value, int lo, int hi) override {
+    const YAML::Node field = find(key.name);
+    if (!field) return;
+    int parsed = 0;
+    const std::string text = scalar_text(field);
+    const auto result = std::from_chars(text.data(), text.data() + text.size(), parsed);
+    if (text.empty() || result.ec != std::errc() || result.ptr != text.data() + text.size()) {
+      return refuse(field, key.name, text, "must be a whole number");
+    }
+    if (parsed < lo || parsed > hi) {
+      return refuse(field, key.name, text,
+                    "must be in [" + std::to_string(lo) + ", " + std::to_string(hi) + "]");
+    }
+    value = parsed;
+  }
+
+  void on_flag(const ConfigKey& key, bool& value) override {
+    const YAML::Node field = find(key.name);
+    if (!field) return;
+    const std::string text = scalar_text(field);
+    if (text != "true" && text != "false") {
+      return refuse(field, key.name, text, "must be true or false");
+    }
+    value = text == "true";
+  }
+
+  void on_text(const ConfigKey& key, std::string& value) override {
+    const YAML::Node field = find(key.name);
+    if (!field) return;
+    if (!field.IsScalar()) return refuse(field, key.name, scalar_text(field), "must be a text");
+    const auto is_control = [](char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0; };
+    if (std::string shown = field.Scalar(); std::any_of(shown.begin(), shown.end(), is_control)) {
+      std::replace_if(shown.begin(), shown.end(), is_control, '?');
+      return refuse(field, key.name, shown, "must not hold control characters (here: ?)");
+    }
+    value = field.Scalar();
+  }
+
+  void on_choice(const ConfigKey& key, int& index,
+                 std::initializer_list<const char*> names) override {
+    const YAML::Node field = find(key.name);
+    if (!field) return;
+    const std::string text = scalar_text(field);
+    std::string options;
+    int i = 0;
+    for (const char* name : names) {
+      if (text == name) {
+        index = i;
+        return;
+      }
+      options += std::string(options.empty() ? "" : ", ") + name;
+      ++i;
+    }
+    refuse(field, key.name, text, "must be one of " + options);
+  }
+
+  void on_numbers(const ConfigKey& key, const NumberList& list, double lo, double hi) override {
+    const YAML::Node field = find(key.name);
+    if (!field) return;
+    const bool is_fixed = list.values == nullptr;
+    const std::size_t max_size = is_fixed ? list.size : kMaxNumbers;
+    if (!field.IsSequence() || field.size() > max_size || (is_fixed && field.size() != list.size)) {
+      const std::string why =
+          is_fixed ? "must be a list of " + std::to_string(list.size) + " numbers"
+                   : "must be a list of numbers, at most " + std::to_string(kMaxNumbers);
+      return refuse(field, key.name, scalar_text(field), why);
+    }
+    if (!is_fixed) list.values->assign(field.size(), 0.0);
+    double* const data = is_fixed ? list.data : list.values->data();
+    for (std::size_t i = 0; i < field.size(); ++i) {
+      read_number(field[i], std::string(key.name) + "[" + std::to_string(i) + "]", data[i], lo, hi);
+    }
+  }
+
+  void on_section(const ConfigKey& key, const std::function<void()>& visit) override {
+    const YAML::Node field = find(key.name);
+    if (field && !field.IsMap() && !field.IsNull()) {
+      return refuse(field, key.name, scalar_text(field), "must be a section with keys of its own");
+    }
+    Section inner{field ? field : YAML::Node(YAML::NodeType::Map),
+                  section_->prefix + key.name + "."};
+    Section* const outer = std::exchange(section_, &inner);
+    visit();
+    refuse_unknown();
+    section_ = outer;
+  }
+
+  void on_broken_check(const char* key, const char* why) override {
+    const YAML::Node field = entry(key);
+    refuse(field ? field : section_->node, key, field ? scalar_text(field) : "(default)", why);
+  }
+
+  /// The value of a key, by its present name or a former one; undefined when it is not given.
+  YAML::Node find(const std::string& key) {
+    section_->known.insert(key);
+    YAML::Node field = entry(key);
+    for (const std::string& former : former_names(section_->prefix + key)) {
+      const YAML::Node old = entry(former);
+      if (!old) continue;
+      section_->renamed.insert(former);
+      const std::string where = location(old) + section_->prefix + former;
+      if (field) {
+        problems.push_back(where + ": stands here twice, also by its new name " + key);
+      } else {
+        warnings.push_back(where + " is now called " + key +
+                           "; the old name goes with the next version");
+        field.reset(old);
+      }
+    }
+    return field;
+  }
+
+  YAML::Node entry(const std::string& key) const {
+    if (section_->node.IsMap()) {
+      for (const auto& item : section_->node) {
+        if (item.first.IsScalar() && item.first.Scalar() == key) return item.second;
+      }
+    }
+    return YAML::Node(YAML::NodeType::Undefined);
+  }
+
+  void warn_of_fixed(const OldKey& old, const YAML::Node& value, const std::string& where) {
+    const std::string text = scalar_text(value);
+    const auto given = parse_number(text);
+    const auto fixed = parse_number(old.fixed_at);
+    if (text == old.fixed_at || (given && fixed && *given == *fixed)) return;
+    warnings.push_back(where + " = " + text + " is ignored: it is no key any more, but fixed at " +
+                       old.fixed_at);
+  }
+
+  std::string location(const YAML::Node& field) const {
+    return file_ + ":" + std::to_string(field.Mark().line + 1) + ": ";
+  }
+
+  void refuse(const YAML::Node& field, const std::string& key, const std::string& value,
+              const std::string& why) {
+    problems.push_back(location(field) + section_->prefix + key + " = " + value + ": " + why);
+  }
+
+  void read_number(const YAML::Node& field, const std::string& key, double& value, double lo,
+                   double hi) {
+    const std::string text = scalar_text(field);
+    const auto parsed = parse_number(text);
+    if (!parsed) return refuse(field, key, text, "must be a number");
+    if (!(*parsed >= lo && *parsed <= hi)) {
+      return refuse(field, key, text,
+                    "must be in [" + number_text(lo) + ", " + number_text(hi) + "]");
+    }
+    value = *parsed;
+  }
+
+  std::string file_;
+  Section root_;
+  Section* section_ = &root_;
+};
+
+}  // namespace
+
+std::vector<std::string> read_yaml(const std::string& yaml, const std::string& name,
+                                   const ConfigSchema& schema) {
+  YAML::Node root;
+  try {
+    root = YAML::Load(yaml);
+  } catch (const YAML::Exception& error) {
+    throw ConfigError(
+        {name + ":" + std::to_string(error.mark.line + 1) + ": not YAML: " + error.msg});
+  }
+  if (root.IsNull()) root = YAML::Node(YAML::NodeType::Map);
+  if (!root.IsMap()) {
+    throw ConfigError({name + ":1: must be sections with keys, such as \"detector:\""});
+  }
+  Reader reader(root, name);
+  schema(reader);
+  reader.refuse_unknown();
+  if (!reader.problems.empty()) throw ConfigError(std::move(reader.problems));
+  return std::move(reader.warnings);
+}
+
+}  // namespace orchard::io

@@ -11,11 +11,9 @@
 #include "pose/slam/association.hpp"
 #include "pose/slam/coverage.hpp"
 #include "pose/slam/dead_reckoning.hpp"
-#include "pose/slam/graph.hpp"
-#include "pose/slam/landmark_index.hpp"
 #include "pose/slam/loop_closure.hpp"
 #include "pose/slam/slam_config.hpp"
-#include "pose/slam/solver.hpp"
+#include "pose/slam/slam_map.hpp"
 #include "pose/trajectory.hpp"
 
 namespace orchard::pose {
@@ -47,7 +45,10 @@ class TrunkSlam {
   std::optional<Trajectory> take_correction();
   std::string warning() const;
 
-  const SlamGraph& graph() const { return graph_; }
+  const SlamGraph& graph() const { return map_.graph; }
+  /// Loop closures that stand, and those that the observations refuted once they were solved.
+  int num_closures() const { return num_closures_; }
+  int num_refuted_closures() const { return num_refuted_; }
   /// Work done so far, in pairs looked at and terms solved: what a scan costs, without a clock.
   std::int64_t num_operations() const { return num_operations_; }
 
@@ -76,14 +77,9 @@ class TrunkSlam {
   AssociationCandidate candidate(int landmark) const;
 
   SlamConfig config_;
-  SlamGraph graph_;
-  SlamLandmarkIndex index_;
+  SlamMap map_;
   SlamSightField sight_;
   DeadReckoning motion_;
-  ErrorsPrior errors_;
-  std::vector<int> local_;        ///< landmarks that the next scan may show
-  int since_ = 0;                 ///< keyframe at which tracking began anew
-  int num_solved_ = 0;            ///< keyframes at the last whole solve
   int num_ambiguous_ = 0;         ///< scans in a row that could not be told from another place
   int num_contradicted_ = 0;      ///< scans since the last match that should have matched
   int num_matched_ = 0;           ///< of the last scan
@@ -91,8 +87,9 @@ class TrunkSlam {
   int num_closed_ = 0;            ///< keyframes when a loop was last closed, or refused
   double looked_travel_m_ = 0.0;  ///< where a closure was last looked for
   bool closure_ambiguous_ = false;
+  int num_closures_ = 0;
+  int num_refuted_ = 0;
   std::int32_t revision_ = 0;
-  bool corrected_ = false;
   std::int64_t num_operations_ = 0;
 };
 

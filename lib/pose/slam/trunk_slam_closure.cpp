@@ -2,6 +2,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "pose/planar.hpp"
 #include "pose/slam/trunk_slam.hpp"
@@ -21,7 +22,7 @@ constexpr double kRefuted2 = 9.0;
 
 /// None while the robot is among landmarks that it knows from before, or where there are no others.
 std::optional<ClosureQuestion> TrunkSlam::closure_question() const {
-  const Keyframe& now = graph_.keyframes.back();
+  const Keyframe& now = map_.graph.keyframes.back();
   const double stretch_m = config_.closure_stretch_m;
   ClosureQuestion question;
   question.pivot = now.T_map_base.head<2>();
@@ -31,11 +32,11 @@ std::optional<ClosureQuestion> TrunkSlam::closure_question() const {
     return ClosureLandmark{l, c.p_map, c.width_m, c.width_sd_m};
   };
   int num_anchors = 0;
-  for (const int l : local_) {
-    const SlamLandmark& landmark = graph_.landmarks[l];
+  for (const int l : map_.local) {
+    const SlamLandmark& landmark = map_.graph.landmarks[l];
     if (landmark.keyframes.size() < 2 || !landmark.confirmed) continue;
-    const auto ago_m = [&](int k) { return now.travel_m - graph_.keyframes[k].travel_m; };
-    if (ago_m(landmark.keyframes.back()) > stretch_m || landmark.keyframes.back() < since_)
+    const auto ago_m = [&](int k) { return now.travel_m - map_.graph.keyframes[k].travel_m; };
+    if (ago_m(landmark.keyframes.back()) > stretch_m || landmark.keyframes.back() < map_.since)
       continue;
     if (ago_m(landmark.keyframes.front()) > 2.0 * stretch_m) {
       ++num_anchors;
@@ -53,11 +54,11 @@ std::optional<ClosureQuestion> TrunkSlam::closure_question() const {
       4.0 * std::sqrt(P(2, 2)) * stretch_m;
   std::vector<int> old;
   for (const ClosureLandmark& r : question.recent) {
-    for (const int l : index_.near(r.p_map, reach_m)) {
-      const SlamLandmark& landmark = graph_.landmarks[l];
+    for (const int l : map_.index.near(r.p_map, reach_m)) {
+      const SlamLandmark& landmark = map_.graph.landmarks[l];
       if (!landmark.confirmed || landmark.keyframes.empty()) continue;
-      const Keyframe& last = graph_.keyframes[landmark.keyframes.back()];
-      if (now.travel_m - last.travel_m > stretch_m || landmark.keyframes.back() < since_) {
+      const Keyframe& last = map_.graph.keyframes[landmark.keyframes.back()];
+      if (now.travel_m - last.travel_m > stretch_m || landmark.keyframes.back() < map_.since) {
         old.push_back(l);
       }
     }
@@ -66,9 +67,9 @@ std::optional<ClosureQuestion> TrunkSlam::closure_question() const {
   old.erase(std::unique(old.begin(), old.end()), old.end());
   if (old.size() < static_cast<std::size_t>(config_.closure_min_trees)) return std::nullopt;
   for (const int l : old) question.old.push_back(view(l));
-  for (int k = static_cast<int>(graph_.keyframes.size()) - 1; k >= since_; --k) {
-    if (now.travel_m - graph_.keyframes[k].travel_m > stretch_m) break;
-    question.path.push_back(graph_.keyframes[k].T_map_base.head<2>());
+  for (int k = static_cast<int>(map_.graph.keyframes.size()) - 1; k >= map_.since; --k) {
+    if (now.travel_m - map_.graph.keyframes[k].travel_m > stretch_m) break;
+    question.path.push_back(map_.graph.keyframes[k].T_map_base.head<2>());
   }
   question.view_m = 0.5 * sight_.farthest_m();
   return question;
@@ -79,9 +80,9 @@ bool TrunkSlam::agrees(const std::vector<std::pair<int, int>>& merged) const {
   double sum = 0.0;
   int n = 0;
   for (const auto& pair : merged) {
-    const SlamLandmark& landmark = graph_.landmarks[pair.second];
+    const SlamLandmark& landmark = map_.graph.landmarks[pair.second];
     for (const int k : landmark.keyframes) {
-      const Keyframe& keyframe = graph_.keyframes[k];
+      const Keyframe& keyframe = map_.graph.keyframes[k];
       for (const SlamSighting& s : keyframe.sightings) {
         if (s.landmark != pair.second) continue;
         const Eigen::Vector2d error =
@@ -95,8 +96,8 @@ bool TrunkSlam::agrees(const std::vector<std::pair<int, int>>& merged) const {
 }
 
 void TrunkSlam::look_for_closure() {
-  const int num_keyframes = static_cast<int>(graph_.keyframes.size());
-  const double travel_m = graph_.keyframes.back().travel_m;
+  const int num_keyframes = static_cast<int>(map_.graph.keyframes.size());
+  const double travel_m = map_.graph.keyframes.back().travel_m;
   if (travel_m - looked_travel_m_ < config_.closure_every_m ||
       num_keyframes < num_closed_ * (1.0 + kCloseGrowth)) {
     return;
@@ -110,18 +111,18 @@ void TrunkSlam::look_for_closure() {
   closure_ambiguous_ = closure.ambiguous;
   if (!closure.found) return;
   for (const auto& [recent, old] : closure.same) {
-    if (graph_.seen_together(recent, old)) return;
+    if (map_.graph.seen_together(recent, old)) return;
   }
   num_closed_ = num_keyframes;
-  const SlamGraph before = graph_;
-  for (const auto& [recent, old] : closure.same) graph_.merge(recent, old);
+  SlamMap before = map_;
+  for (const auto& [recent, old] : closure.same) map_.graph.merge(recent, old);
   if (solve_all(WholeReason::kClosing) && agrees(closure.same)) {
-    since_ = 0;
+    map_.since = 0;
+    ++num_closures_;
     return;
   }
-  graph_ = before;
-  rebuild_index();
-  refresh_local_map();
+  map_ = std::move(before);
+  ++num_refuted_;
 }
 
 }  // namespace orchard::pose

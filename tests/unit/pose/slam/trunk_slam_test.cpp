@@ -190,6 +190,65 @@ TEST(TrunkSlam, ALoopIsClosedAfterALongWayWithNothingInView) {
   EXPECT_LE(extra, 1);
 }
 
+/// A drive east between two rows, far out, and back east between two other rows, 10 m north of the
+/// first: planted alike, half a metre irregular, none of them the same tree.
+SlamWorld two_islands(std::uint64_t seed) {
+  simulation::Random random(seed, simulation::Stream::kScene);
+  SlamWorld world;
+  for (const double y_m : {0.0, 4.0, 10.0, 14.0}) {
+    for (int t = 0; t < 16; ++t) {
+      const double dx_m = random.uniform(-0.5, 0.5);
+      const double dy_m = random.uniform(-0.5, 0.5);
+      world.trees.push_back({{t * 2.5 + dx_m, y_m + dy_m}});
+    }
+  }
+  world.waypoints = {{-3.0, 2.0},  {41.0, 2.0},  {45.0, 42.0},
+                     {-7.0, 42.0}, {-7.0, 12.0}, {41.0, 12.0}};
+  return world;
+}
+
+TEST(TrunkSlam, ARefutedLoopClosureLeavesNoTrace) {
+  // By such odds, and kernels of 0.8 m, the trees of the other rows pass for the known ones. The
+  // observations, good to centimetres, refute that as soon as everything is solved; what follows
+  // must be, to the last bit, the drive in which no closure was ever tried.
+  SlamConfig eager;
+  eager.closure_margin = -20.0;
+  eager.closure_kernel_m = 0.8;
+  eager.closure_sd_m = 0.3;
+  SlamConfig never = eager;
+  never.closure_min_trees = 1'000'000;
+  SlamWorld world = two_islands(1);
+  world.yaw_rate_sd_radps = 0.06;
+  TrunkSlam tried(eager);
+  TrunkSlam untried(never);
+  int num_scans = 0;
+  int num_different = 0;
+  int num_corrections_tried = 0;
+  int num_corrections_untried = 0;
+  run(world, 1,
+      {[&](const Odometry& o) {
+         tried.add(o);
+         untried.add(o);
+       },
+       [&](const SeenTrunks& seen) {
+         tried.add(seen);
+         untried.add(seen);
+         ++num_scans;
+         num_corrections_tried += tried.take_correction().has_value();
+         num_corrections_untried += untried.take_correction().has_value();
+         const std::optional<PoseEstimate> a = tried.estimate();
+         const std::optional<PoseEstimate> b = untried.estimate();
+         ASSERT_TRUE(a && b);
+         num_different += a->x_m != b->x_m || a->y_m != b->y_m || a->yaw_rad != b->yaw_rad ||
+                          a->covariance != b->covariance;
+       },
+       {}});
+  EXPECT_EQ(tried.num_closures(), 0);
+  EXPECT_GE(tried.num_refuted_closures(), 3);
+  EXPECT_EQ(num_different, 0) << "of " << num_scans << " poses";
+  EXPECT_EQ(num_corrections_tried, num_corrections_untried);
+}
+
 TEST(TrunkSlam, AScanCostsTheSameAfterThreeLapsAsInTheFirst) {
   const Drive d = drive(SlamWorld::block(8, 4, 8, 3), 8);
   ASSERT_GE(d.operations.size(), 4u);

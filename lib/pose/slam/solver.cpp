@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <set>
 
@@ -20,14 +21,49 @@ constexpr int kWindowIterations = 6;
 constexpr double kWindowTolerance = 1e-4;  // share of the sum of squares that a step gains
 constexpr double kWholeTolerance = 1e-6;
 
-/// A Ceres problem on the graph's own numbers, with its blocks in the order of their making.
+/// Working copy of the unknowns that a solve may move; the graph sees them on success only.
+class Unknowns {
+ public:
+  explicit Unknowns(const SlamGraph& graph) : graph_(graph) {}
+
+  Eigen::Vector3d& pose(int keyframe) {
+    return poses_.try_emplace(keyframe, graph_.keyframes[keyframe].T_map_base).first->second;
+  }
+  Eigen::Vector2d& place(int landmark) {
+    return places_.try_emplace(landmark, graph_.landmarks[landmark].p_map).first->second;
+  }
+  WheelErrors& errors(int calibration) {
+    return errors_.try_emplace(calibration, graph_.calibrations[calibration]).first->second;
+  }
+
+  void wrap_yaws() {
+    for (auto& [k, pose] : poses_) pose.z() = geometry::wrap_angle_rad(pose.z());
+  }
+  bool poses_are_finite() const {
+    return std::all_of(poses_.begin(), poses_.end(),
+                       [](const auto& pose) { return pose.second.allFinite(); });
+  }
+  void write_to(SlamGraph& graph) const {
+    for (const auto& [k, pose] : poses_) graph.keyframes[k].T_map_base = pose;
+    for (const auto& [l, place] : places_) graph.landmarks[l].p_map = place;
+    for (const auto& [c, errors] : errors_) graph.calibrations[c] = errors;
+  }
+
+ private:
+  const SlamGraph& graph_;
+  std::map<int, Eigen::Vector3d> poses_;
+  std::map<int, Eigen::Vector2d> places_;
+  std::map<int, WheelErrors> errors_;
+};
+
+/// A Ceres problem on a working copy, with its blocks in the order of their making.
 class GraphProblem {
  public:
-  GraphProblem(SlamGraph& graph, const SlamConfig& config, bool robust)
-      : graph_(graph), config_(config), robust_(robust), problem_(options()) {}
+  GraphProblem(const SlamGraph& graph, Unknowns& unknowns, const SlamConfig& config, bool robust)
+      : graph_(graph), unknowns_(unknowns), config_(config), robust_(robust), problem_(options()) {}
 
   void add_motion(int keyframe, const Eigen::Matrix3d& covariance) {
-    Keyframe& k = graph_.keyframes[keyframe];
+    const Keyframe& k = graph_.keyframes[keyframe];
     keep(problem_.AddResidualBlock(motion_term(k.motion, covariance), nullptr, pose(keyframe - 1),
                                    pose(keyframe), errors(k.calibration)));
   }
@@ -89,9 +125,9 @@ class GraphProblem {
     return J;
   }
 
-  double* pose(int keyframe) { return graph_.keyframes[keyframe].T_map_base.data(); }
-  double* place(int landmark) { return graph_.landmarks[landmark].p_map.data(); }
-  double* errors(int calibration) { return graph_.calibrations[calibration].data(); }
+  double* pose(int keyframe) { return unknowns_.pose(keyframe).data(); }
+  double* place(int landmark) { return unknowns_.place(landmark).data(); }
+  double* errors(int calibration) { return unknowns_.errors(calibration).data(); }
 
  private:
   static ceres::Problem::Options options() {
@@ -104,7 +140,8 @@ class GraphProblem {
     return robust_ ? new ceres::CauchyLoss(sigma) : nullptr;
   }
 
-  SlamGraph& graph_;
+  const SlamGraph& graph_;
+  Unknowns& unknowns_;
   const SlamConfig& config_;
   bool robust_;
   ceres::Problem problem_;
@@ -173,22 +210,6 @@ std::optional<PlaceFix> place_by_older(const SlamGraph& graph, int landmark, int
   return place;
 }
 
-/// The poses, landmarks and wheels' errors of a solve as they were, should it fail.
-struct Before {
-  explicit Before(const SlamGraph& graph) : calibrations(graph.calibrations) {
-    for (const Keyframe& k : graph.keyframes) poses.push_back(k.T_map_base);
-    for (const SlamLandmark& l : graph.landmarks) places.push_back(l.p_map);
-  }
-  void restore(SlamGraph& graph) const {
-    for (std::size_t k = 0; k < poses.size(); ++k) graph.keyframes[k].T_map_base = poses[k];
-    for (std::size_t l = 0; l < places.size(); ++l) graph.landmarks[l].p_map = places[l];
-    graph.calibrations = calibrations;
-  }
-  std::vector<Eigen::Vector3d> poses;
-  std::vector<Eigen::Vector2d> places;
-  std::vector<WheelErrors> calibrations;
-};
-
 }  // namespace
 
 Eigen::Vector3d initial_errors_sd(const SlamConfig& config) {
@@ -200,19 +221,16 @@ WindowSolution solve_window(SlamGraph& graph, int first, const ErrorsPrior& erro
   const int newest = static_cast<int>(graph.keyframes.size()) - 1;
   WindowSolution solution;
   if (newest < 1) return solution;
-  GraphProblem problem(graph, config, true);
+  Unknowns unknowns(graph);
+  GraphProblem problem(graph, unknowns, config, true);
   const int held = std::max(first - 1, 0);
   first = held + 1;
   std::set<int> seen;
-  std::vector<Eigen::Vector3d> before;
   for (int k = first; k <= newest; ++k) {
-    before.push_back(graph.keyframes[k].T_map_base);
     for (const SlamSighting& s : graph.keyframes[k].sightings) {
       if (graph.landmarks[s.landmark].keyframes.size() >= 2) seen.insert(s.landmark);
     }
   }
-  const std::vector<WheelErrors> errors_before = graph.calibrations;
-  std::vector<Eigen::Vector2d> places_before;
   const int first_errors = graph.keyframes[first].calibration;
   problem.add_errors_prior(first_errors, errors);
   for (int c = first_errors + 1; c <= graph.keyframes[newest].calibration; ++c) {
@@ -236,16 +254,12 @@ WindowSolution solve_window(SlamGraph& graph, int first, const ErrorsPrior& erro
   }
   problem.hold(held);
   for (const int l : seen) {
-    places_before.push_back(graph.landmarks[l].p_map);
     const std::optional<PlaceFix> older = place_by_older(graph, l, first);
     if (older) problem.add_place(l, older->p_map, older->covariance);
   }
   if (!problem.solve(seen.empty() ? ceres::DENSE_QR : ceres::SPARSE_NORMAL_CHOLESKY,
-                     kWindowIterations, kWindowTolerance)) {
-    for (int k = first; k <= newest; ++k) graph.keyframes[k].T_map_base = before[k - first];
-    std::size_t i = 0;
-    for (const int l : seen) graph.landmarks[l].p_map = places_before[i++];
-    graph.calibrations = errors_before;
+                     kWindowIterations, kWindowTolerance) ||
+      !unknowns.poses_are_finite()) {
     return solution;
   }
 
@@ -267,14 +281,11 @@ WindowSolution solve_window(SlamGraph& graph, int first, const ErrorsPrior& erro
     // the first keyframe taken as known
     const std::optional<Eigen::Matrix3d> drift =
         marginal(H.bottomRightCorner(num_rest - 3, num_rest - 3), newest_column - 3);
-    const Eigen::Matrix3d to_first =
-        compose_jacobian_second(graph.keyframes[first].T_map_base).transpose();
+    const Eigen::Matrix3d to_first = compose_jacobian_second(unknowns.pose(first)).transpose();
     if (drift) solution.drift_covariance = to_first * *drift * to_first.transpose();
   }
-  for (int k = first; k <= newest; ++k) {
-    double& yaw_rad = graph.keyframes[k].T_map_base.z();
-    yaw_rad = geometry::wrap_angle_rad(yaw_rad);
-  }
+  unknowns.wrap_yaws();
+  unknowns.write_to(graph);
   return solution;
 }
 
@@ -282,7 +293,7 @@ bool solve_whole(SlamGraph& graph, const ErrorsPrior& errors, const WholeSolve& 
                  const SlamConfig& config, Eigen::Matrix3d* newest_errors_covariance) {
   const int num_keyframes = static_cast<int>(graph.keyframes.size());
   if (num_keyframes < 2) return true;
-  const Before before(graph);
+  Unknowns unknowns(graph);
   std::vector<int> used;
   for (int l = 0; l < static_cast<int>(graph.landmarks.size()); ++l) {
     if (graph.landmarks[l].keyframes.size() >= 2) used.push_back(l);
@@ -290,7 +301,7 @@ bool solve_whole(SlamGraph& graph, const ErrorsPrior& errors, const WholeSolve& 
   std::optional<GraphProblem> problem;
   for (const bool robust : {false, true}) {
     if (!robust && !options.closing) continue;
-    problem.emplace(graph, config, robust);
+    problem.emplace(graph, unknowns, config, robust);
     problem->add_errors_prior(0, errors);
     for (std::size_t c = 1; c < graph.calibrations.size(); ++c) problem->add_errors_walk(c);
     for (int k = 0; k < num_keyframes; ++k) {
@@ -302,23 +313,20 @@ bool solve_whole(SlamGraph& graph, const ErrorsPrior& errors, const WholeSolve& 
     }
     if (!graph.placed) problem->hold(0);
     if (!problem->solve(ceres::SPARSE_NORMAL_CHOLESKY, robust ? 30 : 10, kWholeTolerance)) {
-      before.restore(graph);
       return false;
     }
   }
-  for (Keyframe& k : graph.keyframes) {
-    k.T_map_base.z() = geometry::wrap_angle_rad(k.T_map_base.z());
-    if (!k.T_map_base.allFinite()) {
-      before.restore(graph);
-      return false;
-    }
-  }
+  unknowns.wrap_yaws();
+  if (!unknowns.poses_are_finite()) return false;
+  unknowns.write_to(graph);
   if (!options.covariances) return true;
 
   std::vector<double*> blocks;
   const int first = graph.placed ? 0 : 1;
   for (int k = first; k < num_keyframes; ++k) blocks.push_back(problem->pose(k));
-  for (WheelErrors& c : graph.calibrations) blocks.push_back(c.data());
+  for (int c = 0; c < static_cast<int>(graph.calibrations.size()); ++c) {
+    blocks.push_back(problem->errors(c));
+  }
   for (const int l : used) blocks.push_back(problem->place(l));
   const ceres::CRSMatrix crs = problem->jacobian(blocks, false);
   const Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>> J(

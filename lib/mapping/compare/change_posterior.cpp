@@ -48,21 +48,25 @@ PairOdds odds_of(const PairSight& pair, const PairScatter& scatter) {
   const double still = 1.0 - 3.0 * kShareChanged;
 
   PairOdds odds;
+  const double strayed =
+      stray_places * place(pair.distance_m, std::hypot(position_sd_m, kStrayPlace_m));
   odds.unchanged =
       still * ((1.0 - stray_widths - stray_places) * there * as_wide +
                stray_widths * place(pair.distance_m, std::hypot(position_sd_m, kBushPlace_m)) *
                    change_of_width(pair.width_change_m, kStrayScale_m) +
-               stray_places * place(pair.distance_m, std::hypot(position_sd_m, kStrayPlace_m)) *
-                   std::max(as_wide, as_wide_as_all));
+               strayed * as_wide);
+  odds.changed_with_all = still * strayed * std::max(0.0, as_wide_as_all - as_wide);
   odds.width_changed = kShareChanged * there * change_of_width(pair.width_change_m, kGrowthScale_m);
   odds.moved =
       kShareChanged * as_wide_as_all / (geometry::kPi * scatter.moved_max_m * scatter.moved_max_m);
   const double new_per_m2 = kShareChanged / (2.0 * scatter.spacing_m * scatter.spacing_m);
   odds.replaced = kShareChanged * new_per_m2 *
                   normal(pair.width_b_m - scatter.width_mean_m, scatter.width_spread_m);
-  const double sum = odds.unchanged + odds.width_changed + odds.moved + odds.replaced;
-  if (!(sum > 1e-200)) return {0.0, 0.0, 0.0, 1.0};  // like nothing that is known
+  const double sum =
+      odds.unchanged + odds.changed_with_all + odds.width_changed + odds.moved + odds.replaced;
+  if (!(sum > 1e-200)) return {0.0, 0.0, 0.0, 0.0, 1.0};  // like nothing that is known
   odds.unchanged /= sum;
+  odds.changed_with_all /= sum;
   odds.width_changed /= sum;
   odds.moved /= sum;
   odds.replaced /= sum;

@@ -33,15 +33,16 @@ struct PairSight {
 };
 
 /// What may have become of the earlier thing, if it has become the later one or given way to it;
-/// the four add up to 1.
+/// the five add up to 1.
 struct PairOdds {
   double unchanged = 0.0;
+  double changed_with_all = 0.0;  ///< stands as before, and its width changed as that of all trees
   double moved = 0.0;
   double width_changed = 0.0;
   double replaced = 0.0;  ///< it has gone, and the later one has come
 };
 
-/// Weighs the four by Bayes' rule: each change befalls one tree in twenty; things that stay scatter
+/// Weighs them by Bayes' rule: each change befalls one tree in twenty; things that stay scatter
 /// as `scatter` says, a few of them more; what is moved stands anywhere within moved_max_m and is
 /// as wide as before; what is new stands anywhere and is as wide as any trunk.
 PairOdds odds_of(const PairSight& pair, const PairScatter& scatter);

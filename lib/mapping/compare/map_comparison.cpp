@@ -60,33 +60,57 @@ bool are_trees(const Landmark& a, const Landmark& b) {
   return a.label == Label::kTree && b.label == Label::kTree;
 }
 
+/// How widths of pairs differ between the two maps.
+struct WidthChange {
+  double common_m = 0.0;
+  double sd_m = 0.01;  ///< about the common change
+  std::size_t num_pairs = 0;
+};
+
+/// Taken from the pairs that are trees in both maps: posts do not grow, and the width of a bush is
+/// another from each side. From all pairs only where there are too few trees to tell.
+WidthChange width_change_of(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
+                            const std::vector<LandmarkPair>& pairs) {
+  constexpr std::size_t kMinTrees = 5;
+  std::vector<double> of_trees_m, of_all_m;
+  for (const LandmarkPair& pair : pairs) {
+    const Landmark& l = a[static_cast<std::size_t>(pair.a)];
+    const Landmark& m = b[static_cast<std::size_t>(pair.b)];
+    of_all_m.push_back(m.width_m - l.width_m);
+    if (are_trees(l, m)) of_trees_m.push_back(m.width_m - l.width_m);
+  }
+  std::vector<double>& changes_m = of_trees_m.size() >= kMinTrees ? of_trees_m : of_all_m;
+  WidthChange change;
+  change.num_pairs = changes_m.size();
+  change.common_m = geometry::median(changes_m);
+  for (double& change_m : changes_m) change_m -= change.common_m;
+  change.sd_m = std::max(0.002, geometry::robust_sd(changes_m));
+  return change;
+}
+
 /// How the pairs of two straightened maps scatter.
 PairScatter scatter_of(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
-                       const std::vector<LandmarkPair>& pairs, double typical) {
+                       const std::vector<LandmarkPair>& pairs, const WidthChange& width_change,
+                       double typical) {
   PairScatter scatter;
-  std::vector<double> changes_m, widths_m, deviations_m;
+  scatter.width_common_m = width_change.common_m;
+  scatter.width_sd_m = width_change.sd_m;
+  std::vector<double> widths_m, deviations_m, of_trees, of_others;
   for (const LandmarkPair& pair : pairs) {
+    const Landmark& l = a[static_cast<std::size_t>(pair.a)];
+    const Landmark& m = b[static_cast<std::size_t>(pair.b)];
     deviations_m.push_back(pair.residual_m.x());
     deviations_m.push_back(pair.residual_m.y());
-    changes_m.push_back(b[static_cast<std::size_t>(pair.b)].width_m -
-                        a[static_cast<std::size_t>(pair.a)].width_m);
-    widths_m.push_back(b[static_cast<std::size_t>(pair.b)].width_m);
+    widths_m.push_back(m.width_m);
+    if (l.label == Label::kObject && m.label == Label::kObject) continue;
+    (are_trees(l, m) ? of_trees : of_others)
+        .push_back((m.width_m - l.width_m - scatter.width_common_m) /
+                   (seldom_factor(l, m, typical) * scatter.width_sd_m));
   }
   scatter.position_sd_m = std::max(0.004, geometry::robust_sd(std::move(deviations_m)));
-  scatter.width_common_m = geometry::median(changes_m);
-  for (double& change_m : changes_m) change_m -= scatter.width_common_m;
-  scatter.width_sd_m = std::max(0.002, geometry::robust_sd(changes_m));
   scatter.width_mean_m = geometry::median(widths_m);
   for (double& width_m : widths_m) width_m -= scatter.width_mean_m;
   scatter.width_spread_m = std::max(0.01, geometry::robust_sd(std::move(widths_m)));
-  std::vector<double> of_trees, of_others;
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const Landmark& l = a[static_cast<std::size_t>(pairs[k].a)];
-    const Landmark& m = b[static_cast<std::size_t>(pairs[k].b)];
-    if (l.label == Label::kObject && m.label == Label::kObject) continue;
-    (are_trees(l, m) ? of_trees : of_others)
-        .push_back(changes_m[k] / (seldom_factor(l, m, typical) * scatter.width_sd_m));
-  }
   scatter.stray_widths_of_trees = stray_share(of_trees, scatter.stray_widths_of_trees, 100.0);
   scatter.stray_widths_of_others = stray_share(of_others, scatter.stray_widths_of_others, 20.0);
   return scatter;
@@ -127,17 +151,19 @@ class MapComparer {
     gate_m_ = std::clamp(0.35 * spacing_m, 0.1, 0.5);
     pairs_ = pair_landmarks(a_.places, b_.places, RigidTransform{}, gate_m_);
     typical_share_ = typical_share(a, b, pairs_);
-    scatter_ = scatter_of(a, b, pairs_, typical_share_);
+    width_change_ = width_change_of(a, b, pairs_);
+    scatter_ = scatter_of(a, b, pairs_, width_change_, typical_share_);
     scatter_.spacing_m = std::max(spacing_m, gate_m_);
     scatter_.moved_max_m = std::min(config.moved_max_m, kNearestOther * scatter_.spacing_m);
   }
 
   MapComparison compare() {
-    comparison_.width_change_common_m = scatter_.width_common_m;
-    comparison_.width_change_common_se_m =
-        pairs_.empty()
-            ? 0.0
-            : 1.253 * scatter_.width_sd_m / std::sqrt(static_cast<double>(pairs_.size()));
+    comparison_.width_change_common_m = width_change_.common_m;
+    if (width_change_.num_pairs > 0) {
+      // of a median, which scatters by sqrt(pi / 2) as much as a mean
+      comparison_.width_change_common_se_m =
+          1.253 * width_change_.sd_m / std::sqrt(static_cast<double>(width_change_.num_pairs));
+    }
     pair_what_lies_together();
     pair_what_moved();
     tell_absent(a_, b_, Change::kMissing);
@@ -242,11 +268,11 @@ class MapComparer {
     } else if (is_far && odds.moved > 0.5) {
       c.change = Change::kMoved;
       c.confidence = odds.moved;
-    } else if (is_wide && odds.width_changed >= config_.confidence_min) {
+    } else if (is_wide && odds.width_changed + odds.changed_with_all >= config_.confidence_min) {
       c.change = c.width_change_m > 0.0 ? Change::kGrown : Change::kThinner;
-      c.confidence = odds.width_changed;
+      c.confidence = odds.width_changed + odds.changed_with_all;
     } else {
-      c.confidence = odds.unchanged;
+      c.confidence = odds.unchanged + odds.changed_with_all;
     }
     comparison_.changes.push_back(c);
     return true;
@@ -285,6 +311,7 @@ class MapComparer {
   double gate_m_ = 0.5;
   std::vector<LandmarkPair> pairs_;
   double typical_share_ = 1.0;
+  WidthChange width_change_;
   PairScatter scatter_;
   MapComparison comparison_;
 };

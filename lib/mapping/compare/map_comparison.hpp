@@ -41,8 +41,9 @@ struct MapChange {
 };
 
 struct MapComparison {
-  std::vector<MapChange> changes;      ///< in order of a, then what is only in b in order of b
-  double width_change_common_m = 0.0;  ///< median over all trees: growth, or another calibration
+  std::vector<MapChange> changes;  ///< in order of a, then what is only in b in order of b
+  double width_change_common_m =
+      0.0;  ///< median over the pairs of trees: growth, or another scanner
   double width_change_common_se_m = 0.0;
 
   int count(Change change) const;
@@ -51,8 +52,9 @@ struct MapComparison {
 /// Tells what changed between an earlier map a and a later map b, which `alignment` lays upon it.
 ///
 /// A class that changed is no change. Maps are straightened against each other first: what
-/// neighbours share is the maps' bend. Standard errors of positions and widths are taken from how
-/// the pairs of the two maps scatter, more for what was seen seldom; map.csv has none for widths.
+/// neighbours share is the maps' bend. Standard errors of positions are taken from how the pairs of
+/// the two maps scatter, those of widths from the pairs of trees (map.csv has none), more for what
+/// was seen seldom. A tree that grew with all others has grown.
 /// Missing and new are weighed by how likely the other drive would have missed the thing
 /// (DriveView::probability_missed), moved, grown and replaced against each other and against noise
 /// (odds_of()); one tree in twenty changes each way. Moved is what more likely moved than not.

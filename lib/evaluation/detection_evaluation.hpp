@@ -12,7 +12,7 @@
 
 namespace orchard::evaluation {
 
-/// Which looks count. What does not count is neither found nor missed; see README.md.
+/// Which looks count. What does not count is neither found nor missed; see RULES.md.
 struct DetectionRules {
   double range_max_m = 4.0;  ///< farther things do not count
   int num_beams_min = 3;     ///< fewer beams on a thing: too little to ask for

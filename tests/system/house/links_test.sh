@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Checks that the pages of the source tree given as $1 name only what exists: relative links, paths
 # of files, and on lib/PAPER.md functions and tests; that every module with six headers or more has a
-# page, and that README.md keeps to its 120 lines. Prints every name that leads nowhere; exits 1 when
-# there is one.
+# page; that each experiment is listed; that README.md keeps to its 120 lines. Prints every name that
+# leads nowhere; exits 1 when there is one.
 set -uo pipefail
 root=${1:?usage: links_test.sh SOURCE_TREE}
 cd "$root" || exit 2
@@ -119,6 +119,10 @@ while IFS= read -r folder; do
   headers=$(find "$folder" -maxdepth 1 -name '*.hpp' | wc -l)
   [ "$headers" -lt 6 ] || [ -f "$folder/README.md" ] || complain "$folder has no page"
 done < <(find lib -type d | sort)
+for script in tests/experiments/*.sh; do
+  [ ! -f "$script" ] || grep -qF "\`${script##*/}\`" tests/experiments/README.md ||
+    complain "tests/experiments/README.md lacks ${script##*/}"
+done
 if [ -f README.md ] && [ "$(wc -l <README.md)" -gt 120 ]; then
   complain "README.md has more than 120 lines"
 fi

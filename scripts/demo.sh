@@ -45,7 +45,8 @@ fail() { echo "demo: $*" >&2; exit 1; }
 
 # ---- outside: build, then find a network of our own ----------------------------------------------
 if [ "$inside" = no ]; then
-  if [ $build = yes ]; then scripts/build.sh; fi
+  programs=(orchard orchard-detector orchard-pose orchard-mapper orchard-sim-driver orchard-log-player)
+  if [ $build = yes ]; then scripts/build.sh "${programs[@]}"; fi
   [ -x "$bin/orchard" ] || fail "$build_dir holds no programs; run without --no-build"
   mkdir -p "$out"
   [ $keep = yes ] || rm -rf "$out"/live "$out"/in_process "$out"/lockstep "$out"/demo.lcm "$out"/*.log

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <filesystem>
 
+#include "io/map/map_csv.hpp"
+#include "io/recording/truth_csv.hpp"
 #include "system/cli/cli_fixture.hpp"
 
 namespace orchard::cli_test {
@@ -52,6 +55,35 @@ TEST_F(ImportCommand, WhatIsNeitherFolderNorRawlogIsRefused) {
     EXPECT_THAT(result.err, HasSubstr(name));
     EXPECT_FALSE(exists(path("drive.lcm")));
   }
+}
+
+// Eight seconds of the simulated orchard (tests/data/make_row.sh), so that no checkout is without a
+// recording: every trunk that the robot passed or came near is on the map, once, where it stands.
+TEST_F(ImportCommand, TheRowOfThisRepositoryIsImportedAndMapped) {
+  const std::string row = ORCHARD_SOURCE_DIR "/tests/data/row";
+  ASSERT_EQ(orchard({"import", row, "--out", path("row.lcm")}).exit_code, 0);
+  EXPECT_EQ(num_messages(path("row.lcm"), "SCAN"), 21);
+  EXPECT_EQ(num_messages(path("row.lcm"), "IMAGE"), 10);
+  EXPECT_EQ(num_messages(path("row.lcm"), "ODOMETRY"), 401);
+  EXPECT_EQ(num_messages(path("row.lcm"), "POSE_FIX"), 81);
+  const Result result = orchard({"map", path("row.lcm"), "--config",
+                                 ORCHARD_SOURCE_DIR "/config/orchard.yaml", "--out", path("map")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto landmarks = io::read_map_csv(path("map/map.csv"));
+  int num_judged = 0;
+  for (const simulation::TruthObject& thing : io::read_truth_csv(row + "/truth.csv")) {
+    if (thing.label != detection::Label::kTree || thing.y_m > 12.5) continue;
+    int num_there = 0;
+    for (const mapping::Landmark& l : landmarks) {
+      if (std::hypot(l.x_m - thing.x_m, l.y_m - thing.y_m) > 0.05) continue;
+      ++num_there;
+      EXPECT_NEAR(l.width_m, thing.width_m, 0.015) << thing.x_m << ' ' << thing.y_m;
+      EXPECT_NE(l.label, detection::Label::kObject) << thing.x_m << ' ' << thing.y_m;
+    }
+    EXPECT_EQ(num_there, 1) << thing.x_m << ' ' << thing.y_m;
+    ++num_judged;
+  }
+  EXPECT_EQ(num_judged, 9);
 }
 
 TEST_F(ImportCommand, ARealRecording) {

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Writes the source messages of a log as a recording folder, thinned, for a small recording in
+// tests/data. Prints how many of each kind it wrote.
+//   log_to_folder LOG FOLDER SCANS IMAGES   every SCANS-th scan, every IMAGES-th picture (0 = none)
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+#include <variant>
+
+#include "bus/messages/codec.hpp"
+#include "io/log/log_reader.hpp"
+
+namespace {
+
+using namespace orchard;
+
+class FolderWriter {
+ public:
+  FolderWriter(const std::string& folder, int scan_every, int image_every)
+      : folder_(folder), scan_every_(scan_every), image_every_(image_every) {
+    std::filesystem::create_directories(folder + "/images");
+    scans_.open(folder + "/scans.csv");
+    odometry_.open(folder + "/odometry.csv");
+    poses_.open(folder + "/poses.csv");
+    odometry_ << "utime_us,v_mps,yaw_rate_radps\n";
+    poses_ << "utime_us,x_m,y_m,yaw_rad\n";
+  }
+
+  void operator()(const laser::Scan& scan) {
+    if (num_scans_read_++ % scan_every_ != 0) return;
+    if (num_scans_++ == 0) describe(scan);
+    scans_ << scan.utime;
+    for (const float range_m : scan.ranges_m)
+      scans_ << (range_m > 0.0f ? text(",%.3f", range_m) : ",0");
+    scans_ << '\n';
+  }
+  void operator()(const vision::Image& image) {
+    if (image_every_ == 0 || num_images_read_++ % image_every_ != 0) return;
+    ++num_images_;
+    std::ofstream file(folder_ + "/images/" + std::to_string(image.utime) + ".jpg",
+                       std::ios::binary);
+    file.write(reinterpret_cast<const char*>(image.data.data()),
+               static_cast<std::streamsize>(image.data.size()));
+  }
+  void operator()(const pose::Odometry& o) {
+    odometry_ << o.utime << text(",%.4f", o.speed_mps) << text(",%.5f", o.yaw_rate_radps) << '\n';
+  }
+  void operator()(const pose::PoseFix& fix) {
+    if (!fix.has_yaw) return;
+    poses_ << fix.utime << text(",%.4f", fix.x_m) << text(",%.4f", fix.y_m)
+           << text(",%.5f", fix.yaw_rad) << '\n';
+  }
+  template <class Other>
+  void operator()(const Other&) {}
+
+  void finish() {
+    if (num_scans_ == 0) throw std::runtime_error("the log holds no scan");
+    if (!scans_.flush() || !odometry_.flush() || !poses_.flush()) {
+      throw std::runtime_error(folder_ + " cannot be written");
+    }
+    std::printf("%s: %d scans, %d pictures\n", folder_.c_str(), num_scans_, num_images_);
+  }
+
+ private:
+  static std::string text(const char* format, double value) {
+    char buffer[32];
+    std::snprintf(buffer, sizeof(buffer), format, value);
+    return buffer;
+  }
+
+  void describe(const laser::Scan& scan) {
+    scans_ << "utime_us";
+    for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) scans_ << ",range_" << i << "_m";
+    scans_ << '\n';
+    std::ofstream file(folder_ + "/sensors.yaml");
+    file << "laser:\n  num_beams: " << scan.ranges_m.size()
+         << text("\n  bearing_min_rad: %.9f", scan.bearing_min_rad)
+         << text("\n  bearing_step_rad: %.9f", scan.bearing_step_rad)
+         << text("\n  range_min_m: %.3f", scan.range_min_m)
+         << text("\n  range_max_m: %.3f", scan.range_max_m)
+         << text("\n  beam_period_us: %.6f\n", scan.beam_period_us);
+  }
+
+  std::string folder_;
+  int scan_every_;
+  int image_every_;
+  int num_scans_read_ = 0;
+  int num_images_read_ = 0;
+  int num_scans_ = 0;
+  int num_images_ = 0;
+  std::ofstream scans_;
+  std::ofstream odometry_;
+  std::ofstream poses_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 5) {
+    std::fprintf(stderr, "usage: log_to_folder LOG FOLDER SCANS IMAGES\n");
+    return 2;
+  }
+  try {
+    FolderWriter writer(argv[2], std::stoi(argv[3]), std::stoi(argv[4]));
+    io::LogReader reader(argv[1]);
+    while (auto event = reader.next()) {
+      const auto channel = bus::find_channel(event->channel);
+      if (!channel) continue;
+      const auto decoded = bus::decode(*channel, event->data.data(), event->data.size());
+      if (const auto* message = std::get_if<bus::Message>(&decoded))
+        std::visit([&](const auto& m) { writer(m); }, *message);
+    }
+    writer.finish();
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "log_to_folder: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -20,6 +20,8 @@ packages=(
   # (libopencv-dev: the module packages alone carry no CMake config)
   libopencv-dev
   libturbojpeg0-dev libjpeg-dev
+  # figures, and the font that stands in them
+  libcairo2-dev fonts-dejavu-core
   # files
   libyaml-cpp-dev libgdal-dev zlib1g-dev nlohmann-json3-dev
   # command line, log, tests, benchmarks

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "evaluation/detection_evaluation.hpp"
+#include "evaluation/plot.hpp"
 
 namespace orchard::evaluation {
 
@@ -13,8 +15,8 @@ std::string detection_tables(const DetectionEvaluation& evaluation);
 /// The same as one JSON object. Lengths in m.
 std::string detection_json(const DetectionEvaluation& evaluation);
 
-/// The same as one HTML page that needs no other file: tables, and as inline SVG the
-/// precision-recall curves, the reliability diagram, F1 by range and centre error by range.
-std::string detection_page(const DetectionEvaluation& evaluation, const std::string& title);
+/// Precision-recall curves, the reliability diagram where there are probabilities, precision and
+/// recall by range, centre error by range.
+std::vector<Plot> detection_plots(const DetectionEvaluation& evaluation);
 
 }  // namespace orchard::evaluation

@@ -143,7 +143,9 @@ void add_overlay(CLI::App& app, Run& run) {
         command.add_option("--config", o.config_path, "the rig it was recorded with")
             ->required()
             ->type_name("FILE");
-        command.add_option("--out", o.out_path, "picture to write")->required()->type_name("PNG");
+        command.add_option("--out", o.out_path, "picture to write")
+            ->required()
+            ->type_name("SVG|PNG|PDF");
       });
 }
 

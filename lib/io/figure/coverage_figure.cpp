@@ -4,51 +4,59 @@
 #include <algorithm>
 #include <cmath>
 
-#include "io/figure/canvas.hpp"
+#include "io/figure/legend.hpp"
+#include "io/figure/plot_axes.hpp"
 #include "io/fixed_text.hpp"
 
 namespace orchard::io {
 namespace {
 
-constexpr double kWidth_px = 960.0;  ///< of the drawing, whatever the camera's
-constexpr double kFooter_px = 30.0;
+constexpr double kWidth_px = 960.0;  ///< of the camera's picture, whatever the camera's
+constexpr double kTop_px = 68.0;
 constexpr double kArrow_px = 18.0;  ///< length of an arrow of the root mean square error
-constexpr Colour kGrey{205, 205, 205}, kGreen{30, 140, 60}, kRed{200, 40, 30}, kBlack{0, 0, 0};
+constexpr Colour kCorner{30, 140, 60}, kArrow{200, 40, 30};
+
+void draw_cross(PixelPoint at, Canvas& canvas) {
+  constexpr double kArm_px = 9.0;
+  canvas.line({at.x - kArm_px, at.y}, {at.x + kArm_px, at.y}, kBlack, 2.0);
+  canvas.line({at.x, at.y - kArm_px}, {at.x, at.y + kArm_px}, kBlack, 2.0);
+}
 
 }  // namespace
 
-std::string coverage_figure_png(const calibration::CameraCalibration& calibration) {
+std::string coverage_figure(const calibration::CameraCalibration& calibration,
+                            FigureFormat format) {
   const geometry::CameraIntrinsics& camera = calibration.intrinsics;
   const double scale = kWidth_px / camera.width_px;
-  const double height_px = scale * camera.height_px;
-  const auto canvas = make_png_canvas(static_cast<int>(kWidth_px),
-                                      static_cast<int>(std::lround(height_px + kFooter_px)));
-  const auto place = [scale](double x_px, double y_px) {
-    return PixelPoint{(x_px + 0.5) * scale, (y_px + 0.5) * scale};
-  };
-  constexpr int kParts = 5;
-  for (int i = 0; i <= kParts; ++i) {
-    const double x = i * kWidth_px / kParts, y = i * height_px / kParts;
-    canvas->line({x, 0.0}, {x, height_px}, kGrey, 1.0);
-    canvas->line({0.0, y}, {kWidth_px, y}, kGrey, 1.0);
-  }
-  const double lengthen = kArrow_px / std::max(calibration.rms_px, 1e-6);
+  const PixelBox box{PlotAxes::kLeftPx, kTop_px, PlotAxes::kLeftPx + kWidth_px,
+                     kTop_px + scale * camera.height_px};
+  // Whole numbers are the centres of pixels; rows count downward.
+  const PlotAxes axes(box, {-0.5, camera.width_px - 0.5}, {camera.height_px - 0.5, -0.5});
+  Canvas canvas(format, static_cast<int>(std::ceil(box.x1 + PlotAxes::kRightPx)),
+                static_cast<int>(std::ceil(box.y1 + PlotAxes::kBottomPx)));
+  axes.draw("column (px)", "row (px)", canvas);
+  const double lengthen = kArrow_px / (scale * std::max(calibration.rms_px, 1e-6));
   for (const calibration::CornerResidual& corner : calibration.residuals) {
-    const PixelPoint at = place(corner.found_px.x_px, corner.found_px.y_px);
+    const double x_px = corner.found_px.x_px, y_px = corner.found_px.y_px;
     // the model's place is the found one minus the residual
-    canvas->line(at, {at.x - lengthen * corner.dx_px, at.y - lengthen * corner.dy_px}, kRed, 1.0);
-    canvas->circle(at, 2.0, kGreen, kGreen);
+    canvas.line(axes.at(x_px, y_px),
+                axes.at(x_px - lengthen * corner.dx_px, y_px - lengthen * corner.dy_px), kArrow,
+                1.0);
+    canvas.circle(axes.at(x_px, y_px), 2.0, kCorner, kCorner);
   }
-  const PixelPoint centre = place(camera.cc_px[0], camera.cc_px[1]);
-  canvas->line({centre.x - 12.0, centre.y}, {centre.x + 12.0, centre.y}, kBlack, 2.0);
-  canvas->line({centre.x, centre.y - 12.0}, {centre.x, centre.y + 12.0}, kBlack, 2.0);
-  canvas->text({8.0, height_px + 20.0},
-               std::to_string(calibration.num_corners) + " corners of " +
-                   std::to_string(calibration.num_views) + " views; arrows to the model, " +
-                   fixed_text(lengthen / scale, 0) + " times their length (rms " +
-                   fixed_text(calibration.rms_px, 3) + " px); cross: principal point",
-               16.0, kBlack, TextAnchor::kStart);
-  return canvas->bytes();
+  draw_cross(axes.at(camera.cc_px[0], camera.cc_px[1]), canvas);
+  canvas.text({box.x0, 26.0},
+              std::to_string(calibration.num_corners) + " corners of " +
+                  std::to_string(calibration.num_views) + " views, rms " +
+                  fixed_text(calibration.rms_px, 3) + " px",
+              {16.0, kBlack});
+  const auto dot = [](PixelPoint at, Canvas& c) { c.circle(at, 2.0, kCorner, kCorner); };
+  Legend({{"corner found", dot},
+          line_item("to the model's corner, " + fixed_text(lengthen, 0) + " times as long", kArrow),
+          {"principal point", draw_cross}},
+         box.width())
+      .draw({box.x0, 36.0}, canvas);
+  return canvas.finish();
 }
 
 }  // namespace orchard::io

@@ -4,11 +4,13 @@
 #include <string>
 
 #include "calibration/board/camera_calibration.hpp"
+#include "io/figure/canvas.hpp"
 
 namespace orchard::io {
 
-/// A PNG of the camera's picture: where corners of the board were seen, each with an arrow to where
-/// the model has it (lengthened; the scale is written below), and the principal point.
-std::string coverage_figure_png(const calibration::CameraCalibration& calibration);
+/// Draws the camera's picture area in axes of pixels: where corners of the board were seen, each
+/// with an arrow to where the model has it (lengthened; the scale is written above), and the
+/// principal point. Returns the file.
+std::string coverage_figure(const calibration::CameraCalibration& calibration, FigureFormat format);
 
 }  // namespace orchard::io

@@ -2,11 +2,10 @@
 #include "io/figure/map_figure.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
-#include "io/figure/canvas.hpp"
-#include "io/figure/figure_frame.hpp"
+#include "io/figure/label_placement.hpp"
+#include "io/figure/map_frame.hpp"
 
 namespace orchard::io {
 namespace {
@@ -14,8 +13,7 @@ namespace {
 using detection::Label;
 using mapping::Landmark;
 
-constexpr Colour kBlack{30, 30, 30}, kRow{170, 205, 170}, kRowText{90, 140, 90},
-    kWay{225, 190, 120};
+constexpr Colour kRow{170, 205, 170}, kRowText{90, 140, 90}, kWay{225, 190, 120};
 
 struct Style {
   Colour fill, stroke;
@@ -33,24 +31,29 @@ Style style_of(Label label) {
   return {{205, 205, 205}, {140, 140, 140}};
 }
 
-/// A line per row, and its number before its first place.
-void draw_rows(const FigureFrame& frame, const std::vector<mapping::Row>& rows, Canvas& canvas) {
+/// Sizes by how many landmarks share the page.
+struct Sizes {
+  explicit Sizes(std::size_t num_landmarks) {
+    if (num_landmarks <= 100) return;
+    radius_px = 3.0;
+    text_px = 10.0;
+  }
+  double radius_px = 6.0;  ///< at least
+  double text_px = 14.0;
+};
+
+void draw_row_lines(const MapFrame& frame, const std::vector<mapping::Row>& rows, Canvas& canvas) {
   for (const mapping::Row& row : rows) {
     std::vector<PixelPoint> points;
     for (const mapping::RowPlace& place : row.places) {
       points.push_back(frame.at(place.p_map.x(), place.p_map.y()));
     }
-    if (points.size() < 2) continue;
-    canvas.polyline(points, kRow, 1.5);
-    const double dx = points[0].x - points[1].x, dy = points[0].y - points[1].y;
-    const double length = std::max(1e-9, std::hypot(dx, dy));
-    canvas.text({points[0].x + 18.0 * dx / length, points[0].y + 18.0 * dy / length + 5.0},
-                "R" + std::to_string(row.number), kAxisTextPx, kRowText, TextAnchor::kMiddle);
+    if (points.size() > 1) canvas.polyline(points, kRow, 1.5);
   }
 }
 
 /// Where a vehicle can go: between the rows and round their ends.
-void draw_graph(const FigureFrame& frame, const mapping::NavigationGraph& graph, Canvas& canvas) {
+void draw_graph(const MapFrame& frame, const mapping::NavigationGraph& graph, Canvas& canvas) {
   for (const mapping::NavigationEdge& edge : graph.edges) {
     std::vector<PixelPoint> points;
     for (const Eigen::Vector2d& p : edge.line_map) points.push_back(frame.at(p.x(), p.y()));
@@ -61,104 +64,97 @@ void draw_graph(const FigureFrame& frame, const mapping::NavigationGraph& graph,
   }
 }
 
-double radius_px(const FigureFrame& frame, const Landmark& l, double least_px) {
-  return std::max(least_px, 0.5 * l.width_m * frame.px_per_m());
+double radius_px(const MapFrame& frame, const Landmark& l, const Sizes& sizes) {
+  return std::max(sizes.radius_px, 0.5 * l.width_m * frame.px_per_m());
 }
 
-void draw_numbers(const FigureFrame& frame, const std::vector<Landmark>& landmarks, double least_px,
-                  double text_px, Canvas& canvas) {
-  std::vector<PixelBox> taken;
-  for (const Landmark& l : landmarks) {
-    const PixelPoint p = frame.at(l.x_m, l.y_m);
-    const double r = radius_px(frame, l, least_px);
-    taken.push_back({p.x - r, p.y - r, p.x + r, p.y + r});
-  }
-  const PixelBox plot = frame.plot();
-  constexpr std::array<std::array<double, 2>, 8> kSides = {
-      {{1, 0}, {-1, 0}, {0, -1}, {0, 1}, {1, -1}, {-1, -1}, {1, 1}, {-1, 1}}};
-  for (const Landmark& l : landmarks) {
-    if (l.label == Label::kUnseen) continue;
-    const std::string number = std::to_string(l.id);
-    const double half_width = 0.31 * text_px * static_cast<double>(number.size());
-    const double half_height = 0.42 * text_px;
-    const PixelPoint p = frame.at(l.x_m, l.y_m);
-    const double r = radius_px(frame, l, least_px);
-    for (std::size_t k = 0; k < 2 * kSides.size(); ++k) {
-      const auto& side = kSides[k % kSides.size()];
-      const double gap = r + (k < kSides.size() ? 3.0 : 8.0);
-      const PixelPoint c{p.x + side[0] * (gap + half_width), p.y + side[1] * (gap + half_height)};
-      const PixelBox box{c.x - half_width, c.y - half_height, c.x + half_width, c.y + half_height};
-      const bool inside =
-          box.x0 >= plot.x0 && box.x1 <= plot.x1 && box.y0 >= plot.y0 && box.y1 <= plot.y1;
-      if (!inside || std::any_of(taken.begin(), taken.end(),
-                                 [&box](const PixelBox& other) { return box.overlaps(other); })) {
-        continue;
-      }
-      canvas.text({c.x, c.y + 0.36 * text_px}, number, text_px, style_of(l.label).stroke,
-                  TextAnchor::kMiddle);
-      taken.push_back(box);
-      break;
-    }
+/// The number of a row beyond its first place.
+void draw_row_numbers(const MapFrame& frame, const std::vector<mapping::Row>& rows,
+                      LabelPlacement& placement, Canvas& canvas) {
+  constexpr double kOut_px = 14.0;
+  for (const mapping::Row& row : rows) {
+    if (row.places.size() < 2) continue;
+    const PixelPoint first = frame.at(row.places[0].p_map.x(), row.places[0].p_map.y());
+    const PixelPoint second = frame.at(row.places[1].p_map.x(), row.places[1].p_map.y());
+    const double dx = first.x - second.x, dy = first.y - second.y;
+    const double share = kOut_px / std::max(1e-9, std::hypot(dx, dy));
+    draw_label({first.x + share * dx, first.y + share * dy}, 0.0, "R" + std::to_string(row.number),
+               kAxisTextPx, kRowText, placement, canvas);
   }
 }
 
-void draw_legend(const std::vector<Landmark>& landmarks, bool has_ways, PixelPoint at,
-                 Canvas& canvas) {
+/// How many zeros a number ends with: 20 tells more about a place in a crowd than 17.
+int roundness(std::int32_t id) {
+  int zeros = 0;
+  for (; id != 0 && id % 10 == 0; id /= 10) ++zeros;
+  return zeros;
+}
+
+void draw_numbers(const MapFrame& frame, const std::vector<Landmark>& landmarks, const Sizes& sizes,
+                  LabelPlacement& placement, Canvas& canvas) {
+  std::vector<const Landmark*> order;
+  for (const Landmark& l : landmarks) {
+    if (l.label != Label::kUnseen) order.push_back(&l);
+  }
+  std::stable_sort(order.begin(), order.end(), [](const Landmark* a, const Landmark* b) {
+    return roundness(a->id) > roundness(b->id);
+  });
+  for (const Landmark* l : order) {
+    draw_label(frame.at(l->x_m, l->y_m), radius_px(frame, *l, sizes), std::to_string(l->id),
+               sizes.text_px, style_of(l->label).stroke, placement, canvas);
+  }
+}
+
+std::vector<LegendItem> legend_of(const std::vector<Landmark>& landmarks, bool has_ways) {
+  std::vector<LegendItem> items;
   for (const Label label : {Label::kTree, Label::kObject, Label::kUnseen}) {
     const auto count = std::count_if(landmarks.begin(), landmarks.end(),
                                      [label](const Landmark& l) { return l.label == label; });
     if (count == 0 && label == Label::kUnseen) continue;
     const char* names[] = {"unseen", "trees", "objects"};
-    canvas.circle({at.x, at.y - 5.0}, 6.0, style_of(label).fill, style_of(label).stroke);
-    const std::string item = std::to_string(count) + " " + names[static_cast<int>(label)];
-    canvas.text({at.x + 12.0, at.y}, item, kAxisTextPx, kBlack, TextAnchor::kStart);
-    at.x += 45.0 + 8.5 * static_cast<double>(item.size());
+    items.push_back({std::to_string(count) + " " + names[static_cast<int>(label)],
+                     [label](PixelPoint centre, Canvas& canvas) {
+                       canvas.circle(centre, 6.0, style_of(label).fill, style_of(label).stroke);
+                     }});
   }
-  canvas.line({at.x - 8.0, at.y - 5.0}, {at.x + 10.0, at.y - 5.0}, kPathColour, 2.0);
-  canvas.text({at.x + 15.0, at.y}, "path", kAxisTextPx, kBlack, TextAnchor::kStart);
-  if (!has_ways) return;
-  at.x += 70.0;
-  canvas.line({at.x - 8.0, at.y - 5.0}, {at.x + 10.0, at.y - 5.0}, kWay, 2.0);
-  canvas.text({at.x + 15.0, at.y}, "ways", kAxisTextPx, kBlack, TextAnchor::kStart);
-}
-
-void draw(const FigureFrame& frame, const std::vector<Landmark>& landmarks,
-          const std::vector<pose::PoseEstimate>& path, const std::vector<mapping::Row>& rows,
-          const mapping::NavigationGraph& graph, Canvas& canvas) {
-  const bool crowded = landmarks.size() > 100;
-  const double least_px = crowded ? 3.0 : 6.0;
-  const double text_px = landmarks.size() > 300 ? 9.0 : crowded ? 10.0 : 14.0;
-  frame.draw_axes(canvas);
-  draw_graph(frame, graph, canvas);
-  draw_rows(frame, rows, canvas);
-  frame.draw_path(path, canvas);
-  for (const Label label : {Label::kUnseen, Label::kObject, Label::kTree}) {  // trees on top
-    for (const Landmark& l : landmarks) {
-      if (l.label != label) continue;
-      canvas.circle(frame.at(l.x_m, l.y_m), radius_px(frame, l, least_px), style_of(label).fill,
-                    style_of(label).stroke);
-    }
-  }
-  draw_numbers(frame, landmarks, least_px, text_px, canvas);
-  draw_legend(landmarks, !graph.edges.empty(), frame.legend(), canvas);
+  items.push_back(line_item("path", kPathColour));
+  if (has_ways) items.push_back(line_item("ways", kWay));
+  return items;
 }
 
 }  // namespace
 
-MapFigure draw_map(const std::vector<Landmark>& landmarks,
-                   const std::vector<pose::PoseEstimate>& trajectory,
-                   const std::vector<mapping::Row>& rows, const mapping::NavigationGraph& graph) {
+std::string map_figure(const std::vector<Landmark>& landmarks,
+                       const std::vector<pose::PoseEstimate>& trajectory,
+                       const std::vector<mapping::Row>& rows, const mapping::NavigationGraph& graph,
+                       FigureFormat format) {
   std::vector<Eigen::Vector2d> points;
   for (const Landmark& l : landmarks) points.push_back({l.x_m, l.y_m});
   for (const pose::PoseEstimate& p : trajectory) points.push_back({p.x_m, p.y_m});
   for (const mapping::NavigationNode& node : graph.nodes) points.push_back(node.p_map);
-  const FigureFrame frame(points);
-  const auto svg = make_svg_canvas(frame.width_px(), frame.height_px());
-  const auto png = make_png_canvas(frame.width_px(), frame.height_px());
-  for (Canvas* canvas : {svg.get(), png.get()}) {
-    draw(frame, landmarks, trajectory, rows, graph, *canvas);
+  for (const mapping::NavigationEdge& edge : graph.edges) {
+    points.insert(points.end(), edge.line_map.begin(), edge.line_map.end());
   }
-  return {svg->bytes(), png->bytes()};
+  const MapFrame frame(points, legend_of(landmarks, !graph.edges.empty()));
+  const Sizes sizes(landmarks.size());
+  Canvas canvas(format, frame.width_px(), frame.height_px());
+  frame.draw(canvas);
+  draw_graph(frame, graph, canvas);
+  draw_row_lines(frame, rows, canvas);
+  frame.draw_path(trajectory, canvas);
+  LabelPlacement placement(frame.box());
+  for (const Label label : {Label::kUnseen, Label::kObject, Label::kTree}) {  // trees on top
+    for (const Landmark& l : landmarks) {
+      if (l.label != label) continue;
+      const PixelPoint p = frame.at(l.x_m, l.y_m);
+      const double r = radius_px(frame, l, sizes);
+      canvas.circle(p, r, style_of(label).fill, style_of(label).stroke);
+      placement.take({p.x - r, p.y - r, p.x + r, p.y + r});
+    }
+  }
+  draw_row_numbers(frame, rows, placement, canvas);
+  draw_numbers(frame, landmarks, sizes, placement, canvas);
+  return canvas.finish();
 }
 
 }  // namespace orchard::io

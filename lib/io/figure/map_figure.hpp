@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "io/figure/canvas.hpp"
 #include "mapping/landmark.hpp"
 #include "mapping/rows/navigation_graph.hpp"
 #include "mapping/rows/rows.hpp"
@@ -11,18 +12,14 @@
 
 namespace orchard::io {
 
-/// The map as a picture: files of one drawing.
-struct MapFigure {
-  std::string svg;
-  std::string png;
-};
-
 /// Draws the paper's figure 11 (Shalal et al. 2013): trees green and objects red with their
 /// numbers (ids), unseen ones grey, the robot's path, the rows with their numbers, the ways between
-/// and round them, axes in metres of equal scale. Circles have the true width, but a least size; a
-/// number that finds no free place is left out.
-MapFigure draw_map(const std::vector<mapping::Landmark>& landmarks,
-                   const std::vector<pose::PoseEstimate>& trajectory,
-                   const std::vector<mapping::Row>& rows, const mapping::NavigationGraph& graph);
+/// and round them, axes in metres of equal scale. Circles have the true width, but a least size.
+/// Labels do not overlap: where there are too many, round numbers come first and those that find no
+/// free place are left out. Returns the file.
+std::string map_figure(const std::vector<mapping::Landmark>& landmarks,
+                       const std::vector<pose::PoseEstimate>& trajectory,
+                       const std::vector<mapping::Row>& rows, const mapping::NavigationGraph& graph,
+                       FigureFormat format);
 
 }  // namespace orchard::io

@@ -4,35 +4,30 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
-#include "io/file_error.hpp"
+#include "io/fixed_text.hpp"
 
 namespace orchard::io {
 namespace {
 
 constexpr int kWidthWanted_px = 1280;
 constexpr int kRow_px = 26;
-constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
-constexpr double kFontScale = 0.55;
-const cv::Scalar kWhite(255, 255, 255), kGrey(170, 170, 170), kBlack(0, 0, 0);
-const cv::Scalar kTree(60, 220, 60), kObject(60, 60, 240), kUnseen(60, 200, 250);
-const cv::Scalar kLine(255, 255, 0), kLineNotJudged(150, 150, 0);
+constexpr double kCellText_px = 15.0, kNumberText_px = 18.0;
+constexpr Colour kBackground{0, 0, 0}, kGrey{170, 170, 170};
+constexpr Colour kTree{60, 220, 60}, kObject{240, 60, 60}, kUnseen{250, 200, 60};
+constexpr Colour kLine{0, 255, 255}, kLineNotJudged{0, 150, 150};
 
-/// Red at half a metre to blue at 6 m.
-cv::Scalar colour_of_range(double range_m) {
-  const double share = std::clamp((range_m - 0.5) / 5.5, 0.0, 1.0);
-  const cv::Mat hsv(1, 1, CV_8UC3, cv::Scalar(std::round(120.0 * share), 255, 255));
-  cv::Mat bgr;
-  cv::cvtColor(hsv, bgr, cv::COLOR_HSV2BGR);
-  const auto& pixel = bgr.at<cv::Vec3b>(0, 0);
-  return {static_cast<double>(pixel[0]), static_cast<double>(pixel[1]),
-          static_cast<double>(pixel[2])};
+/// Red at half a metre over yellow, green and cyan to blue at 6 m.
+Colour colour_of_range(double range_m) {
+  const double sixth = 4.0 * std::clamp((range_m - 0.5) / 5.5, 0.0, 1.0);
+  const auto channel = [sixth](double centre) {  // full within a sixth of it, then falling
+    const double value = std::clamp(2.0 - std::abs(sixth - centre), 0.0, 1.0);
+    return static_cast<std::uint8_t>(std::lround(255.0 * value));
+  };
+  return {channel(0.0), channel(2.0), channel(4.0)};
 }
 
-cv::Scalar colour_of(detection::Label label) {
+Colour colour_of(detection::Label label) {
   if (label == detection::Label::kTree) return kTree;
   return label == detection::Label::kObject ? kObject : kUnseen;
 }
@@ -42,82 +37,67 @@ const char* name_of(detection::Label label) {
   return label == detection::Label::kObject ? "OBJECT" : "UNSEEN";
 }
 
-std::string decimals(double value, int digits) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.*f", digits, value);
-  return text;
-}
-
-/// Draws in picture coordinates on the enlarged picture.
+/// Draws in picture coordinates on the enlarged picture, and in rows of a table below it.
 class Sheet {
  public:
-  explicit Sheet(const OverlayContent& content)
-      : scale_(std::max(1, static_cast<int>(std::lround(1.0 * kWidthWanted_px /
-                                                        content.picture.area.width_px)))) {
-    const vision::PixelRect& area = content.picture.area;
-    const cv::Mat picture(area.height_px, area.width_px, CV_8UC3,
-                          const_cast<std::uint8_t*>(content.picture.bgr.data()));
-    cv::Mat large;
-    cv::resize(picture, large, {}, scale_, scale_, cv::INTER_NEAREST);
-    const int rows = static_cast<int>(content.candidates.size()) + 2;
-    const int width_px = std::max(large.cols, kWidthWanted_px);
-    sheet_ = cv::Mat(large.rows + rows * kRow_px + 12, width_px, CV_8UC3, kBlack);
-    large.copyTo(sheet_(cv::Rect(0, 0, large.cols, large.rows)));
-    picture_height_px_ = large.rows;
+  Sheet(const OverlayContent& content, FigureFormat format)
+      : area_(content.picture.area),
+        scale_(std::max(1, static_cast<int>(std::lround(1.0 * kWidthWanted_px / area_.width_px)))),
+        canvas_(format, std::max(scale_ * area_.width_px, kWidthWanted_px),
+                scale_ * area_.height_px +
+                    (static_cast<int>(content.candidates.size()) + 2) * kRow_px + 12,
+                kBackground) {
+    canvas_.image({0.0, 0.0, 1.0 * scale_ * area_.width_px, 1.0 * scale_ * area_.height_px},
+                  content.picture.bgr, area_.width_px, area_.height_px);
   }
 
-  void dot(double x_px, double y_px, const cv::Scalar& colour) {
-    cv::circle(sheet_, at(x_px, y_px), std::max(2, scale_ / 2 + 1), colour, cv::FILLED,
-               cv::LINE_AA);
+  void dot(double x_px, double y_px, Colour colour) {
+    canvas_.circle(at(x_px, y_px), std::max(2.0, 0.5 * scale_ + 1.0), colour, colour);
   }
-  void box(const vision::PixelRect& r, const cv::Scalar& colour, int thickness) {
-    cv::rectangle(
-        sheet_,
-        cv::Rect(r.x_px * scale_, r.y_px * scale_, r.width_px * scale_, r.height_px * scale_),
-        colour, thickness);
+  void box(const vision::PixelRect& r, Colour colour) {
+    const double x0 = r.x_px * scale_ + 0.5, y0 = r.y_px * scale_ + 0.5;
+    canvas_.rectangle({x0, y0, x0 + r.width_px * scale_ - 1, y0 + r.height_px * scale_ - 1}, {},
+                      colour);
   }
-  void line(double x0_px, double y0_px, double x1_px, double y1_px, const cv::Scalar& colour,
-            int thickness) {
-    cv::line(sheet_, at(x0_px, y0_px), at(x1_px, y1_px), colour, thickness, cv::LINE_AA);
+  void line(double x0_px, double y0_px, double x1_px, double y1_px, Colour colour) {
+    canvas_.line(at(x0_px, y0_px), at(x1_px, y1_px), colour, 2.0);
   }
-  void label(double x_px, double y_px, const std::string& text, const cv::Scalar& colour) {
-    write(at(x_px, y_px) + cv::Point(-6, -6), text, colour, 0.7);
+  void label(double x_px, double y_px, const std::string& text, Colour colour) {
+    PixelPoint position = at(x_px, y_px);
+    position.y -= 6.0;
+    write(position, text, {kNumberText_px, colour, TextAnchor::kMiddle});
   }
   /// Row 0 is the title's, row 1 the heads'.
-  void cell(int row, int x_px, const std::string& text, const cv::Scalar& colour) {
-    write({x_px, picture_height_px_ + (row + 1) * kRow_px}, text, colour, kFontScale);
+  void cell(int row, int x_px, const std::string& text, Colour colour) {
+    write({1.0 * x_px, 1.0 * (scale_ * area_.height_px + (row + 1) * kRow_px)}, text,
+          {kCellText_px, colour});
   }
-  std::string png() const {
-    std::vector<std::uint8_t> bytes;
-    if (!cv::imencode(".png", sheet_, bytes)) throw FileError("overlay: OpenCV cannot encode it");
-    return {bytes.begin(), bytes.end()};
-  }
+  std::string finish() { return canvas_.finish(); }
 
  private:
   /// The middle of a pixel.
-  cv::Point at(double x_px, double y_px) const {
-    return {static_cast<int>(std::lround((x_px + 0.5) * scale_)),
-            static_cast<int>(std::lround((y_px + 0.5) * scale_))};
+  PixelPoint at(double x_px, double y_px) const {
+    return {(x_px + 0.5) * scale_, (y_px + 0.5) * scale_};
   }
-  void write(cv::Point position, const std::string& text, const cv::Scalar& colour, double size) {
-    cv::putText(sheet_, text, position, kFont, size, kBlack, 4, cv::LINE_AA);
-    cv::putText(sheet_, text, position, kFont, size, colour, 1, cv::LINE_AA);
+  void write(PixelPoint position, const std::string& text, TextStyle style) {
+    style.halo_colour = kBackground;
+    canvas_.text(position, text, style);
   }
 
+  vision::PixelRect area_;
   int scale_;
-  int picture_height_px_ = 0;
-  cv::Mat sheet_;
+  Canvas canvas_;
 };
 
 void draw_edge(Sheet& sheet, const vision::EdgeLine& edge, const vision::PixelRect& window,
                double expected_x_px, bool judged) {
-  sheet.box(window, kGrey, 1);
+  sheet.box(window, kGrey);
   const double top = window.y_px, bottom = window.y_px + window.height_px - 1.0;
-  sheet.line(expected_x_px, top - 2.0, expected_x_px, top, kWhite, 2);
-  sheet.line(expected_x_px, bottom, expected_x_px, bottom + 2.0, kWhite, 2);
+  sheet.line(expected_x_px, top - 2.0, expected_x_px, top, kWhite);
+  sheet.line(expected_x_px, bottom, expected_x_px, bottom + 2.0, kWhite);
   if (!edge.found) return;
   const double lean = std::tan(edge.tilt_rad) * 0.5 * (bottom - top);
-  sheet.line(edge.x_px - lean, top, edge.x_px + lean, bottom, judged ? kLine : kLineNotJudged, 2);
+  sheet.line(edge.x_px - lean, top, edge.x_px + lean, bottom, judged ? kLine : kLineNotJudged);
 }
 
 /// What the table holds of a candidate, by column.
@@ -130,28 +110,28 @@ constexpr std::array<int, 13> kColumns_px{10,  50,  150, 240, 335, 425, 515,
 std::array<std::string, 13> cells_of(const OverlayCandidate& c, int number) {
   const detection::Detection& d = c.detection;
   const auto of_edges = [&c](float roc) {
-    return c.edges_judged ? decimals(roc, 2) : std::string("-");
+    return c.edges_judged ? fixed_text(roc, 2) : std::string("-");
   };
   const bool has_probability = d.probability_tree > 0.0f || d.probability_object > 0.0f;
   return {std::to_string(number),
           name_of(d.label),
-          decimals(d.range_m, 2) + " m",
-          decimals(1e3 * d.width_m, 0) + " mm",
-          decimals(d.roc_laser, 2),
-          decimals(d.roc_colour, 2),
+          fixed_text(d.range_m, 2) + " m",
+          fixed_text(1e3 * d.width_m, 0) + " mm",
+          fixed_text(d.roc_laser, 2),
+          fixed_text(d.roc_colour, 2),
           of_edges(d.roc_left_edge),
           of_edges(d.roc_right_edge),
           of_edges(d.roc_parallel),
           of_edges(d.roc_edges),
-          decimals(d.roc_vision, 2),
-          decimals(d.roc_tree, 2),
-          has_probability ? decimals(d.probability_tree, 2) : "-"};
+          fixed_text(d.roc_vision, 2),
+          fixed_text(d.roc_tree, 2),
+          has_probability ? fixed_text(d.probability_tree, 2) : "-"};
 }
 
 }  // namespace
 
-std::string overlay_png(const OverlayContent& content) {
-  Sheet sheet(content);
+std::string overlay_figure(const OverlayContent& content, FigureFormat format) {
+  Sheet sheet(content, format);
   for (const OverlayPoint& p : content.points)
     sheet.dot(p.x_px, p.y_px, colour_of_range(p.range_m));
   sheet.cell(0, kColumns_px[0], content.title, kWhite);
@@ -161,8 +141,8 @@ std::string overlay_png(const OverlayContent& content) {
     ++number;
     draw_edge(sheet, c.left, c.view.left_edge, c.view.left_x_px, c.edges_judged);
     draw_edge(sheet, c.right, c.view.right_edge, c.view.right_x_px, c.edges_judged);
-    const cv::Scalar colour = colour_of(c.detection.label);
-    sheet.box(c.view.centre, kWhite, 1);
+    const Colour colour = colour_of(c.detection.label);
+    sheet.box(c.view.centre, kWhite);
     const double top = std::min(c.view.centre.y_px, c.view.left_edge.y_px);
     sheet.label(0.5 * (c.view.left_x_px + c.view.right_x_px), top - 3.0, std::to_string(number),
                 colour);
@@ -171,7 +151,7 @@ std::string overlay_png(const OverlayContent& content) {
       sheet.cell(number + 1, kColumns_px[i], cells[i], i < 2 ? colour : kWhite);
     }
   }
-  return sheet.png();
+  return sheet.finish();
 }
 
 }  // namespace orchard::io

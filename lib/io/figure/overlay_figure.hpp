@@ -6,6 +6,7 @@
 
 #include "detection/detection.hpp"
 #include "detection/trunk_view.hpp"
+#include "io/figure/canvas.hpp"
 #include "vision/edges.hpp"
 #include "vision/pixel_block.hpp"
 
@@ -35,11 +36,10 @@ struct OverlayContent {
   std::string title;  ///< ASCII
 };
 
-/// A PNG: the picture, enlarged so that text is readable, with scan points coloured by range (red
+/// Draws the picture, enlarged so that text is readable, with scan points coloured by range (red
 /// near, blue far), each candidate's colour window (white) and edge windows (grey), the columns
 /// where the laser expects its edges (ticks), the lines that were found (cyan; dark where the
-/// detector did not look at them), and a table of its confidences below. The same content gives the
-/// same bytes.
-std::string overlay_png(const OverlayContent& content);
+/// detector did not look at them), and a table of its confidences below. Returns the file.
+std::string overlay_figure(const OverlayContent& content, FigureFormat format);
 
 }  // namespace orchard::io

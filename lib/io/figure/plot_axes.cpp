@@ -9,13 +9,39 @@
 namespace orchard::io {
 namespace {
 
-constexpr double kMinTickPx = 60.0;
-constexpr double kTextPx = 14.0;
-constexpr Colour kBlack{30, 30, 30}, kGrid{228, 228, 228};
+constexpr double kMinTickXPx = 60.0, kMinTickYPx = 40.0;
+constexpr double kTickPx = 5.0;
+constexpr double kLeastStepPx = 1.0;  // of a line that is drawn
+constexpr double kLeastRange = 1e-3;
+constexpr Colour kGrid{228, 228, 228};
 
-/// 1, 2 or 5 times a power of ten.
-double tick_step(double range, double length_px) {
-  const double least = kMinTickPx * range / length_px;
+/// The middle of a pixel, where a line one pixel wide is sharp.
+double sharp(double px) { return std::floor(px) + 0.5; }
+
+AxisRange widened(AxisRange range, double least) {
+  const double missing = least - std::abs(range.to - range.from);
+  if (!(missing > 0.0)) return range;
+  const double half = range.to < range.from ? -0.5 * missing : 0.5 * missing;
+  return {range.from - half, range.to + half};
+}
+
+/// The values at which an axis of that length has ticks.
+std::vector<double> ticks(AxisRange range, double step) {
+  const double low = std::min(range.from, range.to), high = std::max(range.from, range.to);
+  std::vector<double> values;
+  for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1.0) {
+    values.push_back(k * step);
+  }
+  return values;
+}
+
+double step_of(AxisRange range, double length_px, double least_px) {
+  return round_step(least_px * std::abs(range.to - range.from) / length_px);
+}
+
+}  // namespace
+
+double round_step(double least) {
   const double power = std::pow(10.0, std::floor(std::log10(least)));
   for (const double factor : {1.0, 2.0, 5.0}) {
     if (factor * power >= least) return factor * power;
@@ -27,64 +53,49 @@ int decimals_of(double step) {
   return std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
 }
 
-void widen(double& low, double& high, double share, double least) {
-  const double more = std::max(share * (high - low), 0.5 * (least - (high - low)));
-  low -= more;
-  high += more;
-}
+PlotAxes::PlotAxes(const PixelBox& box, AxisRange x, AxisRange y)
+    : box_(box), x_(widened(x, kLeastRange)), y_(widened(y, kLeastRange)) {}
 
-}  // namespace
-
-PlotAxes::PlotAxes(PixelPoint top_left, double width_px, double height_px, double x_min,
-                   double x_max, double y_min, double y_max, bool equal_scale)
-    : top_left_(top_left),
-      width_px_(width_px),
-      height_px_(height_px),
-      x0_(x_min),
-      x1_(x_max),
-      y0_(y_min),
-      y1_(y_max) {
-  widen(x0_, x1_, equal_scale ? 0.04 : 0.0, 1e-3);
-  widen(y0_, y1_, equal_scale ? 0.04 : 0.0, 1e-3);
-  if (!equal_scale) return;
-  const double per_px = std::max((x1_ - x0_) / width_px_, (y1_ - y0_) / height_px_);
-  widen(x0_, x1_, 0.0, per_px * width_px_);
-  widen(y0_, y1_, 0.0, per_px * height_px_);
+PlotAxes PlotAxes::equal_scale(const PixelBox& box, AxisRange x, AxisRange y) {
+  const double per_px =
+      std::max({std::abs(x.to - x.from) / box.width(), std::abs(y.to - y.from) / box.height(),
+                kLeastRange / box.width()});
+  return {box, widened(x, per_px * box.width()), widened(y, per_px * box.height())};
 }
 
 PixelPoint PlotAxes::at(double x, double y) const {
-  return {top_left_.x + (x - x0_) / (x1_ - x0_) * width_px_,
-          top_left_.y + (y1_ - y) / (y1_ - y0_) * height_px_};
+  return {box_.x0 + (x - x_.from) / (x_.to - x_.from) * box_.width(),
+          box_.y1 - (y - y_.from) / (y_.to - y_.from) * box_.height()};
 }
 
 void PlotAxes::draw(const std::string& x_name, const std::string& y_name, Canvas& canvas) const {
-  const double left = top_left_.x, right = left + width_px_;
-  const double top = top_left_.y, bottom = top + height_px_;
-  const double x_step = tick_step(x1_ - x0_, width_px_);
-  for (double k = std::ceil(x0_ / x_step); k * x_step <= x1_; k += 1.0) {
-    const double x = at(k * x_step, 0.0).x;
-    canvas.line({x, top}, {x, bottom}, kGrid, 1.0);
-    canvas.line({x, bottom}, {x, bottom + 5.0}, kBlack, 1.0);
-    canvas.text({x, bottom + 20.0}, fixed_text(k * x_step, decimals_of(x_step)), kTextPx, kBlack,
-                TextAnchor::kMiddle);
+  const PixelBox box{sharp(box_.x0), sharp(box_.y0), sharp(box_.x1), sharp(box_.y1)};
+  const double x_step = step_of(x_, box_.width(), kMinTickXPx),
+               y_step = step_of(y_, box_.height(), kMinTickYPx);
+  for (const double value : ticks(x_, x_step)) {
+    const double x = sharp(at(value, y_.from).x);
+    canvas.line({x, box.y0}, {x, box.y1}, kGrid, 1.0);
+    canvas.line({x, box.y1}, {x, box.y1 + kTickPx}, kBlack, 1.0);
+    canvas.text({x, box.y1 + 20.0}, fixed_text(value, decimals_of(x_step)),
+                {kAxisTextPx, kBlack, TextAnchor::kMiddle});
   }
-  const double y_step = tick_step(y1_ - y0_, height_px_);
-  for (double k = std::ceil(y0_ / y_step); k * y_step <= y1_; k += 1.0) {
-    const double y = at(0.0, k * y_step).y;
-    canvas.line({left, y}, {right, y}, kGrid, 1.0);
-    canvas.line({left - 5.0, y}, {left, y}, kBlack, 1.0);
-    canvas.text({left - 9.0, y + 5.0}, fixed_text(k * y_step, decimals_of(y_step)), kTextPx, kBlack,
-                TextAnchor::kEnd);
+  for (const double value : ticks(y_, y_step)) {
+    const double y = sharp(at(x_.from, value).y);
+    canvas.line({box.x0, y}, {box.x1, y}, kGrid, 1.0);
+    canvas.line({box.x0 - kTickPx, y}, {box.x0, y}, kBlack, 1.0);
+    canvas.text({box.x0 - 9.0, y + 5.0}, fixed_text(value, decimals_of(y_step)),
+                {kAxisTextPx, kBlack, TextAnchor::kEnd});
   }
-  canvas.polyline({{left, top}, {right, top}, {right, bottom}, {left, bottom}, {left, top}}, kBlack,
-                  1.0);
-  canvas.text({0.5 * (left + right), bottom + 42.0}, x_name, kTextPx, kBlack, TextAnchor::kMiddle);
-  canvas.text({left, top - 10.0}, y_name, kTextPx, kBlack, TextAnchor::kStart);
+  canvas.rectangle(box, {}, kBlack);
+  canvas.text({0.5 * (box.x0 + box.x1), box.y1 + 42.0}, x_name,
+              {kAxisTextPx, kBlack, TextAnchor::kMiddle});
+  TextStyle upward{kAxisTextPx, kBlack, TextAnchor::kMiddle};
+  upward.is_upward = true;
+  canvas.text({box.x0 - kLeftPx + 16.0, 0.5 * (box.y0 + box.y1)}, y_name, upward);
 }
 
 void PlotAxes::draw_line(const std::vector<PixelPoint>& values, Colour colour, double width,
                          Canvas& canvas) const {
-  constexpr double kLeastStepPx = 1.0;
   std::vector<PixelPoint> points;
   for (const PixelPoint& value : values) {
     const PixelPoint p = at(value.x, value.y);

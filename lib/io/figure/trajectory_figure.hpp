@@ -4,18 +4,13 @@
 #include <string>
 
 #include "evaluation/trajectory_evaluation.hpp"
+#include "io/figure/canvas.hpp"
 
 namespace orchard::io {
 
-/// A trajectory and what is true: the two paths, and the error over the distance driven.
-struct TrajectoryFigure {
-  std::string svg;
-  std::string png;
-};
-
 /// Draws the whole truth and what was compared with it, in axes of equal scale, and below it the
-/// position error over the distance that the truth drove.
-TrajectoryFigure draw_trajectory(const evaluation::TrajectoryEvaluation& evaluation,
-                                 const evaluation::Track& truth);
+/// position error over the distance that the truth drove. Returns the file.
+std::string trajectory_figure(const evaluation::TrajectoryEvaluation& evaluation,
+                              const evaluation::Track& truth, FigureFormat format);
 
 }  // namespace orchard::io

@@ -7,7 +7,6 @@
 
 #include "geometry/angles.hpp"
 #include "io/atomic_file.hpp"
-#include "io/figure/figure_frame.hpp"
 #include "io/file_error.hpp"
 #include "io/fixed_text.hpp"
 #include "io/map/geopackage.hpp"
@@ -41,105 +40,6 @@ const Landmark& known_as(const ComparisonContent& content, const MapChange& c) {
 
 std::string number_or_empty(std::int32_t number) {
   return number == 0 ? std::string() : std::to_string(number);
-}
-
-Colour colour_of(Change change) {
-  switch (change) {
-    case Change::kMissing:
-      return {225, 60, 50};
-    case Change::kNew:
-      return {50, 170, 70};
-    case Change::kMoved:
-      return {50, 100, 220};
-    case Change::kGrown:
-      return {150, 80, 190};
-    case Change::kThinner:
-      return {205, 160, 225};
-    case Change::kUnchanged:
-      return {190, 190, 190};
-    case Change::kNotSeen:
-      break;
-  }
-  return {245, 245, 245};
-}
-
-constexpr Colour kBlack{30, 30, 30}, kWhite{255, 255, 255}, kEdge{120, 120, 120};
-
-/// Told apart by form, too: missing is crossed out, grown has a ring about it, thinner one in it.
-void draw_sign(Change change, const PixelPoint& at, Canvas& canvas) {
-  constexpr double kRadiusPx = 5.5, kRingPx = 8.5, kCrossPx = 4.0;
-  const Colour colour = colour_of(change);
-  switch (change) {
-    case Change::kUnchanged:
-    case Change::kNotSeen:
-      canvas.circle(at, 3.0, colour, kEdge);
-      return;
-    case Change::kMissing:
-      canvas.circle(at, kRadiusPx + 1.0, kWhite, colour);
-      for (const double rise : {-kCrossPx, kCrossPx}) {
-        canvas.line({at.x - kCrossPx, at.y - rise}, {at.x + kCrossPx, at.y + rise}, colour, 2.0);
-      }
-      return;
-    case Change::kGrown:
-      canvas.circle(at, kRingPx, kWhite, colour);
-      break;
-    case Change::kThinner:
-      canvas.circle(at, kRadiusPx, colour, kBlack);
-      canvas.circle(at, 2.5, kWhite, kBlack);
-      return;
-    case Change::kNew:
-    case Change::kMoved:
-      break;
-  }
-  canvas.circle(at, kRadiusPx, colour, kBlack);
-}
-
-/// The id by which the earlier map knows it, or that it is new, and by how much it changed.
-std::string caption(const ComparisonContent& content, const MapChange& c) {
-  const Landmark* a = of_a(content, c);
-  const std::string id = a ? std::to_string(a->id) : "new " + std::to_string(of_b(content, c)->id);
-  if (c.change == Change::kMoved) return id + ": " + fixed_text(c.moved_m, 1) + " m";
-  if (c.change != Change::kGrown && c.change != Change::kThinner) return id;
-  return id + (c.width_change_m > 0.0 ? ": +" : ": ") + fixed_text(1e3 * c.width_change_m, 0) +
-         " mm";
-}
-
-void draw(const FigureFrame& frame, const ComparisonContent& content, Canvas& canvas) {
-  constexpr double kTextPx = 11.0, kOldPlacePx = 4.0;
-  frame.draw_axes(canvas);
-  const auto is_quiet = [](Change change) {
-    return change == Change::kUnchanged || change == Change::kNotSeen;
-  };
-  for (const bool quiet : {true, false}) {  // what changed on top
-    for (const MapChange& c : content.comparison.changes) {
-      if (is_quiet(c.change) != quiet) continue;
-      const PixelPoint at = frame.at(c.p_a.x(), c.p_a.y());
-      if (c.change == Change::kMoved) {
-        const Landmark& before = *of_a(content, c);
-        const PixelPoint from = frame.at(before.x_m, before.y_m);
-        canvas.line(from, at, colour_of(c.change), 2.0);
-        canvas.circle(from, kOldPlacePx, kWhite, colour_of(c.change));
-      }
-      draw_sign(c.change, at, canvas);
-    }
-  }
-  for (const MapChange& c : content.comparison.changes) {
-    if (is_quiet(c.change) || content.comparison.changes.size() > 3000) continue;
-    const PixelPoint at = frame.at(c.p_a.x(), c.p_a.y());
-    canvas.text({at.x + 10.0, at.y - 4.0}, caption(content, c), kTextPx, kBlack,
-                TextAnchor::kStart);
-  }
-  PixelPoint at = frame.legend();
-  for (const Change change : kAllChanges) {
-    const int count = content.comparison.count(change);
-    if (count == 0) continue;
-    std::string name = mapping::change_text(change);
-    if (change == Change::kNotSeen) name = "not seen";
-    draw_sign(change, {at.x, at.y - 5.0}, canvas);
-    const std::string item = std::to_string(count) + " " + name;
-    canvas.text({at.x + 11.0, at.y}, item, kAxisTextPx, kBlack, TextAnchor::kStart);
-    at.x += 34.0 + 8.0 * static_cast<double>(item.size());
-  }
 }
 
 std::string comparison_geopackage(const ComparisonContent& content) {
@@ -250,16 +150,6 @@ std::string comparison_json(const ComparisonContent& content) {
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-MapFigure draw_comparison(const ComparisonContent& content) {
-  std::vector<Eigen::Vector2d> points;
-  for (const MapChange& c : content.comparison.changes) points.push_back(c.p_a);
-  const FigureFrame frame(points);
-  const auto svg = make_svg_canvas(frame.width_px(), frame.height_px());
-  const auto png = make_png_canvas(frame.width_px(), frame.height_px());
-  for (Canvas* canvas : {svg.get(), png.get()}) draw(frame, content, *canvas);
-  return {svg->bytes(), png->bytes()};
-}
-
 void write_comparison_folder(const std::string& folder, const ComparisonContent& content) {
   namespace fs = std::filesystem;
   std::error_code error;
@@ -270,12 +160,11 @@ void write_comparison_folder(const std::string& folder, const ComparisonContent&
                     "; give another place for the comparison");
   }
   const fs::path path(folder);
-  const MapFigure figure = draw_comparison(content);
   FileReplacement files;
   files.write((path / "compare.csv").string(), comparison_csv(content));
   files.write((path / "compare.gpkg").string(), comparison_geopackage(content));
-  files.write((path / "compare.svg").string(), figure.svg);
-  files.write((path / "compare.png").string(), figure.png);
+  files.write((path / "compare.svg").string(), comparison_figure(content, FigureFormat::kSvg));
+  files.write((path / "compare.png").string(), comparison_figure(content, FigureFormat::kPng));
   files.write((path / "compare.json").string(), comparison_json(content));
   files.commit();
 }

@@ -25,14 +25,16 @@ void write_map_folder(const std::string& folder, const MapFolderContent& content
   }
   const fs::path path(folder);
   const mapping::NavigationGraph graph = mapping::navigation_graph(content.landmarks, content.rows);
-  const MapFigure figure = draw_map(content.landmarks, content.trajectory, content.rows, graph);
+  const auto figure = [&content, &graph](FigureFormat format) {
+    return map_figure(content.landmarks, content.trajectory, content.rows, graph, format);
+  };
   FileReplacement files;
   files.write((path / "map.csv").string(), map_csv(content.landmarks));
   files.write((path / "map.gpkg").string(),
               map_geopackage(content.landmarks, content.trajectory, content.rows, graph,
                              content.georeference));
-  files.write((path / "map.svg").string(), figure.svg);
-  files.write((path / "map.png").string(), figure.png);
+  files.write((path / "map.svg").string(), figure(FigureFormat::kSvg));
+  files.write((path / "map.png").string(), figure(FigureFormat::kPng));
   files.write((path / "trajectory.csv").string(), trajectory_csv(content.trajectory));
   for (std::size_t k = 0; k < content.more_trajectories.size(); ++k) {
     files.write((path / ("trajectory_" + std::to_string(k + 2) + ".csv")).string(),

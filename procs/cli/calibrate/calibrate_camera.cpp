@@ -168,6 +168,8 @@ int run_calibrate_camera(const CalibrateCameraOptions& options) {
                                                : calibration::BoardConfig::kChessboard;
   if (const auto problem = calibration::problem_with(board)) throw io::FileError(*problem);
   const RigTarget target = rig_target(options.config_path, options.out_path);
+  const bool draws = !options.coverage_path.empty();
+  const auto format = draws ? io::figure_format(options.coverage_path) : io::FigureFormat::kPng;
 
   const BoardViews found = find_board_views(options.paths, board, options.quiet);
   geometry::CameraIntrinsics pictures;
@@ -187,8 +189,8 @@ int run_calibrate_camera(const CalibrateCameraOptions& options) {
     throw io::FileError(found.source + ": " + error.what());
   }
   if (!options.quiet) print_calibration(calibration);
-  if (!options.coverage_path.empty()) {
-    io::write_file_atomically(options.coverage_path, io::coverage_figure_png(calibration));
+  if (draws) {
+    io::write_file_atomically(options.coverage_path, io::coverage_figure(calibration, format));
     if (!options.quiet) std::printf("drawn in %s\n", options.coverage_path.c_str());
   }
   const std::vector<std::string> reasons = calibration::verdict_on(calibration);

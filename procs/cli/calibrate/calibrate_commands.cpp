@@ -72,7 +72,7 @@ void add_camera(CLI::App& calibrate, Run& run) {
         command
             .add_option("--coverage", o.coverage_path,
                         "draw where corners were seen and how far the model misses them")
-            ->type_name("PNG");
+            ->type_name("SVG|PNG|PDF");
         command.add_option("--max-views", o.max_views, "the most different ones are used")
             ->check(CLI::Range(3, 200))
             ->capture_default_str();

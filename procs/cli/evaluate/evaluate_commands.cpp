@@ -190,7 +190,7 @@ void add_trajectory(CLI::App& evaluate, Run& run) {
         command
             .add_option("--figure", o.figure_path,
                         "draw the two paths and the error over the distance")
-            ->type_name("SVG|PNG");
+            ->type_name("SVG|PNG|PDF");
       });
 }
 

@@ -9,6 +9,7 @@
 #include "cli/evaluate/detection_log.hpp"
 #include "evaluation/detection_report.hpp"
 #include "io/atomic_file.hpp"
+#include "io/figure/report_page.hpp"
 #include "io/file_error.hpp"
 #include "io/map/map_folder.hpp"
 #include "io/recording/observation_csv.hpp"
@@ -105,11 +106,11 @@ int run_evaluate_detections(const EvaluateDetectionsOptions& given) {
   if (!options.html_path.empty()) {
     io::write_file_atomically(
         options.html_path,
-        detection_page(result,
-                       "Detections of " + material.names.front() +
-                           (material.names.size() > 1
-                                ? " and " + std::to_string(material.names.size() - 1) + " more"
-                                : "")));
+        io::report_page("Detections of " + material.names.front() +
+                            (material.names.size() > 1
+                                 ? " and " + std::to_string(material.names.size() - 1) + " more"
+                                 : ""),
+                        detection_plots(result), detection_tables(result)));
   }
   return bus::kExitOk;
 }

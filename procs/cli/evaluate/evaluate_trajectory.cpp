@@ -12,23 +12,12 @@
 #include "io/recording/track_csv.hpp"
 
 namespace orchard::cli {
-namespace {
 
 namespace fs = std::filesystem;
 
-void write_figure(const std::string& path, const evaluation::TrajectoryEvaluation& evaluation,
-                  const evaluation::Track& truth) {
-  const io::TrajectoryFigure figure = io::draw_trajectory(evaluation, truth);
-  io::write_file_atomically(path, fs::path(path).extension() == ".png" ? figure.png : figure.svg);
-}
-
-}  // namespace
-
 int run_evaluate_trajectory(const EvaluateTrajectoryOptions& options) {
-  const std::string extension = fs::path(options.figure_path).extension().string();
-  if (!options.figure_path.empty() && extension != ".svg" && extension != ".png") {
-    throw io::FileError(options.figure_path + ": a figure is written as .svg or .png");
-  }
+  const bool draws = !options.figure_path.empty();
+  const auto format = draws ? io::figure_format(options.figure_path) : io::FigureFormat::kSvg;
   evaluation::TrajectoryRules rules = options.rules;
   if (options.align) rules.alignment = evaluation::Alignment::kRigid;
   if (options.align_origin) rules.alignment = evaluation::Alignment::kOrigin;
@@ -52,7 +41,10 @@ int run_evaluate_trajectory(const EvaluateTrajectoryOptions& options) {
                  path.c_str(), options.truth_path.c_str());
     return bus::kExitRuntime;
   }
-  if (!options.figure_path.empty()) write_figure(options.figure_path, evaluation, truth);
+  if (draws) {
+    io::write_file_atomically(options.figure_path,
+                              io::trajectory_figure(evaluation, truth, format));
+  }
   return bus::kExitOk;
 }
 

@@ -170,6 +170,7 @@ int run_overlay(const OverlayOptions& options) {
     throw io::FileError(options.config_path +
                         " has camera.enabled: false; an overlay needs a camera");
   }
+  const io::FigureFormat format = io::figure_format(options.out_path);
   const bus::ReplayIndex index = bus::index_log(options.log_path, {});
   require_channel(options, index, bus::Channel::kScan, "the laser's scans");
   require_channel(options, index, bus::Channel::kImage, "pictures");
@@ -188,7 +189,7 @@ int run_overlay(const OverlayOptions& options) {
                         " s (see detector.pairing_tolerance_s)");
   }
   const io::OverlayContent content = content_of(options, *node.pair(), config, first_utime);
-  io::write_file_atomically(options.out_path, io::overlay_png(content));
+  io::write_file_atomically(options.out_path, io::overlay_figure(content, format));
   std::printf("written to %s: %zu scan points, %zu candidates\n", options.out_path.c_str(),
               content.points.size(), content.candidates.size());
   return bus::kExitOk;

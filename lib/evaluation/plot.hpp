@@ -16,18 +16,12 @@ struct PlotSeries {
   bool is_reference = false;  ///< thin, grey and dashed
 };
 
-/// What a plot shows.
+/// What a plot shows: points outside the ranges are drawn on the border, those that are not finite
+/// are left out.
 struct Plot {
   std::string title, x_label, y_label;
   double x_min = 0.0, x_max = 1.0, y_min = 0.0, y_max = 1.0;
   std::vector<PlotSeries> series;
 };
-
-/// An SVG element for inside an HTML page: axes with five ticks, lines, a legend. Points outside
-/// the axes are drawn on their border; non-finite ones are left out.
-std::string svg_plot(const Plot& plot);
-
-/// Text as HTML and SVG may hold it.
-std::string escaped(const std::string& text);
 
 }  // namespace orchard::evaluation

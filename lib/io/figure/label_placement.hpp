@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "io/figure/canvas.hpp"
+
+namespace orchard::io {
+
+/// Places labels one after the other where nothing is yet; each that is placed takes its room.
+class LabelPlacement {
+ public:
+  /// No label leaves `within`.
+  explicit LabelPlacement(const PixelBox& within);
+
+  void take(const PixelBox& box);
+
+  /// The centre of a free box of that size beside a sign: right, left, above, below, then the
+  /// corners, then the same a little farther off. None when all are taken: the map is too full for
+  /// the label.
+  std::optional<PixelPoint> place(PixelPoint sign, double sign_radius, double width, double height);
+
+ private:
+  bool is_free(const PixelBox& box) const;
+
+  PixelBox within_;
+  int num_columns_, num_rows_;
+  std::vector<bool> taken_;  ///< by cell, row after row
+};
+
+/// Draws a text on white beside a sign, where there is room for it.
+void draw_label(PixelPoint sign, double sign_radius_px, const std::string& text, double text_px,
+                Colour colour, LabelPlacement& placement, Canvas& canvas);
+
+}  // namespace orchard::io

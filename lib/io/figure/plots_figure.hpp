@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "evaluation/plot.hpp"
+#include "io/figure/canvas.hpp"
+
+namespace orchard::io {
+
+/// Draws plots two beside each other, each with its title, legend and axes. Returns the file.
+std::string plots_figure(const std::vector<evaluation::Plot>& plots, FigureFormat format);
+
+}  // namespace orchard::io

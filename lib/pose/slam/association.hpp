@@ -41,10 +41,10 @@ struct Association {
 };
 
 /// Finds the largest set of pairs that fit together within the covariance of the predicted pose,
-/// of the sightings and of the landmarks: each pair must fit the pose that the pairs before it have
-/// corrected (joint compatibility), started from every pair of the least ambiguous points. No two
-/// points are one landmark. When a different set at a different place is as good, `ambiguous` says
-/// so and nothing is matched.
+/// of the observations and of the landmarks: each pair must fit the pose that the pairs before it
+/// have corrected (joint compatibility), started from every pair of the least ambiguous points. No
+/// two points are one landmark. When a different set at a different place is as good, `ambiguous`
+/// says so and nothing is matched.
 Association associate(const std::vector<ScanPoint>& points,
                       const std::vector<AssociationCandidate>& candidates,
                       const Eigen::Vector3d& T_map_base, const Eigen::Matrix3d& covariance,

@@ -10,22 +10,24 @@
 
 namespace orchard::pose {
 
-/// How far the detector sees in each direction of base, learnt from what it reports: what should
-/// have been seen again is told from what could not be.
-class SlamSightField {
+/// Sensor coverage: how far the detector reaches in each direction of base, learnt from what it
+/// reports. Tells landmarks that should have been observed again from those that could not be.
+class SensorCoverage {
  public:
-  /// A sighting of anything.
-  void saw(const Eigen::Vector2d& p_base) { farthest_m_ = std::max(farthest_m_, p_base.norm()); }
+  /// Adds an observation of any object.
+  void add_observation(const Eigen::Vector2d& p_base) {
+    range_max_m_ = std::max(range_max_m_, p_base.norm());
+  }
 
-  /// A sighting of what is known to be there.
-  void saw_again(const Eigen::Vector2d& p_base) {
+  /// Adds an observation of a confirmed landmark.
+  void add_reobservation(const Eigen::Vector2d& p_base) {
     double& reach_m = reach_m_[bin(p_base)];
     const double range_m = p_base.norm();
-    // slowly back to what is common, should one sighting have been far beyond the rest
+    // Decays to the usual range, should one observation have been far beyond the rest.
     reach_m = range_m > reach_m ? range_m : std::max(range_m, 0.999 * reach_m);
   }
 
-  /// Whether an object there is seen for sure when nothing hides it.
+  /// Whether an object there is detected for sure unless it is hidden.
   bool in_view(const Eigen::Vector2d& p_base) const {
     const int b = bin(p_base);
     const double reach_m =
@@ -33,8 +35,8 @@ class SlamSightField {
     return p_base.norm() < kSureFraction * reach_m;
   }
 
-  /// Farthest sighting so far [m].
-  double farthest_m() const { return farthest_m_; }
+  /// Range of the farthest observation so far [m].
+  double range_max_m() const { return range_max_m_; }
 
  private:
   static constexpr int kBins = 36;
@@ -46,7 +48,7 @@ class SlamSightField {
   }
 
   std::array<double, kBins> reach_m_{};
-  double farthest_m_ = 0.0;
+  double range_max_m_ = 0.0;
 };
 
 }  // namespace orchard::pose

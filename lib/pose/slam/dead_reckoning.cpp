@@ -27,7 +27,7 @@ void DeadReckoning::drive_to(std::int64_t utime, double speed_mps, double yaw_ra
   std::array<double, 3> covariance = velocity_covariance_;
   utime_ = utime;
   if (silence_s() > config_.gap_s) {
-    // A velocity that strays: its variance times a second of correlation, whatever the step.
+    // White velocity noise: its variance times a second of correlation, whatever the step.
     const double speed_sd_mps = std::max(config_.gap_speed_sd_mps, 0.3 * std::abs(speed_mps));
     covariance[0] += speed_sd_mps * speed_sd_mps / dt_s;
     covariance[2] += config_.gap_yaw_rate_sd_radps * config_.gap_yaw_rate_sd_radps / dt_s;
@@ -77,9 +77,9 @@ void DeadReckoning::advance_to(std::int64_t utime) {
   if (utime > *utime_) drive_to(utime, speed_mps_, yaw_rate_radps_);
 }
 
-void DeadReckoning::restart(const WheelErrors& errors) {
+void DeadReckoning::restart(const OdometryCalibration& calibration) {
   motion_ = RelativeMotion{};
-  motion_.errors = errors;
+  motion_.calibration = calibration;
 }
 
 void DeadReckoning::set_velocity(double speed_mps, double yaw_rate_radps) {

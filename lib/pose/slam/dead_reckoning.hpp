@@ -10,8 +10,8 @@
 
 namespace orchard::pose {
 
-/// Adds up what the wheels say, or what was measured in their stead, to the motion since a time of
-/// the caller's choice. Across a silence the robot is taken to go on as it did, ever less surely.
+/// Integrates odometry, or motion measured in its stead, since a time of the caller's choice.
+/// Across a gap it extrapolates the last velocity with growing process noise.
 class DeadReckoning {
  public:
   explicit DeadReckoning(const SlamConfig& config) : config_(config) {}
@@ -19,26 +19,26 @@ class DeadReckoning {
   /// Used for odometry that states no covariance.
   void set_default_noise(double speed_sd_fraction, double yaw_rate_sd_radps);
 
-  /// Goes on to the odometry's time; velocity is taken to change linearly between messages.
+  /// Integrates to the odometry's time; velocity changes linearly between messages.
   void add(const Odometry& odometry);
 
-  /// Goes on to `utime` by a measured motion T_now_then.
+  /// Appends a measured motion T_now_then up to `utime`.
   void add(std::int64_t utime, const Eigen::Vector3d& T_now_then,
            const Eigen::Matrix3d& covariance);
 
-  /// Goes on to `utime` at the last velocity. Earlier times change nothing.
+  /// Extrapolates to `utime` at the last velocity. Earlier times change nothing.
   void advance_to(std::int64_t utime);
 
-  /// Starts a new motion here, with these errors of the wheels.
-  void restart(const WheelErrors& errors);
+  /// Starts a new motion here, with this odometry calibration.
+  void restart(const OdometryCalibration& calibration);
 
-  /// The velocity that something else has found, for a silence.
+  /// The velocity by other measurements, for a gap.
   void set_velocity(double speed_mps, double yaw_rate_radps);
 
   bool started() const { return utime_.has_value(); }
   std::int64_t utime() const { return utime_.value_or(0); }
   const RelativeMotion& motion() const { return motion_; }
-  /// How long nothing has measured the motion [s].
+  /// Time since the motion was last measured [s].
   double silence_s() const;
   double speed_mps() const { return speed_mps_; }
   double yaw_rate_radps() const { return yaw_rate_radps_; }

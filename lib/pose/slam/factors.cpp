@@ -24,14 +24,13 @@ Eigen::Vector2d turned(const Eigen::Vector2d& rotated) { return {-rotated.y(), r
 template <int Size>
 Eigen::Matrix<double, Size, Size> whitening(const Eigen::Matrix<double, Size, Size>& covariance) {
   using Matrix = Eigen::Matrix<double, Size, Size>;
-  // a floor far below any sensor keeps what is stated as exact invertible
+  // A floor far below any sensor keeps a zero covariance invertible.
   const Matrix P = covariance + 1e-10 * Matrix::Identity();
   return P.inverse().llt().matrixU();
 }
 
 class MotionFactor : public ceres::SizedCostFunction<3, 3, 3, 3> {
  public:
-  // `covariance` is of motion.delta, perhaps with what the pose before adds to it.
   MotionFactor(const RelativeMotion& motion, const Eigen::Matrix3d& covariance);
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override;
@@ -41,9 +40,9 @@ class MotionFactor : public ceres::SizedCostFunction<3, 3, 3, 3> {
   Eigen::Matrix3d W_;
 };
 
-class SightingFactor : public ceres::SizedCostFunction<2, 3, 2> {
+class ObservationFactor : public ceres::SizedCostFunction<2, 3, 2> {
  public:
-  explicit SightingFactor(const SlamSighting& sighting);
+  explicit ObservationFactor(const SlamObservation& observation);
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override;
 
@@ -52,9 +51,9 @@ class SightingFactor : public ceres::SizedCostFunction<2, 3, 2> {
   Eigen::Matrix2d W_;
 };
 
-class PlaceFactor : public ceres::SizedCostFunction<2, 2> {
+class LandmarkPriorFactor : public ceres::SizedCostFunction<2, 2> {
  public:
-  PlaceFactor(const Eigen::Vector2d& p_map, const Eigen::Matrix2d& covariance);
+  LandmarkPriorFactor(const Eigen::Vector2d& p_map, const Eigen::Matrix2d& covariance);
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override;
 
@@ -63,20 +62,20 @@ class PlaceFactor : public ceres::SizedCostFunction<2, 2> {
   Eigen::Matrix2d W_;
 };
 
-class ErrorsPriorFactor : public ceres::SizedCostFunction<3, 3> {
+class CalibrationPriorFactor : public ceres::SizedCostFunction<3, 3> {
  public:
-  ErrorsPriorFactor(const WheelErrors& mean, const Eigen::Matrix3d& covariance);
+  CalibrationPriorFactor(const OdometryCalibration& mean, const Eigen::Matrix3d& covariance);
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override;
 
  private:
-  WheelErrors mean_;
+  OdometryCalibration mean_;
   Eigen::Matrix3d W_;
 };
 
-class ErrorsWalkFactor : public ceres::SizedCostFunction<3, 3, 3> {
+class CalibrationWalkFactor : public ceres::SizedCostFunction<3, 3, 3> {
  public:
-  explicit ErrorsWalkFactor(const Eigen::Vector3d& sd);
+  explicit CalibrationWalkFactor(const Eigen::Vector3d& sd);
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override;
 
@@ -84,9 +83,9 @@ class ErrorsWalkFactor : public ceres::SizedCostFunction<3, 3, 3> {
   Eigen::Vector3d inverse_sd_;
 };
 
-class FixFactor : public ceres::SizedCostFunction<2, 3> {
+class AbsolutePositionFactor : public ceres::SizedCostFunction<2, 3> {
  public:
-  explicit FixFactor(const PlaceFix& fix);
+  explicit AbsolutePositionFactor(const AbsolutePosition& position);
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override;
 
@@ -98,7 +97,7 @@ class FixFactor : public ceres::SizedCostFunction<2, 3> {
 
 class HeadingFactor : public ceres::SizedCostFunction<1, 3> {
  public:
-  explicit HeadingFactor(const PlaceFix& fix);
+  explicit HeadingFactor(const AbsolutePosition& position);
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override;
 
@@ -114,8 +113,8 @@ bool MotionFactor::Evaluate(double const* const* parameters, double* residuals,
                             double** jacobians) const {
   const Vector3Map a(parameters[0]);
   const Vector3Map b(parameters[1]);
-  const Vector3Map errors(parameters[2]);
-  Eigen::Vector3d error = between(a, b) - motion_.delta_with(errors);
+  const Vector3Map calibration(parameters[2]);
+  Eigen::Vector3d error = between(a, b) - motion_.delta_with(calibration);
   error.z() = geometry::wrap_angle_rad(error.z());
   Eigen::Map<Eigen::Vector3d>{residuals} = W_ * error;
   if (jacobians == nullptr) return true;
@@ -128,15 +127,15 @@ bool MotionFactor::Evaluate(double const* const* parameters, double* residuals,
     J.topRightCorner<2, 1>() = -turned(R_t * (b - a).head<2>());
     RowMajor<3, 3>{jacobians[0]} = W_ * J;
   }
-  if (jacobians[2] != nullptr) RowMajor<3, 3>{jacobians[2]} = -W_ * motion_.error_jacobian;
+  if (jacobians[2] != nullptr) RowMajor<3, 3>{jacobians[2]} = -W_ * motion_.calibration_jacobian;
   return true;
 }
 
-SightingFactor::SightingFactor(const SlamSighting& sighting)
-    : p_base_(sighting.position()), W_(whitening(sighting.covariance())) {}
+ObservationFactor::ObservationFactor(const SlamObservation& observation)
+    : p_base_(observation.position()), W_(whitening(observation.covariance())) {}
 
-bool SightingFactor::Evaluate(double const* const* parameters, double* residuals,
-                              double** jacobians) const {
+bool ObservationFactor::Evaluate(double const* const* parameters, double* residuals,
+                                 double** jacobians) const {
   const Vector3Map T(parameters[0]);
   const Vector2Map p(parameters[1]);
   const Eigen::Matrix2d R_t = rotation(T.z()).transpose();
@@ -152,31 +151,33 @@ bool SightingFactor::Evaluate(double const* const* parameters, double* residuals
   return true;
 }
 
-PlaceFactor::PlaceFactor(const Eigen::Vector2d& p_map, const Eigen::Matrix2d& covariance)
+LandmarkPriorFactor::LandmarkPriorFactor(const Eigen::Vector2d& p_map,
+                                         const Eigen::Matrix2d& covariance)
     : p_map_(p_map), W_(whitening(covariance)) {}
 
-bool PlaceFactor::Evaluate(double const* const* parameters, double* residuals,
-                           double** jacobians) const {
+bool LandmarkPriorFactor::Evaluate(double const* const* parameters, double* residuals,
+                                   double** jacobians) const {
   Eigen::Map<Eigen::Vector2d>{residuals} = W_ * (Vector2Map(parameters[0]) - p_map_);
   if (jacobians != nullptr && jacobians[0] != nullptr) RowMajor<2, 2>{jacobians[0]} = W_;
   return true;
 }
 
-ErrorsPriorFactor::ErrorsPriorFactor(const WheelErrors& mean, const Eigen::Matrix3d& covariance)
+CalibrationPriorFactor::CalibrationPriorFactor(const OdometryCalibration& mean,
+                                               const Eigen::Matrix3d& covariance)
     : mean_(mean), W_(whitening(covariance)) {}
 
-bool ErrorsPriorFactor::Evaluate(double const* const* parameters, double* residuals,
-                                 double** jacobians) const {
+bool CalibrationPriorFactor::Evaluate(double const* const* parameters, double* residuals,
+                                      double** jacobians) const {
   Eigen::Map<Eigen::Vector3d>{residuals} = W_ * (Vector3Map(parameters[0]) - mean_);
   if (jacobians != nullptr && jacobians[0] != nullptr) RowMajor<3, 3>{jacobians[0]} = W_;
   return true;
 }
 
-ErrorsWalkFactor::ErrorsWalkFactor(const Eigen::Vector3d& sd)
+CalibrationWalkFactor::CalibrationWalkFactor(const Eigen::Vector3d& sd)
     : inverse_sd_((sd.array() + 1e-6).inverse().matrix()) {}
 
-bool ErrorsWalkFactor::Evaluate(double const* const* parameters, double* residuals,
-                                double** jacobians) const {
+bool CalibrationWalkFactor::Evaluate(double const* const* parameters, double* residuals,
+                                     double** jacobians) const {
   Eigen::Map<Eigen::Vector3d>{residuals} =
       inverse_sd_.cwiseProduct(Vector3Map(parameters[1]) - Vector3Map(parameters[0]));
   if (jacobians == nullptr) return true;
@@ -185,13 +186,13 @@ bool ErrorsWalkFactor::Evaluate(double const* const* parameters, double* residua
   return true;
 }
 
-FixFactor::FixFactor(const PlaceFix& fix)
-    : p_base_(transform(fix.T_keyframe_then, fix.lever_base_m)),
-      p_map_(fix.p_map),
-      W_(whitening(fix.covariance)) {}
+AbsolutePositionFactor::AbsolutePositionFactor(const AbsolutePosition& position)
+    : p_base_(transform(position.T_keyframe_then, position.lever_base_m)),
+      p_map_(position.p_map),
+      W_(whitening(position.covariance)) {}
 
-bool FixFactor::Evaluate(double const* const* parameters, double* residuals,
-                         double** jacobians) const {
+bool AbsolutePositionFactor::Evaluate(double const* const* parameters, double* residuals,
+                                      double** jacobians) const {
   const Vector3Map T(parameters[0]);
   const Eigen::Vector2d arm = rotation(T.z()) * p_base_;
   Eigen::Map<Eigen::Vector2d>{residuals} = W_ * (T.head<2>() + arm - p_map_);
@@ -203,8 +204,9 @@ bool FixFactor::Evaluate(double const* const* parameters, double* residuals,
   return true;
 }
 
-HeadingFactor::HeadingFactor(const PlaceFix& fix)
-    : yaw_rad_(fix.yaw_rad - fix.T_keyframe_then.z()), inverse_sd_(1.0 / fix.yaw_sd_rad) {}
+HeadingFactor::HeadingFactor(const AbsolutePosition& position)
+    : yaw_rad_(position.yaw_rad - position.T_keyframe_then.z()),
+      inverse_sd_(1.0 / position.yaw_sd_rad) {}
 
 bool HeadingFactor::Evaluate(double const* const* parameters, double* residuals,
                              double** jacobians) const {
@@ -217,22 +219,29 @@ bool HeadingFactor::Evaluate(double const* const* parameters, double* residuals,
 
 }  // namespace
 
-ceres::CostFunction* motion_term(const RelativeMotion& motion, const Eigen::Matrix3d& covariance) {
+ceres::CostFunction* motion_factor(const RelativeMotion& motion,
+                                   const Eigen::Matrix3d& covariance) {
   return new MotionFactor(motion, covariance);
 }
-ceres::CostFunction* sighting_term(const SlamSighting& sighting) {
-  return new SightingFactor(sighting);
+ceres::CostFunction* observation_factor(const SlamObservation& observation) {
+  return new ObservationFactor(observation);
 }
-ceres::CostFunction* place_term(const Eigen::Vector2d& p_map, const Eigen::Matrix2d& covariance) {
-  return new PlaceFactor(p_map, covariance);
+ceres::CostFunction* landmark_prior_factor(const Eigen::Vector2d& p_map,
+                                           const Eigen::Matrix2d& covariance) {
+  return new LandmarkPriorFactor(p_map, covariance);
 }
-ceres::CostFunction* errors_prior_term(const WheelErrors& mean, const Eigen::Matrix3d& covariance) {
-  return new ErrorsPriorFactor(mean, covariance);
+ceres::CostFunction* calibration_prior_factor(const OdometryCalibration& mean,
+                                              const Eigen::Matrix3d& covariance) {
+  return new CalibrationPriorFactor(mean, covariance);
 }
-ceres::CostFunction* errors_walk_term(const Eigen::Vector3d& sd) {
-  return new ErrorsWalkFactor(sd);
+ceres::CostFunction* calibration_walk_factor(const Eigen::Vector3d& sd) {
+  return new CalibrationWalkFactor(sd);
 }
-ceres::CostFunction* fix_term(const PlaceFix& fix) { return new FixFactor(fix); }
-ceres::CostFunction* heading_term(const PlaceFix& fix) { return new HeadingFactor(fix); }
+ceres::CostFunction* absolute_position_factor(const AbsolutePosition& position) {
+  return new AbsolutePositionFactor(position);
+}
+ceres::CostFunction* heading_factor(const AbsolutePosition& position) {
+  return new HeadingFactor(position);
+}
 
 }  // namespace orchard::pose

@@ -9,31 +9,33 @@ namespace ceres {
 class CostFunction;
 }
 
-/// The terms of the graph's sum of squares, each divided by its standard deviation. Poses are
-/// (x, y, yaw) of T_map_base, landmarks (x, y) in map, wheels' errors three numbers. Whoever takes
-/// a term owns it.
+/// The factors of the graph: residuals in standard deviations, with their derivatives. Parameters:
+/// poses are (x, y, yaw) of T_map_base, landmarks (x, y) in map, calibrations three numbers. The
+/// caller owns the returned object.
 namespace orchard::pose {
 
-/// Pose against the pose before and the wheels' errors: parameters before, now, errors.
-/// `covariance` is of motion.delta, perhaps with what the pose before adds to it.
-ceres::CostFunction* motion_term(const RelativeMotion& motion, const Eigen::Matrix3d& covariance);
+/// Motion between two poses: parameters pose before, pose, calibration. `covariance` is of
+/// motion.delta, perhaps with that of a fixed pose before.
+ceres::CostFunction* motion_factor(const RelativeMotion& motion, const Eigen::Matrix3d& covariance);
 
-/// Landmark as a keyframe saw it: parameters pose, landmark.
-ceres::CostFunction* sighting_term(const SlamSighting& sighting);
+/// Observation of a landmark by a keyframe: parameters pose, landmark.
+ceres::CostFunction* observation_factor(const SlamObservation& observation);
 
-/// Landmark by what older keyframes say of it: parameter landmark.
-ceres::CostFunction* place_term(const Eigen::Vector2d& p_map, const Eigen::Matrix2d& covariance);
+/// Prior on a landmark's position: parameter landmark.
+ceres::CostFunction* landmark_prior_factor(const Eigen::Vector2d& p_map,
+                                           const Eigen::Matrix2d& covariance);
 
-/// The wheels' errors against a value known before: parameter errors.
-ceres::CostFunction* errors_prior_term(const WheelErrors& mean, const Eigen::Matrix3d& covariance);
+/// Prior on the odometry calibration: parameter calibration.
+ceres::CostFunction* calibration_prior_factor(const OdometryCalibration& mean,
+                                              const Eigen::Matrix3d& covariance);
 
-/// The wheels' errors wander from one stretch of the path to the next: parameters before, after.
-ceres::CostFunction* errors_walk_term(const Eigen::Vector3d& sd);
+/// Random walk of the odometry calibration between intervals of travel: parameters before, after.
+ceres::CostFunction* calibration_walk_factor(const Eigen::Vector3d& sd);
 
-/// Position of a point on base, measured from outside: parameter pose.
-ceres::CostFunction* fix_term(const PlaceFix& fix);
+/// Absolute position of a point on base: parameter pose.
+ceres::CostFunction* absolute_position_factor(const AbsolutePosition& position);
 
-/// Heading measured from outside: parameter pose.
-ceres::CostFunction* heading_term(const PlaceFix& fix);
+/// Absolute heading: parameter pose.
+ceres::CostFunction* heading_factor(const AbsolutePosition& position);
 
 }  // namespace orchard::pose

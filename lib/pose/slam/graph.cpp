@@ -3,55 +3,67 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 
 #include "pose/planar.hpp"
 
 namespace orchard::pose {
 namespace {
 
-// However often a landmark was seen, the map around it is not known better than this.
-constexpr double kLandmarkFloorM = 0.02;
+// However often a landmark was observed, the map around it is not known better than this.
+constexpr double kLandmarkSdMin_m = 0.02;
 
-std::vector<SlamSighting>::iterator find_sighting(Keyframe& keyframe, int landmark) {
-  return std::find_if(keyframe.sightings.begin(), keyframe.sightings.end(),
-                      [&](const SlamSighting& s) { return s.landmark == landmark; });
+std::vector<SlamObservation>::iterator find_observation(Keyframe& keyframe, int landmark) {
+  return std::find_if(keyframe.observations.begin(), keyframe.observations.end(),
+                      [&](const SlamObservation& s) { return s.landmark == landmark; });
 }
 
 }  // namespace
 
-Eigen::Vector2d SlamSighting::position() const { return information.inverse() * information_m; }
+Eigen::Vector2d SlamObservation::position() const { return information.inverse() * information_m; }
 
-Eigen::Matrix2d SlamSighting::covariance() const {
+Eigen::Matrix2d SlamObservation::covariance() const {
   return information.inverse() + floor_sd_m * floor_sd_m * Eigen::Matrix2d::Identity();
 }
 
 Eigen::Matrix2d SlamLandmark::covariance() const {
-  const Eigen::Matrix2d floor = kLandmarkFloorM * kLandmarkFloorM * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix2d floor = kLandmarkSdMin_m * kLandmarkSdMin_m * Eigen::Matrix2d::Identity();
   if (information.determinant() <= 0.0) return floor + Eigen::Matrix2d::Identity();
   return information.inverse() + floor;
 }
 
-void SlamGraph::add_sighting(int keyframe, int landmark, const Eigen::Vector2d& p_base,
-                             const Eigen::Matrix2d& covariance, double floor_sd_m) {
+double SlamLandmark::width_sd_m() const {
+  return width_information > 0.0 ? 1.0 / std::sqrt(width_information) : 1.0;
+}
+
+void SlamLandmark::add_width(double observed_m, double sd_m) {
+  const double information = 1.0 / (sd_m * sd_m);
+  width_m =
+      (width_m * width_information + observed_m * information) / (width_information + information);
+  width_information += information;
+}
+
+void SlamGraph::add_observation(int keyframe, int landmark, const Eigen::Vector2d& p_base,
+                                const Eigen::Matrix2d& covariance, double floor_sd_m) {
   Keyframe& k = keyframes[keyframe];
-  auto sighting = find_sighting(k, landmark);
-  if (sighting == k.sightings.end()) {
-    SlamSighting fresh;
+  auto observation = find_observation(k, landmark);
+  if (observation == k.observations.end()) {
+    SlamObservation fresh;
     fresh.landmark = landmark;
-    k.sightings.push_back(fresh);
-    sighting = std::prev(k.sightings.end());
+    k.observations.push_back(fresh);
+    observation = std::prev(k.observations.end());
     landmarks[landmark].keyframes.push_back(keyframe);
   }
   const Eigen::Matrix2d information = covariance.inverse();
-  sighting->information += information;
-  sighting->information_m += information * p_base;
-  sighting->floor_sd_m = std::max(sighting->floor_sd_m, floor_sd_m);
-  ++sighting->num_scans;
+  observation->information += information;
+  observation->information_m += information * p_base;
+  observation->floor_sd_m = std::max(observation->floor_sd_m, floor_sd_m);
+  ++observation->num_scans;
 }
 
-void SlamGraph::drop_rare_sightings(double num_scans) {
+void SlamGraph::drop_rare_observations(double num_scans) {
   std::vector<int> rare;
-  for (const SlamSighting& s : keyframes.back().sightings) {
+  for (const SlamObservation& s : keyframes.back().observations) {
     if (s.num_scans < num_scans) rare.push_back(s.landmark);
   }
   for (const int l : rare) {
@@ -60,15 +72,16 @@ void SlamGraph::drop_rare_sightings(double num_scans) {
       continue;
     }
     landmarks[l].keyframes.pop_back();
-    keyframes.back().sightings.erase(find_sighting(keyframes.back(), l));
+    keyframes.back().observations.erase(find_observation(keyframes.back(), l));
   }
 }
 
 void SlamGraph::drop(int landmark) {
   SlamLandmark& l = landmarks[landmark];
   for (const int k : l.keyframes) {
-    const auto sighting = find_sighting(keyframes[k], landmark);
-    if (sighting != keyframes[k].sightings.end()) keyframes[k].sightings.erase(sighting);
+    const auto observation = find_observation(keyframes[k], landmark);
+    if (observation != keyframes[k].observations.end())
+      keyframes[k].observations.erase(observation);
   }
   l.keyframes.clear();
   l.keyframes.shrink_to_fit();
@@ -80,15 +93,15 @@ void SlamGraph::merge(int landmark, int into) {
   SlamLandmark& to = landmarks[into];
   for (const int k : from.keyframes) {
     Keyframe& keyframe = keyframes[k];
-    const auto sighting = find_sighting(keyframe, landmark);
-    const auto same = find_sighting(keyframe, into);
-    if (same == keyframe.sightings.end()) {
-      sighting->landmark = into;
+    const auto observation = find_observation(keyframe, landmark);
+    const auto same = find_observation(keyframe, into);
+    if (same == keyframe.observations.end()) {
+      observation->landmark = into;
     } else {
-      same->information += sighting->information;
-      same->information_m += sighting->information_m;
-      same->num_scans += sighting->num_scans;
-      keyframe.sightings.erase(sighting);
+      same->information += observation->information;
+      same->information_m += observation->information_m;
+      same->num_scans += observation->num_scans;
+      keyframe.observations.erase(observation);
     }
   }
   std::vector<int> all;
@@ -107,7 +120,7 @@ void SlamGraph::merge(int landmark, int into) {
   from.alive = from.confirmed = false;
 }
 
-bool SlamGraph::seen_together(int a, int b) const {
+bool SlamGraph::co_observed(int a, int b) const {
   const std::vector<int>& of_a = landmarks[a].keyframes;
   const std::vector<int>& of_b = landmarks[b].keyframes;
   auto i = of_a.begin();
@@ -119,20 +132,21 @@ bool SlamGraph::seen_together(int a, int b) const {
   return false;
 }
 
-void SlamGraph::replace(int landmark, bool place) {
+void SlamGraph::update_landmark(int landmark, bool update_position) {
   SlamLandmark& l = landmarks[landmark];
   Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
   Eigen::Vector2d information_m = Eigen::Vector2d::Zero();
   for (const int k : l.keyframes) {
-    const auto sighting = find_sighting(keyframes[k], landmark);
+    const auto observation = find_observation(keyframes[k], landmark);
     const Eigen::Vector3d& T = keyframes[k].T_map_base;
     const Eigen::Matrix2d R = rotation(T.z());
-    const Eigen::Matrix2d W = R * sighting->covariance().inverse() * R.transpose();
+    const Eigen::Matrix2d W = R * observation->covariance().inverse() * R.transpose();
     information += W;
-    information_m += W * transform(T, sighting->position());
+    information_m += W * transform(T, observation->position());
   }
   l.information = information;
-  if (place && information.determinant() > 0.0) l.p_map = information.inverse() * information_m;
+  if (update_position && information.determinant() > 0.0)
+    l.p_map = information.inverse() * information_m;
 }
 
 }  // namespace orchard::pose

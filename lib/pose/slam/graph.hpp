@@ -9,22 +9,22 @@
 
 namespace orchard::pose {
 
-/// All that one keyframe saw of one landmark, summed up as information about its place in base at
-/// the keyframe: the scans of a keyframe weigh as one sighting each, and take the room of one.
-struct SlamSighting {
+/// All observations of one landmark by the scans of one keyframe, summed in information form: its
+/// position in base at the keyframe.
+struct SlamObservation {
   int landmark = -1;
   int num_scans = 0;
   Eigen::Matrix2d information = Eigen::Matrix2d::Zero();    ///< sum of inverse covariances
   Eigen::Vector2d information_m = Eigen::Vector2d::Zero();  ///< sum of information * position
-  double floor_sd_m = 0.0;  ///< of what does not average out within a keyframe
+  double floor_sd_m = 0.0;  ///< systematic error, the same in all scans of a keyframe
 
   Eigen::Vector2d position() const;
   Eigen::Matrix2d covariance() const;
 };
 
-/// An outside statement of a place: where a point fixed to base (a lever arm away) was in map.
-struct PlaceFix {
-  Eigen::Vector3d T_keyframe_then = Eigen::Vector3d::Zero();  ///< base when it was made
+/// Position in map of a point fixed to base (a lever arm away), and perhaps base's heading.
+struct AbsolutePosition {
+  Eigen::Vector3d T_keyframe_then = Eigen::Vector3d::Zero();  ///< base at the time of measurement
   Eigen::Vector2d lever_base_m = Eigen::Vector2d::Zero();
   Eigen::Vector2d p_map = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
@@ -37,58 +37,64 @@ struct PlaceFix {
 struct Keyframe {
   std::int64_t utime = 0;
   Eigen::Vector3d T_map_base = Eigen::Vector3d::Zero();
-  /// Of T_map_base in map: by the last whole solve, or composed since.
+  /// Of T_map_base in map [m, m, rad]: by the last whole solve, or composed since.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  /// Of T_map_base against the landmarks around it, as it was when the keyframe was the newest.
+  /// Of T_map_base against the landmarks around it, when the keyframe was the newest.
   Eigen::Matrix3d local_covariance = Eigen::Matrix3d::Zero();
   RelativeMotion motion;  ///< from the keyframe before
   double travel_m = 0.0;  ///< path length since the start
-  int calibration = 0;    ///< index of the wheels' errors of the motion to it
-  std::vector<SlamSighting> sightings;
-  std::vector<PlaceFix> fixes;
+  int calibration = 0;    ///< index of the odometry calibration of `motion`
+  std::vector<SlamObservation> observations;
+  std::vector<AbsolutePosition> positions;
 };
 
-/// What the robot may have seen more than once.
+/// An object that may be observed more than once.
 struct SlamLandmark {
   Eigen::Vector2d p_map = Eigen::Vector2d::Zero();
-  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();  ///< of its sightings, poses as given
-  double width_m = 0.0;                                   ///< mean of its sightings
+  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();  ///< of p_map, given the poses
+  double width_m = 0.0;                                   ///< mean of its observations
   double width_information = 0.0;                         ///< sum of inverse variances
-  std::vector<int> keyframes;                             ///< that saw it, ascending
-  int num_misses = 0;  ///< keyframes that should have seen it and did not
+  std::vector<int> keyframes;                             ///< that observed it, ascending
+  int num_misses = 0;  ///< keyframes that should have observed it and did not
   bool alive = true;   ///< false: dropped, or merged into another
   bool confirmed = false;
 
-  /// Of its place against the poses that saw it.
+  /// Of p_map against the poses that observed it.
   Eigen::Matrix2d covariance() const;
+
+  /// Standard deviation of the mean width [m]; 1 m before the first observation.
+  double width_sd_m() const;
+
+  /// Adds one scan's width to the mean.
+  void add_width(double observed_m, double sd_m);
 };
 
-/// Poses, landmarks and what ties them together. Indices are stable; nothing is ever renumbered.
+/// Poses, landmarks and the measurements between them. Indices are stable: nothing is renumbered.
 struct SlamGraph {
   std::vector<Keyframe> keyframes;
   std::vector<SlamLandmark> landmarks;
-  std::vector<WheelErrors> calibrations;
-  bool placed = false;  ///< fixes say where map is; else the first keyframe is its origin
+  std::vector<OdometryCalibration> calibrations;
+  bool georeferenced = false;  ///< by absolute positions; else the first keyframe is the origin
 
-  /// Adds one scan's sighting to what a keyframe saw of a landmark.
-  void add_sighting(int keyframe, int landmark, const Eigen::Vector2d& p_base,
-                    const Eigen::Matrix2d& covariance, double floor_sd_m);
+  /// Adds one scan's observation of a landmark to those of a keyframe.
+  void add_observation(int keyframe, int landmark, const Eigen::Vector2d& p_base,
+                       const Eigen::Matrix2d& covariance, double floor_sd_m);
 
-  /// Forgets what fewer than `num_scans` scans of the newest keyframe saw.
-  void drop_rare_sightings(double num_scans);
+  /// Drops observations by fewer than `num_scans` scans of the newest keyframe: clutter.
+  void drop_rare_observations(double num_scans);
 
-  /// Forgets a landmark and all sightings of it.
+  /// Drops a landmark and all observations of it.
   void drop(int landmark);
 
-  /// Makes `landmark` the same as `into`: its sightings become sightings of that.
+  /// Merges `landmark` into another: its observations become those of `into`.
   void merge(int landmark, int into);
 
-  /// Whether one keyframe saw both: then they are not the same.
-  bool seen_together(int a, int b) const;
+  /// Whether one keyframe observed both: then they are two objects.
+  bool co_observed(int a, int b) const;
 
-  /// Information about a landmark's place from all its sightings, the poses taken as they are; the
-  /// place itself as well if asked.
-  void replace(int landmark, bool place);
+  /// Recomputes a landmark's information from all its observations, given the poses; and its
+  /// position as well if asked.
+  void update_landmark(int landmark, bool update_position);
 };
 
 }  // namespace orchard::pose

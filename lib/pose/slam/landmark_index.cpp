@@ -7,11 +7,11 @@
 namespace orchard::pose {
 namespace {
 
-constexpr double kCellM = 4.0;
+constexpr double kCell_m = 4.0;
 
 std::int32_t cell(double coordinate_m) {
   // the clamp keeps the cast defined whatever comes
-  return static_cast<std::int32_t>(std::clamp(std::floor(coordinate_m / kCellM), -1e9, 1e9));
+  return static_cast<std::int32_t>(std::clamp(std::floor(coordinate_m / kCell_m), -1e9, 1e9));
 }
 
 std::uint64_t key(std::int32_t x, std::int32_t y) {

@@ -8,7 +8,7 @@
 
 namespace orchard::pose {
 
-/// Which landmarks stand near a place of the map: a hash of square cells. Never iterated.
+/// Finds the landmarks near a position: a hash grid of square cells. Never iterated.
 class SlamLandmarkIndex {
  public:
   void insert(int landmark, const Eigen::Vector2d& p_map);

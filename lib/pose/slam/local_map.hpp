@@ -9,12 +9,12 @@
 
 namespace orchard::pose {
 
-/// The landmarks whose place against the robot is known well enough to match single sightings to
-/// them, ascending: those seen within the last recent_travel_m, and those that were passed together
-/// with what is being tracked now (within covisible_travel_m of path of it, on any pass). What
-/// merely lies near by the map, but was last seen a long drift ago, is left to loop closure.
-/// `since` is the keyframe before which nothing counts as recent (where tracking was lost).
-std::vector<int> local_map(const SlamGraph& graph, const SlamLandmarkIndex& index, int since,
-                           double radius_m, const SlamConfig& config);
+/// Landmarks whose position against the robot is known well enough to associate single observations
+/// with them, ascending: those observed within the last recent_travel_m of the session, and those
+/// covisible with what is tracked now (within covisible_travel_m of path, on any pass). Landmarks
+/// that are merely near by the map, after a long drift, are left to loop closure. `session_start`
+/// is the first keyframe of the session.
+std::vector<int> local_map(const SlamGraph& graph, const SlamLandmarkIndex& index,
+                           int session_start, double radius_m, const SlamConfig& config);
 
 }  // namespace orchard::pose

@@ -32,8 +32,7 @@ struct Shift {
 
 class Matcher {
  public:
-  Matcher(const ClosureQuestion& question, const SlamConfig& config)
-      : q_(question), config_(config) {
+  Matcher(const ClosureQuery& query, const SlamConfig& config) : q_(query), config_(config) {
     Eigen::Matrix3d P = q_.covariance;
     // never surer than the map is locally
     P.diagonal() += Eigen::Vector3d(0.1 * 0.1, 0.1 * 0.1, 0.01 * 0.01);
@@ -203,7 +202,7 @@ class Matcher {
     return pairs;
   }
 
-  const ClosureQuestion& q_;
+  const ClosureQuery& q_;
   const SlamConfig& config_;
   Eigen::Matrix3d information_;
   Eigen::Vector2d middle_ = Eigen::Vector2d::Zero();
@@ -214,11 +213,11 @@ class Matcher {
 
 }  // namespace
 
-Closure find_closure(const ClosureQuestion& question, const SlamConfig& config) {
+Closure find_closure(const ClosureQuery& query, const SlamConfig& config) {
   Closure closure;
   const auto min_trees = static_cast<std::size_t>(config.closure_min_trees);
-  if (question.recent.size() < min_trees || question.old.size() < min_trees) return closure;
-  Matcher matcher(question, config);
+  if (query.recent.size() < min_trees || query.old.size() < min_trees) return closure;
+  Matcher matcher(query, config);
   std::vector<Shift> shifts = matcher.hypotheses();
   const auto better = [](const Shift& a, const Shift& b) { return a.score > b.score; };
   for (Shift& shift : shifts) matcher.judge(shift, 0.5 * config.closure_kernel_m);
@@ -236,12 +235,12 @@ Closure find_closure(const ClosureQuestion& question, const SlamConfig& config) 
   const Shift& best = shifts.front();
   closure.log_odds = best.score;
   closure.shift = best.x_y_yaw;
-  for (std::size_t r = 0; r < question.recent.size(); ++r) {
+  for (std::size_t r = 0; r < query.recent.size(); ++r) {
     if (best.old[r] < 0) continue;
-    closure.same.emplace_back(question.recent[r].landmark, question.old[best.old[r]].landmark);
+    closure.matches.emplace_back(query.recent[r].landmark, query.old[best.old[r]].landmark);
   }
-  if (closure.same.size() < min_trees || best.score < config.closure_margin ||
-      static_cast<double>(closure.same.size()) < kMatchedShare * best.num_in_view) {
+  if (closure.matches.size() < min_trees || best.score < config.closure_margin ||
+      static_cast<double>(closure.matches.size()) < kMatchedShare * best.num_in_view) {
     return closure;
   }
   closure.ambiguous = std::any_of(shifts.begin() + 1, shifts.end(), [&](const Shift& other) {

@@ -19,7 +19,7 @@ struct ClosureLandmark {
 };
 
 /// What was mapped on the last stretch of path, and what was mapped long before around there.
-struct ClosureQuestion {
+struct ClosureQuery {
   std::vector<ClosureLandmark> recent;
   std::vector<ClosureLandmark> old;
   std::vector<Eigen::Vector2d> path;  ///< of the last stretch, in map
@@ -33,7 +33,7 @@ struct Closure {
   bool found = false;
   bool ambiguous = false;                           ///< another shift explains them as well
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  ///< x, y [m], yaw [rad]
-  std::vector<std::pair<int, int>> same;            ///< (recent, old) landmarks
+  std::vector<std::pair<int, int>> matches;         ///< (recent, old) landmarks
   double log_odds = 0.0;  ///< against trees of another row that stands as regularly
   std::int64_t num_operations = 0;
 };
@@ -44,6 +44,6 @@ struct Closure {
 /// and the other does not counts against it. Not found unless closure_min_trees fit, and the odds
 /// beat both another place as regular and every other shift (the next tree, the next row) by
 /// closure_margin.
-Closure find_closure(const ClosureQuestion& question, const SlamConfig& config);
+Closure find_closure(const ClosureQuery& query, const SlamConfig& config);
 
 }  // namespace orchard::pose

@@ -31,28 +31,28 @@ void SlamLocaliser::add(const Measurement& measurement) {
 }
 
 void SlamLocaliser::add(const PoseFix& fix) {
-  PlaceFix place;
-  place.p_map = {fix.x_m, fix.y_m};
-  place.covariance << fix.covariance[0], fix.covariance[1], fix.covariance[1], fix.covariance[3];
+  AbsolutePosition position;
+  position.p_map = {fix.x_m, fix.y_m};
+  position.covariance << fix.covariance[0], fix.covariance[1], fix.covariance[1], fix.covariance[3];
   if (fix.covariance[0] <= 0.0 || fix.covariance[3] <= 0.0) {
-    place.covariance =
+    position.covariance =
         config_.fix_position_sd_m * config_.fix_position_sd_m * Eigen::Matrix2d::Identity();
   }
-  place.has_yaw = fix.has_yaw;
-  place.yaw_rad = fix.yaw_rad;
-  place.yaw_sd_rad =
+  position.has_yaw = fix.has_yaw;
+  position.yaw_rad = fix.yaw_rad;
+  position.yaw_sd_rad =
       fix.covariance[5] > 0.0 ? std::sqrt(fix.covariance[5]) : config_.fix_yaw_sd_rad;
-  slam_.add_fix(fix.utime, place);
+  slam_.add_position(fix.utime, position);
 }
 
 void SlamLocaliser::add(const Gnss& gnss) {
-  const std::optional<GnssPosition> position = gnss_.add(gnss);
-  if (!position) return;
-  PlaceFix place;
-  place.lever_base_m = {config_.gnss.antenna_m[0], config_.gnss.antenna_m[1]};
-  place.p_map = position->p_enu_m;
-  place.covariance = position->covariance;
-  slam_.add_fix(gnss.utime, place);
+  const std::optional<GnssPosition> gnss_position = gnss_.add(gnss);
+  if (!gnss_position) return;
+  AbsolutePosition position;
+  position.lever_base_m = {config_.gnss.antenna_m[0], config_.gnss.antenna_m[1]};
+  position.p_map = gnss_position->p_enu_m;
+  position.covariance = gnss_position->covariance;
+  slam_.add_position(gnss.utime, position);
 }
 
 }  // namespace orchard::pose

@@ -1,25 +1,66 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
+#include "pose/slam/coverage.hpp"
 #include "pose/slam/graph.hpp"
 #include "pose/slam/landmark_index.hpp"
+#include "pose/slam/scan_points.hpp"
+#include "pose/slam/slam_config.hpp"
 #include "pose/slam/solver.hpp"
 
 namespace orchard::pose {
 
-/// Everything that a solve of the whole graph, and so a loop closure, may change. A closure that
-/// the observations refute is undone by assigning the copy from before it: no member can be
-/// forgotten.
-struct SlamMap {
+/// Why the whole graph is solved.
+enum class SolveReason { kGrowth, kLoopClosure, kEndOfDrive };
+
+/// Graph, landmarks around the robot and odometry calibration: everything that a solve of the whole
+/// graph, and so a loop closure, may change. A value: a closure that the observations refute is
+/// undone by assigning the copy from before it, so that no member can be forgotten.
+class SlamMap {
+ public:
+  explicit SlamMap(const SlamConfig& config);
+
+  bool empty() const { return graph.keyframes.empty(); }
+  int newest() const { return static_cast<int>(graph.keyframes.size()) - 1; }
+  const OdometryCalibration& newest_calibration() const { return graph.calibrations.back(); }
+
+  /// Standard deviation of the newest keyframe against the landmarks around it [m], the larger
+  /// axis.
+  double local_sd_m() const;
+
+  /// Starts a disconnected submap at the newest keyframe, until a loop closure joins it.
+  void start_session();
+
+  /// Finds anew which landmarks the next scan may show.
+  void refresh_local();
+
+  /// Adds a landmark that the newest keyframe observes first; returns its index.
+  int add_landmark(const ScanPoint& point);
+
+  /// Solves the whole graph, merges duplicates, and updates all that follows from it. False, and
+  /// nothing changed but num_solved, if the solver found no solution.
+  bool solve(SolveReason reason);
+
+  /// Moves the map to where absolute positions put it, once they tell its place and direction.
+  void georeference();
+
   SlamGraph graph;
   SlamLandmarkIndex index;
-  ErrorsPrior calibration;  ///< of the odometry, by all that was observed until the last solve
-  std::vector<int> local;   ///< landmarks that the next scan may show
-  int since = 0;            ///< keyframe at which tracking began anew
-  int num_solved = 0;       ///< keyframes at the last whole solve
-  bool corrected = false;   ///< the past was corrected since it was last published
+  SensorCoverage coverage;
+  CalibrationPrior calibration;  ///< of the odometry, by all observations up to the last solve
+  std::vector<int> local;        ///< landmarks that the next scan may show
+  int session_start = 0;         ///< first keyframe of the present session
+  int num_solved = 0;            ///< keyframes at the last whole solve
+  bool corrected = false;        ///< the past was corrected since it was last published
+
+ private:
+  void merge_duplicates();
+  void rebuild_index();
+
+  SlamConfig config_;
 };
 
 }  // namespace orchard::pose

@@ -2,43 +2,46 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 #include "pose/slam/graph.hpp"
 #include "pose/slam/slam_config.hpp"
 
 namespace orchard::pose {
 
-/// What is known of the wheels' errors without the sightings that are about to be used.
-struct ErrorsPrior {
-  WheelErrors mean = WheelErrors::Zero();
+/// The odometry calibration as known without the observations that are about to be used.
+struct CalibrationPrior {
+  OdometryCalibration mean = OdometryCalibration::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
+
+  /// Standard deviations before anything is estimated.
+  static Eigen::Vector3d initial_sd(const SlamConfig& config);
+  static CalibrationPrior initial(const SlamConfig& config);
 };
 
-/// Covariances that a solved window leaves.
+/// Covariances of the newest keyframe by a solved window.
 struct WindowSolution {
   bool solved = false;                                         ///< else the graph is as it was
-  Eigen::Matrix3d local_covariance = Eigen::Matrix3d::Zero();  ///< newest against the map around it
-  /// Newest against the window's first keyframe, by the window's own sightings, in the frame of
-  /// that first one: what a drive into the unknown adds.
+  Eigen::Matrix3d local_covariance = Eigen::Matrix3d::Zero();  ///< against the map around it
+  /// Against the window's first keyframe and in its frame, by the window's own measurements: the
+  /// uncertainty that a drive through unknown ground adds.
   Eigen::Matrix3d drift_covariance = Eigen::Matrix3d::Zero();
 };
 
-/// Corrects the keyframes from `first` on and what they saw, all older keyframes held. What the
-/// older ones saw of the same landmarks enters as one place per landmark.
-WindowSolution solve_window(SlamGraph& graph, int first, const ErrorsPrior& errors,
+/// Fixed-lag smoothing: solves for the keyframes from `first` on and the landmarks that they
+/// observed, older keyframes fixed. The observations of older keyframes become one prior on each
+/// landmark's position.
+WindowSolution solve_window(SlamGraph& graph, int first, const CalibrationPrior& prior,
                             const SlamConfig& config);
 
-/// How the whole graph is solved.
-struct WholeSolve {
-  bool closing = false;     ///< first without the robust loss: a loop has just been closed
-  bool covariances = true;  ///< writes those of all keyframes
+struct GraphSolution {
+  bool solved = false;  ///< else the graph is as it was
+  /// Of the newest odometry calibration; none where the information is singular.
+  std::optional<Eigen::Matrix3d> calibration_covariance;
 };
 
-/// Corrects everything together. False, and the graph as it was, if the solver found no solution.
-bool solve_whole(SlamGraph& graph, const ErrorsPrior& errors, const WholeSolve& options,
-                 const SlamConfig& config, Eigen::Matrix3d* newest_errors_covariance);
-
-/// Standard deviation of the wheels' errors before anything is learnt.
-Eigen::Vector3d initial_errors_sd(const SlamConfig& config);
+/// Solves for all poses, landmarks and calibrations, and writes the poses' covariances.
+/// `after_closure`: first without the robust loss, which would keep a newly closed loop open.
+GraphSolution solve_graph(SlamGraph& graph, bool after_closure, const SlamConfig& config);
 
 }  // namespace orchard::pose

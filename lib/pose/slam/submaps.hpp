@@ -9,24 +9,24 @@
 
 namespace orchard::pose {
 
-/// A graph whose keyframes are stretches of the path of another one.
+/// A graph whose keyframes are the submaps of another graph.
 ///
-/// A stretch keeps the shape that the corrections of the last keyframes gave it; all that it saw of
-/// a landmark is summed up as one sighting from its middle, as the scans of a keyframe are. What is
-/// left to find is how the stretches lie to each other: as many unknowns less as a stretch has
-/// keyframes, and far less fill where a landmark is seen from hundreds of them.
-struct StretchGraph {
-  SlamGraph graph;              ///< landmarks have the indices that they have in the other
-  std::vector<int> keyframes;   ///< of the other: where each stretch has its pose
-  std::vector<int> stretch_of;  ///< per keyframe of the other
+/// A submap is rigid, with the shape that the corrections of its keyframes gave it; all its
+/// observations of a landmark are summed into one from its middle keyframe. The unknowns are the
+/// poses of the submaps: fewer by the keyframes of a submap, and with far less fill where a
+/// landmark is observed from hundreds of keyframes.
+struct SubmapGraph {
+  SlamGraph graph;             ///< landmarks have the indices of the other graph
+  std::vector<int> keyframes;  ///< of the other graph: the keyframe whose pose a submap has
+  std::vector<int> submap_of;  ///< per keyframe of the other graph
 };
 
-/// The stretches of a graph, solve_stretch_m long at most. What only blind and uncertain motion
-/// joins is in no stretch together.
-StretchGraph stretches_of(const SlamGraph& graph, const SlamConfig& config);
+/// The submaps of a graph, at most solve_stretch_m long. A submap ends where the motion is
+/// uncertain.
+SubmapGraph submaps_of(const SlamGraph& graph, const SlamConfig& config);
 
-/// Lays the path upon the corrected stretches: between the poses of two, by both of them; with
-/// their covariances, and the landmarks' places.
-void take_over(const StretchGraph& solved, SlamGraph& graph);
+/// Moves keyframes and landmarks with their solved submaps, between two submaps in proportion to
+/// the travel; takes over covariances and odometry calibration.
+void back_substitute(const SubmapGraph& solved, SlamGraph& graph);
 
 }  // namespace orchard::pose

@@ -12,23 +12,23 @@ namespace {
 /// Rows that were mapped long ago, and a stretch of 20 m of two of them mapped anew, displaced by
 /// what the robot drifted meanwhile.
 struct Rows {
-  ClosureQuestion question;
+  ClosureQuery query;
   Eigen::Vector3d drift = Eigen::Vector3d(1.8, -0.9, 0.06);  ///< T_old_recent about the pivot
 
   Rows(std::uint64_t seed, double jitter_m, double missing, bool same_place) {
     simulation::Random random(seed);
-    question.pivot = {25.0, 2.0};
+    query.pivot = {25.0, 2.0};
     for (int row = 0; row < 3; ++row) {
       for (int t = 0; t < 24; ++t) {
         const Eigen::Vector2d p(2.5 * t + random.uniform(-jitter_m, jitter_m),
                                 4.0 * row + random.uniform(-jitter_m, jitter_m));
         if (random.uniform() < missing) continue;
-        question.old.push_back(landmark(100 * row + t, p));
+        query.old.push_back(landmark(100 * row + t, p));
         const bool passed = row < 2 && p.x() > 12.0 && p.x() < 32.0;
         if (passed && same_place) {
           const Eigen::Vector2d seen =
               p + Eigen::Vector2d(random.normal(0.0, 0.03), random.normal(0.0, 0.03));
-          question.recent.push_back(landmark(1000 + 100 * row + t, moved_back(seen)));
+          query.recent.push_back(landmark(1000 + 100 * row + t, moved_back(seen)));
         }
       }
     }
@@ -38,15 +38,15 @@ struct Rows {
           const Eigen::Vector2d p(2.5 * t + random.uniform(-jitter_m, jitter_m),
                                   4.0 * row + random.uniform(-jitter_m, jitter_m));
           if (random.uniform() < missing) continue;
-          question.recent.push_back(landmark(1000 + 100 * row + t, moved_back(p)));
+          query.recent.push_back(landmark(1000 + 100 * row + t, moved_back(p)));
         }
       }
     }
     for (double x_m = 15.0; x_m <= 29.0; x_m += 0.5) {
-      question.path.push_back(moved_back({x_m, 2.0}));
+      query.path.push_back(moved_back({x_m, 2.0}));
     }
-    question.view_m = 2.8;
-    question.covariance = Eigen::Vector3d(1.5 * 1.5, 1.5 * 1.5, 0.06 * 0.06).asDiagonal();
+    query.view_m = 2.8;
+    query.covariance = Eigen::Vector3d(1.5 * 1.5, 1.5 * 1.5, 0.06 * 0.06).asDiagonal();
   }
 
   static ClosureLandmark landmark(int id, const Eigen::Vector2d& p_map) {
@@ -54,25 +54,24 @@ struct Rows {
   }
   /// Where the drifted robot puts what stands there.
   Eigen::Vector2d moved_back(const Eigen::Vector2d& p) const {
-    return question.pivot +
-           rotation(drift.z()).transpose() * (p - question.pivot - drift.head<2>());
+    return query.pivot + rotation(drift.z()).transpose() * (p - query.pivot - drift.head<2>());
   }
 };
 
 TEST(FindClosure, LaysTheStretchWhereItBelongs) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const Rows rows(seed, 0.15, 0.08, true);
-    const Closure closure = find_closure(rows.question, SlamConfig{});
+    const Closure closure = find_closure(rows.query, SlamConfig{});
     ASSERT_TRUE(closure.found) << seed;
     EXPECT_LT((closure.shift - rows.drift).norm(), 0.1) << seed;
-    for (const auto& [recent, old] : closure.same) EXPECT_EQ(recent, old + 1000) << seed;
-    EXPECT_GE(closure.same.size(), rows.question.recent.size() - 1);
+    for (const auto& [recent, old] : closure.matches) EXPECT_EQ(recent, old + 1000) << seed;
+    EXPECT_GE(closure.matches.size(), rows.query.recent.size() - 1);
   }
 }
 
 TEST(FindClosure, ARegularRowWithoutGapsFitsAtEveryTreeAndIsLeftOpen) {
   const Rows rows(1, 0.0, 0.0, true);
-  const Closure closure = find_closure(rows.question, SlamConfig{});
+  const Closure closure = find_closure(rows.query, SlamConfig{});
   EXPECT_FALSE(closure.found);
   EXPECT_TRUE(closure.ambiguous);
 }
@@ -80,23 +79,23 @@ TEST(FindClosure, ARegularRowWithoutGapsFitsAtEveryTreeAndIsLeftOpen) {
 TEST(FindClosure, RowsNeverSeenBeforeAreNotTakenForOthers) {
   int num_found = 0;
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
-    num_found += find_closure(Rows(seed, 0.15, 0.08, false).question, SlamConfig{}).found;
+    num_found += find_closure(Rows(seed, 0.15, 0.08, false).query, SlamConfig{}).found;
   }
   EXPECT_EQ(num_found, 0);
 }
 
 TEST(FindClosure, WhatThePoseExcludesIsNotFound) {
   Rows rows(1, 0.15, 0.08, true);
-  rows.question.covariance = Eigen::Vector3d(0.04, 0.04, 1e-4).asDiagonal();
-  EXPECT_FALSE(find_closure(rows.question, SlamConfig{}).found);
+  rows.query.covariance = Eigen::Vector3d(0.04, 0.04, 1e-4).asDiagonal();
+  EXPECT_FALSE(find_closure(rows.query, SlamConfig{}).found);
 }
 
 TEST(FindClosure, AFewTreesAreNotEnough) {
   Rows rows(1, 0.15, 0.0, true);
-  rows.question.recent.resize(4);
-  EXPECT_FALSE(find_closure(rows.question, SlamConfig{}).found);
-  rows.question.recent.clear();
-  EXPECT_FALSE(find_closure(rows.question, SlamConfig{}).found);
+  rows.query.recent.resize(4);
+  EXPECT_FALSE(find_closure(rows.query, SlamConfig{}).found);
+  rows.query.recent.clear();
+  EXPECT_FALSE(find_closure(rows.query, SlamConfig{}).found);
 }
 
 }  // namespace

@@ -9,17 +9,17 @@
 namespace orchard::pose {
 namespace {
 
-RelativeMotion weave(const WheelErrors& errors) {
+RelativeMotion weave(const OdometryCalibration& calibration) {
   RelativeMotion motion;
-  motion.errors = errors;
+  motion.calibration = calibration;
   for (int i = 0; i < 50; ++i) motion.drive(1.0, i < 25 ? 0.4 : -0.3, {0.01, 0.0, 0.01}, 0.02);
   return motion;
 }
 
-TEST(RelativeMotion, DerivativeWithRespectToTheWheelsErrorsIsThatOfTheMotion) {
-  const RelativeMotion motion = weave(WheelErrors::Zero());
+TEST(RelativeMotion, DerivativeByTheCalibrationIsThatOfTheMotion) {
+  const RelativeMotion motion = weave(OdometryCalibration::Zero());
   for (int i = 0; i < 3; ++i) {
-    WheelErrors changed = WheelErrors::Zero();
+    OdometryCalibration changed = OdometryCalibration::Zero();
     changed[i] = 1e-4;
     const Eigen::Vector3d again = weave(changed).delta;
     EXPECT_LT((again - motion.delta_with(changed)).norm(), 1e-7) << i;

@@ -16,7 +16,7 @@ namespace {
 SlamGraph one_trunk_in_the_dark(std::uint64_t seed, double motion_sd) {
   simulation::Random random(seed);
   SlamGraph graph;
-  graph.calibrations.emplace_back(WheelErrors::Zero());
+  graph.calibrations.emplace_back(OdometryCalibration::Zero());
   graph.landmarks.resize(1);
   graph.landmarks[0].p_map = {3.0 + random.uniform(), 2.0 + random.uniform()};
   for (int k = 0; k < 4; ++k) {
@@ -27,7 +27,7 @@ SlamGraph one_trunk_in_the_dark(std::uint64_t seed, double motion_sd) {
     graph.keyframes.push_back(keyframe);
     if (k < 2) continue;
     const Eigen::Vector2d p_base(2.0 + random.uniform(), random.uniform());
-    graph.add_sighting(k, 0, p_base, 1e-8 * Eigen::Matrix2d::Identity(), 0.0);
+    graph.add_observation(k, 0, p_base, 1e-8 * Eigen::Matrix2d::Identity(), 0.0);
   }
   return graph;
 }
@@ -40,7 +40,7 @@ TEST(SlamSolver, AWindowThatIsNotSolvedLeavesTheGraphAsItWas) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const SlamGraph before = one_trunk_in_the_dark(seed, seed % 2 == 0 ? 1e9 : 0.1);
     SlamGraph graph = before;
-    const WindowSolution solution = solve_window(graph, 1, ErrorsPrior{}, SlamConfig{});
+    const WindowSolution solution = solve_window(graph, 1, CalibrationPrior{}, SlamConfig{});
     if (solution.solved) {
       ++num_solved;
       EXPECT_NE(graph.keyframes[3].T_map_base, before.keyframes[3].T_map_base);

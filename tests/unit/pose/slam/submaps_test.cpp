@@ -23,7 +23,7 @@ Eigen::Vector3d motion_true() { return {kStepM, 0.0, 0.5 * geometry::kPi / kNumK
 /// Keyframes where they are, what each sees within 6 m, and odometry without error.
 SlamGraph world() {
   SlamGraph graph;
-  graph.calibrations.push_back(WheelErrors::Zero());
+  graph.calibrations.push_back(OdometryCalibration::Zero());
   for (int l = 0; l < 40; ++l) {
     SlamLandmark landmark;
     landmark.p_map = tree(l);
@@ -44,44 +44,44 @@ SlamGraph world() {
     graph.keyframes.push_back(keyframe);
     for (int l = 0; l < 40; ++l) {
       const Eigen::Vector2d p = transform_back(keyframe.T_map_base, tree(l));
-      if (p.norm() < 6.0) graph.add_sighting(k, l, p, 4e-4 * Eigen::Matrix2d::Identity(), 0.005);
+      if (p.norm() < 6.0) graph.add_observation(k, l, p, 4e-4 * Eigen::Matrix2d::Identity(), 0.005);
     }
   }
   return graph;
 }
 
-TEST(SlamStretches, SumUpWhatTheirKeyframesSaw) {
+TEST(Submaps, SumUpTheirKeyframesObservations) {
   const SlamGraph graph = world();
   SlamConfig config;
   config.solve_stretch_m = 5.0;
-  const StretchGraph stretches = stretches_of(graph, config);
-  ASSERT_LT(stretches.graph.keyframes.size(), 14u);
-  ASSERT_GT(stretches.graph.keyframes.size(), 10u);
+  const SubmapGraph submaps = submaps_of(graph, config);
+  ASSERT_LT(submaps.graph.keyframes.size(), 14u);
+  ASSERT_GT(submaps.graph.keyframes.size(), 10u);
   int num_scans = 0, num_scans_then = 0;
   for (const Keyframe& k : graph.keyframes) {
-    for (const SlamSighting& s : k.sightings) num_scans += s.num_scans;
+    for (const SlamObservation& s : k.observations) num_scans += s.num_scans;
   }
-  for (std::size_t i = 0; i < stretches.graph.keyframes.size(); ++i) {
-    const Keyframe& stretch = stretches.graph.keyframes[i];
-    for (const SlamSighting& s : stretch.sightings) {
+  for (std::size_t i = 0; i < submaps.graph.keyframes.size(); ++i) {
+    const Keyframe& submap = submaps.graph.keyframes[i];
+    for (const SlamObservation& s : submap.observations) {
       num_scans_then += s.num_scans;
-      // the same place, from the middle of the stretch
-      EXPECT_LT((transform(stretch.T_map_base, s.position()) - tree(s.landmark)).norm(), 1e-9);
+      // the same place, from the middle of the submap
+      EXPECT_LT((transform(submap.T_map_base, s.position()) - tree(s.landmark)).norm(), 1e-9);
     }
     if (i == 0) continue;
     const Eigen::Vector3d apart =
-        between(stretches.graph.keyframes[i - 1].T_map_base, stretch.T_map_base);
-    EXPECT_LT((stretch.motion.delta - apart).norm(), 1e-9);
-    EXPECT_NEAR(stretch.motion.travel_m,
-                stretch.travel_m - stretches.graph.keyframes[i - 1].travel_m, 1e-9);
+        between(submaps.graph.keyframes[i - 1].T_map_base, submap.T_map_base);
+    EXPECT_LT((submap.motion.delta - apart).norm(), 1e-9);
+    EXPECT_NEAR(submap.motion.travel_m, submap.travel_m - submaps.graph.keyframes[i - 1].travel_m,
+                1e-9);
   }
   EXPECT_EQ(num_scans_then, num_scans);
 }
 
-TEST(SlamStretches, WhatTheMotionOwesToTheWheelsErrorsIsKept) {
-  // speed and turn too large by a share each: the motion over a stretch as with one long keyframe
+TEST(Submaps, TheDerivativeByTheOdometryCalibrationIsKept) {
+  // speed and turn too large by a share each: the motion over a submap as with one long keyframe
   SlamGraph graph;
-  graph.calibrations.push_back(WheelErrors::Zero());
+  graph.calibrations.push_back(OdometryCalibration::Zero());
   RelativeMotion whole;
   Keyframe keyframe;
   graph.keyframes.push_back(keyframe);
@@ -96,55 +96,53 @@ TEST(SlamStretches, WhatTheMotionOwesToTheWheelsErrorsIsKept) {
   }
   SlamConfig config;
   config.solve_stretch_m = 1.9;
-  const StretchGraph stretches = stretches_of(graph, config);
+  const SubmapGraph submaps = submaps_of(graph, config);
   RelativeMotion sum;
   Eigen::Matrix3d E = Eigen::Matrix3d::Zero();
   Eigen::Vector3d T = Eigen::Vector3d::Zero();
-  for (std::size_t i = 1; i < stretches.graph.keyframes.size(); ++i) {
-    const RelativeMotion& m = stretches.graph.keyframes[i].motion;
-    E = compose_jacobian_first(T, m.delta) * E + compose_jacobian_second(T) * m.error_jacobian;
+  for (std::size_t i = 1; i < submaps.graph.keyframes.size(); ++i) {
+    const RelativeMotion& m = submaps.graph.keyframes[i].motion;
+    E = compose_jacobian_first(T, m.delta) * E +
+        compose_jacobian_second(T) * m.calibration_jacobian;
     T = compose(T, m.delta);
   }
   // the last pose stands before the end: compare over the same way
   RelativeMotion same;
-  const int last = stretches.keyframes.back();
+  const int last = submaps.keyframes.back();
   for (int step = 0; step < 10 * last; ++step) same.drive(1.0, 0.2, {1e-4, 0.0, 1e-5}, 0.05);
   EXPECT_LT((T - same.delta).norm(), 1e-9);
-  EXPECT_LT((E - same.error_jacobian).norm(), 1e-9);
+  EXPECT_LT((E - same.calibration_jacobian).norm(), 1e-9);
 }
 
-TEST(SlamStretches, WhatOnlyBlindMotionJoinsIsInNoStretchTogether) {
+TEST(Submaps, BlindMotionEndsASubmap) {
   SlamGraph graph = world();
   graph.keyframes[43].motion.covariance(0, 0) = 0.3 * 0.3;
   SlamConfig config;
   config.solve_stretch_m = 100.0;
-  const StretchGraph stretches = stretches_of(graph, config);
-  ASSERT_EQ(stretches.graph.keyframes.size(), 2u);
-  EXPECT_EQ(stretches.stretch_of[42], 0);
-  EXPECT_EQ(stretches.stretch_of[43], 1);
+  const SubmapGraph submaps = submaps_of(graph, config);
+  ASSERT_EQ(submaps.graph.keyframes.size(), 2u);
+  EXPECT_EQ(submaps.submap_of[42], 0);
+  EXPECT_EQ(submaps.submap_of[43], 1);
 }
 
-TEST(SlamStretches, ADriftIsTakenOutAndTheKeyframesFollow) {
+TEST(Submaps, ADriftIsTakenOutAndTheKeyframesFollow) {
   const SlamGraph truth = world();
   SlamGraph graph = truth;
-  // Each stretch of 5 m has its shape; where two meet, the path bends.
+  // Each 5 m of path are right in themselves; where two meet, the path bends.
   for (int k = 1; k < kNumKeyframes; ++k) {
     Eigen::Vector3d motion = motion_true();
     if (k % 11 == 0) motion.z() += 0.01;
     graph.keyframes[k].T_map_base = compose(graph.keyframes[k - 1].T_map_base, motion);
   }
   for (std::size_t l = 0; l < graph.landmarks.size(); ++l) {
-    graph.replace(static_cast<int>(l), true);
+    graph.update_landmark(static_cast<int>(l), true);
   }
   SlamConfig config;
   config.solve_stretch_m = 5.0;
-  StretchGraph stretches = stretches_of(graph, config);
-  ErrorsPrior prior;
-  prior.covariance = initial_errors_sd(config).array().square().matrix().asDiagonal();
-  Eigen::Matrix3d errors_covariance;
-  ASSERT_TRUE(solve_whole(stretches.graph, prior, WholeSolve(), config, &errors_covariance));
+  SubmapGraph submaps = submaps_of(graph, config);
+  ASSERT_TRUE(solve_graph(submaps.graph, false, config).solved);
   const SlamGraph drifted = graph;
-  take_over(stretches, graph);
+  back_substitute(submaps, graph);
   double before_m = 0.0, after_m = 0.0;
   for (int k = 1; k < kNumKeyframes; ++k) {
     const Eigen::Vector3d& T = truth.keyframes[k].T_map_base;
@@ -153,7 +151,7 @@ TEST(SlamStretches, ADriftIsTakenOutAndTheKeyframesFollow) {
     };
     before_m = std::max(before_m, off_m(drifted));
     after_m = std::max(after_m, off_m(graph));
-    // no step where one stretch ends and the next begins
+    // no step where one submap ends and the next begins
     const Eigen::Vector3d step =
         between(graph.keyframes[k - 1].T_map_base, graph.keyframes[k].T_map_base);
     EXPECT_NEAR(step.x(), kStepM, 0.02);

@@ -160,19 +160,19 @@ TEST(TrunkSlam, FalseAndMissingDetectionsDoNoHarm) {
   EXPECT_LE(extra, 1);
 }
 
-TEST(SlamGraph, WhatFewScansOfAKeyframeSawIsForgotten) {
+TEST(SlamGraph, ObservationsByFewScansOfAKeyframeAreDropped) {
   SlamGraph graph;
   graph.keyframes.resize(1);
   graph.landmarks.resize(3);
   const Eigen::Matrix2d covariance = 1e-4 * Eigen::Matrix2d::Identity();
-  graph.add_sighting(0, 1, {2.0, 0.0}, covariance, 0.0);
+  graph.add_observation(0, 1, {2.0, 0.0}, covariance, 0.0);
   graph.keyframes.resize(2);
-  for (int scan = 0; scan < 4; ++scan) graph.add_sighting(1, 0, {1.0, 0.0}, covariance, 0.0);
-  graph.add_sighting(1, 1, {2.0, 0.0}, covariance, 0.0);
-  graph.add_sighting(1, 2, {3.0, 0.0}, covariance, 0.0);
-  graph.drop_rare_sightings(2.0);
-  ASSERT_EQ(graph.keyframes[1].sightings.size(), 1u);
-  EXPECT_EQ(graph.keyframes[1].sightings[0].landmark, 0);
+  for (int scan = 0; scan < 4; ++scan) graph.add_observation(1, 0, {1.0, 0.0}, covariance, 0.0);
+  graph.add_observation(1, 1, {2.0, 0.0}, covariance, 0.0);
+  graph.add_observation(1, 2, {3.0, 0.0}, covariance, 0.0);
+  graph.drop_rare_observations(2.0);
+  ASSERT_EQ(graph.keyframes[1].observations.size(), 1u);
+  EXPECT_EQ(graph.keyframes[1].observations[0].landmark, 0);
   EXPECT_EQ(graph.landmarks[1].keyframes, std::vector<int>{0});  // seen well before
   EXPECT_TRUE(graph.landmarks[1].alive);
   EXPECT_FALSE(graph.landmarks[2].alive);
@@ -256,7 +256,7 @@ TEST(TrunkSlam, AScanCostsTheSameAfterThreeLapsAsInTheFirst) {
   EXPECT_LT(d.operations.back(), 2 * d.operations[1]);
 }
 
-TEST(TrunkSlam, FixesPlaceTheMapAndKeepItThere) {
+TEST(TrunkSlam, AbsolutePositionsGeoreferenceTheMapAndKeepItThere) {
   SlamWorld world = SlamWorld::block(9, 3, 10, 1);
   TrunkSlam slam{SlamConfig{}};
   simulation::Random noise(9);
@@ -268,13 +268,13 @@ TEST(TrunkSlam, FixesPlaceTheMapAndKeepItThere) {
        [&](std::int64_t utime, const Eigen::Vector3d& T_map_base) {
          ++num_scans;
          if (num_scans % 2 == 0) {
-           PlaceFix fix;
-           fix.lever_base_m = lever;
-           fix.p_map = transform(T_map_base, lever) +
-                       Eigen::Vector2d(noise.normal(0.0, 0.02), noise.normal(0.0, 0.02));
-           if (num_scans % 100 == 0) fix.p_map.x() += 30.0;  // a jump
-           fix.covariance = 0.02 * 0.02 * Eigen::Matrix2d::Identity();
-           slam.add_fix(utime, fix);
+           AbsolutePosition position;
+           position.lever_base_m = lever;
+           position.p_map = transform(T_map_base, lever) +
+                            Eigen::Vector2d(noise.normal(0.0, 0.02), noise.normal(0.0, 0.02));
+           if (num_scans % 100 == 0) position.p_map.x() += 30.0;  // a jump
+           position.covariance = 0.02 * 0.02 * Eigen::Matrix2d::Identity();
+           slam.add_position(utime, position);
          }
          if (num_scans < 200) return;
          const auto pose = slam.estimate();
@@ -283,7 +283,7 @@ TEST(TrunkSlam, FixesPlaceTheMapAndKeepItThere) {
        }});
   EXPECT_LT(worst_m, 0.15);
   slam.finish();
-  ASSERT_TRUE(slam.graph().placed);
+  ASSERT_TRUE(slam.graph().georeferenced);
   int num_found = 0;
   for (const SlamWorld::Tree& tree : world.trees) {
     for (const SlamLandmark& l : slam.graph().landmarks) {

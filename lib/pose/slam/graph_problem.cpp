@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/slam/graph_problem.hpp"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+
+#include "pose/planar.hpp"
+#include "pose/slam/factors.hpp"
+
+namespace orchard::pose {
+namespace {
+
+ceres::Problem::Options problem_options() {
+  ceres::Problem::Options options;
+  options.disable_all_safety_checks = true;
+  return options;
+}
+
+}  // namespace
+
+Eigen::Vector3d& Unknowns::pose(int keyframe) {
+  return poses_.try_emplace(keyframe, graph_.keyframes[keyframe].T_map_base).first->second;
+}
+
+Eigen::Vector2d& Unknowns::position(int landmark) {
+  return positions_.try_emplace(landmark, graph_.landmarks[landmark].p_map).first->second;
+}
+
+OdometryCalibration& Unknowns::calibration(int index) {
+  return calibrations_.try_emplace(index, graph_.calibrations[index]).first->second;
+}
+
+void Unknowns::wrap_yaws() {
+  for (auto& [k, pose] : poses_) pose.z() = geometry::wrap_angle_rad(pose.z());
+}
+
+bool Unknowns::poses_are_finite() const {
+  return std::all_of(poses_.begin(), poses_.end(),
+                     [](const auto& pose) { return pose.second.allFinite(); });
+}
+
+void Unknowns::write_to(SlamGraph& graph) const {
+  for (const auto& [k, pose] : poses_) graph.keyframes[k].T_map_base = pose;
+  for (const auto& [l, position] : positions_) graph.landmarks[l].p_map = position;
+  for (const auto& [c, calibration] : calibrations_) graph.calibrations[c] = calibration;
+}
+
+GraphProblem::GraphProblem(const SlamGraph& graph, Unknowns& unknowns, const SlamConfig& config,
+                           bool robust)
+    : graph_(graph),
+      unknowns_(unknowns),
+      config_(config),
+      robust_(robust),
+      problem_(problem_options()) {}
+
+ceres::LossFunction* GraphProblem::loss() const {
+  return robust_ ? new ceres::CauchyLoss(config_.outlier_sigma) : nullptr;
+}
+
+void GraphProblem::add_motion(int keyframe, const Eigen::Matrix3d& covariance) {
+  const Keyframe& k = graph_.keyframes[keyframe];
+  measurements_.push_back(problem_.AddResidualBlock(motion_factor(k.motion, covariance), nullptr,
+                                                    pose(keyframe - 1), pose(keyframe),
+                                                    calibration(k.calibration)));
+}
+
+void GraphProblem::add_observation(int keyframe, const SlamObservation& observation) {
+  measurements_.push_back(problem_.AddResidualBlock(
+      observation_factor(observation), loss(), pose(keyframe), position(observation.landmark)));
+}
+
+void GraphProblem::add_positions(int keyframe) {
+  if (!graph_.georeferenced) return;
+  for (const AbsolutePosition& p : graph_.keyframes[keyframe].positions) {
+    measurements_.push_back(
+        problem_.AddResidualBlock(absolute_position_factor(p), loss(), pose(keyframe)));
+    if (!p.has_yaw) continue;
+    measurements_.push_back(problem_.AddResidualBlock(heading_factor(p), loss(), pose(keyframe)));
+  }
+}
+
+void GraphProblem::add_landmark_prior(int landmark, const Eigen::Vector2d& p_map,
+                                      const Eigen::Matrix2d& covariance) {
+  problem_.AddResidualBlock(landmark_prior_factor(p_map, covariance), loss(), position(landmark));
+}
+
+void GraphProblem::add_calibration_prior(int index, const CalibrationPrior& prior) {
+  measurements_.push_back(problem_.AddResidualBlock(
+      calibration_prior_factor(prior.mean, prior.covariance), nullptr, calibration(index)));
+}
+
+void GraphProblem::add_calibration_walk(int index) {
+  const Eigen::Vector3d sd =
+      config_.calibration_walk_fraction * CalibrationPrior::initial_sd(config_);
+  measurements_.push_back(problem_.AddResidualBlock(calibration_walk_factor(sd), nullptr,
+                                                    calibration(index - 1), calibration(index)));
+}
+
+void GraphProblem::fix_pose(int keyframe) {
+  problem_.AddParameterBlock(pose(keyframe), 3);
+  problem_.SetParameterBlockConstant(pose(keyframe));
+}
+
+// Not by a Schur complement in an order of our own: Ceres keeps that by address, and the digits
+// would change from run to run.
+bool GraphProblem::solve(ceres::LinearSolverType type, int iterations_max, double tolerance) {
+  ceres::Solver::Options options;
+  options.linear_solver_type = type;
+  options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
+  options.dense_linear_algebra_library_type = ceres::EIGEN;
+  options.num_threads = 1;
+  options.max_num_iterations = iterations_max;
+  options.function_tolerance = tolerance;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem_, &summary);
+  return summary.IsSolutionUsable();
+}
+
+ceres::CRSMatrix GraphProblem::jacobian(const std::vector<double*>& blocks,
+                                        bool with_landmark_priors) {
+  ceres::Problem::EvaluateOptions options;
+  options.parameter_blocks = blocks;
+  if (!with_landmark_priors) options.residual_blocks = measurements_;
+  ceres::CRSMatrix J;
+  problem_.Evaluate(options, nullptr, nullptr, nullptr, &J);
+  return J;
+}
+
+}  // namespace orchard::pose

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ceres/problem.h>
+#include <ceres/types.h>
+
+#include <Eigen/Core>
+#include <map>
+#include <vector>
+
+#include "pose/slam/graph.hpp"
+#include "pose/slam/slam_config.hpp"
+#include "pose/slam/solver.hpp"
+
+namespace orchard::pose {
+
+/// Working copy of the unknowns of a solve. The graph changes by write_to() only, so that a solve
+/// that fails leaves it as it was.
+class Unknowns {
+ public:
+  explicit Unknowns(const SlamGraph& graph) : graph_(graph) {}
+
+  Eigen::Vector3d& pose(int keyframe);
+  Eigen::Vector2d& position(int landmark);
+  OdometryCalibration& calibration(int index);
+
+  /// Wraps yaws to (-pi, pi].
+  void wrap_yaws();
+  bool poses_are_finite() const;
+  void write_to(SlamGraph& graph) const;
+
+ private:
+  const SlamGraph& graph_;
+  std::map<int, Eigen::Vector3d> poses_;
+  std::map<int, Eigen::Vector2d> positions_;
+  std::map<int, OdometryCalibration> calibrations_;
+};
+
+/// Nonlinear least squares over a working copy, with its blocks in the order in which factors are
+/// added.
+class GraphProblem {
+ public:
+  /// `robust`: observations and absolute positions get a robust loss (Cauchy).
+  GraphProblem(const SlamGraph& graph, Unknowns& unknowns, const SlamConfig& config, bool robust);
+
+  void add_motion(int keyframe, const Eigen::Matrix3d& covariance);
+  void add_observation(int keyframe, const SlamObservation& observation);
+  /// Nothing while the graph is not georeferenced.
+  void add_positions(int keyframe);
+  void add_landmark_prior(int landmark, const Eigen::Vector2d& p_map,
+                          const Eigen::Matrix2d& covariance);
+  void add_calibration_prior(int index, const CalibrationPrior& prior);
+  /// Random walk from the calibration before `index`.
+  void add_calibration_walk(int index);
+  void fix_pose(int keyframe);
+
+  bool solve(ceres::LinearSolverType type, int iterations_max, double tolerance);
+
+  /// Derivatives of the residuals, columns as `blocks`. Without landmark priors if not asked for:
+  /// by the problem's own measurements alone.
+  ceres::CRSMatrix jacobian(const std::vector<double*>& blocks, bool with_landmark_priors);
+
+  double* pose(int keyframe) { return unknowns_.pose(keyframe).data(); }
+  double* position(int landmark) { return unknowns_.position(landmark).data(); }
+  double* calibration(int index) { return unknowns_.calibration(index).data(); }
+
+ private:
+  ceres::LossFunction* loss() const;
+
+  const SlamGraph& graph_;
+  Unknowns& unknowns_;
+  const SlamConfig& config_;
+  bool robust_;
+  ceres::Problem problem_;
+  std::vector<ceres::ResidualBlockId> measurements_;  ///< all factors but landmark priors
+};
+
+}  // namespace orchard::pose

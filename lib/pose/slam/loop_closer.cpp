@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/slam/loop_closer.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "pose/planar.hpp"
+
+namespace orchard::pose {
+namespace {
+
+// With so many older landmarks in view the robot is where the map says.
+constexpr int kNumAnchors = 3;
+// A closure is tried again only when the graph has grown by this fraction: the cost of the solves
+// stays in proportion to the drive.
+constexpr double kTryGrowth = 0.02;
+// Mean squared Mahalanobis distance of merged observations that refutes a closure.
+constexpr double kRefutedDistance2 = 9.0;
+// Margins of the search radius, which is otherwise that of the pose's covariance.
+constexpr double kSearchSigmas = 4.0;
+constexpr double kSearchMargin_m = 1.0;
+
+ClosureLandmark closure_landmark(const SlamGraph& graph, int landmark) {
+  const SlamLandmark& l = graph.landmarks[landmark];
+  return {landmark, l.p_map, l.width_m, l.width_sd_m()};
+}
+
+/// Inlier check: whether the observations of merged landmarks fit, now that all has been solved.
+bool is_supported(const std::vector<std::pair<int, int>>& merged, const SlamGraph& graph) {
+  double sum = 0.0;
+  int n = 0;
+  for (const auto& pair : merged) {
+    const SlamLandmark& landmark = graph.landmarks[pair.second];
+    for (const int k : landmark.keyframes) {
+      const Keyframe& keyframe = graph.keyframes[k];
+      for (const SlamObservation& o : keyframe.observations) {
+        if (o.landmark != pair.second) continue;
+        const Eigen::Vector2d error =
+            transform_back(keyframe.T_map_base, landmark.p_map) - o.position();
+        sum += error.dot(o.covariance().inverse() * error);
+        ++n;
+      }
+    }
+  }
+  return n > 0 && sum <= kRefutedDistance2 * n;
+}
+
+}  // namespace
+
+/// None while the robot is among landmarks known from before, or where there are no older ones.
+std::optional<ClosureQuery> LoopCloser::query(const SlamMap& map) const {
+  const SlamGraph& graph = map.graph;
+  const Keyframe& now = graph.keyframes.back();
+  const double path_m = config_.closure_stretch_m;
+  const auto ago_m = [&](int k) { return now.travel_m - graph.keyframes[k].travel_m; };
+  ClosureQuery query;
+  query.pivot = now.T_map_base.head<2>();
+  query.covariance = now.covariance;
+  int num_anchors = 0;
+  for (const int l : map.local) {
+    const SlamLandmark& landmark = graph.landmarks[l];
+    if (landmark.keyframes.size() < 2 || !landmark.confirmed) continue;
+    const int last = landmark.keyframes.back();
+    if (ago_m(last) > path_m || last < map.session_start) continue;
+    if (ago_m(landmark.keyframes.front()) > 2.0 * path_m) {
+      ++num_anchors;
+    } else {
+      query.recent.push_back(closure_landmark(graph, l));
+    }
+  }
+  const auto min_trees = static_cast<std::size_t>(config_.closure_min_trees);
+  if (num_anchors >= kNumAnchors || query.recent.size() < min_trees) return std::nullopt;
+  const Eigen::Matrix3d& P = now.covariance;
+  const double radius_m =
+      std::min(config_.closure_search_max_m,
+               kSearchSigmas * std::sqrt(std::max(P(0, 0), P(1, 1))) + kSearchMargin_m) +
+      kSearchSigmas * std::sqrt(P(2, 2)) * path_m;
+  std::vector<int> old;
+  for (const ClosureLandmark& r : query.recent) {
+    for (const int l : map.index.near(r.p_map, radius_m)) {
+      const SlamLandmark& landmark = graph.landmarks[l];
+      if (!landmark.confirmed || landmark.keyframes.empty()) continue;
+      const int last = landmark.keyframes.back();
+      if (ago_m(last) > path_m || last < map.session_start) old.push_back(l);
+    }
+  }
+  std::sort(old.begin(), old.end());
+  old.erase(std::unique(old.begin(), old.end()), old.end());
+  if (old.size() < min_trees) return std::nullopt;
+  for (const int l : old) query.old.push_back(closure_landmark(graph, l));
+  for (int k = map.newest(); k >= map.session_start && ago_m(k) <= path_m; --k) {
+    query.path.push_back(graph.keyframes[k].T_map_base.head<2>());
+  }
+  query.view_m = 0.5 * map.coverage.range_max_m();
+  return query;
+}
+
+void LoopCloser::look(SlamMap& map) {
+  const int num_keyframes = static_cast<int>(map.graph.keyframes.size());
+  const double travel_m = map.graph.keyframes.back().travel_m;
+  if (travel_m - last_travel_m_ < config_.closure_every_m ||
+      num_keyframes < num_keyframes_ * (1.0 + kTryGrowth)) {
+    return;
+  }
+  last_travel_m_ = travel_m;
+  ambiguous_ = false;
+  const std::optional<ClosureQuery> query = this->query(map);
+  if (!query) return;
+  const Closure closure = find_closure(*query, config_);
+  num_operations_ += closure.num_operations;
+  ambiguous_ = closure.ambiguous;
+  if (!closure.found) return;
+  for (const auto& [recent, old] : closure.matches) {
+    if (map.graph.co_observed(recent, old)) return;
+  }
+  num_keyframes_ = num_keyframes;
+  SlamMap before = map;
+  for (const auto& [recent, old] : closure.matches) map.graph.merge(recent, old);
+  if (map.solve(SolveReason::kLoopClosure) && is_supported(closure.matches, map.graph)) {
+    map.session_start = 0;
+    ++num_closures_;
+    return;
+  }
+  map = std::move(before);
+  ++num_refuted_;
+}
+
+}  // namespace orchard::pose

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/slam/slam_map.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "pose/planar.hpp"
+#include "pose/slam/georeference.hpp"
+#include "pose/slam/local_map.hpp"
+#include "pose/slam/submaps.hpp"
+
+namespace orchard::pose {
+namespace {
+
+// Landmarks enter the local map somewhat before they come into view.
+constexpr double kLocalMapMargin_m = 3.0;
+
+}  // namespace
+
+SlamMap::SlamMap(const SlamConfig& config)
+    : calibration(CalibrationPrior::initial(config)), config_(config) {
+  graph.calibrations.push_back(calibration.mean);
+}
+
+double SlamMap::local_sd_m() const {
+  const Eigen::Matrix3d& P = graph.keyframes.back().local_covariance;
+  return std::sqrt(std::max(P(0, 0), P(1, 1)));
+}
+
+void SlamMap::start_session() {
+  session_start = newest();
+  graph.keyframes.back().local_covariance.setZero();
+}
+
+void SlamMap::refresh_local() {
+  const double radius_m =
+      std::min(coverage.range_max_m(), config_.sight_range_max_m) + kLocalMapMargin_m;
+  local = local_map(graph, index, session_start, radius_m, config_);
+}
+
+int SlamMap::add_landmark(const ScanPoint& point) {
+  const Keyframe& keyframe = graph.keyframes.back();
+  const Eigen::Matrix2d R = rotation(keyframe.T_map_base.z());
+  SlamLandmark landmark;
+  landmark.p_map = transform(keyframe.T_map_base, point.p_base);
+  landmark.information = (R * point.covariance * R.transpose()).inverse();
+  graph.landmarks.push_back(landmark);
+  const int id = static_cast<int>(graph.landmarks.size()) - 1;
+  index.insert(id, landmark.p_map);
+  local.push_back(id);
+  return id;
+}
+
+bool SlamMap::solve(SolveReason reason) {
+  num_solved = static_cast<int>(graph.keyframes.size());
+  const auto num_landmarks =
+      std::count_if(graph.landmarks.begin(), graph.landmarks.end(),
+                    [](const SlamLandmark& l) { return l.keyframes.size() >= 2; });
+  const bool by_keyframes =
+      num_solved <= config_.solve_keyframes ||
+      (reason == SolveReason::kEndOfDrive && num_solved <= config_.final_keyframes &&
+       5 * num_landmarks <= config_.final_keyframes);
+  const bool is_closure = reason == SolveReason::kLoopClosure;
+  GraphSolution solution;
+  if (by_keyframes) {
+    solution = solve_graph(graph, is_closure, config_);
+  } else {
+    SubmapGraph submaps = submaps_of(graph, config_);
+    solution = solve_graph(submaps.graph, is_closure, config_);
+    if (solution.solved) back_substitute(submaps, graph);
+  }
+  if (!solution.solved) return false;
+  const Eigen::Matrix3d P = solution.calibration_covariance.value_or(calibration.covariance);
+  if (P.allFinite()) calibration = {newest_calibration(), P};
+  merge_duplicates();
+  for (int l = 0; l < static_cast<int>(graph.landmarks.size()); ++l) {
+    const std::size_t num_observed = graph.landmarks[l].keyframes.size();
+    if (num_observed > 0) graph.update_landmark(l, num_observed < 2);
+  }
+  rebuild_index();
+  refresh_local();
+  corrected = true;
+  return true;
+}
+
+void SlamMap::merge_duplicates() {
+  rebuild_index();
+  for (int l = 0; l < static_cast<int>(graph.landmarks.size()); ++l) {
+    if (!graph.landmarks[l].confirmed) continue;
+    for (const int other : index.near(graph.landmarks[l].p_map, config_.merge_m)) {
+      if (other <= l || !graph.landmarks[other].confirmed) continue;
+      const SlamLandmark& a = graph.landmarks[l];
+      const SlamLandmark& b = graph.landmarks[other];
+      const double distance_m = (b.p_map - a.p_map).norm();
+      // One keyframe may have taken a trunk for both, but two trunks never overlap.
+      const bool overlap = distance_m < 0.5 * (a.width_m + b.width_m);
+      if (distance_m <= config_.merge_m && (overlap || !graph.co_observed(l, other))) {
+        graph.merge(other, l);
+      }
+    }
+  }
+}
+
+void SlamMap::rebuild_index() {
+  index.clear();
+  for (int l = 0; l < static_cast<int>(graph.landmarks.size()); ++l) {
+    if (graph.landmarks[l].alive) index.insert(l, graph.landmarks[l].p_map);
+  }
+}
+
+void SlamMap::georeference() {
+  const std::optional<Eigen::Vector3d> T_map_graph =
+      find_georeference(graph, config_.place_travel_m);
+  if (!T_map_graph) return;
+  apply_georeference(*T_map_graph, graph);
+  if (graph.keyframes.size() > 1 && solve(SolveReason::kGrowth)) return;
+  // The whole solve's covariance will follow; until then that of the absolute position.
+  for (Keyframe& k : graph.keyframes) {
+    for (const AbsolutePosition& position : k.positions) {
+      k.covariance.topLeftCorner<2, 2>() = position.covariance;
+      k.covariance(2, 2) = position.yaw_sd_rad * position.yaw_sd_rad;
+    }
+  }
+  rebuild_index();
+}
+
+}  // namespace orchard::pose

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/slam/slam_tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pose/planar.hpp"
+#include "pose/slam/association.hpp"
+
+namespace orchard::pose {
+namespace {
+
+// A scan that matches nothing starts a new session only if the keyframe is less certain than this.
+constexpr double kNewSessionSd_m = 0.25;
+constexpr int kNumAmbiguousScans = 10;
+constexpr int kNumContradictedScans = 10;
+// A landmark is dropped after this many misses, and this many per keyframe that observed it.
+constexpr int kNumMissesMin = 3;
+constexpr double kMissRatioMax = 1.5;
+// A nearer object hides a landmark behind it, by its own width and a margin of the bearing.
+constexpr double kOcclusionMargin_rad = 0.05;
+constexpr double kOcclusionDepth_m = 0.3;
+
+AssociationCandidate candidate(const SlamGraph& graph, int landmark) {
+  const SlamLandmark& l = graph.landmarks[landmark];
+  AssociationCandidate c;
+  c.landmark = landmark;
+  c.p_map = l.p_map;
+  c.covariance = l.covariance();
+  c.width_m = l.width_m;
+  c.width_sd_m = l.width_sd_m();
+  return c;
+}
+
+/// Whether an object that `keyframe` observed hides a point of base.
+bool is_hidden(const Eigen::Vector2d& p_base, const Keyframe& keyframe, const SlamGraph& graph) {
+  const double bearing_rad = std::atan2(p_base.y(), p_base.x());
+  return std::any_of(
+      keyframe.observations.begin(), keyframe.observations.end(), [&](const SlamObservation& o) {
+        const Eigen::Vector2d q = o.position();
+        const double apart_rad = geometry::wrap_angle_rad(std::atan2(q.y(), q.x()) - bearing_rad);
+        const double margin_rad =
+            kOcclusionMargin_rad + 0.5 * graph.landmarks[o.landmark].width_m / q.norm();
+        return q.norm() < p_base.norm() + kOcclusionDepth_m && std::abs(apart_rad) < margin_rad;
+      });
+}
+
+/// Covariance of the newest pose in map: along the drive since the window's first keyframe, or by
+/// landmarks from before the window that it observes again, whichever is smaller.
+Eigen::Matrix3d covariance_in_map(const SlamMap& map, int first, const Eigen::Matrix3d& drift) {
+  const SlamGraph& graph = map.graph;
+  const Keyframe& now = graph.keyframes.back();
+  Eigen::Matrix3d best = now.covariance;
+  const auto size = [](const Eigen::Matrix3d& P) { return P(0, 0) + P(1, 1); };
+  if (map.newest() > first) {
+    const Keyframe& from = graph.keyframes[first];
+    const Eigen::Matrix3d P = compose_covariance(from.T_map_base, from.covariance,
+                                                 between(from.T_map_base, now.T_map_base), drift);
+    if (P.allFinite()) best = P;
+  }
+  for (const SlamObservation& o : now.observations) {
+    const int old = graph.landmarks[o.landmark].keyframes.front();
+    if (old >= std::min(first, map.num_solved)) continue;
+    const Keyframe& then = graph.keyframes[old];
+    const Eigen::Matrix3d back = compose_jacobian_second(then.T_map_base).transpose();
+    const Eigen::Matrix3d P = compose_covariance(then.T_map_base, then.covariance,
+                                                 between(then.T_map_base, now.T_map_base),
+                                                 back * now.local_covariance * back.transpose());
+    if (P.allFinite() && size(P) < size(best)) best = P;
+  }
+  return best;
+}
+
+}  // namespace
+
+void SlamTracker::start_session(SlamMap& map) {
+  map.start_session();
+  num_ambiguous_ = num_contradicted_ = 0;
+}
+
+void SlamTracker::start_keyframe(SlamMap& map) {
+  num_scans_ = 0;
+  if (map.local_sd_m() > config_.lost_sd_m || num_ambiguous_ >= kNumAmbiguousScans) {
+    start_session(map);
+  }
+  map.refresh_local();
+}
+
+/// A scan that matches nothing means that the robot is elsewhere if no known landmark is around, or
+/// if known ones have been missing from view for long; else the objects are merely new.
+bool SlamTracker::is_elsewhere(const SlamMap& map) {
+  const Eigen::Vector3d& T_map_base = map.graph.keyframes.back().T_map_base;
+  bool any_known = false;
+  bool any_missed = false;
+  for (const int l : map.local) {
+    const SlamLandmark& landmark = map.graph.landmarks[l];
+    if (!landmark.confirmed) continue;
+    any_known = true;
+    any_missed |= map.coverage.in_view(transform_back(T_map_base, landmark.p_map));
+  }
+  if (any_missed) ++num_contradicted_;
+  return !any_known || num_contradicted_ >= kNumContradictedScans;
+}
+
+void SlamTracker::match(const std::vector<ScanPoint>& points, SlamMap& map) {
+  ++num_scans_;
+  SlamGraph& graph = map.graph;
+  std::vector<AssociationCandidate> candidates;
+  candidates.reserve(map.local.size());
+  for (const int l : map.local) candidates.push_back(candidate(graph, l));
+  const Association found = associate(points, candidates, graph.keyframes.back().T_map_base,
+                                      graph.keyframes.back().local_covariance, config_);
+  num_operations_ += found.num_operations;
+  num_ambiguous_ = found.ambiguous ? num_ambiguous_ + 1 : 0;
+  num_matched_ = found.num_matched;
+  if (num_matched_ > 0) num_contradicted_ = 0;
+  if (num_matched_ == 0 && !points.empty() && !found.ambiguous &&
+      map.local_sd_m() > kNewSessionSd_m && is_elsewhere(map)) {
+    start_session(map);
+  }
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    int l = found.landmark[p];
+    if (l < 0 && found.is_new[p]) l = map.add_landmark(points[p]);
+    if (l < 0) continue;
+    const ScanPoint& point = points[p];
+    graph.add_observation(map.newest(), l, point.p_base, point.scan_covariance, point.floor_sd_m);
+    SlamLandmark& landmark = graph.landmarks[l];
+    landmark.add_width(point.width_m, point.width_sd_m);
+    map.coverage.add_observation(point.p_base);
+    if (landmark.confirmed) map.coverage.add_reobservation(point.p_base);
+  }
+}
+
+bool SlamTracker::correct_window(SlamMap& map) {
+  // The keyframe before the window is fixed: at the earliest the one that the session began with.
+  const int first = std::max(map.newest() - config_.window_keyframes, map.session_start + 1);
+  if (first > map.newest()) return false;
+  const WindowSolution solution = solve_window(map.graph, first, map.calibration, config_);
+  num_operations_ += config_.window_keyframes;
+  if (solution.solved) {
+    Keyframe& now = map.graph.keyframes.back();
+    now.local_covariance = solution.local_covariance;
+    now.covariance = covariance_in_map(map, first, solution.drift_covariance);
+  }
+  for (const int l : map.local) {
+    const std::vector<int>& observed_by = map.graph.landmarks[l].keyframes;
+    if (!observed_by.empty() && observed_by.back() >= first) {
+      map.graph.update_landmark(l, observed_by.size() < 2);
+    }
+  }
+  return true;
+}
+
+void SlamTracker::finish_keyframe(SlamMap& map) {
+  SlamGraph& graph = map.graph;
+  graph.drop_rare_observations(config_.sighting_share_min * num_scans_);
+  const Keyframe& now = graph.keyframes.back();
+  for (const int l : map.local) {
+    SlamLandmark& landmark = graph.landmarks[l];
+    if (!landmark.alive || landmark.keyframes.empty()) continue;
+    const int num_observed = static_cast<int>(landmark.keyframes.size());
+    if (landmark.keyframes.back() == map.newest()) {
+      const double span_m = now.travel_m - graph.keyframes[landmark.keyframes.front()].travel_m;
+      landmark.confirmed = landmark.confirmed || (num_observed >= config_.confirm_keyframes &&
+                                                  span_m >= config_.confirm_travel_m);
+      continue;
+    }
+    const Eigen::Vector2d p_base = transform_back(now.T_map_base, landmark.p_map);
+    if (map.coverage.in_view(p_base) && !is_hidden(p_base, now, graph)) ++landmark.num_misses;
+    const bool gone =
+        landmark.num_misses >= kNumMissesMin && landmark.num_misses > kMissRatioMax * num_observed;
+    const double since_m = now.travel_m - graph.keyframes[landmark.keyframes.back()].travel_m;
+    const bool transient = !landmark.confirmed && since_m > 0.5 * config_.recent_travel_m;
+    if (gone || transient) graph.drop(l);
+  }
+}
+
+}  // namespace orchard::pose

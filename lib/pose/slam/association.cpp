@@ -11,11 +11,11 @@
 namespace orchard::pose {
 namespace {
 
-constexpr int kNumAnchors = 4;     // points whose every pair starts a hypothesis
-constexpr double kRivalScore = 4;  // log-likelihood by which the best must beat a rival
-constexpr double kReach = 1.5;     // of the squared gate: beyond it no corrected pose brings a pair
+constexpr std::size_t kNumSeeds = 4;  // points whose every pair starts a hypothesis
+constexpr double kRivalScore = 4.0;   // log-likelihood by which the best must beat a rival
+constexpr double kPreGate = 1.5;  // of the squared gate: no corrected pose brings pairs beyond it
 
-/// A pose and the pairs that made it.
+/// A pose and the pairs that it was corrected by.
 struct Hypothesis {
   Eigen::Vector3d T_map_base;
   Eigen::Matrix3d covariance;
@@ -35,22 +35,22 @@ class Matcher {
   Matcher(const std::vector<ScanPoint>& points, const std::vector<AssociationCandidate>& candidates,
           const Hypothesis& start, const SlamConfig& config)
       : points_(points), candidates_(candidates), gate2_(config.gate_sigma * config.gate_sigma) {
-    // Widths do not change with the pose, and no pose strays farther than the predicted one's gate:
-    // which pairs are worth a look is found once.
+    // Widths do not depend on the pose, and no hypothesis leaves the gate of the predicted pose:
+    // the pairs worth testing are found once.
     allowed_.resize(points.size());
     for (std::size_t p = 0; p < points.size(); ++p) {
       for (std::size_t c = 0; c < candidates.size(); ++c) {
         const double sd_m = std::hypot(points[p].width_sd_m, candidates[c].width_sd_m);
         if (std::abs(points[p].width_m - candidates[c].width_m) <=
                 config.gate_sigma * sd_m + config.width_gate_m &&
-            distance2(start, static_cast<int>(p), static_cast<int>(c)) <= kReach * gate2_) {
+            distance2(start, static_cast<int>(p), static_cast<int>(c)) <= kPreGate * gate2_) {
           allowed_[p].push_back(static_cast<int>(c));
         }
       }
     }
   }
 
-  /// Squared distance of a pair in standard deviations, by a pose.
+  /// Squared Mahalanobis distance of a pair, given a pose.
   double distance2(const Hypothesis& h, int point, int candidate) {
     ++num_operations_;
     const Eigen::Vector2d offset =
@@ -58,6 +58,7 @@ class Matcher {
     return offset.dot(innovation_covariance(h, point, candidate).inverse() * offset);
   }
 
+  /// Adds a pair: a Kalman update of the pose.
   void fit(Hypothesis& h, int point, int candidate, double distance2) const {
     const Eigen::Matrix<double, 2, 3> H = jacobian(h, point);
     const Eigen::Matrix2d S = innovation_covariance(h, point, candidate);
@@ -72,7 +73,7 @@ class Matcher {
     h.score += 0.5 * (gate2_ - distance2);
   }
 
-  /// Adds pair after pair, the best fitting first.
+  /// Adds compatible pairs, the nearest first, until none is within the gate.
   void complete(Hypothesis& h) {
     std::vector<char> taken(candidates_.size(), 0);
     for (const int c : h.candidate) {
@@ -94,8 +95,40 @@ class Matcher {
     }
   }
 
-  const std::vector<int>& allowed(int point) const { return allowed_[point]; }
-  double gate2() const { return gate2_; }
+  /// A hypothesis from every pair of the points that have the fewest pairs within the gate.
+  std::vector<Hypothesis> hypotheses(const Hypothesis& start) {
+    struct Seed {
+      int point;
+      std::vector<int> candidates;
+    };
+    std::vector<Seed> seeds;
+    for (std::size_t p = 0; p < points_.size(); ++p) {
+      Seed seed{static_cast<int>(p), {}};
+      for (const int c : allowed_[p]) {
+        if (distance2(start, seed.point, c) <= gate2_) seed.candidates.push_back(c);
+      }
+      if (!seed.candidates.empty()) seeds.push_back(std::move(seed));
+    }
+    std::stable_sort(seeds.begin(), seeds.end(), [](const Seed& a, const Seed& b) {
+      return a.candidates.size() < b.candidates.size();
+    });
+    if (seeds.size() > kNumSeeds) seeds.resize(kNumSeeds);
+    std::vector<Hypothesis> found;
+    for (const Seed& seed : seeds) {
+      for (const int c : seed.candidates) {
+        const bool known = std::any_of(found.begin(), found.end(), [&](const Hypothesis& h) {
+          return h.candidate[seed.point] == c;
+        });
+        if (known) continue;
+        Hypothesis h = start;
+        fit(h, seed.point, c, distance2(h, seed.point, c));
+        complete(h);
+        found.push_back(std::move(h));
+      }
+    }
+    return found;
+  }
+
   std::int64_t num_operations() const { return num_operations_; }
 
  private:
@@ -119,8 +152,21 @@ class Matcher {
   std::int64_t num_operations_ = 0;
 };
 
-bool same_place(const Hypothesis& a, const Hypothesis& b, double distance_m) {
-  return (a.T_map_base - b.T_map_base).head<2>().norm() < distance_m;
+/// Whether another hypothesis, at another position, explains the scan about as well as the best.
+bool has_rival(const Hypothesis& best, const std::vector<Hypothesis>& hypotheses,
+               double distance_m) {
+  return std::any_of(hypotheses.begin(), hypotheses.end(), [&](const Hypothesis& h) {
+    return &h != &best && h.num_matched > 1 && h.score > best.score - kRivalScore &&
+           (h.T_map_base - best.T_map_base).head<2>().norm() >= distance_m;
+  });
+}
+
+/// Far enough from every candidate to be another object.
+bool is_new(const Eigen::Vector2d& p_map, const std::vector<AssociationCandidate>& candidates,
+            double distance_m) {
+  return std::none_of(candidates.begin(), candidates.end(), [&](const AssociationCandidate& c) {
+    return (c.p_map - p_map).norm() < distance_m;
+  });
 }
 
 }  // namespace
@@ -129,70 +175,29 @@ Association associate(const std::vector<ScanPoint>& points,
                       const std::vector<AssociationCandidate>& candidates,
                       const Eigen::Vector3d& T_map_base, const Eigen::Matrix3d& covariance,
                       const SlamConfig& config) {
-  const int num_points = static_cast<int>(points.size());
   const Hypothesis start{T_map_base, covariance, std::vector<int>(points.size(), -1)};
   Matcher matcher(points, candidates, start, config);
-
-  struct Anchor {
-    int point;
-    std::vector<int> candidates;
-  };
-  std::vector<Anchor> anchors;
-  for (int p = 0; p < num_points; ++p) {
-    Anchor anchor{p, {}};
-    for (const int c : matcher.allowed(p)) {
-      if (matcher.distance2(start, p, c) <= matcher.gate2()) anchor.candidates.push_back(c);
-    }
-    if (!anchor.candidates.empty()) anchors.push_back(std::move(anchor));
-  }
-  std::stable_sort(anchors.begin(), anchors.end(), [](const Anchor& a, const Anchor& b) {
-    return a.candidates.size() < b.candidates.size();
-  });
-  if (anchors.size() > kNumAnchors) anchors.resize(kNumAnchors);
-
-  std::vector<Hypothesis> hypotheses;
-  for (const Anchor& anchor : anchors) {
-    for (const int c : anchor.candidates) {
-      const bool known =
-          std::any_of(hypotheses.begin(), hypotheses.end(),
-                      [&](const Hypothesis& h) { return h.candidate[anchor.point] == c; });
-      if (known) continue;
-      Hypothesis h = start;
-      matcher.fit(h, anchor.point, c, matcher.distance2(h, anchor.point, c));
-      matcher.complete(h);
-      hypotheses.push_back(std::move(h));
-    }
-  }
+  const std::vector<Hypothesis> hypotheses = matcher.hypotheses(start);
   const Hypothesis* best = &start;
   for (const Hypothesis& h : hypotheses) {
     if (h.score > best->score) best = &h;
   }
   Association result;
-  for (const Hypothesis& h : hypotheses) {
-    if (&h != best && h.num_matched > 1 && h.score > best->score - kRivalScore &&
-        !same_place(h, *best, config.gate_m)) {
-      result.ambiguous = true;
-    }
-  }
+  result.ambiguous = has_rival(*best, hypotheses, config.gate_m);
   if (result.ambiguous) best = &start;
-
   result.T_map_base = best->T_map_base;
   result.covariance = best->covariance;
   result.landmark.assign(points.size(), -1);
   result.is_new.assign(points.size(), false);
-  for (int p = 0; p < num_points; ++p) {
+  for (std::size_t p = 0; p < points.size(); ++p) {
     const Eigen::Vector2d p_map = transform(best->T_map_base, points[p].p_base);
     const int matched = best->candidate[p];
     if (matched >= 0 && (candidates[matched].p_map - p_map).norm() <= config.gate_m) {
       result.landmark[p] = candidates[matched].landmark;
       ++result.num_matched;
-      continue;
+    } else if (!result.ambiguous) {
+      result.is_new[p] = is_new(p_map, candidates, config.new_landmark_m);
     }
-    if (result.ambiguous) continue;
-    result.is_new[p] =
-        std::none_of(candidates.begin(), candidates.end(), [&](const AssociationCandidate& c) {
-          return (c.p_map - p_map).norm() < config.new_landmark_m;
-        });
   }
   result.num_operations = matcher.num_operations();
   return result;

@@ -12,34 +12,38 @@
 namespace orchard::pose {
 namespace {
 
-constexpr std::size_t kNumPairs = 16;     // of recent landmarks that start hypotheses
-constexpr double kPairMinM = 3.0;         // nearer pairs say little about the turn
-constexpr double kPairToleranceM = 0.35;  // of their distance, recent against old
-constexpr std::size_t kNumRefined = 30;   // hypotheses that are fitted
-constexpr double kPriorGate2 = 16.0;      // of three numbers' squared distance
-constexpr double kPlantedSdM = 0.2;       // how irregularly trees of another row stand, two rows'
-constexpr double kDistortion = 0.004;     // of a stretch of map, per metre from its middle
-constexpr double kMissed = 2.0;           // log-odds lost by a tree that only one side knows
-constexpr double kMatchedShare = 0.7;     // of the trees in view of both times
-constexpr double kNeighbourM = 3.5;       // an old landmark so near: the place was in view then
+constexpr std::size_t kNumPairs = 16;      // of recent landmarks that start hypotheses
+constexpr double kPairMin_m = 3.0;         // nearer pairs say little about the turn
+constexpr double kPairTolerance_m = 0.35;  // of their distance, recent against old
+constexpr std::size_t kNumRefined = 30;    // hypotheses that are fitted
+constexpr int kNumRounds = 3;              // of fitting and matching
+constexpr double kPriorGate2 = 16.0;       // squared Mahalanobis distance from the pose's estimate
+constexpr double kPlantedSd_m = 0.2;       // irregularity of planting, of two rows together
+constexpr double kDistortion = 0.004;      // of the recent map, per metre from its middle
+constexpr double kMissOdds = 2.0;          // log-odds lost by a tree that only one side knows
+constexpr double kMatchedFraction = 0.7;   // of the trees in view at both times
+constexpr double kNeighbour_m = 3.5;       // a position so near to an old landmark was in view then
+constexpr double kCell_m = 0.25;           // hypotheses in one cell are one
+constexpr double kCell_rad = 0.02;
 
-struct Shift {
+/// A rigid motion of the recent landmarks.
+struct Hypothesis {
   Eigen::Vector3d x_y_yaw = Eigen::Vector3d::Zero();
   double score = 0.0;
   std::vector<int> old;  // index of each recent landmark's partner, -1 = none
-  int num_in_view = 0;   // recent landmarks whose place the old ones cover
+  int num_in_view = 0;   // recent landmarks where the old map covers the ground
 };
 
 class Matcher {
  public:
   Matcher(const ClosureQuery& query, const SlamConfig& config) : q_(query), config_(config) {
     Eigen::Matrix3d P = q_.covariance;
-    // never surer than the map is locally
+    // not more certain than the local map
     P.diagonal() += Eigen::Vector3d(0.1 * 0.1, 0.1 * 0.1, 0.01 * 0.01);
     information_ = P.inverse();
-    reach_m_ =
+    radius_m_ =
         std::min(config.closure_search_max_m, 4.0 * std::sqrt(std::max(P(0, 0), P(1, 1))) + 0.5);
-    yaw_reach_rad_ = 4.0 * std::sqrt(P(2, 2));
+    yaw_max_rad_ = 4.0 * std::sqrt(P(2, 2));
     for (const ClosureLandmark& r : q_.recent) middle_ += r.p_map;
     if (!q_.recent.empty()) middle_ /= static_cast<double>(q_.recent.size());
   }
@@ -57,43 +61,43 @@ class Matcher {
            config_.gate_sigma * std::hypot(a.width_sd_m, b.width_sd_m) + config_.width_gate_m;
   }
 
-  /// Shifts by which two recent landmarks fall on two old ones.
-  std::vector<Shift> hypotheses() {
-    std::vector<Shift> found;
+  /// Motions that register two recent landmarks to two old ones.
+  std::vector<Hypothesis> hypotheses() {
+    std::vector<Hypothesis> found;
     std::set<std::tuple<int, int, int>> known;
     for (const auto& [i, j] : far_pairs()) {
       const ClosureLandmark& a = q_.recent[i];
       const ClosureLandmark& b = q_.recent[j];
       const Eigen::Vector2d ab = b.p_map - a.p_map;
       const double arm_m = std::max((a.p_map - q_.pivot).norm(), (b.p_map - q_.pivot).norm());
-      const double reach_m = reach_m_ + yaw_reach_rad_ * arm_m;
+      const double radius_m = radius_m_ + yaw_max_rad_ * arm_m;
       for (const ClosureLandmark& c : q_.old) {
         ++num_operations_;
-        if ((c.p_map - a.p_map).norm() > reach_m || !alike(a, c)) continue;
+        if ((c.p_map - a.p_map).norm() > radius_m || !alike(a, c)) continue;
         for (const ClosureLandmark& d : q_.old) {
           ++num_operations_;
           const Eigen::Vector2d cd = d.p_map - c.p_map;
-          if (std::abs(cd.norm() - ab.norm()) > kPairToleranceM || !alike(b, d)) continue;
-          Shift shift;
-          shift.x_y_yaw.z() =
+          if (std::abs(cd.norm() - ab.norm()) > kPairTolerance_m || !alike(b, d)) continue;
+          Hypothesis h;
+          h.x_y_yaw.z() =
               geometry::wrap_angle_rad(std::atan2(cd.y(), cd.x()) - std::atan2(ab.y(), ab.x()));
-          if (std::abs(shift.x_y_yaw.z()) > yaw_reach_rad_) continue;
+          if (std::abs(h.x_y_yaw.z()) > yaw_max_rad_) continue;
           const Eigen::Vector2d from = 0.5 * (a.p_map + b.p_map);
           const Eigen::Vector2d to = 0.5 * (c.p_map + d.p_map);
-          shift.x_y_yaw.head<2>() += to - apply(shift.x_y_yaw, from);
-          if (prior2(shift.x_y_yaw) > kPriorGate2 ||
-              shift.x_y_yaw.head<2>().norm() > config_.closure_search_max_m) {
+          h.x_y_yaw.head<2>() += to - apply(h.x_y_yaw, from);
+          if (prior2(h.x_y_yaw) > kPriorGate2 ||
+              h.x_y_yaw.head<2>().norm() > config_.closure_search_max_m) {
             continue;
           }
-          const Eigen::Vector2d middle = apply(shift.x_y_yaw, middle_);
+          const Eigen::Vector2d middle = apply(h.x_y_yaw, middle_);
           const auto cell = [](double value, double size) {
             return static_cast<int>(std::floor(value / size));
           };
           if (known
-                  .emplace(cell(middle.x(), 0.25), cell(middle.y(), 0.25),
-                           cell(shift.x_y_yaw.z(), 0.02))
+                  .emplace(cell(middle.x(), kCell_m), cell(middle.y(), kCell_m),
+                           cell(h.x_y_yaw.z(), kCell_rad))
                   .second) {
-            found.push_back(std::move(shift));
+            found.push_back(std::move(h));
           }
         }
       }
@@ -101,61 +105,61 @@ class Matcher {
     return found;
   }
 
-  /// Partners and log-odds of a shift, for landmarks that repeat within `sd_m`.
-  void judge(Shift& shift, double sd_m) {
-    shift.old.assign(q_.recent.size(), -1);
-    shift.num_in_view = 0;
+  /// Partners and log-odds of a hypothesis, for positions that repeat within `sd_m`.
+  void score(Hypothesis& h, double sd_m) {
+    h.old.assign(q_.recent.size(), -1);
+    h.num_in_view = 0;
     std::vector<char> taken(q_.old.size(), 0);
-    double score = -0.5 * prior2(shift.x_y_yaw);
+    double score = -0.5 * prior2(h.x_y_yaw);
     for (std::size_t r = 0; r < q_.recent.size(); ++r) {
-      const Eigen::Vector2d p = apply(shift.x_y_yaw, q_.recent[r].p_map);
+      const Eigen::Vector2d p = apply(h.x_y_yaw, q_.recent[r].p_map);
       int nearest = -1;
-      double nearest_m = kNeighbourM;
+      double nearest_m = kNeighbour_m;
       bool in_view = false;
       for (std::size_t o = 0; o < q_.old.size(); ++o) {
         ++num_operations_;
         const double apart_m = (q_.old[o].p_map - p).norm();
-        if (apart_m < kNeighbourM) in_view = true;
+        if (apart_m < kNeighbour_m) in_view = true;
         if (taken[o] || apart_m >= nearest_m || !alike(q_.recent[r], q_.old[o])) continue;
         nearest = static_cast<int>(o);
         nearest_m = apart_m;
       }
-      shift.num_in_view += in_view;
+      h.num_in_view += in_view;
       if (nearest >= 0 && nearest_m <= config_.closure_kernel_m) {
         const double far_m = (q_.recent[r].p_map - middle_).norm();
         const double s2 = sd_m * sd_m + std::pow(kDistortion * far_m, 2);
-        const double planted2 = s2 + kPlantedSdM * kPlantedSdM;
+        const double planted2 = s2 + kPlantedSd_m * kPlantedSd_m;
         const double odds =
             std::log(planted2 / s2) - 0.5 * nearest_m * nearest_m * (1.0 / s2 - 1.0 / planted2);
-        score += std::max(odds, -kMissed);
-        shift.old[r] = nearest;
+        score += std::max(odds, -kMissOdds);
+        h.old[r] = nearest;
         taken[nearest] = 1;
       } else if (in_view) {
-        score -= kMissed;
+        score -= kMissOdds;
       }
     }
     for (std::size_t o = 0; o < q_.old.size(); ++o) {
       if (taken[o]) continue;
-      const Eigen::Vector2d p = undo(shift.x_y_yaw, q_.old[o].p_map);
+      const Eigen::Vector2d p = undo(h.x_y_yaw, q_.old[o].p_map);
       for (const Eigen::Vector2d& place : q_.path) {
         ++num_operations_;
         if ((place - p).norm() > q_.view_m) continue;
-        score -= kMissed;
+        score -= kMissOdds;
         break;
       }
     }
-    shift.score = score;
+    h.score = score;
   }
 
   /// The rigid motion that fits the partners best, by least squares.
-  void refine(Shift& shift) const {
+  void refine(Hypothesis& h) const {
     Eigen::Vector2d from = Eigen::Vector2d::Zero();
     Eigen::Vector2d to = Eigen::Vector2d::Zero();
     int n = 0;
     for (std::size_t r = 0; r < q_.recent.size(); ++r) {
-      if (shift.old[r] < 0) continue;
+      if (h.old[r] < 0) continue;
       from += q_.recent[r].p_map;
-      to += q_.old[shift.old[r]].p_map;
+      to += q_.old[h.old[r]].p_map;
       ++n;
     }
     if (n < 2) return;
@@ -164,17 +168,17 @@ class Matcher {
     double s = 0.0;
     double c = 0.0;
     for (std::size_t r = 0; r < q_.recent.size(); ++r) {
-      if (shift.old[r] < 0) continue;
+      if (h.old[r] < 0) continue;
       const Eigen::Vector2d a = q_.recent[r].p_map - from;
-      const Eigen::Vector2d b = q_.old[shift.old[r]].p_map - to;
+      const Eigen::Vector2d b = q_.old[h.old[r]].p_map - to;
       s += a.x() * b.y() - a.y() * b.x();
       c += a.dot(b);
     }
-    shift.x_y_yaw.z() = std::atan2(s, c);
-    shift.x_y_yaw.head<2>() += to - apply(shift.x_y_yaw, from);
+    h.x_y_yaw.z() = std::atan2(s, c);
+    h.x_y_yaw.head<2>() += to - apply(h.x_y_yaw, from);
   }
 
-  bool another_place(const Shift& a, const Shift& b) const {
+  bool differ(const Hypothesis& a, const Hypothesis& b) const {
     return (apply(a.x_y_yaw, middle_) - apply(b.x_y_yaw, middle_)).norm() >
                2.0 * config_.closure_kernel_m ||
            std::abs(geometry::wrap_angle_rad(a.x_y_yaw.z() - b.x_y_yaw.z())) > 0.3;
@@ -183,17 +187,17 @@ class Matcher {
   std::int64_t num_operations() const { return num_operations_; }
 
  private:
-  /// Pairs that tell the turn best: the farthest apart first.
+  /// Pairs that determine the turn best, the farthest apart first.
   std::vector<std::pair<int, int>> far_pairs() const {
     std::vector<std::tuple<double, int, int>> all;
     for (int i = 0; i < static_cast<int>(q_.recent.size()); ++i) {
       for (int j = i + 1; j < static_cast<int>(q_.recent.size()); ++j) {
         const double apart_m = (q_.recent[i].p_map - q_.recent[j].p_map).norm();
-        if (apart_m >= kPairMinM) all.emplace_back(-apart_m, i, j);
+        if (apart_m >= kPairMin_m) all.emplace_back(-apart_m, i, j);
       }
     }
     std::sort(all.begin(), all.end());
-    // spread over the list: one false landmark far away is in many of the farthest
+    // Spread over the list: one false landmark far away is in many of the farthest pairs.
     std::vector<std::pair<int, int>> pairs;
     const std::size_t step = std::max<std::size_t>(1, all.size() / kNumPairs);
     for (std::size_t p = 0; p < all.size() && pairs.size() < kNumPairs; p += step) {
@@ -206,8 +210,8 @@ class Matcher {
   const SlamConfig& config_;
   Eigen::Matrix3d information_;
   Eigen::Vector2d middle_ = Eigen::Vector2d::Zero();
-  double reach_m_ = 0.0;
-  double yaw_reach_rad_ = 0.0;
+  double radius_m_ = 0.0;
+  double yaw_max_rad_ = 0.0;
   std::int64_t num_operations_ = 0;
 };
 
@@ -218,21 +222,21 @@ Closure find_closure(const ClosureQuery& query, const SlamConfig& config) {
   const auto min_trees = static_cast<std::size_t>(config.closure_min_trees);
   if (query.recent.size() < min_trees || query.old.size() < min_trees) return closure;
   Matcher matcher(query, config);
-  std::vector<Shift> shifts = matcher.hypotheses();
-  const auto better = [](const Shift& a, const Shift& b) { return a.score > b.score; };
-  for (Shift& shift : shifts) matcher.judge(shift, 0.5 * config.closure_kernel_m);
-  std::stable_sort(shifts.begin(), shifts.end(), better);
-  if (shifts.size() > kNumRefined) shifts.resize(kNumRefined);
-  for (Shift& shift : shifts) {
-    for (int round = 0; round < 3; ++round) {
-      matcher.refine(shift);
-      matcher.judge(shift, config.closure_sd_m);
+  std::vector<Hypothesis> hypotheses = matcher.hypotheses();
+  const auto better = [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; };
+  for (Hypothesis& h : hypotheses) matcher.score(h, 0.5 * config.closure_kernel_m);
+  std::stable_sort(hypotheses.begin(), hypotheses.end(), better);
+  if (hypotheses.size() > kNumRefined) hypotheses.resize(kNumRefined);
+  for (Hypothesis& h : hypotheses) {
+    for (int round = 0; round < kNumRounds; ++round) {
+      matcher.refine(h);
+      matcher.score(h, config.closure_sd_m);
     }
   }
-  std::stable_sort(shifts.begin(), shifts.end(), better);
+  std::stable_sort(hypotheses.begin(), hypotheses.end(), better);
   closure.num_operations = matcher.num_operations();
-  if (shifts.empty()) return closure;
-  const Shift& best = shifts.front();
+  if (hypotheses.empty()) return closure;
+  const Hypothesis& best = hypotheses.front();
   closure.log_odds = best.score;
   closure.shift = best.x_y_yaw;
   for (std::size_t r = 0; r < query.recent.size(); ++r) {
@@ -240,12 +244,13 @@ Closure find_closure(const ClosureQuery& query, const SlamConfig& config) {
     closure.matches.emplace_back(query.recent[r].landmark, query.old[best.old[r]].landmark);
   }
   if (closure.matches.size() < min_trees || best.score < config.closure_margin ||
-      static_cast<double>(closure.matches.size()) < kMatchedShare * best.num_in_view) {
+      static_cast<double>(closure.matches.size()) < kMatchedFraction * best.num_in_view) {
     return closure;
   }
-  closure.ambiguous = std::any_of(shifts.begin() + 1, shifts.end(), [&](const Shift& other) {
-    return other.score > best.score - config.closure_margin && matcher.another_place(other, best);
-  });
+  closure.ambiguous =
+      std::any_of(hypotheses.begin() + 1, hypotheses.end(), [&](const Hypothesis& other) {
+        return other.score > best.score - config.closure_margin && matcher.differ(other, best);
+      });
   closure.found = !closure.ambiguous;
   return closure;
 }

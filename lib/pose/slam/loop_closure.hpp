@@ -10,7 +10,7 @@
 
 namespace orchard::pose {
 
-/// A landmark as loop closure sees it.
+/// A landmark for loop closure.
 struct ClosureLandmark {
   int landmark = -1;
   Eigen::Vector2d p_map = Eigen::Vector2d::Zero();
@@ -18,32 +18,33 @@ struct ClosureLandmark {
   double width_sd_m = 0.1;
 };
 
-/// What was mapped on the last stretch of path, and what was mapped long before around there.
+/// Landmarks mapped on the last part of the path, and those mapped long before near there.
 struct ClosureQuery {
   std::vector<ClosureLandmark> recent;
   std::vector<ClosureLandmark> old;
-  std::vector<Eigen::Vector2d> path;  ///< of the last stretch, in map
-  double view_m = 0.0;                ///< what stands nearer than this to the path was in view
-  Eigen::Vector2d pivot = Eigen::Vector2d::Zero();           ///< the robot, in map
+  std::vector<Eigen::Vector2d> path;                ///< its last part, in map
+  double view_m = 0.0;                              ///< objects nearer to the path were in view
+  Eigen::Vector2d pivot = Eigen::Vector2d::Zero();  ///< the robot, in map
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of its pose against the old
 };
 
-/// The answer: the recent landmarks, turned about the pivot and shifted, are old ones.
+/// The rigid motion about the pivot that registers recent landmarks to old ones.
 struct Closure {
   bool found = false;
-  bool ambiguous = false;                           ///< another shift explains them as well
+  bool ambiguous = false;                           ///< another motion explains them as well
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  ///< x, y [m], yaw [rad]
   std::vector<std::pair<int, int>> matches;         ///< (recent, old) landmarks
-  double log_odds = 0.0;  ///< against trees of another row that stands as regularly
+  double log_odds = 0.0;  ///< against the null hypothesis: other trees, planted as regularly
   std::int64_t num_operations = 0;
 };
 
-/// Looks for the one shift and turn, within what the pose's covariance allows, that lays the
-/// constellation of recent landmarks onto old ones. Every tree that fits counts for it as much as
-/// its residual is smaller than the irregularity of a planted row; every gap that one side knows
-/// and the other does not counts against it. Not found unless closure_min_trees fit, and the odds
-/// beat both another place as regular and every other shift (the next tree, the next row) by
-/// closure_margin.
+/// Registers the constellation of recent landmarks to old ones by the one rigid motion within the
+/// covariance of the pose.
+///
+/// A matched tree counts in favour by the likelihood ratio of its residual against the irregularity
+/// of a planted row; a gap known to one side only counts against. Found if closure_min_trees match
+/// and the log-odds beat by closure_margin both the null hypothesis (another row, planted as
+/// regularly) and every other motion (the next tree, the next row).
 Closure find_closure(const ClosureQuery& query, const SlamConfig& config);
 
 }  // namespace orchard::pose

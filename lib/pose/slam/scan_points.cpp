@@ -10,9 +10,9 @@
 namespace orchard::pose {
 namespace {
 
-// A beam lies no farther from its scan's stamp: more is a clock's error.
-constexpr double kSweepMaxS = 0.5;
-constexpr double kWidthSdMinM = 0.02;
+// A beam is never farther from its scan's time stamp: more is an error of the clock.
+constexpr double kSweepMax_s = 0.5;
+constexpr double kWidthSdMin_m = 0.02;
 constexpr double kVarianceMin = 1e-6;
 
 bool usable(const SeenTrunk& t, const SlamConfig& config) {
@@ -39,7 +39,7 @@ std::vector<ScanPoint> scan_points(const SeenTrunks& seen, const ScanMotionState
   for (const SeenTrunk& t : seen.trunks) {
     if (!usable(t, config)) continue;
     double dt_s = (t.utime - seen.utime) * 1e-6;
-    if (std::abs(dt_s) > kSweepMaxS) dt_s = 0.0;
+    if (std::abs(dt_s) > kSweepMax_s) dt_s = 0.0;
     const Eigen::Vector3d T_scan_beam = arc_motion(motion.speed_mps, motion.yaw_rate_radps, dt_s);
     const Eigen::Vector3d T_keyframe_beam = compose(motion.T_keyframe_scan, T_scan_beam);
     const Eigen::Matrix2d R = rotation(T_keyframe_beam.z());
@@ -57,7 +57,7 @@ std::vector<ScanPoint> scan_points(const SeenTrunks& seen, const ScanMotionState
     point.covariance =
         point.scan_covariance + point.floor_sd_m * point.floor_sd_m * Eigen::Matrix2d::Identity();
     point.width_m = t.width_m;
-    point.width_sd_m = std::max(t.width_sd_m, kWidthSdMinM);
+    point.width_sd_m = std::max(t.width_sd_m, kWidthSdMin_m);
     if (t.occlusion != 0) point.width_sd_m = std::hypot(point.width_sd_m, t.width_m);
     points.push_back(point);
   }

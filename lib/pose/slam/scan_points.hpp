@@ -10,7 +10,7 @@
 
 namespace orchard::pose {
 
-/// How base moved from the keyframe to the scan, and moves on while the scan is taken.
+/// Motion of base from the keyframe to the scan, and its velocity during the scan.
 struct ScanMotionState {
   Eigen::Vector3d T_keyframe_scan = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
@@ -18,9 +18,9 @@ struct ScanMotionState {
   double yaw_rate_radps = 0.0;
 };
 
-/// What a scan showed as points where base was at the keyframe, each taken at its own beam's time,
-/// with a covariance that says how trunk-like it is: wide, half hidden and odd things have no sharp
-/// centre. Leaves out what is too far, too wide or not finite.
+/// The objects of a scan as points in base at the keyframe, each corrected for the motion up to its
+/// own beam. Wide, occluded and odd objects have no sharp centre and a large covariance. Leaves out
+/// objects that are too far, too wide or not finite.
 std::vector<ScanPoint> scan_points(const SeenTrunks& seen, const ScanMotionState& motion,
                                    const SlamConfig& config);
 

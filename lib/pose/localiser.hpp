@@ -1,18 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "laser/blind_sector.hpp"
-#include "laser/laser_config.hpp"
 #include "pose/measurement.hpp"
-#include "pose/measurement_queue.hpp"
-#include "pose/pose_config.hpp"
 #include "pose/pose_estimate.hpp"
-#include "pose/prior_map/prior_map.hpp"
 #include "pose/trajectory.hpp"
 
 namespace orchard::pose {
@@ -39,16 +32,5 @@ class Localiser {
   /// What is wrong in words for a person (LOST, AMBIGUOUS, a GNSS that jumps); empty if nothing.
   virtual std::string warning() const { return {}; }
 };
-
-/// The localiser of `config.mode`. Mode prior_map needs the landmarks of that map, which are not
-/// read here; throws std::invalid_argument when no place can be found by them. What reads scans
-/// needs the laser's mount and the sector in which it sees the robot itself.
-std::unique_ptr<Localiser> make_localiser(const PoseConfig& config,
-                                          const std::vector<PriorLandmark>& prior_landmarks = {},
-                                          const laser::LaserConfig& laser = {},
-                                          const laser::BlindSector& blind = {});
-
-/// What that localiser uses, and how long each of it is waited for.
-MeasurementWaits expected_measurements(const PoseConfig& config);
 
 }  // namespace orchard::pose

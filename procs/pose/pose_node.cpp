@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "io/config/prior_map_file.hpp"
+#include "pose/make_localiser.hpp"
 
 namespace orchard::procs {
 namespace {

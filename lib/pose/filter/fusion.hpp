@@ -9,6 +9,7 @@
 #include "pose/filter/gnss_positions.hpp"
 #include "pose/filter/heading_start.hpp"
 #include "pose/localiser.hpp"
+#include "pose/pose_config.hpp"
 
 namespace orchard::pose {
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pose/localiser.hpp"
+#include "pose/pose_config.hpp"
 #include "pose/prior_map/local_map.hpp"
 #include "pose/prior_map/prior_map.hpp"
 #include "pose/prior_map/search.hpp"

@@ -5,6 +5,7 @@
 
 #include "pose/filter/gnss_positions.hpp"
 #include "pose/localiser.hpp"
+#include "pose/pose_config.hpp"
 #include "pose/scan_matching/scan_motion.hpp"
 #include "pose/slam/trunk_slam.hpp"
 

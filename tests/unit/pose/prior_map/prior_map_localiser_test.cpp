@@ -8,6 +8,7 @@
 #include <string>
 
 #include "geometry/angles.hpp"
+#include "pose/make_localiser.hpp"
 #include "unit/pose/prior_map/prior_world.hpp"
 
 namespace orchard::pose {

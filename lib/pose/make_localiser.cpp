@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/localiser.hpp"
+#include "pose/make_localiser.hpp"
 
 #include "pose/filter/fusion.hpp"
 #include "pose/filter/pose_estimator.hpp"

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "laser/blind_sector.hpp"
+#include "laser/laser_config.hpp"
+#include "pose/localiser.hpp"
+#include "pose/measurement_queue.hpp"
+#include "pose/pose_config.hpp"
+#include "pose/prior_map/prior_map.hpp"
+
+namespace orchard::pose {
+
+/// The localiser of `config.mode`. Mode prior_map needs the landmarks of that map, which are not
+/// read here; throws std::invalid_argument when they do not determine a pose. Modes that read scans
+/// need the laser's mount and the sector in which it sees the robot itself.
+std::unique_ptr<Localiser> make_localiser(const PoseConfig& config,
+                                          const std::vector<PriorLandmark>& prior_landmarks = {},
+                                          const laser::LaserConfig& laser = {},
+                                          const laser::BlindSector& blind = {});
+
+/// The measurements that this localiser uses, and how long to wait for each of them.
+MeasurementWaits expected_measurements(const PoseConfig& config);
+
+}  // namespace orchard::pose

@@ -11,10 +11,10 @@ namespace {
 
 using geometry::kPi;
 
-/// Scanners tell in ranges below this why a beam did not return (SCIP: 0 to 19 mm).
+/// Ranges below this are error codes (SCIP 2.0: 0 to 19 mm).
 constexpr float kErrorCodes_m = 0.02f;
-/// Share of the separating step that noise may make between neighbours on one surface.
-constexpr double kFrontShare = 0.5;
+/// Fraction of the separating step that range noise may cause between neighbours on one surface.
+constexpr double kSurfaceNoiseFraction = 0.5;
 
 }  // namespace
 
@@ -24,8 +24,8 @@ Beams::Beams(const Scan& scan, const SegmentationConfig& config)
       step_rad_(std::abs(scan.bearing_step_rad)) {
   const double turn_rad = step_rad_ * static_cast<double>(size_);
   is_turn_ = size_ > 2 && std::abs(turn_rad - 2.0 * kPi) <= 1.5 * step_rad_;
-  believe(scan);
-  if (rejoins()) leave_out_thin_fronts();
+  validate(scan);
+  if (merges_occluded()) remove_foreground_clutter();
   if (is_turn_) start_ = first_gap();
   find_directions();
 }
@@ -33,14 +33,14 @@ Beams::Beams(const Scan& scan, const SegmentationConfig& config)
 void Beams::find_directions() {
   const double c = std::cos(step_rad_), s = std::sin(step_rad_);
   directions_.resize(ranges_m_.size());
-  // turned on step by step: cheaper than two functions a beam, and off by 1e-13 after a thousand
+  // Rotated incrementally: cheaper than sin and cos per beam; the error is 1e-13 after 1000 beams.
   for (std::size_t i = 1; i < directions_.size(); ++i) {
     const Direction& last = directions_[i - 1];
     directions_[i] = {last.c * c - last.s * s, last.s * c + last.c * s};
   }
 }
 
-void Beams::believe(const Scan& scan) {
+void Beams::validate(const Scan& scan) {
   const double nearest_m = std::max(scan.range_min_m, config_.range_min_m);
   const double farthest_m = std::min(scan.range_max_m, config_.range_max_m);
   ranges_m_.assign(scan.ranges_m.size(), 0.0f);
@@ -52,23 +52,23 @@ void Beams::believe(const Scan& scan) {
     if (blind_sector.contains(scan.bearing_rad(static_cast<double>(i)))) {
       blocked_[i] = 1;
     } else if (!(range_m >= kErrorCodes_m) || range_m == no_return_m) {
-      // NaN, an error code, or the farthest range as drivers give it for nothing: no return
+      // NaN, an error code, or exactly the maximum range, which some drivers send for no return
     } else if (range_m >= nearest_m && range_m <= farthest_m) {
       ranges_m_[i] = range_m;
     } else {
-      // what goes on just beyond the farthest range ends where it is cut, not where it ends
+      // A surface that continues just beyond the maximum range has no visible end there.
       const bool cut_off = range_m > farthest_m && range_m <= farthest_m + jump_m(farthest_m);
       blocked_[i] = cut_off || range_m < nearest_m;
     }
   }
 }
 
-void Beams::leave_out_thin_fronts() {
+void Beams::remove_foreground_clutter() {
   std::vector<std::size_t> fronts;
   for (std::size_t i = 1; i + 1 < ranges_m_.size(); ++i) {
     const float before_m = ranges_m_[i - 1], here_m = ranges_m_[i], after_m = ranges_m_[i + 1];
     if (before_m <= 0.0f || here_m <= 0.0f || after_m <= 0.0f) continue;
-    const double stands_out_m = kFrontShare * jump_m(here_m);
+    const double stands_out_m = kSurfaceNoiseFraction * jump_m(here_m);
     const float nearer_m = std::min(before_m, after_m);
     if (here_m < nearer_m - stands_out_m && std::abs(before_m - after_m) < stands_out_m &&
         joined(here_m, nearer_m)) {
@@ -82,7 +82,7 @@ std::ptrdiff_t Beams::first_gap() const {
   const auto at = [&](std::ptrdiff_t i) {
     return ranges_m_[static_cast<std::size_t>((i % size_ + size_) % size_)];
   };
-  // nothing joins over this place, not even what is rejoined behind a twig
+  // No object extends across a gap, not even one that is merged behind foreground clutter.
   const std::ptrdiff_t across = std::max(config_.bridge_beams, 1) + 1;
   const auto is_gap = [&](std::ptrdiff_t i) {
     for (std::ptrdiff_t before = 1; before <= across; ++before) {

@@ -16,7 +16,7 @@ struct Direction {
   double s = 0.0;
 };
 
-/// The beams of a scan in the order in which they are cut: what each one returned, made believable
+/// The beams of a scan in the order in which they are cut: what each one returned, validated
 /// once. A full turn starts at a gap, so that no object lies across the seam.
 ///
 /// Positions run from 0 to size() - 1; beams beyond are the other end of a full turn, and of any
@@ -39,7 +39,7 @@ class Beams {
   const Direction& direction(std::ptrdiff_t num_steps) const {
     return directions_[static_cast<std::size_t>(num_steps)];
   }
-  /// The believable range [m] at a position in [0, size()); 0 = no return.
+  /// The validated range [m] at a position in [0, size()); 0 = no return.
   float range_m(std::ptrdiff_t i) const { return ranges_m_[index(i)]; }
   /// As range_m(), beyond the ends too.
   float range_around_m(std::ptrdiff_t i) const {
@@ -51,8 +51,8 @@ class Beams {
     if (!is_turn_ && (i < 0 || i >= size_)) return true;
     return blocked_[index(around(i))] != 0;
   }
-  /// Whether what something thin in front parts is to be one object again.
-  bool rejoins() const { return config_.bridge_beams > 0; }
+  /// Whether objects that thin foreground clutter divides are merged again.
+  bool merges_occluded() const { return config_.bridge_beams > 0; }
   /// The range step that separates objects at a range.
   double jump_m(double range_m) const { return config_.jump_m + config_.jump_fraction * range_m; }
   bool joined(double a_m, double b_m) const {
@@ -65,10 +65,11 @@ class Beams {
   std::ptrdiff_t around(std::ptrdiff_t i) const {
     return i >= 0 && i < size_ ? i : (i + size_) % size_;  // dividing is slow, and rarely needed
   }
-  void believe(const Scan& scan);
+  void validate(const Scan& scan);
   void find_directions();
-  /// A beam on something thin closely before a surface is no part of it: as if it had not returned.
-  void leave_out_thin_fronts();
+  /// Discards a single beam on a thin object close in front of a surface, as if it had not
+  /// returned.
+  void remove_foreground_clutter();
   std::ptrdiff_t first_gap() const;
 
   const SegmentationConfig& config_;

@@ -15,19 +15,19 @@ namespace orchard::laser {
 namespace {
 
 constexpr int kMaxIterations = 12;
-constexpr double kSmallestRadius_m = 1e-3;
-/// After so many steps a circle that misfits by so many times kGoodFit seldom turns out a good one:
-/// the more steps, the less is to be hoped for.
+constexpr double kMinRadius_m = 1e-3;
+/// From this step on a fit is abandoned if its chi2 per degree of freedom exceeds kHopeless[step]
+/// times kGoodFit: such fits seldom converge to a good circle.
 constexpr int kStepsToJudge = 2;
 constexpr std::array<double, 5> kHopeless{5.0, 4.0, 3.0, 2.0, 1.4};
-/// One that still moves so far after so many steps goes to and fro for good.
+/// A fit whose steps are still this long after this many steps oscillates.
 constexpr int kStepsToSettleDown = 7;
 constexpr double kRestless_m = 1e-3;
-/// Beams that meet the surface flatter than this say little of range; the sides say it better.
-/// Their weight falls between these two, so that no beam comes and goes as the circle settles.
+/// Cosine of incidence below which a beam has no weight (it grazes; the sides constrain it better)
+/// and above which it has full weight. The ramp keeps the weights continuous during convergence.
 constexpr double kGrazingCosine = 0.2;
 constexpr double kSteepCosine = 0.4;
-/// Residuals beyond this many sigmas weigh less.
+/// Residuals beyond this many sigmas are down-weighted (Huber).
 constexpr double kHuber = 2.5;
 
 /// Centre in polar coordinates about the laser, and radius.
@@ -56,19 +56,19 @@ struct Normal {
   }
 };
 
-/// Beams that are reckoned side by side.
+/// Beams computed at once (SIMD lanes).
 constexpr Eigen::Index kLanes = 2;
 using Lanes = Eigen::Array<double, kLanes, 1>;
 
-/// What the beams add to the normal equations, each in its lane.
+/// Accumulates the beams' terms of the normal equations, one sum per lane.
 class RangeSums {
  public:
   RangeSums(const Circle& c, double step_rad, double range_sd_m)
       : c_(c),
         centre_c_(std::cos(c.bearing_rad)),
         centre_s_(std::sin(c.bearing_rad)),
-        least_half_chord2_m2_(kGrazingCosine * kGrazingCosine * c.radius_m * c.radius_m),
-        share_by_half_chord_(1.0 / (c.radius_m * (kSteepCosine - kGrazingCosine))),
+        min_half_chord2_m2_(kGrazingCosine * kGrazingCosine * c.radius_m * c.radius_m),
+        weight_by_half_chord_(1.0 / (c.radius_m * (kSteepCosine - kGrazingCosine))),
         quarter_step_rad_(0.25 * step_rad),
         range_var_m2_(range_sd_m * range_sd_m) {
     for (Lanes& sum : sums_) sum.setZero();
@@ -76,22 +76,22 @@ class RangeSums {
 
   /// `valid` is 1 for each lane that holds a beam, else 0.
   void add(const Lanes& ranges_m, const Lanes& cosines, const Lanes& sines, const Lanes& valid) {
-    // of the beams' bearings from the centre's, without two more functions per beam and step
+    // Cosine and sine of each beam's bearing relative to the centre, by the addition theorem.
     const Lanes cosine = cosines * centre_c_ + sines * centre_s_;
     const Lanes sine = sines * centre_c_ - cosines * centre_s_;
     const Lanes across_m = c_.range_m * sine;
     const Lanes half_chord2_m2 = c_.radius_m * c_.radius_m - across_m * across_m;
-    // what grazes the circle or passes it by has no share
-    const Lanes half_chord_m = half_chord2_m2.max(least_half_chord2_m2_).sqrt();
+    // Beams that graze or miss the circle have no weight.
+    const Lanes half_chord_m = half_chord2_m2.max(min_half_chord2_m2_).sqrt();
     const Lanes share =
-        valid * (half_chord_m * share_by_half_chord_ - kFromShare).max(0.0).min(1.0);
+        valid * (half_chord_m * weight_by_half_chord_ - kFromWeight).max(0.0).min(1.0);
     const Lanes inverse = 1.0 / half_chord_m;
     const Lanes slope = across_m * inverse;
     const Lanes by_bearing = c_.range_m * (sine - slope * cosine);
     const Lanes by_range = cosine + slope * sine;
     const Lanes by_radius = -c_.radius_m * inverse;
     const Lanes residual = ranges_m - (c_.range_m * cosine - half_chord_m);
-    // the spot is about a step wide, and what it reads lies somewhere in it
+    // The footprint is about one beam step wide; the reading lies anywhere within it.
     const Lanes spread_m = by_bearing * quarter_step_rad_;
     const Lanes variance = range_var_m2_ + spread_m * spread_m;
     const Lanes squared = residual * residual;
@@ -125,11 +125,11 @@ class RangeSums {
   }
 
  private:
-  static constexpr double kFromShare = kGrazingCosine / (kSteepCosine - kGrazingCosine);
+  static constexpr double kFromWeight = kGrazingCosine / (kSteepCosine - kGrazingCosine);
 
   Circle c_;
   double centre_c_, centre_s_;
-  double least_half_chord2_m2_, share_by_half_chord_;
+  double min_half_chord2_m2_, weight_by_half_chord_;
   double quarter_step_rad_, range_var_m2_;
   std::array<Lanes, 10> sums_;
   int count_ = 0;
@@ -181,7 +181,7 @@ Normal normal_at(const Arc& arc, const Circle& c, double step_rad, double range_
   return sum;
 }
 
-/// As if the arc were the whole of the circle.
+/// Initial circle: assumes that the arc shows the whole visible half of the circle.
 Circle first_guess(const Arc& arc) {
   double mean_m = 0.0;
   for (const double range_m : arc.ranges_m) mean_m += range_m;
@@ -226,18 +226,17 @@ std::optional<CircleFit> fit_circle(const Arc& arc, double bearing_step_rad, dou
     if (!invertible) return std::nullopt;
     if (settled) break;
     const Eigen::Vector3d step = inverse * normal.gradient;
-    // half a radius at most: a far step would leave the beams behind that must steer it
+    // At most half a radius per step: beyond that too few beams constrain the circle.
     const double largest_m =
         std::max({std::abs(step.x()), std::abs(step.y()) * c.range_m, std::abs(step.z())});
     double damping = std::min(1.0, 0.5 * c.radius_m / std::max(largest_m, 1e-12));
-    // a step back: as weights follow the circle, whole steps go to and fro about where it settles
+    // Halve a reversed step: the weights change with the circle, so full steps oscillate.
     if (step.dot(last_step) < 0.0) damping *= 0.5;
     last_step = step;
     c.range_m += damping * step.x();
     c.bearing_rad += damping * step.y();
     c.radius_m += damping * step.z();
-    if (!(c.radius_m > kSmallestRadius_m) || !(c.radius_m < radius_max_m) ||
-        !(c.range_m > c.radius_m)) {
+    if (!(c.radius_m > kMinRadius_m) || !(c.radius_m < radius_max_m) || !(c.range_m > c.radius_m)) {
       return std::nullopt;
     }
     settled = largest_m < search.settled_m;

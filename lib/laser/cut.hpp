@@ -9,8 +9,8 @@
 
 namespace orchard::laser {
 
-/// Beams of one object; positions in Beams.
-struct Run {
+/// A segment candidate: the beams of one object, as positions in Beams.
+struct Candidate {
   std::ptrdiff_t first = 0;
   std::ptrdiff_t last = 0;
   int num_beams = 0;  ///< that lie on the object
@@ -36,13 +36,13 @@ struct Run {
 };
 
 /// Calls visit(position) for each beam on the object, in order. A single beam that is missing or on
-/// something thin in front is left out, as is what Run::fronts names.
+/// something thin in front is left out, as is what Candidate::fronts names.
 template <class Visitor>
-void for_each_beam(const Beams& beams, const Run& run, Visitor visit) {
-  for (std::ptrdiff_t i = run.first; i <= run.last; ++i) {
+void for_each_beam(const Beams& beams, const Candidate& candidate, Visitor visit) {
+  for (std::ptrdiff_t i = candidate.first; i <= candidate.last; ++i) {
     const float range_m = beams.range_m(i);
-    if (range_m <= 0.0f || (run.num_fronts > 0 && run.in_front(i))) continue;
-    const bool alone = i > run.first && i < run.last &&
+    if (range_m <= 0.0f || (candidate.num_fronts > 0 && candidate.in_front(i))) continue;
+    const bool alone = i > candidate.first && i < candidate.last &&
                        !beams.joined(range_m, beams.range_m(i - 1)) &&
                        !beams.joined(range_m, beams.range_m(i + 1));
     if (!alone) visit(i);
@@ -50,10 +50,10 @@ void for_each_beam(const Beams& beams, const Run& run, Visitor visit) {
 }
 
 /// Cuts the beams at the spikes of their derivative (Shalal et al. 2013, figure 6).
-std::vector<Run> cut(const Beams& beams);
+std::vector<Candidate> cut(const Beams& beams);
 
-/// Takes off a beam at the rim that is half on the object and half on what is behind or in front
-/// of it.
-void trim_rim(const Beams& beams, Run& run);
+/// Removes a border beam whose footprint covers the object and a surface behind or in front of it
+/// (mixed pixel).
+void trim_border(const Beams& beams, Candidate& candidate);
 
 }  // namespace orchard::laser

@@ -13,9 +13,9 @@ namespace {
 using geometry::kPi;
 using geometry::wrap_angle_rad;
 
-/// Shape is judged from this many beams on: a line takes two, a circle three.
+/// Fewest beams for a shape: a line has two parameters, a circle three.
 constexpr std::size_t kFewestBeamsOfAShape = 5;
-/// A circle with more chi2 than this per degree of freedom is none.
+/// Largest chi2 per degree of freedom of an accepted circle.
 constexpr double kWorstFit = 4.0;
 
 double square(double x) { return x * x; }
@@ -87,12 +87,12 @@ CircleFit in_laser_frame(const CircleFit& local, double bearing_rad, bool clockw
   return fit;
 }
 
-void measure_intensity(const Scan& scan, const Beams& beams, const Run& run, double brightest_from,
-                       Segment& s) {
+void measure_intensity(const Scan& scan, const Beams& beams, const Candidate& candidate,
+                       double brightest_from, Segment& s) {
   if (!scan.has_intensities()) return;
   double sum = 0.0;
   int count = 0;
-  for_each_beam(beams, run, [&](std::ptrdiff_t i) {
+  for_each_beam(beams, candidate, [&](std::ptrdiff_t i) {
     const double intensity = scan.intensities[beams.index(i)];
     if (!std::isfinite(intensity)) return;
     sum += intensity;
@@ -103,22 +103,22 @@ void measure_intensity(const Scan& scan, const Beams& beams, const Run& run, dou
   s.is_reflector = brightest_from > 0.0 && s.intensity_max >= brightest_from;
 }
 
-/// The circle, the line, and what they say of the shape.
-void measure_shape(const Scan& scan, const Run& run, const Sides& sides,
-                   const SegmentationConfig& config, const LaserConfig& laser, RunFitter& fit,
+/// Fits a circle and a line and derives roughness and straightness from them.
+void measure_shape(const Scan& scan, const Candidate& candidate, const Sides& sides,
+                   const SegmentationConfig& config, const LaserConfig& laser, CandidateFitter& fit,
                    Segment& s) {
-  const Arc& arc = fit.arc(run);
+  const Arc& arc = fit.arc(candidate);
   const std::size_t n = arc.ranges_m.size();
   const bool hidden = sides.before.hidden || sides.after.hidden;
   const bool enough = static_cast<int>(n) >= config.min_beams_circle * (hidden ? 2 : 1);
   if (!enough && n < kFewestBeamsOfAShape) return;
   const double range_sd_m = laser.range_sd_at(s.range_m);
-  const std::optional<CircleFit>& circle = fit.any(run);
+  const std::optional<CircleFit>& circle = fit.any(candidate);
   if (n >= kFewestBeamsOfAShape) {
     s.line_rms_m = line_rms_m(arc);
     s.circle_rms_m = circle ? circle_rms_m(arc, *circle) : 0.0;
     const double best_m = circle ? std::min(s.line_rms_m, s.circle_rms_m) : s.line_rms_m;
-    s.raggedness = best_m / range_sd_m;
+    s.roughness = best_m / range_sd_m;
     const double line2_m2 = square(s.line_rms_m), circle2_m2 = square(s.circle_rms_m);
     s.straightness = !circle                       ? 1.0
                      : line2_m2 + circle2_m2 > 0.0 ? circle2_m2 / (line2_m2 + circle2_m2)
@@ -136,30 +136,30 @@ void measure_shape(const Scan& scan, const Run& run, const Sides& sides,
 
 }  // namespace
 
-Segment measure(const Scan& scan, const Beams& beams, const Run& run,
+Segment measure(const Scan& scan, const Beams& beams, const Candidate& candidate,
                 const SegmentationConfig& config, const WidthConfig& width,
-                const LaserConfig& laser, RunFitter& fit) {
+                const LaserConfig& laser, CandidateFitter& fit) {
   const double step_rad = beams.step_rad();
-  const double span_beams = static_cast<double>(run.last - run.first);
-  const Sides sides = sides_of(beams, run, config);
+  const double span_beams = static_cast<double>(candidate.last - candidate.first);
+  const Sides sides = sides_of(beams, candidate, config);
   Segment s;
-  s.first_beam = beams.index(run.first);
-  s.last_beam = beams.index(run.last);
-  s.middle_beam = beams.index(run.first + (run.last - run.first) / 2);
-  s.num_beams = run.num_beams;
-  s.start_range_m = beams.range_m(run.first);
-  s.end_range_m = beams.range_m(run.last);
+  s.first_beam = beams.index(candidate.first);
+  s.last_beam = beams.index(candidate.last);
+  s.middle_beam = beams.index(candidate.first + (candidate.last - candidate.first) / 2);
+  s.num_beams = candidate.num_beams;
+  s.start_range_m = beams.range_m(candidate.first);
+  s.end_range_m = beams.range_m(candidate.last);
 
   double sum_m = 0.0;
   double nearest_m = s.start_range_m;
   double farthest_m = s.start_range_m;
-  for_each_beam(beams, run, [&](std::ptrdiff_t i) {
+  for_each_beam(beams, candidate, [&](std::ptrdiff_t i) {
     const double range_m = beams.range_m(i);
     sum_m += range_m;
     nearest_m = std::min(nearest_m, range_m);
     farthest_m = std::max(farthest_m, range_m);
   });
-  const double mean_m = sum_m / run.num_beams;
+  const double mean_m = sum_m / candidate.num_beams;
   s.depth_m = farthest_m - nearest_m;
 
   const double edge_beams_before =
@@ -178,7 +178,7 @@ Segment measure(const Scan& scan, const Beams& beams, const Run& run,
   if (width.mode == WidthMode::kPaper) {
     s.width_m = paper_m;
   } else {
-    // what is not round but slants away is as wide as its slant
+    // A flat object seen at a slant is as wide as its chord.
     const double slant_m = std::abs(s.end_range_m - s.start_range_m);
     const bool slants = slant_m > radius_m + config.jump_m;
     s.width_m = slants ? std::max(2.0 * radius_m, paper_m + mean_m * step_rad) : 2.0 * radius_m;
@@ -194,12 +194,13 @@ Segment measure(const Scan& scan, const Beams& beams, const Run& run,
   const bool upwards = scan.bearing_step_rad > 0.0;
   s.occluded_right = upwards ? sides.before.hidden : sides.after.hidden;
   s.occluded_left = upwards ? sides.after.hidden : sides.before.hidden;
-  const double gap_before_m = gap_m(beams, run.first, -1), gap_after_m = gap_m(beams, run.last, 1);
+  const double gap_before_m = gap_m(beams, candidate.first, -1),
+               gap_after_m = gap_m(beams, candidate.last, 1);
   s.gap_right_m = upwards ? gap_before_m : gap_after_m;
   s.gap_left_m = upwards ? gap_after_m : gap_before_m;
-  s.num_fronts = run.num_fronts;
-  measure_intensity(scan, beams, run, config.reflectivity_min, s);
-  measure_shape(scan, run, sides, config, laser, fit, s);
+  s.num_fronts = candidate.num_fronts;
+  measure_intensity(scan, beams, candidate, config.reflectivity_min, s);
+  measure_shape(scan, candidate, sides, config, laser, fit, s);
   if (s.circle && (s.occluded_left || s.occluded_right) && width.mode == WidthMode::kCompensated) {
     s.width_m = 2.0 * s.circle->radius_m;
     s.width_sd_m = std::max(2.0 * std::sqrt(s.circle->covariance[5]), s.width_sd_m);

@@ -5,13 +5,14 @@
 #include "laser/cut.hpp"
 #include "laser/laser_config.hpp"
 #include "laser/segment.hpp"
-#include "laser/splitting/run_fit.hpp"
+#include "laser/splitting/candidate_fit.hpp"
 
 namespace orchard::laser {
 
-/// What a run of beams tells of its object. `arc` is a buffer.
-Segment measure(const Scan& scan, const Beams& beams, const Run& run,
+/// Measures the object of a segment candidate: bearings, width, circle and shape. `fit` caches the
+/// circles of this scan.
+Segment measure(const Scan& scan, const Beams& beams, const Candidate& candidate,
                 const SegmentationConfig& config, const WidthConfig& width,
-                const LaserConfig& laser, RunFitter& fit);
+                const LaserConfig& laser, CandidateFitter& fit);
 
 }  // namespace orchard::laser

@@ -7,17 +7,17 @@
 #include "laser/beams.hpp"
 #include "laser/cut.hpp"
 #include "laser/measure.hpp"
-#include "laser/splitting/parting.hpp"
-#include "laser/splitting/rejoin.hpp"
+#include "laser/splitting/occlusion_merge.hpp"
+#include "laser/splitting/split_touching.hpp"
 
 namespace orchard::laser {
 namespace {
 
-/// Whether a lone beam lies between the two surfaces beside it.
-bool is_mixed(const Beams& beams, const Run& run) {
-  const float before_m = beams.range_around_m(run.first - 1);
-  const float after_m = beams.range_around_m(run.first + 1);
-  const float here_m = beams.range_m(run.first);
+/// Whether a single beam is a mixed pixel between the two surfaces beside it.
+bool is_mixed(const Beams& beams, const Candidate& candidate) {
+  const float before_m = beams.range_around_m(candidate.first - 1);
+  const float after_m = beams.range_around_m(candidate.first + 1);
+  const float here_m = beams.range_m(candidate.first);
   return before_m > 0.0f && after_m > 0.0f && (here_m - before_m) * (after_m - here_m) > 0.0f;
 }
 
@@ -31,15 +31,15 @@ std::vector<Segment> segment(const Scan& scan, const SegmentationConfig& segment
     return segments;
   }
   const Beams beams(scan, segmentation);
-  std::vector<Run> runs = cut(beams);
-  RunFitter fit(beams, segmentation, laser);
-  rejoin(beams, segmentation, fit, runs);
-  for (Run& run : runs) trim_rim(beams, run);
-  split_touching(beams, segmentation, laser, fit, runs);
-  for (const Run& run : runs) {
-    if (run.num_beams < segmentation.min_beams) continue;
-    if (run.num_beams == 1 && is_mixed(beams, run)) continue;
-    const Segment s = measure(scan, beams, run, segmentation, width, laser, fit);
+  std::vector<Candidate> candidates = cut(beams);
+  CandidateFitter fit(beams, segmentation, laser);
+  merge_occluded(beams, segmentation, fit, candidates);
+  for (Candidate& candidate : candidates) trim_border(beams, candidate);
+  split_touching(beams, segmentation, laser, fit, candidates);
+  for (const Candidate& candidate : candidates) {
+    if (candidate.num_beams < segmentation.min_beams) continue;
+    if (candidate.num_beams == 1 && is_mixed(beams, candidate)) continue;
+    const Segment s = measure(scan, beams, candidate, segmentation, width, laser, fit);
     if (s.width_m <= segmentation.width_max_m) segments.push_back(s);
   }
   std::sort(segments.begin(), segments.end(), [](const Segment& a, const Segment& b) {

@@ -48,7 +48,7 @@ struct Segment {
   // The shape, of five beams or more; else 0.
   double circle_rms_m = 0.0;  ///< of its points about the circle; 0 = no circle fits
   double line_rms_m = 0.0;    ///< of its points about the best straight line
-  double raggedness = 0.0;    ///< the lesser of both over the scanner's noise: about 1 if smooth
+  double roughness = 0.0;     ///< the lesser of both over the scanner's noise: about 1 if smooth
   double straightness = 0.0;  ///< from 0 (a circle explains it better) to 1 (a line does)
   /// From its end on that side to the next return beyond, at most kGapMax_m.
   double gap_left_m = kGapMax_m;

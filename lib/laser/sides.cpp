@@ -26,12 +26,12 @@ Side side_at(const Beams& beams, std::ptrdiff_t end, std::ptrdiff_t outwards, bo
   };
   const double next_m = beams.range_around_m(end + outwards);
   if (next_m > range_m + beams.jump_m(range_m)) return side;  // the background shows beside it
-  // a beam between the two may lie before what is nearer
+  // A beam between the two may belong to the nearer object.
   const std::ptrdiff_t first = nearer(1) ? 1 : 2;
   if (!nearer(first)) return side;
   std::ptrdiff_t beyond = first + 1;
   while (beyond - first <= config.bridge_beams && nearer(beyond)) ++beyond;
-  // what shows beside something thin is not the object's: its edge lies behind the thin thing
+  // Another surface shows beyond the thin object: this object's edge lies behind the thin one.
   const std::ptrdiff_t farther = end + beyond * outwards;
   const double beyond_m = beams.range_around_m(farther);
   const bool thin = beyond - first <= config.bridge_beams && !beams.blocked(farther) &&
@@ -48,26 +48,26 @@ Side side_at(const Beams& beams, std::ptrdiff_t end, std::ptrdiff_t outwards, bo
 
 }  // namespace
 
-Sides sides_of(const Beams& beams, const Run& run, const SegmentationConfig& config) {
-  Sides sides{side_at(beams, run.first, -1, run.touches_before, config),
-              side_at(beams, run.last, 1, run.touches_after, config)};
-  sides.before.hidden = sides.before.hidden || run.hidden_before;
-  sides.after.hidden = sides.after.hidden || run.hidden_after;
+Sides sides_of(const Beams& beams, const Candidate& candidate, const SegmentationConfig& config) {
+  Sides sides{side_at(beams, candidate.first, -1, candidate.touches_before, config),
+              side_at(beams, candidate.last, 1, candidate.touches_after, config)};
+  sides.before.hidden = sides.before.hidden || candidate.hidden_before;
+  sides.after.hidden = sides.after.hidden || candidate.hidden_after;
   return sides;
 }
 
-void arc_of(const Beams& beams, const Run& run, const Sides& sides, Arc& arc) {
+void arc_of(const Beams& beams, const Candidate& candidate, const Sides& sides, Arc& arc) {
   const double step_rad = beams.step_rad();
   arc.ranges_m.clear();
   arc.cosines.clear();
   arc.sines.clear();
-  for_each_beam(beams, run, [&](std::ptrdiff_t i) {
+  for_each_beam(beams, candidate, [&](std::ptrdiff_t i) {
     arc.ranges_m.push_back(beams.range_m(i));
-    const Direction& direction = beams.direction(i - run.first);
+    const Direction& direction = beams.direction(i - candidate.first);
     arc.cosines.push_back(direction.c);
     arc.sines.push_back(direction.s);
   });
-  const double last = static_cast<double>(run.last - run.first);
+  const double last = static_cast<double>(candidate.last - candidate.first);
   arc.low_side_rad = -sides.before.beyond_beams * step_rad;
   arc.high_side_rad = (last + sides.after.beyond_beams) * step_rad;
   arc.low_side_sd_rad = sides.before.hidden ? 0.0 : sides.before.sd_beams * step_rad;

@@ -18,13 +18,13 @@ struct Sides {
   Side before, after;
 };
 
-/// The sides of a run. Hidden is a side beside the scan's end, a blind sector or something nearer;
-/// where that is thin (at most bridge_beams beams, and what shows beyond lies farther) the edge is
-/// somewhere behind it.
-Sides sides_of(const Beams& beams, const Run& run, const SegmentationConfig& config);
+/// The sides of a candidate. A side is hidden beside the scan's end, a blind sector or something
+/// nearer; where that is thin (at most bridge_beams beams, and what shows beyond lies farther) the
+/// edge is somewhere behind it.
+Sides sides_of(const Beams& beams, const Candidate& candidate, const SegmentationConfig& config);
 
-/// What a circle is fitted to, in a frame whose x axis is the run's first beam and whose bearings
-/// grow with the position. Overwrites `arc`.
-void arc_of(const Beams& beams, const Run& run, const Sides& sides, Arc& arc);
+/// What a circle is fitted to, in a frame whose x axis is the candidate's first beam and whose
+/// bearings grow with the position. Overwrites `arc`.
+void arc_of(const Beams& beams, const Candidate& candidate, const Sides& sides, Arc& arc);
 
 }  // namespace orchard::laser

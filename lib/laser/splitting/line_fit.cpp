@@ -7,7 +7,7 @@
 namespace orchard::laser {
 
 double line_chi2(const Arc& arc, double range_sd_m) {
-  // 1 / range = a cos + b sin is a line; an error of the range is one of its square in 1 / range
+  // A line is 1 / range = a cos + b sin; sd(1 / range) = sd(range) / range^2.
   double cc = 0.0, cs = 0.0, ss = 0.0, cy = 0.0, sy = 0.0, yy = 0.0;
   for (std::size_t i = 0; i < arc.ranges_m.size(); ++i) {
     const double weight = arc.ranges_m[i] * arc.ranges_m[i] / range_sd_m;

@@ -186,11 +186,11 @@ TEST(RealScan, SmoothThingsAreSmoothAndBushesAreRagged) {
     const auto widest = *std::max_element(
         leaves.begin(), leaves.end(),
         [](const Segment& a, const Segment& b) { return a.num_beams < b.num_beams; });
-    ragged += widest.raggedness / kSeeds;
-    smooth += trunk[0].raggedness / kSeeds;
+    ragged += widest.roughness / kSeeds;
+    smooth += trunk[0].roughness / kSeeds;
     round += trunk[0].straightness / kSeeds;
     straight += board[0].straightness / kSeeds;
-    EXPECT_LT(board[0].raggedness, 2.0);
+    EXPECT_LT(board[0].roughness, 2.0);
   }
   EXPECT_GT(smooth, 0.5);
   EXPECT_LT(smooth, 1.5);

@@ -7,13 +7,13 @@
 #include "laser/cut.hpp"
 #include "laser/laser_config.hpp"
 #include "laser/segmentation_config.hpp"
-#include "laser/splitting/run_fit.hpp"
+#include "laser/splitting/candidate_fit.hpp"
 
 namespace orchard::laser {
 
-/// Parts runs that one circle does not explain where two explain them clearly better: trunks that
-/// touch, one beside or behind the other, and what few beams of grass or a stake widen a trunk.
+/// Splits candidates that two circles explain clearly better than one: trunks that touch, stand
+/// side by side or one behind the other, or that a few beams of grass or a stake widen.
 void split_touching(const Beams& beams, const SegmentationConfig& config, const LaserConfig& laser,
-                    RunFitter& fit, std::vector<Run>& runs);
+                    CandidateFitter& fit, std::vector<Candidate>& candidates);
 
 }  // namespace orchard::laser

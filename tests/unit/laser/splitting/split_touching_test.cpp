@@ -51,7 +51,7 @@ Pair random_pair(Noise& noise, double behind_m) {
   return {{range_m, 0.0, near_m}, {range_m + behind_m, across_m, far_m}};
 }
 
-TEST(Parting, StemsSideBySideAreTwo) {
+TEST(Split, StemsSideBySideAreTwo) {
   int num_two = 0;
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     Noise noise(seed);
@@ -64,7 +64,7 @@ TEST(Parting, StemsSideBySideAreTwo) {
 }
 
 // No range between them is farther than both: only that one circle fits neither tells.
-TEST(Parting, AStemHalfBehindAnotherIsTwoAndItsSideIsHidden) {
+TEST(Split, AStemHalfBehindAnotherIsTwoAndItsSideIsHidden) {
   int num_two = 0, num_hidden = 0;
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     Noise noise(seed);
@@ -80,7 +80,7 @@ TEST(Parting, AStemHalfBehindAnotherIsTwoAndItsSideIsHidden) {
   EXPECT_GE(num_hidden, num_two * 9 / 10);
 }
 
-TEST(Parting, AStakeThatTouchesATrunkDoesNotWidenIt) {
+TEST(Split, AStakeThatTouchesATrunkDoesNotWidenIt) {
   int num_right = 0;
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     Noise noise(seed);
@@ -92,12 +92,12 @@ TEST(Parting, AStakeThatTouchesATrunkDoesNotWidenIt) {
     const Segment* s = at(found, trunk, 0.04);
     num_right += s && std::abs(s->width_m - 0.124) < 3.0 * std::hypot(s->width_sd_m, 0.008) ? 1 : 0;
   }
-  EXPECT_GE(num_right, 130);  // one that stands beside and behind is like a wide trunk's rim
+  EXPECT_GE(num_right, 130);  // one that stands beside and behind is like a wide trunk's border
 }
 
 // Nearer than a trunk by less than the step that separates objects, so that the cut does not see
 // it.
-TEST(Parting, ALoneBeamBeforeATrunkIsNoPartOfIt) {
+TEST(Split, ALoneBeamBeforeATrunkIsNoPartOfIt) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     Noise noise(seed);
     const Disc trunk{3.0, 0.0, 0.062};
@@ -115,7 +115,7 @@ TEST(Parting, ALoneBeamBeforeATrunkIsNoPartOfIt) {
 }
 
 // Something hides one side of a trunk, and noise makes what shows flat or even hollow: no pair.
-TEST(Parting, AHalfHiddenTrunkStaysOne) {
+TEST(Split, AHalfHiddenTrunkStaysOne) {
   int num_one = 0;
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     Noise noise(seed);
@@ -129,7 +129,7 @@ TEST(Parting, AHalfHiddenTrunkStaysOne) {
 }
 
 // The noise of a range is known: what it makes of a whole trunk is never worth a second circle.
-TEST(Parting, AWholeTrunkHasACircleAndStaysOne) {
+TEST(Split, AWholeTrunkHasACircleAndStaysOne) {
   for (std::uint64_t seed = 0; seed < 500; ++seed) {
     Noise noise(seed);
     const double radius_m = 0.04 + 0.12 * noise.uniform();
@@ -140,7 +140,7 @@ TEST(Parting, AWholeTrunkHasACircleAndStaysOne) {
   }
 }
 
-TEST(Parting, ABoardIsNoPairOfTrunks) {
+TEST(Split, ABoardIsNoPairOfTrunks) {
   int num_whole = 0;
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     Noise noise(seed);
@@ -151,7 +151,7 @@ TEST(Parting, ABoardIsNoPairOfTrunks) {
   EXPECT_GE(num_whole, 195);
 }
 
-TEST(Parting, StaysAwayWhereItIsToldTo) {
+TEST(Split, StaysAwayWhereItIsToldTo) {
   Noise noise(3);
   const Pair pair = random_pair(noise, 0.02);
   SegmentationConfig config;

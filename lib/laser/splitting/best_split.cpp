@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "laser/splitting/best_split.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "laser/splitting/candidate_parts.hpp"
+#include "laser/splitting/line_fit.hpp"
+
+namespace orchard::laser {
+namespace {
+
+constexpr std::size_t kMostThinBeams = 2;
+/// Penalty per circle or line, in chi2: noise alone gains this much in about 1 of 1000 splits.
+constexpr double kPartCost = 18.0;
+constexpr std::array<double, kMostThinBeams> kThinCosts{15.0, 18.0};
+/// Largest fraction of the beams that may be clutter.
+constexpr double kMaxClutterFraction = 0.25;
+/// Smallest fraction of the beams in a part: fewer are the mixed border of a trunk.
+constexpr double kLeastShare = 1.0 / 6.0;
+/// After this many consecutive lengths without a circle, longer ones are not tried; the first ones
+/// may all lie on a trunk's border.
+constexpr int kMostMisfits = 3;
+constexpr int kMostMisfitsAtFirst = 8;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+Candidate BestSplit::part(const Candidate& candidate, std::size_t from, std::size_t to) const {
+  return part_of(beams_, candidate, positions_[from], positions_[to - 1]);
+}
+
+void BestSplit::go_on(std::size_t from, std::size_t to, double cost, bool is_circle) {
+  const std::size_t more = is_circle ? 1 : 0;
+  for (std::size_t circles = 0; circles + more <= kMaxCircles; ++circles) {
+    const Explanation& before = explanations_[circles][from];
+    // Two adjacent clutter parts would be one longer part.
+    if (!is_circle && from > 0 && !before.is_circle) continue;
+    Explanation& explanation = explanations_[circles + more][to];
+    if (before.cost + cost < explanation.cost) explanation = {before.cost + cost, from, is_circle};
+  }
+}
+
+void BestSplit::find_explanations(const Candidate& candidate) {
+  const std::size_t n = positions_.size();
+  const std::size_t fewest = std::max<std::size_t>(
+      kMinPartBeams, static_cast<std::size_t>(std::ceil(kLeastShare * static_cast<double>(n))));
+  for (auto& explanations : explanations_) explanations.assign(n + 1, {kInfinity, 0, false});
+  explanations_[0][0].cost = 0.0;
+  for (std::size_t from = 0; from < n; ++from) {
+    for (std::size_t thin = 1; thin <= std::min(kMostThinBeams, n - from); ++thin) {
+      go_on(from, from + thin, kThinCosts[thin - 1], false);
+    }
+    const bool is_first = from <= kMostThinBeams;  // else it is the last
+    if (!is_first && explanations_[1][from].cost == kInfinity) continue;
+    const std::size_t least = from + fewest;
+    int num_misfits = kMostMisfitsAtFirst;
+    // The circle of one beam more or less is near: warm start.
+    std::optional<CircleFit> last;
+    for (std::size_t to = is_first ? least : std::max(least, n - kMostThinBeams); to <= n; ++to) {
+      const auto circle = fit_.good(part(candidate, from, to), last);
+      if (circle) {
+        last = circle;
+        go_on(from, to, kPartCost + circle->chi2 - circle->dof, true);
+        num_misfits = kMostMisfits;
+      } else if (--num_misfits == 0) {
+        break;
+      }
+    }
+  }
+}
+
+void BestSplit::drop_mixed() {
+  const auto is_nearer = [&](const Candidate& thin, const Candidate& beside,
+                             std::ptrdiff_t border) {
+    const float farthest_m = std::max(beams_.range_m(thin.first), beams_.range_m(thin.last));
+    return beside.num_beams < kMinPartBeams || farthest_m < beams_.range_m(border);
+  };
+  std::vector<Candidate> kept;
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    const Candidate& part = parts_[k];
+    const bool in_front =
+        (k == 0 || is_nearer(part, parts_[k - 1], parts_[k - 1].last)) &&
+        (k + 1 == parts_.size() || is_nearer(part, parts_[k + 1], parts_[k + 1].first));
+    if (part.num_beams >= kMinPartBeams || in_front) kept.push_back(part);
+  }
+  parts_ = std::move(kept);
+}
+
+const std::vector<Candidate>& BestSplit::operator()(const Candidate& candidate) {
+  positions_.clear();
+  for_each_beam(beams_, candidate, [&](std::ptrdiff_t i) { positions_.push_back(i); });
+  const std::size_t n = positions_.size();
+  find_explanations(candidate);
+  std::size_t circles = 1;
+  for (std::size_t c = 2; c <= kMaxCircles; ++c) {
+    if (explanations_[c][n].cost < explanations_[circles][n].cost) circles = c;
+  }
+  parts_.clear();
+  const double min_cost = explanations_[circles][n].cost;
+  if (min_cost == kInfinity) return parts_;
+  const auto one = fit_(candidate);
+  if (one && kPartCost + one->chi2 - one->dof <= min_cost) return parts_;
+  const double line_chi2 = laser::line_chi2(fit_.arc(candidate), fit_.range_sd_m(candidate));
+  const double line_cost = kPartCost + line_chi2 - static_cast<double>(n) + 2.0;
+  if (line_cost <= min_cost) return parts_;
+
+  std::size_t num_thin_beams = 0;
+  for (std::size_t to = n; to > 0;) {
+    const Explanation& explanation = explanations_[circles][to];
+    parts_.push_back(part(candidate, explanation.from, to));
+    if (!explanation.is_circle) num_thin_beams += to - explanation.from;
+    circles -= explanation.is_circle ? 1 : 0;
+    to = explanation.from;
+  }
+  if (static_cast<double>(num_thin_beams) > kMaxClutterFraction * static_cast<double>(n)) {
+    parts_.clear();
+    return parts_;
+  }
+  std::reverse(parts_.begin(), parts_.end());
+  for (std::size_t k = 0; k + 1 < parts_.size(); ++k) {
+    if (std::min(parts_[k].num_beams, parts_[k + 1].num_beams) < kMinPartBeams) continue;
+    order_by_depth(parts_[k], parts_[k + 1], fit_);
+  }
+  drop_mixed();
+  return parts_;
+}
+
+}  // namespace orchard::laser

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "laser/splitting/candidate_fit.hpp"
+
+namespace orchard::laser {
+
+/// Splits a candidate into one or two circles and a few clutter beams before, between or behind
+/// them where the total cost is lowest (dynamic programming over the beams).
+class BestSplit {
+ public:
+  BestSplit(const Beams& beams, CandidateFitter& fit) : beams_(beams), fit_(fit) {}
+
+  /// The parts in order of bearing; none if a single circle or line explains the candidate as well,
+  /// or if nothing does. Valid until the next call.
+  const std::vector<Candidate>& operator()(const Candidate& candidate);
+
+ private:
+  static constexpr std::size_t kMaxCircles = 2;
+
+  /// The last part of the cheapest explanation of the first beams with a given number of circles.
+  struct Explanation {
+    double cost;
+    std::size_t from;
+    bool is_circle;
+  };
+
+  Candidate part(const Candidate& candidate, std::size_t from, std::size_t to) const;
+  void go_on(std::size_t from, std::size_t to, double cost, bool is_circle);
+  void find_explanations(const Candidate& candidate);
+  /// Drops clutter beams that are not nearer than their neighbours: they are mixed pixels.
+  void drop_mixed();
+
+  const Beams& beams_;
+  CandidateFitter& fit_;
+  std::vector<std::ptrdiff_t> positions_;
+  std::array<std::vector<Explanation>, kMaxCircles + 1>
+      explanations_;  ///< by circles, then by beams explained
+  std::vector<Candidate> parts_;
+};
+
+}  // namespace orchard::laser

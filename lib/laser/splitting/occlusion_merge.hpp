@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "laser/beams.hpp"
+#include "laser/cut.hpp"
+#include "laser/segmentation_config.hpp"
+#include "laser/splitting/candidate_fit.hpp"
+
+namespace orchard::laser {
+
+/// Occlusion merge: joins candidates that thin foreground clutter (grass, a twig: at most
+/// bridge_beams beams, all of them nearer) divides, if one circle fits both. The clutter stays an
+/// object of its own.
+void merge_occluded(const Beams& beams, const SegmentationConfig& config, CandidateFitter& fit,
+                    std::vector<Candidate>& candidates);
+
+}  // namespace orchard::laser

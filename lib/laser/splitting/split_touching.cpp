@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "laser/splitting/split_touching.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "laser/splitting/best_split.hpp"
+#include "laser/splitting/candidate_fit.hpp"
+#include "laser/splitting/candidate_parts.hpp"
+#include "laser/splitting/line_fit.hpp"
+
+namespace orchard::laser {
+namespace {
+
+/// Gain in chi2 that two circles need over one: with three more parameters noise alone reaches it
+/// in 1 of 2000 candidates.
+constexpr double kClearlyBetter = 18.0;
+/// Prominence of a range maximum between two bulges, in sigmas, from which circles are tried.
+constexpr double kProminence = 2.0;
+/// Prominence in sigmas from which a split needs no single circle to compare with.
+constexpr double kClearProminence = 8.0;
+/// Range step in sigmas that noise causes between neighbours in 1 of 10^5.
+constexpr double kStepSigmas = 4.5;
+/// Largest width and number of beams of a tree with two stems, for which the search is exhaustive.
+constexpr double kMaxTwinsWidth_m = 0.4;
+constexpr int kMaxBeamsTried = 40;
+/// Largest width of two trunks, one behind the other.
+constexpr double kMaxPairWidth_m = 1.0;
+/// The most prominent range maximum between two nearer beams, if it exceeds the noise.
+struct Valley {
+  std::ptrdiff_t position = 0;
+  double sigmas = 0.0;
+};
+
+class ValleyFinder {
+ public:
+  std::optional<Valley> operator()(const Beams& beams, const Candidate& candidate,
+                                   double range_sd_m) {
+    positions_.clear();
+    for_each_beam(beams, candidate, [&](std::ptrdiff_t i) { positions_.push_back(i); });
+    const std::size_t n = positions_.size();
+    if (n < 2 * kMinPartBeams) return std::nullopt;
+    nearest_after_m_.assign(n, std::numeric_limits<float>::infinity());
+    for (std::size_t k = n - 1; k-- > 0;) {
+      nearest_after_m_[k] = std::min(nearest_after_m_[k + 1], beams.range_m(positions_[k + 1]));
+    }
+    float nearest_before_m = beams.range_m(positions_[0]);
+    double highest_m = kProminence * range_sd_m;
+    std::optional<Valley> best;
+    for (std::size_t k = 1; k + 1 < n; ++k) {
+      const float range_m = beams.range_m(positions_[k]);
+      const double prominence_m = range_m - std::max(nearest_before_m, nearest_after_m_[k]);
+      if (prominence_m > highest_m) {
+        highest_m = prominence_m;
+        best = Valley{positions_[k], prominence_m / range_sd_m};
+      }
+      nearest_before_m = std::min(nearest_before_m, range_m);
+    }
+    return best;
+  }
+
+ private:
+  std::vector<std::ptrdiff_t> positions_;
+  std::vector<float> nearest_after_m_;
+};
+
+/// The beam before the largest range step, if noise and curvature do not explain the step.
+std::optional<std::ptrdiff_t> find_step(const Beams& beams, const Candidate& candidate,
+                                        double range_sd_m) {
+  const double spacing_m = beams.range_m(candidate.first) * beams.step_rad();
+  const double radius_m = 0.25 * static_cast<double>(candidate.last - candidate.first) * spacing_m;
+  // Largest recession of a round surface per beam, as in trim_border(), for half the candidate.
+  const double limb_m = std::min(radius_m, std::sqrt(2.0 * radius_m * spacing_m));
+  double highest_m = limb_m + kStepSigmas * std::sqrt(2.0) * range_sd_m;
+  std::optional<std::ptrdiff_t> best;
+  std::ptrdiff_t before = candidate.first;
+  for_each_beam(beams, candidate, [&](std::ptrdiff_t i) {
+    const double height_m = std::abs(beams.range_m(i) - beams.range_m(before));
+    if (height_m > highest_m) {
+      highest_m = height_m;
+      best = before;
+    }
+    before = i;
+  });
+  return best;
+}
+
+/// The beam before the first one without return: a mixed pixel between two surfaces often has none.
+std::optional<std::ptrdiff_t> find_gap(const Beams& beams, const Candidate& candidate) {
+  std::optional<std::ptrdiff_t> before;
+  for (std::ptrdiff_t i = candidate.first + kMinPartBeams; i < candidate.last && !before; ++i) {
+    if (beams.range_m(i) <= 0.0f) before = i - 1;
+  }
+  return before;
+}
+
+/// Whether two circles fit clearly better than one, and both well.
+bool two_fit_better(const Split& parts, const Candidate& candidate, CandidateFitter& fit,
+                    bool without_one) {
+  if (std::min(parts.before.num_beams, parts.after.num_beams) < kMinPartBeams) return false;
+  const auto first = fit.good(parts.before);
+  if (!first) return false;
+  const auto second = fit.good(parts.after);
+  if (!second) return false;
+  const auto one = fit(candidate);
+  return one ? one->chi2 - first->chi2 - second->chi2 > kClearlyBetter : without_one;
+}
+
+/// Whether a candidate with a hidden side is flat: any large circle fits it, so none is determined.
+bool is_flat_piece(const Candidate& candidate, CandidateFitter& fit) {
+  const Arc& arc = fit.arc(candidate);
+  const bool hidden = arc.low_side_sd_rad == 0.0 || arc.high_side_sd_rad == 0.0;
+  return hidden && line_chi2(arc, fit.range_sd_m(candidate)) < kGoodFit * (candidate.num_beams - 2);
+}
+
+}  // namespace
+
+void split_touching(const Beams& beams, const SegmentationConfig& config, const LaserConfig& laser,
+                    CandidateFitter& fit, std::vector<Candidate>& candidates) {
+  if (!config.split_touching) return;
+  ValleyFinder find_valley;
+  BestSplit best_split(beams, fit);
+  for (std::size_t k = 0; k < candidates.size();) {
+    const Candidate candidate = candidates[k];
+    const double range_m = beams.range_m(candidate.first);
+    const double span_m =
+        static_cast<double>(candidate.last - candidate.first) * beams.step_rad() * range_m;
+    const double range_sd_m = laser.range_sd_at(range_m);
+    ++k;
+    if (span_m > 2.0 * config.width_max_m || candidate.num_beams <= kMinPartBeams) continue;
+    const auto replace = [&](const std::vector<Candidate>& parts) {
+      candidates[k - 1] = parts.front();
+      candidates.insert(candidates.begin() + static_cast<std::ptrdiff_t>(k), parts.begin() + 1,
+                        parts.end());
+    };
+    const bool small = span_m <= kMaxTwinsWidth_m && candidate.num_beams <= kMaxBeamsTried;
+    if (small && !fits(fit(candidate))) {
+      if (is_flat_piece(candidate, fit)) continue;
+      const std::vector<Candidate>& parts = best_split(candidate);
+      if (parts.empty()) continue;
+      replace(parts);
+      k += parts.size() - 1;
+      continue;
+    }
+    Split parts;
+    bool is_pair = false;
+    if (const auto valley = find_valley(beams, candidate, range_sd_m)) {
+      parts = split_at(beams, candidate, valley->position);
+      is_pair = two_fit_better(parts, candidate, fit, valley->sigmas > kClearProminence);
+    }
+    if (!is_pair && !small && span_m < kMaxPairWidth_m) {
+      if (const auto gap = find_gap(beams, candidate)) {
+        parts = split_at(beams, candidate, *gap);
+        is_pair = two_fit_better(parts, candidate, fit, true);
+      }
+    }
+    if (!is_pair && !small && span_m < kMaxPairWidth_m) {
+      if (const auto step = find_step(beams, candidate, range_sd_m)) {
+        parts = split_at(beams, candidate, *step);
+        is_pair = two_fit_better(parts, candidate, fit, true);
+      }
+    }
+    if (!is_pair) continue;
+    order_by_depth(parts.before, parts.after, fit);
+    replace({parts.before, parts.after});
+    --k;  // the part may be split again: three trunks may touch
+  }
+}
+
+}  // namespace orchard::laser

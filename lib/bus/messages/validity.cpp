@@ -72,8 +72,11 @@ void check(Check& c, const laser::Scan& scan) {
          "its beams cover more than one turn");
   c.that(scan.intensities.empty() || scan.intensities.size() == scan.ranges_m.size(),
          Reason::kInconsistent, "num_intensities is neither 0 nor num_ranges");
+  // Scanners that speak ROS send +inf for no return and NaN or -inf for a beam that failed
+  // (REP 117): every reader of ranges takes them for no return.
   for (const float range_m : scan.ranges_m) {
-    if (!(range_m >= 0.0f && range_m <= 1e5f)) c.within("ranges_m", range_m, 0, 1e5);
+    const bool usual = range_m >= 0.0f && range_m <= 1e5f;
+    if (!usual && std::isfinite(range_m)) c.within("ranges_m", range_m, 0, 1e5);
   }
   for (const float intensity : scan.intensities) {
     if (!std::isfinite(intensity)) c.finite("intensities", intensity);

@@ -169,12 +169,20 @@ TEST(Codec, ContentThatCannotBeIsRefused) {
        Reason::kOutOfRange},
       {"limits crossed", Channel::kScan, on<Scan>([](Scan& m) { m.range_max_m = 0.01; }),
        Reason::kInconsistent},
-      {"range nan", Channel::kScan,
-       on<Scan>([nan](Scan& m) { m.ranges_m[1] = static_cast<float>(nan); }), Reason::kNotFinite},
-      {"range inf", Channel::kScan,
-       on<Scan>([inf](Scan& m) { m.ranges_m[1] = static_cast<float>(inf); }), Reason::kNotFinite},
       {"range < 0", Channel::kScan, on<Scan>([](Scan& m) { m.ranges_m[1] = -1; }),
        Reason::kOutOfRange},
+      {"range of 101 km", Channel::kScan, on<Scan>([](Scan& m) { m.ranges_m[1] = 1.01e5f; }),
+       Reason::kOutOfRange},
+      {"range < 0 beside inf", Channel::kScan, on<Scan>([inf](Scan& m) {
+         m.ranges_m[0] = static_cast<float>(inf);
+         m.ranges_m[1] = -1;
+       }),
+       Reason::kOutOfRange},
+      {"intensity nan", Channel::kScan,
+       on<Scan>([nan](Scan& m) { m.intensities[1] = static_cast<float>(nan); }),
+       Reason::kNotFinite},
+      {"farthest inf", Channel::kScan, on<Scan>([inf](Scan& m) { m.range_max_m = inf; }),
+       Reason::kNotFinite},
       {"intensities", Channel::kScan, on<Scan>([](Scan& m) { m.intensities.pop_back(); }),
        Reason::kInconsistent},
       {"no width", Channel::kImage, on<Image>([](Image& m) { m.width_px = 0; }),
@@ -247,6 +255,22 @@ TEST(Codec, ContentThatCannotBeIsRefused) {
     Message message = sample_of(spoilt.channel);
     spoilt.spoil(message);
     EXPECT_EQ(reason_of(spoilt.channel, encode(message)), spoilt.reason) << spoilt.what;
+  }
+}
+
+TEST(Codec, RangesThatAreNotFiniteAreNoReturnAndStayAsSent) {
+  const float inf = std::numeric_limits<float>::infinity();
+  for (const float nothing : {inf, -inf, std::numeric_limits<float>::quiet_NaN()}) {
+    auto scan = std::get<laser::Scan>(sample_of(Channel::kScan));
+    ASSERT_TRUE(scan.valid(1));
+    scan.ranges_m[1] = nothing;
+    const std::vector<std::uint8_t> bytes = encode(scan);
+    const auto result = decode(Channel::kScan, bytes.data(), bytes.size());
+    ASSERT_TRUE(std::holds_alternative<Message>(result)) << std::get<Rejection>(result).detail;
+    const auto& decoded = std::get<laser::Scan>(std::get<Message>(result));
+    EXPECT_FALSE(decoded.valid(1));
+    EXPECT_TRUE(decoded.valid(2));
+    EXPECT_EQ(encode(decoded), bytes);  // nothing was repaired on the way
   }
 }
 

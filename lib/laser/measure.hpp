@@ -9,7 +9,8 @@
 
 namespace orchard::laser {
 
-/// What a run of beams tells of its object. `arc` is a buffer.
+/// Measures one run of beams: range, bearing, width (Shalal et al. 2013, eq. 8), intensity and
+/// shape. `fit` must be of the same scan: it remembers the circles already fitted to its runs.
 Segment measure(const Scan& scan, const Beams& beams, const Run& run,
                 const SegmentationConfig& config, const WidthConfig& width,
                 const LaserConfig& laser, RunFitter& fit);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <variant>
 
+#include "detection/detection.hpp"
 #include "laser/scan.hpp"
 #include "pose/measurements.hpp"
 
@@ -12,12 +13,12 @@ namespace orchard::pose {
 
 /// Anything that says where the robot is or how it moved. Of measurements at one time, motion is
 /// taken first, then what is absolute, then trunks: the order of the alternatives.
-using Measurement = std::variant<Odometry, Imu, laser::Scan, PoseFix, Gnss, SeenTrunks>;
+using Measurement = std::variant<Odometry, Imu, laser::Scan, PoseFix, Gnss, detection::Detections>;
 
 inline constexpr std::size_t kNumMeasurementKinds = std::variant_size_v<Measurement>;
 
 /// Index of an alternative of Measurement.
-enum class MeasurementKind : std::size_t { kOdometry, kImu, kScan, kPoseFix, kGnss, kSeenTrunks };
+enum class MeasurementKind : std::size_t { kOdometry, kImu, kScan, kPoseFix, kGnss, kDetections };
 
 inline MeasurementKind kind_of(const Measurement& measurement) {
   return static_cast<MeasurementKind>(measurement.index());

@@ -16,34 +16,8 @@ constexpr std::array<bus::Channel, pose::kNumMeasurementKinds> kChannelOfKind{
     bus::Channel::kOdometry, bus::Channel::kImu,  bus::Channel::kScan,
     bus::Channel::kPoseFix,  bus::Channel::kGnss, bus::Channel::kDetections};
 
-pose::SeenTrunks seen_trunks(const detection::Detections& detections) {
-  pose::SeenTrunks seen;
-  seen.utime = detections.utime;
-  seen.seq = detections.seq;
-  seen.trunks.reserve(detections.trunks.size());
-  for (const detection::Detection& d : detections.trunks) {
-    pose::SeenTrunk trunk;
-    trunk.utime = d.utime;
-    trunk.x_base_m = d.centre_x_m;
-    trunk.y_base_m = d.centre_y_m;
-    trunk.covariance = d.covariance;
-    trunk.width_m = d.width_m;
-    trunk.width_sd_m = d.width_sd_m;
-    trunk.probability_tree = d.probability_tree;
-    trunk.roc_tree = d.roc_tree;
-    trunk.label = static_cast<pose::SeenLabel>(d.label);
-    trunk.occlusion = d.occlusion;
-    trunk.num_beams = d.num_beams;
-    seen.trunks.push_back(trunk);
-  }
-  return seen;
-}
-
 /// None for a message that is no measurement.
 std::optional<pose::Measurement> measurement_of(const bus::Message& input) {
-  if (const auto* detections = std::get_if<detection::Detections>(&input)) {
-    return seen_trunks(*detections);
-  }
   return std::visit(
       [](const auto& m) -> std::optional<pose::Measurement> {
         if constexpr (std::is_constructible_v<pose::Measurement, decltype(m)>) {

@@ -65,21 +65,21 @@ TEST(MeasurementQueue, EachKindIsWaitedForAsLongAsItsOwnWindow) {
   MeasurementWaits waits_s;
   waits_s[static_cast<std::size_t>(MeasurementKind::kOdometry)] = 0.02;
   waits_s[kFix] = 0.01;
-  waits_s[static_cast<std::size_t>(MeasurementKind::kSeenTrunks)] = 0.5;
+  waits_s[static_cast<std::size_t>(MeasurementKind::kDetections)] = 0.5;
   MeasurementQueue queue(waits_s);
   queue.push(odometry_at(0));
   queue.push(odometry_at(100000));
   // the fix is waited for no longer, the trunks still are
-  EXPECT_EQ(queue.waits_for(), MeasurementKind::kSeenTrunks);
+  EXPECT_EQ(queue.waits_for(), MeasurementKind::kDetections);
   queue.push(odometry_at(500001));
   EXPECT_EQ(drain(queue).size(), 1u);
-  SeenTrunks trunks;
+  detection::Detections trunks;
   trunks.utime = 100000;
   queue.push(trunks);
   // equal times: motion first; the odometry at 500001 waits on
   EXPECT_EQ(drain(queue),
             (std::vector<std::pair<std::int64_t, std::size_t>>{
-                {100000, 0}, {100000, static_cast<std::size_t>(MeasurementKind::kSeenTrunks)}}));
+                {100000, 0}, {100000, static_cast<std::size_t>(MeasurementKind::kDetections)}}));
 }
 
 TEST(MeasurementQueue, OneChannelAloneNeverWaits) {

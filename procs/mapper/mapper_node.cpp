@@ -36,12 +36,12 @@ MapperNode::MapperNode(const io::Config& config)
       gnss_(config.pose.gnss),
       mapper_(config.mapper, {config.laser.mount_x_m, config.laser.mount_y_m}),
       track_(config.mapper.pose_gap_max_s),
-      looks_(config) {}
+      free_spaces_(config) {}
 
 std::vector<bus::Channel> MapperNode::inputs() const {
   std::vector<bus::Channel> channels{bus::Channel::kPose, bus::Channel::kDetections,
                                      bus::Channel::kTrajectory, bus::Channel::kGnss};
-  if (looks_.wanted()) channels.push_back(bus::Channel::kScan);
+  if (free_spaces_.wanted()) channels.push_back(bus::Channel::kScan);
   return channels;
 }
 
@@ -60,7 +60,7 @@ void MapperNode::handle(const bus::Message& input, const bus::Outbox& send) {
   } else if (const auto* page = std::get_if<pose::TrajectoryPage>(&input)) {
     if (auto trajectory = collector_.add(*page)) corrections_.push_back(*std::move(trajectory));
   } else if (const auto* scan = std::get_if<laser::Scan>(&input)) {
-    looks_.add(*scan);
+    free_spaces_.add(*scan);
     release(send);
     return;  // it says nothing of how far the others are either
   } else {
@@ -90,7 +90,7 @@ bool MapperNode::undoes_sweep(const detection::Detections& detections) const {
 /// By what has come for its time, so that it does not depend on when the scans come.
 bool MapperNode::can_be_placed(const detection::Detections& detections) const {
   if (!track_.covers(detections.utime)) return false;
-  if (!looks_.is_ready(detections.utime, newest_utime_)) return false;
+  if (!free_spaces_.is_ready(detections.utime, newest_utime_)) return false;
   return !undoes_sweep(detections) || track_.covers(mapping::last_utime_of(detections));
 }
 
@@ -108,20 +108,20 @@ void MapperNode::place_front(const bus::Outbox& send) {
     ++(track_.covers(detections.utime) ? counts_.num_unusable : counts_.num_late);
     return;
   }
-  auto look = look_of(detections, *pose);
+  auto free_space = free_space_of(detections, *pose);
   if (undoes_sweep(detections)) {
-    use(mapping::unswept(detections, track_, *pose), *pose, std::move(look), send);
+    use(mapping::unswept(detections, track_, *pose), *pose, std::move(free_space), send);
   } else {
-    use(detections, *pose, std::move(look), send);
+    use(detections, *pose, std::move(free_space), send);
   }
 }
 
 /// The beams of a scan, and how base moved from its first object to its last while they were sent.
 /// None where that cannot be told.
-std::shared_ptr<const mapping::BeamLook> MapperNode::look_of(
+std::shared_ptr<const mapping::FreeSpace> MapperNode::free_space_of(
     const detection::Detections& detections, const pose::PoseEstimate& T_map_base) {
-  auto look = looks_.take(detections.utime);
-  if (!look || !look->is_sweep() || !undoes_sweep(detections)) return look;
+  auto free_space = free_spaces_.take(detections.utime);
+  if (!free_space || !free_space->is_sweep() || !undoes_sweep(detections)) return free_space;
   const std::int64_t last_utime = mapping::last_utime_of(detections);
   const double time_s = seconds(last_utime - detections.utime);
   const auto then = track_.at(last_utime);
@@ -129,8 +129,8 @@ std::shared_ptr<const mapping::BeamLook> MapperNode::look_of(
   const double x_m = then->x_m - T_map_base.x_m, y_m = then->y_m - T_map_base.y_m;
   const double c = std::cos(T_map_base.yaw_rad), s = std::sin(T_map_base.yaw_rad);
   const double yaw_rad = geometry::wrap_angle_rad(then->yaw_rad - T_map_base.yaw_rad);
-  look->set_velocity(Eigen::Vector3d(c * x_m + s * y_m, c * y_m - s * x_m, yaw_rad) / time_s);
-  return look;
+  free_space->set_velocity(Eigen::Vector3d(c * x_m + s * y_m, c * y_m - s * x_m, yaw_rad) / time_s);
+  return free_space;
 }
 
 void MapperNode::correct_up_to(std::int64_t utime, const bus::Outbox& send) {
@@ -138,20 +138,20 @@ void MapperNode::correct_up_to(std::int64_t utime, const bus::Outbox& send) {
     moved_m_ += track_.correct(corrections_.front());
     corrections_.pop_front();
   }
-  if (is_worth_rederiving()) rederive(send);
+  if (is_rebuild_due()) rebuild_map(send);
 }
 
 /// All of it costs as much as the drive is long: small corrections wait until the drive has grown
 /// by a tenth, so that all of them together cost no more than ten drives.
-bool MapperNode::is_worth_rederiving() const {
+bool MapperNode::is_rebuild_due() const {
   if (moved_m_ < config_.rederive_m) return false;
-  return moved_m_ >= config_.gate_m || 10 * mapper_.num_observations() >= 11 * num_rederived_;
+  return moved_m_ >= config_.gate_m || 10 * mapper_.num_observations() >= 11 * num_rebuilt_;
 }
 
-void MapperNode::rederive(const bus::Outbox& send) {
+void MapperNode::rebuild_map(const bus::Outbox& send) {
   moved_m_ = 0.0;
-  num_rederived_ = mapper_.num_observations();
-  const mapping::MapUpdate update = mapper_.rederive(
+  num_rebuilt_ = mapper_.num_observations();
+  const mapping::MapUpdate update = mapper_.rebuild(
       [this](const pose::PoseEstimate& was) { return track_.at(was.utime).value_or(was); });
   send_landmarks(last_used_utime_.value_or(0), update.changed_ids, update.removed_ids, send);
 }
@@ -172,7 +172,7 @@ void MapperNode::drop_late(const bus::Outbox& send) {
 void MapperNode::flush(const bus::Outbox& send) {
   while (!waiting_.empty()) place_front(send);
   correct_up_to(std::numeric_limits<std::int64_t>::max(), send);
-  if (moved_m_ > 0.0) rederive(send);
+  if (moved_m_ > 0.0) rebuild_map(send);
   // the whole map once more, so that a recorded log ends with it
   if (mapper_.num_landmarks() > 0) {
     std::vector<mapping::Landmark> all = mapper_.landmarks();
@@ -184,8 +184,9 @@ void MapperNode::flush(const bus::Outbox& send) {
 }
 
 void MapperNode::use(const detection::Detections& detections, const pose::PoseEstimate& T_map_base,
-                     std::shared_ptr<const mapping::BeamLook> look, const bus::Outbox& send) {
-  const mapping::MapUpdate update = mapper_.update(detections, T_map_base, std::move(look));
+                     std::shared_ptr<const mapping::FreeSpace> free_space,
+                     const bus::Outbox& send) {
+  const mapping::MapUpdate update = mapper_.update(detections, T_map_base, std::move(free_space));
   std::vector<std::int32_t> ids = update.changed_ids;
   const std::vector<std::int32_t> refreshed = refresh_ids(detections.utime);
   ids.insert(ids.end(), refreshed.begin(), refreshed.end());
@@ -280,16 +281,16 @@ void MapperNode::send_tiles(std::int64_t utime, std::vector<mapping::Landmark> l
 std::string MapperNode::waiting_for() const {
   if (waiting_.empty()) {
     if (!has_newest_) return "no DETECTIONS and no POSE yet (orchard-detector, orchard-pose)";
-    return looks_.is_missing()
-               ? "no SCAN with the DETECTIONS (a laser driver): what is gone is told "
-                 "from DETECTIONS alone (or set mapper.presence.scan_wait_s to 0)"
+    return free_spaces_.is_missing()
+               ? "no SCAN with the DETECTIONS (a laser driver): what is gone stays in the "
+                 "map (or set mapper.presence.scan_wait_s to 0)"
                : "";
   }
   char text[128];
   const std::int64_t utime = waiting_.front().utime;
   std::snprintf(text, sizeof text, "DETECTIONS at %.3f s wait for %s", seconds(utime),
-                looks_.is_ready(utime, newest_utime_) ? "a POSE at or after (orchard-pose)"
-                                                      : "their SCAN (a laser driver)");
+                free_spaces_.is_ready(utime, newest_utime_) ? "a POSE at or after (orchard-pose)"
+                                                            : "their SCAN (a laser driver)");
   return text;
 }
 

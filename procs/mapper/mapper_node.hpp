@@ -11,7 +11,7 @@
 #include "bus/node/node.hpp"
 #include "io/config/config.hpp"
 #include "io/map/map_folder.hpp"
-#include "mapper/look_queue.hpp"
+#include "mapper/free_space_queue.hpp"
 #include "mapping/mapper.hpp"
 #include "mapping/pose_track.hpp"
 #include "pose/filter/gnss_positions.hpp"
@@ -27,12 +27,12 @@ namespace orchard::procs {
 /// depend on how far one channel runs ahead of the other within that time.
 ///
 /// TRAJECTORY corrects the past: poses before its utime move, and once they have moved by
-/// mapper.rederive_m all landmarks are derived anew from their observations, with their ids kept.
+/// mapper.rederive_m the map is rebuilt from all observations, with its ids kept.
 /// TRAJECTORY takes its turn before the first DETECTIONS at or after its utime; the end of the log
 /// flushes.
 ///
 /// SCAN tells by its beams what stands there no more. DETECTIONS wait for their SCAN likewise, and
-/// go without one that does not come; see LookQueue.
+/// go without one that does not come; see FreeSpaceQueue.
 ///
 /// GNSS says where on the earth the map lies: the corrected path is laid upon the fixes.
 class MapperNode : public bus::Node {
@@ -66,15 +66,15 @@ class MapperNode : public bus::Node {
   void place_front(const bus::Outbox& send);
   std::optional<geometry::Georeference> georeference() const;
   void correct_up_to(std::int64_t utime, const bus::Outbox& send);
-  bool is_worth_rederiving() const;
-  void rederive(const bus::Outbox& send);
+  bool is_rebuild_due() const;
+  void rebuild_map(const bus::Outbox& send);
   void send_landmarks(std::int64_t utime, const std::vector<std::int32_t>& ids,
                       const std::vector<std::int32_t>& removed_ids, const bus::Outbox& send);
   void drop_late(const bus::Outbox& send);
-  std::shared_ptr<const mapping::BeamLook> look_of(const detection::Detections& detections,
-                                                   const pose::PoseEstimate& T_map_base);
+  std::shared_ptr<const mapping::FreeSpace> free_space_of(const detection::Detections& detections,
+                                                          const pose::PoseEstimate& T_map_base);
   void use(const detection::Detections& detections, const pose::PoseEstimate& T_map_base,
-           std::shared_ptr<const mapping::BeamLook> look, const bus::Outbox& send);
+           std::shared_ptr<const mapping::FreeSpace> free_space, const bus::Outbox& send);
   void send_tiles(std::int64_t utime, std::vector<mapping::Landmark> landmarks,
                   const std::vector<std::int32_t>& removed_ids, const bus::Outbox& send);
   std::vector<std::int32_t> refresh_ids(std::int64_t utime);
@@ -86,11 +86,11 @@ class MapperNode : public bus::Node {
   mapping::Mapper mapper_;
   mapping::PoseTrack track_;
   std::deque<detection::Detections> waiting_;  ///< in order of utime
-  LookQueue looks_;
+  FreeSpaceQueue free_spaces_;
   pose::TrajectoryCollector collector_;
   std::deque<pose::Trajectory> corrections_;  ///< that have not had their turn, in order of utime
   double moved_m_ = 0.0;                      ///< by corrections since landmarks were derived last
-  std::size_t num_rederived_ = 0;             ///< observations when that was
+  std::size_t num_rebuilt_ = 0;               ///< observations when that was
   std::optional<std::int64_t> last_used_utime_;
   std::int64_t newest_utime_ = 0;  ///< message time
   bool has_newest_ = false;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <variant>
 
 #include "detection/detection.hpp"
@@ -19,6 +21,10 @@ inline constexpr std::size_t kNumMeasurementKinds = std::variant_size_v<Measurem
 
 /// Index of an alternative of Measurement.
 enum class MeasurementKind : std::size_t { kOdometry, kImu, kScan, kPoseFix, kGnss, kDetections };
+
+/// How long a kind that has fallen behind is waited for [s of message time], by MeasurementKind;
+/// none for a kind that is not expected.
+using MeasurementWaits = std::array<std::optional<double>, kNumMeasurementKinds>;
 
 inline MeasurementKind kind_of(const Measurement& measurement) {
   return static_cast<MeasurementKind>(measurement.index());

@@ -24,19 +24,22 @@ ScanImagePairer::ScanImagePairer(double tolerance_s, double wait_s, bool with_mo
     : tolerance_us_(microseconds(tolerance_s)),
       wait_us_(microseconds(wait_s)),
       delay_us_(microseconds(delay_s)),
+      scans_({{{std::nullopt},
+               {wait_us_},
+               {with_motion ? std::optional<std::int64_t>(wait_us_) : std::nullopt}}}),
       with_motion_(with_motion) {}
 
 std::vector<ScanImagePair> ScanImagePairer::add(laser::Scan scan) {
-  newest_utime_ = std::max(newest_utime_, scan.utime);
-  scans_.push_back(std::move(scan));
+  // A scan of a clock that was set back stays behind the ones before it.
+  newest_scan_utime_ = std::max(newest_scan_utime_, scan.utime);
+  scans_.push(kScan, newest_scan_utime_, std::move(scan));
   return release();
 }
 
 std::vector<ScanImagePair> ScanImagePairer::add(vision::Image image) {
   const std::int64_t exposure_utime = image.utime - delay_us_;
-  newest_utime_ = std::max(newest_utime_, exposure_utime);
-  newest_image_utime_ = std::max(newest_image_utime_, exposure_utime);
-  if (timed_out_scan_utime_ != INT64_MIN &&
+  scans_.reach(kImage, exposure_utime);
+  if (timed_out_scan_utime_ != Queue::kNever &&
       exposure_utime <= timed_out_scan_utime_ + tolerance_us_) {
     ++num_late_;
   }
@@ -51,8 +54,7 @@ std::vector<ScanImagePair> ScanImagePairer::add(vision::Image image) {
 
 std::vector<ScanImagePair> ScanImagePairer::add(const Motion& motion) {
   if (!with_motion_) return {};
-  newest_utime_ = std::max(newest_utime_, motion.utime);
-  newest_motion_utime_ = std::max(newest_motion_utime_, motion.utime);
+  scans_.reach(kMotion, motion.utime);
   const auto after =
       std::upper_bound(motions_.begin(), motions_.end(), motion.utime,
                        [](std::int64_t utime, const Motion& other) { return utime < other.utime; });
@@ -64,40 +66,40 @@ std::vector<ScanImagePair> ScanImagePairer::add(const Motion& motion) {
 
 std::vector<ScanImagePair> ScanImagePairer::flush() {
   std::vector<ScanImagePair> pairs;
-  while (!scans_.empty()) pairs.push_back(pair_front(false));
+  while (!scans_.is_empty(kScan)) pairs.push_back(pair_front(false));
   return pairs;
 }
 
 std::optional<std::int64_t> ScanImagePairer::waiting_scan_utime() const {
-  if (scans_.empty()) return std::nullopt;
-  return scans_.front().utime;
+  if (scans_.is_empty(kScan)) return std::nullopt;
+  return scans_.front(kScan).utime;
 }
 
 std::optional<std::int64_t> ScanImagePairer::newest_motion_utime() const {
-  if (newest_motion_utime_ == INT64_MIN) return std::nullopt;
-  return newest_motion_utime_;
+  if (scans_.reached(kMotion) == Queue::kNever) return std::nullopt;
+  return scans_.reached(kMotion);
 }
 
 std::vector<ScanImagePair> ScanImagePairer::release() {
   std::vector<ScanImagePair> pairs;
-  while (!scans_.empty()) {
-    const std::int64_t scan_utime = scans_.front().utime;
-    const bool is_decided = decided(scan_utime);
-    const bool timed_out = newest_utime_ - wait_us_ > scan_utime;
-    if (!is_decided && !timed_out) break;
-    pairs.push_back(pair_front(newest_image_utime_ < scan_utime));
+  while (!scans_.is_empty(kScan)) {
+    const std::int64_t scan_utime = scans_.front(kScan).utime;
+    const auto needed_utime = [&](std::size_t kind) {
+      return kind == kMotion ? motion_needed_utime(scan_utime) : scan_utime;
+    };
+    if (scans_.blocker(scan_utime, needed_utime)) break;
+    pairs.push_back(pair_front(scans_.reached(kImage) < scan_utime));
   }
   return pairs;
 }
 
-bool ScanImagePairer::decided(std::int64_t scan_utime) const {
-  if (newest_image_utime_ < scan_utime) return false;
-  if (!with_motion_) return true;
+/// The exposure of the first picture at or after the scan; none is needed when that picture is
+/// forgotten already.
+std::int64_t ScanImagePairer::motion_needed_utime(std::int64_t scan_utime) const {
   for (const Exposed& exposed : images_) {
-    if (exposed.utime < scan_utime) continue;
-    return !motions_.empty() && motions_.back().utime >= exposed.utime;
+    if (exposed.utime >= scan_utime) return exposed.utime;
   }
-  return true;  // the picture is forgotten already: nothing to wait for
+  return Queue::kNever;
 }
 
 std::optional<Motion> ScanImagePairer::motion_at(std::int64_t utime) const {
@@ -112,8 +114,7 @@ std::optional<Motion> ScanImagePairer::motion_at(std::int64_t utime) const {
 
 ScanImagePair ScanImagePairer::pair_front(bool timed_out) {
   ScanImagePair pair;
-  pair.scan = std::move(scans_.front());
-  scans_.pop_front();
+  pair.scan = scans_.take(kScan);
   if (timed_out) timed_out_scan_utime_ = std::max(timed_out_scan_utime_, pair.scan.utime);
   std::int64_t best_us = tolerance_us_;
   std::int64_t exposure_utime = 0;
@@ -132,8 +133,9 @@ ScanImagePair ScanImagePairer::pair_front(bool timed_out) {
 
 void ScanImagePairer::forget_old() {
   // Scans may lag behind the pictures by as much as pictures may lag behind them.
+  const std::int64_t newest_utime = scans_.message_time();
   const std::int64_t oldest_scan_utime =
-      scans_.empty() ? newest_utime_ : std::min(newest_utime_, scans_.front().utime);
+      scans_.is_empty(kScan) ? newest_utime : std::min(newest_utime, scans_.front(kScan).utime);
   const std::int64_t horizon = oldest_scan_utime - wait_us_ - tolerance_us_;
   while (!images_.empty() && (images_.front().utime < horizon || images_.size() > kMaxImages)) {
     images_.pop_front();

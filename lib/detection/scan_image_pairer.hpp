@@ -9,6 +9,7 @@
 
 #include "detection/motion.hpp"
 #include "laser/scan.hpp"
+#include "timing/ordered_queue.hpp"
 #include "vision/image.hpp"
 
 namespace orchard::detection {
@@ -57,21 +58,23 @@ class ScanImagePairer {
     std::shared_ptr<const vision::Image> image;
   };
 
+  enum Kind : std::size_t { kScan, kImage, kMotion, kNumKinds };
+  using Queue = timing::OrderedQueue<laser::Scan, kNumKinds>;  // of images and motions: their times
+
   std::vector<ScanImagePair> release();
   ScanImagePair pair_front(bool timed_out);
-  bool decided(std::int64_t scan_utime) const;
+  std::int64_t motion_needed_utime(std::int64_t scan_utime) const;
   std::optional<Motion> motion_at(std::int64_t utime) const;
   void forget_old();
 
   std::int64_t tolerance_us_;
   std::int64_t wait_us_;
   std::int64_t delay_us_;
-  std::deque<laser::Scan> scans_;          ///< waiting, in order of arrival
-  std::deque<Exposed> images_;             ///< kept, in order of exposure
-  std::int64_t newest_utime_ = INT64_MIN;  ///< of any scan, motion and exposure
-  std::int64_t newest_image_utime_ = INT64_MIN;
-  std::int64_t timed_out_scan_utime_ = INT64_MIN;  ///< newest scan decided without waiting longer
-  std::int64_t newest_motion_utime_ = INT64_MIN;
+  Queue scans_;                                     ///< waiting, in order of arrival
+  std::int64_t newest_scan_utime_ = Queue::kNever;  ///< of those that have come
+  std::deque<Exposed> images_;                      ///< kept, in order of exposure
+  std::int64_t timed_out_scan_utime_ =
+      Queue::kNever;  ///< newest scan decided without waiting longer
   std::int64_t num_late_ = 0;
   std::int64_t num_without_motion_ = 0;
   bool with_motion_;

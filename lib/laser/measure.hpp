@@ -9,8 +9,8 @@
 
 namespace orchard::laser {
 
-/// Measures the object of a segment candidate: bearings, width, circle and shape. `fit` caches the
-/// circles of this scan.
+/// Measures one segment candidate: range, bearing, width (Shalal et al. 2013, eq. 8), intensity and
+/// shape. `fit` must be of the same scan: it caches the circles already fitted to its candidates.
 Segment measure(const Scan& scan, const Beams& beams, const Candidate& candidate,
                 const SegmentationConfig& config, const WidthConfig& width,
                 const LaserConfig& laser, CandidateFitter& fit);

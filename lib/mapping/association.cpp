@@ -22,11 +22,11 @@ double width_term(const detection::Detection& d, const LandmarkRecord& r) {
 std::optional<double> cost_of(const Candidate& c, const LandmarkRecord& r,
                               const MapperConfig& config) {
   const detection::Detection& d = *c.detection;
-  const Eigen::Vector2d delta = c.p_aligned - r.anchor();
+  const Eigen::Vector2d delta = c.p_aligned - r.association_position();
   if (delta.squaredNorm() > config.gate_m * config.gate_m) return std::nullopt;
   if (std::abs(d.width_m - r.width_m) > config.width_gate_m) return std::nullopt;
   Eigen::Matrix2d covariance = c.aligned_covariance;
-  covariance.diagonal().array() += r.scatter_m2 + 1.0 / r.anchor_information;
+  covariance.diagonal().array() += r.scatter_m2 + 1.0 / r.association_information;
   const double mahalanobis2 = delta.dot(covariance.inverse() * delta);
   if (mahalanobis2 > config.gate_sigma * config.gate_sigma) return std::nullopt;
   const double widths = width_term(d, r);
@@ -34,17 +34,18 @@ std::optional<double> cost_of(const Candidate& c, const LandmarkRecord& r,
   return mahalanobis2 + std::log(covariance.determinant()) + std::min(9.0, widths * widths);
 }
 
-/// The well-known landmark, unseen in this scan, that a candidate outside of all gates must be a
-/// stray sight of: within gate_m and as wide. -1 for none.
-std::int32_t strayed_from(const Candidate& c, const LandmarkTable& landmarks,
-                          const std::vector<std::int32_t>& taken, const MapperConfig& config) {
+/// Relaxed-gate association: the well-known landmark, not yet paired in this scan, that a candidate
+/// outside of all gates belongs to: within gate_m and as wide. -1 for none.
+std::int32_t relaxed_gate_match(const Candidate& c, const LandmarkTable& landmarks,
+                                const std::vector<std::int32_t>& taken,
+                                const MapperConfig& config) {
   std::int32_t nearest = -1;
   double nearest_m2 = config.gate_m * config.gate_m;
   landmarks.near(c.p_aligned, config.gate_m, [&](std::int32_t i, const LandmarkRecord& r) {
     if (r.num_all < config.well_known_observations || std::abs(width_term(*c.detection, r)) > 3.0)
       return;
     if (std::abs(c.detection->width_m - r.width_m) > config.width_gate_m) return;
-    const double distance_m2 = (c.p_aligned - r.anchor()).squaredNorm();
+    const double distance_m2 = (c.p_aligned - r.association_position()).squaredNorm();
     if (distance_m2 > nearest_m2 || (distance_m2 == nearest_m2 && i > nearest)) return;
     nearest_m2 = distance_m2;
     nearest = i;
@@ -88,7 +89,7 @@ Association associate(const std::vector<Candidate>& candidates, const LandmarkTa
   // beside it.
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     if (association.is_explained[k]) continue;
-    const std::int32_t i = strayed_from(candidates[k], landmarks, taken, config);
+    const std::int32_t i = relaxed_gate_match(candidates[k], landmarks, taken, config);
     if (i < 0) continue;
     association.is_explained[k] = 1;
     taken.push_back(i);
@@ -103,10 +104,10 @@ std::optional<Eigen::Vector2d> nearest_established(const LandmarkTable& landmark
   std::optional<Eigen::Vector2d> best;
   landmarks.near(p_map, reach_m, [&](std::int32_t, const LandmarkRecord& r) {
     if (r.num_all < kEstablished || r.log_odds < 0.0f) return;
-    const double distance_m2 = (r.anchor() - p_map).squaredNorm();
+    const double distance_m2 = (r.association_position() - p_map).squaredNorm();
     if (distance_m2 < best_m2) {
       best_m2 = distance_m2;
-      best = r.anchor();
+      best = r.association_position();
     }
   });
   return best;
@@ -117,17 +118,20 @@ std::int32_t merge_partner(const LandmarkTable& landmarks, std::int32_t index,
   const LandmarkRecord& r = landmarks[index];
   std::int32_t best = -1;
   double best_m2 = config.merge_m * config.merge_m;
-  landmarks.near(r.anchor(), config.merge_m, [&](std::int32_t i, const LandmarkRecord& other) {
-    // two things in one scan are two things
-    if (i == index || other.last_scan == r.last_scan) return;
-    if (std::abs(other.width_m - r.width_m) > config.width_gate_m) return;
-    const double distance_m2 = (other.anchor() - r.anchor()).squaredNorm();
-    if (distance_m2 > best_m2 || (distance_m2 == best_m2 && (best < 0 || i > best))) return;
-    if (distance_m2 <= config.apart_m * config.apart_m || !are_two(index, i)) {
-      best_m2 = distance_m2;
-      best = i;
-    }
-  });
+  landmarks.near(r.association_position(), config.merge_m,
+                 [&](std::int32_t i, const LandmarkRecord& other) {
+                   // two things in one scan are two things
+                   if (i == index || other.last_scan == r.last_scan) return;
+                   if (std::abs(other.width_m - r.width_m) > config.width_gate_m) return;
+                   const double distance_m2 =
+                       (other.association_position() - r.association_position()).squaredNorm();
+                   if (distance_m2 > best_m2 || (distance_m2 == best_m2 && (best < 0 || i > best)))
+                     return;
+                   if (distance_m2 <= config.apart_m * config.apart_m || !are_two(index, i)) {
+                     best_m2 = distance_m2;
+                     best = i;
+                   }
+                 });
   return best;
 }
 

@@ -23,14 +23,14 @@ struct Pairing {
 
 /// Who is who in one scan.
 struct Association {
-  std::vector<Pairing> pairs;      ///< one to one, in order of cost; strays last
+  std::vector<Pairing> pairs;      ///< one to one, in order of cost; relaxed-gate ones last
   std::vector<char> is_explained;  ///< per candidate: within the gates of a landmark, paired or not
 };
 
 /// Pairs each candidate with at most one landmark and each landmark with at most one candidate:
-/// of all pairs within the gates (distance, standard deviations, width) the surest first; then what
-/// strays beyond the standard deviations from a well-known landmark that the scan shows nowhere
-/// else.
+/// of all pairs within the gates (distance, standard deviations, width) the surest first; then, by
+/// a relaxed gate, candidates beyond the standard deviations of a well-known landmark that the scan
+/// shows nowhere else.
 Association associate(const std::vector<Candidate>& candidates, const LandmarkTable& landmarks,
                       const MapperConfig& config);
 

@@ -9,21 +9,21 @@ namespace {
 
 using detection::Label;
 
-/// One look's probability is believed between this and 1 minus it.
-constexpr double kLeastProbability = 0.005;
+/// One observation's probability counts between this and 1 minus it.
+constexpr double kProbabilityMin = 0.005;
 
 double logit(double p) { return std::log(p / (1.0 - p)); }
 
-void merge_anchors(LandmarkRecord& into, const LandmarkRecord& from) {
-  const double total = into.anchor_information + from.anchor_information;
-  const double share = from.anchor_information / total;
-  const double dx = from.anchor_x_m - into.anchor_x_m;
-  const double dy = from.anchor_y_m - into.anchor_y_m;
+void merge_association_positions(LandmarkRecord& into, const LandmarkRecord& from) {
+  const double total = into.association_information + from.association_information;
+  const double share = from.association_information / total;
+  const double dx = from.association_x_m - into.association_x_m;
+  const double dy = from.association_y_m - into.association_y_m;
   into.scatter_m2 = static_cast<float>((1.0 - share) * into.scatter_m2 + share * from.scatter_m2 +
                                        share * (1.0 - share) * 0.5 * (dx * dx + dy * dy));
-  into.anchor_x_m += share * dx;
-  into.anchor_y_m += share * dy;
-  into.anchor_information = static_cast<float>(total);
+  into.association_x_m += share * dx;
+  into.association_y_m += share * dy;
+  into.association_information = static_cast<float>(total);
 }
 
 void merge_widths(LandmarkRecord& into, const LandmarkRecord& from) {
@@ -32,7 +32,7 @@ void merge_widths(LandmarkRecord& into, const LandmarkRecord& from) {
   into.width_information += from.width_information;
 }
 
-void take_statistics(LandmarkRecord& into, const LandmarkRecord& from) {
+void copy_statistics(LandmarkRecord& into, const LandmarkRecord& from) {
   into.mean_x_m = from.mean_x_m;
   into.mean_y_m = from.mean_y_m;
   into.m2_xx = from.m2_xx;
@@ -62,16 +62,17 @@ void add_statistics(LandmarkRecord& into, const LandmarkRecord& from) {
 
 }  // namespace
 
-void fuse_anchor(LandmarkRecord& r, const Eigen::Vector2d& p_aligned, double variance_m2) {
+void fuse_association_position(LandmarkRecord& r, const Eigen::Vector2d& p_aligned,
+                               double variance_m2) {
   const double information = 1.0 / variance_m2;
-  const double total = r.anchor_information + information;
+  const double total = r.association_information + information;
   const double share = information / total;
-  const Eigen::Vector2d delta = p_aligned - r.anchor();
+  const Eigen::Vector2d delta = p_aligned - r.association_position();
   r.scatter_m2 =
       static_cast<float>((1.0 - share) * (r.scatter_m2 + share * 0.5 * delta.squaredNorm()));
-  r.anchor_x_m += share * delta.x();
-  r.anchor_y_m += share * delta.y();
-  r.anchor_information = static_cast<float>(total);
+  r.association_x_m += share * delta.x();
+  r.association_y_m += share * delta.y();
+  r.association_information = static_cast<float>(total);
 }
 
 void fuse_width(LandmarkRecord& r, double width_m, double width_sd_m) {
@@ -105,10 +106,10 @@ void accumulate(LandmarkRecord& r, const Eigen::Vector2d& p_map, double roc_tree
 }
 
 void merge(LandmarkRecord& into, const LandmarkRecord& from, double log_odds_max) {
-  merge_anchors(into, from);
+  merge_association_positions(into, from);
   merge_widths(into, from);
   if (from.is_seen && !into.is_seen) {
-    take_statistics(into, from);
+    copy_statistics(into, from);
   } else if (from.is_seen == into.is_seen) {
     add_statistics(into, from);
   }
@@ -116,8 +117,7 @@ void merge(LandmarkRecord& into, const LandmarkRecord& from, double log_odds_max
       static_cast<float>(std::clamp<double>(into.log_odds, -log_odds_max, log_odds_max));
   into.num_all += from.num_all;
   into.last_scan = std::max(into.last_scan, from.last_scan);
-  into.presence = std::max(into.presence, from.presence);
-  into.sides_seen |= from.sides_seen;
+  into.existence_log_odds = std::max(into.existence_log_odds, from.existence_log_odds);
 }
 
 Eigen::Vector2d standard_error_m(const LandmarkRecord& r) {
@@ -132,16 +132,16 @@ double log_odds_max(const MapperConfig& config) {
   return config.evidence == Evidence::kLabels ? kLogOddsMax : 1e9;
 }
 
-double evidence_of(const detection::Detection& look, const MapperConfig& config) {
+double evidence_of(const detection::Detection& observation, const MapperConfig& config) {
   if (config.evidence == Evidence::kProbability) {
-    if (look.probability_tree + look.probability_object <= 0.0f) return 0.0;
+    if (observation.probability_tree + observation.probability_object <= 0.0f) return 0.0;
     const double p =
-        std::clamp<double>(look.probability_tree, kLeastProbability, 1.0 - kLeastProbability);
+        std::clamp<double>(observation.probability_tree, kProbabilityMin, 1.0 - kProbabilityMin);
     return logit(p) - logit(config.evidence_base_rate);
   }
   const double of_tree = config.tree_rate_of_trees;
   const double of_object = config.tree_rate_of_objects;
-  switch (look.label) {
+  switch (observation.label) {
     case Label::kTree:
       return std::log(of_tree / of_object);
     case Label::kObject:
@@ -152,9 +152,9 @@ double evidence_of(const detection::Detection& look, const MapperConfig& config)
   return 0.0;
 }
 
-double log_odds_of_tree(double sum, int num_looks, const MapperConfig& config) {
+double log_odds_of_tree(double sum, int num_observations, const MapperConfig& config) {
   if (config.evidence == Evidence::kLabels) return sum;
-  const double repeats = 1.0 + std::max(0, num_looks - 1) * config.evidence_correlation;
+  const double repeats = 1.0 + std::max(0, num_observations - 1) * config.evidence_correlation;
   return std::clamp(logit(config.evidence_prior) + sum / repeats, -kLogOddsMax, kLogOddsMax);
 }
 

@@ -14,29 +14,28 @@ namespace orchard::mapping {
 /// The rest of a landmark's 156 bytes at a million of them is the grid's entry, and the quarter by
 /// which the table grows. Sums that a difference is taken of are doubles, all others floats.
 struct LandmarkRecord {
-  double anchor_x_m = 0.0;  ///< mean of the aligned observations: what association compares with
-  double anchor_y_m = 0.0;
+  double association_x_m = 0.0;  ///< mean of the aligned observations, which association uses
+  double association_y_m = 0.0;
   double mean_x_m = 0.0;  ///< plain mean of the composed observations
   double mean_y_m = 0.0;
   double roc_sum = 0.0;
   float m2_xx = 0.0f;  ///< sums of squares about the mean [m2]
   float m2_xy = 0.0f;
   float m2_yy = 0.0f;
-  float anchor_information = 0.0f;  ///< 1 / m2
-  float scatter_m2 = 0.0f;          ///< of the aligned observations about the anchor, per axis
+  float association_information = 0.0f;  ///< 1 / m2
+  float scatter_m2 = 0.0f;               ///< of the aligned observations about it, per axis
   float width_m = 0.0f;
   float width_information = 0.0f;      ///< 1 / m2
-  float log_odds = 0.0f;               ///< of being a tree: sum of what the looks say
+  float log_odds = 0.0f;               ///< of being a tree: sum of the evidence of its observations
   std::int32_t num_observations = 0;   ///< N of eq. 13
   std::int32_t num_all = 0;            ///< UNSEEN ones too
   std::int32_t last_observation = -1;  ///< head of its chain in the ObservationStore
   std::int32_t last_scan = -1;
-  float presence = 0.0f;        ///< log odds that it still stands there: PresenceWatch
-  std::uint8_t sides_seen = 0;  ///< from which it was seen, a bit per eighth of the full turn
-  bool is_seen = false;         ///< by the camera, or laser-only rig
+  float existence_log_odds = 0.0f;  ///< that it still stands there: ExistenceFilter
+  bool is_seen = false;             ///< by the camera, or laser-only rig
   bool is_removed = false;
 
-  Eigen::Vector2d anchor() const { return {anchor_x_m, anchor_y_m}; }
+  Eigen::Vector2d association_position() const { return {association_x_m, association_y_m}; }
 };
 static_assert(sizeof(LandmarkRecord) == 96, "an orchard has a million of them");
 
@@ -47,17 +46,19 @@ inline constexpr double kLogOddsMax = 30.0;
 /// when they are read, so their sum is not cut.
 double log_odds_max(const MapperConfig& config);
 
-/// Moves the anchor towards an aligned observation by its share of the information, and takes the
-/// distance into the scatter.
-void fuse_anchor(LandmarkRecord& record, const Eigen::Vector2d& p_aligned, double variance_m2);
+/// Moves the association position towards an aligned observation by its part of the information,
+/// and adds the distance to the scatter.
+void fuse_association_position(LandmarkRecord& record, const Eigen::Vector2d& p_aligned,
+                               double variance_m2);
 
-/// Takes one measured width into the mean width, weighted by its variance.
+/// Adds one measured width to the mean width, weighted by its variance.
 void fuse_width(LandmarkRecord& record, double width_m, double width_sd_m);
 
-/// Takes one composed observation into the paper's statistics (Welford) and into the log odds.
+/// Adds one composed observation to the paper's statistics (Welford) and to the log odds.
 ///
 /// Observations that the camera did not see count until the first that it saw; from then on only
-/// those it sees do, as in the paper's tables. `evidence` is the look's log likelihood ratio.
+/// those it sees do, as in the paper's tables. `evidence` is the observation's log likelihood
+/// ratio.
 void accumulate(LandmarkRecord& record, const Eigen::Vector2d& p_map, double roc_tree,
                 detection::Label label, double evidence, double log_odds_max = kLogOddsMax);
 
@@ -68,14 +69,15 @@ void merge(LandmarkRecord& into, const LandmarkRecord& from, double log_odds_max
 /// Standard error of the mean in x and y [m], with N - 1: Shalal et al. 2013, eq. 13. 0 for N = 1.
 Eigen::Vector2d standard_error_m(const LandmarkRecord& record);
 
-/// Log likelihood ratio of one look: how much likelier a tree gives it than anything else does. By
-/// its label, or by its calibrated probability; 0 for a look that nothing judged.
-double evidence_of(const detection::Detection& look, const MapperConfig& config);
+/// Log likelihood ratio of one observation: how much likelier a tree gives it than anything else
+/// does. By its label, or by its calibrated probability; 0 for one that nothing judged.
+double evidence_of(const detection::Detection& observation, const MapperConfig& config);
 
-/// Log odds of being a tree from `num_looks` looks whose evidence sums to `sum`. Evidence labels:
-/// the sum. Evidence probability: the prior, and the sum tempered, as looks at one thing repeat
-/// each other: n of them count as n / (1 + (n - 1) evidence_correlation). Within 30.
-double log_odds_of_tree(double sum, int num_looks, const MapperConfig& config);
+/// Log odds of being a tree from `num_observations` observations whose evidence sums to `sum`.
+/// Evidence labels: the sum. Evidence probability: the prior, and the sum tempered, as observations
+/// of one thing repeat each other: n of them count as n / (1 + (n - 1) evidence_correlation).
+/// Within 30.
+double log_odds_of_tree(double sum, int num_observations, const MapperConfig& config);
 
 /// That the landmark is a tree: of labels with prior 1/2, of probabilities as configured.
 double probability_of_tree(const LandmarkRecord& record, const MapperConfig& config);

@@ -11,8 +11,9 @@
 
 namespace orchard::mapping {
 
-/// All landmarks by index (id - 1), and the grid that finds them by their anchors: the two change
-/// together, or not at all. An index is never used again, also when its landmark was merged away.
+/// All landmarks by index (id - 1), and the grid that finds them by their association
+/// positions: the two change together, or not at all. An index is never used again, also when its
+/// landmark was merged away.
 class LandmarkTable {
  public:
   LandmarkTable() = default;
@@ -20,21 +21,21 @@ class LandmarkTable {
   /// A table of these records, each at its own index; those that are removed hold nothing.
   explicit LandmarkTable(std::vector<LandmarkRecord> records);
 
-  /// A landmark with its anchor there and nothing accumulated. Throws std::length_error when the
-  /// indices are used up.
-  std::int32_t add(const Eigen::Vector2d& anchor, double width_m);
+  /// A landmark with its association position there and nothing accumulated. Throws
+  /// std::length_error when the indices are used up.
+  std::int32_t add(const Eigen::Vector2d& p_map, double width_m);
 
   const LandmarkRecord& operator[](std::int32_t index) const {
     return records_[static_cast<std::size_t>(index)];
   }
 
-  /// Calls change(record); the grid follows the anchor wherever the change puts it.
+  /// Calls change(record); the grid follows the association position.
   template <class Change>
   void change(std::int32_t index, Change&& change) {
     LandmarkRecord& r = records_[static_cast<std::size_t>(index)];
-    const Eigen::Vector2d from = r.anchor();
+    const Eigen::Vector2d from = r.association_position();
     change(r);
-    grid_.move(index, from.x(), from.y(), r.anchor_x_m, r.anchor_y_m);
+    grid_.move(index, from.x(), from.y(), r.association_x_m, r.association_y_m);
   }
 
   /// Leaves a record that holds nothing and is_removed.

@@ -10,17 +10,11 @@
 #include "detection/detection.hpp"
 #include "mapping/existence/free_space.hpp"
 #include "mapping/landmark.hpp"
+#include "mapping/map_update.hpp"
 #include "mapping/mapper_config.hpp"
 #include "pose/pose_estimate.hpp"
 
 namespace orchard::mapping {
-
-/// What one scan did to the map: ids of landmarks that are new or changed, and ids that are no
-/// more because they were merged into another or stand there no longer. Both in rising order.
-struct MapUpdate {
-  std::vector<std::int32_t> changed_ids;
-  std::vector<std::int32_t> removed_ids;
-};
 
 /// The map: associates detections with landmarks, accumulates their evidence and statistics.
 ///
@@ -30,10 +24,11 @@ struct MapUpdate {
 ///
 /// Of a landmark, roc_mean, n and SE are the paper's plain statistics: of the observations the
 /// camera saw (all of them while it saw none: class unseen). x, y and covariance are those of the
-/// bulk of all its observations, composed with the poses as given and weighted by their variance.
+/// mode of all its observations, composed with the poses as given and weighted by their variance.
 /// probability is Bayes'. `evidence: labels`: from the labels alone, prior 1/2; each TREE or OBJECT
-/// counts as the configured shares of trees' and of objects' labels say, within 30 of log odds.
-/// `evidence: probability`: from the looks' calibrated probabilities, see log_odds_of_tree().
+/// counts as the configured fractions of trees' and of objects' labels say, within 30 of log odds.
+/// `evidence: probability`: from the observations' calibrated probabilities, see
+/// log_odds_of_tree().
 class Mapper {
  public:
   /// `p_base_laser`: where the laser sits in base; it tells what hides what.
@@ -42,39 +37,38 @@ class Mapper {
   Mapper(Mapper&&) noexcept;
   Mapper& operator=(Mapper&&) noexcept;
 
-  /// Takes the detections of one scan, seen from T_map_base at the scan's time. `look`: the scan's
-  /// beams, of looks in time that are worth it, to tell what stands there no more.
+  /// Adds the detections of one scan, observed from T_map_base at the scan's time. `free_space`:
+  /// the evidence of the scan's beams; without it the scan says nothing of what is gone.
   MapUpdate update(const detection::Detections& detections, const pose::PoseEstimate& T_map_base,
-                   std::shared_ptr<const BeamLook> look = nullptr);
+                   std::shared_ptr<const FreeSpace> free_space = nullptr);
 
-  /// Derives the whole map anew after the past was corrected: every observation goes through
-  /// update() once more, from where `corrected` puts its scan (it is given the pose as known so
-  /// far). Ids are kept: a landmark has the id of that earlier one with which it shares most
-  /// observations; new ids are never ones that were used before.
-  MapUpdate rederive(
+  /// Rebuilds the whole map after the past was corrected: every observation goes through update()
+  /// once more, from where `corrected` puts its scan (it is given the pose as known so far). Ids
+  /// are kept: a landmark has the id of that earlier one with which it shares most observations;
+  /// new ids are never ones that were used before.
+  MapUpdate rebuild(
       const std::function<pose::PoseEstimate(const pose::PoseEstimate& T_map_base)>& corrected);
 
-  /// Observations that rederive() would go through.
+  /// Observations that rebuild() would go through.
   std::size_t num_observations() const;
 
-  /// Landmark by id; throws std::out_of_range for an unknown one. Its place, once it has many
-  /// observations, is that of when it had a sixteenth less at worst: a landmark that is told at
-  /// every scan must cost no more the longer it is known.
+  /// Landmark by id; throws std::out_of_range for an unknown one. Its position is cached and
+  /// recomputed after every 1/16 growth in observations, so that the cost per scan is constant.
   Landmark landmark(std::int32_t id);
   std::size_t num_landmarks() const;
 
   /// Up to `count` ids in rising order, from `first_id` on.
   std::vector<std::int32_t> ids_from(std::int32_t first_id, std::size_t count) const;
 
-  /// Memory of landmarks and their index, observations and looks kept for later correction not
-  /// counted.
+  /// Memory of landmarks and their index; observations and free-space evidence kept for later
+  /// corrections are not counted.
   std::size_t num_bytes() const;
 
-  /// How far a tree's observations lie from its place [m]: the median of the medians of the trees
-  /// with ten observations or more, of their newest 512. None without such a tree.
+  /// How far a tree's observations lie from its position [m]: the median of the medians of the
+  /// trees with ten observations or more, of their newest 512. None without such a tree.
   std::optional<double> tree_scatter_m() const;
 
-  /// All landmarks with at least `min_observations`, in order of id, their places of all that is
+  /// All landmarks with at least `min_observations`, in order of id, their positions of all that is
   /// known now.
   std::vector<Landmark> landmarks(int min_observations = 1) const;
 

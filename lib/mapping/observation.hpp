@@ -21,8 +21,8 @@ struct Observation {
   float covariance_yy = 0.0f;
   float probability_tree = 0.0f;
   float probability_object = 0.0f;
-  std::int8_t label = 0;  ///< detection::Label
-  bool is_owned = false;  ///< in a landmark's chain
+  std::int8_t label = 0;       ///< detection::Label
+  bool is_associated = false;  ///< in a landmark's chain
 };
 
 }  // namespace orchard::mapping

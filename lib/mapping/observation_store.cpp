@@ -8,14 +8,14 @@ namespace orchard::mapping {
 std::int32_t ObservationStore::prepend(Observation observation, std::int32_t head) {
   observation.scan = last_scan();
   observation.previous = head;
-  observation.is_owned = true;
+  observation.is_associated = true;
   observations_.push_back(observation);
   return static_cast<std::int32_t>(observations_.size()) - 1;
 }
 
-void ObservationStore::add_unowned(Observation observation) {
+void ObservationStore::add_unassociated(Observation observation) {
   prepend(observation, -1);
-  observations_.back().is_owned = false;
+  observations_.back().is_associated = false;
 }
 
 std::int32_t ObservationStore::join(std::int32_t newer, std::int32_t older) {
@@ -33,15 +33,9 @@ std::int32_t ObservationStore::relink(std::vector<std::int32_t> observations) {
   for (const std::int32_t k : observations) {
     Observation& o = observations_[static_cast<std::size_t>(k)];
     o.previous = std::exchange(head, k);
-    o.is_owned = true;
+    o.is_associated = true;
   }
   return head;
-}
-
-void ObservationStore::disown(std::int32_t observation) {
-  Observation& o = observations_[static_cast<std::size_t>(observation)];
-  o.previous = -1;
-  o.is_owned = false;
 }
 
 std::vector<std::int32_t> ObservationStore::newest_of(std::int32_t head, std::size_t most) const {

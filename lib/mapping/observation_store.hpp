@@ -8,22 +8,22 @@
 #include <utility>
 #include <vector>
 
-#include "mapping/bulk_centre.hpp"
 #include "mapping/existence/free_space.hpp"
 #include "mapping/observation.hpp"
 #include "mapping/pose_composition.hpp"
+#include "mapping/position_mode.hpp"
 #include "pose/pose_estimate.hpp"
 
 namespace orchard::mapping {
 
 /// Every observation, those of a landmark chained from the newest to the oldest, and of each scan
-/// where base was and what its beams looked at.
+/// where base was and the free-space evidence of its beams.
 class ObservationStore {
  public:
-  /// Starts the next scan; `look` may be none.
-  void add_scan(const pose::PoseEstimate& T_map_base, std::shared_ptr<const BeamLook> look) {
+  /// Starts the next scan; `free_space` may be none.
+  void add_scan(const pose::PoseEstimate& T_map_base, std::shared_ptr<const FreeSpace> free_space) {
     scans_.push_back(
-        {T_map_base, PoseComposition(T_map_base), num_observations(), std::move(look)});
+        {T_map_base, PoseComposition(T_map_base), num_observations(), std::move(free_space)});
   }
 
   /// Index of the scan that was started last.
@@ -36,7 +36,9 @@ class ObservationStore {
   /// T_map_base of a scan as it was given.
   const pose::PoseEstimate& pose(std::int32_t scan) const { return at(scan).T_map_base; }
 
-  const std::shared_ptr<const BeamLook>& look(std::int32_t scan) const { return at(scan).look; }
+  const std::shared_ptr<const FreeSpace>& free_space(std::int32_t scan) const {
+    return at(scan).free_space;
+  }
 
   /// Observations of a scan: those from first_of(scan) up to first_of(scan + 1), not included.
   std::int32_t first_of(std::int32_t scan) const {
@@ -49,16 +51,14 @@ class ObservationStore {
   /// Puts an observation of the last scan before the chain that starts at `head`; the new head.
   std::int32_t prepend(Observation observation, std::int32_t head);
 
-  /// Keeps an observation of the last scan that is in no chain: once poses are corrected it may be.
-  void add_unowned(Observation observation);
+  /// Stores an observation of the last scan that is in no chain: after a correction it may be.
+  void add_unassociated(Observation observation);
 
   /// Makes one chain of two, `newer` first; its head.
   std::int32_t join(std::int32_t newer, std::int32_t older);
 
-  /// Makes these observations one chain, whatever chains they were in; its head, -1 for none. Those
-  /// that are to be in none any more are the caller's to disown().
+  /// Makes these observations one chain, whatever chains they were in; its head, -1 for none.
   std::int32_t relink(std::vector<std::int32_t> observations);
-  void disown(std::int32_t observation);
 
   /// The observations of a chain, the newest first, `most` at most.
   std::vector<std::int32_t> newest_of(std::int32_t head, std::size_t most) const;
@@ -74,7 +74,7 @@ class ObservationStore {
     pose::PoseEstimate T_map_base;
     PoseComposition composition;
     std::int32_t first = 0;  ///< of its observations
-    std::shared_ptr<const BeamLook> look;
+    std::shared_ptr<const FreeSpace> free_space;
   };
   const Scan& at(std::int32_t scan) const { return scans_[static_cast<std::size_t>(scan)]; }
 

@@ -53,7 +53,7 @@ MeasurementWaits expected_measurements(const PoseConfig& config) {
       break;
     case PoseMode::kPriorMap:
       expect(MeasurementKind::kOdometry, config.reorder_window_s);
-      expect(MeasurementKind::kSeenTrunks, config.slam.detections_wait_s);
+      expect(MeasurementKind::kDetections, config.slam.detections_wait_s);
       break;
     case PoseMode::kOdometry:
       expect(config.motion == MotionSource::kScans ? MeasurementKind::kScan
@@ -70,7 +70,7 @@ MeasurementWaits expected_measurements(const PoseConfig& config) {
       expect(config.motion == MotionSource::kScans ? MeasurementKind::kScan
                                                    : MeasurementKind::kOdometry,
              config.reorder_window_s);
-      expect(MeasurementKind::kSeenTrunks, config.slam.detections_wait_s);
+      expect(MeasurementKind::kDetections, config.slam.detections_wait_s);
       if (config.slam.use_gnss) expect(MeasurementKind::kGnss, config.reorder_window_s);
       if (config.slam.use_fixes) expect(MeasurementKind::kPoseFix, config.reorder_window_s);
       break;

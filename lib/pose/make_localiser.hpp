@@ -7,7 +7,7 @@
 #include "laser/blind_sector.hpp"
 #include "laser/laser_config.hpp"
 #include "pose/localiser.hpp"
-#include "pose/measurement_queue.hpp"
+#include "pose/measurement.hpp"
 #include "pose/pose_config.hpp"
 #include "pose/prior_map/prior_map.hpp"
 

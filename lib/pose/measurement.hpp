@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <variant>
 
+#include "detection/detection.hpp"
 #include "laser/scan.hpp"
 #include "pose/measurements.hpp"
 
@@ -12,12 +15,16 @@ namespace orchard::pose {
 
 /// Anything that says where the robot is or how it moved. Of measurements at one time, motion is
 /// taken first, then what is absolute, then trunks: the order of the alternatives.
-using Measurement = std::variant<Odometry, Imu, laser::Scan, PoseFix, Gnss, SeenTrunks>;
+using Measurement = std::variant<Odometry, Imu, laser::Scan, PoseFix, Gnss, detection::Detections>;
 
 inline constexpr std::size_t kNumMeasurementKinds = std::variant_size_v<Measurement>;
 
 /// Index of an alternative of Measurement.
-enum class MeasurementKind : std::size_t { kOdometry, kImu, kScan, kPoseFix, kGnss, kSeenTrunks };
+enum class MeasurementKind : std::size_t { kOdometry, kImu, kScan, kPoseFix, kGnss, kDetections };
+
+/// How long a kind that has fallen behind is waited for [s of message time], by MeasurementKind;
+/// none for a kind that is not expected.
+using MeasurementWaits = std::array<std::optional<double>, kNumMeasurementKinds>;
 
 inline MeasurementKind kind_of(const Measurement& measurement) {
   return static_cast<MeasurementKind>(measurement.index());

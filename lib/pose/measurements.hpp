@@ -53,29 +53,4 @@ struct Imu {
   bool has_orientation = false;
 };
 
-/// What the detector took something for; the numbers of detection::Label.
-enum class SeenLabel : std::int8_t { kUnseen = 0, kTree = 1, kObject = 2 };
-
-/// One object that a scan showed, as a landmark to find one's place by.
-struct SeenTrunk {
-  std::int64_t utime = 0;  ///< of its middle beam [us]
-  double x_base_m = 0.0;   ///< its axis
-  double y_base_m = 0.0;
-  std::array<double, 3> covariance{};  ///< of the axis in base: xx xy yy [m2]
-  double width_m = 0.0;
-  double width_sd_m = 0.0;
-  double probability_tree = 0.0;  ///< calibrated; 0 where no probability was learnt
-  double roc_tree = 0.0;
-  SeenLabel label = SeenLabel::kUnseen;
-  std::int8_t occlusion = 0;  ///< bits of detection::Occlusion
-  std::int32_t num_beams = 0;
-};
-
-/// Every object of one scan in order of bearing.
-struct SeenTrunks {
-  std::int64_t utime = 0;  ///< of the scan's first beam [us]
-  std::int32_t seq = 0;
-  std::vector<SeenTrunk> trunks;
-};
-
 }  // namespace orchard::pose

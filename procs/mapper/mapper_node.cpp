@@ -26,7 +26,19 @@ constexpr double kFixSpacing_m = 0.5;
 /// Over less than this, what base moves does not tell how fast.
 constexpr double kSweepMin_s = 0.005;
 
+/// Free-space evidence that waits for its DETECTIONS at most: four minutes, a megabyte.
+constexpr std::size_t kScansWaitingMax = 1000;
+
 double seconds(std::int64_t duration_us) { return 1e-6 * static_cast<double>(duration_us); }
+
+std::int64_t microseconds(double duration_s) { return static_cast<std::int64_t>(1e6 * duration_s); }
+
+/// How long DETECTIONS wait for their SCAN; none where SCAN is of no use.
+std::optional<std::int64_t> scan_wait_us(const mapping::PresenceConfig& config) {
+  const std::int64_t wait_us = config.enabled ? microseconds(config.scan_wait_s) : 0;
+  if (wait_us <= 0) return std::nullopt;
+  return wait_us;
+}
 
 }  // namespace
 
@@ -36,50 +48,71 @@ MapperNode::MapperNode(const io::Config& config)
       gnss_(config.pose.gnss),
       mapper_(config.mapper, {config.laser.mount_x_m, config.laser.mount_y_m}),
       track_(config.mapper.pose_gap_max_s),
-      looks_(config) {}
+      queue_(rules_of(config.mapper)),
+      laser_(config.laser),
+      blind_(config.detector.segmentation.blind_sector()) {}
+
+/// DETECTIONS wait for POSE and SCAN. GNSS and SCAN come on whatever the others do: they say
+/// nothing of message time.
+MapperNode::Queue::Rules MapperNode::rules_of(const mapping::MapperConfig& config) {
+  Queue::Rules rules;
+  rules[kPose].wait_us = microseconds(config.pose_wait_s);
+  rules[kScan].wait_us = scan_wait_us(config.presence);
+  rules[kScan].tells_time = false;
+  return rules;
+}
 
 std::vector<bus::Channel> MapperNode::inputs() const {
   std::vector<bus::Channel> channels{bus::Channel::kPose, bus::Channel::kDetections,
                                      bus::Channel::kTrajectory, bus::Channel::kGnss};
-  if (looks_.wanted()) channels.push_back(bus::Channel::kScan);
+  if (scan_wait_us(config_.presence)) channels.push_back(bus::Channel::kScan);
   return channels;
 }
 
 void MapperNode::handle(const bus::Message& input, const bus::Outbox& send) {
+  const std::int64_t utime = bus::utime_of(input);
   if (const auto* pose = std::get_if<pose::PoseEstimate>(&input)) {
     track_.add(*pose);
+    queue_.reach(kPose, utime);
   } else if (const auto* detections = std::get_if<detection::Detections>(&input)) {
-    if (last_used_utime_ && detections->utime <= *last_used_utime_) {
+    if (last_used_utime_ && utime <= *last_used_utime_) {
       ++counts_.num_late;
       return;
     }
-    const auto at = std::upper_bound(
-        waiting_.begin(), waiting_.end(), detections->utime,
-        [](std::int64_t utime, const detection::Detections& d) { return utime < d.utime; });
-    waiting_.insert(at, *detections);
+    queue_.push(kDetections, utime, *detections);
   } else if (const auto* page = std::get_if<pose::TrajectoryPage>(&input)) {
-    if (auto trajectory = collector_.add(*page)) corrections_.push_back(*std::move(trajectory));
-  } else if (const auto* scan = std::get_if<laser::Scan>(&input)) {
-    looks_.add(*scan);
-    release(send);
-    return;  // it says nothing of how far the others are either
-  } else {
-    // A receiver runs on whatever the laser does: it says nothing of how far the others are.
-    if (const auto* gnss = std::get_if<pose::Gnss>(&input)) {
-      const auto fix = gnss_.add(*gnss);
-      // A robot that stands tells nothing new, however long it stands.
-      if (fix &&
-          (fixes_.empty() || (fix->p_enu_m - fixes_.back().p_enu_m).norm() > kFixSpacing_m)) {
-        fixes_.push_back(*fix);
-      }
+    queue_.reach(kTrajectory, utime);
+    if (auto trajectory = collector_.add(*page)) {
+      queue_.push(kTrajectory, trajectory->utime, *std::move(trajectory));
     }
-    return;
+  } else if (const auto* scan = std::get_if<laser::Scan>(&input)) {
+    add_scan(*scan);
+  } else if (const auto* gnss = std::get_if<pose::Gnss>(&input)) {
+    return add_gnss(*gnss);
   }
-  newest_utime_ =
-      has_newest_ ? std::max(newest_utime_, bus::utime_of(input)) : bus::utime_of(input);
-  has_newest_ = true;
   release(send);
-  drop_late(send);
+}
+
+void MapperNode::add_scan(const laser::Scan& scan) {
+  is_scan_missing_ = false;
+  queue_.set_wait(kScan, scan_wait_us(config_.presence));
+  queue_.reach(kScan, scan.utime);
+  // An earlier one than the last comes of a clock that was set back: kept like any other.
+  const bool has_any = last_kept_scan_utime_ != Queue::kNever;
+  const std::int64_t since_us = has_any ? scan.utime - last_kept_scan_utime_ : 0;
+  if (has_any && since_us >= 0 && since_us < microseconds(config_.presence.period_s)) return;
+  last_kept_scan_utime_ = scan.utime;
+  queue_.push(kScan, scan.utime,
+              std::make_shared<mapping::FreeSpace>(scan, laser_, blind_, config_.presence));
+  if (queue_.size(kScan) > kScansWaitingMax) queue_.take(kScan);
+}
+
+void MapperNode::add_gnss(const pose::Gnss& gnss) {
+  const auto fix = gnss_.add(gnss);
+  // A robot that stands tells nothing new, however long it stands.
+  if (fix && (fixes_.empty() || (fix->p_enu_m - fixes_.back().p_enu_m).norm() > kFixSpacing_m)) {
+    fixes_.push_back(*fix);
+  }
 }
 
 bool MapperNode::undoes_sweep(const detection::Detections& detections) const {
@@ -87,20 +120,31 @@ bool MapperNode::undoes_sweep(const detection::Detections& detections) const {
   return gap_max_us > 0 && track_.is_dense_at(detections.utime, gap_max_us);
 }
 
-/// By what has come for its time, so that it does not depend on when the scans come.
-bool MapperNode::can_be_placed(const detection::Detections& detections) const {
-  if (!track_.covers(detections.utime)) return false;
-  if (!looks_.is_ready(detections.utime, newest_utime_)) return false;
-  return !undoes_sweep(detections) || track_.covers(mapping::last_utime_of(detections));
+/// What the next DETECTIONS wait for, by what has come for their time: it does not depend on when
+/// the scans come.
+std::optional<std::size_t> MapperNode::blocker() const {
+  const auto& next = std::get<detection::Detections>(queue_.front(kDetections));
+  const bool to_last = track_.covers(next.utime) && undoes_sweep(next);
+  return queue_.blocker(next.utime, [&](std::size_t kind) {
+    return kind == kPose && to_last ? mapping::last_utime_of(next) : next.utime;
+  });
 }
 
 void MapperNode::release(const bus::Outbox& send) {
-  while (!waiting_.empty() && can_be_placed(waiting_.front())) place_front(send);
+  while (!queue_.is_empty(kDetections) && !blocker()) {
+    const std::int64_t utime = queue_.front_utime(kDetections);
+    if (track_.covers(utime)) {
+      place_front(send);
+    } else {  // its POSE has not come in time
+      last_used_utime_ = utime;
+      queue_.take(kDetections);
+      ++counts_.num_late;
+    }
+  }
 }
 
 void MapperNode::place_front(const bus::Outbox& send) {
-  const detection::Detections detections = std::move(waiting_.front());
-  waiting_.pop_front();
+  const auto detections = std::get<detection::Detections>(queue_.take(kDetections));
   correct_up_to(detections.utime, send);
   last_used_utime_ = detections.utime;
   const auto pose = track_.at(detections.utime);
@@ -108,20 +152,32 @@ void MapperNode::place_front(const bus::Outbox& send) {
     ++(track_.covers(detections.utime) ? counts_.num_unusable : counts_.num_late);
     return;
   }
-  auto look = look_of(detections, *pose);
+  auto free_space = free_space_of(detections, *pose);
   if (undoes_sweep(detections)) {
-    use(mapping::unswept(detections, track_, *pose), *pose, std::move(look), send);
+    use(mapping::unswept(detections, track_, *pose), *pose, std::move(free_space), send);
   } else {
-    use(detections, *pose, std::move(look), send);
+    use(detections, *pose, std::move(free_space), send);
   }
+}
+
+/// The free-space evidence of exactly that time, or none; older evidence is dropped.
+MapperNode::FreeSpacePtr MapperNode::take_free_space(std::int64_t utime) {
+  if (!scan_wait_us(config_.presence)) return nullptr;
+  if (queue_.reached(kScan) < utime) {
+    is_scan_missing_ = true;
+    queue_.set_wait(kScan, std::nullopt);
+  }
+  while (!queue_.is_empty(kScan) && queue_.front_utime(kScan) < utime) queue_.take(kScan);
+  if (queue_.is_empty(kScan) || queue_.front_utime(kScan) != utime) return nullptr;
+  return std::get<FreeSpacePtr>(queue_.take(kScan));
 }
 
 /// The beams of a scan, and how base moved from its first object to its last while they were sent.
 /// None where that cannot be told.
-std::shared_ptr<const mapping::BeamLook> MapperNode::look_of(
+std::shared_ptr<const mapping::FreeSpace> MapperNode::free_space_of(
     const detection::Detections& detections, const pose::PoseEstimate& T_map_base) {
-  auto look = looks_.take(detections.utime);
-  if (!look || !look->is_sweep() || !undoes_sweep(detections)) return look;
+  FreeSpacePtr free_space = take_free_space(detections.utime);
+  if (!free_space || !free_space->is_sweep() || !undoes_sweep(detections)) return free_space;
   const std::int64_t last_utime = mapping::last_utime_of(detections);
   const double time_s = seconds(last_utime - detections.utime);
   const auto then = track_.at(last_utime);
@@ -129,50 +185,36 @@ std::shared_ptr<const mapping::BeamLook> MapperNode::look_of(
   const double x_m = then->x_m - T_map_base.x_m, y_m = then->y_m - T_map_base.y_m;
   const double c = std::cos(T_map_base.yaw_rad), s = std::sin(T_map_base.yaw_rad);
   const double yaw_rad = geometry::wrap_angle_rad(then->yaw_rad - T_map_base.yaw_rad);
-  look->set_velocity(Eigen::Vector3d(c * x_m + s * y_m, c * y_m - s * x_m, yaw_rad) / time_s);
-  return look;
+  free_space->set_velocity(Eigen::Vector3d(c * x_m + s * y_m, c * y_m - s * x_m, yaw_rad) / time_s);
+  return free_space;
 }
 
 void MapperNode::correct_up_to(std::int64_t utime, const bus::Outbox& send) {
-  while (!corrections_.empty() && corrections_.front().utime <= utime) {
-    moved_m_ += track_.correct(corrections_.front());
-    corrections_.pop_front();
+  while (!queue_.is_empty(kTrajectory) && queue_.front_utime(kTrajectory) <= utime) {
+    moved_m_ += track_.correct(std::get<pose::Trajectory>(queue_.take(kTrajectory)));
   }
-  if (is_worth_rederiving()) rederive(send);
+  if (is_rebuild_due()) rebuild_map(send);
 }
 
 /// All of it costs as much as the drive is long: small corrections wait until the drive has grown
 /// by a tenth, so that all of them together cost no more than ten drives.
-bool MapperNode::is_worth_rederiving() const {
+bool MapperNode::is_rebuild_due() const {
   if (moved_m_ < config_.rederive_m) return false;
-  return moved_m_ >= config_.gate_m || 10 * mapper_.num_observations() >= 11 * num_rederived_;
+  return moved_m_ >= config_.gate_m || 10 * mapper_.num_observations() >= 11 * num_rebuilt_;
 }
 
-void MapperNode::rederive(const bus::Outbox& send) {
+void MapperNode::rebuild_map(const bus::Outbox& send) {
   moved_m_ = 0.0;
-  num_rederived_ = mapper_.num_observations();
-  const mapping::MapUpdate update = mapper_.rederive(
+  num_rebuilt_ = mapper_.num_observations();
+  const mapping::MapUpdate update = mapper_.rebuild(
       [this](const pose::PoseEstimate& was) { return track_.at(was.utime).value_or(was); });
   send_landmarks(last_used_utime_.value_or(0), update.changed_ids, update.removed_ids, send);
 }
 
-void MapperNode::drop_late(const bus::Outbox& send) {
-  while (!waiting_.empty() &&
-         seconds(newest_utime_ - waiting_.front().utime) > config_.pose_wait_s) {
-    if (track_.covers(waiting_.front().utime)) {
-      place_front(send);  // the pose at its last beam has not come
-      continue;
-    }
-    last_used_utime_ = waiting_.front().utime;
-    waiting_.pop_front();
-    ++counts_.num_late;
-  }
-}
-
 void MapperNode::flush(const bus::Outbox& send) {
-  while (!waiting_.empty()) place_front(send);
+  while (!queue_.is_empty(kDetections)) place_front(send);
   correct_up_to(std::numeric_limits<std::int64_t>::max(), send);
-  if (moved_m_ > 0.0) rederive(send);
+  if (moved_m_ > 0.0) rebuild_map(send);
   // the whole map once more, so that a recorded log ends with it
   if (mapper_.num_landmarks() > 0) {
     std::vector<mapping::Landmark> all = mapper_.landmarks();
@@ -184,8 +226,9 @@ void MapperNode::flush(const bus::Outbox& send) {
 }
 
 void MapperNode::use(const detection::Detections& detections, const pose::PoseEstimate& T_map_base,
-                     std::shared_ptr<const mapping::BeamLook> look, const bus::Outbox& send) {
-  const mapping::MapUpdate update = mapper_.update(detections, T_map_base, std::move(look));
+                     std::shared_ptr<const mapping::FreeSpace> free_space,
+                     const bus::Outbox& send) {
+  const mapping::MapUpdate update = mapper_.update(detections, T_map_base, std::move(free_space));
   std::vector<std::int32_t> ids = update.changed_ids;
   const std::vector<std::int32_t> refreshed = refresh_ids(detections.utime);
   ids.insert(ids.end(), refreshed.begin(), refreshed.end());
@@ -278,18 +321,19 @@ void MapperNode::send_tiles(std::int64_t utime, std::vector<mapping::Landmark> l
 }
 
 std::string MapperNode::waiting_for() const {
-  if (waiting_.empty()) {
-    if (!has_newest_) return "no DETECTIONS and no POSE yet (orchard-detector, orchard-pose)";
-    return looks_.is_missing()
-               ? "no SCAN with the DETECTIONS (a laser driver): what is gone is told "
-                 "from DETECTIONS alone (or set mapper.presence.scan_wait_s to 0)"
-               : "";
+  if (queue_.is_empty(kDetections)) {
+    if (queue_.message_time() == Queue::kNever) {
+      return "no DETECTIONS and no POSE yet (orchard-detector, orchard-pose)";
+    }
+    return is_scan_missing_ ? "no SCAN with the DETECTIONS (a laser driver): what is gone stays in "
+                              "the map (or set mapper.presence.scan_wait_s to 0)"
+                            : "";
   }
   char text[128];
-  const std::int64_t utime = waiting_.front().utime;
-  std::snprintf(text, sizeof text, "DETECTIONS at %.3f s wait for %s", seconds(utime),
-                looks_.is_ready(utime, newest_utime_) ? "a POSE at or after (orchard-pose)"
-                                                      : "their SCAN (a laser driver)");
+  std::snprintf(
+      text, sizeof text, "DETECTIONS at %.3f s wait for %s",
+      seconds(queue_.front_utime(kDetections)),
+      blocker() == kScan ? "their SCAN (a laser driver)" : "a POSE at or after (orchard-pose)");
   return text;
 }
 

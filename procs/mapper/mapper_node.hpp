@@ -2,20 +2,20 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "bus/node/node.hpp"
 #include "io/config/config.hpp"
 #include "io/map/map_folder.hpp"
-#include "mapper/look_queue.hpp"
 #include "mapping/mapper.hpp"
 #include "mapping/pose_track.hpp"
 #include "pose/filter/gnss_positions.hpp"
 #include "pose/trajectory.hpp"
+#include "timing/ordered_queue.hpp"
 
 namespace orchard::procs {
 
@@ -27,12 +27,14 @@ namespace orchard::procs {
 /// depend on how far one channel runs ahead of the other within that time.
 ///
 /// TRAJECTORY corrects the past: poses before its utime move, and once they have moved by
-/// mapper.rederive_m all landmarks are derived anew from their observations, with their ids kept.
+/// mapper.rederive_m the map is rebuilt from all observations, with its ids kept.
 /// TRAJECTORY takes its turn before the first DETECTIONS at or after its utime; the end of the log
 /// flushes.
 ///
-/// SCAN tells by its beams what stands there no more. DETECTIONS wait for their SCAN likewise, and
-/// go without one that does not come; see LookQueue.
+/// SCAN is free-space evidence: its beams pass through what stands there no more. One SCAN per
+/// mapper.presence.period_s is kept for its DETECTIONS. DETECTIONS(t) wait for a SCAN at or after
+/// t; where none has come within mapper.presence.scan_wait_s of message time, nobody waits until
+/// SCAN is heard (again): a mapper that is given none works without.
 ///
 /// GNSS says where on the earth the map lies: the corrected path is laid upon the fixes.
 class MapperNode : public bus::Node {
@@ -60,21 +62,29 @@ class MapperNode : public bus::Node {
   std::size_t num_landmarks() const { return mapper_.num_landmarks(); }
 
  private:
+  enum Kind : std::size_t { kTrajectory, kDetections, kScan, kPose, kNumKinds };
+  using FreeSpacePtr = std::shared_ptr<mapping::FreeSpace>;
+  using Waiting = std::variant<pose::Trajectory, detection::Detections, FreeSpacePtr>;
+  using Queue = timing::OrderedQueue<Waiting, kNumKinds>;
+  static Queue::Rules rules_of(const mapping::MapperConfig& config);
+
+  void add_scan(const laser::Scan& scan);
+  void add_gnss(const pose::Gnss& gnss);
   bool undoes_sweep(const detection::Detections& detections) const;
-  bool can_be_placed(const detection::Detections& detections) const;
+  std::optional<std::size_t> blocker() const;
   void release(const bus::Outbox& send);
   void place_front(const bus::Outbox& send);
+  FreeSpacePtr take_free_space(std::int64_t utime);
   std::optional<geometry::Georeference> georeference() const;
   void correct_up_to(std::int64_t utime, const bus::Outbox& send);
-  bool is_worth_rederiving() const;
-  void rederive(const bus::Outbox& send);
+  bool is_rebuild_due() const;
+  void rebuild_map(const bus::Outbox& send);
   void send_landmarks(std::int64_t utime, const std::vector<std::int32_t>& ids,
                       const std::vector<std::int32_t>& removed_ids, const bus::Outbox& send);
-  void drop_late(const bus::Outbox& send);
-  std::shared_ptr<const mapping::BeamLook> look_of(const detection::Detections& detections,
-                                                   const pose::PoseEstimate& T_map_base);
+  std::shared_ptr<const mapping::FreeSpace> free_space_of(const detection::Detections& detections,
+                                                          const pose::PoseEstimate& T_map_base);
   void use(const detection::Detections& detections, const pose::PoseEstimate& T_map_base,
-           std::shared_ptr<const mapping::BeamLook> look, const bus::Outbox& send);
+           std::shared_ptr<const mapping::FreeSpace> free_space, const bus::Outbox& send);
   void send_tiles(std::int64_t utime, std::vector<mapping::Landmark> landmarks,
                   const std::vector<std::int32_t>& removed_ids, const bus::Outbox& send);
   std::vector<std::int32_t> refresh_ids(std::int64_t utime);
@@ -85,15 +95,15 @@ class MapperNode : public bus::Node {
   std::vector<pose::GnssPosition> fixes_;
   mapping::Mapper mapper_;
   mapping::PoseTrack track_;
-  std::deque<detection::Detections> waiting_;  ///< in order of utime
-  LookQueue looks_;
+  Queue queue_;
+  laser::LaserConfig laser_;
+  laser::BlindSector blind_;
+  std::int64_t last_kept_scan_utime_ = Queue::kNever;
+  bool is_scan_missing_ = false;  ///< DETECTIONS were used without theirs, and none has come since
   pose::TrajectoryCollector collector_;
-  std::deque<pose::Trajectory> corrections_;  ///< that have not had their turn, in order of utime
-  double moved_m_ = 0.0;                      ///< by corrections since landmarks were derived last
-  std::size_t num_rederived_ = 0;             ///< observations when that was
+  double moved_m_ = 0.0;         ///< by corrections since the map was rebuilt last
+  std::size_t num_rebuilt_ = 0;  ///< observations when that was
   std::optional<std::int64_t> last_used_utime_;
-  std::int64_t newest_utime_ = 0;  ///< message time
-  bool has_newest_ = false;
   std::int32_t next_seq_ = 0;
   std::int32_t refresh_from_id_ = 1;
   std::int64_t last_refresh_utime_ = 0;

@@ -2,6 +2,7 @@
 #include "pose/pose_node.hpp"
 
 #include <array>
+#include <cmath>
 #include <utility>
 #include <variant>
 
@@ -16,34 +17,19 @@ constexpr std::array<bus::Channel, pose::kNumMeasurementKinds> kChannelOfKind{
     bus::Channel::kOdometry, bus::Channel::kImu,  bus::Channel::kScan,
     bus::Channel::kPoseFix,  bus::Channel::kGnss, bus::Channel::kDetections};
 
-pose::SeenTrunks seen_trunks(const detection::Detections& detections) {
-  pose::SeenTrunks seen;
-  seen.utime = detections.utime;
-  seen.seq = detections.seq;
-  seen.trunks.reserve(detections.trunks.size());
-  for (const detection::Detection& d : detections.trunks) {
-    pose::SeenTrunk trunk;
-    trunk.utime = d.utime;
-    trunk.x_base_m = d.centre_x_m;
-    trunk.y_base_m = d.centre_y_m;
-    trunk.covariance = d.covariance;
-    trunk.width_m = d.width_m;
-    trunk.width_sd_m = d.width_sd_m;
-    trunk.probability_tree = d.probability_tree;
-    trunk.roc_tree = d.roc_tree;
-    trunk.label = static_cast<pose::SeenLabel>(d.label);
-    trunk.occlusion = d.occlusion;
-    trunk.num_beams = d.num_beams;
-    seen.trunks.push_back(trunk);
+constexpr std::size_t kNumKinds = pose::kNumMeasurementKinds;
+
+timing::OrderedQueue<pose::Measurement, kNumKinds>::Rules rules_of(
+    const pose::MeasurementWaits& waits_s) {
+  timing::OrderedQueue<pose::Measurement, kNumKinds>::Rules rules;
+  for (std::size_t kind = 0; kind < kNumKinds; ++kind) {
+    if (waits_s[kind]) rules[kind].wait_us = std::llround(*waits_s[kind] * 1e6);
   }
-  return seen;
+  return rules;
 }
 
 /// None for a message that is no measurement.
 std::optional<pose::Measurement> measurement_of(const bus::Message& input) {
-  if (const auto* detections = std::get_if<detection::Detections>(&input)) {
-    return seen_trunks(*detections);
-  }
   return std::visit(
       [](const auto& m) -> std::optional<pose::Measurement> {
         if constexpr (std::is_constructible_v<pose::Measurement, decltype(m)>) {
@@ -59,7 +45,7 @@ std::optional<pose::Measurement> measurement_of(const bus::Message& input) {
 
 PoseNode::PoseNode(const io::Config& config)
     : waits_s_(pose::expected_measurements(config.pose)),
-      queue_(waits_s_),
+      queue_(rules_of(waits_s_)),
       localiser_(pose::make_localiser(config.pose,
                                       config.pose.mode == pose::PoseMode::kPriorMap
                                           ? io::read_prior_map(config.pose.prior_map)
@@ -76,24 +62,36 @@ std::vector<bus::Channel> PoseNode::inputs() const {
 
 void PoseNode::handle(const bus::Message& input, const bus::Outbox& send) {
   if (std::optional<pose::Measurement> measurement = measurement_of(input)) {
-    queue_.push(*std::move(measurement));
+    push(*std::move(measurement));
   }
-  while (const auto measurement = queue_.pop()) take(*measurement, send);
+  while (const auto measurement = queue_.pop()) use(*measurement, send);
+}
+
+void PoseNode::push(pose::Measurement measurement) {
+  const std::size_t kind = measurement.index();
+  const std::int64_t utime = pose::utime_of(measurement);
+  // Equal to the released time is late as well: its pose has been published.
+  if (utime <= released_utime_ || utime < queue_.reached(kind)) {
+    ++num_late_;
+    return;
+  }
+  queue_.push(kind, utime, std::move(measurement));
 }
 
 void PoseNode::flush(const bus::Outbox& send) {
-  while (const auto measurement = queue_.pop_flushed()) take(*measurement, send);
+  while (const auto measurement = queue_.pop_flushed()) use(*measurement, send);
   localiser_->finish();
   send_correction(send);
 }
 
-void PoseNode::take(const pose::Measurement& measurement, const bus::Outbox& send) {
+void PoseNode::use(const pose::Measurement& measurement, const bus::Outbox& send) {
+  released_utime_ = pose::utime_of(measurement);
   localiser_->add(measurement);
-  // Before the pose of that time: poses from there on are told with the correction.
+  // Before the pose of that time: poses from there on are published with the correction.
   send_correction(send);
   std::optional<pose::PoseEstimate> estimate = localiser_->estimate();
   // Measurements of one time make one pose.
-  if (estimate && estimate->utime > last_utime_ && !queue_.next_is_at(estimate->utime)) {
+  if (estimate && estimate->utime > last_utime_ && queue_.next_utime() != estimate->utime) {
     last_utime_ = estimate->utime;
     estimate->seq = next_seq_++;
     send(*estimate);
@@ -111,16 +109,16 @@ void PoseNode::send_correction(const bus::Outbox& send) {
 
 bus::NodeCounts PoseNode::counts() const {
   bus::NodeCounts counts;
-  counts.num_late = queue_.num_late();
+  counts.num_late = num_late_;
   return counts;
 }
 
 std::string PoseNode::waiting_for() const {
-  const std::optional<pose::MeasurementKind> kind = queue_.waits_for();
-  if (!kind) return {};
-  const bus::Channel missing = kChannelOfKind[static_cast<std::size_t>(*kind)];
-  return "the pose at " + std::to_string(*queue_.next_utime()) + " us waits for " +
-         std::string(bus::info(missing).name) + " of that time or later";
+  const std::optional<std::int64_t> utime = queue_.next_utime();
+  const std::optional<std::size_t> missing = utime ? queue_.blocker(*utime) : std::nullopt;
+  if (!missing) return {};
+  return "the pose at " + std::to_string(*utime) + " us waits for " +
+         std::string(bus::info(kChannelOfKind[*missing]).name) + " of that time or later";
 }
 
 }  // namespace orchard::procs

@@ -8,7 +8,8 @@
 #include "bus/node/node.hpp"
 #include "io/config/config.hpp"
 #include "pose/localiser.hpp"
-#include "pose/measurement_queue.hpp"
+#include "pose/measurement.hpp"
+#include "timing/ordered_queue.hpp"
 
 namespace orchard::procs {
 
@@ -28,11 +29,16 @@ class PoseNode : public bus::Node {
   std::string warning() const override { return localiser_->warning(); }
 
  private:
-  void take(const pose::Measurement& measurement, const bus::Outbox& send);
+  void push(pose::Measurement measurement);
+  void use(const pose::Measurement& measurement, const bus::Outbox& send);
   void send_correction(const bus::Outbox& send);
 
+  using Queue = timing::OrderedQueue<pose::Measurement, pose::kNumMeasurementKinds>;
+
   pose::MeasurementWaits waits_s_;
-  pose::MeasurementQueue queue_;
+  Queue queue_;
+  std::int64_t released_utime_ = Queue::kNever;  ///< of the last measurement that was used
+  std::int64_t num_late_ = 0;
   std::unique_ptr<pose::Localiser> localiser_;
   std::int64_t last_utime_ = std::numeric_limits<std::int64_t>::min();  ///< of the last POSE
   std::int32_t next_seq_ = 0;

@@ -3,10 +3,9 @@
 # What people and vehicles leave in the map: simulates the block with PEOPLE walkers and VEHICLES
 # that stand in an alley and drive off, maps it over seeds 1-5 (or FIRST LAST), and prints how many
 # landmarks stand where nothing of the truth does (ghosts), how many trees are missing, and the same
-# for a map that gives nothing up (mapper.presence.enabled: false) and for one without beams
-# (mapper.presence.scan_wait_s: 0).
+# for a map that gives nothing up (mapper.presence.enabled: false).
 #   RIG=config/block.yaml  PEOPLE=12  VEHICLES=4  LAPS=1  SECONDS_PER_DRIVE=0 (all)
-#   HOW="beams detections off" (which maps)  GHOST_M=0.4 (from every true thing's edge)
+#   HOW="beams off" (which maps)  GHOST_M=0.4 (from every true thing's edge)
 # Seeds from 1001 on are for choosing, 1-20 for reporting. Drives are kept in OUT (out/moving) and
 # used again; remove the folder after a change of the simulation.
 set -euo pipefail
@@ -39,7 +38,6 @@ presence() {
   fi
 }
 cp "$out/world.yaml" "$out/beams.yaml"
-presence scan_wait_s 0 >"$out/detections.yaml"
 presence enabled false >"$out/off.yaml"
 
 # score TRUTH MAP: landmarks, ghosts, trees without a landmark within 0.3 m, trees
@@ -59,7 +57,7 @@ score() {
           printf "%d %d %d %d", num, ghosts, missed, trees }' "$1" "$2"
 }
 
-how=${HOW:-beams detections off}
+how=${HOW:-beams off}
 printf '%5s' seed
 for one in $how; do printf '  %-38s' "$one: landmarks, ghosts, trees missed"; done
 printf '\n'

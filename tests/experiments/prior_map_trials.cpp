@@ -210,7 +210,7 @@ void tracking_trials(std::uint64_t first, std::uint64_t last) {
           const std::chrono::duration<double, std::micro> took =
               std::chrono::steady_clock::now() - begin;
           total_us += took.count();
-          if (!std::holds_alternative<pose::SeenTrunks>(m)) return true;
+          if (!std::holds_alternative<detection::Detections>(m)) return true;
           most_us = std::max(most_us, took.count());
           ++num_scans;
           const auto estimate = localiser.estimate();

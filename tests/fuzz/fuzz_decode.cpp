@@ -9,9 +9,11 @@
 #include <vector>
 
 #include "bus/messages/codec.hpp"
+#include "bus/messages/field_writer.hpp"
 #include "bus/messages/service_messages.hpp"
+#include "bus/messages/wire_format.hpp"
 #include "fuzz/fuzz_seeds.hpp"
-#include "unit/bus/sample_messages.hpp"
+#include "unit/bus/messages/sample_messages.hpp"
 
 namespace {
 
@@ -19,56 +21,7 @@ using namespace orchard;
 
 /// The first eight bytes of any message of the channel.
 std::vector<std::uint8_t> hash_of(bus::Channel channel) {
-  std::vector<std::uint8_t> bytes;
-  switch (channel) {
-    case bus::Channel::kScan:
-      bytes = bus::encode(bus::Message(laser::Scan{}));
-      break;
-    case bus::Channel::kImage:
-      bytes = bus::encode(bus::Message(vision::Image{}));
-      break;
-    case bus::Channel::kOdometry:
-      bytes = bus::encode(bus::Message(pose::Odometry{}));
-      break;
-    case bus::Channel::kGnss:
-      bytes = bus::encode(bus::Message(pose::Gnss{}));
-      break;
-    case bus::Channel::kPoseFix:
-      bytes = bus::encode(bus::Message(pose::PoseFix{}));
-      break;
-    case bus::Channel::kPose:
-      bytes = bus::encode(bus::Message(pose::PoseEstimate{}));
-      break;
-    case bus::Channel::kDetections:
-      bytes = bus::encode(bus::Message(detection::Detections{}));
-      break;
-    case bus::Channel::kMap:
-      bytes = bus::encode(bus::Message(mapping::MapTile{}));
-      break;
-    case bus::Channel::kStatus:
-      bytes = bus::encode(bus::Status{});
-      break;
-    case bus::Channel::kConfig:
-      bytes = bus::encode(bus::ConfigNotice{});
-      break;
-    case bus::Channel::kAck:
-      bytes = bus::encode(bus::Ack{});
-      break;
-    case bus::Channel::kReplay:
-      bytes = bus::encode(bus::ReplayMark{});
-      break;
-    case bus::Channel::kAdaptation:
-      bytes = bus::encode(bus::Message(detection::AdaptationStep{}));
-      break;
-    case bus::Channel::kImu:
-      bytes = bus::encode(bus::Message(pose::Imu{}));
-      break;
-    case bus::Channel::kTrajectory:
-      bytes = bus::encode(bus::Message(pose::TrajectoryPage{}));
-      break;
-  }
-  bytes.resize(8);
-  return bytes;
+  return bus::FieldWriter(bus::type_hash(channel)).bytes();
 }
 
 /// What the guard lets through must encode to the very bytes that came in: nothing repaired.

@@ -1,33 +1,38 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bus/messages/codec.hpp"
 
-#include <algorithm>
-#include <exception>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
+#include "bus/messages/field_codec.hpp"
 #include "bus/messages/validity.hpp"
-#include "bus/messages/wire_layout.hpp"
-#include "bus/messages/wire_types.hpp"
 
 namespace orchard::bus {
 namespace {
 
-/// Decodes bytes whose layout was checked; none when the generated decoder objects after all.
-template <class Wire>
-std::variant<Message, Rejection> decode_as(const void* data, std::size_t size) {
-  try {
-    Wire wire;
-    const int decoded = wire.decode(data, 0, static_cast<int>(size));
-    if (decoded != static_cast<int>(size)) {
-      return Rejection{Reason::kUndecodable, "decoder read " + std::to_string(decoded) + " of " +
-                                                 std::to_string(size) + " bytes"};
+template <class M, class Fields>
+std::variant<Message, Rejection> decode_as(Channel channel, const void* data, std::size_t size,
+                                           Fields fields) {
+  auto decoded = decode_fields<M>(channel, data, size, fields);
+  if (auto* rejection = std::get_if<Rejection>(&decoded)) return std::move(*rejection);
+  Message message = std::move(std::get<M>(decoded));
+  if (auto rejection = check_consistency(message)) return *std::move(rejection);
+  return message;
+}
+
+/// Finds the alternative of Message that the channel carries, from `kIndex` on.
+template <std::size_t kIndex = 0>
+std::variant<Message, Rejection> decode_alternative(Channel channel, const void* data,
+                                                    std::size_t size) {
+  if constexpr (kIndex == std::variant_size_v<Message>) {
+    throw std::invalid_argument("decode: no such channel");
+  } else {
+    using M = std::variant_alternative_t<kIndex, Message>;
+    if (channel != channel_of_alternative(kIndex)) {
+      return decode_alternative<kIndex + 1>(channel, data, size);
     }
-    Message message = from_wire(std::move(wire));
-    if (std::optional<Rejection> rejection = check_content(message)) return *std::move(rejection);
-    return message;
-  } catch (const std::exception& error) {
-    return Rejection{Reason::kUndecodable, error.what()};
+    return decode_as<M>(channel, data, size, fields_of(M{}));
   }
 }
 
@@ -56,7 +61,7 @@ std::string_view to_string(Reason reason) {
 }
 
 std::vector<std::uint8_t> encode(const Message& message) {
-  return std::visit([](const auto& m) { return encode_wire(to_wire(m)); }, message);
+  return std::visit([&](const auto& m) { return encode_fields(channel_of(message), m); }, message);
 }
 
 std::variant<Message, Rejection> decode(Channel channel, const void* data, std::size_t size) {
@@ -64,36 +69,13 @@ std::variant<Message, Rejection> decode(Channel channel, const void* data, std::
     throw std::invalid_argument("decode: " + std::string(info(channel).name) +
                                 " is a service channel");
   }
-  if (std::optional<Rejection> rejection = check_layout(channel, data, size)) {
-    return *std::move(rejection);
+  const bool has_hash =
+      data != nullptr && size >= sizeof(std::int64_t) && size <= max_bytes(channel);
+  if (has_hash && is_older_form(channel, data)) {
+    return decode_as<detection::Detections>(channel, data, size,
+                                            detection::DetectionsFields<true>{});
   }
-  switch (channel) {
-    case Channel::kScan:
-      return decode_as<scan_t>(data, size);
-    case Channel::kImage:
-      return decode_as<image_t>(data, size);
-    case Channel::kOdometry:
-      return decode_as<odometry_t>(data, size);
-    case Channel::kGnss:
-      return decode_as<gnss_t>(data, size);
-    case Channel::kPoseFix:
-      return decode_as<pose_fix_t>(data, size);
-    case Channel::kPose:
-      return decode_as<pose_t>(data, size);
-    case Channel::kDetections:
-      return is_older_form(channel, data) ? decode_as<detections_t>(data, size)
-                                          : decode_as<detections_v2_t>(data, size);
-    case Channel::kMap:
-      return decode_as<map_tile_t>(data, size);
-    case Channel::kAdaptation:
-      return decode_as<adaptation_t>(data, size);
-    case Channel::kImu:
-      return decode_as<imu_t>(data, size);
-    case Channel::kTrajectory:
-      return decode_as<trajectory_t>(data, size);
-    default:
-      throw std::invalid_argument("decode: no such channel");
-  }
+  return decode_alternative(channel, data, size);
 }
 
 }  // namespace orchard::bus

@@ -21,14 +21,18 @@ using Message = std::variant<laser::Scan, vision::Image, pose::Odometry, pose::G
                              pose::PoseEstimate, detection::Detections, mapping::MapTile,
                              detection::AdaptationStep, pose::Imu, pose::TrajectoryPage>;
 
-/// The channel a message travels on: the variant's alternatives stand in the order of Channel,
-/// the service channels left out.
-inline Channel channel_of(const Message& message) {
+/// The channel of an alternative of Message: they stand in the order of Channel, the service
+/// channels left out.
+constexpr Channel channel_of_alternative(std::size_t index) {
   constexpr auto kFirstService = static_cast<std::size_t>(Channel::kStatus);
   constexpr auto kAfterService = static_cast<std::size_t>(Channel::kAdaptation);
-  const std::size_t index = message.index();
   return static_cast<Channel>(index < kFirstService ? index
                                                     : index - kFirstService + kAfterService);
+}
+
+/// The channel a message travels on.
+inline Channel channel_of(const Message& message) {
+  return channel_of_alternative(message.index());
 }
 
 /// Time of measurement of any message [us].

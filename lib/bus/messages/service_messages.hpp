@@ -49,6 +49,9 @@ struct OutputId {
   std::int32_t seq = 0;
 };
 
+/// Nodes that take part in a lockstep replay: detector, pose, mapper, numbered as in ack_t.
+inline constexpr std::int8_t kNumLockstepNodes = 3;
+
 /// Lockstep: a node has consumed an input and published what follows from it. ACK.
 struct Ack {
   std::int64_t utime = 0;            ///< of the input

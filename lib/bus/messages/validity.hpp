@@ -8,11 +8,8 @@
 
 namespace orchard::bus {
 
-/// The first moment no message may carry: 2200-01-01 [us].
-inline constexpr std::int64_t kUtimeEnd = 7258118400000000;
-
-/// Why a decoded message cannot be what it says (not finite, out of range, contradicting its own
-/// sizes), or none when it can be.
-std::optional<Rejection> check_content(const Message& message);
+/// Why a message whose fields are each within their limits cannot be what it says, by what its
+/// fields say of each other and of its arrays; none when it can be.
+std::optional<Rejection> check_consistency(const Message& message);
 
 }  // namespace orchard::bus

@@ -5,181 +5,95 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/angles.hpp"
+#include "mapping/candidate.hpp"
 
 namespace orchard::mapping {
 namespace {
 
 using Eigen::Vector2d;
 
-/// A landmark tells by its number of observations whether a scan's pose can be trusted, up to
-/// these.
-constexpr int kWitnessMost = 100;
-/// A miss from a side on which the thing was never seen counts as this much of one.
-constexpr double kUnseenSide = 0.25;
-/// Something seen this near to a place beyond its own half width may be what stands there.
-constexpr double kBeside_m = 0.3;
-constexpr int kNumSides = 8;
+/// The weight of a landmark in whether a scan's pose can be trusted is its number of observations,
+/// up to this.
+constexpr int kPoseWeightMax = 100;
 
-/// The side of a landmark that one looks at, of kNumSides.
-int side_of(const Vector2d& from_landmark) {
-  const double turns = std::atan2(from_landmark.y(), from_landmark.x()) / (2.0 * geometry::kPi);
-  return std::min(kNumSides - 1, static_cast<int>((turns + 0.5) * kNumSides));
-}
-
-std::uint8_t bit(int side) {
-  return static_cast<std::uint8_t>(1u << ((side + kNumSides) % kNumSides));
-}
-
-/// Base, its axes, and the laser of one scan in map.
-struct ScanFrame {
-  ScanFrame(const pose::PoseEstimate& T_map_base, const Vector2d& p_base_laser)
-      : base_map(T_map_base.x_m, T_map_base.y_m),
-        R_map_base(T_map_base.yaw_rad),
-        laser_map(base_map + R_map_base * p_base_laser) {}
-
-  Vector2d to_base(const Vector2d& p_map) const {
-    return R_map_base.inverse() * (p_map - base_map);
-  }
-  /// From the laser, axes of base.
-  Vector2d to_laser(const Vector2d& p_map) const {
-    return R_map_base.inverse() * (p_map - laser_map);
-  }
-
-  Vector2d base_map;
-  Eigen::Rotation2Dd R_map_base;
-  Vector2d laser_map;
-};
-
-int weight_as_witness(const LandmarkRecord& r) { return std::min(r.num_all, kWitnessMost); }
+int pose_weight(const LandmarkRecord& r) { return std::min(r.num_all, kPoseWeightMax); }
 
 }  // namespace
 
-/// What one look says of each landmark in view.
-struct PresenceWatch::Verdicts {
-  struct Verdict {
+/// What the beams of one scan say of each landmark in view.
+struct ExistenceFilter::Evidence {
+  struct OfLandmark {
     std::int32_t index = 0;
-    double log_odds = 0.0;  ///< that it stands there still
+    double log_odds = 0.0;  ///< that it still stands there
   };
-  std::vector<Verdict> verdicts;
-  double log_odds_max = 0.0;           ///< however often it was found, it can go away
+  std::vector<OfLandmark> of_landmarks;
   int for_pose = 0, against_pose = 0;  ///< weights of what is found and of what is missed
 };
 
-void PresenceWatch::acknowledge(const std::vector<std::int32_t>& observed,
-                                const Vector2d& laser_map, LandmarkTable& landmarks) const {
-  const double for_it = std::log(config_.seen_rate / config_.stray_rate);
-  for (const std::int32_t i : observed) {
-    landmarks.change(i, [&](LandmarkRecord& r) {
-      r.presence = static_cast<float>(std::min(config_.log_odds_max, r.presence + for_it));
-      r.sides_seen |= bit(side_of(laser_map - r.anchor()));
-    });
-  }
-}
-
-PresenceWatch::Verdicts PresenceWatch::of_beams(const std::vector<std::int32_t>& observed,
-                                                const pose::PoseEstimate& T_map_base,
-                                                const BeamLook& look,
-                                                const LandmarkTable& landmarks) const {
-  const double past_it = std::log(config_.past_rate / config_.past_rate_gone);
-  const double from_it = std::log((1.0 - config_.past_rate) / (1.0 - config_.past_rate_gone));
-  const ScanFrame frame(T_map_base, p_base_laser_);
-  const std::int32_t scan = observed.empty() ? -1 : landmarks[observed.front()].last_scan;
-  Verdicts all;
-  all.log_odds_max = config_.beam_log_odds_max;
-  for (const std::int32_t i : observed) all.verdicts.push_back({i, from_it});
-  landmarks.near(frame.laser_map, config_.beam_reach_m, [&](std::int32_t i, const auto& r) {
+ExistenceFilter::Evidence ExistenceFilter::evidence_of(const std::vector<std::int32_t>& changed_ids,
+                                                       const pose::PoseEstimate& T_map_base,
+                                                       const FreeSpace& free_space,
+                                                       const LandmarkTable& landmarks) const {
+  const double of_passing = std::log(config_.past_rate / config_.past_rate_gone);
+  const double of_return = std::log((1.0 - config_.past_rate) / (1.0 - config_.past_rate_gone));
+  const Vector2d base_map(T_map_base.x_m, T_map_base.y_m);
+  const Eigen::Rotation2Dd R_map_base(T_map_base.yaw_rad);
+  const Vector2d laser_map = base_map + R_map_base * p_base_laser_;
+  const std::int32_t scan = changed_ids.empty() ? -1 : landmarks[changed_ids.front() - 1].last_scan;
+  Evidence all;
+  for (const std::int32_t id : changed_ids) all.of_landmarks.push_back({id - 1, of_return});
+  landmarks.near(laser_map, config_.beam_reach_m, [&](std::int32_t i, const LandmarkRecord& r) {
     if (r.last_scan == scan) {
-      all.for_pose += weight_as_witness(r);
+      all.for_pose += pose_weight(r);
       return;
     }
-    const double sd_m = std::hypot(sd_at(T_map_base, r.anchor()), std::sqrt(r.scatter_m2));
-    const BeamAnswer answer = look.at(frame.to_base(r.anchor()), r.width_m, sd_m);
-    const double share = std::min(1.0, static_cast<double>(answer.num_across) / config_.past_beams);
+    const Vector2d p_map = r.association_position();
+    const double sd_m = std::hypot(sd_at(T_map_base, p_map), std::sqrt(r.scatter_m2));
+    const Vector2d p_base = R_map_base.inverse() * (p_map - base_map);
+    const FreeSpaceAnswer answer = free_space.at(p_base, r.width_m, sd_m);
+    const double fraction =
+        std::min(1.0, static_cast<double>(answer.num_across) / config_.past_beams);
     switch (answer.verdict) {
-      case BeamVerdict::kUnknown:
+      case FreeSpaceVerdict::kUnknown:
         break;
-      case BeamVerdict::kReturns:
-        all.for_pose += weight_as_witness(r);
-        all.verdicts.push_back({i, from_it});
+      case FreeSpaceVerdict::kReturns:
+        all.for_pose += pose_weight(r);
+        all.of_landmarks.push_back({i, of_return});
         break;
-      case BeamVerdict::kSeesPast:
-        all.against_pose += weight_as_witness(r);
-        all.verdicts.push_back({i, share * share * past_it});
+      case FreeSpaceVerdict::kPassesThrough:
+        all.against_pose += pose_weight(r);
+        all.of_landmarks.push_back({i, fraction * fraction * of_passing});
         break;
     }
   });
   return all;
 }
 
-PresenceWatch::Verdicts PresenceWatch::of_detections(const std::vector<Candidate>& candidates,
-                                                     const std::vector<std::int32_t>& observed,
-                                                     const pose::PoseEstimate& T_map_base,
-                                                     const LandmarkTable& landmarks) {
-  const ScanFrame frame(T_map_base, p_base_laser_);
-  std::vector<pose::Sighting> sightings;
-  for (const Candidate& c : candidates) {
-    pose::Sighting s;
-    s.p_base = frame.to_laser(c.p_aligned);
-    s.width_m = c.detection->width_m;
-    sightings.push_back(s);
-  }
-  sight_.learn(sightings);
-  Verdicts all;
-  all.log_odds_max = config_.log_odds_max;
-  if (observed.empty()) return all;
-  const pose::Shadows shadows(sightings);
-  const auto is_something_at = [&](const Vector2d& p_map) {
-    return std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& c) {
-      const double beside_m = kBeside_m + 0.5 * c.detection->width_m;
-      return (c.p_aligned - p_map).squaredNorm() < beside_m * beside_m;
-    });
-  };
-  for (const std::int32_t i : observed) {
-    if (!sight_.covers(frame.to_laser(landmarks[i].anchor()))) continue;
-    all.for_pose += weight_as_witness(landmarks[i]);
-  }
-  const double against_it = std::log((1.0 - config_.seen_rate) / (1.0 - config_.stray_rate));
-  const std::int32_t scan = landmarks[observed.front()].last_scan;
-  landmarks.near(frame.laser_map, sight_.range_m(), [&](std::int32_t i, const LandmarkRecord& r) {
-    if (r.last_scan == scan) return;
-    const Vector2d p = frame.to_laser(r.anchor());
-    if (!sight_.covers(p) || shadows.hide(p) || is_something_at(r.anchor())) return;
-    const int side = side_of(frame.laser_map - r.anchor());
-    const bool is_known_side = (r.sides_seen & (bit(side - 1) | bit(side) | bit(side + 1))) != 0;
-    all.verdicts.push_back({i, (is_known_side ? 1.0 : kUnseenSide) * against_it});
-    all.against_pose += weight_as_witness(r);
-  });
-  return all;
-}
-
-std::vector<std::int32_t> PresenceWatch::review(const std::vector<Candidate>& candidates,
-                                                const std::vector<std::int32_t>& observed,
-                                                const pose::PoseEstimate& T_map_base,
-                                                const BeamLook* look, LandmarkTable& landmarks) {
-  if (!config_.enabled) return {};
+void ExistenceFilter::update(const FreeSpace& free_space, const pose::PoseEstimate& T_map_base,
+                             LandmarkTable& landmarks, MapUpdate& update) {
+  if (!config_.enabled) return;
   const auto period_us = static_cast<std::int64_t>(1e6 * config_.period_s);
   const std::int64_t since_us = last_utime_ ? T_map_base.utime - *last_utime_ : period_us;
-  const bool counts = since_us < 0 || since_us >= period_us;
-  if (counts) by_beams_ = look != nullptr;
-  if (!by_beams_) {
-    acknowledge(observed, ScanFrame(T_map_base, p_base_laser_).laser_map, landmarks);
-  }
-  if (!counts) return {};
+  if (since_us >= 0 && since_us < period_us) return;
   last_utime_ = T_map_base.utime;
 
-  const Verdicts all = look != nullptr ? of_beams(observed, T_map_base, *look, landmarks)
-                                       : of_detections(candidates, observed, T_map_base, landmarks);
-  if (all.against_pose > all.for_pose) return {};
+  const Evidence all = evidence_of(update.changed_ids, T_map_base, free_space, landmarks);
+  if (all.against_pose > all.for_pose) return;
   std::vector<std::int32_t> gone;
-  for (const auto& verdict : all.verdicts) {
-    landmarks.change(verdict.index, [&](LandmarkRecord& r) {
-      r.presence = static_cast<float>(std::min(all.log_odds_max, r.presence + verdict.log_odds));
+  for (const Evidence::OfLandmark& evidence : all.of_landmarks) {
+    landmarks.change(evidence.index, [&](LandmarkRecord& r) {
+      r.existence_log_odds = static_cast<float>(
+          std::min(config_.beam_log_odds_max, r.existence_log_odds + evidence.log_odds));
     });
-    if (landmarks[verdict.index].presence < config_.log_odds_gone) gone.push_back(verdict.index);
+    if (landmarks[evidence.index].existence_log_odds < config_.log_odds_gone) {
+      gone.push_back(evidence.index);
+    }
   }
   std::sort(gone.begin(), gone.end());
-  return gone;
+  for (const std::int32_t index : gone) {
+    landmarks.remove(index);
+    update.removed_ids.push_back(index + 1);
+  }
 }
 
 }  // namespace orchard::mapping

@@ -16,21 +16,17 @@ struct PresenceConfig {
   double past_sigmas = 2.0;     ///< how far about its place a thing may stand
   double past_share = 0.8;      ///< of the beams across where it may stand, those that go on
   double beam_log_odds_max = 8.0;
-  double sure_range_m = 4.0;   ///< within which what nothing hides is seen mostly
-  double seen_rate = 0.5;      ///< of the looks at what stands in plain view, those that see it
-  double stray_rate = 0.02;    ///< of the looks at an empty place, those that see something
-  double log_odds_max = 10.0;  ///< whatever was seen how often, it can go away
   double log_odds_gone = -2.0;
 };
 
 template <class Visitor>
 void describe(Visitor& v, PresenceConfig& c) {
   v.flag("enabled", c.enabled,
-         "drop landmarks that later looks at their place, in plain view, do not see");
+         "drop landmarks whose position beams of later scans pass through; needs SCAN");
   v.number("period_s", c.period_s, 0.0, 60.0, "s", "message time between two looks that count");
   v.number("scan_wait_s", c.scan_wait_s, 0.0, 60.0, "s",
            "message time that DETECTIONS wait for their SCAN, whose beams tell what is gone; 0 = "
-           "do without SCAN");
+           "without SCAN, and nothing is dropped");
   v.number("beam_reach_m", c.beam_reach_m, 0.5, 200.0, "m",
            "from the laser; within it beams are asked");
   v.number("past_rate", c.past_rate, 0.001, 0.9, "1",
@@ -46,18 +42,8 @@ void describe(Visitor& v, PresenceConfig& c) {
            "share of the beams across where a thing may stand that must go on; across itself all");
   v.number("beam_log_odds_max", c.beam_log_odds_max, 0.5, 50.0, "1",
            "most that looks of beams can say for a thing: the less, the sooner it is given up");
-  v.number("sure_range_m", c.sure_range_m, 0.1, 200.0, "m",
-           "without SCAN: from the laser; within it what nothing hides is seen mostly");
-  v.number("seen_rate", c.seen_rate, 0.01, 0.99, "1",
-           "without SCAN: share of looks at a standing thing in plain view that see it");
-  v.number("stray_rate", c.stray_rate, 0.0001, 0.5, "1",
-           "without SCAN: share of looks at an empty place that see something");
-  v.number(
-      "log_odds_max", c.log_odds_max, 0.5, 50.0, "1",
-      "without SCAN: most that looks can say for a thing: the less, the sooner it is given up");
   v.number("log_odds_gone", c.log_odds_gone, -50.0, -0.1, "1", "below this it is dropped");
   v.check(c.past_rate < c.past_rate_gone, "past_rate", "must be below past_rate_gone");
-  v.check(c.stray_rate < c.seen_rate, "stray_rate", "must be below seen_rate");
 }
 
 }  // namespace orchard::mapping

@@ -24,8 +24,8 @@ constexpr int kFewestAcross = 2;
 
 }  // namespace
 
-BeamLook::BeamLook(const laser::Scan& scan, const laser::LaserConfig& laser,
-                   const laser::BlindSector& blind, const PresenceConfig& config)
+FreeSpace::FreeSpace(const laser::Scan& scan, const laser::LaserConfig& laser,
+                     const laser::BlindSector& blind, const PresenceConfig& config)
     : utime_(scan.utime),
       laser_(laser),
       bearing_middle_rad_(scan.bearing_rad(0.5 * (static_cast<double>(scan.ranges_m.size()) - 1))),
@@ -52,7 +52,7 @@ BeamLook::BeamLook(const laser::Scan& scan, const laser::LaserConfig& laser,
 }
 
 /// A point of base in the laser's frame when that beam was sent.
-Vector2d BeamLook::in_laser(const Vector2d& p_base, double beam) const {
+Vector2d FreeSpace::in_laser(const Vector2d& p_base, double beam) const {
   const double time_s = beam_period_s_ * beam;
   const Vector2d arm = p_base - time_s * velocity_.head<2>();
   const double yaw_rad = time_s * velocity_.z();
@@ -64,13 +64,13 @@ Vector2d BeamLook::in_laser(const Vector2d& p_base, double beam) const {
 }
 
 /// The beam towards a point, between two beams as a rule.
-double BeamLook::beam_of(const Vector2d& p_laser) const {
+double FreeSpace::beam_of(const Vector2d& p_laser) const {
   const double bearing_rad = std::atan2(p_laser.y(), p_laser.x());
   return 0.5 * (static_cast<double>(codes_.size()) - 1) +
          geometry::wrap_angle_rad(bearing_rad - bearing_middle_rad_) / bearing_step_rad_;
 }
 
-BeamAnswer BeamLook::at(const Vector2d& p_base, double width_m, double sd_m) const {
+FreeSpaceAnswer FreeSpace::at(const Vector2d& p_base, double width_m, double sd_m) const {
   if (codes_.empty()) return {};
   const double last = static_cast<double>(codes_.size()) - 1;
   Vector2d p = in_laser(p_base, 0.0);
@@ -95,7 +95,7 @@ BeamAnswer BeamLook::at(const Vector2d& p_base, double width_m, double sd_m) con
     bool is_past = code == kBeyondReach || (code == kNoReturn && range_m < no_return_m_);
     if (code >= 1 && code <= kFarthest) {
       const double beam_m = (code - 0.5) * reach_m_ / kFarthest;
-      if (std::abs(beam_m - range_m) <= along_m) return {BeamVerdict::kReturns, 0};
+      if (std::abs(beam_m - range_m) <= along_m) return {FreeSpaceVerdict::kReturns, 0};
       is_past = beam_m > range_m;
     }
     const bool is_own = std::abs(k - middle) <= own;
@@ -107,7 +107,7 @@ BeamAnswer BeamLook::at(const Vector2d& p_base, double width_m, double sd_m) con
   const bool sees_past =
       num_own >= kFewestAcross && num_own_past == num_own && num_past >= share_ * num;
   if (!sees_past) return {};
-  return {BeamVerdict::kSeesPast, num_own};
+  return {FreeSpaceVerdict::kPassesThrough, num_own};
 }
 
 }  // namespace orchard::mapping

@@ -13,25 +13,26 @@
 
 namespace orchard::mapping {
 
-/// What the beams of a scan say of a place.
-enum class BeamVerdict {
-  kUnknown,   ///< hidden, out of reach, or too few beams
-  kReturns,   ///< something returned from there, whatever it is
-  kSeesPast,  ///< every beam across the thing, and nearly all across where it may be, goes on
+/// What the beams of a scan say of a position.
+enum class FreeSpaceVerdict {
+  kUnknown,        ///< hidden, out of reach, or too few beams
+  kReturns,        ///< something returned from there, whatever it is
+  kPassesThrough,  ///< every beam across the thing, and nearly all across where it may be, goes on
 };
 
-struct BeamAnswer {
-  BeamVerdict verdict = BeamVerdict::kUnknown;
-  int num_across = 0;  ///< beams across the thing's own width; of kSeesPast alone
+struct FreeSpaceAnswer {
+  FreeSpaceVerdict verdict = FreeSpaceVerdict::kUnknown;
+  int num_across = 0;  ///< beams across the thing's own width; of kPassesThrough alone
 };
 
-/// The beams of one scan, kept small (a byte each), asked where things stand and where they do not.
-class BeamLook {
+/// Free-space evidence: the beams of one scan, kept small (a byte each), asked whether they return
+/// from a position or pass through it.
+class FreeSpace {
  public:
   /// Beams in the blind sector and returns that the scanner itself does not believe say nothing. Of
   /// what lies beyond config.beam_reach_m from the laser only that it does is kept.
-  BeamLook(const laser::Scan& scan, const laser::LaserConfig& laser,
-           const laser::BlindSector& blind, const PresenceConfig& config);
+  FreeSpace(const laser::Scan& scan, const laser::LaserConfig& laser,
+            const laser::BlindSector& blind, const PresenceConfig& config);
 
   std::int64_t utime() const { return utime_; }
 
@@ -42,9 +43,9 @@ class BeamLook {
   void set_velocity(const Eigen::Vector3d& velocity) { velocity_ = velocity; }
 
   /// Of something round, `width_m` wide, at `p_base` as base was at the scan's utime. `sd_m`:
-  /// 1-sigma per axis of all that is uncertain about its place. No return counts as going on up to
-  /// half the scanner's range: beyond it, dark bark gives none either.
-  BeamAnswer at(const Eigen::Vector2d& p_base, double width_m, double sd_m) const;
+  /// 1-sigma per axis of all that is uncertain about its position. No return counts as going on up
+  /// to half the scanner's range: beyond it, dark bark gives none either.
+  FreeSpaceAnswer at(const Eigen::Vector2d& p_base, double width_m, double sd_m) const;
 
   std::size_t num_bytes() const { return sizeof(*this) + codes_.capacity(); }
 

@@ -17,14 +17,14 @@ constexpr double kMaxScanS = 1.0;
 
 }  // namespace
 
-std::vector<Sighting> sightings_at_scan(const SeenTrunks& seen, double speed_mps,
+std::vector<Sighting> sightings_at_scan(const detection::Detections& seen, double speed_mps,
                                         double yaw_rate_radps, const PriorMapConfig& config) {
   std::vector<Sighting> sightings;
   sightings.reserve(seen.trunks.size());
   const double sd2 = config.sighting_sd_m * config.sighting_sd_m;
-  for (const SeenTrunk& trunk : seen.trunks) {
+  for (const detection::Detection& trunk : seen.trunks) {
     Sighting s;
-    s.p_base = {trunk.x_base_m, trunk.y_base_m};
+    s.p_base = {trunk.centre_x_m, trunk.centre_y_m};
     s.covariance << trunk.covariance[0], trunk.covariance[1], trunk.covariance[1],
         trunk.covariance[2];
     const bool sound = s.p_base.allFinite() && s.covariance.allFinite() &&

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "pose/measurements.hpp"
+#include "detection/detection.hpp"
 #include "pose/prior_map/prior_map_config.hpp"
 #include "pose/sight_field.hpp"
 
@@ -11,7 +11,7 @@ namespace orchard::pose {
 
 /// The sightings of a scan that are of use, moved from the time at which each was made to that of
 /// the scan by the velocity of base. What is not finite is left out.
-std::vector<Sighting> sightings_at_scan(const SeenTrunks& seen, double speed_mps,
+std::vector<Sighting> sightings_at_scan(const detection::Detections& seen, double speed_mps,
                                         double yaw_rate_radps, const PriorMapConfig& config);
 
 }  // namespace orchard::pose

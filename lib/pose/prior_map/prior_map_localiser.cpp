@@ -77,7 +77,7 @@ PriorMapLocaliser::PriorMapLocaliser(const PoseConfig& config,
 
 void PriorMapLocaliser::add(const Measurement& measurement) {
   if (const auto* odometry = std::get_if<Odometry>(&measurement)) add(*odometry);
-  if (const auto* seen = std::get_if<SeenTrunks>(&measurement)) add(*seen);
+  if (const auto* seen = std::get_if<detection::Detections>(&measurement)) add(*seen);
 }
 
 void PriorMapLocaliser::add(const Odometry& odometry) {
@@ -90,7 +90,7 @@ void PriorMapLocaliser::add(const Odometry& odometry) {
   last_odometry_ = odometry;
 }
 
-void PriorMapLocaliser::add(const SeenTrunks& seen) {
+void PriorMapLocaliser::add(const detection::Detections& seen) {
   if (utime_ && seen.utime < *utime_) return;
   begin_at(seen.utime);
   advance_to(seen.utime);

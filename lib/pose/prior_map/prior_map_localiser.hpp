@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "detection/detection.hpp"
 #include "pose/localiser.hpp"
 #include "pose/pose_config.hpp"
 #include "pose/prior_map/local_map.hpp"
@@ -21,7 +22,7 @@ namespace orchard::pose {
 /// and takes a place only when that is likelier than all others together by prior_map.min_log_odds;
 /// warning() says LOST (nothing fits) or AMBIGUOUS (several do) until then. With a place it gives
 /// poses, and loses it when the trees that should be seen are not, or when the local trunks speak
-/// against it. Uses Odometry and SeenTrunks.
+/// against it. Uses Odometry and Detections.
 class PriorMapLocaliser : public Localiser {
  public:
   /// Throws std::invalid_argument with a sentence when nobody can find a place by the landmarks.
@@ -38,7 +39,7 @@ class PriorMapLocaliser : public Localiser {
 
  private:
   void add(const Odometry& odometry);
-  void add(const SeenTrunks& seen);
+  void add(const detection::Detections& seen);
   void begin_at(std::int64_t utime);
   void advance_to(std::int64_t utime, double speed_mps, double yaw_rate_radps,
                   const std::array<double, 3>& covariance);

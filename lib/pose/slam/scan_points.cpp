@@ -15,28 +15,28 @@ constexpr double kSweepMax_s = 0.5;
 constexpr double kWidthSdMin_m = 0.02;
 constexpr double kVarianceMin = 1e-6;
 
-bool usable(const SeenTrunk& t, const SlamConfig& config) {
-  return std::isfinite(t.x_base_m) && std::isfinite(t.y_base_m) && std::isfinite(t.width_m) &&
+bool usable(const detection::Detection& t, const SlamConfig& config) {
+  return std::isfinite(t.centre_x_m) && std::isfinite(t.centre_y_m) && std::isfinite(t.width_m) &&
          std::isfinite(t.width_sd_m) && std::isfinite(t.covariance[0]) &&
          std::isfinite(t.covariance[1]) && std::isfinite(t.covariance[2]) &&
-         std::hypot(t.x_base_m, t.y_base_m) <= config.sight_range_max_m && t.width_m >= 0.0 &&
+         std::hypot(t.centre_x_m, t.centre_y_m) <= config.sight_range_max_m && t.width_m >= 0.0 &&
          t.width_m <= config.width_max_m;
 }
 
-double floor_sd_m(const SeenTrunk& t, const SlamConfig& config) {
+double floor_sd_m(const detection::Detection& t, const SlamConfig& config) {
   double sd_m = std::hypot(config.sighting_sd_m, config.sighting_sd_widths * t.width_m);
   if (t.occlusion != 0) sd_m = std::hypot(sd_m, config.occluded_sd_widths * t.width_m);
-  if (t.label == SeenLabel::kObject) sd_m = std::hypot(sd_m, config.object_sd_m);
+  if (t.label == detection::Label::kObject) sd_m = std::hypot(sd_m, config.object_sd_m);
   return sd_m;
 }
 
 }  // namespace
 
-std::vector<ScanPoint> scan_points(const SeenTrunks& seen, const ScanMotionState& motion,
+std::vector<ScanPoint> scan_points(const detection::Detections& seen, const ScanMotionState& motion,
                                    const SlamConfig& config) {
   std::vector<ScanPoint> points;
   points.reserve(seen.trunks.size());
-  for (const SeenTrunk& t : seen.trunks) {
+  for (const detection::Detection& t : seen.trunks) {
     if (!usable(t, config)) continue;
     double dt_s = (t.utime - seen.utime) * 1e-6;
     if (std::abs(dt_s) > kSweepMax_s) dt_s = 0.0;
@@ -44,7 +44,7 @@ std::vector<ScanPoint> scan_points(const SeenTrunks& seen, const ScanMotionState
     const Eigen::Vector3d T_keyframe_beam = compose(motion.T_keyframe_scan, T_scan_beam);
     const Eigen::Matrix2d R = rotation(T_keyframe_beam.z());
     ScanPoint point;
-    point.p_base = transform(T_keyframe_beam, {t.x_base_m, t.y_base_m});
+    point.p_base = transform(T_keyframe_beam, {t.centre_x_m, t.centre_y_m});
     Eigen::Matrix2d C;
     C << std::max(t.covariance[0], kVarianceMin), t.covariance[1], t.covariance[1],
         std::max(t.covariance[2], kVarianceMin);

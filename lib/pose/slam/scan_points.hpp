@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "detection/detection.hpp"
 #include "pose/measurements.hpp"
 #include "pose/slam/association.hpp"
 #include "pose/slam/slam_config.hpp"
@@ -21,7 +22,7 @@ struct ScanMotionState {
 /// The objects of a scan as points in base at the keyframe, each corrected for the motion up to its
 /// own beam. Wide, occluded and odd objects have no sharp centre and a large covariance. Leaves out
 /// objects that are too far, too wide or not finite.
-std::vector<ScanPoint> scan_points(const SeenTrunks& seen, const ScanMotionState& motion,
+std::vector<ScanPoint> scan_points(const detection::Detections& seen, const ScanMotionState& motion,
                                    const SlamConfig& config);
 
 }  // namespace orchard::pose

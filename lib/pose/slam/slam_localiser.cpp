@@ -21,7 +21,7 @@ void SlamLocaliser::add(const Measurement& measurement) {
     if (const auto motion = scan_motion_->add(*scan)) {
       slam_.add_motion(motion->utime_to, motion->T_from_to, motion->covariance);
     }
-  } else if (const auto* seen = std::get_if<SeenTrunks>(&measurement)) {
+  } else if (const auto* seen = std::get_if<detection::Detections>(&measurement)) {
     slam_.add(*seen);
   } else if (const auto* fix = std::get_if<PoseFix>(&measurement)) {
     if (config_.slam.use_fixes) add(*fix);

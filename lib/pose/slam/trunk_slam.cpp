@@ -94,7 +94,7 @@ bool TrunkSlam::wants_keyframe(double factor) const {
          (unsure && (m.travel_m > kMovingTravel_m || blind));
 }
 
-void TrunkSlam::add(const SeenTrunks& seen) {
+void TrunkSlam::add(const detection::Detections& seen) {
   if (motion_.started() && seen.utime < motion_.utime() &&
       motion_.utime() - seen.utime > kScanOrder_us) {
     return;  // from another time: the queue before us lets none through

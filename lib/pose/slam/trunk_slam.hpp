@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "detection/detection.hpp"
 #include "pose/measurements.hpp"
 #include "pose/pose_estimate.hpp"
 #include "pose/slam/dead_reckoning.hpp"
@@ -34,7 +35,7 @@ class TrunkSlam {
   /// The motion T_before_now from the last measured time to `utime`, where no wheels measure it.
   void add_motion(std::int64_t utime, const Eigen::Vector3d& T_before_now,
                   const Eigen::Matrix3d& covariance);
-  void add(const SeenTrunks& seen);
+  void add(const detection::Detections& seen);
   /// An absolute position of base, or of a point on it, in map; T_keyframe_then is filled in here.
   /// Until such positions have georeferenced the map, its origin is the first pose.
   void add_position(std::int64_t utime, AbsolutePosition position);

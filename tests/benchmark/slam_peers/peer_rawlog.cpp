@@ -51,10 +51,10 @@ mrpt::obs::CObservation::Ptr bearings_of(const DriveStep& step, bool identified)
   for (std::size_t i = 0; i < step.seen.trunks.size(); ++i) {
     const int tree = step.trees[i];
     if (identified && (tree < 0 || !named.insert(tree).second)) continue;
-    const pose::SeenTrunk& trunk = step.seen.trunks[i];
+    const detection::Detection& trunk = step.seen.trunks[i];
     mrpt::obs::CObservationBearingRange::TMeasurement m;
-    m.range = static_cast<float>(std::hypot(trunk.x_base_m, trunk.y_base_m));
-    m.yaw = static_cast<float>(std::atan2(trunk.y_base_m, trunk.x_base_m));
+    m.range = static_cast<float>(std::hypot(trunk.centre_x_m, trunk.centre_y_m));
+    m.yaw = static_cast<float>(std::atan2(trunk.centre_y_m, trunk.centre_x_m));
     m.pitch = 0.0f;
     m.landmarkID = identified ? tree : mrpt::obs::INVALID_LANDMARK_ID;
     observation->sensedData.push_back(m);
@@ -70,9 +70,9 @@ mrpt::obs::CObservation::Ptr scan_of(const DriveStep& step) {
   scan->stdError = 0.02f;
   scan->resizeScanAndAssign(kNumBeams, static_cast<float>(kRangeMaxM), false);
   const double beam_step_rad = 2.0 * kHalfAngleRad / (kNumBeams - 1);
-  for (const pose::SeenTrunk& trunk : step.seen.trunks) {
-    const double range_m = std::hypot(trunk.x_base_m, trunk.y_base_m);
-    const double bearing_rad = std::atan2(trunk.y_base_m, trunk.x_base_m);
+  for (const detection::Detection& trunk : step.seen.trunks) {
+    const double range_m = std::hypot(trunk.centre_x_m, trunk.centre_y_m);
+    const double bearing_rad = std::atan2(trunk.centre_y_m, trunk.centre_x_m);
     const double radius_m = std::min(0.5 * trunk.width_m, 0.5 * range_m);
     const double half_rad = std::asin(radius_m / range_m);
     for (int beam = 0; beam < kNumBeams; ++beam) {

@@ -38,7 +38,7 @@ RecordedDrive record_drive(std::uint64_t seed, int num_trees) {
                last = odometry;
                waiting.push_back(odometry);
              },
-             [&](const pose::SeenTrunks& seen) {
+             [&](const detection::Detections& seen) {
                drive.odometry.push_back(std::move(waiting));
                waiting.clear();
                DriveStep step;
@@ -51,9 +51,9 @@ RecordedDrive record_drive(std::uint64_t seed, int num_trees) {
                if (!start) start = T_map_base;
                DriveStep& step = drive.steps.back();
                step.T_start_base = pose::between(*start, T_map_base);
-               for (const pose::SeenTrunk& trunk : step.seen.trunks) {
+               for (const detection::Detection& trunk : step.seen.trunks) {
                  const Eigen::Vector2d p_map =
-                     pose::transform(T_map_base, {trunk.x_base_m, trunk.y_base_m});
+                     pose::transform(T_map_base, {trunk.centre_x_m, trunk.centre_y_m});
                  int nearest = -1;
                  double nearest_m = kSameTreeM;
                  for (std::size_t i = 0; i < world.trees.size(); ++i) {

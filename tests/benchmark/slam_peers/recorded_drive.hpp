@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "detection/detection.hpp"
 #include "pose/measurements.hpp"
 #include "unit/pose/slam/slam_world.hpp"
 
@@ -13,7 +14,7 @@ namespace orchard::bench {
 /// One scan of a drive: what was seen, how the wheels say that the robot moved since the scan
 /// before (T_before_now), and where it truly is.
 struct DriveStep {
-  pose::SeenTrunks seen;
+  detection::Detections seen;
   std::vector<int> trees;  ///< the true tree of each trunk seen, -1 for a false one
   Eigen::Vector3d T_before_now = Eigen::Vector3d::Zero();
   Eigen::Vector3d T_start_base = Eigen::Vector3d::Zero();

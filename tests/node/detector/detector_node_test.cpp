@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <random>
 
@@ -93,6 +94,32 @@ TEST(DetectorNode, EveryScanIsAnsweredInOrderAlsoWithoutImages) {
       EXPECT_EQ(trunk.label, Label::kUnseen);
     }
   }
+}
+
+/// What a node makes of scans that travelled as bytes, each "no return" in them written as given.
+std::vector<std::vector<std::uint8_t>> detections_with(float no_return) {
+  Bench bench;
+  for (int i = 0; i < 3; ++i) {
+    laser::Scan s = scan(i);
+    for (float& range_m : s.ranges_m) range_m = range_m > 0.0f ? range_m : no_return;
+    const auto bytes = bus::encode(s);
+    const auto decoded = bus::decode(bus::Channel::kScan, bytes.data(), bytes.size());
+    if (const auto* message = std::get_if<bus::Message>(&decoded)) bench.handle(*message);
+    bench.handle(picture(i));
+  }
+  bench.flush();
+  return bytes_of(bench.sent);
+}
+
+TEST(DetectorNode, InfinitiesAndNanAreNoReturn) {
+  const laser::Scan s = scan(0);
+  ASSERT_GT(std::count(s.ranges_m.begin(), s.ranges_m.end(), 0.0f), 100);
+  const auto with_zero = detections_with(0.0f);
+  ASSERT_EQ(with_zero.size(), 3u);
+  const float inf = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(detections_with(inf), with_zero);
+  EXPECT_EQ(detections_with(-inf), with_zero);
+  EXPECT_EQ(detections_with(std::numeric_limits<float>::quiet_NaN()), with_zero);
 }
 
 TEST(DetectorNode, OutputDoesNotDependOnArrivalAcrossChannels) {

@@ -69,22 +69,7 @@ class PriorMapNode : public testing::Test {
 
 bus::Message message_of(const pose::Measurement& measurement) {
   if (const auto* odometry = std::get_if<pose::Odometry>(&measurement)) return *odometry;
-  const auto& seen = std::get<pose::SeenTrunks>(measurement);
-  detection::Detections detections;
-  detections.utime = seen.utime;
-  detections.seq = seen.seq;
-  for (const pose::SeenTrunk& trunk : seen.trunks) {
-    detection::Detection d;
-    d.utime = trunk.utime;
-    d.centre_x_m = trunk.x_base_m;
-    d.centre_y_m = trunk.y_base_m;
-    d.covariance = trunk.covariance;
-    d.width_m = trunk.width_m;
-    d.width_sd_m = trunk.width_sd_m;
-    d.num_beams = trunk.num_beams;
-    detections.trunks.push_back(d);
-  }
-  return detections;
+  return std::get<detection::Detections>(measurement);
 }
 
 TEST_F(PriorMapNode, FindsItsPlaceInTheMapOfAFileAndLeavesTheFileAlone) {

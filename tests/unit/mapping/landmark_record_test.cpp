@@ -33,7 +33,7 @@ std::vector<Sample> samples(std::uint64_t seed, int n) {
 LandmarkRecord record_of(const std::vector<Sample>& all, Label label) {
   LandmarkRecord r;
   for (const Sample& s : all) {
-    fuse_anchor(r, s.p_map, 1e-3);
+    fuse_association_position(r, s.p_map, 1e-3);
     fuse_width(r, 0.1 + 0.02 * s.roc, 0.01);
     accumulate(r, s.p_map, s.roc, label, label == Label::kTree ? 0.25 : -0.25);
     ++r.num_all;
@@ -105,10 +105,10 @@ TEST(LandmarkRecord, AMergerIsOnePassOverAllObservations) {
       merge(merged, record_of(b, label));
       const LandmarkRecord at_once = record_of(both(a, b), label);
       expect_statistics(merged, TwoPass(both(a, b)));
-      EXPECT_NEAR(merged.anchor_x_m, at_once.anchor_x_m, 1e-6);
-      EXPECT_NEAR(merged.anchor_y_m, at_once.anchor_y_m, 1e-6);
-      EXPECT_NEAR(merged.anchor_information, at_once.anchor_information,
-                  1e-5 * at_once.anchor_information);
+      EXPECT_NEAR(merged.association_x_m, at_once.association_x_m, 1e-6);
+      EXPECT_NEAR(merged.association_y_m, at_once.association_y_m, 1e-6);
+      EXPECT_NEAR(merged.association_information, at_once.association_information,
+                  1e-5 * at_once.association_information);
       EXPECT_NEAR(merged.scatter_m2, at_once.scatter_m2, 1e-4 * at_once.scatter_m2 + 1e-9);
       EXPECT_NEAR(merged.width_m, at_once.width_m, 1e-6);
       EXPECT_NEAR(merged.log_odds, at_once.log_odds, 1e-5);
@@ -147,11 +147,11 @@ TEST(LandmarkRecord, ProbabilityIsBayesOfTheLabels) {
   EXPECT_EQ(r.log_odds, 30.0f);
 }
 
-/// What the mapper makes of looks with these probabilities, judged by the camera or not.
-double probability_from(const std::vector<double>& looks, const MapperConfig& config,
+/// What the mapper makes of observations with these probabilities, judged by the camera or not.
+double probability_from(const std::vector<double>& observations, const MapperConfig& config,
                         Label label = Label::kObject) {
   LandmarkRecord r;
-  for (const double p : looks) {
+  for (const double p : observations) {
     detection::Detection d;
     d.label = label;
     d.probability_tree = static_cast<float>(p);
@@ -171,13 +171,13 @@ TEST(LandmarkRecord, ProbabilityIsBayesOfCalibratedLooks) {
   config.evidence_prior = 0.7;
   config.evidence_correlation = 0.0;
   EXPECT_NEAR(probability_from({}, config), 0.7, 1e-12);
-  // independent looks: odds multiply, each without the base rate it holds already
+  // independent observations: odds multiply, each without the base rate it holds already
   const double odds = (0.7 / 0.3) * (0.8 / 0.2) / (0.4 / 0.6) * (0.3 / 0.7) / (0.4 / 0.6);
   EXPECT_NEAR(probability_from({0.8, 0.3}, config), odds / (1.0 + odds), 1e-6);
-  // looks that repeat each other wholly say what one says
+  // observations that repeat each other wholly say what one says
   config.evidence_correlation = 1.0;
   EXPECT_NEAR(probability_from({0.8, 0.8, 0.8}, config), probability_from({0.8}, config), 1e-6);
-  // a look that says what is said of everything says nothing
+  // an observation that says what is said of everything says nothing
   EXPECT_NEAR(probability_from({0.4, 0.4}, config), 0.7, 1e-6);
 }
 
@@ -202,7 +202,7 @@ TEST(LandmarkRecord, OnceTheCameraLooksItsLooksAloneSpeak) {
   add(later, Label::kUnseen, 0.9f);
   LandmarkRecord merged = later;
   for (LandmarkRecord* record : {&merged, &r}) {
-    record->anchor_information = record->width_information = 1.0f;
+    record->association_information = record->width_information = 1.0f;
   }
   merge(merged, r, log_odds_max(config));
   EXPECT_NEAR(probability_of_tree(merged, config), 0.2, 1e-6);

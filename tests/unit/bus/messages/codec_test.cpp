@@ -12,10 +12,14 @@
 #include <set>
 #include <stdexcept>
 
-#include "bus/messages/service_messages.hpp"
-#include "bus/messages/wire_layout.hpp"
-#include "bus/messages/wire_types.hpp"
+#include "bus/messages/service_fields.hpp"
+#include "bus/messages/wire_format.hpp"
+#include "orchard/detections_t.hpp"
+#include "orchard/detections_v2_t.hpp"
+#include "orchard/map_tile_t.hpp"
+#include "orchard/scan_t.hpp"
 #include "unit/bus/messages/sample_messages.hpp"
+#include "unit/bus/messages/type_hash.hpp"
 
 namespace orchard::bus {
 namespace {
@@ -52,6 +56,58 @@ TEST(Codec, RoundTripKeepsFields) {
   EXPECT_EQ(is.label, was.label);
   EXPECT_EQ(is.occlusion, was.occlusion);
   EXPECT_EQ(is.covariance, was.covariance);
+}
+
+template <class Fields, class M>
+std::int64_t hash_of(Fields, const M& message) {
+  testing::TypeHash hash;
+  Fields::visit(message, hash);
+  return hash.value();
+}
+
+TEST(Codec, FieldsAreThoseOfTheLcmFiles) {
+  for (const Message& message : sample_messages()) {
+    const Channel channel = channel_of(message);
+    const auto hash = [](const auto& m) { return hash_of(fields_of(m), m); };
+    EXPECT_EQ(std::visit(hash, message), type_hash(channel)) << info(channel).name;
+  }
+  EXPECT_EQ(hash_of(StatusFields{}, Status{}), type_hash(Channel::kStatus));
+  EXPECT_EQ(hash_of(ConfigNoticeFields{}, ConfigNotice{}), type_hash(Channel::kConfig));
+  EXPECT_EQ(hash_of(AckFields{}, Ack{}), type_hash(Channel::kAck));
+  EXPECT_EQ(hash_of(ReplayMarkFields{}, ReplayMark{}), type_hash(Channel::kReplay));
+  EXPECT_EQ(hash_of(detection::DetectionsFields<true>{}, detection::Detections{}),
+            detections_t::getHash());
+}
+
+/// What the generated type of LCM reads from the bytes of a sample.
+template <class Wire>
+Wire read_by_lcm(Channel channel) {
+  const auto bytes = encode(sample_messages()[static_cast<std::size_t>(channel)]);
+  Wire wire;
+  const int size = static_cast<int>(bytes.size());
+  EXPECT_EQ(wire.decode(bytes.data(), 0, size), size);
+  std::vector<std::uint8_t> again(bytes.size());
+  EXPECT_EQ(wire.encode(again.data(), 0, size), size);
+  EXPECT_EQ(again, bytes);
+  return wire;
+}
+
+TEST(Codec, BytesAreThoseOfLcm) {
+  const auto messages = sample_messages();
+  const auto& scan = std::get<laser::Scan>(messages[0]);
+  const auto wire_scan = read_by_lcm<scan_t>(Channel::kScan);
+  EXPECT_EQ(wire_scan.range_max_m, scan.range_max_m);
+  EXPECT_EQ(wire_scan.ranges_m, scan.ranges_m);
+  EXPECT_EQ(wire_scan.intensities, scan.intensities);
+  const auto& trunk = std::get<detection::Detections>(messages[6]).trunks[2];
+  const auto wire_trunk = read_by_lcm<detections_v2_t>(Channel::kDetections).trunks.at(2);
+  EXPECT_EQ(wire_trunk.utime, trunk.utime);
+  EXPECT_EQ(wire_trunk.roc_tree, trunk.roc_tree);
+  EXPECT_EQ(wire_trunk.occlusion, trunk.occlusion);
+  const auto& tile = std::get<mapping::MapTile>(messages[7]);
+  const auto wire_tile = read_by_lcm<map_tile_t>(Channel::kMap);
+  EXPECT_EQ(wire_tile.landmarks.at(1).position, tile.landmarks[1].position);
+  EXPECT_EQ(wire_tile.removed_ids, tile.removed_ids);
 }
 
 TEST(Codec, AnotherTypeIsRefused) {
@@ -169,12 +225,20 @@ TEST(Codec, ContentThatCannotBeIsRefused) {
        Reason::kOutOfRange},
       {"limits crossed", Channel::kScan, on<Scan>([](Scan& m) { m.range_max_m = 0.01; }),
        Reason::kInconsistent},
-      {"range nan", Channel::kScan,
-       on<Scan>([nan](Scan& m) { m.ranges_m[1] = static_cast<float>(nan); }), Reason::kNotFinite},
-      {"range inf", Channel::kScan,
-       on<Scan>([inf](Scan& m) { m.ranges_m[1] = static_cast<float>(inf); }), Reason::kNotFinite},
       {"range < 0", Channel::kScan, on<Scan>([](Scan& m) { m.ranges_m[1] = -1; }),
        Reason::kOutOfRange},
+      {"range of 101 km", Channel::kScan, on<Scan>([](Scan& m) { m.ranges_m[1] = 1.01e5f; }),
+       Reason::kOutOfRange},
+      {"range < 0 beside inf", Channel::kScan, on<Scan>([inf](Scan& m) {
+         m.ranges_m[0] = static_cast<float>(inf);
+         m.ranges_m[1] = -1;
+       }),
+       Reason::kOutOfRange},
+      {"intensity nan", Channel::kScan,
+       on<Scan>([nan](Scan& m) { m.intensities[1] = static_cast<float>(nan); }),
+       Reason::kNotFinite},
+      {"farthest inf", Channel::kScan, on<Scan>([inf](Scan& m) { m.range_max_m = inf; }),
+       Reason::kNotFinite},
       {"intensities", Channel::kScan, on<Scan>([](Scan& m) { m.intensities.pop_back(); }),
        Reason::kInconsistent},
       {"no width", Channel::kImage, on<Image>([](Image& m) { m.width_px = 0; }),
@@ -206,8 +270,9 @@ TEST(Codec, ContentThatCannotBeIsRefused) {
        Reason::kOutOfRange},
       {"roc 1.5", Channel::kDetections,
        on<Detections>([](Detections& m) { m.trunks[1].roc_tree = 1.5f; }), Reason::kOutOfRange},
-      {"probabilities 1.4", Channel::kDetections,
-       on<Detections>([](Detections& m) { m.trunks[0].probability_object = 0.7f; }),
+      {"probabilities 1.4", Channel::kDetections, on<Detections>([](Detections& m) {
+         m.trunks[0].probability_tree = m.trunks[0].probability_object = 0.7f;
+       }),
        Reason::kOutOfRange},
       {"width < 0", Channel::kDetections,
        on<Detections>([](Detections& m) { m.trunks[0].width_m = -0.1; }), Reason::kOutOfRange},
@@ -232,7 +297,7 @@ TEST(Codec, ContentThatCannotBeIsRefused) {
        Reason::kNotFinite},
       {"variance < 0", Channel::kImu, on<Imu>([](Imu& m) { m.acceleration_variance = -1; }),
        Reason::kOutOfRange},
-      {"page 3 of 3", Channel::kTrajectory, on<Page>([](Page& m) { m.page = 3; }),
+      {"page after the last", Channel::kTrajectory, on<Page>([](Page& m) { m.page = m.num_pages; }),
        Reason::kOutOfRange},
       {"revision 0", Channel::kTrajectory, on<Page>([](Page& m) { m.revision = 0; }),
        Reason::kOutOfRange},
@@ -247,6 +312,23 @@ TEST(Codec, ContentThatCannotBeIsRefused) {
     Message message = sample_of(spoilt.channel);
     spoilt.spoil(message);
     EXPECT_EQ(reason_of(spoilt.channel, encode(message)), spoilt.reason) << spoilt.what;
+  }
+}
+
+TEST(Codec, RangesThatAreNotFiniteAreNoReturnAndStayAsSent) {
+  const float inf = std::numeric_limits<float>::infinity();
+  for (const float nothing : {inf, -inf, std::numeric_limits<float>::quiet_NaN()}) {
+    auto scan = std::get<laser::Scan>(sample_of(Channel::kScan));
+    scan.range_min_m = 0.1;
+    ASSERT_TRUE(scan.valid(1));
+    scan.ranges_m[1] = nothing;
+    const std::vector<std::uint8_t> bytes = encode(scan);
+    const auto result = decode(Channel::kScan, bytes.data(), bytes.size());
+    ASSERT_TRUE(std::holds_alternative<Message>(result)) << std::get<Rejection>(result).detail;
+    const auto& decoded = std::get<laser::Scan>(std::get<Message>(result));
+    EXPECT_FALSE(decoded.valid(1));
+    EXPECT_TRUE(decoded.valid(2));
+    EXPECT_EQ(encode(decoded), bytes);  // nothing was repaired on the way
   }
 }
 

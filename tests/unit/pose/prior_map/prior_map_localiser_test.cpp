@@ -238,11 +238,11 @@ TEST(PriorMapLocaliser, NoBadNumberAndNoJumpOfTimeBringsItDown) {
   odometry.speed_mps = 1.0;
   odometry.utime = pose.utime - 5'000'000;  // backwards
   localiser.add(Measurement(odometry));
-  SeenTrunks seen;
+  detection::Detections seen;
   seen.utime = pose.utime + 20000;
-  SeenTrunk trunk;
+  detection::Detection trunk;
   trunk.utime = seen.utime;
-  trunk.x_base_m = nan;
+  trunk.centre_x_m = nan;
   seen.trunks.assign(5, trunk);
   localiser.add(Measurement(seen));
   ASSERT_TRUE(localiser.estimate());

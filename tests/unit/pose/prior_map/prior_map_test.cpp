@@ -133,18 +133,18 @@ TEST(SightField, LearnsWhereTheScannerLooksAndHowFar) {
 }
 
 TEST(SightingsAtScan, AreMovedToTheScansTimeAndWhatIsNoNumberIsLeftOut) {
-  SeenTrunks seen;
+  detection::Detections seen;
   seen.utime = 1'000'000;
-  SeenTrunk trunk;
+  detection::Detection trunk;
   trunk.utime = 1'100'000;
-  trunk.x_base_m = 3.0;
-  trunk.y_base_m = 1.0;
+  trunk.centre_x_m = 3.0;
+  trunk.centre_y_m = 1.0;
   trunk.covariance = {1e-4, 0.0, 1e-4};
   trunk.width_m = 0.1;
   seen.trunks.push_back(trunk);
-  trunk.x_base_m = std::numeric_limits<double>::quiet_NaN();
+  trunk.centre_x_m = std::numeric_limits<double>::quiet_NaN();
   seen.trunks.push_back(trunk);
-  trunk.x_base_m = 3.0;
+  trunk.centre_x_m = 3.0;
   trunk.covariance[2] = -1.0;
   seen.trunks.push_back(trunk);
   const auto sightings = sightings_at_scan(seen, 2.0, 0.0, {});

@@ -22,8 +22,9 @@ constexpr double kSweepS = 0.067;
 constexpr double kCarryS = 5.0;
 
 /// What a scan at T_map_base shows, in the order of its beams.
-SeenTrunks look(const PriorWorld& world, const Eigen::Vector3d& T_map_base, double yaw_rate_radps,
-                double speed_mps, const PriorDriveOptions& options, Random& noise) {
+detection::Detections look(const PriorWorld& world, const Eigen::Vector3d& T_map_base,
+                           double yaw_rate_radps, double speed_mps,
+                           const PriorDriveOptions& options, Random& noise) {
   struct Shape {
     double bearing_rad, half_rad, range_m, width_m;
   };
@@ -58,7 +59,7 @@ SeenTrunks look(const PriorWorld& world, const Eigen::Vector3d& T_map_base, doub
   std::sort(shapes.begin(), shapes.end(),
             [](const Shape& a, const Shape& b) { return a.bearing_rad < b.bearing_rad; });
 
-  SeenTrunks seen;
+  detection::Detections seen;
   for (const Shape& shape : shapes) {
     const bool hidden = std::any_of(shapes.begin(), shapes.end(), [&](const Shape& other) {
       return other.range_m < shape.range_m - 0.05 &&
@@ -71,7 +72,7 @@ SeenTrunks look(const PriorWorld& world, const Eigen::Vector3d& T_map_base, doub
     if (hidden || noise.uniform() < missed) continue;
     const TrunkNoise sds{std::hypot(0.006, 0.006 * shape.range_m), 0.4 * options.beam_step_rad, 0.0,
                          0.5 * options.beam_step_rad};
-    SeenTrunk trunk =
+    detection::Detection trunk =
         noisy_trunk({shape.range_m, shape.bearing_rad, shape.width_m}, sds, 0.01, noise);
     trunk.utime = std::llround(1e6 * kSweepS *
                                (shape.bearing_rad / (2.0 * options.sight_half_angle_rad) + 0.5));
@@ -191,10 +192,10 @@ void drive(const PriorWorld& world, const std::vector<Eigen::Vector3d>& way,
       if (!told(odometry, T, driven_m)) return false;
     }
     if (seq++ % kOdometryPerScan != 0) return true;
-    SeenTrunks seen = look(world, T, yaw_rate_radps, speed_mps, options, scans);
+    detection::Detections seen = look(world, T, yaw_rate_radps, speed_mps, options, scans);
     seen.utime = utime;
     seen.seq = seq / kOdometryPerScan;
-    for (SeenTrunk& trunk : seen.trunks) trunk.utime += utime;
+    for (detection::Detection& trunk : seen.trunks) trunk.utime += utime;
     return told(seen, T, driven_m);
   };
 

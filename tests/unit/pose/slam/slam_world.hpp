@@ -7,6 +7,7 @@
 #include <functional>
 #include <vector>
 
+#include "detection/detection.hpp"
 #include "geometry/angles.hpp"
 #include "pose/measurements.hpp"
 #include "pose/planar.hpp"
@@ -52,7 +53,7 @@ struct SlamWorld {
 /// What a run is told of, in order of time, and where the robot truly is.
 struct SlamRun {
   std::function<void(const Odometry&)> odometry;
-  std::function<void(const SeenTrunks&)> seen;
+  std::function<void(const detection::Detections&)> seen;
   std::function<void(std::int64_t utime, const Eigen::Vector3d& T_map_base)> truth;  ///< at scans
 };
 
@@ -139,15 +140,15 @@ inline void run(const SlamWorld& world, std::uint64_t seed, const SlamRun& told)
       told.odometry(o);
     }
     if (step % 5 == 0) {
-      SeenTrunks seen;
+      detection::Detections seen;
       seen.utime = utime;
       seen.seq = seq++;
       const auto add = [&](const Eigen::Vector2d& p_base, double width_m) {
         const double range_m = p_base.norm();
         const double bearing_rad = std::atan2(p_base.y(), p_base.x());
         const double sd_m = std::hypot(world.range_sd_m, world.range_sd_fraction * range_m);
-        SeenTrunk trunk = noisy_trunk({range_m, bearing_rad, width_m}, {sd_m, 0.003, 0.02, 0.005},
-                                      0.02, scan_noise);
+        detection::Detection trunk = noisy_trunk({range_m, bearing_rad, width_m},
+                                                 {sd_m, 0.003, 0.02, 0.005}, 0.02, scan_noise);
         trunk.utime = utime;
         seen.trunks.push_back(trunk);
       };

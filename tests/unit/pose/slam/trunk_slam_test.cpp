@@ -69,7 +69,7 @@ Drive drive(const SlamWorld& world, std::uint64_t seed, const SlamConfig& config
   int num_scans = 0;
   run(world, seed,
       {[&](const Odometry& o) { slam.add(o); },
-       [&](const SeenTrunks& seen) {
+       [&](const detection::Detections& seen) {
          slam.add(seen);
          live = slam.estimate();
          if (++num_scans % 500 == 0) {
@@ -230,7 +230,7 @@ TEST(TrunkSlam, ARefutedLoopClosureLeavesNoTrace) {
          tried.add(o);
          untried.add(o);
        },
-       [&](const SeenTrunks& seen) {
+       [&](const detection::Detections& seen) {
          tried.add(seen);
          untried.add(seen);
          ++num_scans;
@@ -264,7 +264,8 @@ TEST(TrunkSlam, AbsolutePositionsGeoreferenceTheMapAndKeepItThere) {
   int num_scans = 0;
   double worst_m = 0.0;
   run(world, 9,
-      {[&](const Odometry& o) { slam.add(o); }, [&](const SeenTrunks& seen) { slam.add(seen); },
+      {[&](const Odometry& o) { slam.add(o); },
+       [&](const detection::Detections& seen) { slam.add(seen); },
        [&](std::int64_t utime, const Eigen::Vector3d& T_map_base) {
          ++num_scans;
          if (num_scans % 2 == 0) {

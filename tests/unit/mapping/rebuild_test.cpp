@@ -84,11 +84,11 @@ Drive drive() {
 
 MapUpdate correct(Drive& d) {
   d.track.correct(d.trajectory);
-  return d.mapper.rederive(
+  return d.mapper.rebuild(
       [&](const pose::PoseEstimate& was) { return d.track.at(was.utime).value(); });
 }
 
-TEST(Rederive, ADriftedDriveBecomesOneLandmarkPerTree) {
+TEST(Rebuild, ADriftedDriveBecomesOneLandmarkPerTree) {
   Drive d = drive();
   ASSERT_GT(d.mapper.num_landmarks(), static_cast<std::size_t>(kNumTrees));  // doubled by drift
   const std::size_t num_observations = d.mapper.num_observations();
@@ -106,7 +106,7 @@ TEST(Rederive, ADriftedDriveBecomesOneLandmarkPerTree) {
   EXPECT_FALSE(update.removed_ids.empty());
 }
 
-TEST(Rederive, ALandmarkHasTheIdOfItsLargestPart) {
+TEST(Rebuild, ALandmarkHasTheIdOfItsLargestPart) {
   Drive d = drive();
   std::map<std::int32_t, int> num_before;
   for (const Landmark& l : d.mapper.landmarks()) num_before[l.id] = l.num_observations;
@@ -118,10 +118,10 @@ TEST(Rederive, ALandmarkHasTheIdOfItsLargestPart) {
   }
 }
 
-TEST(Rederive, WithoutACorrectionNothingChanges) {
+TEST(Rebuild, WithoutACorrectionNothingChanges) {
   Drive d = drive();
   const std::vector<Landmark> before = d.mapper.landmarks();
-  const MapUpdate update = d.mapper.rederive([](const pose::PoseEstimate& was) { return was; });
+  const MapUpdate update = d.mapper.rebuild([](const pose::PoseEstimate& was) { return was; });
   const std::vector<Landmark> after = d.mapper.landmarks();
   ASSERT_EQ(after.size(), before.size());
   for (std::size_t i = 0; i < after.size(); ++i) {
@@ -135,7 +135,7 @@ TEST(Rederive, WithoutACorrectionNothingChanges) {
   EXPECT_TRUE(update.removed_ids.empty());
 }
 
-TEST(Rederive, TheMapGoesOnAfterIt) {
+TEST(Rebuild, TheMapGoesOnAfterIt) {
   Drive d = drive();
   correct(d);
   std::mt19937_64 random(6);

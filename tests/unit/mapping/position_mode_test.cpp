@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mapping/bulk_centre.hpp"
+#include "mapping/position_mode.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,40 +11,40 @@
 namespace orchard::mapping {
 namespace {
 
-TEST(BulkCentre, OfOnePointIsThePoint) {
-  const BulkCentre centre = bulk_centre({{{3.0, -4.0}, 400.0}}, {3.0, -4.0}, 0.2);
-  EXPECT_NEAR(centre.p_map.x(), 3.0, 1e-12);
-  EXPECT_NEAR(centre.p_map.y(), -4.0, 1e-12);
-  EXPECT_DOUBLE_EQ(centre.covariance(0, 0), 1.0 / 400.0);
-  EXPECT_EQ(centre.covariance(0, 1), 0.0);
+TEST(PositionMode, OfOnePointIsThePoint) {
+  const PositionMode mode = position_mode({{{3.0, -4.0}, 400.0}}, {3.0, -4.0}, 0.2);
+  EXPECT_NEAR(mode.p_map.x(), 3.0, 1e-12);
+  EXPECT_NEAR(mode.p_map.y(), -4.0, 1e-12);
+  EXPECT_DOUBLE_EQ(mode.covariance(0, 0), 1.0 / 400.0);
+  EXPECT_EQ(mode.covariance(0, 1), 0.0);
 }
 
-TEST(BulkCentre, WithinItsKernelIsTheWeightedMean) {
+TEST(PositionMode, WithinItsKernelIsTheWeightedMean) {
   const std::vector<WeightedPoint> points = {{{1.0, 2.0}, 100.0}, {{1.02, 2.0}, 300.0}};
-  const BulkCentre centre = bulk_centre(points, {1.01, 2.0}, 5.0);
-  EXPECT_NEAR(centre.p_map.x(), 1.015, 1e-6);
-  EXPECT_NEAR(centre.p_map.y(), 2.0, 1e-12);
+  const PositionMode mode = position_mode(points, {1.01, 2.0}, 5.0);
+  EXPECT_NEAR(mode.p_map.x(), 1.015, 1e-6);
+  EXPECT_NEAR(mode.p_map.y(), 2.0, 1e-12);
 }
 
-TEST(BulkCentre, IsNotDrawnByAnotherThing) {
+TEST(PositionMode, IsNotDrawnByAnotherThing) {
   std::vector<WeightedPoint> points;
   for (int k = -5; k <= 5; ++k) points.push_back({{0.01 * k, 0.0}, 100.0});
   const std::vector<WeightedPoint> alone = points;
   for (int k = 0; k < 4; ++k) points.push_back({{1.5, 0.5}, 100.0});
-  const BulkCentre centre = bulk_centre(points, {0.4, 0.13}, 0.2);  // from the mean of all
-  const BulkCentre without = bulk_centre(alone, {0.0, 0.0}, 0.2);
-  EXPECT_LT((centre.p_map - without.p_map).norm(), 1e-6);
-  EXPECT_NEAR(centre.covariance(0, 0), without.covariance(0, 0), 1e-9);
+  const PositionMode mode = position_mode(points, {0.4, 0.13}, 0.2);  // from the mean of all
+  const PositionMode without = position_mode(alone, {0.0, 0.0}, 0.2);
+  EXPECT_LT((mode.p_map - without.p_map).norm(), 1e-6);
+  EXPECT_NEAR(mode.covariance(0, 0), without.covariance(0, 0), 1e-9);
   // eleven points 1 cm apart: (2 (1 + 4 + 9 + 16 + 25) 1e-4 m2) / 10 / 11, a little less by the
   // kernel
   EXPECT_NEAR(without.covariance(0, 0), 1e-4, 2e-6);
 }
 
 /// Mean shift as its comment says, point by point, with the library's exponential.
-BulkCentre plain_mean_shift(const std::vector<WeightedPoint>& points, Eigen::Vector2d centre,
-                            double kernel_m) {
+PositionMode plain_mean_shift(const std::vector<WeightedPoint>& points, Eigen::Vector2d mode,
+                              double kernel_m) {
   const auto weight_at = [&](const WeightedPoint& point, double width_m) {
-    const double u2 = (point.p_map - centre).squaredNorm() / (width_m * width_m);
+    const double u2 = (point.p_map - mode).squaredNorm() / (width_m * width_m);
     return point.weight * std::exp(-0.5 * std::min(u2, 60.0));
   };
   double sum = 0.0, sum2 = 0.0;
@@ -57,18 +57,18 @@ BulkCentre plain_mean_shift(const std::vector<WeightedPoint>& points, Eigen::Vec
       sum += weight;
       sum2 += weight * weight;
     }
-    centre = next / sum;
+    mode = next / sum;
   }
   Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
   for (const WeightedPoint& point : points) {
-    const Eigen::Vector2d delta = point.p_map - centre;
+    const Eigen::Vector2d delta = point.p_map - mode;
     scatter += weight_at(point, kernel_m) * delta * delta.transpose();
   }
   scatter /= sum * std::max(1.0, std::max(1.0, sum * sum / sum2) - 1.0);
-  return {centre, scatter};
+  return {mode, scatter};
 }
 
-TEST(BulkCentre, IsMeanShiftToTheLastDigits) {
+TEST(PositionMode, IsMeanShiftToTheLastDigits) {
   std::mt19937 random(4);
   std::normal_distribution<double> normal;
   for (const std::size_t size : {2, 3, 7, 40, 512}) {
@@ -78,10 +78,10 @@ TEST(BulkCentre, IsMeanShiftToTheLastDigits) {
         points.push_back({{120.0 + spread_m * normal(random), -80.0 + spread_m * normal(random)},
                           400.0 + 100.0 * std::abs(normal(random))});
       }
-      const BulkCentre centre = bulk_centre(points, {120.0, -80.0}, 0.2);
-      const BulkCentre plain = plain_mean_shift(points, {120.0, -80.0}, 0.2);
-      EXPECT_LT((centre.p_map - plain.p_map).norm(), 1e-10);
-      EXPECT_LT((centre.covariance - plain.covariance).norm(), 1e-8 * plain.covariance.norm());
+      const PositionMode mode = position_mode(points, {120.0, -80.0}, 0.2);
+      const PositionMode plain = plain_mean_shift(points, {120.0, -80.0}, 0.2);
+      EXPECT_LT((mode.p_map - plain.p_map).norm(), 1e-10);
+      EXPECT_LT((mode.covariance - plain.covariance).norm(), 1e-8 * plain.covariance.norm());
     }
   }
 }

@@ -5,19 +5,18 @@
 #include <cstdint>
 #include <vector>
 
-#include "mapping/bulk_centre.hpp"
+#include "mapping/position_mode.hpp"
 
 namespace orchard::mapping {
 
-/// Where landmarks were found to lie last, so that one that is seen and told at every scan is not
-/// worked out anew from hundreds of observations each time. By index; holds nothing of landmarks
-/// with few observations, which are worked out every time.
-class CentreCache {
+/// The cached position of each landmark, so that the cost per scan is constant. By index; landmarks
+/// with few observations are not cached, their position is computed every time.
+class ModeCache {
  public:
-  /// The centre of a landmark with so many observations: as known, or from make() when a sixteenth
-  /// of them, or more than kFew, have come since.
+  /// The mode of a landmark with so many observations: the cached one, or make() when 1/16 of them,
+  /// or more than kFew, have come since.
   template <class Make>
-  const BulkCentre& at(std::int32_t index, std::int32_t num_observations, Make&& make) {
+  const PositionMode& at(std::int32_t index, std::int32_t num_observations, Make&& make) {
     if (num_observations <= kFew) return few_ = make();
     const auto i = static_cast<std::size_t>(index);
     if (i >= known_.size()) known_.resize(i + 1 + known_.size() / 4);
@@ -26,10 +25,10 @@ class CentreCache {
     if (num_new >= kFew || 16 * num_new >= num_observations) {
       known = {make(), num_observations};
     }
-    return known.centre;
+    return known.mode;
   }
 
-  /// To be worked out anew the next time.
+  /// Makes the next at() compute the mode.
   void forget(std::int32_t index) {
     if (static_cast<std::size_t>(index) < known_.size()) known_[index].num_observations = 0;
   }
@@ -39,11 +38,11 @@ class CentreCache {
  private:
   static constexpr std::int32_t kFew = 32;
   struct Known {
-    BulkCentre centre;
+    PositionMode mode;
     std::int32_t num_observations = 0;
   };
   std::vector<Known> known_;
-  BulkCentre few_;
+  PositionMode few_;
 };
 
 }  // namespace orchard::mapping

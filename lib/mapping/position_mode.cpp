@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mapping/bulk_centre.hpp"
+#include "mapping/position_mode.hpp"
 
 #include <algorithm>
 
@@ -51,8 +51,8 @@ struct Points {
 
 }  // namespace
 
-BulkCentre bulk_centre(const std::vector<WeightedPoint>& points, const Eigen::Vector2d& start_map,
-                       double kernel_m) {
+PositionMode position_mode(const std::vector<WeightedPoint>& points,
+                           const Eigen::Vector2d& start_map, double kernel_m) {
   const Points all(points);
   Eigen::ArrayXd weights(all.weight.size());
   Eigen::Vector2d centre = start_map;

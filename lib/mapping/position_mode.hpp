@@ -12,17 +12,17 @@ struct WeightedPoint {
   double weight = 0.0;  ///< 1 / m2
 };
 
-/// Where most of some points lie.
-struct BulkCentre {
+/// The mode of some points.
+struct PositionMode {
   Eigen::Vector2d p_map;
   Eigen::Matrix2d covariance;  ///< of p_map [m2]
 };
 
 /// The mode of the points, weighted by their variance: mean shift from `start_map` with a Gaussian
-/// kernel that shrinks to `kernel_m`, so that a few observations of something else do not draw the
-/// landmark away. The covariance is that of the kernel's weighted mean with N - 1, N the effective
+/// kernel that shrinks to `kernel_m`, so that a few observations of something else do not move the
+/// landmark. The covariance is that of the kernel's weighted mean with N - 1, N the effective
 /// number of points; of a single point its own. At least one point.
-BulkCentre bulk_centre(const std::vector<WeightedPoint>& points, const Eigen::Vector2d& start_map,
-                       double kernel_m);
+PositionMode position_mode(const std::vector<WeightedPoint>& points,
+                           const Eigen::Vector2d& start_map, double kernel_m);
 
 }  // namespace orchard::mapping

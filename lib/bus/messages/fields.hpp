@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "bus/messages/message.hpp"
+#include "detection/adaptation/adaptation_fields.hpp"
+#include "detection/detection_fields.hpp"
+#include "laser/scan_fields.hpp"
+#include "mapping/landmark_fields.hpp"
+#include "pose/measurement_fields.hpp"
+#include "pose/pose_fields.hpp"
+#include "vision/image_fields.hpp"
+
+namespace orchard::bus {
+
+/// The first moment no message may carry: 2200-01-01 [us].
+inline constexpr std::int64_t kUtimeEnd = 7258118400000000;
+
+/// Shows a visitor every field of a message in the order of its .lcm file.
+///
+/// The fields stand in a ..._fields.hpp beside the struct, once for everything that goes through
+/// them: encoding, decoding, limits, text, tests. `fields_of(m)` finds them. A visitor `v` has
+///   v.stamp(utime, seq)                   the two fields that every message begins with
+///   v.time(name, utime)                   a time of measurement
+///   v.field(name, value, lo, hi)          a number, enum (as its number), bool, or std::array
+///   v.covariance(name, values)            an upper triangle row by row, as std::array
+///   v.count(name, vector)                 the number of elements of an array
+///   v.array(name, vector, count[, lo, hi])  of numbers; without limits a check of its own
+///   v.items(name, vector, count, Fields)  of structs whose fields these are
+///   v.column(name, vector, count, &Element::member, lo, hi)  one member of each element
+///   v.text(name, string)
+/// A number that is not finite lies within no limits.
+template <class M, class Visitor>
+void visit_fields(M& message, Visitor& visitor) {
+  decltype(fields_of(message))::visit(message, visitor);
+}
+
+}  // namespace orchard::bus

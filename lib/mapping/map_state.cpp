@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/map_state.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "mapping/stored_detection.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+constexpr double kAssociationVarianceMin_m2 = 1e-6;
+constexpr double kWidthSdMin_m = 0.005;
+
+/// Adds one observation to a record; its aligned position and variance update the association
+/// position.
+void add_to_record(LandmarkRecord& r, const detection::Detection& d, const Eigen::Vector2d& p_map,
+                   const Eigen::Vector2d& p_aligned, double aligned_variance_m2,
+                   const MapperConfig& config) {
+  fuse_association_position(r, p_aligned,
+                            std::max(kAssociationVarianceMin_m2, aligned_variance_m2));
+  fuse_width(r, d.width_m, std::max(d.width_sd_m, kWidthSdMin_m));
+  accumulate(r, p_map, d.roc_tree, d.label, evidence_of(d, config), log_odds_max(config));
+  ++r.num_all;
+}
+
+}  // namespace
+
+void MapState::add_observation(std::int32_t index, const Candidate& c) {
+  landmarks.change(index, [&](LandmarkRecord& r) {
+    add_to_record(r, *c.detection, c.p_map, c.p_aligned, 0.5 * c.aligned_covariance.trace(),
+                  config);
+    r.last_observation = observations.prepend(observation_of(c), r.last_observation);
+    r.last_scan = observations.last_scan();
+  });
+}
+
+void MapState::merge(std::int32_t keep, std::int32_t drop) {
+  const LandmarkRecord dropped = landmarks[drop];
+  landmarks.remove(drop);
+  modes.forget(keep);
+  landmarks.change(keep, [&](LandmarkRecord& kept) {
+    mapping::merge(kept, dropped, log_odds_max(config));
+    kept.last_observation = observations.join(dropped.last_observation, kept.last_observation);
+  });
+}
+
+void MapState::rebuild_landmark(std::int32_t index, const LandmarkRecord& was,
+                                std::vector<std::int32_t> chain) {
+  std::sort(chain.begin(), chain.end());
+  LandmarkRecord r;
+  r.existence_log_odds = was.existence_log_odds;
+  r.association_x_m = observations.p_map(chain.front()).x();
+  r.association_y_m = observations.p_map(chain.front()).y();
+  for (const std::int32_t k : chain) {
+    const Observation& o = observations[k];
+    const Eigen::Vector2d p = observations.p_map(k);
+    add_to_record(r, detection_of(o), p, p, static_cast<double>(o.sd_m) * o.sd_m, config);
+    r.last_scan = o.scan;
+  }
+  r.last_observation = observations.relink(std::move(chain));
+  modes.forget(index);
+  landmarks.change(index, [&](LandmarkRecord& record) { record = r; });
+}
+
+void MapState::renumber(const std::vector<std::int32_t>& kept) {
+  LandmarkRecord removed;
+  removed.is_removed = true;
+  std::int32_t num_indices = 0;
+  for (const std::int32_t index : kept) num_indices = std::max(num_indices, index + 1);
+  std::vector<LandmarkRecord> records(static_cast<std::size_t>(num_indices), removed);
+  for (std::int32_t i = 0; i < landmarks.num_indices(); ++i) {
+    const std::int32_t index = kept[static_cast<std::size_t>(i)];
+    if (index >= 0) records[static_cast<std::size_t>(index)] = landmarks[i];
+  }
+  landmarks = LandmarkTable(std::move(records));
+}
+
+PositionMode MapState::mode_of(const LandmarkRecord& r) const {
+  return position_mode(observations.newest(r.last_observation, kPositionSamplesMax),
+                       {r.mean_x_m, r.mean_y_m}, config.centre_kernel_m);
+}
+
+Landmark MapState::report(std::int32_t index, const PositionMode& mode) const {
+  const LandmarkRecord& r = landmarks[index];
+  const Eigen::Vector2d se_m = standard_error_m(r);
+  Landmark l;
+  l.id = index + 1;
+  l.label = label_of(r, config);
+  l.num_observations = r.num_observations;
+  l.x_m = mode.p_map.x();
+  l.y_m = mode.p_map.y();
+  l.se_x_m = se_m.x();
+  l.se_y_m = se_m.y();
+  l.covariance = {mode.covariance(0, 0), mode.covariance(0, 1), mode.covariance(1, 1)};
+  l.width_m = r.width_m;
+  l.roc_mean = r.roc_sum / r.num_observations;
+  l.probability = probability_of_tree(r, config);
+  return l;
+}
+
+std::vector<std::int32_t> MapState::landmark_of_observation() const {
+  std::vector<std::int32_t> landmark_of(static_cast<std::size_t>(observations.num_observations()),
+                                        -1);
+  for (std::int32_t i = 0; i < landmarks.num_indices(); ++i) {
+    if (landmarks[i].is_removed) continue;
+    for (std::int32_t k = landmarks[i].last_observation; k >= 0; k = observations[k].previous) {
+      landmark_of[static_cast<std::size_t>(k)] = i;
+    }
+  }
+  return landmark_of;
+}
+
+}  // namespace orchard::mapping

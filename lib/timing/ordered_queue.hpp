@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <limits>
+#include <optional>
+#include <utility>
+
+namespace orchard::timing {
+
+/// Puts items of several kinds into one order of time, whatever the order in which the kinds
+/// arrive, and names the kind that holds the next item back.
+///
+/// An item waits until every kind that is waited for has reached its time, or until message time is
+/// further ahead of it than the missing kind is waited for. Times are the messages' own [us]. Of
+/// equal times the kind of the lower number comes first, within a kind the earlier arrival.
+template <class Item, std::size_t kNumKinds>
+class OrderedQueue {
+ public:
+  /// Earlier than any time.
+  static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
+
+  struct Rule {
+    std::optional<std::int64_t> wait_us;  ///< how long others wait for this kind; none: never
+    bool tells_time = true;               ///< whether its arrivals move message time on
+  };
+  using Rules = std::array<Rule, kNumKinds>;
+
+  explicit OrderedQueue(const Rules& rules) : rules_(rules) { reached_.fill(kNever); }
+
+  /// Something of this kind has arrived that is not queued.
+  void reach(std::size_t kind, std::int64_t utime) {
+    reached_[kind] = std::max(reached_[kind], utime);
+    if (rules_[kind].tells_time) message_time_ = std::max(message_time_, utime);
+  }
+  /// The newest time of a kind; kNever before its first.
+  std::int64_t reached(std::size_t kind) const { return reached_[kind]; }
+  /// The newest time of all kinds that tell it; kNever before the first.
+  std::int64_t message_time() const { return message_time_; }
+
+  /// From now on others wait so long for that kind.
+  void set_wait(std::size_t kind, std::optional<std::int64_t> wait_us) {
+    rules_[kind].wait_us = wait_us;
+  }
+
+  /// Queues an item, behind those of its kind and time.
+  void push(std::size_t kind, std::int64_t utime, Item item) {
+    reach(kind, utime);
+    std::deque<Entry>& queue = queues_[kind];
+    const auto after =
+        std::upper_bound(queue.begin(), queue.end(), utime,
+                         [](std::int64_t time, const Entry& entry) { return time < entry.utime; });
+    queue.insert(after, Entry{utime, std::move(item)});
+  }
+
+  bool is_empty(std::size_t kind) const { return queues_[kind].empty(); }
+  std::size_t size(std::size_t kind) const { return queues_[kind].size(); }
+  /// The earliest item of a kind, which must have one, and its time.
+  const Item& front(std::size_t kind) const { return queues_[kind].front().item; }
+  std::int64_t front_utime(std::size_t kind) const { return queues_[kind].front().utime; }
+
+  /// Takes the earliest item of a kind, whatever it waits for.
+  Item take(std::size_t kind) {
+    Item item = std::move(queues_[kind].front().item);
+    queues_[kind].pop_front();
+    return item;
+  }
+
+  /// The kind of the next item in order; none when the queue is empty.
+  std::optional<std::size_t> next_kind() const {
+    std::optional<std::size_t> next;
+    for (std::size_t kind = 0; kind < kNumKinds; ++kind) {
+      if (is_empty(kind)) continue;
+      if (!next || front_utime(kind) < front_utime(*next)) next = kind;
+    }
+    return next;
+  }
+  std::optional<std::int64_t> next_utime() const {
+    const std::optional<std::size_t> next = next_kind();
+    if (!next) return std::nullopt;
+    return front_utime(*next);
+  }
+
+  /// The kind, the lowest of several, that an item of that time waits for; none when it may go out.
+  /// `needed_utime(kind)`: the time that this kind must have reached.
+  template <class NeededUtime>
+  std::optional<std::size_t> blocker(std::int64_t utime, const NeededUtime& needed_utime) const {
+    for (std::size_t kind = 0; kind < kNumKinds; ++kind) {
+      const std::optional<std::int64_t>& wait_us = rules_[kind].wait_us;
+      if (!wait_us || reached_[kind] >= needed_utime(kind)) continue;
+      if (message_time_ - utime <= *wait_us) return kind;
+    }
+    return std::nullopt;
+  }
+  /// The same for an item that needs every kind up to its own time.
+  std::optional<std::size_t> blocker(std::int64_t utime) const {
+    return blocker(utime, [utime](std::size_t) { return utime; });
+  }
+
+  /// The next item in order that waits for nothing; none when it must wait.
+  std::optional<Item> pop() {
+    const std::optional<std::size_t> next = next_kind();
+    if (!next || blocker(front_utime(*next))) return std::nullopt;
+    return take(*next);
+  }
+  /// The same at the end of all input: nothing waits any longer.
+  std::optional<Item> pop_flushed() {
+    const std::optional<std::size_t> next = next_kind();
+    if (!next) return std::nullopt;
+    return take(*next);
+  }
+
+ private:
+  struct Entry {
+    std::int64_t utime;
+    Item item;
+  };
+
+  Rules rules_;
+  std::array<std::deque<Entry>, kNumKinds> queues_;
+  std::array<std::int64_t, kNumKinds> reached_;
+  std::int64_t message_time_ = kNever;
+};
+
+}  // namespace orchard::timing

@@ -128,7 +128,7 @@ PresenceWatch::Verdicts PresenceWatch::of_detections(const std::vector<Candidate
   Verdicts all;
   all.log_odds_max = config_.log_odds_max;
   if (observed.empty()) return all;
-  const pose::Shadows shadows(sightings);
+  const geometry::OcclusionTest occlusion = pose::occlusion_by(sightings);
   const auto is_something_at = [&](const Vector2d& p_map) {
     return std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& c) {
       const double beside_m = kBeside_m + 0.5 * c.detection->width_m;
@@ -144,7 +144,7 @@ PresenceWatch::Verdicts PresenceWatch::of_detections(const std::vector<Candidate
   landmarks.near(frame.laser_map, sight_.range_m(), [&](std::int32_t i, const LandmarkRecord& r) {
     if (r.last_scan == scan) return;
     const Vector2d p = frame.to_laser(r.anchor());
-    if (!sight_.covers(p) || shadows.hide(p) || is_something_at(r.anchor())) return;
+    if (!sight_.covers(p) || occlusion.hides(p) || is_something_at(r.anchor())) return;
     const int side = side_of(frame.laser_map - r.anchor());
     const bool is_known_side = (r.sides_seen & (bit(side - 1) | bit(side) | bit(side + 1))) != 0;
     all.verdicts.push_back({i, (is_known_side ? 1.0 : kUnseenSide) * against_it});

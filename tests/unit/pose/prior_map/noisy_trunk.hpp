@@ -5,11 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/pose2.hpp"
 #include "pose/measurements.hpp"
-#include "pose/planar.hpp"
 #include "simulation/random.hpp"
 
 namespace orchard::pose {
+using geometry::rotation;
 
 /// A trunk as a scanner truly has it before it.
 struct TrunkInView {

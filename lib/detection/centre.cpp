@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "geometry/pose2.hpp"
+
 namespace orchard::detection {
 namespace {
 
@@ -91,9 +93,7 @@ void place_in_base(Detection& detection, const laser::Segment& segment, const la
       mount.mount_y_m + segment.range_m * std::sin(mount.mount_yaw_rad + segment.bearing_rad);
   detection.centre_x_m = mount.mount_x_m + c * place.x_m - s * place.y_m;
   detection.centre_y_m = mount.mount_y_m + s * place.x_m + c * place.y_m;
-  detection.covariance = {c * c * xx - 2.0 * c * s * xy + s * s * yy,
-                          c * s * (xx - yy) + (c * c - s * s) * xy,
-                          s * s * xx + 2.0 * c * s * xy + c * c * yy};
+  detection.covariance = geometry::turned_covariance(place.covariance, mount.mount_yaw_rad);
 }
 
 }  // namespace orchard::detection

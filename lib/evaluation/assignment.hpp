@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <vector>
 
@@ -10,6 +11,11 @@ namespace orchard::evaluation {
 struct Point {
   double x_m = 0.0;
   double y_m = 0.0;
+
+  Point() = default;
+  Point(double x, double y) : x_m(x), y_m(y) {}
+  Point(const Eigen::Vector2d& p) : x_m(p.x()), y_m(p.y()) {}
+  operator Eigen::Vector2d() const { return {x_m, y_m}; }
 };
 
 /// Index of the found point that belongs to each true point, or kUnmatched.

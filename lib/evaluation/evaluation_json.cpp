@@ -77,7 +77,7 @@ std::string evaluation_json(const MapEvaluation& evaluation) {
                     {"se_y_mean_m", evaluation.se_y_mean_m},
                     {"confusion", confusion_json(evaluation)}};
   if (evaluation.unaligned) {
-    const RigidMotion& t = evaluation.unaligned->T_truth_map;
+    const geometry::Pose2& t = evaluation.unaligned->T_truth_map;
     json["aligned_by"] = {{"x_m", t.x_m}, {"y_m", t.y_m}, {"yaw_rad", t.yaw_rad}};
     json["error_trees_unaligned"] = errors_json(evaluation.unaligned->trees);
   }

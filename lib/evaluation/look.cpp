@@ -7,6 +7,7 @@
 #include <set>
 
 #include "evaluation/assignment.hpp"
+#include "geometry/rigid_fit2.hpp"
 
 namespace orchard::evaluation {
 namespace {
@@ -15,48 +16,23 @@ using detection::Detection;
 using detection::Detections;
 using simulation::TrueObservation;
 
-/// The rigid motion from base to laser.
-struct Mount {
-  double c = 1.0, s = 0.0, x_m = 0.0, y_m = 0.0;
-  Point to_laser(double x_base_m, double y_base_m) const {
-    const double dx = x_base_m - x_m, dy = y_base_m - y_m;
-    return {c * dx + s * dy, -s * dx + c * dy};
-  }
-};
-
 Point surface_in_laser(const Detection& d) {
   return {d.range_m * std::cos(d.bearing_rad), d.range_m * std::sin(d.bearing_rad)};
 }
 
-/// Least squares over all surface points; with fewer than two apart, the laser stands at base.
-Mount mount_of(const std::vector<Detections>& messages) {
-  double n = 0, lx = 0, ly = 0, bx = 0, by = 0;
+/// T_base_laser: least squares over all surface points; with fewer than two apart, the laser stands
+/// at base.
+geometry::Pose2 mount_of(const std::vector<Detections>& messages) {
+  std::vector<Eigen::Vector2d> p_base, p_laser;
   for (const Detections& message : messages) {
     for (const Detection& d : message.trunks) {
-      const Point laser = surface_in_laser(d);
-      n += 1, lx += laser.x_m, ly += laser.y_m, bx += d.surface_x_m, by += d.surface_y_m;
+      p_base.emplace_back(d.surface_x_m, d.surface_y_m);
+      p_laser.push_back(surface_in_laser(d));
     }
   }
-  if (n < 2) return {};
-  lx /= n, ly /= n, bx /= n, by /= n;
-  double dot = 0, cross = 0;
-  for (const Detections& message : messages) {
-    for (const Detection& d : message.trunks) {
-      const Point laser = surface_in_laser(d);
-      const double ax = laser.x_m - lx, ay = laser.y_m - ly;
-      const double cx = d.surface_x_m - bx, cy = d.surface_y_m - by;
-      dot += ax * cx + ay * cy;
-      cross += ax * cy - ay * cx;
-    }
-  }
-  const double length = std::hypot(dot, cross);
-  if (length < 1e-9) return {};
-  Mount mount;
-  mount.c = dot / length;
-  mount.s = cross / length;
-  mount.x_m = bx - (mount.c * lx - mount.s * ly);
-  mount.y_m = by - (mount.s * lx + mount.c * ly);
-  return mount;
+  if (p_base.size() < 2) return {};
+  const geometry::RigidFit2 fit = geometry::fit_rigid(p_base, p_laser);
+  return fit.mean_square_b_m2 < 1e-12 ? geometry::Pose2{} : fit.T_a_b;
 }
 
 Point axis_in_laser(const TrueObservation& t) {
@@ -65,11 +41,12 @@ Point axis_in_laser(const TrueObservation& t) {
 }
 
 void match_scan(const Detections& message, const std::vector<const TrueObservation*>& truth,
-                const Mount& mount, int recording, double gate_m, std::vector<Look>& looks) {
+                const geometry::Pose2& T_base_laser, int recording, double gate_m,
+                std::vector<Look>& looks) {
   std::vector<Point> true_points, found_points;
   for (const TrueObservation* t : truth) true_points.push_back(axis_in_laser(*t));
   for (const Detection& d : message.trunks) {
-    found_points.push_back(mount.to_laser(d.centre_x_m, d.centre_y_m));
+    found_points.push_back(transform_back(T_base_laser, {d.centre_x_m, d.centre_y_m}));
   }
   const Assignment assignment = assign(true_points, found_points, gate_m);
   std::vector<char> used(found_points.size(), 0);
@@ -111,7 +88,7 @@ Looks match_looks(const std::vector<Detections>& messages,
     auto& scan = by_scan[t.utime];
     if (t.num_beams > 0) scan.push_back(&t);
   }
-  const Mount mount = mount_of(messages);
+  const geometry::Pose2 T_base_laser = mount_of(messages);
   Looks result;
   std::set<std::int64_t> answered;
   for (const Detections& message : messages) {
@@ -122,7 +99,7 @@ Looks match_looks(const std::vector<Detections>& messages,
     }
     if (scan == by_scan.end() || !answered.insert(message.utime).second) continue;
     ++result.num_scans;
-    match_scan(message, scan->second, mount, recording, rules.gate_m, result.looks);
+    match_scan(message, scan->second, T_base_laser, recording, rules.gate_m, result.looks);
   }
   result.num_without_message = static_cast<int>(by_scan.size() - answered.size());
   return result;

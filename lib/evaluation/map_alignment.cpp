@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "geometry/rigid_fit2.hpp"
+
 namespace orchard::evaluation {
 namespace {
 
@@ -14,7 +16,7 @@ constexpr std::size_t kNumStarts = 5;  ///< best votes that are refined
 constexpr double kTurnError_m = 0.25;  ///< most that half a step of turn moves a voter
 
 struct Fit {
-  RigidMotion T_truth_map;
+  geometry::Pose2 T_truth_map;
   int num_pairs = 0;
   double sum_m2 = 0.0;
 
@@ -37,8 +39,8 @@ Point middle_of(const std::vector<Point>& points) {
 }
 
 /// The motion that turns about a point and then moves by an offset.
-RigidMotion about(const Point& middle, double yaw_rad, double dx_m, double dy_m) {
-  const Point turned = RigidMotion{0.0, 0.0, yaw_rad}(middle);
+geometry::Pose2 about(const Point& middle, double yaw_rad, double dx_m, double dy_m) {
+  const Point turned = transform(geometry::Pose2{0.0, 0.0, yaw_rad}, middle);
   return {middle.x_m - turned.x_m + dx_m, middle.y_m - turned.y_m + dy_m, yaw_rad};
 }
 
@@ -51,7 +53,7 @@ class Aligner {
     });
   }
 
-  std::vector<RigidMotion> vote(const AlignmentSearch& search) const {
+  std::vector<geometry::Pose2> vote(const AlignmentSearch& search) const {
     const std::size_t num_voters = std::min(kVoters, found_.size());
     const double radius_m = std::max(1.0, distance_m(found_[num_voters - 1], middle_));
     const double step_rad = 2.0 * kTurnError_m / radius_m;
@@ -64,16 +66,16 @@ class Aligner {
     const int width = 2 * half + 1;
     struct Peak {
       int votes;
-      RigidMotion motion;
+      geometry::Pose2 motion;
     };
     std::vector<Peak> peaks;
     std::vector<int> votes;
     for (int step = -num_steps; step <= num_steps; ++step) {
       const double yaw_rad = step * step_rad;
       votes.assign(static_cast<std::size_t>(width) * width, 0);
-      const RigidMotion turn = about(middle_, yaw_rad, 0.0, 0.0);
+      const geometry::Pose2 turn = about(middle_, yaw_rad, 0.0, 0.0);
       for (std::size_t i = 0; i < num_voters; ++i) {
-        const Point p = turn(found_[i]);
+        const Point p = transform(turn, found_[i]);
         for (const Point& q : reached) {
           const int column = static_cast<int>(std::floor((q.x_m - p.x_m) / kBin_m + 0.5)) + half;
           const int row = static_cast<int>(std::floor((q.y_m - p.y_m) / kBin_m + 0.5)) + half;
@@ -88,14 +90,14 @@ class Aligner {
     }
     std::stable_sort(peaks.begin(), peaks.end(),
                      [](const Peak& a, const Peak& b) { return a.votes > b.votes; });
-    std::vector<RigidMotion> starts;
+    std::vector<geometry::Pose2> starts;
     for (std::size_t i = 0; i < std::min(kNumStarts, peaks.size()); ++i) {
       starts.push_back(peaks[i].motion);
     }
     return starts;
   }
 
-  Fit refine(const RigidMotion& start) const {
+  Fit refine(const geometry::Pose2& start) const {
     Fit fit{start};
     // from the middle outwards: a turn that is a little wrong is very wrong far away
     for (std::size_t num = std::min<std::size_t>(found_.size(), 50);;
@@ -122,12 +124,12 @@ class Aligner {
 
  private:
   /// The least squares fit of the pairs that a motion makes, and how good that motion was.
-  Fit improved(const RigidMotion& motion, std::size_t num_found, double gate_m) const {
+  Fit improved(const geometry::Pose2& motion, std::size_t num_found, double gate_m) const {
     std::vector<Point> moved;
-    for (std::size_t i = 0; i < num_found; ++i) moved.push_back(motion(found_[i]));
+    for (std::size_t i = 0; i < num_found; ++i) moved.push_back(transform(motion, found_[i]));
     const Assignment assignment = assign(truth_, moved, gate_m);
     Fit fit{motion};
-    std::vector<Point> from, to;
+    std::vector<Eigen::Vector2d> from, to;
     for (std::size_t i = 0; i < assignment.size(); ++i) {
       if (assignment[i] == kUnmatched) continue;
       const auto found = static_cast<std::size_t>(assignment[i]);
@@ -136,7 +138,7 @@ class Aligner {
       fit.sum_m2 += std::pow(distance_m(moved[found], truth_[i]), 2);
     }
     fit.num_pairs = static_cast<int>(from.size());
-    if (from.size() >= 2) fit.T_truth_map = fit_rigid(from, to);
+    if (from.size() >= 2) fit.T_truth_map = geometry::fit_rigid(to, from).T_a_b;
     return fit;
   }
 
@@ -148,17 +150,17 @@ class Aligner {
 
 }  // namespace
 
-std::optional<RigidMotion> align_points(const std::vector<Point>& truth,
-                                        const std::vector<Point>& found, double gate_m,
-                                        const AlignmentSearch& search,
-                                        const std::optional<RigidMotion>& guess) {
+std::optional<geometry::Pose2> align_points(const std::vector<Point>& truth,
+                                            const std::vector<Point>& found, double gate_m,
+                                            const AlignmentSearch& search,
+                                            const std::optional<geometry::Pose2>& guess) {
   if (truth.empty() || found.empty()) return std::nullopt;
   const Aligner aligner(truth, found, gate_m);
-  std::vector<RigidMotion> starts{RigidMotion{}};
+  std::vector<geometry::Pose2> starts{geometry::Pose2{}};
   if (guess) starts.push_back(*guess);
-  for (const RigidMotion& motion : aligner.vote(search)) starts.push_back(motion);
+  for (const geometry::Pose2& motion : aligner.vote(search)) starts.push_back(motion);
   Fit best;
-  for (const RigidMotion& start : starts) {
+  for (const geometry::Pose2& start : starts) {
     const Fit fit = aligner.refine(start);
     if (fit.better_than(best)) best = fit;
   }

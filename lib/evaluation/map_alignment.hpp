@@ -4,7 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "evaluation/rigid_fit.hpp"
+#include "evaluation/assignment.hpp"
+#include "geometry/pose2.hpp"
 
 namespace orchard::evaluation {
 
@@ -19,9 +20,9 @@ struct AlignmentSearch {
 /// for by all pairs at every turn of the search, and the best, the identity, and `guess` if there
 /// is one are refined by turns of assign() and fit_rigid(), from the middle of the map outwards.
 /// None when nothing lies upon anything.
-std::optional<RigidMotion> align_points(const std::vector<Point>& truth,
-                                        const std::vector<Point>& found, double gate_m,
-                                        const AlignmentSearch& search,
-                                        const std::optional<RigidMotion>& guess);
+std::optional<geometry::Pose2> align_points(const std::vector<Point>& truth,
+                                            const std::vector<Point>& found, double gate_m,
+                                            const AlignmentSearch& search,
+                                            const std::optional<geometry::Pose2>& guess);
 
 }  // namespace orchard::evaluation

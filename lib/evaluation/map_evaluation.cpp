@@ -149,7 +149,7 @@ MapEvaluation evaluate_map(const std::vector<mapping::Landmark>& landmarks,
 MapEvaluation evaluate_aligned_map(const std::vector<mapping::Landmark>& landmarks,
                                    const std::vector<simulation::TruthObject>& truth, double gate_m,
                                    const AlignmentSearch& search,
-                                   const std::optional<RigidMotion>& guess) {
+                                   const std::optional<geometry::Pose2>& guess) {
   const auto where = [](const auto& thing) { return Point{thing.x_m, thing.y_m}; };
   std::vector<Point> true_points = points_of(truth, true, where);
   std::vector<Point> found_points = points_of(landmarks, true, where);
@@ -158,11 +158,11 @@ MapEvaluation evaluate_aligned_map(const std::vector<mapping::Landmark>& landmar
     found_points = points_of(landmarks, false, where);
   }
   const MapEvaluation as_it_came = evaluate_map(landmarks, truth, gate_m);
-  const RigidMotion T_truth_map =
-      align_points(true_points, found_points, gate_m, search, guess).value_or(RigidMotion{});
+  const geometry::Pose2 T_truth_map =
+      align_points(true_points, found_points, gate_m, search, guess).value_or(geometry::Pose2{});
   std::vector<mapping::Landmark> moved = landmarks;
   for (mapping::Landmark& landmark : moved) {
-    const Point p = T_truth_map(where(landmark));
+    const Point p = transform(T_truth_map, where(landmark));
     landmark.x_m = p.x_m;
     landmark.y_m = p.y_m;
   }

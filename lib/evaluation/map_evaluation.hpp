@@ -34,9 +34,9 @@ struct ErrorSummary {
 
 /// A map as it came, when the evaluation is of the map laid upon the truth.
 struct Unaligned {
-  RigidMotion T_truth_map;  ///< what was done to it
-  int num_trees_found = 0;  ///< within the gate without that
-  ErrorSummary trees;       ///< of those
+  geometry::Pose2 T_truth_map;  ///< what was done to it
+  int num_trees_found = 0;      ///< within the gate without that
+  ErrorSummary trees;           ///< of those
 };
 
 /// A map against the truth.
@@ -78,6 +78,6 @@ MapEvaluation evaluate_map(const std::vector<mapping::Landmark>& landmarks,
 MapEvaluation evaluate_aligned_map(const std::vector<mapping::Landmark>& landmarks,
                                    const std::vector<simulation::TruthObject>& truth, double gate_m,
                                    const AlignmentSearch& search = {},
-                                   const std::optional<RigidMotion>& guess = {});
+                                   const std::optional<geometry::Pose2>& guess = {});
 
 }  // namespace orchard::evaluation

@@ -9,6 +9,7 @@
 
 #include "evaluation/track_association.hpp"
 #include "geometry/angles.hpp"
+#include "geometry/rigid_fit2.hpp"
 #include "geometry/statistics.hpp"
 
 namespace orchard::evaluation {
@@ -31,23 +32,25 @@ void require_positive(double value, const char* what) {
   }
 }
 
-TrackPose moved(const RigidMotion& motion, const TrackPose& pose) {
-  const Point at = motion({pose.x_m, pose.y_m});
-  return {pose.utime, at.x_m, at.y_m, wrap_angle_rad(pose.yaw_rad + motion.yaw_rad)};
+geometry::Pose2 pose_of(const TrackPose& pose) { return {pose.x_m, pose.y_m, pose.yaw_rad}; }
+
+TrackPose moved(const geometry::Pose2& motion, const TrackPose& pose) {
+  const geometry::Pose2 is = compose(motion, pose_of(pose));
+  return {pose.utime, is.x_m, is.y_m, is.yaw_rad};
 }
 
 /// Pose `to` as `from` sees it.
 TrackPose relative(const TrackPose& from, const TrackPose& to) {
-  const double c = std::cos(from.yaw_rad), s = std::sin(from.yaw_rad);
-  const double dx = to.x_m - from.x_m, dy = to.y_m - from.y_m;
-  return {to.utime, c * dx + s * dy, -s * dx + c * dy, wrap_angle_rad(to.yaw_rad - from.yaw_rad)};
+  const geometry::Pose2 seen = between(pose_of(from), pose_of(to));
+  return {to.utime, seen.x_m, seen.y_m, seen.yaw_rad};
 }
 
 double distance_m(const TrackPose& a, const TrackPose& b) {
   return std::hypot(b.x_m - a.x_m, b.y_m - a.y_m);
 }
 
-RigidMotion align(const std::vector<ComparedPose>& compared, Alignment alignment, bool has_yaw) {
+geometry::Pose2 align(const std::vector<ComparedPose>& compared, Alignment alignment,
+                      bool has_yaw) {
   if (alignment == Alignment::kNone || compared.empty()) return {};
   if (alignment == Alignment::kOrigin) {
     const TrackPose& truth = compared.front().truth;
@@ -56,12 +59,12 @@ RigidMotion align(const std::vector<ComparedPose>& compared, Alignment alignment
     const TrackPose turned = moved({0.0, 0.0, yaw_rad}, estimate);
     return {truth.x_m - turned.x_m, truth.y_m - turned.y_m, yaw_rad};
   }
-  std::vector<Point> from, to;
+  std::vector<Eigen::Vector2d> from, to;
   for (const ComparedPose& pair : compared) {
-    from.push_back({pair.estimate.x_m, pair.estimate.y_m});
-    to.push_back({pair.truth.x_m, pair.truth.y_m});
+    from.emplace_back(pair.estimate.x_m, pair.estimate.y_m);
+    to.emplace_back(pair.truth.x_m, pair.truth.y_m);
   }
-  return fit_rigid(from, to);
+  return geometry::fit_rigid(to, from).T_a_b;
 }
 
 /// How far along a stretch each compared pose of the estimate is: metres driven, seconds, or

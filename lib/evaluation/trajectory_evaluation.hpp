@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "evaluation/rigid_fit.hpp"
+#include "geometry/pose2.hpp"
 
 namespace orchard::evaluation {
 
@@ -82,8 +82,8 @@ struct TrajectoryEvaluation {
   int num_in_gaps = 0;    ///< estimates where the truth is silent for too long
   int num_unmatched = 0;  ///< kNearest: poses of the shorter track without a partner
   double gap_max_s = 0.0;
-  RigidMotion T_truth_estimate;  ///< the alignment: from the estimate's frame to the truth's
-  bool has_yaw = true;           ///< of the truth
+  geometry::Pose2 T_truth_estimate;  ///< the alignment: from the estimate's frame to the truth's
+  bool has_yaw = true;               ///< of the truth
   std::vector<ComparedPose> compared;
   ErrorStatistics position_m;  ///< APE, translation part (ATE)
   ErrorStatistics yaw_rad;     ///< APE, rotation

@@ -54,7 +54,7 @@ std::string trajectory_summary(const TrajectoryEvaluation& evaluation,
   text += line;
   text += "\n";
   if (rules.alignment != Alignment::kNone) {
-    const RigidMotion& t = evaluation.T_truth_estimate;
+    const geometry::Pose2& t = evaluation.T_truth_estimate;
     std::snprintf(
         line, sizeof line, "aligned %s: moved by (%.3f, %.3f) m, turned by %.3f degrees\n",
         rules.alignment == Alignment::kRigid ? "with the least squares" : "at the first pose",
@@ -78,7 +78,7 @@ std::string trajectory_summary(const TrajectoryEvaluation& evaluation,
 
 std::string trajectory_json(const TrajectoryEvaluation& evaluation, const TrajectoryRules& rules) {
   constexpr const char* kAlignments[] = {"none", "rigid", "origin"};
-  const RigidMotion& t = evaluation.T_truth_estimate;
+  const geometry::Pose2& t = evaluation.T_truth_estimate;
   ordered_json json{{"num_estimates", evaluation.num_estimates},
                     {"num_true", evaluation.num_true},
                     {"num_compared", evaluation.compared.size()},

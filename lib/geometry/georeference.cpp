@@ -5,6 +5,8 @@
 #include <GeographicLib/UTMUPS.hpp>
 #include <cmath>
 
+#include "geometry/pose2.hpp"
+
 namespace orchard::geometry {
 namespace {
 
@@ -23,13 +25,11 @@ Zone zone_of(const Georeference& g) {
 }  // namespace
 
 Geodetic geodetic_of(const Georeference& g, const Eigen::Vector2d& p_map) {
-  const double c = std::cos(g.yaw_rad), s = std::sin(g.yaw_rad);
-  const double east_m = c * p_map.x() - s * p_map.y() + g.x_m;
-  const double north_m = s * p_map.x() + c * p_map.y() + g.y_m;
+  const Eigen::Vector2d p_enu = transform(Pose2{g.x_m, g.y_m, g.yaw_rad}, p_map);
   const GeographicLib::LocalCartesian enu(g.latitude_deg, g.longitude_deg, g.altitude_m);
   Geodetic place;
   double altitude_m = 0.0;
-  enu.Reverse(east_m, north_m, 0.0, place.latitude_deg, place.longitude_deg, altitude_m);
+  enu.Reverse(p_enu.x(), p_enu.y(), 0.0, place.latitude_deg, place.longitude_deg, altitude_m);
   return place;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "geometry/angles.hpp"
+#include "geometry/pose2.hpp"
 #include "laser/sides.hpp"
 
 namespace orchard::laser {
@@ -76,14 +77,10 @@ CircleFit in_laser_frame(const CircleFit& local, double bearing_rad, bool clockw
   CircleFit fit = local;
   fit.x_m = c * local.x_m - s * m * local.y_m;
   fit.y_m = s * local.x_m + c * m * local.y_m;
-  const auto& [xx, mirrored_xy, yy, xr, mirrored_yr, rr] = local.covariance;
-  const double xy = m * mirrored_xy, yr = m * mirrored_yr;
-  fit.covariance = {c * c * xx - 2.0 * c * s * xy + s * s * yy,
-                    c * s * (xx - yy) + (c * c - s * s) * xy,
-                    s * s * xx + 2.0 * c * s * xy + c * c * yy,
-                    c * xr - s * yr,
-                    s * xr + c * yr,
-                    rr};
+  const auto& [xx, xy, yy, xr, mirrored_yr, rr] = local.covariance;
+  const double yr = m * mirrored_yr;
+  const auto turned = geometry::turned_covariance({xx, m * xy, yy}, bearing_rad);
+  fit.covariance = {turned[0], turned[1], turned[2], c * xr - s * yr, s * xr + c * yr, rr};
   return fit;
 }
 

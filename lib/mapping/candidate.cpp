@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "geometry/angles.hpp"
+#include "geometry/pose2.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -20,8 +21,7 @@ Eigen::Matrix3d matrix_of(const std::array<double, 6>& c) {
 
 /// Covariance in map of a point at `arm` from the robot whose pose has `pose_covariance`.
 Eigen::Matrix2d swept(const Eigen::Matrix3d& pose_covariance, const Eigen::Vector2d& arm) {
-  Eigen::Matrix<double, 2, 3> jacobian;
-  jacobian << 1, 0, -arm.y(), 0, 1, arm.x();
+  const Eigen::Matrix<double, 2, 3> jacobian = geometry::point_jacobian(arm);
   return jacobian * pose_covariance * jacobian.transpose();
 }
 
@@ -32,10 +32,7 @@ std::vector<Candidate> compose(const detection::Detections& detections,
                                double range_use_max_m) {
   const Eigen::Vector2d robot(pose.x_m, pose.y_m);
   const Eigen::Matrix3d pose_covariance = matrix_of(pose.covariance);
-  const double c = std::cos(pose.yaw_rad);
-  const double s = std::sin(pose.yaw_rad);
-  Eigen::Matrix2d rotation;
-  rotation << c, -s, s, c;
+  const Eigen::Matrix2d rotation = geometry::rotation(pose.yaw_rad);
   std::vector<Candidate> candidates;
   candidates.reserve(detections.trunks.size());
   for (const Detection& d : detections.trunks) {

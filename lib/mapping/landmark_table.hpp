@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "mapping/landmark_grid.hpp"
+#include "geometry/point_grid.hpp"
 #include "mapping/landmark_record.hpp"
 
 namespace orchard::mapping {
@@ -55,7 +55,7 @@ class LandmarkTable {
 
  private:
   std::vector<LandmarkRecord> records_;
-  LandmarkGrid grid_;
+  geometry::PointGrid grid_;
   std::size_t num_alive_ = 0;
 };
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "geometry/angles.hpp"
+#include "geometry/pose2.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -37,10 +38,10 @@ struct Correction {
   /// Another pose of the same drive, moved as a rigid whole with this one.
   pose::PoseEstimate apply(pose::PoseEstimate pose) const {
     const double turn_rad = is.yaw_rad - told.yaw_rad;
-    const double c = std::cos(turn_rad), s = std::sin(turn_rad);
-    const double x_m = pose.x_m - told.x_m, y_m = pose.y_m - told.y_m;
-    pose.x_m = is.x_m + c * x_m - s * y_m;
-    pose.y_m = is.y_m + s * x_m + c * y_m;
+    const Eigen::Vector2d p = geometry::transform(geometry::Pose2{is.x_m, is.y_m, turn_rad},
+                                                  {pose.x_m - told.x_m, pose.y_m - told.y_m});
+    pose.x_m = p.x();
+    pose.y_m = p.y();
     pose.yaw_rad = geometry::wrap_angle_rad(pose.yaw_rad + turn_rad);
     pose.covariance = is.covariance;
     return pose;

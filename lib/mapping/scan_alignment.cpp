@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/pose2.hpp"
+
 namespace orchard::mapping {
 namespace {
 
@@ -22,11 +24,7 @@ double kernel(double distance_m, double width_m) {
 
 Eigen::Vector2d ScanAlignment::apply(const Eigen::Vector2d& p_map,
                                      const Eigen::Vector2d& robot_map) const {
-  const double c = std::cos(x_y_yaw.z());
-  const double s = std::sin(x_y_yaw.z());
-  const Eigen::Vector2d arm = p_map - robot_map;
-  return robot_map + x_y_yaw.head<2>() +
-         Eigen::Vector2d(c * arm.x() - s * arm.y(), s * arm.x() + c * arm.y());
+  return robot_map + x_y_yaw.head<2>() + geometry::rotation(x_y_yaw.z()) * (p_map - robot_map);
 }
 
 ScanAlignment align_scan(const std::vector<AlignmentPoint>& points,
@@ -84,8 +82,7 @@ ScanAlignment align_scan(const std::vector<AlignmentPoint>& points,
       const double share = kernel(residual.norm(), kernel_m);
       const double variance_m2 = point.sd_m * point.sd_m + 0.25 * kernel_m * kernel_m;
       const Eigen::Vector2d arm = p - robot_map - alignment.x_y_yaw.head<2>();
-      Eigen::Matrix<double, 2, 3> jacobian;
-      jacobian << 1, 0, -arm.y(), 0, 1, arm.x();
+      const Eigen::Matrix<double, 2, 3> jacobian = geometry::point_jacobian(arm);
       information += share / variance_m2 * jacobian.transpose() * jacobian;
       gradient += share / variance_m2 * jacobian.transpose() * residual;
       support += share;

@@ -5,6 +5,8 @@
 #include <array>
 #include <vector>
 
+#include "geometry/visibility.hpp"
+
 namespace orchard::pose {
 
 /// Something that one scan showed, in base as it was at the scan's utime.
@@ -33,28 +35,12 @@ class SightField {
   static constexpr int kSureSightings = 5;
   static constexpr double kSureFraction = 0.85;
 
-  static std::size_t bin(const Eigen::Vector2d& p_base);
-
   double sure_range_m_;
   double farthest_m_ = 0.0;
   std::array<int, kBins> num_seen_{};
 };
 
 /// What a scan's sightings hide.
-class Shadows {
- public:
-  Shadows() = default;
-  explicit Shadows(const std::vector<Sighting>& sightings);
-
-  bool hide(const Eigen::Vector2d& p_base) const;
-
- private:
-  struct Shadow {
-    Eigen::Vector2d direction;  ///< unit vector
-    double range_m;
-    double half_width_m;
-  };
-  std::vector<Shadow> shadows_;
-};
+geometry::OcclusionTest occlusion_by(const std::vector<Sighting>& sightings);
 
 }  // namespace orchard::pose

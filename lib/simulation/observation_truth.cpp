@@ -74,12 +74,13 @@ struct Outline {
   }
 
   std::array<std::array<double, 2>, 4> corners() const {
-    const double c = std::cos(yaw_rad), s = std::sin(yaw_rad);
+    const Pose2 T_map_box{x_m, y_m, yaw_rad};
     std::array<std::array<double, 2>, 4> result{};
     constexpr std::array<std::array<double, 2>, 4> kSigns{{{1, 1}, {-1, 1}, {-1, -1}, {1, -1}}};
     for (std::size_t i = 0; i < 4; ++i) {
-      const double l = kSigns[i][0] * half_length_m, w = kSigns[i][1] * half_width_m;
-      result[i] = {x_m + c * l - s * w, y_m + s * l + c * w};
+      const Eigen::Vector2d corner =
+          transform(T_map_box, {kSigns[i][0] * half_length_m, kSigns[i][1] * half_width_m});
+      result[i] = {corner.x(), corner.y()};
     }
     return result;
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapper/mapper_node.hpp"
+#include "geometry/pose2.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -182,10 +183,10 @@ std::shared_ptr<const mapping::FreeSpace> MapperNode::free_space_of(
   const double time_s = seconds(last_utime - detections.utime);
   const auto then = track_.at(last_utime);
   if (!then || time_s < kSweepMin_s) return nullptr;
-  const double x_m = then->x_m - T_map_base.x_m, y_m = then->y_m - T_map_base.y_m;
-  const double c = std::cos(T_map_base.yaw_rad), s = std::sin(T_map_base.yaw_rad);
-  const double yaw_rad = geometry::wrap_angle_rad(then->yaw_rad - T_map_base.yaw_rad);
-  free_space->set_velocity(Eigen::Vector3d(c * x_m + s * y_m, c * y_m - s * x_m, yaw_rad) / time_s);
+  const geometry::Pose2 T_base_then =
+      between(geometry::Pose2{T_map_base.x_m, T_map_base.y_m, T_map_base.yaw_rad},
+              geometry::Pose2{then->x_m, then->y_m, then->yaw_rad});
+  free_space->set_velocity(T_base_then.vector() / time_s);
   return free_space;
 }
 

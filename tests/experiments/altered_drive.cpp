@@ -59,11 +59,11 @@ LaidMap read_laid(const std::string& folder, const test::AlteredDrive& altered) 
   rules.alignment = evaluation::Alignment::kRigid;
   const auto evaluated = evaluation::evaluate_trajectory(estimate, truth, rules);
   laid.rmse_m = evaluated.position_m.rmse;
-  const evaluation::RigidMotion& T = evaluated.T_truth_estimate;
+  const geometry::Pose2& T = evaluated.T_truth_estimate;
   const auto lay = [&T](auto& thing) {
-    const evaluation::Point p = T({thing.x_m, thing.y_m});
-    thing.x_m = p.x_m;
-    thing.y_m = p.y_m;
+    const Eigen::Vector2d p = transform(T, {thing.x_m, thing.y_m});
+    thing.x_m = p.x();
+    thing.y_m = p.y();
   };
   for (mapping::Landmark& landmark : laid.drive.map) lay(landmark);
   for (pose::PoseEstimate& pose : laid.drive.trajectory) {

@@ -84,7 +84,7 @@ bool run_with(const Seeds& seeds, double width_sd_m) {
     drive.width_sd_m = width_sd_m;
     const DrivenMap a = drive_through(block, drive, dice);
     Drive later = drive;
-    later.T_map_block = {{dice.uniform(-2, 2), dice.uniform(-2, 2)}, dice.uniform(-0.03, 0.03)};
+    later.T_map_block = {dice.uniform(-2, 2), dice.uniform(-2, 2), dice.uniform(-0.03, 0.03)};
     judge(a, drive_through(block, later, dice), {}, same);
     const std::map<int, Change> truth = change_block(block, DayChanges{}, dice);
     judge(a, drive_through(block, later, dice), truth, changed);

@@ -46,7 +46,7 @@ Kept map_again(std::uint64_t seed) {
   }
   const std::map<int, Change> truth = change_block(block, DayChanges{}, dice);
   Drive later;
-  later.T_map_block = {{dice.uniform(-2, 2), dice.uniform(-2, 2)}, dice.uniform(-0.05, 0.05)};
+  later.T_map_block = {dice.uniform(-2, 2), dice.uniform(-2, 2), dice.uniform(-0.05, 0.05)};
   DrivenMap b = drive_through(block, later, dice);
   const MapAlignment alignment =
       align_maps(a.landmarks, b.landmarks, view_of(a), view_of(b), MapAlignmentConfig{});

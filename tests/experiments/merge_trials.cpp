@@ -5,6 +5,7 @@
 
 #include "experiments/changed_block.hpp"
 #include "experiments/two_map_trials.hpp"
+#include "geometry/rigid_fit2.hpp"
 #include "mapping/compare/map_merging.hpp"
 
 namespace orchard::trials {
@@ -52,15 +53,15 @@ DrivenMap drive_of(Block& block, int robot, const Case& c, Dice& dice) {
   } else if (robot == 1) {
     drive.first_alley = c.first_of_second;
     drive.last_alley = c.last_of_second;
-    drive.T_map_block = {{dice.uniform(-50, 50), dice.uniform(-50, 50)}, kHalfTurn_rad};
+    drive.T_map_block = {dice.uniform(-50, 50), dice.uniform(-50, 50), kHalfTurn_rad};
   } else {  // by wheels and trunks alone: bent more
     drive.first_alley = c.first_of_third;
     drive.bend_m = 0.12;
-    drive.T_map_block = {{dice.uniform(-50, 50), dice.uniform(-50, 50)},
+    drive.T_map_block = {dice.uniform(-50, 50), dice.uniform(-50, 50),
                          dice.uniform(-kHalfTurn_rad, kHalfTurn_rad)};
   }
   if (!c.any_place) {
-    drive.T_map_block = {{dice.uniform(-1, 1), dice.uniform(-1, 1)}, dice.uniform(-0.017, 0.017)};
+    drive.T_map_block = {dice.uniform(-1, 1), dice.uniform(-1, 1), dice.uniform(-0.017, 0.017)};
   }
   return drive_through(block, drive, dice, 1000 * (robot + 1));
 }
@@ -77,7 +78,7 @@ double error_m(const MapAlignment& alignment, const DrivenMap& whole_frame, cons
     if (found == place.end()) continue;
     ++num;
     const Vector2d p(b.landmarks[j].x_m, b.landmarks[j].y_m);
-    worst_m = std::max(worst_m, (alignment.T_a_b.apply(p) - found->second).norm());
+    worst_m = std::max(worst_m, (transform(alignment.T_a_b, p) - found->second).norm());
   }
   return num == 0 ? 1e9 : worst_m;  // nothing in common can only be laid wrongly
 }
@@ -101,10 +102,10 @@ void judge(const Block& block, const MergedMap& merged, const std::map<std::int3
     const auto found = tree_of.find(first.landmarks[i].id);
     score.num_ids_lost += found == tree_of.end() || found->second != first.tree_of[i];
   }
-  const RigidTransform T = fit_rigid(true_m, found_m, std::vector<double>(true_m.size(), 1.0));
+  const geometry::Pose2 T = geometry::fit_rigid(true_m, found_m).T_a_b;
   double sum_m2 = 0.0;
   for (std::size_t i = 0; i < true_m.size(); ++i) {
-    const double e_m = (T.apply(found_m[i]) - true_m[i]).norm();
+    const double e_m = (transform(T, found_m[i]) - true_m[i]).norm();
     sum_m2 += e_m * e_m / static_cast<double>(true_m.size());
     score.worst_m = std::max(score.worst_m, e_m);
   }
@@ -157,7 +158,7 @@ void run_case(const Case& c, std::uint64_t seed, Score& score) {
     for (const Landmark& l : whole.landmarks) whole.tree_of.push_back(tree_of.at(l.id));
     std::vector<pose::PoseEstimate> way = b.trajectory;
     for (pose::PoseEstimate& pose : way) {
-      const Vector2d p = alignment.T_a_b.apply({pose.x_m, pose.y_m});
+      const Vector2d p = transform(alignment.T_a_b, {pose.x_m, pose.y_m});
       pose.x_m = p.x();
       pose.y_m = p.y();
       pose.yaw_rad = std::remainder(pose.yaw_rad + alignment.T_a_b.yaw_rad, 2.0 * kHalfTurn_rad);

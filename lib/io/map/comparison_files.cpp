@@ -110,8 +110,8 @@ std::string comparison_json(const ComparisonContent& content) {
   Json json;
   json["a"] = content.name_a;
   json["b"] = content.name_b;
-  json["alignment"] = {{"x_m", rounded(alignment.T_a_b.translation_m.x())},
-                       {"y_m", rounded(alignment.T_a_b.translation_m.y())},
+  json["alignment"] = {{"x_m", rounded(alignment.T_a_b.x_m)},
+                       {"y_m", rounded(alignment.T_a_b.y_m)},
                        {"yaw_rad", rounded(alignment.T_a_b.yaw_rad, 1e6)},
                        {"sd_x_m", rounded(std::sqrt(alignment.covariance(0, 0)))},
                        {"sd_y_m", rounded(std::sqrt(alignment.covariance(1, 1)))},

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "geometry/angles.hpp"
+#include "geometry/rigid_fit2.hpp"
 #include "geometry/statistics.hpp"
 
 namespace orchard::mapping {
@@ -30,7 +31,7 @@ struct Anchor {
 };
 
 struct Hypothesis {
-  RigidTransform T_a_b;
+  geometry::Pose2 T_a_b;
   Vector2d middle_a{0.0, 0.0};
   int num_agreeing = 0;
   double sum_m2 = 0.0;
@@ -91,8 +92,6 @@ struct Trunks {
   const IndexedPoints& places;
   const std::vector<double>& width_m;
 };
-
-double angle_of(const Vector2d& v) { return std::atan2(v.y(), v.x()); }
 
 /// The point farthest from one within the baseline; `along` a direction: of those within some ten
 /// degrees of it either way. -1 for none.
@@ -158,19 +157,11 @@ std::vector<Anchor> anchors_of(const IndexedPoints& a, std::size_t count) {
   return anchors;
 }
 
-RigidTransform through_two(const Vector2d& a1, const Vector2d& a2, const Vector2d& b1,
-                           const Vector2d& b2) {
-  RigidTransform T_a_b;
-  T_a_b.yaw_rad = geometry::wrap_angle_rad(angle_of(a2 - a1) - angle_of(b2 - b1));
-  T_a_b.translation_m = 0.5 * (a1 + a2) - T_a_b.rotation() * (0.5 * (b1 + b2));
-  return T_a_b;
-}
-
 /// Whether enough points around the anchor find partners; stops as soon as they cannot.
 bool is_borne_out(const Trunks& a, const Trunks& b, const Anchor& anchor, double gate_m,
                   Hypothesis& hypothesis) {
-  const RigidTransform T_b_a = hypothesis.T_a_b.inverse();
-  const Eigen::Matrix2d R_b_a = T_b_a.rotation();
+  const geometry::Pose2 T_b_a = inverse(hypothesis.T_a_b);
+  const Eigen::Matrix2d R_b_a = rotation(T_b_a);
   const auto num = static_cast<int>(anchor.witnesses.size());
   const int needed = std::max(3, static_cast<int>(std::ceil(kShareOfWitnesses * num)));
   int num_left = num;
@@ -178,7 +169,7 @@ bool is_borne_out(const Trunks& a, const Trunks& b, const Anchor& anchor, double
     if (hypothesis.num_agreeing + num_left < needed) return false;
     --num_left;
     const auto of_a = static_cast<std::size_t>(i);
-    const Vector2d p_b = R_b_a * a.places[of_a] + T_b_a.translation_m;
+    const Vector2d p_b = R_b_a * a.places[of_a] + T_b_a.translation_m();
     const std::int32_t j = b.places.nearest(p_b, gate_m);
     if (j < 0) continue;
     const auto of_b = static_cast<std::size_t>(j);
@@ -191,9 +182,9 @@ bool is_borne_out(const Trunks& a, const Trunks& b, const Anchor& anchor, double
   return hypothesis.num_agreeing >= needed;
 }
 
-bool is_allowed(const RigidTransform& T_a_b, const Vector2d& p_a, const AlignmentSearch& search) {
+bool is_allowed(const geometry::Pose2& T_a_b, const Vector2d& p_a, const AlignmentSearch& search) {
   if (search.any_place) return true;
-  const Vector2d p_b = T_a_b.inverse().apply(p_a);
+  const Vector2d p_b = transform_back(T_a_b, p_a);
   return std::abs(T_a_b.yaw_rad) <= search.turn_max_rad &&
          (p_a - p_b).norm() <= search.offset_max_m;
 }
@@ -225,9 +216,9 @@ void for_each_counterpart(const IndexedPoints& a, const IndexedPoints& b, const 
   }
 }
 
-RigidTransform fit_pairs(const IndexedPoints& a, const IndexedPoints& b,
-                         const std::vector<LandmarkPair>& pairs, const Vector2d& middle_a,
-                         double radius_m, const RigidTransform& before) {
+geometry::Pose2 fit_pairs(const IndexedPoints& a, const IndexedPoints& b,
+                          const std::vector<LandmarkPair>& pairs, const Vector2d& middle_a,
+                          double radius_m, const geometry::Pose2& before) {
   std::vector<Vector2d> p_a, p_b;
   for (const LandmarkPair& pair : pairs) {
     if ((a[static_cast<std::size_t>(pair.a)] - middle_a).norm() > radius_m) continue;
@@ -235,7 +226,7 @@ RigidTransform fit_pairs(const IndexedPoints& a, const IndexedPoints& b,
     p_b.push_back(b[static_cast<std::size_t>(pair.b)]);
   }
   if (p_a.size() < 2) return before;
-  return fit_rigid(p_a, p_b, std::vector<double>(p_a.size(), 1.0));
+  return geometry::fit_rigid(p_a, p_b).T_a_b;
 }
 
 /// Fits outwards from the anchor: pairs far away are right only once the turn is.
@@ -262,14 +253,14 @@ AlignmentCandidate refined(const IndexedPoints& a, const IndexedPoints& b,
   return way;
 }
 
-bool is_near(const RigidTransform& T, const RigidTransform& other, const Vector2d& p_a,
+bool is_near(const geometry::Pose2& T, const geometry::Pose2& other, const Vector2d& p_a,
              double near_m, double near_rad) {
-  const Vector2d p_b = T.inverse().apply(p_a);
-  return (other.apply(p_b) - p_a).norm() < near_m &&
+  const Vector2d p_b = transform_back(T, p_a);
+  return (transform(other, p_b) - p_a).norm() < near_m &&
          std::abs(geometry::wrap_angle_rad(T.yaw_rad - other.yaw_rad)) < near_rad;
 }
 
-bool is_same_way(const RigidTransform& T, const RigidTransform& other, const Vector2d& p_a,
+bool is_same_way(const geometry::Pose2& T, const geometry::Pose2& other, const Vector2d& p_a,
                  double spacing_m) {
   return is_near(T, other, p_a, 0.35 * spacing_m, 0.03);
 }
@@ -290,22 +281,23 @@ AlignmentCandidates alignment_candidates(const IndexedPoints& a,
     for_each_counterpart(a, b, anchor, search, [&](std::int32_t i, std::int32_t j) {
       Hypothesis h;
       h.middle_a = anchor.middle;
-      h.T_a_b = through_two(a[anchor.first], a[anchor.second], b[static_cast<std::size_t>(i)],
-                            b[static_cast<std::size_t>(j)]);
+      h.T_a_b =
+          geometry::through_two(a[anchor.first], a[anchor.second], b[static_cast<std::size_t>(i)],
+                                b[static_cast<std::size_t>(j)]);
       if (!is_allowed(h.T_a_b, anchor.middle, search)) return;
       found.num_tried += 1.0;
       if (is_borne_out({a, width_of_a_m}, {b, width_of_b_m}, anchor, search.gate_m, h))
         hypotheses.push_back(h);
     });
   }
-  std::vector<RigidTransform> refined_from;  // many begin alike and end in a way that is known
+  std::vector<geometry::Pose2> refined_from;  // many begin alike and end in a way that is known
   for (const std::size_t k : most_promising_first(hypotheses)) {
     const Hypothesis& h = hypotheses[k];
     if (found.ways.size() >= kWaysMost) break;
     const auto known = [&](const AlignmentCandidate& way) {
       return is_same_way(h.T_a_b, way.T_a_b, h.middle_a, spacing_m);
     };
-    const auto begun = [&](const RigidTransform& T) {
+    const auto begun = [&](const geometry::Pose2& T) {
       return is_near(h.T_a_b, T, h.middle_a, 0.1 * spacing_m, 0.01);
     };
     if (std::any_of(found.ways.begin(), found.ways.end(), known) ||

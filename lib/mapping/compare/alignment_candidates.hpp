@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "geometry/pose2.hpp"
 #include "mapping/compare/landmark_pairing.hpp"
 
 namespace orchard::mapping {
@@ -17,7 +18,7 @@ struct AlignmentSearch {
 
 /// One way to lay b on a.
 struct AlignmentCandidate {
-  RigidTransform T_a_b;
+  geometry::Pose2 T_a_b;
   std::vector<LandmarkPair> pairs;
 };
 

@@ -118,14 +118,14 @@ AlignmentEvidence evidence_of(const AlignmentTrunks& a, const AlignmentTrunks& b
                                           kShareOutliers * anywhere * any_width(j))) -
         by_chance;
   }
-  const RigidTransform T_b_a = way.T_a_b.inverse();
+  const geometry::Pose2 T_b_a = inverse(way.T_a_b);
   for (std::size_t i = 0; i < a.places.size(); ++i) {
-    if (std::isnan(evidence.of_a[i]) && b.is_looked_at(T_b_a.apply(a.places[i]))) {
+    if (std::isnan(evidence.of_a[i]) && b.is_looked_at(transform(T_b_a, a.places[i]))) {
       evidence.of_a[i] = std::log(kShareChanged);
     }
   }
   for (std::size_t j = 0; j < b.places.size(); ++j) {
-    if (std::isnan(evidence.of_b[j]) && a.is_looked_at(way.T_a_b.apply(b.places[j]))) {
+    if (std::isnan(evidence.of_b[j]) && a.is_looked_at(transform(way.T_a_b, b.places[j]))) {
       evidence.of_b[j] = std::log(kShareChanged * anywhere * any_width(j)) - by_chance;
     }
   }

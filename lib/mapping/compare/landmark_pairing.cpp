@@ -51,14 +51,14 @@ std::vector<std::int32_t> IndexedPoints::nearest_few(const Vector2d& p, double r
 }
 
 std::vector<LandmarkPair> pair_landmarks(const IndexedPoints& a, const IndexedPoints& b,
-                                         const RigidTransform& T_a_b, double gate_m) {
+                                         const geometry::Pose2& T_a_b, double gate_m) {
   struct Offer {
     double distance_m;
     LandmarkPair pair;
   };
   std::vector<Offer> offers;
   for (std::size_t j = 0; j < b.size(); ++j) {
-    const Vector2d p_a = T_a_b.apply(b[j]);
+    const Vector2d p_a = transform(T_a_b, b[j]);
     for (const std::int32_t i : a.within(p_a, gate_m)) {
       const Vector2d residual_m = p_a - a[static_cast<std::size_t>(i)];
       offers.push_back({residual_m.norm(), {i, static_cast<std::int32_t>(j), residual_m}});

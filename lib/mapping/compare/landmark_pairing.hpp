@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "mapping/landmark_grid.hpp"
-#include "mapping/rigid_transform.hpp"
+#include "geometry/point_grid.hpp"
+#include "geometry/pose2.hpp"
 
 namespace orchard::mapping {
 
@@ -31,7 +31,7 @@ class IndexedPoints {
 
  private:
   std::vector<Eigen::Vector2d> points_;
-  LandmarkGrid grid_;
+  geometry::PointGrid grid_;
 };
 
 /// The same thing in two maps.
@@ -44,7 +44,7 @@ struct LandmarkPair {
 /// Pairs one to one what lies within `gate_m` once b is brought into the frame of a: near pairs
 /// first. In rising order of a.
 std::vector<LandmarkPair> pair_landmarks(const IndexedPoints& a, const IndexedPoints& b,
-                                         const RigidTransform& T_a_b, double gate_m);
+                                         const geometry::Pose2& T_a_b, double gate_m);
 
 /// Takes out of each residual what its neighbours have in common: two maps of one drive each are
 /// bent a little against each other. Fewer than 12 pairs stay as they are.

@@ -98,7 +98,7 @@ Eigen::Matrix3d covariance_of(const IndexedPoints& b, const MapAlignment& alignm
   constexpr double kNeighbours = 10.0;
   const double straight_m2 = alignment.position_sd_m * alignment.position_sd_m;
   const double bend_m2 = std::max(0.0, 0.5 * alignment.rms_m * alignment.rms_m - straight_m2);
-  const Eigen::Matrix2d R = alignment.T_a_b.rotation();
+  const Eigen::Matrix2d R = rotation(alignment.T_a_b);
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   for (const LandmarkPair& pair : alignment.pairs) {
     const Vector2d& p = b[static_cast<std::size_t>(pair.b)];
@@ -110,13 +110,13 @@ Eigen::Matrix3d covariance_of(const IndexedPoints& b, const MapAlignment& alignm
   return (straight_m2 + kNeighbours * bend_m2) * information.inverse();
 }
 
-double apart_m(const RigidTransform& T, const RigidTransform& other, const IndexedPoints& b,
+double apart_m(const geometry::Pose2& T, const geometry::Pose2& other, const IndexedPoints& b,
                const std::vector<LandmarkPair>& pairs) {
   Vector2d middle(0.0, 0.0);
   for (const LandmarkPair& pair : pairs) {
     middle += b[static_cast<std::size_t>(pair.b)] / static_cast<double>(pairs.size());
   }
-  return (T.apply(middle) - other.apply(middle)).norm();
+  return (transform(T, middle) - transform(other, middle)).norm();
 }
 
 bool is_clear(const EvidenceDifference& d) {
@@ -229,7 +229,7 @@ MapAlignment align_maps(const std::vector<Landmark>& a, const std::vector<Landma
   }
   // Rows that end alike lie well upon each other, too, when they are others. Where the frames tell
   // which trees are the same it need not be asked.
-  const bool is_told = !config.any_place && apart_m(alignment.T_a_b, RigidTransform{}, places_b,
+  const bool is_told = !config.any_place && apart_m(alignment.T_a_b, geometry::Pose2{}, places_b,
                                                     alignment.pairs) < kSharedFrame * spacing_m;
   if (alignment.verdict == AlignmentVerdict::kAligned && !is_told &&
       !is_clear(detail(evidence[best]))) {

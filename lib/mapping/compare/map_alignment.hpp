@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "geometry/pose2.hpp"
 #include "mapping/compare/coverage.hpp"
 #include "mapping/compare/landmark_pairing.hpp"
 
@@ -25,7 +26,7 @@ enum class AlignmentVerdict {
 /// How two maps lie upon each other.
 struct MapAlignment {
   AlignmentVerdict verdict = AlignmentVerdict::kNone;
-  RigidTransform T_a_b;                                  ///< the best answer
+  geometry::Pose2 T_a_b;                                 ///< the best answer
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, yaw) of T_a_b
   std::vector<LandmarkPair> pairs;  ///< indices into the two lists of landmarks; rigid residuals
   double rms_m = 0.0;               ///< of the pairs' distances

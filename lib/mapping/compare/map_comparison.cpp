@@ -120,14 +120,14 @@ PairScatter scatter_of(const std::vector<Landmark>& a, const std::vector<Landmar
 struct Side {
   const std::vector<Landmark>& landmarks;
   const DriveView& view;
-  RigidTransform T_map_a;  ///< from the frame of the earlier map, in which places are, to its own
+  geometry::Pose2 T_map_a;  ///< from the frame of the earlier map, in which places are, to its own
   IndexedPoints places;
   std::vector<char> in_thicket;
   std::vector<bool> is_paired;
   /// That a thing has no partner because it has gone, or come, and did not move.
   std::vector<double> not_moved;
 
-  Side(const std::vector<Landmark>& all, const DriveView& seen, const RigidTransform& T,
+  Side(const std::vector<Landmark>& all, const DriveView& seen, const geometry::Pose2& T,
        std::vector<Vector2d> places_in_a, const ThicketConfig& thicket)
       : landmarks(all),
         view(seen),
@@ -144,12 +144,12 @@ class MapComparer {
               const DriveView& view_a, const DriveView& view_b, const MapAlignment& alignment,
               const ComparisonConfig& config)
       : config_(config),
-        a_(a, view_a, RigidTransform{}, places_of(a), config.thicket),
-        b_(b, view_b, alignment.T_a_b.inverse(),
+        a_(a, view_a, geometry::Pose2{}, places_of(a), config.thicket),
+        b_(b, view_b, inverse(alignment.T_a_b),
            straightened(a_.places, IndexedPoints(places_of(b)), alignment), config.thicket) {
     const double spacing_m = typical_spacing_m(IndexedPoints(lone_trees(a, a_.in_thicket)));
     gate_m_ = std::clamp(0.35 * spacing_m, 0.1, 0.5);
-    pairs_ = pair_landmarks(a_.places, b_.places, RigidTransform{}, gate_m_);
+    pairs_ = pair_landmarks(a_.places, b_.places, geometry::Pose2{}, gate_m_);
     typical_share_ = typical_share(a, b, pairs_);
     width_change_ = width_change_of(a, b, pairs_);
     scatter_ = scatter_of(a, b, pairs_, width_change_, typical_share_);
@@ -294,10 +294,10 @@ class MapComparer {
         continue;
       }
       const Landmark& l = there.landmarks[i];
-      const double missed =
-          config_.assume_seen
-              ? kMissedIfAssumed
-              : other.view.probability_missed(other.T_map_a.apply(c.p_a), there.view.visibility(l));
+      const double missed = config_.assume_seen
+                                ? kMissedIfAssumed
+                                : other.view.probability_missed(transform(other.T_map_a, c.p_a),
+                                                                there.view.visibility(l));
       const double absent = confidence_of_absence(missed, reality(l));
       const bool is_sure = absent >= config_.confidence_min;
       c.change = is_sure ? change : Change::kNotSeen;

@@ -49,10 +49,10 @@ double log_odds(double probability) {
 
 }  // namespace
 
-Landmark transformed(const Landmark& b, const RigidTransform& T_a_b) {
+Landmark transformed(const Landmark& b, const geometry::Pose2& T_a_b) {
   Landmark l = b;
-  const Matrix2d R = T_a_b.rotation();
-  const Vector2d p = T_a_b.apply({b.x_m, b.y_m});
+  const Matrix2d R = rotation(T_a_b);
+  const Vector2d p = transform(T_a_b, {b.x_m, b.y_m});
   l.x_m = p.x();
   l.y_m = p.y();
   Matrix2d errors = Matrix2d::Zero();
@@ -111,7 +111,7 @@ std::vector<KeptId> merge_into(MergedMap& merged, const std::vector<Landmark>& b
   const IndexedPoints b_in_a(straightened(a_points, b_points, alignment));
   const double gate_m = std::clamp(0.35 * typical_spacing_m(a_points), 0.1, 0.5);
   std::vector<std::int32_t> partner(b.size(), -1);
-  for (const LandmarkPair& pair : pair_landmarks(a_points, b_in_a, RigidTransform{}, gate_m)) {
+  for (const LandmarkPair& pair : pair_landmarks(a_points, b_in_a, geometry::Pose2{}, gate_m)) {
     partner[static_cast<std::size_t>(pair.b)] = pair.a;
   }
   std::vector<std::size_t> order(b.size());

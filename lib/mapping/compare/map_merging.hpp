@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "geometry/pose2.hpp"
 #include "mapping/compare/map_alignment.hpp"
 
 namespace orchard::mapping {
@@ -32,7 +33,7 @@ std::vector<KeptId> merge_into(MergedMap& merged, const std::vector<Landmark>& b
                                const MapAlignment& alignment);
 
 /// A landmark of frame b as it is in frame a: place, standard errors and covariance turned.
-Landmark transformed(const Landmark& b, const RigidTransform& T_a_b);
+Landmark transformed(const Landmark& b, const geometry::Pose2& T_a_b);
 
 /// One landmark of two maps of which it is the same thing, both in one frame; id, row and position
 /// of `a`. `a.covariance` and `b.covariance` weigh the places where they are known.

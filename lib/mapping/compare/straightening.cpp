@@ -11,7 +11,7 @@ std::vector<Vector2d> straightened(const IndexedPoints& a, const IndexedPoints& 
                                    const MapAlignment& alignment) {
   constexpr std::size_t kNumNeighbours = 10, kFewest = 12;
   std::vector<Vector2d> places;
-  for (const Vector2d& p : b.points()) places.push_back(alignment.T_a_b.apply(p));
+  for (const Vector2d& p : b.points()) places.push_back(transform(alignment.T_a_b, p));
   if (alignment.pairs.size() < kFewest) return places;
   std::vector<Vector2d> paired;
   for (const LandmarkPair& pair : alignment.pairs) {

@@ -5,7 +5,9 @@
 #include <cmath>
 
 #include "geometry/angles.hpp"
+#include "geometry/pose2.hpp"
 #include "geometry/statistics.hpp"
+#include "geometry/visibility.hpp"
 #include "mapping/compare/landmark_pairing.hpp"
 
 namespace orchard::mapping {
@@ -48,10 +50,9 @@ std::vector<View> views_of(const std::vector<pose::PoseEstimate>& trajectory,
   const double typical_s = std::max(1e-3, geometry::median(seconds));
   std::vector<View> views;
   for (std::size_t i = 0; i < kept.size(); ++i) {
-    const double c = std::cos(kept[i]->yaw_rad), s = std::sin(kept[i]->yaw_rad);
     View v;
-    v.p_laser = {kept[i]->x_m + c * view.mount_x_m - s * view.mount_y_m,
-                 kept[i]->y_m + s * view.mount_x_m + c * view.mount_y_m};
+    v.p_laser = transform(geometry::Pose2{kept[i]->x_m, kept[i]->y_m, kept[i]->yaw_rad},
+                          {view.mount_x_m, view.mount_y_m});
     v.yaw_rad = kept[i]->yaw_rad + view.mount_yaw_rad;
     v.seconds = std::clamp(seconds[i], 0.1 * typical_s, 10.0 * typical_s);
     views.push_back(v);
@@ -71,11 +72,9 @@ std::vector<float> free_distance_m(const Vector2d& p, double reach_m, const Inde
   std::vector<float> free_m(kNumBearings, static_cast<float>(reach_m));
   for (const std::int32_t i : things.within(p, reach_m)) {
     const auto k = static_cast<std::size_t>(i);
-    const Vector2d d = things[k] - p;
-    const double distance_m = d.norm();
+    const auto [distance_m, bearing_rad, half_rad] =
+        geometry::outline_of(things[k] - p, radius_m[k]);
     if (distance_m <= radius_m[k] + 0.05) continue;
-    const double half_rad = std::asin(std::min(1.0, radius_m[k] / distance_m));
-    const double bearing_rad = std::atan2(d.y(), d.x());
     const double step_rad = 2.0 * geometry::kPi / kNumBearings;
     // directions whose middle the thing covers
     const auto first = static_cast<int>(std::ceil((bearing_rad - half_rad) / step_rad - 0.5));

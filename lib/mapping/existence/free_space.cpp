@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "geometry/angles.hpp"
+#include "geometry/pose2.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -55,12 +56,9 @@ FreeSpace::FreeSpace(const laser::Scan& scan, const laser::LaserConfig& laser,
 Vector2d FreeSpace::in_laser(const Vector2d& p_base, double beam) const {
   const double time_s = beam_period_s_ * beam;
   const Vector2d arm = p_base - time_s * velocity_.head<2>();
-  const double yaw_rad = time_s * velocity_.z();
-  const double c = std::cos(yaw_rad), s = std::sin(yaw_rad);
-  const Vector2d p(c * arm.x() + s * arm.y() - laser_.mount_x_m,
-                   c * arm.y() - s * arm.x() - laser_.mount_y_m);
-  const double cl = std::cos(laser_.mount_yaw_rad), sl = std::sin(laser_.mount_yaw_rad);
-  return {cl * p.x() + sl * p.y(), cl * p.y() - sl * p.x()};
+  const Vector2d p = geometry::rotation(time_s * velocity_.z()).transpose() * arm;
+  return transform_back(geometry::Pose2{laser_.mount_x_m, laser_.mount_y_m, laser_.mount_yaw_rad},
+                        p);
 }
 
 /// The beam towards a point, between two beams as a rule.

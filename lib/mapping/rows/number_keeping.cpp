@@ -106,7 +106,7 @@ KeptNumbers keep_ids(const std::vector<Landmark>& earlier, const MapAlignment& a
        compare_maps(earlier, landmarks, DriveView(), DriveView(), alignment, everywhere).changes) {
     if (c.a >= 0 && c.b >= 0 && c.moved_m <= gate_m) keep(c.a, c.b);
   }
-  for (const LandmarkPair& pair : pair_landmarks(then, laid, RigidTransform{}, gate_m)) {
+  for (const LandmarkPair& pair : pair_landmarks(then, laid, geometry::Pose2{}, gate_m)) {
     const auto i = static_cast<std::size_t>(pair.a), j = static_cast<std::size_t>(pair.b);
     const bool are_objects = earlier[i].label == detection::Label::kObject &&
                              landmarks[j].label == detection::Label::kObject;

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "geometry/point_grid.hpp"
 #include "geometry/statistics.hpp"
-#include "mapping/landmark_grid.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -175,7 +175,7 @@ class Linker {
   const std::vector<Eigen::Vector2d>& p_map_;
   double spacing_m_ = 0.0;
   std::vector<Eigen::Vector2d> directions_;
-  LandmarkGrid grid_;
+  geometry::PointGrid grid_;
   std::vector<std::int32_t> next_, previous_;
   double row_spacing_m_ = 0.0;
 };

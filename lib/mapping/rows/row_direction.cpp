@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "geometry/angles.hpp"
+#include "geometry/point_grid.hpp"
 #include "geometry/statistics.hpp"
-#include "mapping/landmark_grid.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -26,8 +26,8 @@ struct Neighbours {
   std::vector<std::int32_t> indices;
 };
 
-double nearest_distance_m(const std::vector<Eigen::Vector2d>& p_map, const LandmarkGrid& grid,
-                          std::size_t i) {
+double nearest_distance_m(const std::vector<Eigen::Vector2d>& p_map,
+                          const geometry::PointGrid& grid, std::size_t i) {
   for (double reach_m = 2.0; reach_m < 600.0; reach_m *= 2.0) {
     double nearest_m = reach_m;
     grid.near(p_map[i].x(), p_map[i].y(), reach_m, [&](std::int32_t j) {
@@ -147,7 +147,7 @@ void orient(std::vector<Eigen::Vector2d>& axes) {
 RowDirections row_directions(const std::vector<Eigen::Vector2d>& p_map) {
   RowDirections result;
   if (p_map.size() < 3) return result;
-  LandmarkGrid grid;
+  geometry::PointGrid grid;
   for (std::size_t i = 0; i < p_map.size(); ++i) {
     grid.insert(static_cast<std::int32_t>(i), p_map[i].x(), p_map[i].y());
   }

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-#include "mapping/landmark_grid.hpp"
+#include "geometry/point_grid.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -24,7 +24,7 @@ struct Beside {
 std::map<std::pair<int, int>, Beside> neighbours_to_the_right(const std::vector<Vector2d>& p_map,
                                                               const RowDirections& rows,
                                                               const std::vector<int>& chain_of) {
-  LandmarkGrid grid;
+  geometry::PointGrid grid;
   for (std::size_t i = 0; i < p_map.size(); ++i) {
     if (chain_of[i] >= 0) grid.insert(static_cast<std::int32_t>(i), p_map[i].x(), p_map[i].y());
   }

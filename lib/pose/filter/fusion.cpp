@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "geometry/angles.hpp"
+#include "geometry/pose2.hpp"
 
 namespace orchard::pose {
 namespace {
@@ -123,13 +124,11 @@ void Fusion::take_position(const PositionSight& sight) {
 
 void Fusion::start(const LocalFrame& frame) {
   const Eigen::Vector3d local = filter_.mean().head<3>();
-  const double c = std::cos(frame.x_y_yaw.z()), s = std::sin(frame.x_y_yaw.z());
-  const Eigen::Vector3d in_map(c * local.x() - s * local.y() + frame.x_y_yaw.x(),
-                               s * local.x() + c * local.y() + frame.x_y_yaw.y(),
-                               local.z() + frame.x_y_yaw.z());
+  const Eigen::Vector3d in_map = geometry::compose(frame.x_y_yaw, local);
   // Known best at the points' centre; from there to base the heading's error counts.
-  const Eigen::Vector2d arm = local.head<2>() - frame.centre_local_m;
-  const Eigen::Vector2d by_yaw(-(s * arm.x() + c * arm.y()), c * arm.x() - s * arm.y());
+  const Eigen::Vector2d arm =
+      geometry::rotation(frame.x_y_yaw.z()) * (local.head<2>() - frame.centre_local_m);
+  const Eigen::Vector2d by_yaw(-arm.y(), arm.x());
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   covariance.topLeftCorner<2, 2>() = frame.position_variance * Eigen::Matrix2d::Identity() +
                                      frame.yaw_variance * by_yaw * by_yaw.transpose();

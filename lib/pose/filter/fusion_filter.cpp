@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "geometry/angles.hpp"
+#include "geometry/pose2.hpp"
 
 namespace orchard::pose {
 namespace {
@@ -12,11 +13,6 @@ namespace {
 enum Index { kX = 0, kY = 1, kYaw = 2, kScale = 3, kCurvature = 4, kGyroBias = 5 };
 
 double square(double value) { return value * value; }
-
-Eigen::Vector2d turned(const Eigen::Vector2d& p, double yaw_rad) {
-  const double c = std::cos(yaw_rad), s = std::sin(yaw_rad);
-  return {c * p.x() - s * p.y(), s * p.x() + c * p.y()};
-}
 
 /// sin(a) / a
 double sinc(double a) { return std::abs(a) < 1e-4 ? 1.0 - a * a / 6.0 : std::sin(a) / a; }
@@ -30,7 +26,7 @@ FusionFilter::FusionFilter(const FusionConfig& config) : config_(config) {
 }
 
 Eigen::Vector2d FusionFilter::p_map_m(const Eigen::Vector2d& p_base_m) const {
-  return mean_.head<2>() + turned(p_base_m, mean_(kYaw));
+  return geometry::transform(Eigen::Vector3d(mean_.head<3>()), p_base_m);
 }
 
 void FusionFilter::move(const MotionStep& step) {
@@ -95,7 +91,7 @@ Eigen::Matrix<double, 2, FusionFilter::kSize> FusionFilter::jacobian(
     const Eigen::Vector2d& p_base_m) const {
   Eigen::Matrix<double, 2, kSize> H = Eigen::Matrix<double, 2, kSize>::Zero();
   H(0, kX) = H(1, kY) = 1.0;
-  const Eigen::Vector2d arm = turned(p_base_m, mean_(kYaw));
+  const Eigen::Vector2d arm = geometry::rotation(mean_(kYaw)) * p_base_m;
   H.col(kYaw) = Eigen::Vector2d(-arm.y(), arm.x());
   return H;
 }

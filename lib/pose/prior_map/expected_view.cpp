@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pose/planar.hpp"
+#include "geometry/pose2.hpp"
 
 namespace orchard::pose {
+using geometry::rotation;
+using geometry::transform;
+
 namespace {
 
 constexpr double kSecondsPerMicrosecond = 1e-6;

@@ -6,10 +6,18 @@
 #include <cmath>
 #include <numeric>
 
+#include "geometry/pose2.hpp"
 #include "geometry/statistics.hpp"
-#include "pose/planar.hpp"
 
 namespace orchard::pose {
+using geometry::between;
+using geometry::compose;
+using geometry::compose_jacobian_first;
+using geometry::compose_jacobian_second;
+using geometry::rotation;
+using geometry::transform;
+using geometry::transform_back;
+
 namespace {
 
 constexpr double kGate = geometry::kChiSquare2_999;
@@ -60,7 +68,7 @@ void LocalTrunkMap::move(const Eigen::Vector3d& T_base_next, const Eigen::Matrix
 }
 
 void LocalTrunkMap::observe(const std::vector<Sighting>& sightings, const SightField& field) {
-  const Shadows shadows(sightings);
+  const geometry::OcclusionTest occlusion = occlusion_by(sightings);
   const std::size_t num_before = entries_.size();
   std::vector<bool> taken(num_before, false);
   std::vector<const Sighting*> fresh;
@@ -85,7 +93,7 @@ void LocalTrunkMap::observe(const std::vector<Sighting>& sightings, const SightF
     Entry& entry = entries_[static_cast<std::size_t>(i)];
     const bool seen = taken[static_cast<std::size_t>(i)];
     const Eigen::Vector2d p_base = transform_back(T_local_base_, p_local(i));
-    const bool expected = field.covers(p_base) && !shadows.hide(p_base);
+    const bool expected = field.covers(p_base) && !occlusion.hides(p_base);
     num_surprises += expected && is_sure(entry) && !seen;
     if (expected && is_sure(entry) && entry.num_expected >= kOldScans) {
       ++num_expected;
@@ -107,7 +115,7 @@ void LocalTrunkMap::observe(const std::vector<Sighting>& sightings, const SightF
       views_.empty() || travel_m_ - views_.back().travel_m >= kViewTravelM ||
       std::abs(geometry::wrap_angle_rad(T_local_base_.z() - views_.back().T_local_base.z())) >=
           kViewTurnRad;
-  if (looks_anew) views_.push_back({T_local_base_, shadows, travel_m_});
+  if (looks_anew) views_.push_back({T_local_base_, occlusion, travel_m_});
 }
 
 bool LocalTrunkMap::is_sure(const Entry& entry) const {

@@ -27,7 +27,7 @@ class LocalTrunkMap {
   /// A place from which was looked.
   struct View {
     Eigen::Vector3d T_local_base = Eigen::Vector3d::Zero();
-    Shadows shadows;
+    geometry::OcclusionTest occlusion;
     double travel_m = 0.0;
   };
 

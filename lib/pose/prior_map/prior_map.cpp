@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <limits>
-#include <numeric>
 #include <tuple>
 
 #include "geometry/statistics.hpp"
@@ -113,19 +112,9 @@ std::vector<PriorLandmark> without_doubles(const std::vector<PriorLandmark>& lan
 
 PriorMap::PriorMap(std::vector<PriorLandmark> landmarks, double pair_max_m)
     : landmarks_(std::move(landmarks)) {
-  const auto cell_of = [this](std::int32_t i) {
-    const Eigen::Vector2d& p = (*this)[i].p_map;
-    return std::make_pair(cell(p.x()), cell(p.y()));
-  };
-  order_.resize(landmarks_.size());
-  std::iota(order_.begin(), order_.end(), 0);
-  std::stable_sort(order_.begin(), order_.end(),
-                   [&](auto a, auto b) { return cell_of(a) < cell_of(b); });
-  for (std::size_t begin = 0, end = 0; begin < order_.size(); begin = end) {
-    const auto here = cell_of(order_[begin]);
-    while (end < order_.size() && cell_of(order_[end]) == here) ++end;
-    cells_[key(here.first, here.second)] = {static_cast<std::int32_t>(begin),
-                                            static_cast<std::int32_t>(end)};
+  // A cell gives back what was put in last first: in rising order of index, then.
+  for (auto i = static_cast<std::int32_t>(landmarks_.size()) - 1; i >= 0; --i) {
+    grid_.insert(i, (*this)[i].p_map);
   }
 
   for (std::int32_t i = 0; i < static_cast<std::int32_t>(landmarks_.size()); ++i) {

@@ -5,9 +5,10 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
-#include <unordered_map>
 #include <utility>
 #include <vector>
+
+#include "geometry/point_grid.hpp"
 
 namespace orchard::pose {
 
@@ -46,16 +47,7 @@ class PriorMap {
   /// that depends on the map alone.
   template <class Visit>
   void near(const Eigen::Vector2d& p_map, double radius_m, Visit&& visit) const {
-    const std::int64_t x_last = cell(p_map.x() + radius_m), y_last = cell(p_map.y() + radius_m);
-    for (std::int64_t cx = cell(p_map.x() - radius_m); cx <= x_last; ++cx) {
-      for (std::int64_t cy = cell(p_map.y() - radius_m); cy <= y_last; ++cy) {
-        const auto found = cells_.find(key(cx, cy));
-        if (found == cells_.end()) continue;
-        for (std::int32_t i = found->second.first; i < found->second.second; ++i) {
-          visit(order_[static_cast<std::size_t>(i)]);
-        }
-      }
-    }
+    grid_.near(p_map.x(), p_map.y(), radius_m, visit);
   }
 
   /// Pairs whose distance lies in [least, most]: a range of pairs().
@@ -68,19 +60,9 @@ class PriorMap {
   double spacing_m() const { return spacing_m_; }
 
  private:
-  static constexpr double kCellM = 1.0;
-
-  static std::int64_t cell(double coordinate_m) {
-    return static_cast<std::int64_t>(std::floor(coordinate_m / kCellM));
-  }
-  static std::uint64_t key(std::int64_t cx, std::int64_t cy) {
-    return (static_cast<std::uint64_t>(cx) << 32) ^ (static_cast<std::uint64_t>(cy) & 0xffffffffu);
-  }
-
   std::vector<PriorLandmark> landmarks_;
-  std::unordered_map<std::uint64_t, std::pair<std::int32_t, std::int32_t>> cells_;
-  std::vector<std::int32_t> order_;  ///< indices by cell
-  std::vector<Pair> pairs_;          ///< by distance
+  geometry::PointGrid grid_{1.0};
+  std::vector<Pair> pairs_;  ///< by distance
   double width_sd_m_ = 0.0;
   double spacing_m_ = 0.0;
 };

@@ -9,9 +9,12 @@
 #include <utility>
 #include <variant>
 
-#include "pose/planar.hpp"
+#include "geometry/pose2.hpp"
 
 namespace orchard::pose {
+using geometry::compose;
+using geometry::compose_covariance;
+
 namespace {
 
 constexpr double kSecondsPerMicrosecond = 1e-6;

@@ -7,10 +7,14 @@
 #include <numeric>
 #include <utility>
 
+#include "geometry/pose2.hpp"
 #include "geometry/statistics.hpp"
-#include "pose/planar.hpp"
 
 namespace orchard::pose {
+using geometry::compose;
+using geometry::rotation;
+using geometry::transform_back;
+
 namespace {
 
 constexpr double kGate = geometry::kChiSquare2_997;
@@ -115,7 +119,7 @@ void PlaceScorer::count_missing(Place& place) const {
     const Eigen::Vector3d T = compose(place.T_map_base, view.T_local_base);
     map_.near(T.head<2>(), range_m, [&](std::int32_t i) {
       const Eigen::Vector2d p_base = transform_back(T, map_[i].p_map);
-      if (evidence_.field.covers(p_base) && !view.shadows.hide(p_base)) nearby.push_back(i);
+      if (evidence_.field.covers(p_base) && !view.occlusion.hides(p_base)) nearby.push_back(i);
     });
   }
   std::sort(nearby.begin(), nearby.end());

@@ -6,9 +6,11 @@
 #include <tuple>
 #include <utility>
 
-#include "pose/planar.hpp"
+#include "geometry/rigid_fit2.hpp"
 
 namespace orchard::pose {
+using geometry::rotation;
+
 namespace {
 
 constexpr double kPairMinM = 1.5;  ///< a shorter pair tells little of the heading
@@ -110,11 +112,10 @@ void PriorMapSearch::try_hypothesis(const Seed& seed, std::int32_t first, std::i
       config_.landmark_sd_m * config_.landmark_sd_m + config_.sighting_sd_m * config_.sighting_sd_m;
 
   Place start;
-  const double yaw_rad = geometry::wrap_angle_rad(std::atan2(from_map.y(), from_map.x()) -
-                                                  std::atan2(from_local.y(), from_local.x()));
-  const Eigen::Vector2d arm = rotation(yaw_rad) * (0.5 * (a.p_local + b.p_local));
-  const Eigen::Vector2d middle_map = 0.5 * (map_[first].p_map + map_[second].p_map);
-  start.T_map_base << middle_map - arm, yaw_rad;
+  const geometry::Pose2 T_map_local =
+      geometry::through_two(map_[first].p_map, map_[second].p_map, a.p_local, b.p_local);
+  const Eigen::Vector2d arm = rotation(T_map_local) * (0.5 * (a.p_local + b.p_local));
+  start.T_map_base = T_map_local.vector();
   const double yaw_variance = 2.0 * end_variance / (length_m * length_m);
   const Eigen::Vector3d turn(arm.y(), -arm.x(), 1.0);  // about the middle, not the origin
   start.covariance = yaw_variance * turn * turn.transpose();

@@ -5,10 +5,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/pose2.hpp"
 #include "geometry/statistics.hpp"
-#include "pose/planar.hpp"
 
 namespace orchard::pose {
+using geometry::compose;
+using geometry::compose_jacobian_first;
+using geometry::compose_jacobian_second;
+using geometry::rotation;
+using geometry::transform;
+using geometry::transform_back;
+
 namespace {
 
 constexpr double kGate = geometry::kChiSquare2_997;
@@ -181,11 +188,11 @@ PriorMapTracker::Matching PriorMapTracker::correct(const std::vector<Sighting>& 
     ++matching.num_matched;
   }
 
-  const Shadows shadows(sightings);
+  const geometry::OcclusionTest occlusion = occlusion_by(sightings);
   const Eigen::Vector3d T = x_.head<3>();
   map_.near(T.head<2>(), field.range_m(), [&](std::int32_t i) {
     const Eigen::Vector2d p_base = transform_back(T, map_[i].p_map);
-    if (!field.covers(p_base) || shadows.hide(p_base)) return;
+    if (!field.covers(p_base) || occlusion.hides(p_base)) return;
     matching.expected.push_back({i, std::find(taken.begin(), taken.end(), i) != taken.end()});
   });
   return matching;

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pose/planar.hpp"
+#include "geometry/pose2.hpp"
 #include "pose/scan_matching/fit_raster.hpp"
 
 namespace orchard::pose {
+using geometry::rotation;
+
 namespace {
 
 constexpr double kDoneShift_m = 2e-4;

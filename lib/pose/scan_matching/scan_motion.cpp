@@ -3,11 +3,15 @@
 
 #include <cmath>
 
-#include "pose/planar.hpp"
+#include "geometry/pose2.hpp"
 #include "pose/scan_matching/scan_covariance.hpp"
 #include "pose/scan_matching/scan_matcher.hpp"
 
 namespace orchard::pose {
+using geometry::between;
+using geometry::compose;
+using geometry::rotation;
+
 namespace {
 
 bool is_sure(const Eigen::Matrix3d& covariance, const ScanMotionConfig& config) {

@@ -3,9 +3,11 @@
 
 #include <variant>
 
-#include "pose/planar.hpp"
+#include "geometry/pose2.hpp"
 
 namespace orchard::pose {
+using geometry::compose;
+using geometry::compose_covariance;
 
 void ScanOdometry::add(const Measurement& measurement) {
   const auto* scan = std::get_if<laser::Scan>(&measurement);

@@ -7,9 +7,11 @@
 #include <cstdint>
 #include <unordered_set>
 
-#include "pose/planar.hpp"
+#include "geometry/pose2.hpp"
 
 namespace orchard::pose {
+using geometry::transform;
+
 namespace {
 
 constexpr std::ptrdiff_t kNeighbours = 6;  ///< to each side

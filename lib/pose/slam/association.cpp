@@ -6,9 +6,12 @@
 #include <cmath>
 #include <limits>
 
-#include "pose/planar.hpp"
+#include "geometry/pose2.hpp"
 
 namespace orchard::pose {
+using geometry::rotation;
+using geometry::transform;
+
 namespace {
 
 constexpr std::size_t kNumSeeds = 4;  // points whose every pair starts a hypothesis

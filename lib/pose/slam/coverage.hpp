@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "geometry/angles.hpp"
+#include "geometry/visibility.hpp"
 
 namespace orchard::pose {
 
@@ -43,8 +43,7 @@ class SensorCoverage {
   static constexpr double kSureFraction = 0.7;
 
   static int bin(const Eigen::Vector2d& p_base) {
-    const double turn = std::atan2(p_base.y(), p_base.x()) / (2.0 * geometry::kPi) + 0.5;
-    return std::min(kBins - 1, static_cast<int>(turn * kBins));
+    return static_cast<int>(geometry::sector_of(p_base, kBins));
   }
 
   std::array<double, kBins> reach_m_{};

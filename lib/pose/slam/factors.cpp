@@ -6,9 +6,13 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
-#include "pose/planar.hpp"
+#include "geometry/pose2.hpp"
 
 namespace orchard::pose {
+using geometry::between;
+using geometry::rotation;
+using geometry::transform;
+
 namespace {
 
 template <int Rows, int Columns>

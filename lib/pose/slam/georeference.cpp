@@ -5,23 +5,25 @@
 #include <cmath>
 #include <vector>
 
-#include "pose/planar.hpp"
+#include "geometry/pose2.hpp"
+#include "geometry/rigid_fit2.hpp"
 
 namespace orchard::pose {
+using geometry::between;
+using geometry::compose;
+using geometry::compose_jacobian_second;
+using geometry::rotation;
+using geometry::transform;
+
 namespace {
 
 constexpr std::size_t kNumPositionsMin = 4;
 
-struct PositionPair {
-  Eigen::Vector2d p_graph;
-  Eigen::Vector2d p_map;
-  double sd_m;
-};
-
 }  // namespace
 
 std::optional<Eigen::Vector3d> find_georeference(const SlamGraph& graph, double travel_m) {
-  std::vector<PositionPair> pairs;
+  std::vector<Eigen::Vector2d> p_graph, p_map;
+  double sd_m = 0.0;
   for (const Keyframe& k : graph.keyframes) {
     for (const AbsolutePosition& position : k.positions) {
       const Eigen::Vector3d T_graph_then = compose(k.T_map_base, position.T_keyframe_then);
@@ -31,39 +33,22 @@ std::optional<Eigen::Vector3d> find_georeference(const SlamGraph& graph, double 
         const Eigen::Vector3d back = between(T_graph_then, Eigen::Vector3d::Zero());
         return compose(T_map_then, back);
       }
-      pairs.push_back({transform(T_graph_then, position.lever_base_m), position.p_map,
-                       std::sqrt(0.5 * position.covariance.trace())});
+      p_graph.push_back(transform(T_graph_then, position.lever_base_m));
+      p_map.push_back(position.p_map);
+      sd_m = std::max(sd_m, std::sqrt(0.5 * position.covariance.trace()));
     }
   }
-  if (pairs.size() < kNumPositionsMin) return std::nullopt;
-  Eigen::Vector2d from = Eigen::Vector2d::Zero();
-  Eigen::Vector2d to = Eigen::Vector2d::Zero();
-  for (const PositionPair& pair : pairs) {
-    from += pair.p_graph / static_cast<double>(pairs.size());
-    to += pair.p_map / static_cast<double>(pairs.size());
-  }
-  double s = 0.0;
-  double c = 0.0;
+  if (p_graph.size() < kNumPositionsMin) return std::nullopt;
+  const geometry::RigidFit2 fit = geometry::fit_rigid(p_map, p_graph);
   double reach_m = 0.0;
-  double sd_m = 0.0;
-  for (const PositionPair& pair : pairs) {
-    const Eigen::Vector2d a = pair.p_graph - from;
-    const Eigen::Vector2d b = pair.p_map - to;
-    s += a.x() * b.y() - a.y() * b.x();
-    c += a.dot(b);
-    reach_m = std::max(reach_m, a.norm());
-    sd_m = std::max(sd_m, pair.sd_m);
-  }
+  for (const Eigen::Vector2d& p : p_graph) reach_m = std::max(reach_m, (p - fit.mean_b).norm());
   // The baseline must be long against the noise of the positions.
   if (2.0 * reach_m < std::max(travel_m, 20.0 * sd_m)) return std::nullopt;
-  Eigen::Vector3d T_map_graph(0.0, 0.0, std::atan2(s, c));
-  T_map_graph.head<2>() = to - rotation(T_map_graph.z()) * from;
-  for (const PositionPair& pair : pairs) {
-    if ((transform(T_map_graph, pair.p_graph) - pair.p_map).norm() > 1.0 + 3.0 * sd_m) {
-      return std::nullopt;
-    }
+  for (std::size_t i = 0; i < p_graph.size(); ++i) {
+    const double off_m = (transform(fit.T_a_b, p_graph[i]) - p_map[i]).norm();
+    if (off_m > 1.0 + 3.0 * sd_m) return std::nullopt;
   }
-  return T_map_graph;
+  return fit.T_a_b.vector();
 }
 
 void apply_georeference(const Eigen::Vector3d& T_map_graph, SlamGraph& graph) {

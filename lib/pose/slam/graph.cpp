@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pose/planar.hpp"
+#include "geometry/pose2.hpp"
 
 namespace orchard::pose {
+using geometry::rotation;
+using geometry::transform;
+
 namespace {
 
 // However often a landmark was observed, the map around it is not known better than this.

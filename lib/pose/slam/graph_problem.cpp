@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "pose/planar.hpp"
+#include "geometry/pose2.hpp"
 #include "pose/slam/factors.hpp"
 
 namespace orchard::pose {

@@ -55,7 +55,7 @@ bool observed_in(const SlamGraph& graph, const SlamLandmark& landmark,
 
 }  // namespace
 
-std::vector<int> local_map(const SlamGraph& graph, const SlamLandmarkIndex& index,
+std::vector<int> local_map(const SlamGraph& graph, const geometry::PointGrid& index,
                            int session_start, double radius_m, const SlamConfig& config) {
   std::vector<int> found;
   if (graph.keyframes.empty()) return found;

@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "geometry/point_grid.hpp"
 #include "pose/slam/graph.hpp"
-#include "pose/slam/landmark_index.hpp"
 #include "pose/slam/slam_config.hpp"
 
 namespace orchard::pose {
@@ -14,7 +14,7 @@ namespace orchard::pose {
 /// covisible with what is tracked now (within covisible_travel_m of path, on any pass). Landmarks
 /// that are merely near by the map, after a long drift, are left to loop closure. `session_start`
 /// is the first keyframe of the session.
-std::vector<int> local_map(const SlamGraph& graph, const SlamLandmarkIndex& index,
+std::vector<int> local_map(const SlamGraph& graph, const geometry::PointGrid& index,
                            int session_start, double radius_m, const SlamConfig& config);
 
 }  // namespace orchard::pose

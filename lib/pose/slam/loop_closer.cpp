@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pose/planar.hpp"
+#include "geometry/pose2.hpp"
 
 namespace orchard::pose {
+using geometry::transform_back;
+
 namespace {
 
 // With so many older landmarks in view the robot is where the map says.

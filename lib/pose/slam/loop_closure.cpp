@@ -7,9 +7,12 @@
 #include <set>
 #include <tuple>
 
-#include "pose/planar.hpp"
+#include "geometry/pose2.hpp"
+#include "geometry/rigid_fit2.hpp"
 
 namespace orchard::pose {
+using geometry::rotation;
+
 namespace {
 
 constexpr std::size_t kNumPairs = 16;      // of recent landmarks that start hypotheses
@@ -79,8 +82,7 @@ class Matcher {
           const Eigen::Vector2d cd = d.p_map - c.p_map;
           if (std::abs(cd.norm() - ab.norm()) > kPairTolerance_m || !alike(b, d)) continue;
           Hypothesis h;
-          h.x_y_yaw.z() =
-              geometry::wrap_angle_rad(std::atan2(cd.y(), cd.x()) - std::atan2(ab.y(), ab.x()));
+          h.x_y_yaw.z() = geometry::through_two(c.p_map, d.p_map, a.p_map, b.p_map).yaw_rad;
           if (std::abs(h.x_y_yaw.z()) > yaw_max_rad_) continue;
           const Eigen::Vector2d from = 0.5 * (a.p_map + b.p_map);
           const Eigen::Vector2d to = 0.5 * (c.p_map + d.p_map);
@@ -153,29 +155,16 @@ class Matcher {
 
   /// The rigid motion that fits the partners best, by least squares.
   void refine(Hypothesis& h) const {
-    Eigen::Vector2d from = Eigen::Vector2d::Zero();
-    Eigen::Vector2d to = Eigen::Vector2d::Zero();
-    int n = 0;
+    std::vector<Eigen::Vector2d> p_recent, p_old;
     for (std::size_t r = 0; r < q_.recent.size(); ++r) {
       if (h.old[r] < 0) continue;
-      from += q_.recent[r].p_map;
-      to += q_.old[h.old[r]].p_map;
-      ++n;
+      p_recent.push_back(q_.recent[r].p_map);
+      p_old.push_back(q_.old[h.old[r]].p_map);
     }
-    if (n < 2) return;
-    from /= n;
-    to /= n;
-    double s = 0.0;
-    double c = 0.0;
-    for (std::size_t r = 0; r < q_.recent.size(); ++r) {
-      if (h.old[r] < 0) continue;
-      const Eigen::Vector2d a = q_.recent[r].p_map - from;
-      const Eigen::Vector2d b = q_.old[h.old[r]].p_map - to;
-      s += a.x() * b.y() - a.y() * b.x();
-      c += a.dot(b);
-    }
-    h.x_y_yaw.z() = std::atan2(s, c);
-    h.x_y_yaw.head<2>() += to - apply(h.x_y_yaw, from);
+    if (p_recent.size() < 2) return;
+    const geometry::RigidFit2 fit = geometry::fit_rigid(p_old, p_recent);
+    h.x_y_yaw.z() = fit.T_a_b.yaw_rad;
+    h.x_y_yaw.head<2>() += fit.mean_a - apply(h.x_y_yaw, fit.mean_b);
   }
 
   bool differ(const Hypothesis& a, const Hypothesis& b) const {

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/slam/motion.hpp"
 
+#include "geometry/pose2.hpp"
 #include "pose/arc_motion.hpp"
-#include "pose/planar.hpp"
 
 namespace orchard::pose {
+using geometry::compose;
+using geometry::compose_covariance;
+using geometry::compose_jacobian_first;
+using geometry::compose_jacobian_second;
 
 Eigen::Vector3d RelativeMotion::delta_with(const OdometryCalibration& other) const {
   return delta + calibration_jacobian * (other - calibration);

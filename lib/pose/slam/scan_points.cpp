@@ -4,10 +4,14 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "geometry/pose2.hpp"
 #include "pose/arc_motion.hpp"
-#include "pose/planar.hpp"
 
 namespace orchard::pose {
+using geometry::compose;
+using geometry::rotation;
+using geometry::transform;
+
 namespace {
 
 // A beam is never farther from its scan's time stamp: more is an error of the clock.

@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pose/planar.hpp"
+#include "geometry/pose2.hpp"
 #include "pose/slam/georeference.hpp"
 #include "pose/slam/local_map.hpp"
 #include "pose/slam/submaps.hpp"
 
 namespace orchard::pose {
+using geometry::rotation;
+using geometry::transform;
+
 namespace {
 
 // Landmarks enter the local map somewhat before they come into view.

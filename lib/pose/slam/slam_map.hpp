@@ -4,9 +4,9 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "geometry/point_grid.hpp"
 #include "pose/slam/coverage.hpp"
 #include "pose/slam/graph.hpp"
-#include "pose/slam/landmark_index.hpp"
 #include "pose/slam/scan_points.hpp"
 #include "pose/slam/slam_config.hpp"
 #include "pose/slam/solver.hpp"
@@ -48,7 +48,7 @@ class SlamMap {
   void georeference();
 
   SlamGraph graph;
-  SlamLandmarkIndex index;
+  geometry::PointGrid index{4.0};  ///< of landmarks
   SensorCoverage coverage;
   CalibrationPrior calibration;  ///< of the odometry, by all observations up to the last solve
   std::vector<int> local;        ///< landmarks that the next scan may show

@@ -4,10 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pose/planar.hpp"
+#include "geometry/pose2.hpp"
 #include "pose/slam/association.hpp"
 
 namespace orchard::pose {
+using geometry::between;
+using geometry::compose_covariance;
+using geometry::compose_jacobian_second;
+using geometry::transform_back;
+
 namespace {
 
 // A scan that matches nothing starts a new session only if the keyframe is less certain than this.

@@ -10,11 +10,16 @@
 #include <set>
 #include <vector>
 
-#include "pose/planar.hpp"
+#include "geometry/pose2.hpp"
 #include "pose/slam/graph_problem.hpp"
 #include "pose/slam/selected_inverse.hpp"
 
 namespace orchard::pose {
+using geometry::compose_jacobian_first;
+using geometry::compose_jacobian_second;
+using geometry::rotation;
+using geometry::transform;
+
 namespace {
 
 // A keyframe is solved for in as many windows as one has keyframes: none needs to converge.

@@ -6,9 +6,16 @@
 #include <cmath>
 #include <cstddef>
 
-#include "pose/planar.hpp"
+#include "geometry/pose2.hpp"
 
 namespace orchard::pose {
+using geometry::between;
+using geometry::compose;
+using geometry::compose_jacobian_first;
+using geometry::compose_jacobian_second;
+using geometry::rotation;
+using geometry::transform;
+
 namespace {
 
 // A motion less certain than this may not be part of a rigid submap: observations on both sides may

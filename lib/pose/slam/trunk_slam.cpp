@@ -5,9 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pose/planar.hpp"
+#include "geometry/pose2.hpp"
 
 namespace orchard::pose {
+using geometry::between;
+using geometry::compose;
+using geometry::compose_covariance;
+
 namespace {
 
 // A keyframe is added also where the motion since the last one has become this uncertain.

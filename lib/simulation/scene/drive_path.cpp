@@ -20,12 +20,6 @@ Pose2 follow(const Pose2& start, double s_m, double curvature_per_m) {
 
 }  // namespace
 
-Pose2 compose(const Pose2& T_a_b, const Pose2& T_b_c) {
-  const double c = std::cos(T_a_b.yaw_rad), s = std::sin(T_a_b.yaw_rad);
-  return {T_a_b.x_m + c * T_b_c.x_m - s * T_b_c.y_m, T_a_b.y_m + s * T_b_c.x_m + c * T_b_c.y_m,
-          geometry::wrap_angle_rad(T_a_b.yaw_rad + T_b_c.yaw_rad)};
-}
-
 DrivePath::DrivePath(const Pose2& start, double speed_mps) : start_(start), speed_mps_(speed_mps) {}
 
 void DrivePath::append(double length_m, double curvature_per_m) {

@@ -4,17 +4,11 @@
 #include <cstddef>
 #include <vector>
 
+#include "geometry/pose2.hpp"
+
 namespace orchard::simulation {
 
-/// A pose in the plane, T_map_base unless its name says otherwise.
-struct Pose2 {
-  double x_m = 0.0;
-  double y_m = 0.0;
-  double yaw_rad = 0.0;
-};
-
-/// `a` followed by `b` (T_a_c = T_a_b T_b_c).
-Pose2 compose(const Pose2& T_a_b, const Pose2& T_b_c);
+using geometry::Pose2;
 
 /// Straight lines and arcs driven one after the other at one speed, and at most one leap: the
 /// robot is lifted, carried through the air and put down elsewhere on its way.

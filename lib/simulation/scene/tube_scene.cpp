@@ -9,6 +9,7 @@
 #include "geometry/angles.hpp"
 #include "geometry/camera_model.hpp"
 #include "geometry/laser_camera.hpp"
+#include "geometry/visibility.hpp"
 #include "simulation/random.hpp"
 
 namespace orchard::simulation {
@@ -22,7 +23,7 @@ constexpr double kAccurateRange_m = 4.0;  ///< to which the scanner's class limi
 constexpr int kMinPairs = 5;
 constexpr int kMaxPairs = 8;
 
-/// Where a circle appears from a laser: middle and half width, or its range when inside.
+/// Where a circle appears from a laser: middle and half width, and the range of its front.
 struct Outline {
   double range_m;
   double bearing_rad;
@@ -30,11 +31,9 @@ struct Outline {
 };
 
 Outline outline(const Pose2& T_map_laser, const Cylinder& c) {
-  const double dx = c.x_m - T_map_laser.x_m, dy = c.y_m - T_map_laser.y_m;
-  const double distance_m = std::hypot(dx, dy);
-  return {distance_m - c.radius_m,
-          geometry::wrap_angle_rad(std::atan2(dy, dx) - T_map_laser.yaw_rad),
-          std::asin(std::min(1.0, c.radius_m / std::max(distance_m, 1e-9)))};
+  const geometry::Outline seen =
+      geometry::outline_of(transform_back(T_map_laser, {c.x_m, c.y_m}), c.radius_m);
+  return {seen.distance_m - c.radius_m, seen.bearing_rad, seen.half_rad};
 }
 
 bool in_view(const geometry::CameraModel& camera, const geometry::LaserToCamera& to_camera,

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
-#include <utility>
 #include <vector>
 
+#include "geometry/point_grid.hpp"
 #include "simulation/scene/scene.hpp"
 
 namespace orchard::simulation {
@@ -22,9 +21,9 @@ class WorldIndex {
   std::vector<std::size_t> boxes_near(double x_m, double y_m, double radius_m) const;
 
  private:
-  /// Things by the cell that holds their middle.
+  /// Things by their middle.
   struct Layer {
-    std::vector<std::pair<std::int64_t, std::size_t>> by_cell;
+    geometry::PointGrid grid{8.0};
     double reach_m = 0.0;  ///< of the largest thing
 
     void insert(double x_m, double y_m, double reach_m, std::size_t place);

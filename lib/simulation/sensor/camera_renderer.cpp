@@ -34,7 +34,7 @@ CameraRenderer::CameraRenderer(const RigConfig& rig)
   const Eigen::Matrix3d R_laser_camera = to_camera.rotation().transpose();
   const Eigen::Vector3d centre_laser = -(R_laser_camera * to_camera.translation_m());
   const Pose2 T_base_camera =
-      compose({rig.laser.mount_x_m, rig.laser.mount_y_m, rig.laser.mount_yaw_rad},
+      compose(Pose2{rig.laser.mount_x_m, rig.laser.mount_y_m, rig.laser.mount_yaw_rad},
               {centre_laser.x(), centre_laser.y(), 0.0});
   camera_x_m_ = T_base_camera.x_m;
   camera_y_m_ = T_base_camera.y_m;
@@ -43,9 +43,8 @@ CameraRenderer::CameraRenderer(const RigConfig& rig)
   const auto direction = [&](double u, double v) {
     const Eigen::Vector2d n = camera.undistort({u, v});
     const Eigen::Vector3d d = R_laser_camera * Eigen::Vector3d(n.x(), n.y(), 1.0);
-    const double yaw = rig.laser.mount_yaw_rad;
-    return Eigen::Vector3d(std::cos(yaw) * d.x() - std::sin(yaw) * d.y(),
-                           std::sin(yaw) * d.x() + std::cos(yaw) * d.y(), d.z());
+    const Eigen::Vector2d level = geometry::rotation(rig.laser.mount_yaw_rad) * d.head<2>();
+    return Eigen::Vector3d(level.x(), level.y(), d.z());
   };
   const auto azimuth = [](const Eigen::Vector3d& d) { return std::atan2(d.y(), d.x()); };
   const auto slope = [](const Eigen::Vector3d& d) { return d.z() / std::hypot(d.x(), d.y()); };
@@ -150,9 +149,9 @@ void CameraRenderer::draw_cylinder(const Frame& frame, const Cylinder& cylinder)
   const Pose2& T_map_camera = frame.T_map_camera;
   // into base axes, from the camera's foot
   const double c = std::cos(T_map_camera.yaw_rad), s = std::sin(T_map_camera.yaw_rad);
-  const double ex = cylinder.x_m - T_map_camera.x_m, ey = cylinder.y_m - T_map_camera.y_m;
-  auto x_m = static_cast<float>(c * ex + s * ey);
-  auto y_m = static_cast<float>(-s * ex + c * ey);
+  const Eigen::Vector2f p_camera =
+      transform_back(T_map_camera, {cylinder.x_m, cylinder.y_m}).cast<float>();
+  auto x_m = p_camera.x(), y_m = p_camera.y();
   const auto radius_m = static_cast<float>(cylinder.radius_m);
   const float distance_m = std::hypot(x_m, y_m);
   if (distance_m - radius_m < kNearest_m || distance_m > kFarthest_m) return;

@@ -22,9 +22,8 @@ struct Place {
 };
 
 Place from_camera(const Pose2& T_map_camera, double x_m, double y_m) {
-  const double c = std::cos(T_map_camera.yaw_rad), s = std::sin(T_map_camera.yaw_rad);
-  const double ex = x_m - T_map_camera.x_m, ey = y_m - T_map_camera.y_m;
-  return {static_cast<float>(c * ex + s * ey), static_cast<float>(-s * ex + c * ey)};
+  const Eigen::Vector2f p = transform_back(T_map_camera, {x_m, y_m}).cast<float>();
+  return {p.x(), p.y()};
 }
 
 /// Where a level ray enters and leaves a rectangle, and the face through which it enters.

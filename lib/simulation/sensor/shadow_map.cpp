@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/pose2.hpp"
 #include "simulation/sensor/texture.hpp"
 
 namespace orchard::simulation {
@@ -66,11 +67,11 @@ void ShadowMap::add(const Cylinder& cylinder) {
 }
 
 void ShadowMap::add(const Box& box) {
-  const double c = std::cos(box.yaw_rad), s = std::sin(box.yaw_rad);
+  const geometry::Pose2 T_map_box{box.x_m, box.y_m, box.yaw_rad};
   const double step_m = 0.7 * kCell_m;
   const auto line = [&](double along_m, double across_m) {
-    add_line(box.x_m + c * along_m - s * across_m, box.y_m + s * along_m + c * across_m, box.base_m,
-             box.base_m + box.height_m, box.target);
+    const Eigen::Vector2d p = transform(T_map_box, {along_m, across_m});
+    add_line(p.x(), p.y(), box.base_m, box.base_m + box.height_m, box.target);
   };
   for (double along_m = -0.5 * box.length_m; along_m <= 0.5 * box.length_m; along_m += step_m) {
     for (double across_m = -0.5 * box.width_m; across_m <= 0.5 * box.width_m; across_m += step_m) {

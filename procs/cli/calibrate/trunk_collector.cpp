@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/calibrate/trunk_collector.hpp"
+#include "geometry/pose2.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,9 +15,7 @@ namespace {
 /// Narrower things tell nothing of a trunk's width.
 constexpr int kMinBeams = 4;
 
-struct Pose2 {
-  double x_m, y_m, yaw_rad;
-};
+using geometry::Pose2;
 
 std::optional<Pose2> pose_at(const std::vector<pose::PoseEstimate>& poses, std::int64_t utime,
                              std::int64_t gap_max_us) {
@@ -70,10 +69,9 @@ std::vector<calibration::TrunkObservation> TrunkCollector::observations() const 
   for (calibration::TrunkObservation& look : looks) {
     const auto T_map_base = pose_at(poses_, look.utime, pose_gap_max_us_);
     if (!T_map_base) continue;
-    const double c = std::cos(T_map_base->yaw_rad), s = std::sin(T_map_base->yaw_rad);
-    const double x_m = look.x_m, y_m = look.y_m;
-    look.x_m = T_map_base->x_m + c * x_m - s * y_m;
-    look.y_m = T_map_base->y_m + s * x_m + c * y_m;
+    const Eigen::Vector2d p_map = transform(*T_map_base, {look.x_m, look.y_m});
+    look.x_m = p_map.x();
+    look.y_m = p_map.y();
     look.in_map = true;
   }
   return looks;

@@ -53,7 +53,7 @@ int run_evaluate(const EvaluateOptions& options) {
   const std::vector<simulation::TruthObject> truth = io::read_truth_csv(options.truth_path);
   std::optional<evaluation::TrajectoryEvaluation> trajectory;
   if (!options.poses_path.empty()) trajectory = judge_trajectory(options);
-  std::optional<evaluation::RigidMotion> guess;
+  std::optional<geometry::Pose2> guess;
   if (trajectory && !trajectory->compared.empty()) guess = trajectory->T_truth_estimate;
   const evaluation::MapEvaluation evaluation =
       options.align ? evaluation::evaluate_aligned_map(landmarks, truth, options.gate_m,

@@ -53,9 +53,9 @@ void print_table(const io::ComparisonContent& content) {
       "aligned on %zu pairs of trunks, %.0f mm apart (RMS); the later map lies at x %+.3f m, "
       "y %+.3f m,\n  turned by %+.3f degrees (standard deviations %.0f mm, %.0f mm, %.3f "
       "degrees)\n",
-      alignment.pairs.size(), 1e3 * alignment.rms_m, alignment.T_a_b.translation_m.x(),
-      alignment.T_a_b.translation_m.y(), alignment.T_a_b.yaw_rad * 180.0 / geometry::kPi,
-      1e3 * std::sqrt(alignment.covariance(0, 0)), 1e3 * std::sqrt(alignment.covariance(1, 1)),
+      alignment.pairs.size(), 1e3 * alignment.rms_m, alignment.T_a_b.x_m, alignment.T_a_b.y_m,
+      alignment.T_a_b.yaw_rad * 180.0 / geometry::kPi, 1e3 * std::sqrt(alignment.covariance(0, 0)),
+      1e3 * std::sqrt(alignment.covariance(1, 1)),
       std::sqrt(alignment.covariance(2, 2)) * 180.0 / geometry::kPi);
   for (const Change change : {Change::kMissing, Change::kNew, Change::kMoved, Change::kGrown,
                               Change::kThinner, Change::kUnchanged, Change::kNotSeen}) {

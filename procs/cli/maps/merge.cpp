@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/maps/merge.hpp"
+#include "geometry/pose2.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,10 +18,10 @@ namespace orchard::cli {
 namespace {
 
 std::vector<pose::PoseEstimate> transformed(const std::vector<pose::PoseEstimate>& trajectory,
-                                            const mapping::RigidTransform& T_a_b) {
+                                            const geometry::Pose2& T_a_b) {
   std::vector<pose::PoseEstimate> result = trajectory;
   for (pose::PoseEstimate& pose : result) {
-    const Eigen::Vector2d p = T_a_b.apply({pose.x_m, pose.y_m});
+    const Eigen::Vector2d p = transform(T_a_b, {pose.x_m, pose.y_m});
     pose.x_m = p.x();
     pose.y_m = p.y();
     pose.yaw_rad = geometry::wrap_angle_rad(pose.yaw_rad + T_a_b.yaw_rad);
@@ -97,8 +98,7 @@ int run_merge(const MergeOptions& options) {
         "%s: laid on %zu trunks, %.0f mm apart (RMS); moved by %.3f m, %.3f m and %.3f "
         "degrees\n",
         options.map_paths[k].c_str(), alignment.pairs.size(), 1e3 * alignment.rms_m,
-        alignment.T_a_b.translation_m.x(), alignment.T_a_b.translation_m.y(),
-        alignment.T_a_b.yaw_rad * 180.0 / geometry::kPi);
+        alignment.T_a_b.x_m, alignment.T_a_b.y_m, alignment.T_a_b.yaw_rad * 180.0 / geometry::kPi);
     whole.landmarks = merged.landmarks;
     for (const auto& trajectory : maps[k].trajectories) {
       whole.trajectories.push_back(transformed(trajectory, alignment.T_a_b));

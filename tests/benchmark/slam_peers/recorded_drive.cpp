@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "benchmark/slam_peers/recorded_drive.hpp"
+#include "geometry/pose2.hpp"
 
 #include <cmath>
 #include <optional>
-
-#include "pose/planar.hpp"
 
 namespace orchard::bench {
 namespace {
@@ -34,7 +33,7 @@ RecordedDrive record_drive(std::uint64_t seed, int num_trees) {
   Eigen::Vector3d moved = Eigen::Vector3d::Zero();
   pose::run(world, seed,
             {[&](const pose::Odometry& odometry) {
-               if (last) moved = pose::compose(moved, arc(*last, odometry));
+               if (last) moved = geometry::compose(moved, arc(*last, odometry));
                last = odometry;
                waiting.push_back(odometry);
              },
@@ -50,10 +49,10 @@ RecordedDrive record_drive(std::uint64_t seed, int num_trees) {
              [&](std::int64_t, const Eigen::Vector3d& T_map_base) {
                if (!start) start = T_map_base;
                DriveStep& step = drive.steps.back();
-               step.T_start_base = pose::between(*start, T_map_base);
+               step.T_start_base = geometry::between(*start, T_map_base);
                for (const detection::Detection& trunk : step.seen.trunks) {
                  const Eigen::Vector2d p_map =
-                     pose::transform(T_map_base, {trunk.centre_x_m, trunk.centre_y_m});
+                     geometry::transform(T_map_base, {trunk.centre_x_m, trunk.centre_y_m});
                  int nearest = -1;
                  double nearest_m = kSameTreeM;
                  for (std::size_t i = 0; i < world.trees.size(); ++i) {
@@ -66,7 +65,7 @@ RecordedDrive record_drive(std::uint64_t seed, int num_trees) {
                }
              }});
   for (const pose::SlamWorld::Tree& tree : world.trees) {
-    drive.trees.push_back(pose::transform_back(*start, tree.p_map));
+    drive.trees.push_back(geometry::transform_back(*start, tree.p_map));
   }
   return drive;
 }

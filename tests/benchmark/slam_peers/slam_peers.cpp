@@ -19,7 +19,7 @@
 #include "benchmark/slam_peers/peer_rawlog.hpp"
 #include "benchmark/slam_peers/recorded_drive.hpp"
 #include "evaluation/map_alignment.hpp"
-#include "evaluation/rigid_fit.hpp"
+#include "geometry/rigid_fit2.hpp"
 #include "pose/slam/trunk_slam.hpp"
 
 namespace {
@@ -87,10 +87,11 @@ void judge(const bench::RecordedDrive& drive, const std::string& folder) {
   }
   truth.resize(std::min(truth.size(), path.size()));
   path.resize(truth.size());
-  const evaluation::RigidMotion T_truth_path = evaluation::fit_rigid(path, truth);
+  const geometry::Pose2 T_truth_path =
+      geometry::fit_rigid({truth.begin(), truth.end()}, {path.begin(), path.end()}).T_a_b;
   double sum = 0.0;
   for (std::size_t i = 0; i < path.size(); ++i) {
-    const Point p = T_truth_path(path[i]);
+    const Point p = transform(T_truth_path, path[i]);
     sum += std::pow(p.x_m - truth[i].x_m, 2) + std::pow(p.y_m - truth[i].y_m, 2);
   }
   std::printf("%.3f", std::sqrt(sum / static_cast<double>(path.size())));
@@ -105,7 +106,7 @@ void judge(const bench::RecordedDrive& drive, const std::string& folder) {
     std::printf(" - - -\n");
     return;
   }
-  for (Point& p : found) p = (*T_truth_map)(p);
+  for (Point& p : found) p = transform(*T_truth_map, p);
   const evaluation::Assignment pairs = evaluation::assign(trees, found, kGateM);
   int matched = 0;
   sum = 0.0;

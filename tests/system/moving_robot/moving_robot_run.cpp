@@ -27,7 +27,7 @@ class Judge : public bus::Node {
     for (const auto& d : std::get<detection::Detections>(input).trunks) {
       // the camera judges what the laser takes for a trunk
       if (d.label == detection::Label::kUnseen || d.roc_laser < kRocLaserMin) continue;
-      const auto p = simulation::compose(run_.pose_at(d.utime), {d.centre_x_m, d.centre_y_m, 0.0});
+      const auto p = geometry::compose(run_.pose_at(d.utime), {d.centre_x_m, d.centre_y_m, 0.0});
       const bool at_tree =
           std::any_of(run_.truth.begin(), run_.truth.end(), [&](const auto& object) {
             return object.label == detection::Label::kTree &&

@@ -67,7 +67,7 @@ struct Bench {
     std::vector<Pose2> T_map_laser;
     for (int beam = 0; beam < (moving ? scanner.num_beams : 1); ++beam) {
       const double time_s = start_s + 1e-6 * beam * scanner.beam_period_us;
-      T_map_laser.push_back(simulation::compose(path->pose_at(time_s), T_base_laser));
+      T_map_laser.push_back(geometry::compose(path->pose_at(time_s), T_base_laser));
     }
     Random random(seed, Stream::kScan, static_cast<std::uint64_t>(i));
     auto scan = simulation::simulate_scan(scene.world, T_map_laser, scanner, target_errors, random);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "system/real_recordings/altered_drive.hpp"
+#include "geometry/pose2.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +9,6 @@
 #include <utility>
 
 #include "geometry/angles.hpp"
-#include "pose/planar.hpp"
 #include "simulation/random.hpp"
 
 namespace orchard::test {
@@ -110,7 +110,8 @@ void track_moved(AlteredDrive& drive, std::uint64_t) {
   const Eigen::Vector3d T_other_map(40.0, -25.0, 2.0);
   for (Station& s : drive) {
     for (pose::PoseFix* fix : {&s.track, &*s.fix}) {
-      const Eigen::Vector3d moved = pose::compose(T_other_map, {fix->x_m, fix->y_m, fix->yaw_rad});
+      const Eigen::Vector3d moved =
+          geometry::compose(T_other_map, {fix->x_m, fix->y_m, fix->yaw_rad});
       fix->x_m = moved.x();
       fix->y_m = moved.y();
       fix->yaw_rad = moved.z();

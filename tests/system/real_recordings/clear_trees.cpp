@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "system/real_recordings/clear_trees.hpp"
+#include "geometry/pose2.hpp"
 #include "geometry/statistics.hpp"
 
 #include <algorithm>
@@ -9,7 +10,6 @@
 #include <map>
 #include <utility>
 
-#include "pose/planar.hpp"
 #include "system/real_recordings/free_standing.hpp"
 
 namespace orchard::test {
@@ -45,7 +45,7 @@ std::vector<Point> observations(const std::vector<io::SensorMessage>& recording)
     if (base == track.end()) continue;
     const pose::PoseFix& fix = base->second;
     for (const Eigen::Vector2d& p : free_standing(*scan)) {
-      const Eigen::Vector2d p_map = pose::transform({fix.x_m, fix.y_m, fix.yaw_rad}, p);
+      const Eigen::Vector2d p_map = geometry::transform({fix.x_m, fix.y_m, fix.yaw_rad}, p);
       points.push_back({p_map.x(), p_map.y()});
     }
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "system/real_recordings/return_consistency.hpp"
+#include "geometry/pose2.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +8,6 @@
 #include <utility>
 
 #include "pose/arc_motion.hpp"
-#include "pose/planar.hpp"
 
 namespace orchard::test {
 namespace {
@@ -81,13 +81,13 @@ void add_returns(const laser::Scan& scan, const std::vector<pose::PoseEstimate>&
       trajectory.begin(), trajectory.end(), scan.utime,
       [](const pose::PoseEstimate& pose, std::int64_t utime) { return pose.utime < utime; });
   if (at == trajectory.end()) --at;
-  const Eigen::Vector3d T_map_laser = pose::compose(
+  const Eigen::Vector3d T_map_laser = geometry::compose(
       {at->x_m, at->y_m, at->yaw_rad}, {mount.mount_x_m, mount.mount_y_m, mount.mount_yaw_rad});
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const double range_m = scan.ranges_m[i];
     if (!(range_m > scan.range_min_m) || range_m >= scan.range_max_m) continue;
     const double bearing_rad = scan.bearing_rad(static_cast<double>(i));
-    points.push_back(pose::transform(
+    points.push_back(geometry::transform(
         T_map_laser, {range_m * std::cos(bearing_rad), range_m * std::sin(bearing_rad)}));
   }
 }
@@ -124,7 +124,7 @@ std::optional<ReturnConsistency> return_consistency(
   }
   middle /= static_cast<double>(late.size());
   const auto overlap = [&](const Eigen::Vector3d& shift) {
-    const Eigen::Matrix2d R = pose::rotation(shift.z());
+    const Eigen::Matrix2d R = geometry::rotation(shift.z());
     const Eigen::Vector2d to = middle + shift.head<2>();
     double sum = 0.0;
     for (const auto& [p, weight] : late) sum += weight * raster.at(to + R * (p - middle));
@@ -177,7 +177,7 @@ std::vector<pose::PoseEstimate> dead_reckoned(const std::vector<io::SensorMessag
     const auto* now = std::get_if<pose::Odometry>(&message);
     if (now == nullptr) continue;
     if (before != nullptr) {
-      T_map_base = pose::compose(
+      T_map_base = geometry::compose(
           T_map_base, pose::arc_motion(0.5 * (before->speed_mps + now->speed_mps),
                                        0.5 * (before->yaw_rate_radps + now->yaw_rate_radps),
                                        (now->utime - before->utime) * 1e-6));

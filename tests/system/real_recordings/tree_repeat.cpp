@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "system/real_recordings/tree_repeat.hpp"
+#include "geometry/pose2.hpp"
+#include "geometry/rigid_fit2.hpp"
 #include "geometry/statistics.hpp"
 
 #include <Eigen/Core>
@@ -8,7 +10,6 @@
 #include <cstdio>
 #include <map>
 
-#include "pose/planar.hpp"
 #include "system/real_recordings/free_standing.hpp"
 
 namespace orchard::test {
@@ -65,27 +66,15 @@ std::map<std::int64_t, Eigen::Vector3d> by_time(const std::vector<pose::PoseEsti
 /// T_first_second by the places of the two paths at the same times, by least squares.
 Eigen::Vector3d lay_upon(const MappedDrive& first, const MappedDrive& second) {
   const auto a = by_time(first.trajectory);
-  Eigen::Vector2d from = Eigen::Vector2d::Zero(), to = Eigen::Vector2d::Zero();
-  std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>> pairs;
+  std::vector<Eigen::Vector2d> p_first, p_second;
   for (const pose::PoseEstimate& p : second.trajectory) {
     const auto then = a.find(p.utime);
     if (then == a.end()) continue;
-    pairs.emplace_back(Eigen::Vector2d(p.x_m, p.y_m), then->second.head<2>());
-    from += pairs.back().first;
-    to += pairs.back().second;
+    p_second.emplace_back(p.x_m, p.y_m);
+    p_first.push_back(then->second.head<2>());
   }
-  if (pairs.empty()) return Eigen::Vector3d::Zero();
-  from /= static_cast<double>(pairs.size());
-  to /= static_cast<double>(pairs.size());
-  double s = 0.0, c = 0.0;
-  for (const auto& [p, q] : pairs) {
-    const Eigen::Vector2d u = p - from, v = q - to;
-    s += u.x() * v.y() - u.y() * v.x();
-    c += u.dot(v);
-  }
-  Eigen::Vector3d T_first_second(0.0, 0.0, std::atan2(s, c));
-  T_first_second.head<2>() = to - pose::rotation(T_first_second.z()) * from;
-  return T_first_second;
+  if (p_first.empty()) return Eigen::Vector3d::Zero();
+  return geometry::fit_rigid(p_first, p_second).T_a_b.vector();
 }
 
 template <class... Values>
@@ -112,7 +101,7 @@ TreeScatter tree_scatter(const std::vector<io::SensorMessage>& recording, const 
     if (T_map_base == poses.end()) continue;
     std::vector<Eigen::Vector2d> seen;
     for (const Eigen::Vector2d& p : free_standing(*scan)) {
-      if (p.norm() <= kReach_m) seen.push_back(pose::transform(T_map_base->second, p));
+      if (p.norm() <= kReach_m) seen.push_back(geometry::transform(T_map_base->second, p));
     }
     if (seen.empty()) continue;
     for (std::size_t i = 0; i < clear.size(); ++i) {
@@ -136,7 +125,7 @@ SameTrees same_trees(const std::vector<ClearTree>& clear_trees, const MappedDriv
   const Eigen::Vector3d T_first_second = lay_upon(first, second);
   std::vector<Eigen::Vector2d> laid;
   for (const Eigen::Vector2d& p : tree_places(second.map)) {
-    laid.push_back(pose::transform(T_first_second, p));
+    laid.push_back(geometry::transform(T_first_second, p));
   }
   SameTrees same;
   const std::vector<Eigen::Vector2d> places = tree_places(first.map);

@@ -31,10 +31,11 @@ std::vector<TruthObject> block(std::uint64_t seed, int num_rows, int trees_per_r
 
 /// What a map of it says in a frame of its own: T_map_truth, noise, some missed, some invented.
 std::vector<mapping::Landmark> map_of(const std::vector<TruthObject>& truth,
-                                      const RigidMotion& T_map_truth, double sd_m, Random& random) {
+                                      const geometry::Pose2& T_map_truth, double sd_m,
+                                      Random& random) {
   std::vector<mapping::Landmark> map;
   const auto add = [&](double x_m, double y_m) {
-    const Point p = T_map_truth({x_m, y_m});
+    const Point p = transform(T_map_truth, {x_m, y_m});
     mapping::Landmark landmark;
     landmark.id = static_cast<int>(map.size()) + 1;
     landmark.label = Label::kTree;
@@ -49,9 +50,9 @@ std::vector<mapping::Landmark> map_of(const std::vector<TruthObject>& truth,
   return map;
 }
 
-double error_m(const RigidMotion& T_truth_map, const RigidMotion& T_map_truth, double x_m,
+double error_m(const geometry::Pose2& T_truth_map, const geometry::Pose2& T_map_truth, double x_m,
                double y_m) {
-  const Point p = T_truth_map(T_map_truth({x_m, y_m}));
+  const Point p = transform(T_truth_map, transform(T_map_truth, {x_m, y_m}));
   return std::hypot(p.x_m - x_m, p.y_m - y_m);
 }
 
@@ -59,8 +60,8 @@ TEST(MapAlignment, FindsARigidMotionWithoutKnowingWhoIsWho) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     const auto truth = block(seed, 8, 20);
     Random random(100 + seed);
-    const RigidMotion T_map_truth{random.uniform(-3.0, 3.0), random.uniform(-3.0, 3.0),
-                                  random.uniform(-0.15, 0.15)};
+    const geometry::Pose2 T_map_truth{random.uniform(-3.0, 3.0), random.uniform(-3.0, 3.0),
+                                      random.uniform(-0.15, 0.15)};
     const auto map = map_of(truth, T_map_truth, 0.05, random);
     const MapEvaluation evaluation = evaluate_aligned_map(map, truth, 0.3);
     ASSERT_TRUE(evaluation.unaligned);
@@ -79,15 +80,15 @@ TEST(MapAlignment, FindsARigidMotionWithoutKnowingWhoIsWho) {
 TEST(MapAlignment, APathsGuessReachesFartherThanTheSearch) {
   const auto truth = block(3, 6, 12);
   Random random(7);
-  const RigidMotion T_map_truth{55.0, -30.0, 2.6};
+  const geometry::Pose2 T_map_truth{55.0, -30.0, 2.6};
   const auto map = map_of(truth, T_map_truth, 0.03, random);
   const MapEvaluation lost = evaluate_aligned_map(map, truth, 0.3);
   EXPECT_GT(lost.num_trees_missed, static_cast<int>(truth.size()) / 2);
   // off by half a metre and a degree, as a path's alignment may be
   const double yaw_rad = -2.6 + 0.02;
-  const Point origin = RigidMotion{0.0, 0.0, yaw_rad}({55.0, -30.0});
+  const Point origin = transform(geometry::Pose2{0.0, 0.0, yaw_rad}, {55.0, -30.0});
   const MapEvaluation found = evaluate_aligned_map(
-      map, truth, 0.3, {}, RigidMotion{0.5 - origin.x_m, -origin.y_m, yaw_rad});
+      map, truth, 0.3, {}, geometry::Pose2{0.5 - origin.x_m, -origin.y_m, yaw_rad});
   EXPECT_LT(found.num_trees_missed, static_cast<int>(truth.size()) / 8);
   EXPECT_LT(found.trees.rms_m, 0.06);
 }
@@ -95,7 +96,7 @@ TEST(MapAlignment, APathsGuessReachesFartherThanTheSearch) {
 TEST(MapAlignment, LargeMapsAreTurnedFromTheirMiddleOutwards) {
   const auto truth = block(5, 40, 100);
   Random random(9);
-  const RigidMotion T_map_truth{1.0, -2.0, 0.05};
+  const geometry::Pose2 T_map_truth{1.0, -2.0, 0.05};
   const auto map = map_of(truth, T_map_truth, 0.03, random);
   const MapEvaluation evaluation = evaluate_aligned_map(map, truth, 0.3);
   EXPECT_LT(error_m(evaluation.unaligned->T_truth_map, T_map_truth, 156.0, 198.0), 0.02);

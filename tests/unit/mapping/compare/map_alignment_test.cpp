@@ -25,11 +25,11 @@ DriveView view_of(const DrivenMap& map) {
 }
 
 /// Largest distance between where the alignment and the truth put trees of b.
-double error_m(const MapAlignment& alignment, const RigidTransform& T_a_b, const DrivenMap& b) {
+double error_m(const MapAlignment& alignment, const geometry::Pose2& T_a_b, const DrivenMap& b) {
   double error = 0.0;
   for (const Landmark& l : b.landmarks) {
     const Vector2d p(l.x_m, l.y_m);
-    error = std::max(error, (alignment.T_a_b.apply(p) - T_a_b.apply(p)).norm());
+    error = std::max(error, (transform(alignment.T_a_b, p) - transform(T_a_b, p)).norm());
   }
   return error;
 }
@@ -40,20 +40,6 @@ void change_some(Block& block, double share, Dice& dice) {
   }
 }
 
-TEST(RigidFit, RecoversTurnAndShift) {
-  const RigidTransform truth{{3.0, -7.0}, 2.5};
-  std::vector<Vector2d> a, b;
-  for (int i = 0; i < 7; ++i) {
-    b.push_back({1.3 * i, 0.4 * i * i});
-    a.push_back(truth.apply(b.back()));
-  }
-  const RigidTransform T = fit_rigid(a, b, std::vector<double>(a.size(), 1.0));
-  EXPECT_NEAR(T.yaw_rad, 2.5, 1e-12);
-  EXPECT_NEAR((T.translation_m - truth.translation_m).norm(), 0.0, 1e-12);
-  const RigidTransform identity = compose(T, T.inverse());
-  EXPECT_NEAR(identity.translation_m.norm() + std::abs(identity.yaw_rad), 0.0, 1e-12);
-}
-
 TEST(MapAlignment, FindsOffsetAndTurnOfTheSameBlock) {
   for (int seed = 1; seed <= 4; ++seed) {
     Dice dice(static_cast<std::uint64_t>(seed));
@@ -61,12 +47,12 @@ TEST(MapAlignment, FindsOffsetAndTurnOfTheSameBlock) {
     const DrivenMap a = drive_through(block, Drive{}, dice);
     change_some(block, 0.05, dice);
     Drive later;
-    later.T_map_block = {{dice.uniform(-3, 3), dice.uniform(-3, 3)}, dice.uniform(-0.03, 0.03)};
+    later.T_map_block = {dice.uniform(-3, 3), dice.uniform(-3, 3), dice.uniform(-0.03, 0.03)};
     const DrivenMap b = drive_through(block, later, dice);
     const MapAlignment alignment =
         align_maps(a.landmarks, b.landmarks, view_of(a), view_of(b), MapAlignmentConfig{});
     EXPECT_EQ(alignment.verdict, AlignmentVerdict::kAligned) << seed << ": " << alignment.reason;
-    EXPECT_LT(error_m(alignment, later.T_map_block.inverse(), b), 0.13) << seed;
+    EXPECT_LT(error_m(alignment, inverse(later.T_map_block), b), 0.13) << seed;
     EXPECT_GT(alignment.pairs.size(), 240u);
     for (const LandmarkPair& pair : alignment.pairs) {
       EXPECT_EQ(a.tree_of[static_cast<std::size_t>(pair.a)],
@@ -83,7 +69,7 @@ TEST(MapAlignment, FindsAnyPlaceOfPartlyOverlappingMaps) {
     first.last_alley = 6;
     second.first_alley = 4;
     second.along_min_m = 15.0;
-    second.T_map_block = {{dice.uniform(-500, 500), dice.uniform(-500, 500)},
+    second.T_map_block = {dice.uniform(-500, 500), dice.uniform(-500, 500),
                           dice.uniform(-3.1, 3.1)};
     const DrivenMap a = drive_through(block, first, dice);
     change_some(block, 0.05, dice);
@@ -93,7 +79,7 @@ TEST(MapAlignment, FindsAnyPlaceOfPartlyOverlappingMaps) {
     const MapAlignment alignment =
         align_maps(a.landmarks, b.landmarks, view_of(a), view_of(b), config);
     EXPECT_EQ(alignment.verdict, AlignmentVerdict::kAligned) << seed << ": " << alignment.reason;
-    EXPECT_LT(error_m(alignment, second.T_map_block.inverse(), b), 0.25) << seed;
+    EXPECT_LT(error_m(alignment, inverse(second.T_map_block), b), 0.25) << seed;
   }
 }
 
@@ -106,7 +92,7 @@ TEST(MapAlignment, RobotsThatShareTwoRowsAreLaidRightAndThoseThatShareNoneAreRef
     Drive first, second, apart;
     first.last_alley = 3;
     second.first_alley = 3;  // from the other side of the block, in a frame of its own
-    second.T_map_block = {{30.0, -20.0}, 3.14159};
+    second.T_map_block = {30.0, -20.0, 3.14159};
     apart = second;
     apart.first_alley = 6;
     const DrivenMap a = drive_through(block, first, dice);
@@ -115,7 +101,7 @@ TEST(MapAlignment, RobotsThatShareTwoRowsAreLaidRightAndThoseThatShareNoneAreRef
     const MapAlignment alignment =
         align_maps(a.landmarks, b.landmarks, view_of(a), view_of(b), config);
     EXPECT_EQ(alignment.verdict, AlignmentVerdict::kAligned) << seed << ": " << alignment.reason;
-    EXPECT_LT(error_m(alignment, second.T_map_block.inverse(), b), 0.5) << seed;
+    EXPECT_LT(error_m(alignment, inverse(second.T_map_block), b), 0.5) << seed;
     // rows that end alike lie upon each other however one shifts them by a row
     EXPECT_NE(align_maps(a.landmarks, c.landmarks, view_of(a), view_of(c), config).verdict,
               AlignmentVerdict::kAligned)
@@ -135,15 +121,13 @@ TEST(MapAlignment, CovarianceCoversTheError) {
     drive.along_max_m = 41.0;
     drive.bend_m = 0.0;
     const DrivenMap a = drive_through(block, drive, dice);
-    drive.T_map_block = {{0.7, -0.4}, 0.02};
+    drive.T_map_block = {0.7, -0.4, 0.02};
     const DrivenMap b = drive_through(block, drive, dice);
     const MapAlignment alignment =
         align_maps(a.landmarks, b.landmarks, view_of(a), view_of(b), MapAlignmentConfig{});
     ASSERT_EQ(alignment.verdict, AlignmentVerdict::kAligned) << seed << ": " << alignment.reason;
-    const RigidTransform truth = drive.T_map_block.inverse();
-    Eigen::Vector3d e;
-    e << alignment.T_a_b.translation_m - truth.translation_m,
-        alignment.T_a_b.yaw_rad - truth.yaw_rad;
+    const geometry::Pose2 truth = inverse(drive.T_map_block);
+    const Eigen::Vector3d e = alignment.T_a_b.vector() - truth.vector();
     sum += e.dot(alignment.covariance.inverse() * e) / kNum;
   }
   EXPECT_GT(sum, 1.5);
@@ -186,7 +170,7 @@ TEST(MapAlignment, RowEndsTellWhenBothDrivesLookedThere) {
   const MapAlignment alignment =
       align_maps(a.landmarks, b.landmarks, view_of(a), view_of(b), MapAlignmentConfig{});
   EXPECT_EQ(alignment.verdict, AlignmentVerdict::kAligned) << alignment.reason;
-  EXPECT_LT(error_m(alignment, RigidTransform{}, b), 0.1);
+  EXPECT_LT(error_m(alignment, geometry::Pose2{}, b), 0.1);
 }
 
 TEST(MapAlignment, RefusesAnotherOrchard) {
@@ -210,7 +194,7 @@ TEST(MapAlignment, RefusesAnotherOrchard) {
 TEST(MapAlignment, ScatteredPolesAndMapsTooSmall) {
   Dice dice(5);
   std::vector<Landmark> a, b;
-  const RigidTransform T_b_a{{40.0, -12.0}, 170.0 * kDeg};
+  const geometry::Pose2 T_b_a{40.0, -12.0, 170.0 * kDeg};
   for (int i = 0; i < 12; ++i) {
     Landmark l;
     l.id = i + 1;
@@ -221,7 +205,7 @@ TEST(MapAlignment, ScatteredPolesAndMapsTooSmall) {
     l.width_m = 0.05;
     l.num_observations = 20;
     a.push_back(l);
-    const Vector2d q = T_b_a.apply(p);
+    const Vector2d q = transform(T_b_a, p);
     l.x_m = q.x() + dice.normal(0.03);
     l.y_m = q.y() + dice.normal(0.03);
     if (i != 4) b.push_back(l);

@@ -64,7 +64,7 @@ TEST(MapComparison, FindsFivePercentOfChange) {
       }
     }
     Drive later;
-    later.T_map_block = {{1.5, -0.8}, 0.02};
+    later.T_map_block = {1.5, -0.8, 0.02};
     const DrivenMap b = drive_through(block, later, dice);
     int right = 0;
     for (const MapChange& c : compare(a, b).changes) {

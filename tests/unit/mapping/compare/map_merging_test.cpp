@@ -95,7 +95,7 @@ TEST(Merging, TwoHalvesBecomeTheWholeBlock) {
   Drive left, right;
   left.last_alley = 6;
   right.first_alley = 4;
-  right.T_map_block = {{2.0, -1.0}, 0.03};
+  right.T_map_block = {2.0, -1.0, 0.03};
   const DrivenMap a = drive_through(block, left, dice, 100);
   const DrivenMap b = drive_through(block, right, dice, 50);
   MergedMap merged{a.landmarks, 500};
@@ -153,7 +153,7 @@ TEST(NumberKeeping, IdsAndNumbersSurviveFivePercentOfChange) {
       // the first tree of each row goes: find_rows() alone may count from the second
       if (t.place == 0 && t.row % 2 == 0) t.stands = false;
     }
-    drive.T_map_block = {{-1.0, 0.5}, seed == 4 ? -0.05 : 0.01};
+    drive.T_map_block = {-1.0, 0.5, seed == 4 ? -0.05 : 0.01};
     DrivenMap b = drive_through(block, drive, dice);
     const MapAlignment alignment = aligned(a, b);
     std::map<std::int32_t, int> tree_a, tree_b;

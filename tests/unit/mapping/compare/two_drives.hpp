@@ -7,8 +7,8 @@
 #include <set>
 #include <vector>
 
+#include "geometry/pose2.hpp"
 #include "mapping/landmark.hpp"
-#include "mapping/rigid_transform.hpp"
 #include "pose/pose_estimate.hpp"
 
 namespace orchard::mapping {
@@ -73,7 +73,7 @@ struct Drive {
   double reach_m = 5.5;
   double rate = 0.6;  ///< that a look finds a tree in reach
   double position_sd_m = 0.03, width_sd_m = 0.006, bend_m = 0.05;
-  RigidTransform T_map_block;  ///< the drive's frame
+  geometry::Pose2 T_map_block;  ///< the drive's frame
 };
 
 struct DrivenMap {
@@ -102,7 +102,8 @@ inline DrivenMap drive_through(Block& block, const Drive& drive, Dice& dice, int
   }
   const double phase = dice.uniform(0, 6.28);
   const auto bent = [&](const Eigen::Vector2d& p) -> Eigen::Vector2d {
-    return drive.T_map_block.apply(
+    return transform(
+        drive.T_map_block,
         p + drive.bend_m * Eigen::Vector2d(std::sin(0.07 * p.y() + phase),
                                            std::sin(0.06 * p.x() + 0.1 * p.y() + phase)));
   };

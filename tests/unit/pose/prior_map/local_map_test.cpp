@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/prior_map/local_map.hpp"
+#include "geometry/pose2.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "pose/planar.hpp"
 #include "simulation/random.hpp"
 
 namespace orchard::pose {
+using geometry::compose;
+using geometry::transform_back;
+
 namespace {
 
 /// Two rows beside a lane along x.

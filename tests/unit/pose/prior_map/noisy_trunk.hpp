@@ -6,10 +6,11 @@
 #include <cmath>
 
 #include "detection/detection.hpp"
-#include "pose/planar.hpp"
+#include "geometry/pose2.hpp"
 #include "simulation/random.hpp"
 
 namespace orchard::pose {
+using geometry::rotation;
 
 /// A trunk as a scanner truly has it before it.
 struct TrunkInView {

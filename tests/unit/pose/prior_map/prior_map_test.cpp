@@ -112,15 +112,6 @@ Sighting at(double x_m, double y_m, double width_m) {
   return s;
 }
 
-TEST(Shadows, HideWhatStandsBehindAndNothingElse) {
-  const Shadows shadows({at(2.0, 0.0, 0.2)});
-  EXPECT_TRUE(shadows.hide({4.0, 0.1}));
-  EXPECT_FALSE(shadows.hide({2.0, 0.0})) << "itself";
-  EXPECT_FALSE(shadows.hide({1.0, 0.0})) << "before it";
-  EXPECT_FALSE(shadows.hide({4.0, 0.8})) << "beside its shadow";
-  EXPECT_FALSE(shadows.hide({-4.0, 0.0})) << "on the other side of the robot";
-}
-
 TEST(SightField, LearnsWhereTheScannerLooksAndHowFar) {
   SightField field(4.0);
   EXPECT_FALSE(field.covers({2.0, 0.0}));

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "unit/pose/prior_map/prior_world.hpp"
+#include "geometry/pose2.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "geometry/angles.hpp"
-#include "pose/planar.hpp"
 #include "simulation/random.hpp"
 #include "unit/pose/prior_map/noisy_trunk.hpp"
 
 namespace orchard::pose {
+using geometry::compose;
+using geometry::transform_back;
+
 namespace {
 
 using simulation::Random;

@@ -7,10 +7,11 @@
 #include <random>
 #include <vector>
 
+#include "geometry/pose2.hpp"
 #include "laser/scan.hpp"
-#include "pose/planar.hpp"
 
 namespace orchard::pose {
+using geometry::compose;
 
 /// Round trunks and straight walls, and exactly what a laser in base's origin sees of them.
 struct CastWorld {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/scan_matching/scan_motion.hpp"
+#include "geometry/pose2.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +9,12 @@
 #include <random>
 #include <vector>
 
-#include "pose/planar.hpp"
 #include "unit/pose/scan_matching/cast_world.hpp"
 
 namespace orchard::pose {
+using geometry::between;
+using geometry::compose;
+
 namespace {
 
 constexpr std::int64_t kPeriod_us = 100000;

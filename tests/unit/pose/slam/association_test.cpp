@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/slam/association.hpp"
+#include "geometry/pose2.hpp"
 
 #include <gtest/gtest.h>
 
-#include "pose/planar.hpp"
-
 namespace orchard::pose {
+using geometry::transform;
+using geometry::transform_back;
+
 namespace {
 
 /// Two rows 4 m apart, a tree every 2 m, one gap, the robot between them at the middle.

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/slam/loop_closure.hpp"
+#include "geometry/pose2.hpp"
 
 #include <gtest/gtest.h>
 
-#include "pose/planar.hpp"
 #include "simulation/random.hpp"
 
 namespace orchard::pose {
+using geometry::rotation;
+
 namespace {
 
 /// Rows that were mapped long ago, and a stretch of 20 m of two of them mapped anew, displaced by

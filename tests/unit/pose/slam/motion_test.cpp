@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/slam/motion.hpp"
+#include "geometry/pose2.hpp"
 
 #include <gtest/gtest.h>
 
-#include "pose/planar.hpp"
 #include "pose/slam/dead_reckoning.hpp"
 
 namespace orchard::pose {
+using geometry::compose;
+using geometry::compose_covariance;
+
 namespace {
 
 RelativeMotion weave(const OdometryCalibration& calibration) {

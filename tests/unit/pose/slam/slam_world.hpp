@@ -9,12 +9,14 @@
 
 #include "detection/detection.hpp"
 #include "geometry/angles.hpp"
+#include "geometry/pose2.hpp"
 #include "pose/measurements.hpp"
-#include "pose/planar.hpp"
 #include "simulation/random.hpp"
 #include "unit/pose/prior_map/noisy_trunk.hpp"
 
 namespace orchard::pose {
+using geometry::compose;
+using geometry::transform_back;
 
 /// An orchard of points that a robot passes, and what its sensors say: the truth that the tests of
 /// SLAM know. Independent of the code under test but for its message structs.

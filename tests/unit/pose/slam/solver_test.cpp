@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/slam/solver.hpp"
+#include "geometry/pose2.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
 
-#include "pose/planar.hpp"
 #include "simulation/random.hpp"
 
 namespace orchard::pose {

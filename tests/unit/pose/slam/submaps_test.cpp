@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Truth: a path along a row of trees, seen without error; then bent, as a drift would.
 #include "pose/slam/submaps.hpp"
+#include "geometry/pose2.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "pose/planar.hpp"
 #include "pose/slam/solver.hpp"
 
 namespace orchard::pose {
+using geometry::between;
+using geometry::compose;
+using geometry::compose_jacobian_first;
+using geometry::compose_jacobian_second;
+using geometry::transform;
+using geometry::transform_back;
+
 namespace {
 
 constexpr int kNumKeyframes = 121;

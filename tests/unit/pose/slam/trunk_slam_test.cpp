@@ -9,6 +9,10 @@
 #include "unit/pose/slam/slam_world.hpp"
 
 namespace orchard::pose {
+
+using geometry::between;
+using geometry::transform;
+
 namespace {
 
 /// What a drive through a world came to, in the frame of its first pose.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mapping/landmark_grid.hpp"
+#include "geometry/point_grid.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-namespace orchard::mapping {
+namespace orchard::geometry {
 namespace {
 
 struct Point {
@@ -20,13 +20,12 @@ struct Point {
 /// Random points about the origin, a third of their coordinates exactly on a border of a cell.
 class RandomPoints {
  public:
-  explicit RandomPoints(std::uint64_t seed) : bits_(seed) {}
+  RandomPoints(std::uint64_t seed, double cell_m) : bits_(seed), cell_m_(cell_m) {}
 
   std::uint64_t below(std::uint64_t n) { return bits_() % n; }
   double coordinate_m() {
     const double any_m = 60.0 * (static_cast<double>(bits_() >> 11) * 0x1p-53 - 0.5);
-    const double cell_m = LandmarkGrid::kCell_m;
-    return below(3) == 0 ? cell_m * std::round(any_m / cell_m) : any_m;
+    return below(3) == 0 ? cell_m_ * std::round(any_m / cell_m_) : any_m;
   }
   Point point() {
     const double x_m = coordinate_m();
@@ -35,9 +34,10 @@ class RandomPoints {
 
  private:
   std::mt19937_64 bits_;
+  double cell_m_;
 };
 
-std::vector<std::int32_t> visited(const LandmarkGrid& grid, const Point& at, double radius_m) {
+std::vector<std::int32_t> visited(const PointGrid& grid, const Point& at, double radius_m) {
   std::vector<std::int32_t> all;
   grid.near(at.x_m, at.y_m, radius_m, [&](std::int32_t i) { all.push_back(i); });
   std::sort(all.begin(), all.end());
@@ -45,8 +45,8 @@ std::vector<std::int32_t> visited(const LandmarkGrid& grid, const Point& at, dou
 }
 
 /// Everything in the disc is visited once, and nothing that lies a whole cell outside of it.
-void expect_as_brute_force(const LandmarkGrid& grid, const std::map<std::int32_t, Point>& truth,
-                           const Point& at, double radius_m) {
+void expect_as_brute_force(const PointGrid& grid, const std::map<std::int32_t, Point>& truth,
+                           const Point& at, double radius_m, double cell_m) {
   const auto all = visited(grid, at, radius_m);
   ASSERT_TRUE(std::adjacent_find(all.begin(), all.end()) == all.end());
   for (const auto& [index, p] : truth) {
@@ -54,7 +54,7 @@ void expect_as_brute_force(const LandmarkGrid& grid, const std::map<std::int32_t
     ASSERT_TRUE(std::binary_search(all.begin(), all.end(), index))
         << "(" << p.x_m << ", " << p.y_m << ") from (" << at.x_m << ", " << at.y_m << ")";
   }
-  const double farthest_m = radius_m + LandmarkGrid::kCell_m;
+  const double farthest_m = radius_m + cell_m;
   for (const std::int32_t index : all) {
     const auto found = truth.find(index);
     ASSERT_TRUE(found != truth.end()) << index << " was removed";
@@ -63,9 +63,11 @@ void expect_as_brute_force(const LandmarkGrid& grid, const std::map<std::int32_t
   }
 }
 
-TEST(LandmarkGrid, AnswersAsBruteForceThroughRandomOperations) {
-  RandomPoints random(11);
-  LandmarkGrid grid;
+class PointGridOfCells : public testing::TestWithParam<double> {};
+
+TEST_P(PointGridOfCells, AnswersAsBruteForceThroughRandomOperations) {
+  RandomPoints random(11, GetParam());
+  PointGrid grid(GetParam());
   std::map<std::int32_t, Point> truth;
   std::int32_t next_index = 0;
   const auto any = [&] {
@@ -73,7 +75,7 @@ TEST(LandmarkGrid, AnswersAsBruteForceThroughRandomOperations) {
     std::advance(at, static_cast<long>(random.below(truth.size())));
     return at;
   };
-  for (int operation = 0; operation < 100000; ++operation) {
+  for (int operation = 0; operation < 40000; ++operation) {
     const std::uint64_t kind = random.below(4);
     if (truth.empty() || (kind == 0 && truth.size() < 300)) {
       const Point p = random.point();
@@ -92,14 +94,28 @@ TEST(LandmarkGrid, AnswersAsBruteForceThroughRandomOperations) {
       moved->second = to;
     }
     if (operation % 10 != 0) continue;
-    expect_as_brute_force(grid, truth, random.point(), operation % 20 == 0 ? 0.3 : 3.7);
+    expect_as_brute_force(grid, truth, random.point(), operation % 20 == 0 ? 0.3 : 3.7, GetParam());
     if (HasFatalFailure()) FAIL() << "after operation " << operation;
   }
-  EXPECT_EQ(visited(grid, {0.0, 0.0}, 40.0).size(), truth.size());
+  const std::vector<std::int32_t> all = grid.near(Eigen::Vector2d(0.0, 0.0), 40.0);
+  EXPECT_EQ(all.size(), truth.size());
+  EXPECT_TRUE(std::is_sorted(all.begin(), all.end()));
+  grid.clear();
+  EXPECT_TRUE(grid.near(Eigen::Vector2d(0.0, 0.0), 40.0).empty());
 }
 
-TEST(LandmarkGrid, SeesAcrossTheBordersOfCells) {
-  LandmarkGrid grid;
+INSTANTIATE_TEST_SUITE_P(Cells, PointGridOfCells, testing::Values(0.7, 1.0, 2.0, 4.0, 8.0));
+
+TEST(PointGrid, ACellGivesBackTheLatestFirst) {
+  PointGrid grid;
+  std::vector<std::int32_t> order;
+  for (const std::int32_t i : {4, 1, 3}) grid.insert(i, 0.5, 0.5);
+  grid.near(0.5, 0.5, 0.1, [&](std::int32_t i) { order.push_back(i); });
+  EXPECT_EQ(order, (std::vector<std::int32_t>{3, 1, 4}));
+}
+
+TEST(PointGrid, SeesAcrossTheBordersOfCells) {
+  PointGrid grid;
   EXPECT_TRUE(visited(grid, {0.0, 0.0}, 10.0).empty());
   std::int32_t index = 0;
   std::map<std::int32_t, Point> truth;
@@ -109,12 +125,12 @@ TEST(LandmarkGrid, SeesAcrossTheBordersOfCells) {
       truth[index++] = {x_m, y_m};
     }
   }
-  for (const auto& entry : truth) expect_as_brute_force(grid, truth, entry.second, 0.001);
-  expect_as_brute_force(grid, truth, {0.0, 0.0}, 2.0);
+  for (const auto& entry : truth) expect_as_brute_force(grid, truth, entry.second, 0.001, 2.0);
+  expect_as_brute_force(grid, truth, {0.0, 0.0}, 2.0, 2.0);
 }
 
-TEST(LandmarkGrid, ManyCellsInAColumnAndFarAway) {
-  LandmarkGrid grid;
+TEST(PointGrid, ManyCellsInAColumnAndFarAway) {
+  PointGrid grid;
   for (std::int32_t i = 0; i < 20000; ++i) grid.insert(i, -1e6 + 0.5, 2.0 * i - 20000.0 + 1.0);
   for (std::int32_t i = 0; i < 20000; ++i) {
     ASSERT_EQ(visited(grid, {-1e6 + 0.5, 2.0 * i - 20000.0 + 1.0}, 0.3),
@@ -124,4 +140,4 @@ TEST(LandmarkGrid, ManyCellsInAColumnAndFarAway) {
 }
 
 }  // namespace
-}  // namespace orchard::mapping
+}  // namespace orchard::geometry

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mapping/landmark_grid.hpp"
+#include "geometry/point_grid.hpp"
 
+#include <algorithm>
 #include <utility>
 
-namespace orchard::mapping {
+namespace orchard::geometry {
 namespace {
 
 /// Four cells in a column share a cache line; which line is mixed from all bits, so that the
@@ -18,14 +19,14 @@ std::uint64_t spread(std::uint64_t key) {
 
 }  // namespace
 
-std::size_t LandmarkGrid::find(std::uint64_t wanted) const {
+std::size_t PointGrid::find(std::uint64_t wanted) const {
   const std::size_t mask = slots_.size() - 1;
   std::size_t at = static_cast<std::size_t>(spread(wanted)) & mask;
   while (slots_[at].head != kEmpty && slots_[at].key != wanted) at = (at + 1) & mask;
   return at;
 }
 
-void LandmarkGrid::grow() {
+void PointGrid::grow() {
   std::vector<Slot> old = std::exchange(slots_, {});
   slots_.resize(old.empty() ? 64 : old.size() * 2);
   num_used_ = 0;
@@ -36,7 +37,7 @@ void LandmarkGrid::grow() {
   }
 }
 
-void LandmarkGrid::insert(std::int32_t index, double x_m, double y_m) {
+void PointGrid::insert(std::int32_t index, double x_m, double y_m) {
   if (slots_.empty() || 10 * (num_used_ + 1) > 7 * slots_.size()) grow();
   const std::size_t i = static_cast<std::size_t>(index);
   if (next_.size() <= i) next_.resize(i + 1, kNone);
@@ -50,18 +51,31 @@ void LandmarkGrid::insert(std::int32_t index, double x_m, double y_m) {
   slot.head = index;
 }
 
-void LandmarkGrid::remove(std::int32_t index, double x_m, double y_m) {
+void PointGrid::remove(std::int32_t index, double x_m, double y_m) {
   if (slots_.empty()) return;
   std::int32_t* link = &slots_[find(key(cell(x_m), cell(y_m)))].head;
   while (*link >= 0 && *link != index) link = &next_[static_cast<std::size_t>(*link)];
   if (*link == index) *link = next_[static_cast<std::size_t>(index)];
 }
 
-void LandmarkGrid::move(std::int32_t index, double from_x_m, double from_y_m, double to_x_m,
-                        double to_y_m) {
+void PointGrid::move(std::int32_t index, double from_x_m, double from_y_m, double to_x_m,
+                     double to_y_m) {
   if (cell(from_x_m) == cell(to_x_m) && cell(from_y_m) == cell(to_y_m)) return;
   remove(index, from_x_m, from_y_m);
   insert(index, to_x_m, to_y_m);
 }
 
-}  // namespace orchard::mapping
+void PointGrid::clear() {
+  slots_.clear();
+  next_.clear();
+  num_used_ = 0;
+}
+
+std::vector<std::int32_t> PointGrid::near(const Eigen::Vector2d& p, double radius_m) const {
+  std::vector<std::int32_t> found;
+  near(p.x(), p.y(), radius_m, [&](std::int32_t i) { found.push_back(i); });
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+}  // namespace orchard::geometry

@@ -1,27 +1,32 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-namespace orchard::mapping {
+namespace orchard::geometry {
 
-/// Hash grid of 2 m cells over the plane: which landmarks stand near a point.
+/// Hash grid over the plane: which points lie near a point.
 ///
 /// Holds indices only; positions stay with the caller. A query of radius up to half a cell visits
 /// the four cells around the point, a larger one more. Memory: 16 bytes per table entry at a load
-/// of at most 0.7, and 4 bytes per landmark.
-class LandmarkGrid {
+/// of at most 0.7, and 4 bytes per point. The scan matcher's PointMap is no such grid: it holds the
+/// points themselves on a raster that is folded onto itself, so that its memory is bounded.
+class PointGrid {
  public:
-  static constexpr double kCell_m = 2.0;
+  explicit PointGrid(double cell_m = 2.0) : cells_per_m_(1.0 / cell_m) {}
 
   void insert(std::int32_t index, double x_m, double y_m);
+  void insert(std::int32_t index, const Eigen::Vector2d& p) { insert(index, p.x(), p.y()); }
   /// Takes out `index`, which was inserted at that position.
   void remove(std::int32_t index, double x_m, double y_m);
   /// Moves `index` when the new position lies in another cell.
   void move(std::int32_t index, double from_x_m, double from_y_m, double to_x_m, double to_y_m);
+
+  void clear();
 
   /// Calls visit(index) for everything in the cells within `radius_m` of the point (a superset of
   /// the disc), in an order that depends only on the sequence of calls.
@@ -38,6 +43,9 @@ class LandmarkGrid {
     }
   }
 
+  /// The same, in rising order of index.
+  std::vector<std::int32_t> near(const Eigen::Vector2d& p, double radius_m) const;
+
   std::size_t num_bytes() const {
     return slots_.capacity() * sizeof(Slot) + next_.capacity() * sizeof(std::int32_t);
   }
@@ -50,9 +58,9 @@ class LandmarkGrid {
   static constexpr std::int32_t kNone = -1;
   static constexpr std::int32_t kEmpty = -2;
 
-  static std::int32_t cell(double coordinate_m) {
+  std::int32_t cell(double coordinate_m) const {
     // positions are checked on entry; the clamp keeps the cast defined whatever comes
-    const double index = std::floor(coordinate_m / kCell_m);
+    const double index = std::floor(coordinate_m * cells_per_m_);
     return static_cast<std::int32_t>(index < -1e9 ? -1e9 : index > 1e9 ? 1e9 : index);
   }
   static std::uint64_t key(std::int32_t cx, std::int32_t cy) {
@@ -62,9 +70,10 @@ class LandmarkGrid {
   std::size_t find(std::uint64_t wanted) const;
   void grow();
 
+  double cells_per_m_;
   std::vector<Slot> slots_;  ///< open addressing, size a power of two
   std::vector<std::int32_t> next_;
   std::size_t num_used_ = 0;
 };
 
-}  // namespace orchard::mapping
+}  // namespace orchard::geometry

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "geometry/pose2.hpp"
+
+#include <gtest/gtest.h>
+#include <mrpt/math/CMatrixFixed.h>
+#include <mrpt/poses/CPose2D.h>
+#include <mrpt/poses/CPosePDFGaussian.h>
+
+#include <random>
+
+namespace orchard::geometry {
+namespace {
+
+/// Random poses, points and covariances from one seed.
+class Draws {
+ public:
+  Eigen::Vector3d pose() { return {uniform(-50, 50), uniform(-50, 50), uniform(-3.1, 3.1)}; }
+  Eigen::Vector2d point() { return {uniform(-50, 50), uniform(-50, 50)}; }
+  Eigen::Matrix3d covariance() {
+    Eigen::Matrix3d A;
+    for (int i = 0; i < 9; ++i) A(i / 3, i % 3) = uniform(-1, 1);
+    return A * A.transpose();
+  }
+
+ private:
+  double uniform(double least, double most) {
+    return std::uniform_real_distribution<double>(least, most)(random_);
+  }
+  std::mt19937 random_{5};
+};
+
+TEST(Pose2, AQuarterTurnToTheLeft) {
+  const Pose2 T_map_base{1.0, 2.0, 0.5 * kPi};
+  EXPECT_NEAR((transform(T_map_base, {3.0, 1.0}) - Eigen::Vector2d(0.0, 5.0)).norm(), 0.0, 1e-12);
+  const Pose2 further = compose(T_map_base, {3.0, 1.0, kPi});
+  EXPECT_NEAR(further.x_m, 0.0, 1e-12);
+  EXPECT_NEAR(further.y_m, 5.0, 1e-12);
+  EXPECT_NEAR(further.yaw_rad, -0.5 * kPi, 1e-12);
+}
+
+TEST(Pose2, IsAGroup) {
+  Draws draw;
+  for (int k = 0; k < 100; ++k) {
+    const Eigen::Vector3d T_a_b = draw.pose(), T_b_c = draw.pose(), T_c_d = draw.pose();
+    const Eigen::Vector2d p = draw.point();
+    EXPECT_NEAR((transform_back(T_a_b, transform(T_a_b, p)) - p).norm(), 0.0, 1e-12);
+    EXPECT_NEAR((transform(inverse(T_a_b), p) - transform_back(T_a_b, p)).norm(), 0.0, 1e-12);
+    EXPECT_NEAR(compose(T_a_b, inverse(T_a_b)).norm(), 0.0, 1e-12);
+    const Eigen::Vector3d left = compose(compose(T_a_b, T_b_c), T_c_d);
+    const Eigen::Vector3d right = compose(T_a_b, compose(T_b_c, T_c_d));
+    EXPECT_NEAR((left - right).head<2>().norm(), 0.0, 1e-11);
+    EXPECT_NEAR(wrap_angle_rad(left.z() - right.z()), 0.0, 1e-12);
+    const Eigen::Vector3d found = between(T_a_b, compose(T_a_b, T_b_c));
+    EXPECT_NEAR((found - T_b_c).norm(), 0.0, 1e-11);
+  }
+}
+
+TEST(Pose2, NamedAndVectorFormAreTheSameNumbers) {
+  Draws draw;
+  for (int k = 0; k < 20; ++k) {
+    const Eigen::Vector3d a = draw.pose(), b = draw.pose();
+    EXPECT_EQ(compose(pose2_of(a), pose2_of(b)).vector(), compose(a, b));
+    EXPECT_EQ(between(pose2_of(a), pose2_of(b)).vector(), between(a, b));
+    EXPECT_EQ(inverse(pose2_of(a)).vector(), inverse(a));
+  }
+}
+
+TEST(Pose2, JacobiansAreTheFiniteDifferences) {
+  constexpr double kStep = 1e-6;
+  Draws draw;
+  for (int k = 0; k < 20; ++k) {
+    const Eigen::Vector3d T_a_b = draw.pose(), T_b_c = 0.1 * draw.pose();
+    const Eigen::Vector2d p_b = draw.point();
+    Eigen::Matrix3d first, second;
+    Eigen::Matrix<double, 2, 3> by_pose;
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(i);
+      const auto slope = [&](const Eigen::Vector3d& above, const Eigen::Vector3d& below) {
+        Eigen::Vector3d d = above - below;
+        d.z() = wrap_angle_rad(d.z());
+        return Eigen::Vector3d(d / (2.0 * kStep));
+      };
+      first.col(i) = slope(compose(T_a_b + step, T_b_c), compose(T_a_b - step, T_b_c));
+      second.col(i) = slope(compose(T_a_b, T_b_c + step), compose(T_a_b, T_b_c - step));
+      by_pose.col(i) =
+          (transform(T_a_b + step, p_b) - transform(T_a_b - step, p_b)) / (2.0 * kStep);
+    }
+    EXPECT_NEAR((first - compose_jacobian_first(T_a_b, T_b_c)).norm(), 0.0, 1e-7);
+    EXPECT_NEAR((second - compose_jacobian_second(T_a_b)).norm(), 0.0, 1e-7);
+    const Eigen::Vector2d arm = transform(T_a_b, p_b) - T_a_b.head<2>();
+    EXPECT_NEAR((by_pose - point_jacobian(arm)).norm(), 0.0, 1e-7);
+  }
+}
+
+TEST(Pose2, CovarianceOfAPointTurnsWithIt) {
+  const double angle_rad = 0.7;
+  const Eigen::Matrix2d P = (Eigen::Matrix2d() << 4.0, 1.0, 1.0, 2.0).finished();
+  const Eigen::Matrix2d turned = rotation(angle_rad) * P * rotation(angle_rad).transpose();
+  const auto [xx, xy, yy] = turned_covariance({4.0, 1.0, 2.0}, angle_rad);
+  EXPECT_NEAR(xx, turned(0, 0), 1e-12);
+  EXPECT_NEAR(xy, turned(0, 1), 1e-12);
+  EXPECT_NEAR(yy, turned(1, 1), 1e-12);
+}
+
+TEST(Pose2, ComposesAsMrptDoes) {
+  Draws draw;
+  for (int k = 0; k < 50; ++k) {
+    const Eigen::Vector3d T_a_b = draw.pose(), T_b_c = draw.pose();
+    const Eigen::Matrix3d P_ab = draw.covariance(), P_bc = draw.covariance();
+    mrpt::poses::CPosePDFGaussian theirs(mrpt::poses::CPose2D(T_a_b.x(), T_a_b.y(), T_a_b.z()),
+                                         mrpt::math::CMatrixDouble33(P_ab));
+    theirs += mrpt::poses::CPosePDFGaussian(mrpt::poses::CPose2D(T_b_c.x(), T_b_c.y(), T_b_c.z()),
+                                            mrpt::math::CMatrixDouble33(P_bc));
+    const Eigen::Vector3d ours = compose(T_a_b, T_b_c);
+    EXPECT_NEAR(ours.x(), theirs.mean.x(), 1e-11);
+    EXPECT_NEAR(ours.y(), theirs.mean.y(), 1e-11);
+    EXPECT_NEAR(wrap_angle_rad(ours.z() - theirs.mean.phi()), 0.0, 1e-12);
+    const Eigen::Matrix3d P = compose_covariance(T_a_b, P_ab, T_b_c, P_bc);
+    for (int i = 0; i < 9; ++i) {
+      EXPECT_NEAR(P(i / 3, i % 3), theirs.cov(i / 3, i % 3), 1e-9 * P.norm());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace orchard::geometry

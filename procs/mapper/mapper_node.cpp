@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapper/mapper_node.hpp"
-#include "geometry/pose2.hpp"
+
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <utility>
 
+#include "geometry/pose2.hpp"
 #include "geometry/angles.hpp"
 #include "mapping/pose_composition.hpp"
 #include "mapping/rows/rows.hpp"
@@ -275,11 +276,9 @@ std::optional<geometry::Georeference> MapperNode::georeference() const {
 std::string MapperNode::warning() const {
   const auto place = fixes_.empty() ? std::nullopt : georeference();
   if (!place || place->residual_rms_m <= geometry::kGeoreferenceResidualMax_m) return {};
-  char text[160];
-  std::snprintf(text, sizeof text,
-                "the satellite fixes lie %.2f m about the map that they place (more than %.1f m)",
-                place->residual_rms_m, geometry::kGeoreferenceResidualMax_m);
-  return text;
+  return fmt::format(
+      "the satellite fixes lie {:.2f} m about the map that they place (more than {:.1f} m)",
+      place->residual_rms_m, geometry::kGeoreferenceResidualMax_m);
 }
 
 bus::NodeCounts MapperNode::counts() const {
@@ -330,12 +329,9 @@ std::string MapperNode::waiting_for() const {
                               "the map (or set mapper.presence.scan_wait_s to 0)"
                             : "";
   }
-  char text[128];
-  std::snprintf(
-      text, sizeof text, "DETECTIONS at %.3f s wait for %s",
-      seconds(queue_.front_utime(kDetections)),
+  return fmt::format(
+      "DETECTIONS at {:.3f} s wait for {}", seconds(queue_.front_utime(kDetections)),
       blocker() == kScan ? "their SCAN (a laser driver)" : "a POSE at or after (orchard-pose)");
-  return text;
 }
 
 io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping/compare/map_alignment.hpp"
 
+#include <fmt/core.h>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -123,12 +124,6 @@ bool is_clear(const EvidenceDifference& d) {
   return d.log_odds > kOddsNeeded && d.sigmas > kSigmasNeeded;
 }
 
-std::string text(const char* format, double x, double y = 0.0, double z = 0.0) {
-  char buffer[256];
-  std::snprintf(buffer, sizeof buffer, format, x, y, z);
-  return buffer;
-}
-
 }  // namespace
 
 MapAlignment align_maps(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
@@ -149,15 +144,15 @@ MapAlignment align_maps(const std::vector<Landmark>& a, const std::vector<Landma
   std::vector<AlignmentCandidate>& ways = candidates.ways;
   const auto needed = static_cast<std::size_t>(std::max(2, config.min_pairs));
   if (ways.empty() || ways.front().pairs.size() < needed) {
-    const double most = ways.empty() ? 0.0 : static_cast<double>(ways.front().pairs.size());
+    const std::size_t most = ways.empty() ? 0 : ways.front().pairs.size();
     alignment.reason = config.any_place
-                           ? text(
-                                 "at most %.0f trees come to lie upon each other, however the "
+                           ? fmt::format(
+                                 "at most {} trees come to lie upon each other, however the "
                                  "second map is laid on the first",
                                  most)
-                           : text(
-                                 "at most %.0f trees come to lie upon each other within %.1f m "
-                                 "and %.0f degrees",
+                           : fmt::format(
+                                 "at most {} trees come to lie upon each other within {:.1f} m "
+                                 "and {:.0f} degrees",
                                  most, config.offset_max_m, config.turn_max_deg);
     return alignment;
   }
@@ -199,13 +194,14 @@ MapAlignment align_maps(const std::vector<Landmark>& a, const std::vector<Landma
   const double share = share_explained(evidence[best], alignment.pairs.size());
   if (chance > std::log(kChanceAllowed)) {
     alignment.verdict = AlignmentVerdict::kNone;
-    alignment.reason = text("the %.0f trees that come to lie upon each other may do so by chance",
-                            static_cast<double>(alignment.pairs.size()));
+    alignment.reason =
+        fmt::format("the {} trees that come to lie upon each other may do so by chance",
+                    alignment.pairs.size());
   } else if (share < kShareExplained) {
     alignment.verdict = AlignmentVerdict::kNone;
-    alignment.reason =
-        text("only %.0f %% of the trees that both drives could see come to lie upon each other",
-             100.0 * share);
+    alignment.reason = fmt::format(
+        "only {:.0f} % of the trees that both drives could see come to lie upon each other",
+        100.0 * share);
   }
   alignment.log_odds = 1e9;
   for (std::size_t k = 0; k < ways.size(); ++k) {
@@ -221,11 +217,10 @@ MapAlignment align_maps(const std::vector<Landmark>& a, const std::vector<Landma
     if (is_clear(d) || alignment.verdict != AlignmentVerdict::kAligned) continue;
     alignment.verdict = AlignmentVerdict::kAmbiguous;
     alignment.rival_offset_m = apart_m(alignment.T_a_b, ways[k].T_a_b, places_b, alignment.pairs);
-    alignment.reason = text(
-        "they fit about as well when the second is shifted by another %.1f m (%.0f pairs of "
-        "trees against %.0f)",
-        alignment.rival_offset_m, static_cast<double>(ways[k].pairs.size()),
-        static_cast<double>(alignment.pairs.size()));
+    alignment.reason = fmt::format(
+        "they fit about as well when the second is shifted by another {:.1f} m ({} pairs of "
+        "trees against {})",
+        alignment.rival_offset_m, ways[k].pairs.size(), alignment.pairs.size());
   }
   // Rows that end alike lie well upon each other, too, when they are others. Where the frames tell
   // which trees are the same it need not be asked.
@@ -234,10 +229,10 @@ MapAlignment align_maps(const std::vector<Landmark>& a, const std::vector<Landma
   if (alignment.verdict == AlignmentVerdict::kAligned && !is_told &&
       !is_clear(detail(evidence[best]))) {
     alignment.verdict = AlignmentVerdict::kAmbiguous;
-    alignment.reason = text(
-        "the %.0f trees that come to lie upon each other agree in place and width no better than "
+    alignment.reason = fmt::format(
+        "the {} trees that come to lie upon each other agree in place and width no better than "
         "other trees planted alike would",
-        static_cast<double>(alignment.pairs.size()));
+        alignment.pairs.size());
   }
   for (LandmarkPair& pair : alignment.pairs) {
     pair.a = in_a.index[static_cast<std::size_t>(pair.a)];

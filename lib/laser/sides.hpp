@@ -19,8 +19,8 @@ struct Sides {
 };
 
 /// The sides of a run. Hidden is a side beside the scan's end, a blind sector or something nearer;
-/// where that is thin (at most bridge_beams beams, and what shows beyond lies farther) the edge is
-/// somewhere behind it.
+/// where that is thin (at most merge_occluded_beams beams, and what shows beyond lies farther) the
+/// edge is somewhere behind it.
 Sides sides_of(const Beams& beams, const Run& run, const SegmentationConfig& config);
 
 /// What a circle is fitted to, in a frame whose x axis is the run's first beam and whose bearings

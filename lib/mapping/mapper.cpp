@@ -59,7 +59,7 @@ void take_look(LandmarkRecord& r, const Detection& d, const Eigen::Vector2d& p_m
 
 struct Mapper::Impl {
   Impl(const MapperConfig& mapper_config, const Eigen::Vector2d& laser)
-      : config(mapper_config), p_base_laser(laser), presence(mapper_config.presence, laser) {}
+      : config(mapper_config), p_base_laser(laser), presence(mapper_config.existence, laser) {}
 
   MapperConfig config;
   Eigen::Vector2d p_base_laser;
@@ -128,6 +128,7 @@ void Mapper::Impl::merge_changed(MapUpdate& update) {
 }
 
 bool Mapper::Impl::are_two(std::int32_t a, std::int32_t b) const {
+  if (!config.split_landmarks) return false;
   const LandmarkRecord& fewer = landmarks[landmarks[a].num_all < landmarks[b].num_all ? a : b];
   const auto pieces =
       pieces_around(observations, fewer.last_observation, fewer.anchor(), 2.0 * config.merge_m);
@@ -137,21 +138,22 @@ bool Mapper::Impl::are_two(std::int32_t a, std::int32_t b) const {
 /// Gates that are wide enough for poses that are off take two things for one where they stand
 /// nearer than that. What scans show at once tells, once there are some of them.
 void Mapper::Impl::split_grown(MapUpdate& update) {
-  if (2.0 * config.gate_m <= config.apart_m) return;
+  if (!config.split_landmarks || 2.0 * config.gate_m <= config.split_distance_m) return;
   const std::size_t num_changed = update.changed_ids.size();
   for (std::size_t k = 0; k < num_changed; ++k) {
     const std::int32_t index = update.changed_ids[k] - 1;
     const LandmarkRecord& r = landmarks[index];
     if (r.is_removed || !is_review_due(r.num_all)) continue;
     const auto pieces = pieces_around(observations, r.last_observation, r.anchor(), config.gate_m);
-    const auto places = two_places(pieces, config.apart_m);
+    const auto places = two_places(pieces, config.split_distance_m);
     if (!places) continue;
     bool is_known = false;
     for (const Eigen::Vector2d& place : {places->first, places->second}) {
-      landmarks.near(place, 0.5 * config.apart_m, [&](std::int32_t i, const LandmarkRecord& other) {
-        const double distance_m = (other.anchor() - place).norm();
-        is_known = is_known || (i != index && distance_m < 0.5 * config.apart_m);
-      });
+      landmarks.near(
+          place, 0.5 * config.split_distance_m, [&](std::int32_t i, const LandmarkRecord& other) {
+            const double distance_m = (other.anchor() - place).norm();
+            is_known = is_known || (i != index && distance_m < 0.5 * config.split_distance_m);
+          });
     }
     if (is_known || !split(index, pieces, *places)) continue;
     update.changed_ids.push_back(landmarks.num_indices());
@@ -177,7 +179,8 @@ bool Mapper::Impl::split(std::int32_t index, const std::vector<Piece>& pieces,
   for (const Piece& piece : pieces) {
     const int to = is_nearer_second(piece.p_map) ? 1 : 0;
     const double away_m = (piece.p_map - (to == 1 ? places.second : places.first)).norm();
-    if (observations[piece.observation].is_owned || away_m > 0.5 * config.apart_m) continue;
+    if (observations[piece.observation].is_owned || away_m > 0.5 * config.split_distance_m)
+      continue;
     if (scans[to].insert(piece.scan).second) chains[to].push_back(piece.observation);
   }
   if (std::min(chains[0].size(), chains[1].size()) < kSplitLeast) return false;
@@ -252,8 +255,8 @@ MapUpdate Mapper::Impl::place(const detection::Detections& detections,
                               std::shared_ptr<const BeamLook> look,
                               std::vector<std::size_t>* observed) {
   observations.add_scan(T_map_base, look);
-  std::vector<Candidate> candidates =
-      compose(detections, T_map_base, observations.last_composition(), config.range_use_max_m);
+  std::vector<Candidate> candidates = compose(
+      detections, T_map_base, observations.last_composition(), config.observation_range_max_m);
   pose::PoseEstimate T_map_base_aligned = T_map_base;
   if (config.align_scans) {
     T_map_base_aligned = align(candidates, T_map_base, config.align_kernel_m,

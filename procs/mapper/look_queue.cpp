@@ -16,10 +16,9 @@ std::int64_t microseconds(double duration_s) { return static_cast<std::int64_t>(
 LookQueue::LookQueue(const io::Config& config)
     : laser_(config.laser),
       blind_(config.detector.segmentation.blind_sector()),
-      presence_(config.mapper.presence),
-      period_us_(microseconds(config.mapper.presence.period_s)),
-      wait_us_(config.mapper.presence.enabled ? microseconds(config.mapper.presence.scan_wait_s)
-                                              : 0) {}
+      period_us_(microseconds(config.mapper.existence.period_s)),
+      wait_us_(config.mapper.existence.enabled ? microseconds(config.mapper.existence.scan_wait_s)
+                                               : 0) {}
 
 void LookQueue::add(const laser::Scan& scan) {
   is_missing_ = false;
@@ -29,7 +28,7 @@ void LookQueue::add(const laser::Scan& scan) {
   if (has_any_ && since_us >= 0 && since_us < period_us_) return;
   has_any_ = true;
   last_kept_utime_ = scan.utime;
-  auto look = std::make_shared<mapping::BeamLook>(scan, laser_, blind_, presence_);
+  auto look = std::make_shared<mapping::BeamLook>(scan, laser_, blind_);
   const auto at = std::upper_bound(
       looks_.begin(), looks_.end(), scan.utime,
       [](std::int64_t utime, const auto& other) { return utime < other->utime(); });

@@ -11,11 +11,11 @@
 
 namespace orchard::procs {
 
-/// The looks of SCAN's beams that wait for their DETECTIONS, one per mapper.presence.period_s, and
+/// The looks of SCAN's beams that wait for their DETECTIONS, one per mapper.existence.period_s, and
 /// whether DETECTIONS are to wait for their SCAN.
 ///
 /// DETECTIONS(t) wait for a SCAN at or after t, so that the order in which the two arrive does not
-/// matter. Where none has come within mapper.presence.scan_wait_s of message time, nobody waits
+/// matter. Where none has come within mapper.existence.scan_wait_s of message time, nobody waits
 /// until SCAN is heard (again): a mapper that is given none works without.
 class LookQueue {
  public:
@@ -38,7 +38,6 @@ class LookQueue {
  private:
   laser::LaserConfig laser_;
   laser::BlindSector blind_;
-  mapping::PresenceConfig presence_;
   std::int64_t period_us_;
   std::int64_t wait_us_;
   std::deque<std::shared_ptr<mapping::BeamLook>> looks_;  ///< in order of utime

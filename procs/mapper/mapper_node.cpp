@@ -16,6 +16,16 @@
 namespace orchard::procs {
 namespace {
 
+/// Corrections of the past that together move base farther rebuild the landmarks [m]: half of
+/// what a map is sure to.
+constexpr double kRebuild_m = 0.02;
+
+/// Message time between two refreshes of the whole MAP [s]: what a late joiner waits for.
+constexpr double kRefreshPeriod_s = 2.0;
+
+/// Most landmarks refreshed per second: larger maps come round less often.
+constexpr double kRefreshMax_per_s = 200.0;
+
 /// 97 bytes per landmark and 4 per removed id on the wire: well below 60 kB.
 constexpr std::size_t kLandmarksPerTile = 500;
 constexpr std::size_t kRemovedPerTile = 1000;
@@ -83,7 +93,7 @@ void MapperNode::handle(const bus::Message& input, const bus::Outbox& send) {
 }
 
 bool MapperNode::undoes_sweep(const detection::Detections& detections) const {
-  const auto gap_max_us = static_cast<std::int64_t>(1e6 * config_.sweep_pose_gap_max_s);
+  const auto gap_max_us = static_cast<std::int64_t>(1e6 * config_.deskew_pose_gap_max_s);
   return gap_max_us > 0 && track_.is_dense_at(detections.utime, gap_max_us);
 }
 
@@ -144,7 +154,7 @@ void MapperNode::correct_up_to(std::int64_t utime, const bus::Outbox& send) {
 /// All of it costs as much as the drive is long: small corrections wait until the drive has grown
 /// by a tenth, so that all of them together cost no more than ten drives.
 bool MapperNode::is_worth_rederiving() const {
-  if (moved_m_ < config_.rederive_m) return false;
+  if (moved_m_ < kRebuild_m) return false;
   return moved_m_ >= config_.gate_m || 10 * mapper_.num_observations() >= 11 * num_rederived_;
 }
 
@@ -249,8 +259,7 @@ std::vector<std::int32_t> MapperNode::refresh_ids(std::int64_t utime) {
   const std::int64_t last = std::exchange(last_refresh_utime_, utime);
   if (last == 0 || utime <= last) return {};
   const auto num_landmarks = static_cast<double>(mapper_.num_landmarks());
-  const double rate_per_s =
-      std::min(num_landmarks / config_.refresh_period_s, config_.refresh_per_s);
+  const double rate_per_s = std::min(num_landmarks / kRefreshPeriod_s, kRefreshMax_per_s);
   const auto wanted = static_cast<std::size_t>(
       std::ceil(std::min(num_landmarks, rate_per_s * seconds(utime - last))));
   std::vector<std::int32_t> ids = mapper_.ids_from(refresh_from_id_, std::min(wanted, kRefreshMax));
@@ -282,7 +291,7 @@ std::string MapperNode::waiting_for() const {
     if (!has_newest_) return "no DETECTIONS and no POSE yet (orchard-detector, orchard-pose)";
     return looks_.is_missing()
                ? "no SCAN with the DETECTIONS (a laser driver): what is gone is told "
-                 "from DETECTIONS alone (or set mapper.presence.scan_wait_s to 0)"
+                 "from DETECTIONS alone (or set mapper.existence.scan_wait_s to 0)"
                : "";
   }
   char text[128];

@@ -27,7 +27,7 @@ namespace orchard::procs {
 /// depend on how far one channel runs ahead of the other within that time.
 ///
 /// TRAJECTORY corrects the past: poses before its utime move, and once they have moved by
-/// mapper.rederive_m all landmarks are derived anew from their observations, with their ids kept.
+/// kRebuild_m all landmarks are derived anew from their observations, with their ids kept.
 /// TRAJECTORY takes its turn before the first DETECTIONS at or after its utime; the end of the log
 /// flushes.
 ///

@@ -33,13 +33,13 @@ Run joined_run(const Run& before, const Run& after) {
 
 void rejoin(const Beams& beams, const SegmentationConfig& config, RunFitter& fit,
             std::vector<Run>& runs) {
-  if (config.bridge_beams < 1) return;
+  if (config.merge_occluded_beams < 1) return;
   std::vector<char> taken(runs.size(), 0);
   for (std::size_t k = 0; k < runs.size(); ++k) {
     if (taken[k]) continue;
     for (std::size_t m = k + 1; m < runs.size() && runs[k].num_fronts < Run::kMaxFronts; ++m) {
       const std::ptrdiff_t hidden = runs[m].first - runs[k].last - 1;
-      if (hidden > config.bridge_beams) break;
+      if (hidden > config.merge_occluded_beams) break;
       // a circle fits whatever few beams lie far apart: what is joined must show more than it lacks
       if (hidden > std::min(runs[k].num_beams, runs[m].num_beams)) continue;
       if (!beams.joined(beams.range_m(runs[k].last), beams.range_m(runs[m].first)) ||

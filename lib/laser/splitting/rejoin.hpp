@@ -10,8 +10,9 @@
 
 namespace orchard::laser {
 
-/// Joins runs again that something thin in front (grass, a twig: at most bridge_beams beams, all of
-/// them nearer) has parted, when one circle fits both. The thin thing stays an object of its own.
+/// Joins runs again that something thin in front (grass, a twig: at most merge_occluded_beams
+/// beams, all of them nearer) has parted, when one circle fits both. The thin thing stays an object
+/// of its own.
 void rejoin(const Beams& beams, const SegmentationConfig& config, RunFitter& fit,
             std::vector<Run>& runs);
 

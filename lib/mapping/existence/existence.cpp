@@ -10,6 +10,21 @@
 namespace orchard::mapping {
 namespace {
 
+/// Probability that beams pass through where a standing thing is: thin things and wrong poses.
+constexpr double kPassRate = 0.1;
+
+/// The same where a thing is gone: something else may stand in front.
+constexpr double kPassRateGone = 0.7;
+
+/// Beams across a thing from which on their evidence counts in full.
+constexpr int kFullBeams = 6;
+
+/// Most log odds that observations of beams give a thing, so that it can be given up again.
+constexpr double kBeamLogOddsMax = 8.0;
+
+/// Log odds of existence below which a landmark is dropped (12 %).
+constexpr double kLogOddsGone = -2.0;
+
 using Eigen::Vector2d;
 
 /// A landmark tells by its number of observations whether a scan's pose can be trusted, up to
@@ -81,21 +96,21 @@ PresenceWatch::Verdicts PresenceWatch::of_beams(const std::vector<std::int32_t>&
                                                 const pose::PoseEstimate& T_map_base,
                                                 const BeamLook& look,
                                                 const LandmarkTable& landmarks) const {
-  const double past_it = std::log(config_.past_rate / config_.past_rate_gone);
-  const double from_it = std::log((1.0 - config_.past_rate) / (1.0 - config_.past_rate_gone));
+  const double past_it = std::log(kPassRate / kPassRateGone);
+  const double from_it = std::log((1.0 - kPassRate) / (1.0 - kPassRateGone));
   const ScanFrame frame(T_map_base, p_base_laser_);
   const std::int32_t scan = observed.empty() ? -1 : landmarks[observed.front()].last_scan;
   Verdicts all;
-  all.log_odds_max = config_.beam_log_odds_max;
+  all.log_odds_max = kBeamLogOddsMax;
   for (const std::int32_t i : observed) all.verdicts.push_back({i, from_it});
-  landmarks.near(frame.laser_map, config_.beam_reach_m, [&](std::int32_t i, const auto& r) {
+  landmarks.near(frame.laser_map, kBeamReach_m, [&](std::int32_t i, const auto& r) {
     if (r.last_scan == scan) {
       all.for_pose += weight_as_witness(r);
       return;
     }
     const double sd_m = std::hypot(sd_at(T_map_base, r.anchor()), std::sqrt(r.scatter_m2));
     const BeamAnswer answer = look.at(frame.to_base(r.anchor()), r.width_m, sd_m);
-    const double share = std::min(1.0, static_cast<double>(answer.num_across) / config_.past_beams);
+    const double share = std::min(1.0, static_cast<double>(answer.num_across) / kFullBeams);
     switch (answer.verdict) {
       case BeamVerdict::kUnknown:
         break;
@@ -176,7 +191,7 @@ std::vector<std::int32_t> PresenceWatch::review(const std::vector<Candidate>& ca
     landmarks.change(verdict.index, [&](LandmarkRecord& r) {
       r.presence = static_cast<float>(std::min(all.log_odds_max, r.presence + verdict.log_odds));
     });
-    if (landmarks[verdict.index].presence < config_.log_odds_gone) gone.push_back(verdict.index);
+    if (landmarks[verdict.index].presence < kLogOddsGone) gone.push_back(verdict.index);
   }
   std::sort(gone.begin(), gone.end());
   return gone;

@@ -30,7 +30,7 @@ namespace orchard::mapping {
 class PresenceWatch {
  public:
   /// `p_base_laser`: where the laser sits in base.
-  PresenceWatch(const PresenceConfig& config, const Eigen::Vector2d& p_base_laser)
+  PresenceWatch(const ExistenceConfig& config, const Eigen::Vector2d& p_base_laser)
       : config_(config), p_base_laser_(p_base_laser), sight_(config.sure_range_m) {}
 
   /// Takes the scan that the landmarks took last, which observed `observed` (indices), and its
@@ -51,7 +51,7 @@ class PresenceWatch {
                          const std::vector<std::int32_t>& observed,
                          const pose::PoseEstimate& T_map_base, const LandmarkTable& landmarks);
 
-  PresenceConfig config_;
+  ExistenceConfig config_;
   Eigen::Vector2d p_base_laser_;
   pose::SightField sight_;                  ///< from the laser, axes of base
   bool by_beams_ = false;                   ///< whether the last look that counted was one of beams

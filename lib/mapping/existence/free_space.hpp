@@ -9,9 +9,11 @@
 #include "laser/blind_sector.hpp"
 #include "laser/laser_config.hpp"
 #include "laser/scan.hpp"
-#include "mapping/existence/existence_config.hpp"
 
 namespace orchard::mapping {
+
+/// Range within which beams are evidence [m]: farther ones are too sparse for a trunk.
+inline constexpr double kBeamReach_m = 8.0;
 
 /// What the beams of a scan say of a place.
 enum class BeamVerdict {
@@ -29,9 +31,9 @@ struct BeamAnswer {
 class BeamLook {
  public:
   /// Beams in the blind sector and returns that the scanner itself does not believe say nothing. Of
-  /// what lies beyond config.beam_reach_m from the laser only that it does is kept.
+  /// what lies beyond kBeamReach_m from the laser only that it does is kept.
   BeamLook(const laser::Scan& scan, const laser::LaserConfig& laser,
-           const laser::BlindSector& blind, const PresenceConfig& config);
+           const laser::BlindSector& blind);
 
   std::int64_t utime() const { return utime_; }
 

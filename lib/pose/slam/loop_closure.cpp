@@ -37,8 +37,7 @@ class Matcher {
     // never surer than the map is locally
     P.diagonal() += Eigen::Vector3d(0.1 * 0.1, 0.1 * 0.1, 0.01 * 0.01);
     information_ = P.inverse();
-    reach_m_ =
-        std::min(config.closure_search_max_m, 4.0 * std::sqrt(std::max(P(0, 0), P(1, 1))) + 0.5);
+    reach_m_ = std::min(kClosureSearchMax_m, 4.0 * std::sqrt(std::max(P(0, 0), P(1, 1))) + 0.5);
     yaw_reach_rad_ = 4.0 * std::sqrt(P(2, 2));
     for (const ClosureLandmark& r : q_.recent) middle_ += r.p_map;
     if (!q_.recent.empty()) middle_ /= static_cast<double>(q_.recent.size());
@@ -82,7 +81,7 @@ class Matcher {
           const Eigen::Vector2d to = 0.5 * (c.p_map + d.p_map);
           shift.x_y_yaw.head<2>() += to - apply(shift.x_y_yaw, from);
           if (prior2(shift.x_y_yaw) > kPriorGate2 ||
-              shift.x_y_yaw.head<2>().norm() > config_.closure_search_max_m) {
+              shift.x_y_yaw.head<2>().norm() > kClosureSearchMax_m) {
             continue;
           }
           const Eigen::Vector2d middle = apply(shift.x_y_yaw, middle_);

@@ -10,6 +10,16 @@
 namespace orchard::pose {
 namespace {
 
+/// Standard deviation of a centre per width of the object: trunks are not round.
+constexpr double kObservationSd_widths = 0.1;
+
+/// The same when something nearer occludes a side of it.
+constexpr double kOccludedSd_widths = 0.25;
+
+/// Further standard deviation of what is labelled an object [m]: crates and bushes have no centre
+/// to speak of.
+constexpr double kObjectSd_m = 0.05;
+
 // A beam lies no farther from its scan's stamp: more is a clock's error.
 constexpr double kSweepMaxS = 0.5;
 constexpr double kWidthSdMinM = 0.02;
@@ -19,14 +29,14 @@ bool usable(const SeenTrunk& t, const SlamConfig& config) {
   return std::isfinite(t.x_base_m) && std::isfinite(t.y_base_m) && std::isfinite(t.width_m) &&
          std::isfinite(t.width_sd_m) && std::isfinite(t.covariance[0]) &&
          std::isfinite(t.covariance[1]) && std::isfinite(t.covariance[2]) &&
-         std::hypot(t.x_base_m, t.y_base_m) <= config.sight_range_max_m && t.width_m >= 0.0 &&
+         std::hypot(t.x_base_m, t.y_base_m) <= config.observation_range_max_m && t.width_m >= 0.0 &&
          t.width_m <= config.width_max_m;
 }
 
 double floor_sd_m(const SeenTrunk& t, const SlamConfig& config) {
-  double sd_m = std::hypot(config.sighting_sd_m, config.sighting_sd_widths * t.width_m);
-  if (t.occlusion != 0) sd_m = std::hypot(sd_m, config.occluded_sd_widths * t.width_m);
-  if (t.label == SeenLabel::kObject) sd_m = std::hypot(sd_m, config.object_sd_m);
+  double sd_m = std::hypot(config.observation_sd_m, kObservationSd_widths * t.width_m);
+  if (t.occlusion != 0) sd_m = std::hypot(sd_m, kOccludedSd_widths * t.width_m);
+  if (t.label == SeenLabel::kObject) sd_m = std::hypot(sd_m, kObjectSd_m);
   return sd_m;
 }
 

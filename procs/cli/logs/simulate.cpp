@@ -10,6 +10,7 @@
 
 #include "bus/messages/codec.hpp"
 #include "bus/node/process.hpp"
+#include "cli/load_rig.hpp"
 #include "cli/logs/simulate_board.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
@@ -94,7 +95,7 @@ int run_simulate(const SimulateOptions& options) {
   const auto scene = simulation::find_scene(options.scene);
   if (!scene) throw io::FileError("there is no scene \"" + options.scene + "\"");
   const io::Config config =
-      options.config_path.empty() ? io::Config() : io::load_config(options.config_path);
+      options.config_path.empty() ? io::Config() : load_rig(options.config_path);
   const simulation::RigConfig rig{config.laser, config.camera, config.simulation};
   simulation::Simulator simulator(*scene, options.seed, rig);
   std::vector<simulation::TruePose> poses = simulator.true_poses();

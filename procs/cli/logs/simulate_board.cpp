@@ -7,6 +7,7 @@
 
 #include "bus/messages/codec.hpp"
 #include "bus/node/process.hpp"
+#include "cli/load_rig.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
 #include "io/log/log_writer.hpp"
@@ -35,7 +36,7 @@ int run_simulate_board(const SimulateOptions& options) {
         "leave out --truth, --poses and --observations");
   }
   const io::Config config =
-      options.config_path.empty() ? io::Config() : io::load_config(options.config_path);
+      options.config_path.empty() ? io::Config() : load_rig(options.config_path);
   simulation::BoardScene scene = make_scene(options, config);
   io::LogWriter writer(options.out_path);
   io::ProgressBar bar("simulating");

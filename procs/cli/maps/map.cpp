@@ -13,6 +13,7 @@
 #include "bus/messages/codec.hpp"
 #include "bus/node/process.hpp"
 #include "bus/replay/in_process_replay.hpp"
+#include "cli/load_rig.hpp"
 #include "cli/maps/map_laying.hpp"
 #include "cli/maps/scan_timer.hpp"
 #include "detector/detector_node.hpp"
@@ -125,7 +126,8 @@ void make_folder(const std::string& folder) {
 /// Where the laser looks, by the rig and the log's first scan: what later comparisons go by.
 mapping::SensorView view_of(const io::Config& config, const std::string& log_path) {
   mapping::SensorView view;
-  view.reach_m = std::min(config.detector.segmentation.range_max_m, config.mapper.range_use_max_m);
+  view.reach_m =
+      std::min(config.detector.segmentation.range_max_m, config.mapper.observation_range_max_m);
   view.mount_x_m = config.laser.mount_x_m;
   view.mount_y_m = config.laser.mount_y_m;
   view.mount_yaw_rad = config.laser.mount_yaw_rad;
@@ -147,7 +149,7 @@ mapping::SensorView view_of(const io::Config& config, const std::string& log_pat
 }  // namespace
 
 int run_map(const MapOptions& options) {
-  const io::Config config = io::load_config(options.config_path);
+  const io::Config config = load_rig(options.config_path);
   std::optional<io::StoredMap> previous;
   if (!options.previous_path.empty()) {
     previous = io::read_stored_map(options.previous_path);

@@ -10,6 +10,7 @@
 
 #include "bus/node/process.hpp"
 #include "bus/replay/replay_index.hpp"
+#include "cli/load_rig.hpp"
 #include "detection/detect.hpp"
 #include "detection/scan_image_pairer.hpp"
 #include "detection/trunk_view.hpp"
@@ -165,7 +166,7 @@ io::OverlayContent content_of(const OverlayOptions& options, const detection::Sc
 }  // namespace
 
 int run_overlay(const OverlayOptions& options) {
-  const io::Config config = io::load_config(options.config_path);
+  const io::Config config = load_rig(options.config_path);
   if (!config.camera.enabled) {
     throw io::FileError(options.config_path +
                         " has camera.enabled: false; an overlay needs a camera");

@@ -67,8 +67,8 @@ Detections scan(const std::vector<Thing>& things, const pose::PoseEstimate& T_ma
 /// For a scanner that overlooks little and poses that are good.
 MapperConfig quick_to_give_up() {
   MapperConfig config;
-  config.presence.seen_rate = 0.75;
-  config.presence.log_odds_max = 6.0;
+  config.existence.seen_rate = 0.75;
+  config.existence.log_odds_max = 6.0;
   return config;
 }
 
@@ -104,8 +104,7 @@ Mapper drive(int num_passes, const std::function<std::vector<Thing>(double time_
       for (float& range_m : beams.ranges_m) {
         if (range_m > 0.0f) range_m += static_cast<float>(dice.normal(0.01));
       }
-      look =
-          std::make_shared<BeamLook>(beams, laser_ahead(), laser::BlindSector{}, PresenceConfig{});
+      look = std::make_shared<BeamLook>(beams, laser_ahead(), laser::BlindSector{});
     }
     std::vector<Thing> detected = things;
     if (k >= 440) {
@@ -138,7 +137,7 @@ TEST(Presence, AWalkerLeavesNothingInTheMap) {
     return things;
   };
   MapperConfig off;
-  off.presence.enabled = false;
+  off.existence.enabled = false;
   EXPECT_GT(num_within(drive(2, things_at, off), {-5, -1.6}, {45, 1.6}, 3), 20);
   // met once more on the way back: what that leaves, the third pass clears
   const Mapper mapper = drive(3, things_at);
@@ -148,7 +147,7 @@ TEST(Presence, AWalkerLeavesNothingInTheMap) {
 
 TEST(Presence, AVehicleThatDroveAwayIsDropped) {
   MapperConfig off;
-  off.presence.enabled = false;
+  off.existence.enabled = false;
   const auto things_at = [](double time_s) {
     std::vector<Thing> things = two_rows();
     if (time_s < 44.0) {  // stands there for the whole first pass, wheels and body
@@ -247,9 +246,8 @@ TEST(Presence, AScanFromAWrongPlaceDropsNothing) {
     truth.x_m = 20.0 + 0.9 + 0.01 * k;
     truth.y_m = -8.0;
     truth.yaw_rad = 0.3;
-    const auto look =
-        std::make_shared<BeamLook>(beams_of(two_rows(), truth, laser_ahead()), laser_ahead(),
-                                   laser::BlindSector{}, PresenceConfig{});
+    const auto look = std::make_shared<BeamLook>(beams_of(two_rows(), truth, laser_ahead()),
+                                                 laser_ahead(), laser::BlindSector{});
     mapper.update(scan(two_rows(), truth, dice), pose, k % 2 == 0 ? look : nullptr);
   }
   EXPECT_EQ(

@@ -21,7 +21,7 @@ const laser::LaserConfig kLaser = [] {
 }();
 
 BeamLook look_at(const std::vector<Thing>& things) {
-  return BeamLook(beams_of(things, {}, kLaser), kLaser, {}, {});
+  return BeamLook(beams_of(things, {}, kLaser), kLaser, {});
 }
 
 /// A wall behind all that is looked at, so that every beam returns.
@@ -58,7 +58,7 @@ TEST(BeamLook, SaysNothingOfWhatIsHiddenOrOutOfSight) {
 TEST(BeamLook, NoReturnCountsNearByOnly) {
   laser::Scan scan = beams_of({}, {}, kLaser);
   scan.range_max_m = 8.0;
-  const BeamLook look(scan, kLaser, {}, {});
+  const BeamLook look(scan, kLaser, {});
   EXPECT_EQ(look.at({3.0, 0.0}, 0.12, 0.02).verdict, BeamVerdict::kSeesPast);
   EXPECT_EQ(look.at({6.0, 0.0}, 0.12, 0.02).verdict, BeamVerdict::kUnknown);
 }
@@ -66,19 +66,16 @@ TEST(BeamLook, NoReturnCountsNearByOnly) {
 TEST(BeamLook, ABeamThatIsNotBelievedSaysNothing) {
   laser::Scan scan = beams_of(before_a_wall({}), {}, kLaser);
   const laser::BlindSector ahead{0.0, 0.3};
-  EXPECT_EQ(BeamLook(scan, kLaser, ahead, {}).at({3.0, 0.0}, 0.12, 0.02).verdict,
+  EXPECT_EQ(BeamLook(scan, kLaser, ahead).at({3.0, 0.0}, 0.12, 0.02).verdict,
             BeamVerdict::kUnknown);
-  EXPECT_EQ(BeamLook(scan, kLaser, ahead, {}).at({3.0, 2.0}, 0.12, 0.02).verdict,
+  EXPECT_EQ(BeamLook(scan, kLaser, ahead).at({3.0, 2.0}, 0.12, 0.02).verdict,
             BeamVerdict::kSeesPast);
   for (float& range_m : scan.ranges_m) range_m = 0.01f;  // nearer than the scanner believes
-  EXPECT_EQ(BeamLook(scan, kLaser, {}, {}).at({3.0, 2.0}, 0.12, 0.02).verdict,
-            BeamVerdict::kUnknown);
+  EXPECT_EQ(BeamLook(scan, kLaser, {}).at({3.0, 2.0}, 0.12, 0.02).verdict, BeamVerdict::kUnknown);
   scan.ranges_m.assign(scan.ranges_m.size(), std::nanf(""));
-  EXPECT_EQ(BeamLook(scan, kLaser, {}, {}).at({3.0, 2.0}, 0.12, 0.02).verdict,
-            BeamVerdict::kUnknown);
+  EXPECT_EQ(BeamLook(scan, kLaser, {}).at({3.0, 2.0}, 0.12, 0.02).verdict, BeamVerdict::kUnknown);
   scan.ranges_m.clear();
-  EXPECT_EQ(BeamLook(scan, kLaser, {}, {}).at({3.0, 2.0}, 0.12, 0.02).verdict,
-            BeamVerdict::kUnknown);
+  EXPECT_EQ(BeamLook(scan, kLaser, {}).at({3.0, 2.0}, 0.12, 0.02).verdict, BeamVerdict::kUnknown);
 }
 
 TEST(BeamLook, FollowsTheSweepOfATurningRobot) {

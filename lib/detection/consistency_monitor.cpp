@@ -10,6 +10,21 @@
 namespace orchard::detection {
 namespace {
 
+/// Message time between two comparisons [s]: edges are costly.
+constexpr double kPeriod_s = 0.5;
+
+/// Message time over which the median runs [s]: longer than one odd thing is in view.
+constexpr double kWindow_s = 20.0;
+
+/// A median of fewer objects says nothing.
+constexpr int kObjectsMin = 20;
+
+/// A median disagreement from here on raises the warning [deg].
+constexpr double kWarn_deg = 0.75;
+
+/// One below this takes it back [deg].
+constexpr double kClear_deg = 0.5;
+
 double seconds(std::int64_t duration_us) { return 1e-6 * static_cast<double>(duration_us); }
 
 }  // namespace
@@ -19,7 +34,7 @@ ConsistencyMonitor::ConsistencyMonitor(const ConsistencyConfig& config, double f
 
 bool ConsistencyMonitor::is_due(std::int64_t utime) const {
   if (!config_.enabled) return false;
-  return last_utime_ == INT64_MIN || seconds(utime - last_utime_) >= config_.look_period_s;
+  return last_utime_ == INT64_MIN || seconds(utime - last_utime_) >= kPeriod_s;
 }
 
 void ConsistencyMonitor::add(std::int64_t utime, const std::vector<double>& offsets_px) {
@@ -27,17 +42,17 @@ void ConsistencyMonitor::add(std::int64_t utime, const std::vector<double>& offs
   if (raised_) raised_us_ += utime - last_utime_;
   last_utime_ = utime;
   for (const double offset_px : offsets_px) looks_.push_back({utime, offset_px});
-  while (!looks_.empty() && seconds(utime - looks_.front().utime) > config_.window_s) {
+  while (!looks_.empty() && seconds(utime - looks_.front().utime) > kWindow_s) {
     looks_.pop_front();
   }
-  const bool is_long = seconds(utime - first_utime_) >= config_.window_s;
-  if (!is_long || num_looks() < config_.min_looks) return;  // too little to change its mind
+  const bool is_long = seconds(utime - first_utime_) >= kWindow_s;
+  if (!is_long || num_looks() < kObjectsMin) return;  // too little to change its mind
   std::vector<double> values;
   values.reserve(looks_.size());
   for (const Look& look : looks_) values.push_back(look.offset_px);
   median_px_ = geometry::median(std::move(values));
   const double size_deg = std::abs(degrees(median_px_));
-  raised_ = size_deg >= (raised_ ? config_.clear_deg : config_.warn_deg);
+  raised_ = size_deg >= (raised_ ? kClear_deg : kWarn_deg);
   if (raised_ && std::abs(median_px_) > std::abs(worst_px_)) worst_px_ = median_px_;
 }
 
@@ -57,12 +72,12 @@ std::string ConsistencyMonitor::disagreement(const char* verb, double offset_px,
 
 std::string ConsistencyMonitor::warning() const {
   if (!raised_) return {};
-  return disagreement("disagree", median_px_, config_.window_s + seconds(raised_us_));
+  return disagreement("disagree", median_px_, kWindow_s + seconds(raised_us_));
 }
 
 std::string ConsistencyMonitor::whole_run() const {
   if (worst_px_ == 0.0) return {};
-  return disagreement("disagreed", worst_px_, config_.window_s + seconds(raised_us_));
+  return disagreement("disagreed", worst_px_, kWindow_s + seconds(raised_us_));
 }
 
 }  // namespace orchard::detection

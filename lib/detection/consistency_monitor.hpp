@@ -10,12 +10,15 @@
 
 namespace orchard::detection {
 
+/// Largest disagreement of laser and image edges that is looked for [deg].
+inline constexpr double kSearchWindow_deg = 4.0;
+
 /// Watches how far the edges that pictures show stand from where the laser expects them, and says
 /// so when the running median disagrees for long. Time is the messages' own.
 ///
 /// The median is signed: it finds a camera turned about its vertical axis, and a delay while the
 /// robot turns one way. A delay alone cancels out over curves to both sides; it is measured by
-/// `orchard calibrate delay`. Disagreements beyond consistency.reach_deg are not seen at all.
+/// `orchard calibrate delay`. Disagreements beyond kSearchWindow_deg are not seen at all.
 class ConsistencyMonitor {
  public:
   /// `focal_px`: the camera's focal length across the columns, for degrees.

@@ -40,7 +40,7 @@ bool is_half_hidden(const laser::Segment& segment) {
 /// Of what is half hidden only a circle's bend tells the width, and how well it does.
 double roc_of_width(const laser::Segment& segment, double bearing_step_rad,
                     const DetectorConfig& config) {
-  if (!is_half_hidden(segment) || !segment.circle || config.visible_min >= 1.0) {
+  if (!is_half_hidden(segment) || !segment.circle || config.visible_fraction_min >= 1.0) {
     return laser::roc_laser(segment.width_m, segment.range_m, bearing_step_rad, config.width);
   }
   laser::WidthConfig measured = config.width;
@@ -68,8 +68,9 @@ LaserVerdict judge_by_laser(const laser::Segment& segment, double roc_laser,
                           laser::roc_laser(least_width_m, segment.range_m, bearing_step_rad,
                                            config.width) < config.roc_laser_threshold;
     if (too_wide) return LaserVerdict::kObject;
-    const bool shows = config.visible_min < 1.0 && roc_laser >= config.roc_laser_threshold &&
-                       visible_share(segment, config.width) >= config.visible_min;
+    const bool shows = config.visible_fraction_min < 1.0 &&
+                       roc_laser >= config.roc_laser_threshold &&
+                       visible_share(segment, config.width) >= config.visible_fraction_min;
     return shows ? LaserVerdict::kCandidate : LaserVerdict::kHidden;
   }
   return roc_laser >= config.roc_laser_threshold ? LaserVerdict::kCandidate : LaserVerdict::kObject;
@@ -129,7 +130,7 @@ double judge_by_vision(Detection& d, const TrunkView& view, Pixels& pixels, cons
   const auto left = vision::find_edge(*pixels.edges, view.left_edge, view.left_x_px, config.edges);
   const auto right =
       vision::find_edge(*pixels.edges, view.right_edge, view.right_x_px, config.edges);
-  const double parallel = vision::parallel_confidence(left, right, config.edges);
+  const double parallel = vision::parallel_confidence(left, right);
   const double edges = fuse_edges(left.roc, right.roc, parallel);
   d.roc_left_edge = static_cast<float>(left.roc);
   d.roc_right_edge = static_cast<float>(right.roc);

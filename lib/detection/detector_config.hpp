@@ -33,10 +33,10 @@ struct DetectorConfig {
   vision::AppearanceConfig appearance;
   vision::EdgeConfig edges;
   double roc_laser_threshold = 0.011108996538242306;  ///< exp(-4.5): 3 sigma. The paper's ROC_th
-  double visible_min = 1.0;     ///< share of a half-hidden trunk from which on it is judged
-  double colour_weight = 0.6;   ///< roc_vision = w colour + (1 - w) edges
-  double laser_weight = 0.5;    ///< roc_tree = w laser + (1 - w) vision
-  double tree_threshold = 0.6;  ///< TREE from this roc_tree on
+  double visible_fraction_min = 1.0;  ///< visible fraction of a half-hidden trunk that is judged
+  double colour_weight = 0.6;         ///< roc_vision = w colour + (1 - w) edges
+  double laser_weight = 0.5;          ///< roc_tree = w laser + (1 - w) vision
+  double tree_threshold = 0.6;        ///< TREE from this roc_tree on
   Decision decision = Decision::kRoc;
   ProbabilityConfig probability;
   double pairing_tolerance_s = 0.06;  ///< a picture farther in time than this is not a pair
@@ -44,42 +44,49 @@ struct DetectorConfig {
   /// Points move on by ODOMETRY from their beam's time to the picture's; scans then wait for it.
   bool use_odometry = false;
   AdaptationConfig adaptation;
-  ConsistencyConfig consistency;
+  ConsistencyConfig extrinsics_monitor;
 };
 
 template <class Visitor>
 void describe(Visitor& v, DetectorConfig& c) {
   v.section("segmentation", c.segmentation, "cutting a scan into objects");
   v.section("width", c.width, "trunk width model, eqs. 8-10");
-  v.section("window", c.window, "image windows");
+  v.expert().section("window", c.window, "image windows");
   v.choice("colour_model", c.colour_model, {"hue_interval", "appearance"},
            "what gives roc_colour: the paper's hue interval, or what was learnt of trunks");
   v.section("colour", c.colour, "trunk colour: colour_model hue_interval");
-  v.section("appearance", c.appearance, "what trunks look like: colour_model appearance");
+  v.expert().section("appearance", c.appearance, "what trunks look like: colour_model appearance");
   v.check(c.colour_model == ColourModel::kHueInterval || c.appearance.learnt(), "colour_model",
           "needs a learnt detector.appearance; `orchard calibrate trunks` writes one");
-  v.section("edges", c.edges, "trunk edges");
-  v.number("roc_laser_threshold", c.roc_laser_threshold, 0, 1, "1",
-           "candidates have at least this roc_laser (the paper's ROC_th)");
-  v.number("visible_min", c.visible_min, 0, 1, "1",
-           "a half-hidden object of a trunk's width is judged if this share of a trunk shows, as "
-           "wide as its circle and detector.width together say; 1 = it stays UNSEEN");
-  v.number("colour_weight", c.colour_weight, 0, 1, "1", "share of colour in roc_vision");
-  v.number("laser_weight", c.laser_weight, 0, 1, "1", "share of the laser in roc_tree");
+  v.expert().section("edges", c.edges, "trunk edges");
+  v.expert().number("roc_laser_threshold", c.roc_laser_threshold, 0, 1, "1",
+                    "candidates have at least this roc_laser (the paper's ROC_th)");
+  v.expert().number(
+      "visible_fraction_min", c.visible_fraction_min, 0, 1, "1",
+      "a half-hidden object of a trunk's width is judged if this fraction of a trunk shows, as "
+      "wide as its circle and detector.width together say; 1 = it stays UNSEEN");
+  v.expert().number("colour_weight", c.colour_weight, 0, 1, "1", "weight of colour in roc_vision");
+  v.expert().number("laser_weight", c.laser_weight, 0, 1, "1", "weight of the laser in roc_tree");
   v.number("tree_threshold", c.tree_threshold, 0, 1, "1", "TREE from this roc_tree on");
-  v.choice("decision", c.decision, {"roc", "probability"},
-           "TREE by roc_tree and tree_threshold (the paper's), or by probability and its tree_min");
-  v.section("probability", c.probability, "calibrated probabilities of tree and object");
+  v.expert().choice(
+      "decision", c.decision, {"roc", "probability"},
+      "TREE by roc_tree and tree_threshold (the paper's), or by probability and its tree_min");
+  v.expert().section("probability", c.probability, "calibrated probabilities of tree and object");
   v.check(c.decision == Decision::kRoc || c.probability.enabled, "decision",
           "probability needs detector.probability.enabled: true");
-  v.number("pairing_tolerance_s", c.pairing_tolerance_s, 0, 10, "s",
-           "largest time between a scan and its picture");
-  v.number("image_wait_s", c.image_wait_s, 0, 60, "s",
-           "message time that a scan waits for pictures");
+  v.check(c.width.mean_m < c.segmentation.width_max_m, "width",
+          "mean_m must be below segmentation.width_max_m: no trunk would be reported");
+  v.expert().number("pairing_tolerance_s", c.pairing_tolerance_s, 0, 10, "s",
+                    "largest time between a scan and its picture");
+  v.expert().number("image_wait_s", c.image_wait_s, 0, 60, "s",
+                    "message time that a scan waits for pictures");
+  v.check(c.pairing_tolerance_s <= c.image_wait_s, "pairing_tolerance_s",
+          "must not be above image_wait_s: the picture would come too late");
   v.flag("use_odometry", c.use_odometry,
          "move points by ODOMETRY from their beam's time to the picture's");
   v.section("adaptation", c.adaptation, "models that follow the trees while driving");
-  v.section("consistency", c.consistency, "warning when laser and image edges disagree for long");
+  v.expert().section("extrinsics_monitor", c.extrinsics_monitor,
+                     "warning when laser and image edges disagree for long");
 }
 
 }  // namespace orchard::detection

@@ -25,7 +25,7 @@ void describe(Visitor& v, CameraConfig& c) {
   v.integer("height_px", c.intrinsics.height_px, 16, 8192, "px", "image height");
   v.numbers("fc_px", c.intrinsics.fc_px, 1, 1e5, "px", "focal lengths x, y");
   v.numbers("cc_px", c.intrinsics.cc_px, -1e4, 1e4, "px", "principal point x, y");
-  v.number("alpha_c", c.intrinsics.alpha_c, -1, 1, "1", "skew");
+  v.expert().number("alpha_c", c.intrinsics.alpha_c, -1, 1, "1", "skew");
   v.numbers("kc", c.intrinsics.kc, -100, 100, "1", "distortion k1, k2, p1, p2, k3");
   v.numbers("delta_m", c.extrinsics.delta_m, -10, 10, "m", "laser origin in the camera frame");
   v.numbers("phi_rad", c.extrinsics.phi_rad, -6.2832, 6.2832, "rad",

@@ -83,7 +83,7 @@ std::ptrdiff_t Beams::first_gap() const {
     return ranges_m_[static_cast<std::size_t>((i % size_ + size_) % size_)];
   };
   // No object extends across a gap, not even one that is merged behind foreground clutter.
-  const std::ptrdiff_t across = std::max(config_.bridge_beams, 1) + 1;
+  const std::ptrdiff_t across = std::max(config_.merge_occluded_beams, 1) + 1;
   const auto is_gap = [&](std::ptrdiff_t i) {
     for (std::ptrdiff_t before = 1; before <= across; ++before) {
       for (std::ptrdiff_t after = 0; before + after <= across; ++after) {

@@ -52,7 +52,7 @@ class Beams {
     return blocked_[index(around(i))] != 0;
   }
   /// Whether objects that thin foreground clutter divides are merged again.
-  bool merges_occluded() const { return config_.bridge_beams > 0; }
+  bool merges_occluded() const { return config_.merge_occluded_beams > 0; }
   /// The range step that separates objects at a range.
   double jump_m(double range_m) const { return config_.jump_m + config_.jump_fraction * range_m; }
   bool joined(double a_m, double b_m) const {

@@ -28,8 +28,8 @@ void describe(Visitor& v, LaserConfig& c) {
   v.number("mount_yaw_rad", c.mount_yaw_rad, -6.2832, 6.2832, "rad", "laser in base, turned left");
   v.number("range_sd_m", c.range_sd_m, 0, 1, "m", "1-sigma of a range, constant part");
   v.number("range_sd_fraction", c.range_sd_fraction, 0, 0.2, "1", "1-sigma per metre of range");
-  v.number("target_sd_fraction", c.target_sd_fraction, 0, 0.2, "1",
-           "1-sigma per metre of range of what all beams of an object share");
+  v.expert().number("target_sd_fraction", c.target_sd_fraction, 0, 0.2, "1",
+                    "1-sigma per metre of range of what all beams of an object share");
 }
 
 }  // namespace orchard::laser

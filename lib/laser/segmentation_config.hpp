@@ -15,14 +15,14 @@ enum class ReflectorUse {
 /// How a scan is cut into objects. Section `detector.segmentation`.
 struct SegmentationConfig {
   double range_min_m = 0.05;          ///< nearer returns are the robot itself
-  double range_max_m = 5.6;           ///< farther returns are not looked at
+  double range_max_m = 5.6;           ///< farther returns are not used
   double jump_m = 0.10;               ///< a range step of this size separates objects
   double jump_fraction = 0.02;        ///< plus this much per metre of range
   int min_beams = 2;                  ///< objects with fewer beams are not reported
   double width_max_m = 2.0;           ///< wider things (walls, hedges) are not reported
   double blind_centre_rad = 0.0;      ///< middle of a sector in which the scanner sees the robot
   double blind_half_width_rad = 0.0;  ///< half its angle; 0 = no such sector
-  int bridge_beams = 3;               ///< grass and twigs in front hide at most this many beams
+  int merge_occluded_beams = 3;       ///< grass and twigs in front hide at most this many beams
   bool split_touching = true;         ///< two circles that fit better than one are two objects
   int min_beams_circle = 3;  ///< objects of fewer beams get no circle; half hidden: twice that
   ReflectorUse reflector = ReflectorUse::kIgnored;
@@ -34,22 +34,23 @@ struct SegmentationConfig {
 template <class Visitor>
 void describe(Visitor& v, SegmentationConfig& c) {
   v.number("range_min_m", c.range_min_m, 0, 100, "m", "nearer returns are the robot itself");
-  v.number("range_max_m", c.range_max_m, 0.1, 500, "m", "farther returns are not looked at");
+  v.number("range_max_m", c.range_max_m, 0.1, 500, "m", "farther returns are not used");
   v.number("jump_m", c.jump_m, 0.001, 10, "m", "range step that separates objects");
-  v.number("jump_fraction", c.jump_fraction, 0, 1, "1", "growth of that step per metre of range");
+  v.expert().number("jump_fraction", c.jump_fraction, 0, 1, "1",
+                    "growth of that step per metre of range");
   v.integer("min_beams", c.min_beams, 1, 1000, "beams", "fewest beams of an object");
   v.number("width_max_m", c.width_max_m, 0.05, 100, "m", "wider things are not reported");
   v.number("blind_centre_rad", c.blind_centre_rad, -6.2832, 6.2832, "rad",
            "laser frame: middle of a sector that shows the robot itself");
   v.number("blind_half_width_rad", c.blind_half_width_rad, 0, 3.1416, "rad",
            "half the angle of that sector; 0 for none");
-  v.integer(
-      "bridge_beams", c.bridge_beams, 0, 20, "beams",
-      "most beams that grass or a twig in front hides of an object; 0 = such parts stay apart");
+  v.integer("merge_occluded_beams", c.merge_occluded_beams, 0, 20, "beams",
+            "parts of an object that grass or a twig hides are merged over at most so many beams; "
+            "0 = off");
   v.flag("split_touching", c.split_touching,
-         "part what two circles fit clearly better than one: trunks that touch");
-  v.integer("min_beams_circle", c.min_beams_circle, 3, 1000, "beams",
-            "fewest beams to which a circle is fitted; twice that with a side hidden");
+         "split what two circles fit clearly better than one: trunks that touch");
+  v.expert().integer("min_beams_circle", c.min_beams_circle, 3, 1000, "beams",
+                     "fewest beams to which a circle is fitted; twice that with a side hidden");
   v.choice("reflector", c.reflector, {"ignored", "only", "exclude"},
            "reflectors mark nothing | the trees, and only they can be trees | what is no tree");
   v.number("reflectivity_min", c.reflectivity_min, 0, 1e9, "as the scanner's intensities",

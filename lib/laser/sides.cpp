@@ -30,11 +30,11 @@ Side side_at(const Beams& beams, std::ptrdiff_t end, std::ptrdiff_t outwards, bo
   const std::ptrdiff_t first = nearer(1) ? 1 : 2;
   if (!nearer(first)) return side;
   std::ptrdiff_t beyond = first + 1;
-  while (beyond - first <= config.bridge_beams && nearer(beyond)) ++beyond;
+  while (beyond - first <= config.merge_occluded_beams && nearer(beyond)) ++beyond;
   // Another surface shows beyond the thin object: this object's edge lies behind the thin one.
   const std::ptrdiff_t farther = end + beyond * outwards;
   const double beyond_m = beams.range_around_m(farther);
-  const bool thin = beyond - first <= config.bridge_beams && !beams.blocked(farther) &&
+  const bool thin = beyond - first <= config.merge_occluded_beams && !beams.blocked(farther) &&
                     !beams.joined(beyond_m, range_m);
   if (!thin) {
     side.hidden = true;

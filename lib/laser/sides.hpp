@@ -19,8 +19,8 @@ struct Sides {
 };
 
 /// The sides of a candidate. A side is hidden beside the scan's end, a blind sector or something
-/// nearer; where that is thin (at most bridge_beams beams, and what shows beyond lies farther) the
-/// edge is somewhere behind it.
+/// nearer; where that is thin (at most merge_occluded_beams beams, and what shows beyond lies
+/// farther) the edge is somewhere behind it.
 Sides sides_of(const Beams& beams, const Candidate& candidate, const SegmentationConfig& config);
 
 /// What a circle is fitted to, in a frame whose x axis is the candidate's first beam and whose

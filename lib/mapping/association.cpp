@@ -8,6 +8,10 @@
 namespace orchard::mapping {
 namespace {
 
+/// From so many observations on, a landmark also takes a detection outside the statistical gate:
+/// its position is no longer in doubt.
+constexpr int kWellKnownObservations = 30;
+
 constexpr int kEstablished = 3;            ///< observations from which a landmark leads a scan
 constexpr double kWidthRelativeSd = 0.15;  ///< of one thing seen from different sides
 
@@ -42,8 +46,7 @@ std::int32_t relaxed_gate_match(const Candidate& c, const LandmarkTable& landmar
   std::int32_t nearest = -1;
   double nearest_m2 = config.gate_m * config.gate_m;
   landmarks.near(c.p_aligned, config.gate_m, [&](std::int32_t i, const LandmarkRecord& r) {
-    if (r.num_all < config.well_known_observations || std::abs(width_term(*c.detection, r)) > 3.0)
-      return;
+    if (r.num_all < kWellKnownObservations || std::abs(width_term(*c.detection, r)) > 3.0) return;
     if (std::abs(c.detection->width_m - r.width_m) > config.width_gate_m) return;
     const double distance_m2 = (c.p_aligned - r.association_position()).squaredNorm();
     if (distance_m2 > nearest_m2 || (distance_m2 == nearest_m2 && i > nearest)) return;
@@ -127,7 +130,8 @@ std::int32_t merge_partner(const LandmarkTable& landmarks, std::int32_t index,
                        (other.association_position() - r.association_position()).squaredNorm();
                    if (distance_m2 > best_m2 || (distance_m2 == best_m2 && (best < 0 || i > best)))
                      return;
-                   if (distance_m2 <= config.apart_m * config.apart_m || !are_two(index, i)) {
+                   if (distance_m2 <= config.split_distance_m * config.split_distance_m ||
+                       !are_two(index, i)) {
                      best_m2 = distance_m2;
                      best = i;
                    }

@@ -43,8 +43,8 @@ std::optional<Eigen::Vector2d> nearest_established(const LandmarkTable& landmark
 using AreTwo = std::function<bool(std::int32_t, std::int32_t)>;
 
 /// The landmark that must be the same thing as this one: the nearest within merge_m, of much the
-/// same width, not seen in the same scan and, farther than apart_m, not known to be two. -1 = none;
-/// of equally near ones the lowest index.
+/// same width, not seen in the same scan and, farther than split_distance_m, not known to be two.
+/// -1 = none; of equally near ones the lowest index.
 std::int32_t merge_partner(const LandmarkTable& landmarks, std::int32_t index,
                            const MapperConfig& config, const AreTwo& are_two);
 

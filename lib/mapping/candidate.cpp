@@ -29,14 +29,14 @@ Eigen::Matrix2d swept(const Eigen::Matrix3d& pose_covariance, const Eigen::Vecto
 
 std::vector<Candidate> compose(const detection::Detections& detections,
                                const pose::PoseEstimate& pose, const PoseComposition& composition,
-                               double range_use_max_m) {
+                               double observation_range_max_m) {
   const Eigen::Vector2d robot(pose.x_m, pose.y_m);
   const Eigen::Matrix3d pose_covariance = matrix_of(pose.covariance);
   const Eigen::Matrix2d rotation = geometry::rotation(pose.yaw_rad);
   std::vector<Candidate> candidates;
   candidates.reserve(detections.trunks.size());
   for (const Detection& d : detections.trunks) {
-    if (std::hypot(d.centre_x_m, d.centre_y_m) > range_use_max_m) continue;
+    if (std::hypot(d.centre_x_m, d.centre_y_m) > observation_range_max_m) continue;
     Candidate candidate;
     candidate.detection = &d;
     candidate.p_map = composition.apply(d.centre_x_m, d.centre_y_m);

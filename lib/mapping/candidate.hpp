@@ -21,10 +21,10 @@ struct Candidate {
 };
 
 /// Composes the detections of a scan with its pose (eqs. 11-12); p_aligned is p_map as yet. What
-/// lies farther from base than `range_use_max_m`, or nowhere, is left out.
+/// lies farther from base than `observation_range_max_m`, or nowhere, is left out.
 std::vector<Candidate> compose(const detection::Detections& detections,
                                const pose::PoseEstimate& T_map_base,
-                               const PoseComposition& composition, double range_use_max_m);
+                               const PoseComposition& composition, double observation_range_max_m);
 
 /// Moves the candidates of a scan together onto the map: sets p_aligned and its covariance. Objects
 /// do not lead: bushes look different from each side. T_map_base moved likewise.

@@ -7,6 +7,12 @@
 namespace orchard::mapping {
 namespace {
 
+/// Fraction of a tree's observations that are labelled TREE.
+constexpr double kTreeRateOfTrees = 0.8;
+
+/// Fraction of an object's observations that are labelled TREE.
+constexpr double kTreeRateOfObjects = 0.2;
+
 using detection::Label;
 
 /// One observation's probability counts between this and 1 minus it.
@@ -139,8 +145,8 @@ double evidence_of(const detection::Detection& observation, const MapperConfig& 
         std::clamp<double>(observation.probability_tree, kProbabilityMin, 1.0 - kProbabilityMin);
     return logit(p) - logit(config.evidence_base_rate);
   }
-  const double of_tree = config.tree_rate_of_trees;
-  const double of_object = config.tree_rate_of_objects;
+  const double of_tree = kTreeRateOfTrees;
+  const double of_object = kTreeRateOfObjects;
   switch (observation.label) {
     case Label::kTree:
       return std::log(of_tree / of_object);

@@ -139,7 +139,7 @@ bool is_review_due(std::int32_t num_observations) {
 
 /// Whether another landmark stands at one of the positions already.
 bool is_known(const MapState& map, std::int32_t index, const PositionPair& positions) {
-  const double reach_m = 0.5 * map.config.apart_m;
+  const double reach_m = 0.5 * map.config.split_distance_m;
   bool known = false;
   for (const Vector2d& position : {positions.first, positions.second}) {
     map.landmarks.near(position, reach_m, [&](std::int32_t i, const LandmarkRecord& other) {
@@ -169,7 +169,8 @@ bool split(MapState& map, std::int32_t index, const Window& window, const Positi
   for (const WindowObservation& o : window) {
     const int to = is_nearer_second(o.p_map) ? 1 : 0;
     const double away_m = (o.p_map - (to == 1 ? positions.second : positions.first)).norm();
-    if (observations[o.observation].is_associated || away_m > 0.5 * map.config.apart_m) continue;
+    if (observations[o.observation].is_associated || away_m > 0.5 * map.config.split_distance_m)
+      continue;
     if (scans[to].insert(o.scan).second) chains[to].push_back(o.observation);
   }
   if (std::min(chains[0].size(), chains[1].size()) < kHalfObservationsMin) return false;
@@ -183,7 +184,7 @@ bool split(MapState& map, std::int32_t index, const Window& window, const Positi
 
 void split_landmarks(MapState& map, MapUpdate& update) {
   const MapperConfig& config = map.config;
-  if (2.0 * config.gate_m <= config.apart_m) return;
+  if (!config.split_landmarks || 2.0 * config.gate_m <= config.split_distance_m) return;
   const std::size_t num_changed = update.changed_ids.size();
   for (std::size_t k = 0; k < num_changed; ++k) {
     const std::int32_t index = update.changed_ids[k] - 1;
@@ -191,7 +192,7 @@ void split_landmarks(MapState& map, MapUpdate& update) {
     if (r.is_removed || !is_review_due(r.num_all)) continue;
     const Window window = observations_around(map.observations, r.last_observation,
                                               r.association_position(), config.gate_m);
-    const auto positions = two_positions(window, config.apart_m);
+    const auto positions = two_positions(window, config.split_distance_m);
     if (!positions || is_known(map, index, *positions)) continue;
     if (!split(map, index, window, *positions)) continue;
     update.changed_ids.push_back(map.landmarks.num_indices());
@@ -199,6 +200,7 @@ void split_landmarks(MapState& map, MapUpdate& update) {
 }
 
 bool are_two_landmarks(const MapState& map, std::int32_t a, std::int32_t b) {
+  if (!map.config.split_landmarks) return false;
   const LandmarkRecord& r = map.landmarks[a];
   const LandmarkRecord& other = map.landmarks[b];
   const LandmarkRecord& fewer = r.num_all < other.num_all ? r : other;

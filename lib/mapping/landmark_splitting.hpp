@@ -13,8 +13,8 @@ namespace orchard::mapping {
 // errors: what scans show at two positions at once, time and again, is two things.
 
 /// Splits each changed landmark that holds the observations of two things more than
-/// `mapper.apart_m` apart; adds the new landmark to the update. Does nothing where gate_m is half
-/// of apart_m or less: no landmark can then hold two.
+/// `mapper.split_distance_m` apart; adds the new landmark to the update. Does nothing where gate_m
+/// is half of split_distance_m or less: no landmark can then hold two.
 void split_landmarks(MapState& map, MapUpdate& update);
 
 /// Whether scans show two landmarks at once, so that they must not be merged.

@@ -49,7 +49,7 @@ void merge_changed(MapState& map, MapUpdate& update) {
 
 struct Mapper::Impl {
   Impl(const MapperConfig& config, const Eigen::Vector2d& laser)
-      : p_base_laser(laser), existence(config.presence, laser), map(config) {}
+      : p_base_laser(laser), existence(config.existence, laser), map(config) {}
 
   /// Appends the index of each trunk that was stored as an observation to `stored`, in their order.
   MapUpdate update(const detection::Detections& detections, const pose::PoseEstimate& T_map_base,
@@ -73,8 +73,8 @@ MapUpdate Mapper::Impl::update(const detection::Detections& detections,
                                std::vector<std::size_t>* stored) {
   const MapperConfig& config = map.config;
   map.observations.add_scan(T_map_base, free_space);
-  std::vector<Candidate> candidates =
-      compose(detections, T_map_base, map.observations.last_composition(), config.range_use_max_m);
+  std::vector<Candidate> candidates = compose(
+      detections, T_map_base, map.observations.last_composition(), config.observation_range_max_m);
   pose::PoseEstimate T_map_base_aligned = T_map_base;
   if (config.align_scans) {
     T_map_base_aligned = align(candidates, T_map_base, config.align_kernel_m,

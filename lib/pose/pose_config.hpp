@@ -51,8 +51,8 @@ void describe(Visitor& v, PoseConfig& c) {
            "where poses come from");
   v.choice("motion", c.motion, {"wheels", "scans"},
            "modes odometry and slam: the robot's motion from ODOMETRY | from the scans themselves");
-  v.number("reorder_window_s", c.reorder_window_s, 0, 10, "s",
-           "message time that one channel may lag another");
+  v.expert().number("reorder_window_s", c.reorder_window_s, 0, 10, "s",
+                    "message time that one channel may lag another");
   v.number("fix_position_sd_m", c.fix_position_sd_m, 1e-6, 100, "m",
            "of a fix that states no covariance");
   v.number("fix_yaw_sd_rad", c.fix_yaw_sd_rad, 1e-6, 3.2, "rad",
@@ -61,17 +61,17 @@ void describe(Visitor& v, PoseConfig& c) {
            "of odometry that states no covariance, per m/s");
   v.number("yaw_rate_sd_radps", c.yaw_rate_sd_radps, 0, 3.2, "rad/s",
            "of odometry that states no covariance");
-  v.number("odometry_gap_max_s", c.odometry_gap_max_s, 0.001, 3600, "s",
-           "a longer silence is not dead-reckoned across");
-  v.number("heading_baseline_m", c.heading_baseline_m, 0.01, 100, "m",
-           "travel that gives a first heading to fixes without yaw and to GNSS");
+  v.expert().number("odometry_gap_max_s", c.odometry_gap_max_s, 0.001, 3600, "s",
+                    "a longer silence is not dead-reckoned across");
+  v.expert().number("heading_baseline_m", c.heading_baseline_m, 0.01, 100, "m",
+                    "travel that gives a first heading to fixes without yaw and to GNSS");
   v.section("fusion", c.fusion, "mode fused: wheels, IMU, GNSS and fixes together");
   v.section("gnss", c.gnss, "how satellite fixes are used");
   v.section("prior_map", c.prior_map, "localisation in an earlier day's map: mode prior_map");
   v.check(c.mode != PoseMode::kPriorMap || !c.prior_map.map_file.empty(), "mode",
           "needs pose.prior_map.map_file: the map of an earlier day");
   v.section("slam", c.slam, "trunk-landmark SLAM: mode slam");
-  v.section("scan_motion", c.scan_motion, "motion: scans");
+  v.expert().section("scan_motion", c.scan_motion, "motion: scans");
 }
 
 }  // namespace orchard::pose

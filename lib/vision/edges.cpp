@@ -15,6 +15,12 @@
 namespace orchard::vision {
 namespace {
 
+/// Edge pixels this near a line belong to it [px]: Canny places an edge to a pixel.
+constexpr double kInlier_px = 1.0;
+
+/// Angle between two edges from which on roc_parallel is 0 [deg].
+constexpr double kParallelTolerance_deg = 10;
+
 constexpr double kRadPerDeg = 3.14159265358979323846 / 180.0;
 
 /// The map's edge pixels inside the window, from its top left corner, row by row.
@@ -95,10 +101,10 @@ EdgeLine find_edge(const EdgeMap& map, const PixelRect& window, double expected_
   } else if (points.size() >= min_points) {
     std::vector<EdgePoint> inliers =
         points_of_best_line(points, window.width_px, window.height_px, expected_x_px - window.x_px,
-                            config.inlier_px, max_tilt_rad);
+                            kInlier_px, max_tilt_rad);
     if (inliers.size() >= min_points) line = fit_total_least_squares(inliers);
     if (line) {  // once more with what is near the line that was fitted, not the one that was tried
-      inliers = points_near(points, *line, config.inlier_px);
+      inliers = points_near(points, *line, kInlier_px);
       line = inliers.size() >= min_points ? fit_total_least_squares(inliers) : std::nullopt;
     }
     if (line) roc = line->straightness * num_rows_of(inliers) / window.height_px;
@@ -112,10 +118,10 @@ EdgeLine find_edge(const EdgeMap& map, const PixelRect& window, double expected_
   return edge;
 }
 
-double parallel_confidence(const EdgeLine& left, const EdgeLine& right, const EdgeConfig& config) {
+double parallel_confidence(const EdgeLine& left, const EdgeLine& right) {
   if (!left.found || !right.found) return 0.0;
   const double angle_deg = std::abs(left.tilt_rad - right.tilt_rad) / kRadPerDeg;
-  return std::max(0.0, 1.0 - angle_deg / config.parallel_tolerance_deg);
+  return std::max(0.0, 1.0 - angle_deg / kParallelTolerance_deg);
 }
 
 }  // namespace orchard::vision

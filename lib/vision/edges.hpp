@@ -46,8 +46,8 @@ PixelRect edge_reading_area(const PixelRect& window, const PixelRect& picture,
 EdgeLine find_edge(const EdgeMap& map, const PixelRect& window, double expected_x_px,
                    const EdgeConfig& config);
 
-/// roc_parallel: 1 for parallel edges, falling to 0 at config.parallel_tolerance_deg between them;
+/// roc_parallel: 1 for parallel edges, falling to 0 at 10 degrees between them;
 /// 0 unless both were found.
-double parallel_confidence(const EdgeLine& left, const EdgeLine& right, const EdgeConfig& config);
+double parallel_confidence(const EdgeLine& left, const EdgeLine& right);
 
 }  // namespace orchard::vision

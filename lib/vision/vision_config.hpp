@@ -15,11 +15,13 @@ struct WindowConfig {
 
 template <class Visitor>
 void describe(Visitor& v, WindowConfig& c) {
-  v.number("colour_width_m", c.colour_width_m, 0.005, 2, "m", "colour window on the trunk");
-  v.number("colour_height_m", c.colour_height_m, 0.005, 3, "m", "colour window on the trunk");
-  v.number("edge_width_m", c.edge_width_m, 0.005, 2, "m", "edge window across the edge");
-  v.number("edge_height_m", c.edge_height_m, 0.005, 3, "m", "edge window along the edge");
-  v.integer("min_size_px", c.min_size_px, 1, 200, "px", "smaller windows count as unseen");
+  v.expert().number("colour_width_m", c.colour_width_m, 0.005, 2, "m",
+                    "colour window on the trunk");
+  v.expert().number("colour_height_m", c.colour_height_m, 0.005, 3, "m",
+                    "colour window on the trunk");
+  v.expert().number("edge_width_m", c.edge_width_m, 0.005, 2, "m", "edge window across the edge");
+  v.expert().number("edge_height_m", c.edge_height_m, 0.005, 3, "m", "edge window along the edge");
+  v.expert().integer("min_size_px", c.min_size_px, 1, 200, "px", "smaller windows count as unseen");
 }
 
 /// The colour rule of the paper's figure 8. Section `detector.colour`.
@@ -35,9 +37,10 @@ template <class Visitor>
 void describe(Visitor& v, ColourConfig& c) {
   v.number("hue_min_deg", c.hue_min_deg, 0, 360, "deg", "trunk hue, lower end (may wrap)");
   v.number("hue_max_deg", c.hue_max_deg, 0, 360, "deg", "trunk hue, upper end");
-  v.number("saturation_min", c.saturation_min, 0, 1, "1", "paler pixels have no hue");
-  v.number("value_min", c.value_min, 0, 1, "1", "darker pixels have no hue");
-  v.integer("hue_bins", c.hue_bins, 6, 180, "bins", "histogram whose peak is the dominant hue");
+  v.expert().number("saturation_min", c.saturation_min, 0, 1, "1", "paler pixels have no hue");
+  v.expert().number("value_min", c.value_min, 0, 1, "1", "darker pixels have no hue");
+  v.expert().integer("hue_bins", c.hue_bins, 6, 180, "bins",
+                     "histogram whose peak is the dominant hue");
 }
 
 enum class LineFit {
@@ -50,24 +53,21 @@ struct EdgeConfig {
   LineFit fit = LineFit::kTotalLeastSquares;
   double canny_low = 40;
   double canny_high = 100;
-  int median_size_px = 3;              ///< odd
-  int min_points = 5;                  ///< fewer edge pixels make no line
-  double max_tilt_deg = 20;            ///< from the image's vertical
-  double inlier_px = 1.0;              ///< edge pixels this near a line belong to it
-  double parallel_tolerance_deg = 10;  ///< roc_parallel falls to 0 at this angle between edges
+  int median_size_px = 3;    ///< odd
+  int min_points = 5;        ///< fewer edge pixels make no line
+  double max_tilt_deg = 20;  ///< from the image's vertical
 };
 
 template <class Visitor>
 void describe(Visitor& v, EdgeConfig& c) {
-  v.choice("fit", c.fit, {"total_least_squares", "regression"}, "how an edge's line is fitted");
-  v.number("canny_low", c.canny_low, 1, 1000, "grey", "Canny's lower threshold");
-  v.number("canny_high", c.canny_high, 1, 1000, "grey", "Canny's upper threshold");
-  v.integer("median_size_px", c.median_size_px, 1, 15, "px", "median filter (odd)");
-  v.integer("min_points", c.min_points, 2, 1000, "px", "fewer edge pixels make no line");
-  v.number("max_tilt_deg", c.max_tilt_deg, 1, 90, "deg", "steepest lean of a trunk's edge");
-  v.number("inlier_px", c.inlier_px, 0.1, 50, "px", "edge pixels this near a line belong to it");
-  v.number("parallel_tolerance_deg", c.parallel_tolerance_deg, 0.1, 90, "deg",
-           "roc_parallel is 0 from this angle on");
+  v.expert().choice("fit", c.fit, {"total_least_squares", "regression"},
+                    "how an edge's line is fitted");
+  v.expert().number("canny_low", c.canny_low, 1, 1000, "grey", "Canny's lower threshold");
+  v.expert().number("canny_high", c.canny_high, 1, 1000, "grey", "Canny's upper threshold");
+  v.expert().integer("median_size_px", c.median_size_px, 1, 15, "px", "median filter (odd)");
+  v.expert().integer("min_points", c.min_points, 2, 1000, "px", "fewer edge pixels make no line");
+  v.expert().number("max_tilt_deg", c.max_tilt_deg, 1, 90, "deg",
+                    "steepest lean of a trunk's edge");
   v.check(c.canny_low < c.canny_high, "canny_low", "must be below canny_high");
   v.check(c.median_size_px % 2 == 1, "median_size_px", "must be odd");
 }

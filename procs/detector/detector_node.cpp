@@ -14,9 +14,9 @@ DetectorNode::DetectorNode(const io::Config& config)
     : rig_(config.laser, config.camera, config.detector),
       pairer_(config.detector.pairing_tolerance_s, config.detector.image_wait_s,
               config.detector.use_odometry, config.camera.delay_s),
-      monitor_(config.detector.consistency, config.camera.intrinsics.fc_px[0]),
+      monitor_(config.detector.extrinsics_monitor, config.camera.intrinsics.fc_px[0]),
       edge_reach_px_(config.camera.intrinsics.fc_px[0] *
-                     std::tan(config.detector.consistency.reach_deg * geometry::kPi / 180.0)) {
+                     std::tan(detection::kSearchWindow_deg * geometry::kPi / 180.0)) {
   if (config.detector.adaptation.enabled && rig_.has_camera) {
     adaptation_.emplace(config.detector.adaptation, config.detector.width.mean_m);
   }

@@ -21,7 +21,7 @@ namespace orchard::procs {
 /// without one in time its trunk candidates are UNSEEN. With detector.use_odometry it waits for the
 /// ODOMETRY at the picture's time too, to account for the motion between the two; where none comes
 /// within image_wait_s the pair is used without it, and warning() says so. Warns too when laser and
-/// image edges disagree for long (detector.consistency).
+/// image edges disagree for long (detector.extrinsics_monitor).
 /// With detector.adaptation.enabled each scan is judged by the models that the scans before it have
 /// led to, whatever order the channels arrive in, and ADAPTATION says what became of them.
 class DetectorNode : public bus::Node {

@@ -8,8 +8,8 @@
 #include <limits>
 #include <utility>
 
-#include "geometry/pose2.hpp"
 #include "geometry/angles.hpp"
+#include "geometry/pose2.hpp"
 #include "mapping/pose_composition.hpp"
 #include "mapping/rows/rows.hpp"
 #include "mapping/sweep.hpp"
@@ -17,6 +17,16 @@
 
 namespace orchard::procs {
 namespace {
+
+/// Corrections of the past that together move base farther rebuild the landmarks [m]: half of
+/// what a map is sure to.
+constexpr double kRebuild_m = 0.02;
+
+/// Message time between two refreshes of the whole MAP [s]: what a late joiner waits for.
+constexpr double kRefreshPeriod_s = 2.0;
+
+/// Most landmarks refreshed per second: larger maps come round less often.
+constexpr double kRefreshMax_per_s = 200.0;
 
 /// 97 bytes per landmark and 4 per removed id on the wire: well below 60 kB.
 constexpr std::size_t kLandmarksPerTile = 500;
@@ -36,7 +46,7 @@ double seconds(std::int64_t duration_us) { return 1e-6 * static_cast<double>(dur
 std::int64_t microseconds(double duration_s) { return static_cast<std::int64_t>(1e6 * duration_s); }
 
 /// How long DETECTIONS wait for their SCAN; none where SCAN is of no use.
-std::optional<std::int64_t> scan_wait_us(const mapping::PresenceConfig& config) {
+std::optional<std::int64_t> scan_wait_us(const mapping::ExistenceConfig& config) {
   const std::int64_t wait_us = config.enabled ? microseconds(config.scan_wait_s) : 0;
   if (wait_us <= 0) return std::nullopt;
   return wait_us;
@@ -59,7 +69,7 @@ MapperNode::MapperNode(const io::Config& config)
 MapperNode::Queue::Rules MapperNode::rules_of(const mapping::MapperConfig& config) {
   Queue::Rules rules;
   rules[kPose].wait_us = microseconds(config.pose_wait_s);
-  rules[kScan].wait_us = scan_wait_us(config.presence);
+  rules[kScan].wait_us = scan_wait_us(config.existence);
   rules[kScan].tells_time = false;
   return rules;
 }
@@ -67,7 +77,7 @@ MapperNode::Queue::Rules MapperNode::rules_of(const mapping::MapperConfig& confi
 std::vector<bus::Channel> MapperNode::inputs() const {
   std::vector<bus::Channel> channels{bus::Channel::kPose, bus::Channel::kDetections,
                                      bus::Channel::kTrajectory, bus::Channel::kGnss};
-  if (scan_wait_us(config_.presence)) channels.push_back(bus::Channel::kScan);
+  if (scan_wait_us(config_.existence)) channels.push_back(bus::Channel::kScan);
   return channels;
 }
 
@@ -97,15 +107,15 @@ void MapperNode::handle(const bus::Message& input, const bus::Outbox& send) {
 
 void MapperNode::add_scan(const laser::Scan& scan) {
   is_scan_missing_ = false;
-  queue_.set_wait(kScan, scan_wait_us(config_.presence));
+  queue_.set_wait(kScan, scan_wait_us(config_.existence));
   queue_.reach(kScan, scan.utime);
   // An earlier one than the last comes of a clock that was set back: kept like any other.
   const bool has_any = last_kept_scan_utime_ != Queue::kNever;
   const std::int64_t since_us = has_any ? scan.utime - last_kept_scan_utime_ : 0;
-  if (has_any && since_us >= 0 && since_us < microseconds(config_.presence.period_s)) return;
+  if (has_any && since_us >= 0 && since_us < microseconds(config_.existence.period_s)) return;
   last_kept_scan_utime_ = scan.utime;
   queue_.push(kScan, scan.utime,
-              std::make_shared<mapping::FreeSpace>(scan, laser_, blind_, config_.presence));
+              std::make_shared<mapping::FreeSpace>(scan, laser_, blind_, config_.existence));
   if (queue_.size(kScan) > kScansWaitingMax) queue_.take(kScan);
 }
 
@@ -118,7 +128,7 @@ void MapperNode::add_gnss(const pose::Gnss& gnss) {
 }
 
 bool MapperNode::undoes_sweep(const detection::Detections& detections) const {
-  const auto gap_max_us = static_cast<std::int64_t>(1e6 * config_.sweep_pose_gap_max_s);
+  const auto gap_max_us = static_cast<std::int64_t>(1e6 * config_.deskew_pose_gap_max_s);
   return gap_max_us > 0 && track_.is_dense_at(detections.utime, gap_max_us);
 }
 
@@ -164,7 +174,7 @@ void MapperNode::place_front(const bus::Outbox& send) {
 
 /// The free-space evidence of exactly that time, or none; older evidence is dropped.
 MapperNode::FreeSpacePtr MapperNode::take_free_space(std::int64_t utime) {
-  if (!scan_wait_us(config_.presence)) return nullptr;
+  if (!scan_wait_us(config_.existence)) return nullptr;
   if (queue_.reached(kScan) < utime) {
     is_scan_missing_ = true;
     queue_.set_wait(kScan, std::nullopt);
@@ -201,7 +211,7 @@ void MapperNode::correct_up_to(std::int64_t utime, const bus::Outbox& send) {
 /// All of it costs as much as the drive is long: small corrections wait until the drive has grown
 /// by a tenth, so that all of them together cost no more than ten drives.
 bool MapperNode::is_rebuild_due() const {
-  if (moved_m_ < config_.rederive_m) return false;
+  if (moved_m_ < kRebuild_m) return false;
   return moved_m_ >= config_.gate_m || 10 * mapper_.num_observations() >= 11 * num_rebuilt_;
 }
 
@@ -292,8 +302,7 @@ std::vector<std::int32_t> MapperNode::refresh_ids(std::int64_t utime) {
   const std::int64_t last = std::exchange(last_refresh_utime_, utime);
   if (last == 0 || utime <= last) return {};
   const auto num_landmarks = static_cast<double>(mapper_.num_landmarks());
-  const double rate_per_s =
-      std::min(num_landmarks / config_.refresh_period_s, config_.refresh_per_s);
+  const double rate_per_s = std::min(num_landmarks / kRefreshPeriod_s, kRefreshMax_per_s);
   const auto wanted = static_cast<std::size_t>(
       std::ceil(std::min(num_landmarks, rate_per_s * seconds(utime - last))));
   std::vector<std::int32_t> ids = mapper_.ids_from(refresh_from_id_, std::min(wanted, kRefreshMax));
@@ -326,7 +335,7 @@ std::string MapperNode::waiting_for() const {
       return "no DETECTIONS and no POSE yet (orchard-detector, orchard-pose)";
     }
     return is_scan_missing_ ? "no SCAN with the DETECTIONS (a laser driver): what is gone stays in "
-                              "the map (or set mapper.presence.scan_wait_s to 0)"
+                              "the map (or set mapper.existence.scan_wait_s to 0)"
                             : "";
   }
   return fmt::format(

@@ -27,13 +27,13 @@ namespace orchard::procs {
 /// depend on how far one channel runs ahead of the other within that time.
 ///
 /// TRAJECTORY corrects the past: poses before its utime move, and once they have moved by
-/// mapper.rederive_m the map is rebuilt from all observations, with its ids kept.
+/// kRebuild_m the map is rebuilt from all observations, with its ids kept.
 /// TRAJECTORY takes its turn before the first DETECTIONS at or after its utime; the end of the log
 /// flushes.
 ///
 /// SCAN is free-space evidence: its beams pass through what stands there no more. One SCAN per
-/// mapper.presence.period_s is kept for its DETECTIONS. DETECTIONS(t) wait for a SCAN at or after
-/// t; where none has come within mapper.presence.scan_wait_s of message time, nobody waits until
+/// mapper.existence.period_s is kept for its DETECTIONS. DETECTIONS(t) wait for a SCAN at or after
+/// t; where none has come within mapper.existence.scan_wait_s of message time, nobody waits until
 /// SCAN is heard (again): a mapper that is given none works without.
 ///
 /// GNSS says where on the earth the map lies: the corrected path is laid upon the fixes.

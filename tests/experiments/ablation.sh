@@ -114,28 +114,28 @@ set_key "$work/rig.yaml" detector.width mode paper
 set_key "$work/rig.yaml" detector colour_model hue_interval
 set_key "$work/rig.yaml" detector use_odometry false
 set_key "$work/rig.yaml" detector decision roc
-set_key "$work/rig.yaml" detector visible_min 1.0
+set_key "$work/rig.yaml" detector visible_fraction_min 1.0
 set_key "$work/rig.yaml" mapper evidence labels
 set_key "$work/rig.yaml" mapper min_observations 1
 set_key "$work/rig.yaml" mapper merge_m 0.10
-set_key "$work/rig.yaml" mapper sweep_pose_gap_max_s 0
+set_key "$work/rig.yaml" mapper deskew_pose_gap_max_s 0
 set_key "$work/rig.yaml" detector.adaptation enabled false
-set_key "$work/rig.yaml" detector.segmentation bridge_beams 0
+set_key "$work/rig.yaml" detector.segmentation merge_occluded_beams 0
 set_key "$work/rig.yaml" detector.segmentation split_touching false
 set_key "$work/rig.yaml" detector.segmentation min_beams_circle 1000
 judge "the paper's rules"
 set_key "$work/rig.yaml" detector.width mode compensated
 judge "compensated width"
-set_key "$work/rig.yaml" detector.segmentation bridge_beams 3
+set_key "$work/rig.yaml" detector.segmentation merge_occluded_beams 3
 set_key "$work/rig.yaml" detector.segmentation split_touching true
 set_key "$work/rig.yaml" detector.segmentation min_beams_circle 3
-set_key "$work/rig.yaml" detector visible_min 0.7
+set_key "$work/rig.yaml" detector visible_fraction_min 0.7
 judge "segmentation"
 appearance=1
 judge "appearance"
 set_key "$work/rig.yaml" detector use_odometry true
 set_key "$work/rig.yaml" detector pairing_tolerance_s 0.1
-set_key "$work/rig.yaml" mapper sweep_pose_gap_max_s 0.25
+set_key "$work/rig.yaml" mapper deskew_pose_gap_max_s 0.25
 judge "motion within the scan and to the picture"
 probability=1
 judge "probability"

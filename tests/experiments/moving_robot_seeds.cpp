@@ -56,7 +56,7 @@ int compare(Config config, unsigned long first, unsigned long last) {
       1e3 * delay.delay_s, 1e3 * delay.se_s);
   Config without = config, calibrated = config, before = config;
   without.detector.use_odometry = false;
-  before.mapper.sweep_pose_gap_max_s = 0.0;
+  before.mapper.deskew_pose_gap_max_s = 0.0;
   calibrated.camera.delay_s = delay.delay_s;
   std::vector<Sum> sums(kNumVariants);
   for (unsigned long seed = first; seed <= last; ++seed) {

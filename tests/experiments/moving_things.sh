@@ -3,7 +3,7 @@
 # What people and vehicles leave in the map: simulates the block with PEOPLE walkers and VEHICLES
 # that stand in an alley and drive off, maps it over seeds 1-5 (or FIRST LAST), and prints how many
 # landmarks stand where nothing of the truth does (ghosts), how many trees are missing, and the same
-# for a map that gives nothing up (mapper.presence.enabled: false).
+# for a map that gives nothing up (mapper.existence.enabled: false).
 #   RIG=config/block.yaml  PEOPLE=12  VEHICLES=4  LAPS=1  SECONDS_PER_DRIVE=0 (all)
 #   HOW="beams off" (which maps)  GHOST_M=0.4 (from every true thing's edge)
 # Seeds from 1001 on are for choosing, 1-20 for reporting. Drives are kept in OUT (out/moving) and
@@ -29,16 +29,16 @@ sed -i -e "s/^    num_people: .*/    num_people: ${PEOPLE:-12}/" "$out/world.yam
 grep -q num_vehicles "$out/world.yaml" ||
   sed -i -e "s/^  clutter:/&\n    num_vehicles: ${VEHICLES:-4}/" "$out/world.yaml"
 
-# presence KEY VALUE: the world's rig with that key of mapper.presence
-presence() {
-  if grep -q '^  presence:' "$out/world.yaml"; then
-    sed -e "s/^  presence:.*/&\n    $1: $2/" "$out/world.yaml"
+# existence KEY VALUE: the world's rig with that key of mapper.existence
+existence() {
+  if grep -q '^  existence:' "$out/world.yaml"; then
+    sed -e "s/^  existence:.*/&\n    $1: $2/" "$out/world.yaml"
   else
-    sed -e "s/^mapper:.*/&\n  presence:\n    $1: $2/" "$out/world.yaml"
+    sed -e "s/^mapper:.*/&\n  existence:\n    $1: $2/" "$out/world.yaml"
   fi
 }
 cp "$out/world.yaml" "$out/beams.yaml"
-presence enabled false >"$out/off.yaml"
+existence enabled false >"$out/off.yaml"
 
 # score TRUTH MAP: landmarks, ghosts, trees without a landmark within 0.3 m, trees
 score() {

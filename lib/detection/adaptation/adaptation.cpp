@@ -9,6 +9,36 @@
 namespace orchard::detection {
 namespace {
 
+/// Trees seen longer ago do not teach [s]: the light has changed since.
+constexpr double kWindow_s = 40.0;
+
+/// The newest trees teach, at most so many: enough for a mean, few enough to follow.
+constexpr int kWindowTrees = 12;
+
+/// Least roc_laser of a tree that teaches colour.
+constexpr double kTeachingRocLaser = 0.3;
+
+/// Least roc_vision of a tree that teaches width.
+constexpr double kTeachingRocVision = 0.55;
+
+/// Least roc_colour of a tree that teaches colour: it must not be another thing of that width.
+constexpr double kTeachingRocColour = 0.1;
+
+/// Largest distance of a teaching colour from the present model (log of a channel's ratio to
+/// green).
+constexpr double kColourGate = 0.3;
+
+/// When the camera confirms a smaller fraction of what the laser takes for trunks, the models
+/// freeze.
+constexpr double kAgreementMin = 0.2;
+
+/// When the confirmed fraction falls below this part of the last good one, the models go back.
+constexpr double kCollapseFraction = 0.5;
+
+/// Distance between two groups of trees, in pooled standard deviations, from which on the models
+/// freeze.
+constexpr double kSeparationMax_sd = 4.0;
+
 /// A thing is the one looked at before when it is this near in base; base moves on between scans.
 constexpr double kSameThing_m = 0.4;
 constexpr std::int64_t kLostAfter_us = 600'000;
@@ -92,7 +122,7 @@ std::vector<AdaptationStep> Adaptation::add(std::int64_t utime,
   const std::int64_t since_us = utime - considered_utime_;
   if (since_us < period_us) return steps;
   considered_utime_ = utime;
-  const std::int64_t oldest = utime - microseconds(config_.window_s);
+  const std::int64_t oldest = utime - microseconds(kWindow_s);
   things_.erase(std::remove_if(things_.begin(), things_.end(),
                                [&](const Thing& thing) { return thing.last_utime < oldest; }),
                 things_.end());
@@ -121,20 +151,20 @@ void Adaptation::follow(std::int64_t utime, const AdaptationLook& look) {
 
 void Adaptation::teach(Thing& thing, const AdaptationLook& look) const {
   ++thing.num_looks;
-  const bool by_laser = look.roc_laser >= config_.teach_laser;
-  const bool by_camera = look.roc_vision >= config_.teach_vision;
+  const bool by_laser = look.roc_laser >= kTeachingRocLaser;
+  const bool by_camera = look.roc_vision >= kTeachingRocVision;
   if (by_laser) ++thing.num_by_laser;
   if (by_laser && by_camera) ++thing.num_confirmed;
   if (by_camera) thing.width_m.add(look.width_m);
-  if (!by_laser || !look.light || look.roc_colour < config_.teach_colour) return;
+  if (!by_laser || !look.light || look.roc_colour < kTeachingRocColour) return;
   thing.raw_blue.add(look.light->blue);
   thing.raw_red.add(look.light->red);
   thing.raw_green.add(look.light->green);
   if (!reference_) return;
   const double blue = look.light->blue - reference_->blue;
   const double red = look.light->red - reference_->red;
-  if (std::abs(blue - model_.light.blue) > config_.colour_gate) return;
-  if (std::abs(red - model_.light.red) > config_.colour_gate) return;
+  if (std::abs(blue - model_.light.blue) > kColourGate) return;
+  if (std::abs(red - model_.light.red) > kColourGate) return;
   thing.blue.add(blue);
   thing.red.add(red);
   thing.green.add(look.light->green - reference_->green);
@@ -157,7 +187,7 @@ void Adaptation::find_reference() {
 
 Adaptation::Evidence Adaptation::gather() const {
   Evidence evidence;
-  const auto enough = static_cast<std::size_t>(config_.window_trees);
+  const auto enough = static_cast<std::size_t>(kWindowTrees);
   int num_judged = 0, num_confirmed = 0;
   for (auto thing = things_.rbegin(); thing != things_.rend(); ++thing) {
     if (thing->width_m.num_looks > 0 && evidence.widths_m.size() < enough) {
@@ -171,7 +201,7 @@ Adaptation::Evidence Adaptation::gather() const {
       evidence.red_residual.push_back(thing->red_residual.value);
     }
     if (2 * thing->num_by_laser < thing->num_looks) continue;
-    if (evidence.num_by_laser >= config_.window_trees) continue;
+    if (evidence.num_by_laser >= kWindowTrees) continue;
     ++evidence.num_by_laser;
     const int num_looks = std::min(thing->num_by_laser, kMostLooks);
     num_judged += num_looks;
@@ -187,8 +217,8 @@ AdaptationReason Adaptation::width_obstacle(const Evidence& evidence) const {
   if (evidence.widths_m.size() < static_cast<std::size_t>(config_.min_trees)) {
     return AdaptationReason::kTooFewTrees;
   }
-  const bool two = two_populations(evidence.widths_m, config_.separation_max,
-                                   kWidthApart * calibrated_.width_mean_m);
+  const bool two =
+      two_populations(evidence.widths_m, kSeparationMax_sd, kWidthApart * calibrated_.width_mean_m);
   return two ? AdaptationReason::kTwoPopulations : AdaptationReason::kNone;
 }
 
@@ -196,8 +226,8 @@ AdaptationReason Adaptation::light_obstacle(const Evidence& evidence) const {
   if (evidence.blue.size() < static_cast<std::size_t>(config_.min_trees)) {
     return AdaptationReason::kTooFewTrees;
   }
-  const bool two = two_populations(evidence.blue_residual, config_.separation_max, kColourApart) ||
-                   two_populations(evidence.red_residual, config_.separation_max, kColourApart);
+  const bool two = two_populations(evidence.blue_residual, kSeparationMax_sd, kColourApart) ||
+                   two_populations(evidence.red_residual, kSeparationMax_sd, kColourApart);
   return two ? AdaptationReason::kTwoPopulations : AdaptationReason::kNone;
 }
 
@@ -224,7 +254,7 @@ bool Adaptation::go_back(const Evidence& evidence, std::vector<AdaptationStep>& 
     last_good_ = model_;
     return false;
   }
-  if (share >= config_.collapse_fraction * good_share_) return false;
+  if (share >= kCollapseFraction * good_share_) return false;
   const bool has_moved = !same(model_, last_good_);
   if (!has_moved && same(model_, calibrated_)) return true;
   model_ = has_moved ? last_good_ : calibrated_;
@@ -242,7 +272,7 @@ void Adaptation::consider(double dt_s, std::vector<AdaptationStep>& steps) {
   if (evidence.num_by_laser >= config_.min_trees) {
     if (go_back(evidence, steps)) {
       width = light = AdaptationReason::kConfidenceCollapsed;
-    } else if (evidence.confident_share < config_.agreement_min) {
+    } else if (evidence.confident_share < kAgreementMin) {
       width = light = AdaptationReason::kSensorsDisagree;
     } else {
       width = width_obstacle(evidence);

@@ -10,7 +10,7 @@ namespace orchard::io {
 struct OldKey {
   const char* path;  ///< with the present names of its sections: "mapper.existence.past_rate"
   const char* name;  ///< its name now, in the same section; null: no longer a key
-  const char* fixed_at = "";  ///< no longer a key: the value that it has for good
+  const char* fixed_at = "";  ///< no longer a key: its value for good; empty: without effect
 };
 
 /// The keys of the last version that have another name now, or none. They go with the next one.

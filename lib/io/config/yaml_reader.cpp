@@ -231,6 +231,10 @@ class Reader : public ConfigVisitor {
     const std::string text = scalar_text(value);
     const auto given = parse_number(text);
     const auto fixed = parse_number(old.fixed_at);
+    if (*old.fixed_at == '\0') {
+      warnings.push_back(where + " = " + text + " is ignored: what it governed is no more");
+      return;
+    }
     if (text == old.fixed_at || (given && fixed && *given == *fixed)) return;
     warnings.push_back(where + " = " + text + " is ignored: it is no key any more, but fixed at " +
                        old.fixed_at);

@@ -34,14 +34,14 @@ Candidate joined_candidate(const Candidate& before, const Candidate& after) {
 
 void merge_occluded(const Beams& beams, const SegmentationConfig& config, CandidateFitter& fit,
                     std::vector<Candidate>& candidates) {
-  if (config.bridge_beams < 1) return;
+  if (config.merge_occluded_beams < 1) return;
   std::vector<char> taken(candidates.size(), 0);
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     if (taken[k]) continue;
     for (std::size_t m = k + 1;
          m < candidates.size() && candidates[k].num_fronts < Candidate::kMaxFronts; ++m) {
       const std::ptrdiff_t hidden = candidates[m].first - candidates[k].last - 1;
-      if (hidden > config.bridge_beams) break;
+      if (hidden > config.merge_occluded_beams) break;
       // A circle fits any few distant beams: the visible beams must outnumber the hidden ones.
       if (hidden > std::min(candidates[k].num_beams, candidates[m].num_beams)) continue;
       if (!beams.joined(beams.range_m(candidates[k].last), beams.range_m(candidates[m].first)) ||

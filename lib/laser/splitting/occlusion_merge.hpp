@@ -11,8 +11,8 @@
 namespace orchard::laser {
 
 /// Occlusion merge: joins candidates that thin foreground clutter (grass, a twig: at most
-/// bridge_beams beams, all of them nearer) divides, if one circle fits both. The clutter stays an
-/// object of its own.
+/// merge_occluded_beams beams, all of them nearer) divides, if one circle fits both. The clutter
+/// stays an object of its own.
 void merge_occluded(const Beams& beams, const SegmentationConfig& config, CandidateFitter& fit,
                     std::vector<Candidate>& candidates);
 

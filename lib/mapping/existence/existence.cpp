@@ -10,6 +10,21 @@
 namespace orchard::mapping {
 namespace {
 
+/// Probability that beams pass through where a standing thing is: thin things and wrong poses.
+constexpr double kPassRate = 0.1;
+
+/// The same where a thing is gone: something else may stand in front.
+constexpr double kPassRateGone = 0.7;
+
+/// Beams across a thing from which on their evidence counts in full.
+constexpr int kFullBeams = 6;
+
+/// Most log odds that observations of beams give a thing, so that it can be given up again.
+constexpr double kBeamLogOddsMax = 8.0;
+
+/// Log odds of existence below which a landmark is dropped (12 %).
+constexpr double kLogOddsGone = -2.0;
+
 using Eigen::Vector2d;
 
 /// The weight of a landmark in whether a scan's pose can be trusted is its number of observations,
@@ -34,15 +49,15 @@ ExistenceFilter::Evidence ExistenceFilter::evidence_of(const std::vector<std::in
                                                        const pose::PoseEstimate& T_map_base,
                                                        const FreeSpace& free_space,
                                                        const LandmarkTable& landmarks) const {
-  const double of_passing = std::log(config_.past_rate / config_.past_rate_gone);
-  const double of_return = std::log((1.0 - config_.past_rate) / (1.0 - config_.past_rate_gone));
+  const double of_passing = std::log(kPassRate / kPassRateGone);
+  const double of_return = std::log((1.0 - kPassRate) / (1.0 - kPassRateGone));
   const Vector2d base_map(T_map_base.x_m, T_map_base.y_m);
   const Eigen::Rotation2Dd R_map_base(T_map_base.yaw_rad);
   const Vector2d laser_map = base_map + R_map_base * p_base_laser_;
   const std::int32_t scan = changed_ids.empty() ? -1 : landmarks[changed_ids.front() - 1].last_scan;
   Evidence all;
   for (const std::int32_t id : changed_ids) all.of_landmarks.push_back({id - 1, of_return});
-  landmarks.near(laser_map, config_.beam_reach_m, [&](std::int32_t i, const LandmarkRecord& r) {
+  landmarks.near(laser_map, kBeamReach_m, [&](std::int32_t i, const LandmarkRecord& r) {
     if (r.last_scan == scan) {
       all.for_pose += pose_weight(r);
       return;
@@ -51,8 +66,7 @@ ExistenceFilter::Evidence ExistenceFilter::evidence_of(const std::vector<std::in
     const double sd_m = std::hypot(sd_at(T_map_base, p_map), std::sqrt(r.scatter_m2));
     const Vector2d p_base = R_map_base.inverse() * (p_map - base_map);
     const FreeSpaceAnswer answer = free_space.at(p_base, r.width_m, sd_m);
-    const double fraction =
-        std::min(1.0, static_cast<double>(answer.num_across) / config_.past_beams);
+    const double fraction = std::min(1.0, static_cast<double>(answer.num_across) / kFullBeams);
     switch (answer.verdict) {
       case FreeSpaceVerdict::kUnknown:
         break;
@@ -82,10 +96,10 @@ void ExistenceFilter::update(const FreeSpace& free_space, const pose::PoseEstima
   std::vector<std::int32_t> gone;
   for (const Evidence::OfLandmark& evidence : all.of_landmarks) {
     landmarks.change(evidence.index, [&](LandmarkRecord& r) {
-      r.existence_log_odds = static_cast<float>(
-          std::min(config_.beam_log_odds_max, r.existence_log_odds + evidence.log_odds));
+      r.existence_log_odds =
+          static_cast<float>(std::min(kBeamLogOddsMax, r.existence_log_odds + evidence.log_odds));
     });
-    if (landmarks[evidence.index].existence_log_odds < config_.log_odds_gone) {
+    if (landmarks[evidence.index].existence_log_odds < kLogOddsGone) {
       gone.push_back(evidence.index);
     }
   }

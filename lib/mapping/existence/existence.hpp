@@ -26,7 +26,7 @@ namespace orchard::mapping {
 class ExistenceFilter {
  public:
   /// `p_base_laser`: where the laser sits in base.
-  ExistenceFilter(const PresenceConfig& config, const Eigen::Vector2d& p_base_laser)
+  ExistenceFilter(const ExistenceConfig& config, const Eigen::Vector2d& p_base_laser)
       : config_(config), p_base_laser_(p_base_laser) {}
 
   /// Adds the evidence of the scan that was added to the landmarks last: `update` says which it
@@ -40,7 +40,7 @@ class ExistenceFilter {
                        const pose::PoseEstimate& T_map_base, const FreeSpace& free_space,
                        const LandmarkTable& landmarks) const;
 
-  PresenceConfig config_;
+  ExistenceConfig config_;
   Eigen::Vector2d p_base_laser_;
   std::optional<std::int64_t> last_utime_;  ///< of the last scan that counted
 };

@@ -10,6 +10,12 @@
 namespace orchard::mapping {
 namespace {
 
+/// A thing may stand within so many standard deviations of its position.
+constexpr double kPosition_sigma = 2.0;
+
+/// Fraction of the beams across where a thing may stand that must pass.
+constexpr double kPassFraction = 0.8;
+
 using Eigen::Vector2d;
 
 // codes: 1 to kFarthest are ranges
@@ -26,15 +32,15 @@ constexpr int kFewestAcross = 2;
 }  // namespace
 
 FreeSpace::FreeSpace(const laser::Scan& scan, const laser::LaserConfig& laser,
-                     const laser::BlindSector& blind, const PresenceConfig& config)
+                     const laser::BlindSector& blind)
     : utime_(scan.utime),
       laser_(laser),
       bearing_middle_rad_(scan.bearing_rad(0.5 * (static_cast<double>(scan.ranges_m.size()) - 1))),
       bearing_step_rad_(scan.bearing_step_rad),
       beam_period_s_(1e-6 * scan.beam_period_us),
-      reach_m_(config.beam_reach_m),
-      sigmas_(config.past_sigmas),
-      share_(config.past_share),
+      reach_m_(kBeamReach_m),
+      sigmas_(kPosition_sigma),
+      share_(kPassFraction),
       no_return_m_(0.5 * scan.range_max_m) {
   codes_.assign(scan.ranges_m.size(), kSaysNothing);
   const double per_m = kFarthest / reach_m_;

@@ -9,7 +9,6 @@
 #include "laser/blind_sector.hpp"
 #include "laser/laser_config.hpp"
 #include "laser/scan.hpp"
-#include "mapping/existence/existence_config.hpp"
 
 namespace orchard::mapping {
 
@@ -30,9 +29,9 @@ struct FreeSpaceAnswer {
 class FreeSpace {
  public:
   /// Beams in the blind sector and returns that the scanner itself does not believe say nothing. Of
-  /// what lies beyond config.beam_reach_m from the laser only that it does is kept.
+  /// what lies beyond kBeamReach_m from the laser only that it does is kept.
   FreeSpace(const laser::Scan& scan, const laser::LaserConfig& laser,
-            const laser::BlindSector& blind, const PresenceConfig& config);
+            const laser::BlindSector& blind);
 
   std::int64_t utime() const { return utime_; }
 

@@ -16,6 +16,12 @@
 namespace orchard::mapping {
 namespace {
 
+/// Fewer trees in line make no row: two always lie in line.
+constexpr int kRowTreesMin = 3;
+
+/// A wider gap, in tree spacings, ends a row.
+constexpr double kGapMax_spacings = 8.0;
+
 using Eigen::Vector2d;
 
 /// What stands across the rows by more than this (cosine of 60 degrees) is a hedge or a headland.
@@ -95,7 +101,7 @@ std::vector<Row> find_rows(const std::vector<Landmark>& landmarks, const RowsCon
   if (forward_of(lines.rows.directions, config).dot(lines.rows.directions.front()) < 0.0) {
     for (Vector2d& u : lines.rows.directions) u = -u;
   }
-  lines.chains = row_chains(lines.p_map, lines.rows, config.gap_max_spacings);
+  lines.chains = row_chains(lines.p_map, lines.rows, kGapMax_spacings);
   mend_chains(lines.p_map, lines.rows, lines.chains);
   const IndexedPoints makers(lines.p_map);
   std::vector<std::size_t> rest;
@@ -110,7 +116,7 @@ std::vector<Row> find_rows(const std::vector<Landmark>& landmarks, const RowsCon
   for (RowChain& chain : lines.chains) chain = in_places(lines.p_map, strengths, chain);
   const Vector2d forward = forward_of(lines.rows.directions, config).normalized();
   const auto is_no_row = [&](const RowChain& chain) {
-    if (chain.size() < static_cast<std::size_t>(config.min_trees)) return true;
+    if (chain.size() < static_cast<std::size_t>(kRowTreesMin)) return true;
     const Vector2d chord = lines.p_map[static_cast<std::size_t>(chain.back())] -
                            lines.p_map[static_cast<std::size_t>(chain.front())];
     return chord.dot(forward) < kAcross_cos * chord.norm();

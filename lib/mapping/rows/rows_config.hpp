@@ -19,8 +19,6 @@ struct RowsConfig {
   double forward_deg = 90.0;
   int first_row = 1;
   int first_position = 1;
-  int min_trees = 3;              ///< fewer in line make no row
-  double gap_max_spacings = 8.0;  ///< a wider gap ends a row
 };
 
 template <class Visitor>
@@ -32,11 +30,9 @@ void describe(Visitor& v, RowsConfig& c) {
   v.numbers("origin_m", c.origin_m, -1e7, 1e7, "m", "map frame; for numbering: origin");
   v.number("forward_deg", c.forward_deg, -360, 360, "deg",
            "map frame, from x to y; for numbering: direction");
-  v.integer("first_row", c.first_row, 1, 100000, "1", "number of the first row");
-  v.integer("first_position", c.first_position, 1, 100000, "1", "number of a row's first place");
-  v.integer("min_trees", c.min_trees, 2, 1000, "trees", "fewer in line make no row");
-  v.number("gap_max_spacings", c.gap_max_spacings, 1.5, 100, "1",
-           "a gap of more tree spacings ends a row");
+  v.expert().integer("first_row", c.first_row, 1, 100000, "1", "number of the first row");
+  v.expert().integer("first_position", c.first_position, 1, 100000, "1",
+                     "number of a row's first place");
 }
 
 }  // namespace orchard::mapping

@@ -13,6 +13,23 @@
 namespace orchard::pose {
 namespace {
 
+/// Standard deviation of the speed while the wheels are not heard [m/s]: the usual speed of such
+/// robots.
+constexpr double kSilenceSpeedSd_mps = 1.5;
+
+/// The same of the yaw rate [rad/s].
+constexpr double kSilenceYawRateSd_radps = 0.5;
+
+/// A position with a larger standard deviation is a warning in STATUS [m]: trunks of one row
+/// become confusable.
+constexpr double kWarnSd_m = 0.5;
+
+/// Innovation gate of satellite fixes, in standard deviations.
+constexpr double kGnssGate_sigma = 4.0;
+
+/// Fixes that were left out for so long and agree among themselves are used again [s].
+constexpr double kRevalidation_s = 20;
+
 constexpr double kImuFresh_s = 0.2;
 constexpr double kStandingSpeed_mps = 1e-3;
 constexpr double kStandingYawRate_radps = 1e-3;
@@ -27,7 +44,6 @@ Fusion::Fusion(const PoseConfig& config)
     : config_(config),
       filter_(config.fusion),
       positions_(config.gnss),
-      monitor_(config.gnss),
       heading_start_(config.heading_baseline_m),
       is_placed_(!config.fusion.use_gnss && !config.fusion.use_fixes) {}
 
@@ -110,9 +126,9 @@ void Fusion::take_position(const PositionSight& sight) {
     return;
   }
   const Eigen::Vector2d off_m = sight.p_map_m - filter_.p_map_m(sight.p_base_m);
-  if (filter_.distance2(sight) > square(config_.gnss.gate_sigma)) {
+  if (filter_.distance2(sight) > square(kGnssGate_sigma)) {
     if (!left_out_since_) left_out_since_ = *utime_;
-    if (seconds(*utime_ - *left_out_since_) < config_.gnss.believe_again_s) {
+    if (seconds(*utime_ - *left_out_since_) < kRevalidation_s) {
       ++num_left_out_;
       left_out_most_m_ = std::max(left_out_most_m_, off_m.norm());
       note(fmt::format("GNSS is {:.1f} m from where the robot can be: left out", off_m.norm()));
@@ -187,8 +203,8 @@ void Fusion::move_to(std::int64_t utime) {
   // A constant but unknown velocity since the wheels fell silent.
   const double before_s = std::max(0.0, silence_s(*utime_));
   const double grown = square(silent_s) - square(before_s);
-  filter_.doubt(square(config_.fusion.silence_speed_mps) * grown,
-                hears_gyro_at(utime) ? 0.0 : square(config_.fusion.silence_yaw_rate_radps) * grown);
+  filter_.doubt(square(kSilenceSpeedSd_mps) * grown,
+                hears_gyro_at(utime) ? 0.0 : square(kSilenceYawRateSd_radps) * grown);
   if (hears_gyro_at(utime)) {
     MotionStep turn;
     turn.dt_s = seconds(utime - *utime_);
@@ -265,7 +281,7 @@ std::string Fusion::warning() const {
     return "no pose yet: the robot must travel before GNSS or POSE_FIX give a heading";
   }
   const double worst_variance = filter_.covariance().diagonal().head<2>().maxCoeff();
-  if (is_placed_ && worst_variance > square(config_.fusion.warn_sd_m)) {
+  if (is_placed_ && worst_variance > square(kWarnSd_m)) {
     return fmt::format("position uncertain to {:.2f} m", std::sqrt(worst_variance));
   }
   return {};

@@ -10,6 +10,23 @@
 namespace orchard::pose {
 namespace {
 
+/// Standard deviation of the turn per metre by unequal wheels or a steering offset, before it is
+/// estimated [1/m].
+constexpr double kCurvatureSd_per_m = 0.02;
+
+/// Standard deviation of the gyro's bias before it is estimated [rad/s]: that of MEMS gyros.
+constexpr double kGyroBiasSd_radps = 0.02;
+
+/// Random walk of scale and curvature with travel [1/sqrt(m)], slow enough to average over a row.
+constexpr double kScaleWalk_per_sqrt_m = 1e-4;
+
+/// Random walk of the gyro's bias [rad/s/sqrt(s)].
+constexpr double kGyroWalk_radps_per_sqrt_s = 1e-5;
+
+/// Correlation time of the errors of speed and yaw rate [s]: turns their variances into spectral
+/// densities.
+constexpr double kNoiseTime_s = 0.1;
+
 enum Index { kX = 0, kY = 1, kYaw = 2, kScale = 3, kCurvature = 4, kGyroBias = 5 };
 
 double square(double value) { return value * value; }
@@ -21,8 +38,8 @@ double sinc(double a) { return std::abs(a) < 1e-4 ? 1.0 - a * a / 6.0 : std::sin
 
 FusionFilter::FusionFilter(const FusionConfig& config) : config_(config) {
   covariance_(kScale, kScale) = square(config.speed_scale_sd);
-  covariance_(kCurvature, kCurvature) = square(config.curvature_sd_per_m);
-  covariance_(kGyroBias, kGyroBias) = square(config.gyro_bias_sd_radps);
+  covariance_(kCurvature, kCurvature) = square(kCurvatureSd_per_m);
+  covariance_(kGyroBias, kGyroBias) = square(kGyroBiasSd_radps);
 }
 
 Eigen::Vector2d FusionFilter::p_map_m(const Eigen::Vector2d& p_base_m) const {
@@ -63,13 +80,13 @@ void FusionFilter::move(const MotionStep& step) {
   G.block<2, 1>(0, 0) = chord * along;
   G.block<2, 1>(0, 1) = 0.5 * length_m * chord * across;
   G(kYaw, 1) = 1.0;
-  const Eigen::Vector2d noise(square(step.speed_sd_mps) * config_.noise_time_s * dt_s,
-                              square(step.yaw_rate_sd_radps) * config_.noise_time_s * dt_s);
+  const Eigen::Vector2d noise(square(step.speed_sd_mps) * kNoiseTime_s * dt_s,
+                              square(step.yaw_rate_sd_radps) * kNoiseTime_s * dt_s);
   covariance_ = F * covariance_ * F.transpose() + G * noise.asDiagonal() * G.transpose();
-  const double walk = square(config_.scale_walk_per_sqrt_m) * std::abs(length_m);
+  const double walk = square(kScaleWalk_per_sqrt_m) * std::abs(length_m);
   covariance_(kScale, kScale) += walk;
   covariance_(kCurvature, kCurvature) += walk;
-  covariance_(kGyroBias, kGyroBias) += square(config_.gyro_walk_radps_per_sqrt_s) * dt_s;
+  covariance_(kGyroBias, kGyroBias) += square(kGyroWalk_radps_per_sqrt_s) * dt_s;
   covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();
 }
 

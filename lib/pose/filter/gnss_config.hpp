@@ -15,9 +15,6 @@ struct GnssConfig {
   double sd_float_m = 0.30;
   double sd_differential_m = 0.60;
   double sd_single_m = 1.5;
-  double gate_sigma = 4.0;       ///< fixes farther off are left out
-  double believe_again_s = 20;   ///< left out for so long, yet steady among themselves: followed
-  double freeze_travel_m = 0.5;  ///< the same fix again and again after so much travel is frozen
 };
 
 template <class Visitor>
@@ -25,16 +22,16 @@ void describe(Visitor& v, GnssConfig& c) {
   v.numbers("datum", c.datum, -1000, 10000, "deg, deg, m",
             "latitude, longitude, altitude of the map's origin; 0, 0, 0 = of the first usable fix");
   v.numbers("antenna_m", c.antenna_m, -20, 20, "m", "x, y of the antenna in base");
-  v.number("sd_fixed_m", c.sd_fixed_m, 0.001, 100, "m",
-           "least standard deviation believed of an RTK fixed solution");
-  v.number("sd_float_m", c.sd_float_m, 0.001, 100, "m", "of an RTK float solution");
-  v.number("sd_differential_m", c.sd_differential_m, 0.001, 100, "m", "of a differential fix");
-  v.number("sd_single_m", c.sd_single_m, 0.001, 100, "m", "of any other fix");
-  v.number("gate_sigma", c.gate_sigma, 1, 100, "1", "fixes farther off than this are left out");
-  v.number("believe_again_s", c.believe_again_s, 0.1, 3600, "s",
-           "fixes that were left out for so long and agree among themselves are followed again");
-  v.number("freeze_travel_m", c.freeze_travel_m, 0.01, 100, "m",
-           "a fix that stays the same to the last digit over so much travel is frozen");
+  v.expert().number("sd_fixed_m", c.sd_fixed_m, 0.001, 100, "m",
+                    "least standard deviation believed of an RTK fixed solution");
+  v.expert().number("sd_float_m", c.sd_float_m, 0.001, 100, "m", "of an RTK float solution");
+  v.expert().number("sd_differential_m", c.sd_differential_m, 0.001, 100, "m",
+                    "of a differential fix");
+  v.expert().number("sd_single_m", c.sd_single_m, 0.001, 100, "m", "of any other fix");
+  v.check(c.sd_fixed_m <= c.sd_float_m, "sd_fixed_m", "must not be above sd_float_m");
+  v.check(c.sd_float_m <= c.sd_differential_m, "sd_float_m", "must not be above sd_differential_m");
+  v.check(c.sd_differential_m <= c.sd_single_m, "sd_differential_m",
+          "must not be above sd_single_m");
   v.check(c.datum[0] > -90 && c.datum[0] < 90, "datum", "latitude must be in (-90, 90)");
   v.check(c.datum[1] >= -180 && c.datum[1] <= 180, "datum", "longitude must be in [-180, 180]");
 }

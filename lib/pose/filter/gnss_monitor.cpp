@@ -9,6 +9,9 @@
 namespace orchard::pose {
 namespace {
 
+/// A fix that stays the same to the last digit over so much travel is frozen [m].
+constexpr double kFreezeTravel_m = 0.5;
+
 constexpr std::size_t kLeastSteps = 7;
 
 }  // namespace
@@ -18,7 +21,7 @@ bool GnssMonitor::is_frozen_at(const Gnss& gnss, double travel_m) {
                     gnss.longitude_deg == first_same_->longitude_deg;
   travel_m_ = same ? travel_m_ + travel_m : 0.0;
   if (!same) first_same_ = gnss;
-  return travel_m_ > config_.freeze_travel_m;
+  return travel_m_ > kFreezeTravel_m;
 }
 
 void GnssMonitor::add_step_error(const Eigen::Vector2d& error_m) {

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <optional>
 
-#include "pose/filter/gnss_config.hpp"
 #include "pose/measurements.hpp"
 
 namespace orchard::pose {
@@ -15,10 +14,8 @@ namespace orchard::pose {
 /// itself (frozen), or it scatters more than it claims.
 class GnssMonitor {
  public:
-  explicit GnssMonitor(const GnssConfig& config) : config_(config) {}
-
   /// Takes a fix and the travel since the last one [m]. Whether the receiver is frozen: it has
-  /// given the same fix to the last digit over more than freeze_travel_m.
+  /// given the same fix to the last digit over more than kFreezeTravel_m.
   bool is_frozen_at(const Gnss& gnss, double travel_m);
 
   /// Takes how far the step between two fixes was from the motion between them [m].
@@ -31,7 +28,6 @@ class GnssMonitor {
  private:
   static constexpr std::size_t kNumSteps = 15;
 
-  GnssConfig config_;
   std::optional<Gnss> first_same_;          ///< of the fixes that are all the same
   double travel_m_ = 0.0;                   ///< since that one
   std::array<double, kNumSteps> steps2_{};  ///< squared errors of the last steps [m2]

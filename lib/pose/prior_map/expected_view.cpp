@@ -24,7 +24,7 @@ std::vector<Sighting> sightings_at_scan(const detection::Detections& seen, doubl
                                         double yaw_rate_radps, const PriorMapConfig& config) {
   std::vector<Sighting> sightings;
   sightings.reserve(seen.trunks.size());
-  const double sd2 = config.sighting_sd_m * config.sighting_sd_m;
+  const double sd2 = config.observation_sd_m * config.observation_sd_m;
   for (const detection::Detection& trunk : seen.trunks) {
     Sighting s;
     s.p_base = {trunk.centre_x_m, trunk.centre_y_m};
@@ -33,7 +33,7 @@ std::vector<Sighting> sightings_at_scan(const detection::Detections& seen, doubl
     const bool sound = s.p_base.allFinite() && s.covariance.allFinite() &&
                        s.covariance(0, 0) >= 0.0 && s.covariance(1, 1) >= 0.0 &&
                        s.covariance.determinant() >= 0.0 && std::isfinite(trunk.width_m);
-    if (!sound || s.p_base.norm() > config.sighting_range_max_m) continue;
+    if (!sound || s.p_base.norm() > config.observation_range_max_m) continue;
     s.covariance += sd2 * Eigen::Matrix2d::Identity();
     s.width_m = std::max(0.0, trunk.width_m);
     s.width_sd_m = std::isfinite(trunk.width_sd_m) ? std::max(0.0, trunk.width_sd_m) : 1.0;

@@ -17,6 +17,29 @@ using geometry::compose_covariance;
 
 namespace {
 
+/// Travel between two searches, and between two checks of a position that was found [m].
+constexpr double kSearchEvery_m = 1.0;
+
+/// Constellations of fewer trunks repeat in an orchard and are not searched for.
+constexpr int kTrunksMin = 6;
+
+/// Hypotheses scored at each scan: bounds its cost.
+constexpr int kHypothesesPerScan = 400;
+
+/// Natural log odds of one position against all others together at which it is accepted (1 in
+/// 8,000).
+constexpr double kLogOddsMin = 9.0;
+
+/// Natural log likelihood ratio against another orchard of such rows at which a position is
+/// accepted.
+constexpr double kLogFitMin = 0.0;
+
+/// When fewer of the expected trees are observed, the position is given up.
+constexpr double kLostFraction = 0.5;
+
+/// A position with a larger standard deviation is lost [m]; see also kLostSpacings.
+constexpr double kLostSd_m = 1.0;
+
 constexpr double kSecondsPerMicrosecond = 1e-6;
 
 /// What base may do while nothing measures its motion.
@@ -66,8 +89,8 @@ PriorMapLocaliser::PriorMapLocaliser(const PoseConfig& config,
                                      const std::vector<PriorLandmark>& landmarks)
     : pose_config_(config),
       config_(config.prior_map),
-      map_(checked(landmarks), config_.pair_max_m),
-      field_(config_.sure_range_m),
+      map_(checked(landmarks), kHypothesisPairMax_m),
+      field_(config_.detection_range_m),
       local_(config_),
       tracker_(map_, config_) {
   state_ = "LOST: no trunk was seen yet";
@@ -211,7 +234,7 @@ void PriorMapLocaliser::track(const std::vector<Sighting>& sightings) {
     return;
   }
   const double sd_m = largest_sd_m(tracker_.covariance());
-  if (sd_m > std::min(config_.lost_sd_m, kLostSpacings * map_.spacing_m())) {
+  if (sd_m > std::min(kLostSd_m, kLostSpacings * map_.spacing_m())) {
     lose("no tree was recognised for so long that the last place is known to " +
              fixed_text(sd_m, 1) + " m only",
          false);
@@ -219,8 +242,8 @@ void PriorMapLocaliser::track(const std::vector<Sighting>& sightings) {
   }
   const TreeWatch::Count trees = watch_.count();
   const bool trees_gone =
-      trees.num_trees >= kJudgedTrees && trees.num_there < config_.lost_share * trees.num_trees;
-  if (trees_gone || local_.travel_m() - checked_travel_m_ >= config_.search_every_m) {
+      trees.num_trees >= kJudgedTrees && trees.num_there < kLostFraction * trees.num_trees;
+  if (trees_gone || local_.travel_m() - checked_travel_m_ >= kSearchEvery_m) {
     check_place(trees_gone, trees);
   }
 }
@@ -237,7 +260,7 @@ std::optional<Place> PriorMapLocaliser::here(const PlaceScorer& scorer) const {
 void PriorMapLocaliser::check_place(bool trees_gone, const TreeWatch::Count& trees) {
   local_.anchor();
   checked_travel_m_ = local_.travel_m();
-  const auto num_enough = static_cast<std::size_t>(config_.min_trunks);
+  const auto num_enough = static_cast<std::size_t>(kTrunksMin);
   const PlaceScorer scorer(map_, config_, evidence(local_));
   const bool enough = scorer.evidence().trunks.size() >= num_enough;
   bool contradicted_since = false;
@@ -246,15 +269,14 @@ void PriorMapLocaliser::check_place(bool trees_gone, const TreeWatch::Count& tre
     const PlaceScorer since(map_, config_, evidence(*since_suspicion_));
     if (since.evidence().trunks.size() >= num_enough) {
       const std::optional<Place> place = here(since);
-      contradicted_since = !place || place->score < -config_.lost_log_fit;
-      if (place && place->score > config_.lost_log_fit) since_suspicion_.reset();
+      contradicted_since = !place || place->score < -kLostLogFit;
+      if (place && place->score > kLostLogFit) since_suspicion_.reset();
     }
   }
   if (!enough && !trees_gone && !contradicted_since) return;
   const std::optional<Place> place = here(scorer);
   // where many trees were felled the trunks of the way there still speak for the place
-  const bool supported =
-      enough && place && place->score >= -config_.lost_log_fit && !contradicted_since;
+  const bool supported = enough && place && place->score >= -kLostLogFit && !contradicted_since;
   num_contradictions_ = supported ? 0 : num_contradictions_ + 1;
   if (trees_gone && !supported) {
     lose("of the " + std::to_string(trees.num_trees) +
@@ -278,18 +300,18 @@ void PriorMapLocaliser::search() {
   }
   if (!search_) {
     const std::size_t num_trunks = local_.trunks().size();
-    const bool enough = num_trunks >= static_cast<std::size_t>(config_.min_trunks);
-    const bool due = local_.travel_m() - checked_travel_m_ >= config_.search_every_m ||
+    const bool enough = num_trunks >= static_cast<std::size_t>(kTrunksMin);
+    const bool due = local_.travel_m() - checked_travel_m_ >= kSearchEvery_m ||
                      num_trunks >= checked_trunks_ + 2;
     if (!enough || !due) return;
     local_.anchor();
     checked_travel_m_ = local_.travel_m();
     checked_trunks_ = num_trunks;
     LocalEvidence local = evidence(local_);
-    if (local.trunks.size() < static_cast<std::size_t>(config_.min_trunks)) return;
+    if (local.trunks.size() < static_cast<std::size_t>(kTrunksMin)) return;
     search_.emplace(map_, config_, std::move(local));
   }
-  if (!search_->step(config_.hypotheses_per_scan)) return;
+  if (!search_->step(kHypothesesPerScan)) return;
   judge(search_->result());
   search_.reset();
 }
@@ -298,14 +320,14 @@ void PriorMapLocaliser::judge(const SearchResult& result) {
   const std::string since =
       std::to_string(checked_trunks_) + " trunks of the last " +
       fixed_text(std::min(config_.window_m, local_.travel_m() - lost_travel_m_), 0) + " m";
-  if (result.places.empty() || result.log_fit < config_.min_log_fit) {
+  if (result.places.empty() || result.log_fit < kLogFitMin) {
     state_ = "LOST: the " + since + " fit no place of the prior map well enough; drive on, or " +
              "check that it is the map of this orchard";
     return;
   }
-  if (result.log_odds < config_.min_log_odds) {
+  if (result.log_odds < kLogOddsMin) {
     const auto num = std::count_if(result.places.begin(), result.places.end(), [&](const Place& p) {
-      return p.score > result.places.front().score - config_.min_log_odds;
+      return p.score > result.places.front().score - kLogOddsMin;
     });
     state_ = "AMBIGUOUS: the " + since + " fit " + std::to_string(num) +
              " places of the prior map about equally well, such as " +

@@ -19,7 +19,7 @@ namespace orchard::pose {
 /// Finds base in the map of an earlier day, follows it there, and notices when it is elsewhere.
 ///
 /// Without a place it gives no pose: it compares the trunks of the last metres with the whole map
-/// and takes a place only when that is likelier than all others together by prior_map.min_log_odds;
+/// and takes a place only when that is likelier than all others together by kLogOddsMin;
 /// warning() says LOST (nothing fits) or AMBIGUOUS (several do) until then. With a place it gives
 /// poses, and loses it when the trees that should be seen are not, or when the local trunks speak
 /// against it. Uses Odometry and Detections.

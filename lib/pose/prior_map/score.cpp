@@ -17,6 +17,9 @@ using geometry::transform_back;
 
 namespace {
 
+/// Fraction of the trees that is gone, and that is new, between two days.
+constexpr double kChangeFraction = 0.05;
+
 constexpr double kGate = geometry::kChiSquare2_997;
 constexpr double kGateM = 0.6;
 
@@ -43,15 +46,15 @@ PlaceScorer::PlaceScorer(const PriorMap& map, const PriorMapConfig& config, Loca
       config_(config),
       evidence_(std::move(evidence)),
       position_variance_(config.landmark_sd_m * config.landmark_sd_m +
-                         config.sighting_sd_m * config.sighting_sd_m),
-      change_cost_(-std::log(config.change_fraction)),
+                         config.observation_sd_m * config.observation_sd_m),
+      change_cost_(-std::log(kChangeFraction)),
       gate_radius_m_(std::min(kGateM, 0.45 * map.spacing_m())) {}
 
 std::optional<Place> PlaceScorer::fit(const Place& start, const std::vector<int>& order) const {
   Place place = start;
   Eigen::Vector3d& T = place.T_map_base;
   Eigen::Matrix3d& P = place.covariance;
-  const double log_kept = std::log(1.0 - config_.change_fraction);
+  const double log_kept = std::log(1.0 - kChangeFraction);
   const Eigen::Vector2d* before = nullptr;
   for (const int k : order) {
     const LocalTrunkMap::Trunk& trunk = evidence_.trunks[static_cast<std::size_t>(k)];

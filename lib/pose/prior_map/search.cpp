@@ -49,7 +49,7 @@ PriorMapSearch::PriorMapSearch(const PriorMap& map, const PriorMapConfig& config
 void PriorMapSearch::choose_seeds() {
   const auto& trunks = scorer_.evidence().trunks;
   const double pair_sd_m =
-      std::sqrt(2.0) * std::hypot(config_.landmark_sd_m, config_.sighting_sd_m);
+      std::sqrt(2.0) * std::hypot(config_.landmark_sd_m, config_.observation_sd_m);
   std::vector<Seed> candidates;
   const int num = static_cast<int>(std::min(trunks.size(), kSeedTrunks));
   for (int i = 0; i < num; ++i) {
@@ -57,7 +57,7 @@ void PriorMapSearch::choose_seeds() {
       const double apart_m = (trunks[static_cast<std::size_t>(i)].p_local -
                               trunks[static_cast<std::size_t>(j)].p_local)
                                  .norm();
-      if (apart_m < kPairMinM || apart_m > config_.pair_max_m) continue;
+      if (apart_m < kPairMinM || apart_m > kHypothesisPairMax_m) continue;
       Seed seed;
       seed.first = i;
       seed.second = j;
@@ -108,8 +108,8 @@ void PriorMapSearch::try_hypothesis(const Seed& seed, std::int32_t first, std::i
   const Eigen::Vector2d from_local = b.p_local - a.p_local;
   const Eigen::Vector2d from_map = map_[second].p_map - map_[first].p_map;
   const double length_m = from_local.norm();
-  const double end_variance =
-      config_.landmark_sd_m * config_.landmark_sd_m + config_.sighting_sd_m * config_.sighting_sd_m;
+  const double end_variance = config_.landmark_sd_m * config_.landmark_sd_m +
+                              config_.observation_sd_m * config_.observation_sd_m;
 
   Place start;
   const geometry::Pose2 T_map_local =
@@ -165,7 +165,7 @@ SearchResult PriorMapSearch::result() const {
   // a map of many places fits anything somewhere a little: each tree, two headings
   const double score = places_.front().score;
   result.log_fit = score - std::log(2.0 * static_cast<double>(map_.size()));
-  if (score >= -config_.lost_log_fit) {
+  if (score >= -kLostLogFit) {
     result.log_fit = std::max(result.log_fit, score + result.log_odds - kScoreAndLeadElsewhere);
   }
 

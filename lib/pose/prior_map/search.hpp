@@ -8,6 +8,14 @@
 
 namespace orchard::pose {
 
+/// Farthest two trunks whose distance begins a hypothesis [m]: dead reckoning between them is
+/// still sure.
+inline constexpr double kHypothesisPairMax_m = 8.0;
+
+/// Natural log likelihood ratio of another orchard of such rows against a position, at which the
+/// position is given up (1 in 55).
+inline constexpr double kLostLogFit = 4.0;
+
 /// What a search of the whole prior map has found.
 struct SearchResult {
   std::vector<Place> places;  ///< distinct ones by falling score; those far below the best left out

@@ -18,6 +18,9 @@ using geometry::transform_back;
 
 namespace {
 
+/// Random walk of dead reckoning beyond what the wheels state [m/sqrt(m)]: slip.
+constexpr double kDrift_m_per_sqrt_m = 0.01;
+
 constexpr double kGate = geometry::kChiSquare2_997;
 constexpr double kGateM = 1.0;       ///< most from a sighting to its landmark
 constexpr double kRivalGap = 6.0;    ///< by which the second best landmark must fit worse
@@ -76,7 +79,7 @@ Eigen::Matrix3d PriorMapTracker::noise(const WheelStep& step) const {
   Eigen::Matrix2d Q;
   Q << step.covariance[0], step.covariance[1], step.covariance[1], step.covariance[2];
   Eigen::Matrix3d C = G * Q * G.transpose();
-  C.topLeftCorner<2, 2>() += config_.drift_sd_m * config_.drift_sd_m * std::abs(step.speed_mps) *
+  C.topLeftCorner<2, 2>() += kDrift_m_per_sqrt_m * kDrift_m_per_sqrt_m * std::abs(step.speed_mps) *
                              dt * Eigen::Matrix2d::Identity();
   return C;
 }

@@ -6,11 +6,27 @@
 
 namespace orchard::pose {
 
+namespace {
+
+/// Reach of the local map around the robot [m], beyond what a scanner sees.
+constexpr double kMapRadius_m = 50.0;
+
+/// Least distance between two points of the map [m], above the noise of a range.
+constexpr double kMapSpacing_m = 0.07;
+
+/// Most points of one cell: bounds the cost of a query.
+constexpr int kMapCellPointsMax = 16;
+
+/// Side of a cell of the map [m], about the farthest pair of the last iterations.
+constexpr double kMapCell_m = 0.4;
+
+}  // namespace
+
 PointMap::PointMap(const ScanMotionConfig& config)
-    : cell_m_(config.map_cell_m),
-      spacing2_m2_(config.map_spacing_m * config.map_spacing_m),
-      cell_points_max_(static_cast<std::size_t>(config.map_cell_points_max)) {
-  const double cells = 2.0 * (config.map_radius_m + config.range_max_m) / cell_m_;
+    : cell_m_(kMapCell_m),
+      spacing2_m2_(kMapSpacing_m * kMapSpacing_m),
+      cell_points_max_(static_cast<std::size_t>(kMapCellPointsMax)) {
+  const double cells = 2.0 * (kMapRadius_m + config.range_max_m) / cell_m_;
   while ((1 << bits_) < cells && bits_ < 14) ++bits_;
   mask_ = (1 << bits_) - 1;
   cells_.resize(std::size_t{1} << (2 * bits_));

@@ -9,6 +9,18 @@
 namespace orchard::pose {
 namespace {
 
+/// Least standard deviation of a pair [m]: surfaces are rough, however well a scan fits.
+constexpr double kResidualSd_m = 0.02;
+
+/// Neighbouring points err together: so many count as one.
+constexpr double kCorrelatedPoints = 4.0;
+
+/// Standard deviation of a motion that the scans do not determine [m].
+constexpr double kUnknownShiftSd_m = 0.5;
+
+/// The same of its turn [rad].
+constexpr double kUnknownTurnSd_rad = 0.3;
+
 /// The scan is moved by so many kernels to each side: exp(-0.5 * 1.5^2) = 0.32 is left of the fit
 /// of points that tell of it.
 constexpr double kProbeKernels = 1.5;
@@ -31,16 +43,16 @@ double telling_share(const ScanMatcher& matcher, const std::vector<SurfacePoint>
 
 }  // namespace
 
-Eigen::Matrix3d unknown_motion(const ScanMotionConfig& config) {
-  return Eigen::Vector3d(config.unknown_shift_sd_m * config.unknown_shift_sd_m,
-                         config.unknown_shift_sd_m * config.unknown_shift_sd_m,
-                         config.unknown_turn_sd_rad * config.unknown_turn_sd_rad)
+Eigen::Matrix3d unknown_motion() {
+  return Eigen::Vector3d(kUnknownShiftSd_m * kUnknownShiftSd_m,
+                         kUnknownShiftSd_m * kUnknownShiftSd_m,
+                         kUnknownTurnSd_rad * kUnknownTurnSd_rad)
       .asDiagonal();
 }
 
 Eigen::Matrix3d covariance_of(const ScanMatcher& matcher, const std::vector<SurfacePoint>& points,
-                              const ScanMatch& match, const ScanMotionConfig& config) {
-  const Eigen::Matrix3d nothing = unknown_motion(config);
+                              const ScanMatch& match) {
+  const Eigen::Matrix3d nothing = unknown_motion();
   const double weight = match.weight;
   if (!(weight > 0.0) || !match.information.allFinite()) return nothing;
   Eigen::Matrix3d information = match.information;
@@ -49,7 +61,7 @@ Eigen::Matrix3d covariance_of(const ScanMatcher& matcher, const std::vector<Surf
   for (int axis = 0; axis < 2; ++axis) {
     const Eigen::Vector2d direction = axes.eigenvectors().col(axis);
     const double claimed = std::max(0.0, axes.eigenvalues()(axis)) / weight;
-    const double share = telling_share(matcher, points, match, direction, config.score_kernel_m);
+    const double share = telling_share(matcher, points, match, direction, kScoreKernel_m);
     if (!(claimed > 0.0) || share >= claimed) continue;
     // scales what is said along the direction, and its ties to the turn, by share / claimed
     Eigen::Matrix3d scale = Eigen::Matrix3d::Identity();
@@ -57,9 +69,8 @@ Eigen::Matrix3d covariance_of(const ScanMatcher& matcher, const std::vector<Surf
         (1.0 - std::sqrt(share / claimed)) * direction * direction.transpose();
     information = scale * information * scale;
   }
-  const double floor_m2 = config.residual_sd_m * config.residual_sd_m;
-  const double variance_m2 =
-      config.correlated_points * std::max(match.residual_variance_m2, floor_m2);
+  const double floor_m2 = kResidualSd_m * kResidualSd_m;
+  const double variance_m2 = kCorrelatedPoints * std::max(match.residual_variance_m2, floor_m2);
   const Eigen::Matrix3d total =
       information / variance_m2 + Eigen::Matrix3d(nothing.diagonal().cwiseInverse().asDiagonal());
   const Eigen::Matrix3d covariance = total.inverse();

@@ -14,9 +14,9 @@ namespace orchard::pose {
 /// and fro really changes: a dense map offers every point a partner nearby, also along a hedge.
 /// What the scan does not tell stays as uncertain as the motion was before it.
 Eigen::Matrix3d covariance_of(const ScanMatcher& matcher, const std::vector<SurfacePoint>& points,
-                              const ScanMatch& match, const ScanMotionConfig& config);
+                              const ScanMatch& match);
 
 /// The covariance of a motion of which nothing is known but what was expected.
-Eigen::Matrix3d unknown_motion(const ScanMotionConfig& config);
+Eigen::Matrix3d unknown_motion();
 
 }  // namespace orchard::pose

@@ -13,6 +13,32 @@ using geometry::rotation;
 
 namespace {
 
+/// Farthest pair of point and surface in the first iterations [m].
+constexpr double kPairMax_m = 0.6;
+
+/// The same in the last iterations [m].
+constexpr double kPairFine_m = 0.25;
+
+/// Scale of the robust kernel in the first iterations [m]: a pair so far apart has half its
+/// weight.
+constexpr double kKernel_m = 0.3;
+
+/// The same in the last iterations [m].
+constexpr double kKernelFine_m = 0.10;
+
+/// Most iterations of each of the two kinds; most scans converge in fewer.
+constexpr int kIterationsMax = 25;
+
+/// Fraction of good fits below which the neighbourhood is searched for a better pose.
+constexpr double kScoreGood = 0.75;
+
+/// By which a pose found by search must fit better than the expected one, which has the prior on
+/// its side.
+constexpr double kScoreAdvantage = 0.05;
+
+/// Best candidates of the search that are refined: bounds its cost.
+constexpr int kSearchCandidates = 6;
+
 constexpr double kDoneShift_m = 2e-4;
 constexpr double kDoneTurn_rad = 2e-5;
 constexpr int kPairsMin = 5;
@@ -65,7 +91,7 @@ double ScanMatcher::score(const std::vector<SurfacePoint>& points,
 void ScanMatcher::iterate(const std::vector<SurfacePoint>& points, double pair_m, double kernel_m,
                           ScanMatch& match) const {
   const double kernel2 = kernel_m * kernel_m;
-  for (int round = 0; round < config_.iterations_max; ++round) {
+  for (int round = 0; round < kIterationsMax; ++round) {
     const Eigen::Vector3d& T = match.T_map_base;
     const Eigen::Matrix2d R = rotation(T.z());
     Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
@@ -117,10 +143,10 @@ ScanMatch ScanMatcher::refined(const std::vector<SurfacePoint>& points,
                                const Eigen::Vector3d& guess) const {
   ScanMatch match;
   match.T_map_base = guess;
-  iterate(points, config_.pair_max_m, config_.kernel_m, match);
-  iterate(points, config_.pair_fine_m, config_.kernel_fine_m, match);
+  iterate(points, kPairMax_m, kKernel_m, match);
+  iterate(points, kPairFine_m, kKernelFine_m, match);
   match.T_map_base.z() = geometry::wrap_angle_rad(match.T_map_base.z());
-  match.score = score(points, match.T_map_base, config_.score_kernel_m);
+  match.score = score(points, match.T_map_base, kScoreKernel_m);
   return match;
 }
 
@@ -153,7 +179,7 @@ ScanMatch ScanMatcher::searched(const std::vector<SurfacePoint>& points,
   ScanMatch best = refined(some, found.T_map_base);
   const double score_to_beat = best.score;
   for (const Place& place : places) {
-    if (static_cast<int>(tried.size()) >= config_.search_candidates) break;
+    if (static_cast<int>(tried.size()) >= kSearchCandidates) break;
     if (std::any_of(tried.begin(), tried.end(),
                     [&place](const Place& other) { return place.is_near(other); })) {
       continue;
@@ -164,7 +190,7 @@ ScanMatch ScanMatcher::searched(const std::vector<SurfacePoint>& points,
   }
   if (best.score <= score_to_beat) return found;
   best = refined(points, best.T_map_base);
-  return best.score > found.score + config_.score_advantage ? best : found;
+  return best.score > found.score + kScoreAdvantage ? best : found;
 }
 
 ScanMatch ScanMatcher::match(const std::vector<SurfacePoint>& points,
@@ -179,7 +205,7 @@ ScanMatch ScanMatcher::match(const std::vector<SurfacePoint>& points,
     }
   }
   const ScanMatch match = refined(points, *start);
-  if (match.score >= config_.score_good) return match;
+  if (match.score >= kScoreGood) return match;
   return searched(points, guesses.front(), match);
 }
 

@@ -10,6 +10,9 @@
 
 namespace orchard::pose {
 
+/// Distance of a point from the map's surface that counts as a good fit [m].
+inline constexpr double kScoreKernel_m = 0.15;
+
 /// Where a scan fits the local map.
 struct ScanMatch {
   Eigen::Vector3d T_map_base = Eigen::Vector3d::Zero();

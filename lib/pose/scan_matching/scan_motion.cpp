@@ -14,13 +14,33 @@ using geometry::rotation;
 
 namespace {
 
-bool is_sure(const Eigen::Matrix3d& covariance, const ScanMotionConfig& config) {
+/// Side of the squares in which one return is registered [m]: near surfaces get most returns and
+/// must not outweigh far ones.
+constexpr double kThinning_m = 0.10;
+
+/// Fewer returns do not determine a motion.
+constexpr int kPointsMin = 20;
+
+/// Points last seen this much travel ago are forgotten [m], so that drift does not lay one wall
+/// beside itself.
+constexpr double kMapTravel_m = 15.0;
+
+/// Fraction of good fits below which a motion is a guess.
+constexpr double kScoreReliable = 0.35;
+
+/// A motion with a larger standard deviation along its worst direction is not reliable [m].
+constexpr double kReliableShiftSd_m = 0.10;
+
+/// The same of its turn [rad].
+constexpr double kReliableTurnSd_rad = 0.03;
+
+bool is_sure(const Eigen::Matrix3d& covariance) {
   // of a 2x2: half the trace plus the root of its deviation is the larger eigenvalue
   const double half_trace = 0.5 * (covariance(0, 0) + covariance(1, 1));
   const double deviation =
       std::hypot(0.5 * (covariance(0, 0) - covariance(1, 1)), covariance(0, 1));
-  return half_trace + deviation <= config.reliable_shift_sd_m * config.reliable_shift_sd_m &&
-         covariance(2, 2) <= config.reliable_turn_sd_rad * config.reliable_turn_sd_rad;
+  return half_trace + deviation <= kReliableShiftSd_m * kReliableShiftSd_m &&
+         covariance(2, 2) <= kReliableTurnSd_rad * kReliableTurnSd_rad;
 }
 
 }  // namespace
@@ -41,8 +61,8 @@ std::optional<MeasuredMotion> ScanMotion::add(const laser::Scan& scan) {
   MeasuredMotion motion;
   motion.utime_from = *utime_;
   motion.utime_to = scan.utime;
-  motion.covariance = unknown_motion(config_);
-  std::vector<SurfacePoint> few = thinned(points, config_.thin_m);
+  motion.covariance = unknown_motion();
+  std::vector<SurfacePoint> few = thinned(points, kThinning_m);
   const double period_s = 1e-6 * static_cast<double>(scan.utime - *utime_);
   const bool is_swept = config_.deskew && scan.beam_period_us > 0.0;
   Eigen::Vector3d straight_on = last_motion_;
@@ -50,14 +70,14 @@ std::optional<MeasuredMotion> ScanMotion::add(const laser::Scan& scan) {
   const std::vector<Eigen::Vector3d> guesses{compose(T_map_base_, last_motion_),
                                              compose(T_map_base_, straight_on), T_map_base_};
   Eigen::Vector3d T_map_base = guesses.front();
-  const bool comparable = static_cast<int>(few.size()) >= config_.points_min && !map_.empty();
+  const bool comparable = static_cast<int>(few.size()) >= kPointsMin && !map_.empty();
   if (comparable) {
     const ScanMatcher matcher(map_, config_);
     ScanMatch match = matcher.match(few, guesses);
     if (is_swept && velocity_known_) {
       velocity_ = between(T_map_base_, match.T_map_base) / period_s;
       points = surface_points(scan, mount_, blind_, velocity_, config_);
-      few = thinned(points, config_.thin_m);
+      few = thinned(points, kThinning_m);
       match = matcher.match(few, {match.T_map_base});
     }
     motion.matched = match.matched;
@@ -65,8 +85,8 @@ std::optional<MeasuredMotion> ScanMotion::add(const laser::Scan& scan) {
     // of base's own axes at the scan before
     Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
     R.topLeftCorner<2, 2>() = rotation(-T_map_base_.z());
-    motion.covariance = R * covariance_of(matcher, few, match, config_) * R.transpose();
-    motion.reliable = match.score >= config_.score_reliable && is_sure(motion.covariance, config_);
+    motion.covariance = R * covariance_of(matcher, few, match) * R.transpose();
+    motion.reliable = match.score >= kScoreReliable && is_sure(motion.covariance);
   }
   motion.T_from_to = between(T_map_base_, T_map_base);
 
@@ -86,7 +106,7 @@ std::optional<MeasuredMotion> ScanMotion::add(const laser::Scan& scan) {
 }
 
 void ScanMotion::remember(const std::vector<SurfacePoint>& points) {
-  if (config_.map_travel_m > 0.0) map_.forget_before(travel_m_ - config_.map_travel_m);
+  if (kMapTravel_m > 0.0) map_.forget_before(travel_m_ - kMapTravel_m);
   const Eigen::Matrix2d R = rotation(T_map_base_.z());
   for (const SurfacePoint& point : points) {
     SurfacePoint placed = point;

@@ -14,19 +14,26 @@ using geometry::transform;
 
 namespace {
 
+/// Neighbouring returns within it give a point its normal [m]: several beams of one surface, but
+/// not the next trunk.
+constexpr double kNormalRadius_m = 0.30;
+
+/// Smallest over largest variance of those neighbours up to which they are a wall, whose normal
+/// counts.
+constexpr double kFlatnessMax = 0.05;
+
 constexpr std::ptrdiff_t kNeighbours = 6;  ///< to each side
 constexpr int kPointsOfSurfaceMin = 4;
 /// A surface shorter than this (1-sigma along it) has no direction.
 constexpr double kSurfaceLengthSd_m = 0.06;
 
-void find_normal(std::vector<SurfacePoint>& points, std::ptrdiff_t i,
-                 const ScanMotionConfig& config) {
+void find_normal(std::vector<SurfacePoint>& points, std::ptrdiff_t i) {
   const auto size = static_cast<std::ptrdiff_t>(points.size());
   SurfacePoint& point = points[static_cast<std::size_t>(i)];
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   Eigen::Matrix2d squares = Eigen::Matrix2d::Zero();
   int count = 0;
-  const double radius2 = config.normal_radius_m * config.normal_radius_m;
+  const double radius2 = kNormalRadius_m * kNormalRadius_m;
   for (std::ptrdiff_t j = std::max<std::ptrdiff_t>(0, i - kNeighbours);
        j <= std::min(size - 1, i + kNeighbours); ++j) {
     const Eigen::Vector2d arm = points[static_cast<std::size_t>(j)].p - point.p;
@@ -42,7 +49,7 @@ void find_normal(std::vector<SurfacePoint>& points, std::ptrdiff_t i,
   const double thickness = std::max(0.0, axes.eigenvalues()(0));
   const double length = axes.eigenvalues()(1);
   if (!(length > kSurfaceLengthSd_m * kSurfaceLengthSd_m)) return;
-  if (thickness > config.flatness_max * length) return;
+  if (thickness > kFlatnessMax * length) return;
   point.normal = axes.eigenvectors().col(0);
   point.flat = true;
 }
@@ -72,7 +79,7 @@ std::vector<SurfacePoint> surface_points(const laser::Scan& scan, const laser::L
     if (point.p.allFinite()) points.push_back(point);
   }
   for (std::size_t i = 0; i < points.size(); ++i) {
-    find_normal(points, static_cast<std::ptrdiff_t>(i), config);
+    find_normal(points, static_cast<std::ptrdiff_t>(i));
   }
   return points;
 }

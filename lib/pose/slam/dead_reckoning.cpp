@@ -7,6 +7,12 @@
 namespace orchard::pose {
 namespace {
 
+/// Standard deviation of the speed about the last one while the motion is not heard [m/s].
+constexpr double kGapSpeedSd_mps = 0.5;
+
+/// The same of the yaw rate [rad/s].
+constexpr double kGapYawRateSd_radps = 0.3;
+
 constexpr double kSecondsPerMicrosecond = 1e-6;
 
 }  // namespace
@@ -28,9 +34,9 @@ void DeadReckoning::drive_to(std::int64_t utime, double speed_mps, double yaw_ra
   utime_ = utime;
   if (silence_s() > config_.gap_s) {
     // White velocity noise: its variance times a second of correlation, whatever the step.
-    const double speed_sd_mps = std::max(config_.gap_speed_sd_mps, 0.3 * std::abs(speed_mps));
+    const double speed_sd_mps = std::max(kGapSpeedSd_mps, 0.3 * std::abs(speed_mps));
     covariance[0] += speed_sd_mps * speed_sd_mps / dt_s;
-    covariance[2] += config_.gap_yaw_rate_sd_radps * config_.gap_yaw_rate_sd_radps / dt_s;
+    covariance[2] += kGapYawRateSd_radps * kGapYawRateSd_radps / dt_s;
   }
   motion_.drive(speed_mps, yaw_rate_radps, covariance, dt_s);
 }

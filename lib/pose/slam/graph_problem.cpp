@@ -11,6 +11,13 @@
 namespace orchard::pose {
 namespace {
 
+/// Normalised residual from which on the robust loss of an observation is linear.
+constexpr double kOutlier_sigma = 3.0;
+
+/// Random walk of the odometry calibration per kCalibrationTravel_m, as a fraction of its prior
+/// standard deviation.
+constexpr double kCalibrationWalkFraction = 0.1;
+
 ceres::Problem::Options problem_options() {
   ceres::Problem::Options options;
   options.disable_all_safety_checks = true;
@@ -55,7 +62,7 @@ GraphProblem::GraphProblem(const SlamGraph& graph, Unknowns& unknowns, const Sla
       problem_(problem_options()) {}
 
 ceres::LossFunction* GraphProblem::loss() const {
-  return robust_ ? new ceres::CauchyLoss(config_.outlier_sigma) : nullptr;
+  return robust_ ? new ceres::CauchyLoss(kOutlier_sigma) : nullptr;
 }
 
 void GraphProblem::add_motion(int keyframe, const Eigen::Matrix3d& covariance) {
@@ -91,8 +98,7 @@ void GraphProblem::add_calibration_prior(int index, const CalibrationPrior& prio
 }
 
 void GraphProblem::add_calibration_walk(int index) {
-  const Eigen::Vector3d sd =
-      config_.calibration_walk_fraction * CalibrationPrior::initial_sd(config_);
+  const Eigen::Vector3d sd = kCalibrationWalkFraction * CalibrationPrior::initial_sd(config_);
   measurements_.push_back(problem_.AddResidualBlock(calibration_walk_factor(sd), nullptr,
                                                     calibration(index - 1), calibration(index)));
 }

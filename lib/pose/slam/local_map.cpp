@@ -7,6 +7,9 @@
 namespace orchard::pose {
 namespace {
 
+/// Landmarks passed within so much travel of a tracked one are covisible with it [m].
+constexpr double kCovisibleTravel_m = 8.0;
+
 constexpr double kTrackedTravel_m = 3.0;  // observed within it is tracked now
 
 using Interval = std::pair<double, double>;  // of travel [m]
@@ -56,18 +59,18 @@ bool observed_in(const SlamGraph& graph, const SlamLandmark& landmark,
 }  // namespace
 
 std::vector<int> local_map(const SlamGraph& graph, const geometry::PointGrid& index,
-                           int session_start, double radius_m, const SlamConfig& config) {
+                           int session_start, double radius_m) {
   std::vector<int> found;
   if (graph.keyframes.empty()) return found;
   const Keyframe& now = graph.keyframes.back();
   const std::vector<Interval> intervals =
-      tracked_intervals(graph, session_start, config.covisible_travel_m);
+      tracked_intervals(graph, session_start, kCovisibleTravel_m);
   for (const int l : index.near(now.T_map_base.head<2>(), radius_m)) {
     const SlamLandmark& landmark = graph.landmarks[l];
     if (!landmark.alive || landmark.keyframes.empty()) continue;
     const int last = landmark.keyframes.back();
-    const bool recent = last >= session_start &&
-                        now.travel_m - graph.keyframes[last].travel_m <= config.recent_travel_m;
+    const bool recent =
+        last >= session_start && now.travel_m - graph.keyframes[last].travel_m <= kRecentTravel_m;
     if (recent || (landmark.confirmed && observed_in(graph, landmark, intervals)))
       found.push_back(l);
   }

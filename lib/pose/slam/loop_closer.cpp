@@ -12,6 +12,12 @@ using geometry::transform_back;
 
 namespace {
 
+/// Length of the latest path whose landmarks are registered with older ones [m].
+constexpr double kClosureSubmap_m = 25.0;
+
+/// Travel between two searches for a loop closure [m].
+constexpr double kClosureEvery_m = 2.0;
+
 // With so many older landmarks in view the robot is where the map says.
 constexpr int kNumAnchors = 3;
 // A closure is tried again only when the graph has grown by this fraction: the cost of the solves
@@ -54,7 +60,7 @@ bool is_supported(const std::vector<std::pair<int, int>>& merged, const SlamGrap
 std::optional<ClosureQuery> LoopCloser::query(const SlamMap& map) const {
   const SlamGraph& graph = map.graph;
   const Keyframe& now = graph.keyframes.back();
-  const double path_m = config_.closure_stretch_m;
+  const double path_m = kClosureSubmap_m;
   const auto ago_m = [&](int k) { return now.travel_m - graph.keyframes[k].travel_m; };
   ClosureQuery query;
   query.pivot = now.T_map_base.head<2>();
@@ -75,7 +81,7 @@ std::optional<ClosureQuery> LoopCloser::query(const SlamMap& map) const {
   if (num_anchors >= kNumAnchors || query.recent.size() < min_trees) return std::nullopt;
   const Eigen::Matrix3d& P = now.covariance;
   const double radius_m =
-      std::min(config_.closure_search_max_m,
+      std::min(kClosureSearchMax_m,
                kSearchSigmas * std::sqrt(std::max(P(0, 0), P(1, 1))) + kSearchMargin_m) +
       kSearchSigmas * std::sqrt(P(2, 2)) * path_m;
   std::vector<int> old;
@@ -101,7 +107,7 @@ std::optional<ClosureQuery> LoopCloser::query(const SlamMap& map) const {
 void LoopCloser::look(SlamMap& map) {
   const int num_keyframes = static_cast<int>(map.graph.keyframes.size());
   const double travel_m = map.graph.keyframes.back().travel_m;
-  if (travel_m - last_travel_m_ < config_.closure_every_m ||
+  if (travel_m - last_travel_m_ < kClosureEvery_m ||
       num_keyframes < num_keyframes_ * (1.0 + kTryGrowth)) {
     return;
   }

@@ -18,7 +18,7 @@ class LoopCloser {
  public:
   explicit LoopCloser(const SlamConfig& config) : config_(config) {}
 
-  /// Looks for a loop closure at the newest keyframe, at most every closure_every_m of travel.
+  /// Looks for a loop closure at the newest keyframe, at most every kClosureEvery_m of travel.
   void look(SlamMap& map);
 
   /// The landmarks passed last fitted the map in more than one way.

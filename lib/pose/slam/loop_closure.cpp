@@ -44,8 +44,7 @@ class Matcher {
     // not more certain than the local map
     P.diagonal() += Eigen::Vector3d(0.1 * 0.1, 0.1 * 0.1, 0.01 * 0.01);
     information_ = P.inverse();
-    radius_m_ =
-        std::min(config.closure_search_max_m, 4.0 * std::sqrt(std::max(P(0, 0), P(1, 1))) + 0.5);
+    radius_m_ = std::min(kClosureSearchMax_m, 4.0 * std::sqrt(std::max(P(0, 0), P(1, 1))) + 0.5);
     yaw_max_rad_ = 4.0 * std::sqrt(P(2, 2));
     for (const ClosureLandmark& r : q_.recent) middle_ += r.p_map;
     if (!q_.recent.empty()) middle_ /= static_cast<double>(q_.recent.size());
@@ -87,8 +86,7 @@ class Matcher {
           const Eigen::Vector2d from = 0.5 * (a.p_map + b.p_map);
           const Eigen::Vector2d to = 0.5 * (c.p_map + d.p_map);
           h.x_y_yaw.head<2>() += to - apply(h.x_y_yaw, from);
-          if (prior2(h.x_y_yaw) > kPriorGate2 ||
-              h.x_y_yaw.head<2>().norm() > config_.closure_search_max_m) {
+          if (prior2(h.x_y_yaw) > kPriorGate2 || h.x_y_yaw.head<2>().norm() > kClosureSearchMax_m) {
             continue;
           }
           const Eigen::Vector2d middle = apply(h.x_y_yaw, middle_);

@@ -10,6 +10,9 @@
 
 namespace orchard::pose {
 
+/// Longest shift searched for [m].
+inline constexpr double kClosureSearchMax_m = 15.0;
+
 /// A landmark for loop closure.
 struct ClosureLandmark {
   int landmark = -1;

@@ -14,6 +14,16 @@ using geometry::transform;
 
 namespace {
 
+/// Standard deviation of a centre per width of the object: trunks are not round.
+constexpr double kObservationSd_widths = 0.1;
+
+/// The same when something nearer occludes a side of it.
+constexpr double kOccludedSd_widths = 0.25;
+
+/// Further standard deviation of what is labelled an object [m]: crates and bushes have no centre
+/// to speak of.
+constexpr double kObjectSd_m = 0.05;
+
 // A beam is never farther from its scan's time stamp: more is an error of the clock.
 constexpr double kSweepMax_s = 0.5;
 constexpr double kWidthSdMin_m = 0.02;
@@ -23,14 +33,14 @@ bool usable(const detection::Detection& t, const SlamConfig& config) {
   return std::isfinite(t.centre_x_m) && std::isfinite(t.centre_y_m) && std::isfinite(t.width_m) &&
          std::isfinite(t.width_sd_m) && std::isfinite(t.covariance[0]) &&
          std::isfinite(t.covariance[1]) && std::isfinite(t.covariance[2]) &&
-         std::hypot(t.centre_x_m, t.centre_y_m) <= config.sight_range_max_m && t.width_m >= 0.0 &&
-         t.width_m <= config.width_max_m;
+         std::hypot(t.centre_x_m, t.centre_y_m) <= config.observation_range_max_m &&
+         t.width_m >= 0.0 && t.width_m <= config.width_max_m;
 }
 
 double floor_sd_m(const detection::Detection& t, const SlamConfig& config) {
-  double sd_m = std::hypot(config.sighting_sd_m, config.sighting_sd_widths * t.width_m);
-  if (t.occlusion != 0) sd_m = std::hypot(sd_m, config.occluded_sd_widths * t.width_m);
-  if (t.label == detection::Label::kObject) sd_m = std::hypot(sd_m, config.object_sd_m);
+  double sd_m = std::hypot(config.observation_sd_m, kObservationSd_widths * t.width_m);
+  if (t.occlusion != 0) sd_m = std::hypot(sd_m, kOccludedSd_widths * t.width_m);
+  if (t.label == detection::Label::kObject) sd_m = std::hypot(sd_m, kObjectSd_m);
   return sd_m;
 }
 

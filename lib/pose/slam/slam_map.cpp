@@ -16,6 +16,15 @@ using geometry::transform;
 
 namespace {
 
+/// Travel between position fixes that turn the map to them [m]: their error is small beside it.
+constexpr double kPlacementTravel_m = 5.0;
+
+/// Larger graphs are solved by submaps of the path: bounds the pause while driving.
+constexpr int kFineSolveKeyframes = 500;
+
+/// The same of the solve at the end of the drive, which nobody waits for.
+constexpr int kFinalSolveKeyframes = 5000;
+
 // Landmarks enter the local map somewhat before they come into view.
 constexpr double kLocalMapMargin_m = 3.0;
 
@@ -38,8 +47,8 @@ void SlamMap::start_session() {
 
 void SlamMap::refresh_local() {
   const double radius_m =
-      std::min(coverage.range_max_m(), config_.sight_range_max_m) + kLocalMapMargin_m;
-  local = local_map(graph, index, session_start, radius_m, config_);
+      std::min(coverage.range_max_m(), config_.observation_range_max_m) + kLocalMapMargin_m;
+  local = local_map(graph, index, session_start, radius_m);
 }
 
 int SlamMap::add_landmark(const ScanPoint& point) {
@@ -61,9 +70,9 @@ bool SlamMap::solve(SolveReason reason) {
       std::count_if(graph.landmarks.begin(), graph.landmarks.end(),
                     [](const SlamLandmark& l) { return l.keyframes.size() >= 2; });
   const bool by_keyframes =
-      num_solved <= config_.solve_keyframes ||
-      (reason == SolveReason::kEndOfDrive && num_solved <= config_.final_keyframes &&
-       5 * num_landmarks <= config_.final_keyframes);
+      num_solved <= kFineSolveKeyframes ||
+      (reason == SolveReason::kEndOfDrive && num_solved <= kFinalSolveKeyframes &&
+       5 * num_landmarks <= kFinalSolveKeyframes);
   const bool is_closure = reason == SolveReason::kLoopClosure;
   GraphSolution solution;
   if (by_keyframes) {
@@ -113,8 +122,7 @@ void SlamMap::rebuild_index() {
 }
 
 void SlamMap::georeference() {
-  const std::optional<Eigen::Vector3d> T_map_graph =
-      find_georeference(graph, config_.place_travel_m);
+  const std::optional<Eigen::Vector3d> T_map_graph = find_georeference(graph, kPlacementTravel_m);
   if (!T_map_graph) return;
   apply_georeference(*T_map_graph, graph);
   if (graph.keyframes.size() > 1 && solve(SolveReason::kGrowth)) return;

@@ -15,6 +15,12 @@ using geometry::transform_back;
 
 namespace {
 
+/// Observations in so many keyframes confirm a landmark.
+constexpr int kConfirmKeyframes = 3;
+
+/// And from positions so far apart [m]: one odd view confirms nothing.
+constexpr double kConfirmTravel_m = 1.0;
+
 // A scan that matches nothing starts a new session only if the keyframe is less certain than this.
 constexpr double kNewSessionSd_m = 0.25;
 constexpr int kNumAmbiguousScans = 10;
@@ -158,7 +164,7 @@ bool SlamTracker::correct_window(SlamMap& map) {
 
 void SlamTracker::finish_keyframe(SlamMap& map) {
   SlamGraph& graph = map.graph;
-  graph.drop_rare_observations(config_.sighting_share_min * num_scans_);
+  graph.drop_rare_observations(config_.detection_rate_min * num_scans_);
   const Keyframe& now = graph.keyframes.back();
   for (const int l : map.local) {
     SlamLandmark& landmark = graph.landmarks[l];
@@ -166,8 +172,8 @@ void SlamTracker::finish_keyframe(SlamMap& map) {
     const int num_observed = static_cast<int>(landmark.keyframes.size());
     if (landmark.keyframes.back() == map.newest()) {
       const double span_m = now.travel_m - graph.keyframes[landmark.keyframes.front()].travel_m;
-      landmark.confirmed = landmark.confirmed || (num_observed >= config_.confirm_keyframes &&
-                                                  span_m >= config_.confirm_travel_m);
+      landmark.confirmed =
+          landmark.confirmed || (num_observed >= kConfirmKeyframes && span_m >= kConfirmTravel_m);
       continue;
     }
     const Eigen::Vector2d p_base = transform_back(now.T_map_base, landmark.p_map);
@@ -175,7 +181,7 @@ void SlamTracker::finish_keyframe(SlamMap& map) {
     const bool gone =
         landmark.num_misses >= kNumMissesMin && landmark.num_misses > kMissRatioMax * num_observed;
     const double since_m = now.travel_m - graph.keyframes[landmark.keyframes.back()].travel_m;
-    const bool transient = !landmark.confirmed && since_m > 0.5 * config_.recent_travel_m;
+    const bool transient = !landmark.confirmed && since_m > 0.5 * kRecentTravel_m;
     if (gone || transient) graph.drop(l);
   }
 }

@@ -84,7 +84,7 @@ Eigen::Vector3d moved(const Eigen::Vector3d& T, const Eigen::Vector3d& was,
 
 SubmapGraph submaps_of(const SlamGraph& graph, const SlamConfig& config) {
   const int num_keyframes = static_cast<int>(graph.keyframes.size());
-  const std::vector<int> first = beginnings(graph, config.solve_stretch_m);
+  const std::vector<int> first = beginnings(graph, config.submap_length_m);
   SubmapGraph out;
   out.graph.calibrations = graph.calibrations;
   out.graph.georeferenced = graph.georeferenced;

@@ -21,7 +21,7 @@ struct SubmapGraph {
   std::vector<int> submap_of;  ///< per keyframe of the other graph
 };
 
-/// The submaps of a graph, at most solve_stretch_m long. A submap ends where the motion is
+/// The submaps of a graph, at most submap_length_m long. A submap ends where the motion is
 /// uncertain.
 SubmapGraph submaps_of(const SlamGraph& graph, const SlamConfig& config);
 

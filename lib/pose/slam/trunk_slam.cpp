@@ -14,6 +14,19 @@ using geometry::compose_covariance;
 
 namespace {
 
+/// A turn by so much makes a keyframe [rad]: the view changes as over half a metre of travel.
+constexpr double kKeyframeTurn_rad = 0.3;
+
+/// Travel over which the odometry calibration is taken as constant [m].
+constexpr double kCalibrationTravel_m = 50.0;
+
+/// Least standard deviation of a position fix [m], whatever it states.
+constexpr double kPlacementSdMin_m = 0.02;
+
+/// The whole graph is solved when it has grown by this fraction: the cost per keyframe stays
+/// constant.
+constexpr double kSolveGrowth = 0.1;
+
 // A keyframe is added also where the motion since the last one has become this uncertain.
 constexpr double kKeyframeSd_m = 0.05;
 constexpr double kKeyframeSd_rad = 0.02;
@@ -78,8 +91,7 @@ void TrunkSlam::add_position(std::int64_t utime, AbsolutePosition position) {
   }
   motion_.advance_to(utime);
   if (map_.empty() || wants_keyframe(kBlindFactor)) add_keyframe();
-  position.covariance +=
-      config_.place_sd_min_m * config_.place_sd_min_m * Eigen::Matrix2d::Identity();
+  position.covariance += kPlacementSdMin_m * kPlacementSdMin_m * Eigen::Matrix2d::Identity();
   position.T_keyframe_then = motion_.motion().delta_with(map_.newest_calibration());
   map_.graph.keyframes.back().positions.push_back(position);
   if (!map_.graph.georeferenced) map_.georeference();
@@ -94,7 +106,7 @@ bool TrunkSlam::wants_keyframe(double factor) const {
   const bool unsure = sd_m > factor * kKeyframeSd_m || sd_rad > factor * kKeyframeSd_rad;
   const bool blind = motion_.silence_s() > config_.gap_s && since_us >= kBlindKeyframe_us;
   return m.travel_m >= factor * config_.keyframe_travel_m ||
-         std::abs(m.delta.z()) >= factor * config_.keyframe_turn_rad ||
+         std::abs(m.delta.z()) >= factor * kKeyframeTurn_rad ||
          (unsure && (m.travel_m > kMovingTravel_m || blind));
 }
 
@@ -125,7 +137,7 @@ void TrunkSlam::add_keyframe() {
     keyframe.motion = motion_.motion();
     keyframe.travel_m = before.travel_m + keyframe.motion.travel_m;
     const auto interval = [&](double travel_m) {
-      return static_cast<int>(travel_m / config_.calibration_travel_m);
+      return static_cast<int>(travel_m / kCalibrationTravel_m);
     };
     if (interval(keyframe.travel_m) > interval(before.travel_m)) {
       graph.calibrations.push_back(calibration);
@@ -155,7 +167,7 @@ void TrunkSlam::correct() {
     if (dt_s > 0.0) motion_.set_velocity(moved.x() / dt_s, moved.z() / dt_s);
   }
   closer_.look(map_);
-  const double solve_at = map_.num_solved * (1.0 + config_.solve_growth) + kSolveKeyframesMin;
+  const double solve_at = map_.num_solved * (1.0 + kSolveGrowth) + kSolveKeyframesMin;
   if (static_cast<double>(keyframes.size()) >= solve_at) map_.solve(SolveReason::kGrowth);
 }
 

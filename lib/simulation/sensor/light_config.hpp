@@ -9,7 +9,7 @@ struct LightConfig {
   bool sun_from_seed = true;  ///< false: the two angles below
   double sun_azimuth_deg = 0.0;
   double sun_elevation_deg = 40.0;
-  double sun_share = 0.75;             ///< of the light on a surface that faces the sun
+  double sun_fraction = 0.75;          ///< of the light on a surface that faces the sun
   bool shadows = true;                 ///< cast by what stands there, and by crowns
   double temperature_k = 5500.0;       ///< of the sun
   double shade_temperature_ratio = 1;  ///< the sky's colour temperature over the sun's
@@ -26,7 +26,7 @@ void describe(Visitor& v, LightConfig& c) {
   v.flag("sun_from_seed", c.sun_from_seed, "true: the seed chooses the sun's direction");
   v.number("sun_azimuth_deg", c.sun_azimuth_deg, -360, 360, "deg", "from map x, to the left");
   v.number("sun_elevation_deg", c.sun_elevation_deg, 3, 90, "deg", "above the horizon");
-  v.number("sun_share", c.sun_share, 0, 1, "1", "direct share of the light towards the sun");
+  v.number("sun_fraction", c.sun_fraction, 0, 1, "1", "direct share of the light towards the sun");
   v.flag("shadows", c.shadows, "cast shadows, dappled under crowns");
   v.number("temperature_k", c.temperature_k, 1500, 15000, "K", "colour temperature of the sun");
   v.number("shade_temperature_ratio", c.shade_temperature_ratio, 0.5, 4, "1",

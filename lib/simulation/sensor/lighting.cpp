@@ -80,7 +80,7 @@ float linear_of(float stored) {
 }
 
 Lighting::Lighting(const LightConfig& light, const CameraResponseConfig& response, double time_s)
-    : sun_share_(static_cast<float>(light.sun_share)),
+    : sun_share_(static_cast<float>(light.sun_fraction)),
       vignetting_(static_cast<float>(response.vignetting)) {
   const double lag_s = response.auto_exposure_lag_s;
   const double followed_ev =

@@ -12,6 +12,7 @@
 #include "calibration/trunks/appearance_learner.hpp"
 #include "cli/calibrate/appearance_collector.hpp"
 #include "cli/calibrate/appearance_values.hpp"
+#include "cli/load_rig.hpp"
 #include "evaluation/look.hpp"
 #include "io/config/config.hpp"
 #include "io/config/config_edit.hpp"
@@ -58,7 +59,7 @@ void add_samples(const CalibrateAppearanceOptions& options, const io::Config& co
 }  // namespace
 
 int run_calibrate_appearance(const CalibrateAppearanceOptions& options) {
-  const io::Config config = io::load_config(options.config_path);
+  const io::Config config = load_rig(options.config_path);
   if (!config.camera.enabled) {
     throw io::FileError(options.config_path + " has no camera (camera.enabled: false)");
   }

@@ -8,6 +8,7 @@
 #include "bus/node/process.hpp"
 #include "calibration/trunks/probability_learner.hpp"
 #include "cli/evaluate/detection_log.hpp"
+#include "cli/load_rig.hpp"
 #include "evaluation/look.hpp"
 #include "evaluation/reliability.hpp"
 #include "io/config/config.hpp"
@@ -100,7 +101,7 @@ void print_fit(const ProbabilityFit& fit, double error) {
 }  // namespace
 
 int run_calibrate_probability(const CalibrateProbabilityOptions& options) {
-  const io::Config config = io::load_config(options.config_path);
+  const io::Config config = load_rig(options.config_path);
   if (options.observation_paths.size() != options.log_paths.size()) {
     throw io::FileError("there are " + std::to_string(options.log_paths.size()) + " logs and " +
                         std::to_string(options.observation_paths.size()) +

@@ -18,6 +18,7 @@
 #include "cli/calibrate/number_list.hpp"
 #include "cli/calibrate/trunk_collector.hpp"
 #include "cli/calibrate/trunk_list.hpp"
+#include "cli/load_rig.hpp"
 #include "io/config/config.hpp"
 #include "io/config/config_edit.hpp"
 #include "io/file_error.hpp"
@@ -173,7 +174,7 @@ int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
     pictures.pictures.quiet = options.quiet;
     return run_calibrate_pictures(pictures);
   }
-  const io::Config config = io::load_config(options.config_path);
+  const io::Config config = load_rig(options.config_path);
   if (options.log_paths.empty()) throw io::FileError("no log was given to learn trunks from");
   const calibration::TrunkModelOptions rules = rules_of(options, config);
   const auto looks = look_at_logs(options, config);

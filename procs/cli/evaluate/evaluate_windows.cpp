@@ -6,6 +6,7 @@
 
 #include "bus/node/process.hpp"
 #include "cli/evaluate/worst_windows.hpp"
+#include "cli/load_rig.hpp"
 #include "evaluation/window_evaluation.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
@@ -15,7 +16,7 @@
 namespace orchard::cli {
 
 int run_evaluate_windows(const EvaluateWindowsOptions& options) {
-  const detection::DetectorConfig model = io::load_config(options.model_path).detector;
+  const detection::DetectorConfig model = load_rig(options.model_path).detector;
   if (!model.appearance.learnt()) {
     throw io::FileError(options.model_path +
                         ": has no learnt detector.appearance; write one with `orchard calibrate "

@@ -12,6 +12,7 @@
 #include "bus/messages/codec.hpp"
 #include "bus/messages/service_messages.hpp"
 #include "bus/node/process.hpp"
+#include "cli/load_rig.hpp"
 #include "cli/logs/simulate_board.hpp"
 #include "cli/long_work.hpp"
 #include "cli/parent_folder.hpp"

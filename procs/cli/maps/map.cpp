@@ -134,7 +134,8 @@ void make_folder(const std::string& folder) {
 /// Where the laser looks, by the rig and the log's first scan: what later comparisons go by.
 mapping::SensorView view_of(const io::Config& config, const std::string& log_path) {
   mapping::SensorView view;
-  view.reach_m = std::min(config.detector.segmentation.range_max_m, config.mapper.range_use_max_m);
+  view.reach_m =
+      std::min(config.detector.segmentation.range_max_m, config.mapper.observation_range_max_m);
   view.mount_x_m = config.laser.mount_x_m;
   view.mount_y_m = config.laser.mount_y_m;
   view.mount_yaw_rad = config.laser.mount_yaw_rad;

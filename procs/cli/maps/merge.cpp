@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "bus/node/process.hpp"
+#include "cli/load_rig.hpp"
 #include "cli/maps/map_laying.hpp"
 #include "geometry/angles.hpp"
 #include "io/config/config.hpp"
@@ -75,7 +76,7 @@ void number(const mapping::RowsConfig& config, io::MapFolderContent& content) {
 int run_merge(const MergeOptions& options) {
   const mapping::RowsConfig rows = options.config_path.empty()
                                        ? mapping::RowsConfig{}
-                                       : io::load_config(options.config_path).mapper.rows;
+                                       : load_rig(options.config_path).mapper.rows;
   std::vector<io::StoredMap> maps;
   for (const std::string& path : options.map_paths) maps.push_back(io::read_stored_map(path));
   require_other_folder(options.out_folder, options.map_paths);

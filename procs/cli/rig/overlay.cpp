@@ -11,6 +11,7 @@
 
 #include "bus/node/process.hpp"
 #include "bus/replay/replay_index.hpp"
+#include "cli/load_rig.hpp"
 #include "detection/detect.hpp"
 #include "detection/scan_image_pairer.hpp"
 #include "detection/trunk_view.hpp"

@@ -352,7 +352,7 @@ TEST(DetectorNode, WarnsOfACameraThatIsTurned) {
 TEST(DetectorNode, WatchingTheEdgesDoesNotTouchDetections) {
   std::string warning;
   io::Config blind;
-  blind.detector.consistency.enabled = false;
+  blind.detector.extrinsics_monitor.enabled = false;
   const auto watched = bytes_of(watch({}, 0.03, warning));
   EXPECT_FALSE(warning.empty());
   const auto unwatched = bytes_of(watch(blind, 0.03, warning));

@@ -47,7 +47,7 @@ bus::SaveRequest request(bus::SaveKind kind) {
 /// Scans are not what this is about.
 io::Config without_scans() {
   io::Config config;
-  config.mapper.presence.scan_wait_s = 0.0;
+  config.mapper.existence.scan_wait_s = 0.0;
   return config;
 }
 

@@ -87,7 +87,7 @@ TEST(MapperNode, TheOrderOfArrivalBetweenChannelsDoesNotMatter) {
 TEST(MapperNode, WaitsForAPoseAndGivesUpByMessageTime) {
   io::Config config;
   config.mapper.pose_wait_s = 1.0;
-  config.mapper.presence.scan_wait_s = 0.0;
+  config.mapper.existence.scan_wait_s = 0.0;
   MapperNode node(config);
   int num_tiles = 0;
   const bus::Outbox send = [&](const bus::Message&) { ++num_tiles; };
@@ -174,8 +174,8 @@ TEST(MapperNode, BeamsDropWhatLeftWheneverTheyArrive) {
 TEST(MapperNode, WithoutScansItWaitsOnceAndSaysSo) {
   const StandingDrive drive = standing_drive();
   io::Config config;
-  config.mapper.presence.scan_wait_s = 0.5;
-  config.mapper.sweep_pose_gap_max_s = 0.0;  // nor for the pose of the last beam
+  config.mapper.existence.scan_wait_s = 0.5;
+  config.mapper.deskew_pose_gap_max_s = 0.0;  // nor for the pose of the last beam
   MapperNode node{config};
   int num_tiles = 0;
   const bus::Outbox send = [&](const bus::Message&) { ++num_tiles; };
@@ -199,8 +199,8 @@ TEST(MapperNode, ARigMayDoWithoutScans) {
   const StandingDrive drive = standing_drive();
   for (const bool enabled : {true, false}) {
     io::Config config;
-    config.mapper.presence.enabled = enabled;
-    if (enabled) config.mapper.presence.scan_wait_s = 0.0;
+    config.mapper.existence.enabled = enabled;
+    if (enabled) config.mapper.existence.scan_wait_s = 0.0;
     MapperNode node{config};
     const auto inputs = node.inputs();
     EXPECT_EQ(std::count(inputs.begin(), inputs.end(), bus::Channel::kScan), 0);
@@ -215,7 +215,7 @@ TEST(MapperNode, ARigMayDoWithoutScans) {
 
 TEST(MapperNode, TilesStayBelowTheSizeOfADatagram) {
   io::Config config;
-  config.mapper.presence.scan_wait_s = 0.0;
+  config.mapper.existence.scan_wait_s = 0.0;
   MapperNode node{config};
   std::size_t largest = 0;
   std::size_t num_landmarks = 0;

@@ -33,7 +33,7 @@ TEST(MovingRobot, MapsAsWellAsOneThatStops) {
   config.detector.use_odometry = false;
   const Outcome without = map_run(moving, config);
   EXPECT_GT(with.judged_tree(), without.judged_tree());
-  config.mapper.sweep_pose_gap_max_s = 0.0;  // all of a scan at its first beam: it must show
+  config.mapper.deskew_pose_gap_max_s = 0.0;  // all of a scan at its first beam: it must show
   EXPECT_GT(map_run(moving, config).map.trees.rms_m - stopped_m, 0.010);
 }
 

@@ -46,9 +46,7 @@ TEST(ConsistencyMonitor, WarnsAfterItsWindowAndClearsWithHysteresis) {
 }
 
 TEST(ConsistencyMonitor, FewLooksSayNothing) {
-  ConsistencyConfig config;
-  config.min_looks = 20;
-  ConsistencyMonitor monitor(config, kFocal_px);
+  ConsistencyMonitor monitor({}, kFocal_px);
   for (int i = 0; i < 100; ++i) {
     monitor.add(1'000'000 + 500'000 * i,
                 i % 4 == 0 ? std::vector<double>{9.0} : std::vector<double>{});

@@ -93,15 +93,15 @@ TEST(FindByLaser, AHalfHiddenTrunkLiesWhereItIsNotWhereItShows) {
 }
 
 TEST(FindByLaser, MostOfACircleIsEnoughWhereTheRigSaysSo) {
-  for (const double visible_min : {0.5, 0.99, 1.0}) {
+  for (const double visible_fraction_min : {0.5, 0.99, 1.0}) {
     DetectorConfig config;
-    config.visible_min = visible_min;
+    config.visible_fraction_min = visible_fraction_min;
     // some three quarters of the farther tube show
     const auto scan = scan_of({brown_tube(0.6, -0.005, 0.07), brown_tube(1.2, 0.07, 0.09)});
     const auto found = find_by_laser(scan, tube_rig(config));
     const bool is_judged = std::any_of(found.candidates.begin(), found.candidates.end(),
                                        [](const Candidate& c) { return c.segment.range_m > 0.9; });
-    EXPECT_EQ(is_judged, visible_min == 0.5) << visible_min;
+    EXPECT_EQ(is_judged, visible_fraction_min == 0.5) << visible_fraction_min;
   }
 }
 
@@ -110,7 +110,7 @@ TEST(FindByLaser, MostOfACircleIsEnoughWhereTheRigSaysSo) {
 TEST(FindByLaser, WhatShowsIsHeldAgainstATrunk) {
   const auto judged = [](double y_m, double width_m) {
     DetectorConfig config;
-    config.visible_min = 0.7;
+    config.visible_fraction_min = 0.7;
     const auto scan = scan_of({brown_tube(0.6, -0.005, 0.07), brown_tube(2.4, y_m, width_m)});
     const auto found = find_by_laser(scan, tube_rig(config));
     int num_hidden = 0;

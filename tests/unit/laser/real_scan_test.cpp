@@ -108,7 +108,7 @@ TEST(RealScan, GrassBeforeATrunkDoesNotPartIt) {
   }
   // as they stay apart when told to
   SegmentationConfig config;
-  config.bridge_beams = 0;
+  config.merge_occluded_beams = 0;
   const Disc twig{1.2, 0.06, 0.010};
   EXPECT_EQ(around(segments_of(exact_scan({{trunk, twig}, {}}, urg()), config), 1.9).size(), 2u);
   EXPECT_EQ(around(segments_of(exact_scan({{trunk, twig}, {}}, urg())), 1.9).size(), 1u);

@@ -142,17 +142,16 @@ TEST(Edges, ThePapersRegressionGivesNothingForAPerfectTrunk) {
 }
 
 TEST(Edges, ParallelFallsToZeroAtItsTolerance) {
-  const EdgeConfig config;
   EdgeLine left, right;
   left.found = right.found = true;
-  EXPECT_DOUBLE_EQ(parallel_confidence(left, right, config), 1.0);
+  EXPECT_DOUBLE_EQ(parallel_confidence(left, right), 1.0);
   right.tilt_rad = 5.0 * kDeg;
-  EXPECT_NEAR(parallel_confidence(left, right, config), 0.5, 1e-12);
+  EXPECT_NEAR(parallel_confidence(left, right), 0.5, 1e-12);
   left.tilt_rad = -5.0 * kDeg;
-  EXPECT_NEAR(parallel_confidence(left, right, config), 0.0, 1e-12);
+  EXPECT_NEAR(parallel_confidence(left, right), 0.0, 1e-12);
   left = right;
   right.found = false;
-  EXPECT_EQ(parallel_confidence(left, right, config), 0.0);
+  EXPECT_EQ(parallel_confidence(left, right), 0.0);
 }
 
 TEST(LineFit, TotalLeastSquaresKnowsEveryDirection) {

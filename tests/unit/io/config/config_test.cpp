@@ -53,11 +53,6 @@ TEST(Config, RefusesWhatIsNotWhatItShouldBe) {
   EXPECT_THAT(problems_of("a: [\n"), ElementsAre(HasSubstr("not YAML")));
 }
 
-TEST(Config, CrossedLimitsAreNamedWhereTheyStand) {
-  EXPECT_THAT(problems_of("detector:\n  edges:\n    canny_low: 200\n    canny_high: 100\n"),
-              ElementsAre("rig.yaml:3: detector.edges.canny_low = 200: must be below canny_high"));
-}
-
 std::string appearance_of(std::size_t num_weights, const std::string& scale = "0.5") {
   const auto list = [](std::size_t size, const std::string& number) {
     std::string text = "[";

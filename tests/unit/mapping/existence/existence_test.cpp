@@ -96,8 +96,7 @@ Mapper drive(int num_passes, const std::function<std::vector<Thing>(double time_
       for (float& range_m : beams.ranges_m) {
         if (range_m > 0.0f) range_m += static_cast<float>(dice.normal(0.01));
       }
-      free_space =
-          std::make_shared<FreeSpace>(beams, laser_ahead(), laser::BlindSector{}, PresenceConfig{});
+      free_space = std::make_shared<FreeSpace>(beams, laser_ahead(), laser::BlindSector{});
     }
     std::vector<Thing> detected = things;
     if (k >= 440) {
@@ -133,7 +132,7 @@ TEST(Existence, WithoutBeamsNothingIsDropped) {
   const Mapper mapper = drive(2, walker_and_rows, Sees::kDetections);
   EXPECT_GT(num_within(mapper, {-5, -1.6}, {45, 1.6}, 3), 20);
   MapperConfig off;
-  off.presence.enabled = false;
+  off.existence.enabled = false;
   EXPECT_GT(num_within(drive(2, walker_and_rows, Sees::kBeams, {1e3, 1e3}, off), {-5, -1.6},
                        {45, 1.6}, 3),
             20);
@@ -227,9 +226,8 @@ TEST(Existence, AScanFromAWrongPlaceDropsNothing) {
     truth.x_m = 20.0 + 0.9 + 0.01 * k;
     truth.y_m = -8.0;
     truth.yaw_rad = 0.3;
-    const auto free_space =
-        std::make_shared<FreeSpace>(beams_of(two_rows(), truth, laser_ahead()), laser_ahead(),
-                                    laser::BlindSector{}, PresenceConfig{});
+    const auto free_space = std::make_shared<FreeSpace>(beams_of(two_rows(), truth, laser_ahead()),
+                                                        laser_ahead(), laser::BlindSector{});
     mapper.update(scan(two_rows(), truth, dice), pose, k % 2 == 0 ? free_space : nullptr);
   }
   EXPECT_EQ(

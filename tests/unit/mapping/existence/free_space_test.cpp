@@ -21,7 +21,7 @@ const laser::LaserConfig kLaser = [] {
 }();
 
 FreeSpace free_space_of(const std::vector<Thing>& things) {
-  return FreeSpace(beams_of(things, {}, kLaser), kLaser, {}, {});
+  return FreeSpace(beams_of(things, {}, kLaser), kLaser, {});
 }
 
 /// A wall behind everything, so that every beam returns.
@@ -62,7 +62,7 @@ TEST(FreeSpace, SaysNothingOfWhatIsHiddenOrOutOfSight) {
 TEST(FreeSpace, NoReturnCountsNearByOnly) {
   laser::Scan scan = beams_of({}, {}, kLaser);
   scan.range_max_m = 8.0;
-  const FreeSpace free_space(scan, kLaser, {}, {});
+  const FreeSpace free_space(scan, kLaser, {});
   EXPECT_EQ(free_space.at({3.0, 0.0}, 0.12, 0.02).verdict, FreeSpaceVerdict::kPassesThrough);
   EXPECT_EQ(free_space.at({6.0, 0.0}, 0.12, 0.02).verdict, FreeSpaceVerdict::kUnknown);
 }
@@ -70,18 +70,18 @@ TEST(FreeSpace, NoReturnCountsNearByOnly) {
 TEST(FreeSpace, ABeamThatIsNotBelievedSaysNothing) {
   laser::Scan scan = beams_of(before_a_wall({}), {}, kLaser);
   const laser::BlindSector ahead{0.0, 0.3};
-  EXPECT_EQ(FreeSpace(scan, kLaser, ahead, {}).at({3.0, 0.0}, 0.12, 0.02).verdict,
+  EXPECT_EQ(FreeSpace(scan, kLaser, ahead).at({3.0, 0.0}, 0.12, 0.02).verdict,
             FreeSpaceVerdict::kUnknown);
-  EXPECT_EQ(FreeSpace(scan, kLaser, ahead, {}).at({3.0, 2.0}, 0.12, 0.02).verdict,
+  EXPECT_EQ(FreeSpace(scan, kLaser, ahead).at({3.0, 2.0}, 0.12, 0.02).verdict,
             FreeSpaceVerdict::kPassesThrough);
   for (float& range_m : scan.ranges_m) range_m = 0.01f;  // nearer than the scanner believes
-  EXPECT_EQ(FreeSpace(scan, kLaser, {}, {}).at({3.0, 2.0}, 0.12, 0.02).verdict,
+  EXPECT_EQ(FreeSpace(scan, kLaser, {}).at({3.0, 2.0}, 0.12, 0.02).verdict,
             FreeSpaceVerdict::kUnknown);
   scan.ranges_m.assign(scan.ranges_m.size(), std::nanf(""));
-  EXPECT_EQ(FreeSpace(scan, kLaser, {}, {}).at({3.0, 2.0}, 0.12, 0.02).verdict,
+  EXPECT_EQ(FreeSpace(scan, kLaser, {}).at({3.0, 2.0}, 0.12, 0.02).verdict,
             FreeSpaceVerdict::kUnknown);
   scan.ranges_m.clear();
-  EXPECT_EQ(FreeSpace(scan, kLaser, {}, {}).at({3.0, 2.0}, 0.12, 0.02).verdict,
+  EXPECT_EQ(FreeSpace(scan, kLaser, {}).at({3.0, 2.0}, 0.12, 0.02).verdict,
             FreeSpaceVerdict::kUnknown);
 }
 

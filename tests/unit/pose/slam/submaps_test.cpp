@@ -60,7 +60,7 @@ SlamGraph world() {
 TEST(Submaps, SumUpTheirKeyframesObservations) {
   const SlamGraph graph = world();
   SlamConfig config;
-  config.solve_stretch_m = 5.0;
+  config.submap_length_m = 5.0;
   const SubmapGraph submaps = submaps_of(graph, config);
   ASSERT_LT(submaps.graph.keyframes.size(), 14u);
   ASSERT_GT(submaps.graph.keyframes.size(), 10u);
@@ -102,7 +102,7 @@ TEST(Submaps, TheDerivativeByTheOdometryCalibrationIsKept) {
     graph.keyframes.push_back(keyframe);
   }
   SlamConfig config;
-  config.solve_stretch_m = 1.9;
+  config.submap_length_m = 1.9;
   const SubmapGraph submaps = submaps_of(graph, config);
   RelativeMotion sum;
   Eigen::Matrix3d E = Eigen::Matrix3d::Zero();
@@ -125,7 +125,7 @@ TEST(Submaps, BlindMotionEndsASubmap) {
   SlamGraph graph = world();
   graph.keyframes[43].motion.covariance(0, 0) = 0.3 * 0.3;
   SlamConfig config;
-  config.solve_stretch_m = 100.0;
+  config.submap_length_m = 100.0;
   const SubmapGraph submaps = submaps_of(graph, config);
   ASSERT_EQ(submaps.graph.keyframes.size(), 2u);
   EXPECT_EQ(submaps.submap_of[42], 0);
@@ -145,7 +145,7 @@ TEST(Submaps, ADriftIsTakenOutAndTheKeyframesFollow) {
     graph.update_landmark(static_cast<int>(l), true);
   }
   SlamConfig config;
-  config.solve_stretch_m = 5.0;
+  config.submap_length_m = 5.0;
   SubmapGraph submaps = submaps_of(graph, config);
   ASSERT_TRUE(solve_graph(submaps.graph, false, config).solved);
   const SlamGraph drifted = graph;

@@ -71,7 +71,7 @@ TEST(Lighting, AutomaticExposureFollowsLateAndInPart) {
 
 TEST(Lighting, SunAndSkyShareTheLight) {
   LightConfig light;
-  light.sun_share = 0.8;
+  light.sun_fraction = 0.8;
   const Lighting lighting(light, {}, 0.0);
   const Bgr albedo{100, 100, 100};
   EXPECT_NEAR(lighting.shade(albedo, 1.0f, 1.0f, 1.0f).g, 100.0, 1e-3);

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "io/config/config.hpp"
+
+namespace orchard::cli {
+
+/// Reads a rig's YAML and prints to stderr which of its keys have another name now or are fixed.
+/// Throws io::ConfigError.
+io::Config load_rig(const std::string& path);
+
+}  // namespace orchard::cli

@@ -152,7 +152,7 @@ stop logger "$logger"
 pids=()
 
 echo
-"$bin/orchard" evaluate "$out/live" --truth "$out/truth.csv" | tee "$out/tables.txt"
+"$bin/orchard" evaluate "$out/live" --truth "$out/truth.csv" --check | tee "$out/tables.txt"
 cp "$out/live/map.png" "$out/live/map.svg" "$out/"
 echo
 say "figure 11: $out/map.png and $out/map.svg"

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Records every message on the bus with lcm-logger until Ctrl-C.
-#   scripts/record.sh [NAME] [LCM_URL]   writes out/recordings/NAME-YYYYmmdd-HHMMSS.lcm
+#   scripts/record.sh [NAME] [LCM_URL]   writes out/recordings/NAME-YYYYmmdd-HHMMSS.lcm (NAME: drive)
+# out/recordings/NAME.lcm leads to the newest of them.
 set -euo pipefail
 case "${1:-}" in
   -h | --help) sed -n '/^[^#]/q; /^#!/d; /^# SPDX/d; s/^# \{0,1\}//p' "$0"; exit 0 ;;
@@ -22,5 +23,6 @@ mkdir -p out/recordings
 log="out/recordings/$name-$(date +%Y%m%d-%H%M%S).lcm"
 echo "record: writing $log from $url; stop with Ctrl-C"
 echo "record: $(df -h --output=avail out/recordings | tail -1 | tr -d ' ') free on this disk"
+ln -sfn "$(basename "$log")" "out/recordings/$name.lcm"
 # A robot that loses power loses at most the last tenth of a second.
 exec lcm-logger --lcm-url="$url" --flush-interval=100 "$log"

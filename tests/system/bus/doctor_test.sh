@@ -19,6 +19,10 @@ grep -q "fix: .*ip route add 224.0.0.0/4 dev lo" "$work/sick" || fail "no comman
 "$in_namespace" "$orchard" doctor >"$work/well" 2>&1 || { cat "$work/well" >&2; fail "a good network: not 0"; }
 grep -q "OK .*came back" "$work/well" || { cat "$work/well" >&2; fail "no self test"; }
 
+"$in_namespace" "$orchard" doctor --json >"$work/json" || fail "doctor --json: not 0"
+grep -q '"worst": "\(ok\|warn\)"' "$work/json" && grep -q '"level": "ok"' "$work/json" ||
+  { cat "$work/json" >&2; fail "doctor --json says something else"; }
+
 cat >"$work/echo.sh" <<'SCRIPT'
 "$1/fake_node" --role pose >/dev/null 2>&1 &
 node=$!

@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# scripts/record.sh: a second recording stands beside the first, and NAME.lcm leads to the newest.
+record=$2
+. "$(dirname "$0")/common.sh"
+command -v lcm-logger >/dev/null || { echo "skipped: no lcm-logger here"; exit 77; }
+cd "$work"
+
+# record_some: records until the node's first STATUS is in the file; its name is in $newest.
+record_some() {
+  start recorder.log "$record" drive "$url"
+  local recorder=$started
+  until newest=$(sed -n 's/^record: writing \(.*\) from .*/\1/p' recorder.log) && [ -s "$newest" ]; do
+    kill -0 "$recorder" || { cat recorder.log >&2; fail "record.sh ended"; }
+  done
+  kill -INT "$recorder"
+  wait "$recorder" || true
+}
+
+start node.log "$bin/fake_node" --role pose
+record_some
+first=$newest
+until [ "$(date +%s)" -gt "$(stat -c %Y "$first")" ]; do :; done  # names hold the second
+record_some
+[ "$newest" != "$first" ] || fail "the second recording has the first one's name"
+[ -s "$first" ] || fail "the first recording is gone"
+[ "$(realpath out/recordings/drive.lcm)" = "$(realpath "$newest")" ] || fail "drive.lcm is not the newest"
+echo "ok: two recordings, and a name for the newest"

@@ -10,6 +10,7 @@
 
 #include "bus/node/process.hpp"
 #include "cli/add_command.hpp"
+#include "cli/help.hpp"
 #include "cli/logs/echo.hpp"
 #include "cli/logs/import.hpp"
 #include "cli/logs/log_commands.hpp"
@@ -27,10 +28,9 @@ namespace {
 void add_simulate(CLI::App& app, Run& run) {
   add_command<SimulateOptions>(
       app, run, "simulate", "Drive through a simulated scene and write the log of it",
-      "  orchard simulate --scene tubes --seed 1 --out tubes.lcm --truth tubes_truth.csv\n"
-      "  orchard simulate --scene orchard --seed 7 --out drive.lcm --truth truth.csv \\\n"
-      "      --poses poses.csv --observations observations.csv \\\n"
-      "      --config config/orchard.yaml --duration 60\n",
+      "  orchard simulate --scene tubes --seed 1 --out out/tubes.lcm --truth out/truth.csv\n"
+      "  orchard simulate --scene orchard --seed 7 --out out/drive.lcm --duration 60 \\\n"
+      "      --truth out/truth.csv --poses out/poses.csv --observations out/looks.csv\n",
       run_simulate, [](CLI::App& command, SimulateOptions& o) {
         command
             .add_option("--scene", o.scene,
@@ -48,7 +48,7 @@ void add_simulate(CLI::App& app, Run& run) {
             .add_option("--observations", o.observations_path,
                         "also write what each scan truly held of every thing")
             ->type_name("CSV");
-        command.add_option("--config", o.config_path, "rig; without it the defaults")
+        command.add_option("--config", o.config_path, "rig; without it the scene's own")
             ->type_name("FILE");
         command.add_option("--from", o.from_s, "begin the log that many seconds into the scene")
             ->check(CLI::NonNegativeNumber)
@@ -76,15 +76,16 @@ void add_import(CLI::App& app, Run& run) {
 void add_map(CLI::App& app, Run& run) {
   add_command<MapOptions>(
       app, run, "map", "Make the map of a log, in this process and faster than it was driven",
-      "  orchard map drive.lcm --config config/orchard.yaml --out out/drive\n"
-      "  orchard map drive.lcm --config config/orchard.yaml --out out/drive --strict --quiet\n"
-      "  orchard map later.lcm --config config/orchard.yaml --previous out/drive --out out/later\n"
+      "  orchard map drive.lcm --out out/drive                  (by the rig in the log)\n"
+      "  orchard map drive.lcm --config mine.yaml --out out/drive --strict --quiet\n"
+      "  orchard map later.lcm --previous out/drive --out out/later\n"
       "The map depends on the log and the configuration only: the same files every time.\n"
       "A damaged log is mapped from what can be read, with warnings; --strict refuses it.\n",
       run_map, [](CLI::App& command, MapOptions& o) {
         command.add_option("log", o.log_path, "log to map")->required()->type_name("LOG");
-        command.add_option("--config", o.config_path, "the rig it was recorded with")
-            ->required()
+        command
+            .add_option("--config", o.config_path,
+                        "another rig than it was recorded with, or that of a log without CONFIG")
             ->type_name("FILE");
         command.add_option("--out", o.out_folder, "folder for the map, made when missing")
             ->required()
@@ -96,21 +97,39 @@ void add_map(CLI::App& app, Run& run) {
         add_alignment_options(command, o.previous_alignment);
         command.add_flag("--strict", o.strict, "refuse a log with any damage (exit 3)");
         command.add_flag("--quiet", o.quiet, "warnings and errors only");
+        command.add_flag("--no-derived", o.no_derived,
+                         "leave out derived.lcm, the messages on the way (twice the log's size)");
         command.add_flag("--timing", o.timing,
                          "print processor time and memory for every thousand scans");
       });
 }
 
 void add_log(CLI::App& app, Run& run) {
-  CLI::App* log = app.add_subcommand("log", "Look into a log, check it, repair it");
+  CLI::App* log = app.add_subcommand("log", "Look into a log: what it holds, its rig, its damage");
   log->require_subcommand(1);
   const auto add_path = [](CLI::App& command, LogOptions& o) {
     command.add_option("log", o.log_path, "log to read")->required()->type_name("LOG");
   };
+  const auto add_survey = [add_path](CLI::App& command, LogOptions& o) {
+    add_path(command, o);
+    command.add_flag("--json", o.json, "for programs");
+  };
   add_command<LogOptions>(*log, run, "info", "What it holds: channels, counts, rates, times",
-                          "  orchard log info drive.lcm\n", run_log_info, add_path);
+                          "  orchard log info drive.lcm\n"
+                          "  orchard log info drive.lcm --json\n",
+                          run_log_info, add_survey);
   add_command<LogOptions>(*log, run, "check", "What is wrong with it; exit 3 when something is",
-                          "  orchard log check drive.lcm && echo sound\n", run_log_check, add_path);
+                          "  orchard log check drive.lcm && echo sound\n", run_log_check,
+                          add_survey);
+  add_command<LogOptions>(
+      *log, run, "config", "Print the rig that it was recorded with, as YAML for --config",
+      "  orchard log config drive.lcm > mine.yaml\n"
+      "  orchard log config drive.lcm --process orchard-detector     (where processes differ)\n",
+      run_log_config, [&](CLI::App& command, LogOptions& o) {
+        add_path(command, o);
+        command.add_option("--process", o.process, "the one that this process ran with")
+            ->type_name("NAME");
+      });
   add_command<LogOptions>(
       *log, run, "repair", "Write a new log of every message that can be read",
       "  orchard log repair broken.lcm --out repaired.lcm\n", run_log_repair,
@@ -126,8 +145,8 @@ void add_log(CLI::App& app, Run& run) {
 void add_overlay(CLI::App& app, Run& run) {
   add_command<OverlayOptions>(
       app, run, "overlay", "Draw what laser and detector see onto a log's picture",
-      "  orchard overlay drive.lcm --at 12.5 --config config/orchard.yaml --out overlay.png\n"
-      "  orchard overlay drive.lcm --at 1385942412500000 --config config/mine.yaml --out o.png\n"
+      "  orchard overlay drive.lcm --at 12.5 --out overlay.png          (by the rig in the log)\n"
+      "  orchard overlay drive.lcm --at 1385942412500000 --config mine.yaml --out overlay.png\n"
       "Scan points by range (red near, blue far), colour windows (white), edge windows (grey) "
       "with\n"
       "the columns the laser expects (ticks) and the edges found (cyan), confidences below.\n",
@@ -140,8 +159,9 @@ void add_overlay(CLI::App& app, Run& run) {
                         "seconds from the log's start, or a utime [us]; the nearest pair is drawn")
             ->required()
             ->type_name("TIME");
-        command.add_option("--config", o.config_path, "the rig it was recorded with")
-            ->required()
+        command
+            .add_option("--config", o.config_path,
+                        "another rig than it was recorded with, or that of a log without CONFIG")
             ->type_name("FILE");
         command.add_option("--out", o.out_path, "picture to write")
             ->required()
@@ -178,7 +198,10 @@ void add_doctor(CLI::App& app, Run& run) {
       "  orchard doctor\n"
       "  orchard doctor --lcm-url 'udpm://239.255.76.67:7667?ttl=1'     (several machines)\n"
       "Exit code 1 when something keeps messages from flowing.\n",
-      run_doctor, [](CLI::App& command, DoctorOptions& o) { add_lcm_url(command, o.lcm_url); });
+      run_doctor, [](CLI::App& command, DoctorOptions& o) {
+        add_lcm_url(command, o.lcm_url);
+        command.add_flag("--json", o.json, "for programs");
+      });
 }
 
 void add_all(CLI::App& app, Run& run) {
@@ -193,6 +216,7 @@ void add_all(CLI::App& app, Run& run) {
   add_echo(app, run);
   add_doctor(app, run);
   add_calibrate(app, run);
+  app.add_subcommand("help", "Explain a command: orchard help map");
 }
 
 std::vector<std::string> words_of(const CLI::App& app) {
@@ -274,20 +298,40 @@ int run_and_report(const Run& run, const std::string& title) {
 
 }  // namespace
 
-int run_command_line(int argc, char** argv) {
+namespace {
+
+/// `orchard help log info` as `orchard log info --help`.
+std::vector<char*> with_help_option(int argc, char** argv) {
+  static char help_option[] = "--help";
+  std::vector<char*> words(argv, argv + argc);
+  if (argc > 1 && std::string(argv[1]) == "help") {
+    words.erase(words.begin() + 1);
+    words.push_back(help_option);
+  }
+  return words;
+}
+
+}  // namespace
+
+int run_command_line(int given_argc, char** given_argv) {
+  std::vector<char*> words = with_help_option(given_argc, given_argv);
+  const int argc = static_cast<int>(words.size());
+  char** argv = words.data();
   CLI::App app{"Orchard Mapper: from what a robot's laser and camera saw to a map of every tree.",
                "orchard"};
-  app.set_version_flag("--version", "orchard " ORCHARD_VERSION);
+  set_up_help(app);
   app.require_subcommand(1);
   app.footer(
       "Start here:\n"
-      "  orchard simulate --scene tubes --seed 1 --out tubes.lcm --truth truth.csv\n"
-      "  orchard map tubes.lcm --config config/tubes.yaml --out out/tubes\n"
-      "  orchard evaluate out/tubes --truth truth.csv\n"
-      "`orchard COMMAND --help` explains a command and shows examples.\n"
-      "Exit codes: 0 done, 1 failed, 2 bad command line, 3 bad configuration or input file.");
+      "  orchard simulate --scene tubes --seed 1 --out out/tubes.lcm --truth out/truth.csv\n"
+      "  orchard map out/tubes.lcm --out out/tubes\n"
+      "  orchard evaluate out/tubes --truth out/truth.csv\n"
+      "`orchard help COMMAND` explains a command and shows examples.\n"
+      "Exit codes: 0 done, 1 failed or interrupted, 2 bad command line, 3 bad configuration or "
+      "input file.");
   Run run;
   add_all(app, run);
+  finish_help(app);
 
   std::string problem;
   const CLI::App* command = find_command(app, argc, argv, problem);

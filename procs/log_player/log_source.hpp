@@ -18,6 +18,9 @@ class LogSource : public bus::Source {
   LogSource(const std::string& log_path, const bus::ReplayOptions& options);
 
   std::optional<bus::Message> next() override;
+  std::optional<double> duration_s() const override {
+    return 1e-6 * static_cast<double>(index_.report.last_utime - index_.report.first_utime);
+  }
   const bus::ReplayReport& report() const { return index_.report; }
 
  private:

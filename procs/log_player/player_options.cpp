@@ -6,6 +6,10 @@
 
 #include <CLI/CLI.hpp>
 #include <iostream>
+#include <utility>
+
+#include "io/file_error.hpp"
+#include "log_player/replay_rig.hpp"
 
 namespace orchard::procs {
 namespace {
@@ -32,12 +36,28 @@ void set_up_log(const std::string& level) {
   spdlog::set_level(spdlog::level::from_str(level == "warning" ? "warn" : level));
 }
 
+/// The rig to replay the log with, and what to say of it; false when there is none.
+bool take_replay_rig(PlayerOptions& options, const std::string& config_path) {
+  try {
+    ReplayRig rig = choose_rig(options.log_path, config_path);
+    for (const std::string& note : rig.notes) spdlog::warn("{}", note);
+    options.rig = io::RigFile(std::move(rig.config));
+    return true;
+  } catch (const io::ConfigError& error) {
+    for (const std::string& problem : error.problems()) std::cerr << problem << "\n";
+    std::cerr << kName << ": " << error.problems().size() << " mistake(s) in the configuration\n";
+  } catch (const io::FileError& error) {
+    std::cerr << kName << ": " << error.what() << "\n";
+  }
+  return false;
+}
+
 }  // namespace
 
 std::optional<int> read_player_options(int argc, char** argv, PlayerOptions& options) {
   CLI::App app(kDescription, kName);
   app.footer(kFooter);
-  app.set_version_flag("--version", std::string(kName) + " " + std::string(bus::version()));
+  app.set_version_flag("-V,--version", std::string(kName) + " " + std::string(bus::version()));
   std::string config_path;
   std::string lcm_url;
   std::string log_level = "info";
@@ -53,7 +73,7 @@ std::optional<int> read_player_options(int argc, char** argv, PlayerOptions& opt
                     ->check(CLI::Range(1e-3, 1e3));
   lockstep_flag->excludes(in_process_flag)->excludes(speed);
   speed->excludes(in_process_flag);
-  app.add_option("--config", config_path, "the rig's YAML (without: built-in defaults)")
+  app.add_option("--config", config_path, "the rig's YAML (without: the rig in LOG)")
       ->option_text("FILE");
   app.add_option("--out", options.out_path, "write every derived message to this log")
       ->option_text("FILE")
@@ -105,16 +125,17 @@ std::optional<int> read_player_options(int argc, char** argv, PlayerOptions& opt
   for (std::string& name : options.process.wait_for) {
     if (name.rfind("orchard-", 0) != 0) name = "orchard-" + name;
   }
-  if (!bus::load_config(kName, config_path, options.rig)) return bus::kExitInput;
+  if (options.mode == PlayerMode::kInProcess && !options.log_path.empty()) {
+    if (!take_replay_rig(options, config_path)) return bus::kExitInput;
+  } else if (!bus::load_config(kName, config_path, options.rig)) {
+    return bus::kExitInput;
+  }
   if (!lcm_url.empty()) options.rig.lcm().url = lcm_url;
   if (print_config) {
     std::cout << options.rig.print(print_all ? io::PrintedKeys::kAll : io::PrintedKeys::kUser);
     return bus::kExitOk;
   }
   options.process.config = options.rig.effective();
-  if (config_path.empty() && options.mode == PlayerMode::kInProcess) {
-    spdlog::warn("no --config given: replaying with built-in defaults");
-  }
   return std::nullopt;
 }
 

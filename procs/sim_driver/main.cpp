@@ -3,7 +3,7 @@
 #include <stdexcept>
 
 #include "bus/node/process.hpp"
-#include "io/config/config.hpp"
+#include "io/config/scene_rig.hpp"
 #include "sim_driver/sim_source.hpp"
 
 int main(int argc, char** argv) {
@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
        &options.poses_path},
   };
   orchard::io::RigFile rig;
+  info.load_default = [&] { rig = orchard::io::RigFile(orchard::io::scene_rig(options.scene)); };
   bool bad_usage = false;
   const int code = orchard::bus::run_driver_process(
       argc, argv, info, rig, [&]() -> std::unique_ptr<orchard::bus::Source> {

@@ -31,6 +31,12 @@ std::optional<bus::Message> SimSource::next() {
   return std::visit([](auto& m) { return bus::Message(std::move(m)); }, *sensed);
 }
 
+std::optional<double> SimSource::duration_s() const {
+  if (simulator_.num_scans() == 0) return std::nullopt;
+  return 1e-6 * static_cast<double>(simulator_.scan_utime(simulator_.num_scans() - 1) -
+                                    simulation::kEpochUtime);
+}
+
 std::unique_ptr<SimSource> make_sim_source(const SimDriverOptions& options,
                                            const io::Config& config) {
   const auto kind = simulation::find_scene(options.scene);

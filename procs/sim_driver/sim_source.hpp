@@ -25,6 +25,7 @@ class SimSource : public bus::Source {
   SimSource(simulation::SceneKind kind, std::uint64_t seed, const simulation::RigConfig& rig);
 
   std::optional<bus::Message> next() override;
+  std::optional<double> duration_s() const override;
   const simulation::Simulator& simulator() const { return simulator_; }
 
  private:

@@ -110,7 +110,7 @@ int main(int argc, char** argv) {
     io::LogReader reader(argv[1]);
     while (auto event = reader.next()) {
       const auto channel = bus::find_channel(event->channel);
-      if (!channel) continue;
+      if (!channel || bus::info(*channel).role == bus::Role::kService) continue;
       const auto decoded = bus::decode(*channel, event->data.data(), event->data.size());
       if (const auto* message = std::get_if<bus::Message>(&decoded))
         std::visit([&](const auto& m) { writer(m); }, *message);

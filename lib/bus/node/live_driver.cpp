@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "io/progress_bar.hpp"
+
 namespace orchard::bus {
 namespace {
 
@@ -32,6 +34,12 @@ LiveDriver::LiveDriver(Bus& bus, Source& source, const std::string& name,
 
 void LiveDriver::run(StopSignal& stop) {
   if (!wait_for_others(stop)) return;
+  const std::optional<double> duration_s = source_.duration_s();
+  if (duration_s) {
+    spdlog::info("publishes {:.0f} s of messages at speed {:g}: done in {}", *duration_s,
+                 options_.speed, io::waiting_text(*duration_s / options_.speed));
+  }
+  io::ProgressBar bar("publishing", duration_s.has_value());
   std::optional<Message> message = source_.next();
   const Clock::time_point start = Clock::now();
   const std::int64_t first_utime = message ? utime_of(*message) : 0;
@@ -41,8 +49,11 @@ void LiveDriver::run(StopSignal& stop) {
     if (!wait_until(due, stop)) break;
     bus_.publish(*message);
     ++num_published_;
+    bar.update(static_cast<std::uint64_t>(utime_of(*message) - first_utime),
+               static_cast<std::uint64_t>(1e6 * duration_s.value_or(0.0)));
     message = source_.next();
   }
+  bar.finish();
   ended_ = !message;
   if (ended_) spdlog::info("the source has ended after {} messages", num_published_);
   while (ended_ && options_.hold && !stop.raised()) {

@@ -29,6 +29,8 @@ struct ProcessInfo {
   std::string name;         ///< of the executable: "orchard-detector"
   std::string description;  ///< the first lines of --help
   std::vector<ExtraOption> options;
+  /// Fills the configuration where no --config is given; empty: the built-in defaults stay.
+  std::function<void()> load_default;
 };
 
 /// How much a save may cost.

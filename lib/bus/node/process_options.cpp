@@ -47,13 +47,15 @@ std::optional<int> read_options(int argc, char** argv, const ProcessInfo& info, 
                                 io::ConfigFile& config, ProcessOptions& options) {
   CLI::App app(info.description, info.name);
   app.footer(kFooter);
-  app.set_version_flag("--version", info.name + " " + std::string(version()));
+  app.set_version_flag("-V,--version", info.name + " " + std::string(version()));
   std::string config_path;
   std::string lcm_url;
   std::string log_level = "info";
   bool print_config = false;
   bool print_all = false;
-  app.add_option("--config", config_path, "the rig's YAML (without: built-in defaults)")
+  app.add_option("--config", config_path,
+                 info.load_default ? "the rig's YAML (without: that of the scene)"
+                                   : "the rig's YAML (without: built-in defaults)")
       ->option_text("FILE");
   app.add_option("--lcm-url", lcm_url, "LCM network, instead of the configuration's lcm.url")
       ->option_text("URL")
@@ -99,14 +101,20 @@ std::optional<int> read_options(int argc, char** argv, const ProcessInfo& info, 
   }
   for (std::string& name : options.wait_for) name = full_name(name);
   set_up_log(info.name, log_level);
-  if (!load_config(info.name, config_path, config)) return kExitInput;
+  if (config_path.empty() && info.load_default) {
+    info.load_default();
+  } else if (!load_config(info.name, config_path, config)) {
+    return kExitInput;
+  }
   if (!lcm_url.empty()) config.lcm().url = lcm_url;
   if (print_config) {
     std::cout << config.print(print_all ? io::PrintedKeys::kAll : io::PrintedKeys::kUser);
     return kExitOk;
   }
   options.config = config.effective();
-  if (config_path.empty()) spdlog::warn("no --config given: running with built-in defaults");
+  if (config_path.empty() && !info.load_default) {
+    spdlog::warn("no --config given: running with built-in defaults");
+  }
   return std::nullopt;
 }
 

@@ -15,6 +15,9 @@ class Source {
 
   /// The next message, or none when there will be no more.
   virtual std::optional<Message> next() = 0;
+
+  /// How long all messages together last, by their own time [s]; none when that is not known.
+  virtual std::optional<double> duration_s() const { return std::nullopt; }
 };
 
 }  // namespace orchard::bus

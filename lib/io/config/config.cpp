@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "io/config/config_visitor.hpp"
+#include "io/config/text_hash.hpp"
 #include "io/config/yaml_printer.hpp"
 #include "io/config/yaml_reader.hpp"
 
@@ -61,11 +62,7 @@ std::string effective_config(const Config& config) {
 }
 
 std::int64_t config_hash(const Config& config) {
-  std::uint64_t hash = 1469598103934665603ull;
-  for (const char c : effective_config(config)) {
-    hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
-  }
-  return static_cast<std::int64_t>(hash);
+  return text_hash(effective_config(config));
 }
 
 std::vector<std::string> RigFile::load(const std::string& path) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "detection/detector_config.hpp"
@@ -57,6 +58,9 @@ std::int64_t config_hash(const Config& config);
 /// A rig's configuration as a process loads it.
 class RigFile : public ConfigFile {
  public:
+  RigFile() = default;
+  explicit RigFile(Config config) : config_(std::move(config)) {}
+
   const Config& config() const { return config_; }
 
   std::vector<std::string> load(const std::string& path) override;

@@ -8,7 +8,8 @@
 
 namespace orchard::io {
 
-LogRepair repair_log(const std::string& path, const std::string& out_path) {
+LogRepair repair_log(const std::string& path, const std::string& out_path,
+                     const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
   std::error_code ignored;
   if (std::filesystem::equivalent(path, out_path, ignored)) {
     throw FileError(out_path + " is the log to be repaired; give another name");
@@ -19,6 +20,7 @@ LogRepair repair_log(const std::string& path, const std::string& out_path) {
   while (const auto event = reader.next()) {
     writer.write(event->timestamp_us, event->channel, event->data);
     ++repair.num_events;
+    if (progress) progress(reader.position(), reader.file_size());
   }
   if (repair.num_events == 0) {
     throw FileError(path + " holds no LCM event that can be read; is it an LCM log?");

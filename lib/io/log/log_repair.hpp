@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,9 @@ struct LogRepair {
 
 /// Copies every event that can be read; they are numbered anew. Throws FileError when either file
 /// fails, when both are one, and when no event can be read.
-LogRepair repair_log(const std::string& path, const std::string& out_path);
+/// `progress` is told the bytes read and those of the whole file; what it throws passes through,
+/// and nothing is written then.
+LogRepair repair_log(const std::string& path, const std::string& out_path,
+                     const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
 
 }  // namespace orchard::io

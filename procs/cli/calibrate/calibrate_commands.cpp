@@ -39,10 +39,10 @@ void add_board_options(CLI::App& command, calibration::BoardConfig& board, std::
 
 constexpr const char* kCameraExamples =
     "  orchard calibrate camera pictures/ --columns 8 --rows 6 --square-m 0.03 --out "
-    "config/mine.yaml\n"
+    "mine.yaml\n"
     "  orchard calibrate camera board.lcm --board charuco --columns 7 --rows 5 --square-m 0.04 \\\n"
-    "      --marker-m 0.03 --config config/tubes.yaml --out config/mine.yaml --coverage seen.png\n"
-    "  orchard calibrate camera --import Calib_Results.m --out config/mine.yaml\n";
+    "      --marker-m 0.03 --config config/tubes.yaml --out mine.yaml --coverage seen.png\n"
+    "  orchard calibrate camera --import Calib_Results.m --out mine.yaml\n";
 
 void add_camera(CLI::App& calibrate, Run& run) {
   add_command<CalibrateCameraOptions>(
@@ -85,7 +85,7 @@ void add_camera(CLI::App& calibrate, Run& run) {
 }
 
 const char* const kDelayExamples =
-    "  orchard calibrate delay curves.lcm --config config/mine.yaml --out config/timed.yaml\n";
+    "  orchard calibrate delay curves.lcm --config mine.yaml --out config/timed.yaml\n";
 
 void add_calibrate_delay(CLI::App& calibrate, Run& run) {
   add_command<CalibrateDelayOptions>(
@@ -107,7 +107,7 @@ void add_calibrate_delay(CLI::App& calibrate, Run& run) {
 void add_appearance(CLI::App& calibrate, Run& run) {
   const char* examples =
       "  orchard calibrate appearance a.lcm b.lcm --observations a.csv b.csv \\\n"
-      "    --config config/orchard.yaml --out config/mine.yaml\n";
+      "    --config config/orchard.yaml --out mine.yaml\n";
   add_command<CalibrateAppearanceOptions>(
       calibrate, run, "appearance",
       "Learn what trunks look like from drives with a known truth, and write it into the rig's "
@@ -133,7 +133,7 @@ void add_appearance(CLI::App& calibrate, Run& run) {
 void add_probability(CLI::App& calibrate, Run& run) {
   const char* examples =
       "  orchard calibrate probability a.lcm b.lcm --observations a.csv b.csv \\\n"
-      "    --config config/orchard.yaml --out config/mine.yaml\n";
+      "    --config config/orchard.yaml --out mine.yaml\n";
   add_command<CalibrateProbabilityOptions>(
       calibrate, run, "probability",
       "Learn from logs with a known truth what probability of a tree the detector's measurements "
@@ -163,11 +163,11 @@ void add_calibrate(CLI::App& app, Run& run) {
   calibrate->require_subcommand(1);
   add_camera(*calibrate, run);
   const char* examples =
-      "  orchard calibrate trunks drive.lcm --config config/tubes.yaml --out config/mine.yaml\n"
-      "  orchard calibrate trunks one.lcm two.lcm --config config/mine.yaml\n"
-      "  orchard calibrate trunks drive.lcm --config config/mine.yaml --list out/things\n"
-      "  orchard calibrate trunks drive.lcm --config config/mine.yaml --trees 3,7,9-20\n"
-      "  orchard calibrate trunks drive.lcm --config config/mine.yaml --map out/drive --ids 4,8\n"
+      "  orchard calibrate trunks drive.lcm --config config/tubes.yaml --out mine.yaml\n"
+      "  orchard calibrate trunks one.lcm two.lcm --config mine.yaml\n"
+      "  orchard calibrate trunks drive.lcm --config mine.yaml --list out/things\n"
+      "  orchard calibrate trunks drive.lcm --config mine.yaml --trees 3,7,9-20\n"
+      "  orchard calibrate trunks drive.lcm --config mine.yaml --map out/drive --ids 4,8\n"
       "  orchard calibrate trunks --images pictures --masks masks --only 000-019 --out "
       "model.yaml\n";
   add_command<CalibrateTrunksOptions>(

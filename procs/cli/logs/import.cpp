@@ -11,6 +11,8 @@
 
 #include "bus/messages/codec.hpp"
 #include "bus/node/process.hpp"
+#include "cli/long_work.hpp"
+#include "cli/parent_folder.hpp"
 #include "io/log/log_writer.hpp"
 #include "io/recording/rawlog.hpp"
 #include "io/recording/recording_folder.hpp"
@@ -27,7 +29,10 @@ struct Imported {
   std::int64_t num_all = 0;
 };
 
-Imported write_log(const NextMessage& next, const std::string& out_path) {
+/// `num_all`: how many messages there are, 0 when that is not known.
+Imported write_log(const NextMessage& next, std::uint64_t num_all, const std::string& out_path) {
+  make_parent_folder(out_path);
+  LongWork work("importing messages");
   io::LogWriter writer(out_path);
   Imported imported;
   while (const auto sensed = next()) {
@@ -38,7 +43,9 @@ Imported write_log(const NextMessage& next, const std::string& out_path) {
     if (imported.num_all++ == 0) imported.first_utime = utime;
     imported.last_utime = utime;
     ++imported.num_messages[static_cast<std::size_t>(channel)];
+    work.update(static_cast<std::uint64_t>(imported.num_all), num_all);
   }
+  work.finish();
   writer.close();
   return imported;
 }
@@ -65,7 +72,7 @@ int run_import(const ImportOptions& options) {
   if (std::filesystem::is_directory(options.source_path)) {
     io::RecordingFolder recording(options.source_path);
     print_imported(options.out_path,
-                   write_log([&recording] { return recording.next(); }, options.out_path));
+                   write_log([&recording] { return recording.next(); }, 0, options.out_path));
     print_mount(recording.laser().mount);
     return bus::kExitOk;
   }
@@ -76,7 +83,7 @@ int run_import(const ImportOptions& options) {
                                          if (next == rawlog.messages.end()) return std::nullopt;
                                          return *next++;
                                        },
-                                       options.out_path));
+                                       rawlog.messages.size(), options.out_path));
   if (rawlog.laser_mount) print_mount(*rawlog.laser_mount);
   for (const auto& [what, num] : rawlog.ignored) {
     std::printf("not used: %" PRId64 " x %s\n", num, what.c_str());

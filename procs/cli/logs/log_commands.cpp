@@ -5,7 +5,11 @@
 #include <cstdio>
 
 #include "bus/node/process.hpp"
+#include "bus/replay/logged_rig.hpp"
+#include "cli/logs/log_json.hpp"
 #include "cli/logs/log_survey.hpp"
+#include "cli/long_work.hpp"
+#include "cli/parent_folder.hpp"
 #include "io/log/log_repair.hpp"
 
 namespace orchard::cli {
@@ -48,19 +52,16 @@ void print_gap(const std::string& path, const io::LogGap& gap) {
               gap.offset);
 }
 
-/// Prints each finding as a line; returns how many there are that make a log unsound.
-int print_findings(const std::string& path, const LogSurvey& survey) {
-  int num_problems = 0;
+/// Prints each finding as a line.
+void print_findings(const std::string& path, const LogSurvey& survey) {
   for (const io::LogGap& gap : survey.gaps) {
     print_gap(path, gap);
-    ++num_problems;
   }
   for (const auto& [name, channel] : survey.channels) {
     if (channel.num_refused > 0) {
       std::printf("%s: %s: %" PRId64 " of %" PRId64 " messages cannot be used (first: %s)\n",
                   path.c_str(), name.c_str(), channel.num_refused, channel.num_messages,
                   channel.first_refusal.c_str());
-      ++num_problems;
     }
     if (channel.num_missing > 0) {
       std::printf("%s: %s: %" PRId64 " messages are missing (gaps in seq)\n", path.c_str(),
@@ -74,15 +75,17 @@ int print_findings(const std::string& path, const LogSurvey& survey) {
   }
   if (!survey.knows_a_channel()) {
     std::printf("%s: no channel that Orchard Mapper knows\n", path.c_str());
-    ++num_problems;
   }
-  return num_problems;
 }
 
 }  // namespace
 
 int run_log_info(const LogOptions& options) {
   const LogSurvey survey = survey_log(options.log_path);
+  if (options.json) {
+    std::fputs(log_json(options.log_path, survey).c_str(), stdout);
+    return bus::kExitOk;
+  }
   std::printf("%s: %" PRIu64 " bytes, %" PRId64 " messages, received over %.3f s\n",
               options.log_path.c_str(), survey.file_size, survey.num_events,
               static_cast<double>(survey.last_timestamp_us - survey.first_timestamp_us) *
@@ -97,8 +100,12 @@ int run_log_info(const LogOptions& options) {
 
 int run_log_check(const LogOptions& options) {
   const LogSurvey survey = survey_log(options.log_path);
-  const int num_problems = print_findings(options.log_path, survey);
-  if (num_problems == 0) {
+  if (options.json) {
+    std::fputs(log_json(options.log_path, survey).c_str(), stdout);
+    return survey.sound() ? bus::kExitOk : bus::kExitInput;
+  }
+  print_findings(options.log_path, survey);
+  if (survey.sound()) {
     std::printf("%s: sound: %" PRId64 " messages\n", options.log_path.c_str(), survey.num_events);
     return bus::kExitOk;
   }
@@ -109,8 +116,21 @@ int run_log_check(const LogOptions& options) {
   return bus::kExitInput;
 }
 
+int run_log_config(const LogOptions& options) {
+  const bus::LoggedRig rig = bus::rig_of_log(options.log_path, options.process);
+  std::printf("# %s: the rig of", options.log_path.c_str());
+  for (const std::string& process : rig.processes) std::printf(" %s", process.c_str());
+  std::printf(", version %s\n%s", rig.version.c_str(), rig.yaml.c_str());
+  return bus::kExitOk;
+}
+
 int run_log_repair(const LogOptions& options) {
-  const io::LogRepair read = io::repair_log(options.log_path, options.out_path);
+  make_parent_folder(options.out_path);
+  LongWork work("copying");
+  const io::LogRepair read = io::repair_log(
+      options.log_path, options.out_path,
+      [&work](std::uint64_t done, std::uint64_t total) { work.update(done, total); });
+  work.finish();
   for (const io::LogGap& gap : read.gaps) print_gap(options.log_path, gap);
   std::printf("%s: recovered %" PRId64 " messages, lost %" PRIu64 " bytes in %zu places\n",
               options.out_path.c_str(), read.num_events, read.num_lost_bytes, read.gaps.size());

@@ -65,6 +65,8 @@ bool LogSurvey::knows_a_channel() const {
                      [](const auto& entry) { return bus::find_channel(entry.first).has_value(); });
 }
 
+bool LogSurvey::sound() const { return gaps.empty() && num_refused() == 0 && knows_a_channel(); }
+
 LogSurvey survey_log(const std::string& path) {
   io::LogReader reader(path);
   LogSurvey survey;

@@ -37,6 +37,7 @@ struct LogSurvey {
 
   std::int64_t num_refused() const;
   bool knows_a_channel() const;
+  bool sound() const;  ///< all of it can be read, and something of it be used
 };
 
 /// Reads the whole log. Throws io::FileError when it cannot be opened or is empty of events.

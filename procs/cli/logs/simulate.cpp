@@ -9,12 +9,13 @@
 #include <vector>
 
 #include "bus/messages/codec.hpp"
+#include "bus/messages/service_messages.hpp"
 #include "bus/node/process.hpp"
 #include "cli/logs/simulate_board.hpp"
-#include "io/config/config.hpp"
+#include "cli/long_work.hpp"
+#include "cli/parent_folder.hpp"
+#include "io/config/scene_rig.hpp"
 #include "io/file_error.hpp"
-#include "io/log/log_writer.hpp"
-#include "io/progress_bar.hpp"
 #include "io/recording/observation_csv.hpp"
 #include "io/recording/truth_csv.hpp"
 #include "simulation/simulator.hpp"
@@ -51,23 +52,28 @@ Stretch stretch_of(const SimulateOptions& options, std::int64_t scene_end_utime)
 }
 
 /// Writes what the simulator senses; returns the number of messages.
-std::int64_t write_log(const SimulateOptions& options, simulation::Simulator& simulator,
-                       const Stretch& stretch, std::int64_t& last_utime) {
+std::int64_t write_log(const SimulateOptions& options, const io::Config& config,
+                       simulation::Simulator& simulator, const Stretch& stretch,
+                       std::int64_t& last_utime) {
+  LongWork work("simulating");
   io::LogWriter writer(options.out_path);
-  io::ProgressBar bar("simulating");
   std::int64_t num_messages = 0;
   while (const auto sensed = simulator.next()) {
     const bus::Message message = to_message(*sensed);
     const std::int64_t utime = bus::utime_of(message);
     if (options.duration_s > 0.0 && utime > stretch.end_utime) break;
     if (utime < stretch.begin_utime) continue;
+    if (num_messages == 0) {
+      write_rig(writer, config, utime);
+      ++num_messages;
+    }
     writer.write(utime, bus::info(bus::channel_of(message)).name, bus::encode(message));
     ++num_messages;
     last_utime = utime;
-    bar.update(static_cast<std::uint64_t>(utime - simulation::kEpochUtime),
-               static_cast<std::uint64_t>(stretch.end_utime - simulation::kEpochUtime));
+    work.update(static_cast<std::uint64_t>(utime - simulation::kEpochUtime),
+                static_cast<std::uint64_t>(stretch.end_utime - simulation::kEpochUtime));
   }
-  bar.finish();
+  work.finish();
   writer.close();
   return num_messages;
 }
@@ -86,15 +92,33 @@ std::vector<simulation::TrueObservation> observe_all(const simulation::Simulator
 
 }  // namespace
 
+io::Config rig_of(const SimulateOptions& options) {
+  return options.config_path.empty() ? io::scene_rig(options.scene)
+                                     : io::load_config(options.config_path);
+}
+
+void write_rig(io::LogWriter& writer, const io::Config& config, std::int64_t utime) {
+  bus::ConfigNotice notice;
+  notice.utime = utime;
+  notice.hash = io::config_hash(config);
+  notice.name = "orchard-simulate";
+  notice.version = ORCHARD_VERSION;
+  notice.text = io::effective_config(config);
+  writer.write(utime, bus::info(bus::Channel::kConfig).name, bus::encode(notice));
+}
+
 int run_simulate(const SimulateOptions& options) {
+  for (const std::string& file :
+       {options.out_path, options.truth_path, options.poses_path, options.observations_path}) {
+    make_parent_folder(file);
+  }
   if (options.scene == "board") {
     if (options.from_s > 0.0) throw io::FileError("scene board has no --from; leave it out");
     return run_simulate_board(options);
   }
   const auto scene = simulation::find_scene(options.scene);
   if (!scene) throw io::FileError("there is no scene \"" + options.scene + "\"");
-  const io::Config config =
-      options.config_path.empty() ? io::Config() : io::load_config(options.config_path);
+  const io::Config config = rig_of(options);
   const simulation::RigConfig rig{config.laser, config.camera, config.simulation};
   simulation::Simulator simulator(*scene, options.seed, rig);
   std::vector<simulation::TruePose> poses = simulator.true_poses();
@@ -108,7 +132,7 @@ int run_simulate(const SimulateOptions& options) {
   }
 
   std::int64_t last_utime = stretch.begin_utime;
-  const std::int64_t num_messages = write_log(options, simulator, stretch, last_utime);
+  const std::int64_t num_messages = write_log(options, config, simulator, stretch, last_utime);
   std::printf("%s: %" PRId64 " messages, %.1f s of scene %s, seed %" PRIu64 "\n",
               options.out_path.c_str(), num_messages,
               static_cast<double>(last_utime - stretch.begin_utime) * 1e-6, options.scene.c_str(),

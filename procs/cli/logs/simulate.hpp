@@ -4,6 +4,9 @@
 #include <cstdint>
 #include <string>
 
+#include "io/config/config.hpp"
+#include "io/log/log_writer.hpp"
+
 namespace orchard::cli {
 
 /// `orchard simulate --scene tubes|orchard --seed N --out LOG`.
@@ -14,7 +17,7 @@ struct SimulateOptions {
   std::string truth_path;         ///< CSV of what stands there; empty = do not write
   std::string poses_path;         ///< CSV of where base truly was; empty = do not write
   std::string observations_path;  ///< CSV of what each scan truly held; empty = do not write
-  std::string config_path;        ///< empty = the defaults
+  std::string config_path;        ///< empty = the scene's own rig
   double from_s = 0.0;            ///< the log begins so long after the scene
   double duration_s = 0.0;        ///< of the log; 0 = until the scene ends
 };
@@ -22,5 +25,11 @@ struct SimulateOptions {
 /// Writes a log of a simulated drive, and its truth; returns the exit code. Equal options give
 /// equal bytes. Throws io::FileError and io::ConfigError.
 int run_simulate(const SimulateOptions& options);
+
+/// The rig that the options ask for: that of the file, or the scene's own. Throws io::ConfigError.
+io::Config rig_of(const SimulateOptions& options);
+
+/// Writes the CONFIG message that a simulated log begins with.
+void write_rig(io::LogWriter& writer, const io::Config& config, std::int64_t utime);
 
 }  // namespace orchard::cli

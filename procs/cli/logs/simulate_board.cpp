@@ -7,10 +7,10 @@
 
 #include "bus/messages/codec.hpp"
 #include "bus/node/process.hpp"
+#include "cli/long_work.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
 #include "io/log/log_writer.hpp"
-#include "io/progress_bar.hpp"
 #include "simulation/scene/board_scene.hpp"
 #include "simulation/simulator.hpp"
 
@@ -34,11 +34,10 @@ int run_simulate_board(const SimulateOptions& options) {
         "scene board has no map: its truth is camera.delta_m and camera.phi_rad of --config; "
         "leave out --truth, --poses and --observations");
   }
-  const io::Config config =
-      options.config_path.empty() ? io::Config() : io::load_config(options.config_path);
+  const io::Config config = rig_of(options);
   simulation::BoardScene scene = make_scene(options, config);
+  LongWork work("simulating");
   io::LogWriter writer(options.out_path);
-  io::ProgressBar bar("simulating");
   std::int64_t num_messages = 0;
   std::int64_t last_utime = simulation::kEpochUtime;
   while (const auto sensed = scene.next()) {
@@ -46,13 +45,17 @@ int run_simulate_board(const SimulateOptions& options) {
     const std::int64_t utime = bus::utime_of(message);
     const double time_s = static_cast<double>(utime - simulation::kEpochUtime) * 1e-6;
     if (options.duration_s > 0.0 && time_s > options.duration_s) break;
+    if (num_messages == 0) {
+      write_rig(writer, config, utime);
+      ++num_messages;
+    }
     writer.write(utime, bus::info(bus::channel_of(message)).name, bus::encode(message));
     last_utime = utime;
     ++num_messages;
-    bar.update(static_cast<std::uint64_t>(1e3 * time_s),
-               static_cast<std::uint64_t>(1e3 * scene.duration_s()));
+    work.update(static_cast<std::uint64_t>(1e3 * time_s),
+                static_cast<std::uint64_t>(1e3 * scene.duration_s()));
   }
-  bar.finish();
+  work.finish();
   writer.close();
   std::printf("%s: %" PRId64 " messages, %.1f s of scene board, seed %" PRIu64 "\n",
               options.out_path.c_str(), num_messages,

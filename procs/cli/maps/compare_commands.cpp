@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <string>
 
 #include "cli/add_command.hpp"
 #include "cli/maps/compare.hpp"
 #include "cli/maps/merge.hpp"
+#include "geometry/angles.hpp"
 
 namespace orchard::cli {
 namespace {
@@ -24,9 +26,25 @@ void add_alignment_options(CLI::App& command, mapping::MapAlignmentConfig& c) {
                   "how far apart the maps may place one tree, at most [m]")
       ->check(CLI::Range(0.01, 100.0))
       ->capture_default_str();
-  command.add_option("--max-turn", c.turn_max_deg, "and how far they may be turned [degrees]")
+  const double rad_per_deg = geometry::kPi / 180.0;
+  command
+      .add_option_function<double>(
+          "--max-turn-rad", [&c, rad_per_deg](double rad) { c.turn_max_deg = rad / rad_per_deg; },
+          "and how far they may be turned [rad]")
+      ->check(CLI::Range(0.0, 3.15))
+      ->default_str("0.175");
+  command
+      .add_option_function<double>(
+          "--max-turn",
+          [&c](double deg) {
+            std::fprintf(stderr,
+                         "orchard: warning: --max-turn (degrees) goes with the next release; use "
+                         "--max-turn-rad (radians)\n");
+            c.turn_max_deg = deg;
+          },
+          "the same [degrees], until the next release")
       ->check(CLI::Range(0.0, 180.0))
-      ->capture_default_str();
+      ->group("");
   command.add_flag("--any-place", c.any_place,
                    "the maps' frames have nothing in common: any offset, any turn");
 }

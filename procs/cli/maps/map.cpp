@@ -13,6 +13,7 @@
 #include "bus/messages/codec.hpp"
 #include "bus/node/process.hpp"
 #include "bus/replay/in_process_replay.hpp"
+#include "cli/long_work.hpp"
 #include "cli/maps/map_laying.hpp"
 #include "cli/maps/scan_timer.hpp"
 #include "detector/detector_node.hpp"
@@ -22,7 +23,7 @@
 #include "io/log/log_writer.hpp"
 #include "io/map/map_folder.hpp"
 #include "io/map/stored_map.hpp"
-#include "io/progress_bar.hpp"
+#include "log_player/replay_rig.hpp"
 #include "mapper/mapper_node.hpp"
 #include "pose/pose_node.hpp"
 
@@ -50,15 +51,15 @@ std::int64_t num_out(const ReplayReport& report, Channel channel) {
 }
 
 /// An empty map must not pass for a result: says what the log lacks.
-void require_usable(const MapOptions& options, const ReplayReport& report) {
+void require_usable(const MapOptions& options, const std::string& rig_name,
+                    const ReplayReport& report) {
   if (num_in(report, Channel::kScan) == 0) {
     throw io::FileError(options.log_path + " holds no usable " +
                         std::string(bus::info(Channel::kScan).name) +
                         " message; a map needs the laser's scans (see `orchard log info`)");
   }
   if (num_out(report, Channel::kPose) == 0) {
-    throw io::FileError(options.log_path + " does not say where the robot was as " +
-                        options.config_path +
+    throw io::FileError(options.log_path + " does not say where the robot was as " + rig_name +
                         " asks (pose.mode); see which channels it has with `orchard log info`");
   }
 }
@@ -87,7 +88,8 @@ std::int64_t count_label(const std::vector<mapping::Landmark>& landmarks, detect
 }
 
 void print_summary(const MapOptions& options, const ReplayReport& report,
-                   const io::MapFolderContent& content) {
+                   const io::MapFolderContent& content,
+                   const std::optional<mapping::KeptNumbers>& kept) {
   using detection::Label;
   const auto& landmarks = content.landmarks;
   std::printf("%zu landmarks: %" PRId64 " trees, %" PRId64 " objects, %" PRId64 " unseen\n",
@@ -99,17 +101,24 @@ void print_summary(const MapOptions& options, const ReplayReport& report,
   std::string losses;
   for (const auto& [name, value] : content.summary.counts) {
     // Other programs' channels on the bus, and LCM's own, are nothing that was lost.
+    // Ids kept of an earlier map are none either.
     const bool is_loss = name != "events" && name != "unknown_channel" &&
-                         name.rfind("in_", 0) != 0 && name.rfind("out_", 0) != 0;
+                         name.rfind("in_", 0) != 0 && name.rfind("out_", 0) != 0 &&
+                         name.find("_ids") == std::string::npos;
     if (is_loss && value > 0) {
       losses += (losses.empty() ? "" : ", ") + name + " " + std::to_string(value);
     }
   }
   std::printf("losses: %s\n", losses.empty() ? "none" : losses.c_str());
+  if (kept) {
+    std::printf("ids of %s: %d kept, %d gone, %d new\n", options.previous_path.c_str(),
+                kept->num_found, kept->num_gone, kept->num_new);
+  }
   std::printf(
       "written to %s: map.csv (table), map.gpkg (QGIS), map.svg and map.png (picture),\n"
-      "  trajectory.csv, summary.json, derived.lcm (every message on the way)\n",
-      options.out_folder.c_str());
+      "  trajectory.csv, graph.json (ways for planners), summary.json%s\n",
+      options.out_folder.c_str(),
+      options.no_derived ? "" : ", derived.lcm (every message on the way)");
 }
 
 void make_folder(const std::string& folder) {
@@ -147,30 +156,34 @@ mapping::SensorView view_of(const io::Config& config, const std::string& log_pat
 }  // namespace
 
 int run_map(const MapOptions& options) {
-  const io::Config config = io::load_config(options.config_path);
+  const procs::ReplayRig rig = procs::choose_rig(options.log_path, options.config_path);
+  const io::Config& config = rig.config;
+  for (const std::string& note : rig.notes) {
+    std::fprintf(stderr, "orchard map: note: %s\n", note.c_str());
+  }
   std::optional<io::StoredMap> previous;
   if (!options.previous_path.empty()) {
     previous = io::read_stored_map(options.previous_path);
     require_other_folder(options.out_folder, {options.previous_path});
   }
-  io::LogReader(
-      options.log_path);  // a log that cannot be opened is refused before anything is made
   make_folder(options.out_folder);
   Pipeline pipeline(config);
-  io::LogWriter derived(options.out_folder + "/derived.lcm");
+  LongWork work("mapping", !options.quiet);  // from here on Ctrl-C takes back what was begun
+  const std::string derived_path = options.out_folder + "/derived.lcm";
+  std::optional<io::LogWriter> derived;
+  if (!options.no_derived) derived.emplace(derived_path);
 
-  io::ProgressBar bar("mapping", !options.quiet);
   ScanTimer timer;
   bus::ReplayOptions replay;
   replay.strict = options.strict;
-  replay.progress = [&](std::uint64_t done, std::uint64_t total) { bar.update(done, total); };
+  replay.progress = [&](std::uint64_t done, std::uint64_t total) { work.update(done, total); };
   replay.on_derived = [&](Channel channel, std::int64_t utime,
                           const std::vector<std::uint8_t>& data) {
-    derived.write(utime, bus::info(channel).name, data);
+    if (derived) derived->write(utime, bus::info(channel).name, data);
     if (channel == Channel::kDetections) timer.count();
   };
   const ReplayReport report = bus::replay_in_process(options.log_path, pipeline.nodes(), replay);
-  bar.finish();
+  work.finish();
   std::vector<std::string> warnings = report.warnings;
   for (const bus::Node* node : pipeline.nodes()) {
     if (std::string warning = node->warning(); !warning.empty()) {
@@ -180,7 +193,7 @@ int run_map(const MapOptions& options) {
   for (const std::string& warning : warnings) {
     std::fprintf(stderr, "orchard map: warning: %s\n", warning.c_str());
   }
-  require_usable(options, report);
+  require_usable(options, rig.name, report);
 
   io::MapSummary summary;
   summary.source = std::filesystem::path(options.log_path).filename().string();
@@ -196,10 +209,17 @@ int run_map(const MapOptions& options) {
     content.summary.warnings.push_back("nothing was mapped: no object was seen often enough");
     std::fprintf(stderr, "orchard map: warning: %s\n", content.summary.warnings.back().c_str());
   }
-  if (previous) keep_known(*previous, options.previous_alignment, config.mapper.rows, content);
+  std::optional<mapping::KeptNumbers> kept;
+  if (previous) {
+    kept = keep_known(*previous, options.previous_alignment, config.mapper.rows, content);
+  }
   io::write_map_folder(options.out_folder, content);
-  derived.close();
-  if (!options.quiet) print_summary(options, report, content);
+  if (derived) {
+    derived->close();
+  } else {
+    std::filesystem::remove(derived_path);  // of an earlier map: it would pass for this one's
+  }
+  if (!options.quiet) print_summary(options, report, content, kept);
   if (options.timing) std::fputs(timer.text().c_str(), stdout);
   return bus::kExitOk;
 }

@@ -11,6 +11,7 @@
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
 #include "io/map/map_folder.hpp"
+#include "io/progress_bar.hpp"
 #include "mapping/compare/map_merging.hpp"
 
 namespace orchard::cli {
@@ -87,12 +88,15 @@ int run_merge(const MergeOptions& options) {
   append_ids(1, first_ids, ids_of_map[0]);
   std::vector<std::size_t> left;
   for (std::size_t k = 1; k < maps.size(); ++k) left.push_back(k);
+  io::ProgressBar bar("merging");
   while (!left.empty()) {
+    bar.update(maps.size() - 1 - left.size(), maps.size() - 1);
     // A map that touches only a later one waits for it.
     const auto [next, alignment] = next_to_lay(whole, maps, left, options);
     const std::size_t k = left[next];
     left.erase(left.begin() + static_cast<std::ptrdiff_t>(next));
     append_ids(k + 1, mapping::merge_into(merged, maps[k].landmarks, alignment), ids_of_map[k]);
+    bar.finish();
     std::printf(
         "%s: laid on %zu trunks, %.0f mm apart (RMS); moved by %.3f m, %.3f m and %.3f "
         "degrees\n",

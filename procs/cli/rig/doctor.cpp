@@ -5,7 +5,9 @@
 #include <chrono>
 #include <cstdio>
 #include <exception>
+#include <nlohmann/json.hpp>
 #include <set>
+#include <vector>
 
 #include "bus/bus.hpp"
 #include "bus/node/process.hpp"
@@ -20,21 +22,47 @@ constexpr const char* kFirewallNote =
 
 enum class Verdict { kOk, kWarn, kFail };
 
-/// Prints findings and remembers the worst.
+struct Finding {
+  Verdict verdict = Verdict::kOk;
+  std::string text, fix, note;
+};
+
+/// Remembers findings and the worst of them, and prints each at once unless all are wanted as JSON.
 class Findings {
  public:
+  explicit Findings(bool json) : json_(json) {}
+
   /// `fix` is a command to type (or else says so in words); `note` says more.
   void add(Verdict verdict, const std::string& text, const std::string& fix = {},
            const std::string& note = {}) {
+    worst_ = std::max(worst_, verdict);
+    all_.push_back(
+        {verdict, text, verdict == Verdict::kOk ? "" : fix, verdict == Verdict::kOk ? "" : note});
+    if (json_) return;
     constexpr const char* kNames[] = {"OK  ", "WARN", "FAIL"};
     std::printf("%s  %s\n", kNames[static_cast<int>(verdict)], text.c_str());
     if (verdict != Verdict::kOk && !fix.empty()) std::printf("      fix: %s\n", fix.c_str());
     if (verdict != Verdict::kOk && !note.empty()) std::printf("      note: %s\n", note.c_str());
-    worst_ = std::max(worst_, verdict);
   }
   Verdict worst() const { return worst_; }
 
+  std::string json(const std::string& lcm_url) const {
+    constexpr const char* kNames[] = {"ok", "warn", "fail"};
+    nlohmann::ordered_json json{{"lcm_url", lcm_url}, {"worst", kNames[static_cast<int>(worst_)]}};
+    json["findings"] = nlohmann::ordered_json::array();
+    for (const Finding& finding : all_) {
+      nlohmann::ordered_json entry{{"level", kNames[static_cast<int>(finding.verdict)]},
+                                   {"text", finding.text}};
+      if (!finding.fix.empty()) entry["fix"] = finding.fix;
+      if (!finding.note.empty()) entry["note"] = finding.note;
+      json["findings"].push_back(std::move(entry));
+    }
+    return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  }
+
  private:
+  bool json_;
+  std::vector<Finding> all_;
   Verdict worst_ = Verdict::kOk;
 };
 
@@ -169,8 +197,8 @@ int run_doctor(const DoctorOptions& options) {
                  options.lcm_url.c_str());
     return bus::kExitUsage;
   }
-  std::printf("LCM URL: %s\n", options.lcm_url.c_str());
-  Findings findings;
+  if (!options.json) std::printf("LCM URL: %s\n", options.lcm_url.c_str());
+  Findings findings(options.json);
   check_interfaces(findings, *url);
   check_buffers(findings, *url);
   check_port(findings, *url);
@@ -183,7 +211,11 @@ int run_doctor(const DoctorOptions& options) {
   }
   constexpr const char* kResults[] = {"all is well", "usable, with warnings",
                                       "LCM cannot work yet"};
-  std::printf("%s\n", kResults[static_cast<int>(findings.worst())]);
+  if (options.json) {
+    std::fputs(findings.json(options.lcm_url).c_str(), stdout);
+  } else {
+    std::printf("%s\n", kResults[static_cast<int>(findings.worst())]);
+  }
   return findings.worst() == Verdict::kFail ? bus::kExitRuntime : bus::kExitOk;
 }
 

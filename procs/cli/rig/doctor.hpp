@@ -7,6 +7,7 @@ namespace orchard::cli {
 
 struct DoctorOptions {
   std::string lcm_url;
+  bool json = false;
 };
 
 /// Looks at what LCM needs of this machine (multicast route, loopback, sockets, buffers, traffic)

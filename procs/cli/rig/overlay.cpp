@@ -14,9 +14,9 @@
 #include "detection/scan_image_pairer.hpp"
 #include "detection/trunk_view.hpp"
 #include "io/atomic_file.hpp"
-#include "io/config/config.hpp"
 #include "io/figure/overlay_figure.hpp"
 #include "io/file_error.hpp"
+#include "log_player/replay_rig.hpp"
 #include "vision/decode.hpp"
 
 namespace orchard::cli {
@@ -115,13 +115,14 @@ std::vector<io::OverlayPoint> points_of(const laser::Scan& scan, const detection
 }
 
 io::OverlayContent content_of(const OverlayOptions& options, const detection::ScanImagePair& pair,
-                              const io::Config& config, std::int64_t first_utime) {
+                              const procs::ReplayRig& replay_rig, std::int64_t first_utime) {
+  const io::Config& config = replay_rig.config;
   const detection::Rig rig(config.laser, config.camera, config.detector);
   const vision::Image& image = *pair.image;
   const auto& camera = config.camera.intrinsics;
   if (image.width_px != camera.width_px || image.height_px != camera.height_px) {
     throw io::FileError(options.log_path + " holds pictures of " + std::to_string(image.width_px) +
-                        "x" + std::to_string(image.height_px) + " px, " + options.config_path +
+                        "x" + std::to_string(image.height_px) + " px, " + replay_rig.name +
                         " describes a camera of " + std::to_string(camera.width_px) + "x" +
                         std::to_string(camera.height_px) + "; give the rig they were taken with");
   }
@@ -165,10 +166,13 @@ io::OverlayContent content_of(const OverlayOptions& options, const detection::Sc
 }  // namespace
 
 int run_overlay(const OverlayOptions& options) {
-  const io::Config config = io::load_config(options.config_path);
+  const procs::ReplayRig rig = procs::choose_rig(options.log_path, options.config_path);
+  for (const std::string& note : rig.notes) {
+    std::fprintf(stderr, "orchard overlay: note: %s\n", note.c_str());
+  }
+  const io::Config& config = rig.config;
   if (!config.camera.enabled) {
-    throw io::FileError(options.config_path +
-                        " has camera.enabled: false; an overlay needs a camera");
+    throw io::FileError(rig.name + " has camera.enabled: false; an overlay needs a camera");
   }
   const io::FigureFormat format = io::figure_format(options.out_path);
   const bus::ReplayIndex index = bus::index_log(options.log_path, {});
@@ -188,7 +192,7 @@ int run_overlay(const OverlayOptions& options) {
                         seconds_text(kReach_s) + " s of --at " + seconds_text(at_s) +
                         " s (see detector.pairing_tolerance_s)");
   }
-  const io::OverlayContent content = content_of(options, *node.pair(), config, first_utime);
+  const io::OverlayContent content = content_of(options, *node.pair(), rig, first_utime);
   io::write_file_atomically(options.out_path, io::overlay_figure(content, format));
   std::printf("written to %s: %zu scan points, %zu candidates\n", options.out_path.c_str(),
               content.points.size(), content.candidates.size());

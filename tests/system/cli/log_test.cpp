@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 
+#include <nlohmann/json.hpp>
+
 #include "system/cli/cli_fixture.hpp"
 
 namespace orchard::cli_test {
@@ -26,6 +28,25 @@ TEST_F(LogCommand, InfoShowsWhatItHolds) {
   EXPECT_GE(num_messages(log(), "SCAN"), 18);
   EXPECT_EQ(num_messages(log(), "IMAGE"), num_messages(log(), "SCAN"));
   EXPECT_EQ(num_messages(log(), "POSE_FIX"), num_messages(log(), "SCAN"));
+}
+
+TEST_F(LogCommand, JsonSaysTheSame) {
+  const Result result = orchard({"log", "info", log(), "--json"});
+  EXPECT_EQ(result.exit_code, 0);
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json.at("sound"), true);
+  EXPECT_EQ(json.at("channels").size(), 4u);
+  long num = 0;
+  for (const auto& channel : json.at("channels")) {
+    EXPECT_EQ(channel.at("num_messages"), num_messages(log(), channel.at("channel")));
+    num += channel.at("num_messages").get<long>();
+  }
+  EXPECT_EQ(json.at("num_messages"), num);
+  write_damaged();
+  const Result damaged = orchard({"log", "check", path("damaged.lcm"), "--json"});
+  EXPECT_EQ(damaged.exit_code, 3);
+  EXPECT_EQ(nlohmann::json::parse(damaged.out).at("sound"), false);
+  EXPECT_GE(nlohmann::json::parse(damaged.out).at("gaps").size(), 1u);
 }
 
 TEST_F(LogCommand, CheckPassesASoundLog) {

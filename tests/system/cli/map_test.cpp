@@ -1,6 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "system/cli/cli_fixture.hpp"
@@ -24,6 +31,62 @@ TEST_F(MapCommand, WritesTheWholeFolderAndSaysWhatItFound) {
   EXPECT_EQ(result.err, "");  // no progress bar in a pipe
   const auto summary = nlohmann::json::parse(read_file(path("map/summary.json")));
   EXPECT_THAT(summary.dump(), HasSubstr("drive.lcm"));
+}
+
+TEST_F(MapCommand, WhatIsSaidToBeWrittenIsThere) {
+  const Result result = map(log());
+  for (const char* file : {"map.csv", "map.gpkg", "map.svg", "map.png", "trajectory.csv",
+                           "graph.json", "summary.json", "derived.lcm"}) {
+    EXPECT_TRUE(exists(path("map/") + file)) << file;
+    EXPECT_THAT(result.out, HasSubstr(file));
+  }
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(path("map")), {}), 8);
+}
+
+TEST_F(MapCommand, TheMessagesOnTheWayCanBeLeftOut) {
+  ASSERT_EQ(map(log()).exit_code, 0);
+  const std::string csv = read_file(path("map/map.csv"));
+  const Result result = map(log(), {"--no-derived"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_FALSE(exists(path("map/derived.lcm")));  // nor that of the map before
+  EXPECT_THAT(result.out, ::testing::Not(HasSubstr("derived.lcm")));
+  EXPECT_EQ(read_file(path("map/map.csv")), csv);
+}
+
+TEST_F(MapCommand, KeptIdsAreNoLosses) {
+  const std::string drive = path("orchard.lcm");
+  ASSERT_EQ(
+      orchard({"simulate", "--scene", "orchard", "--duration", "8", "--out", drive}).exit_code, 0);
+  ASSERT_EQ(orchard({"map", drive, "--out", path("map")}).exit_code, 0);
+  const Result later = orchard({"map", drive, "--previous", path("map"), "--out", path("later")});
+  ASSERT_EQ(later.exit_code, 0) << later.err;
+  EXPECT_THAT(later.out, HasSubstr("losses: none"));
+  EXPECT_THAT(later.out, ::testing::ContainsRegex("ids of .*map: [0-9]+ kept, 0 gone, 0 new"));
+}
+
+TEST_F(MapCommand, AnInterruptLeavesNoHalfFileBehind) {
+  ASSERT_EQ(
+      orchard({"simulate", "--scene", "orchard", "--duration", "8", "--out", path("long.lcm")})
+          .exit_code,
+      0);
+  const std::string program = ORCHARD_BUILD_DIR "/bin/orchard", drive = path("long.lcm"),
+                    out = path("map"), err = path("err");
+  std::vector<const char*> argv{program.c_str(), "map",       drive.c_str(),
+                                "--out",         out.c_str(), nullptr};
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err.c_str(), O_WRONLY | O_CREAT, 0600);
+  pid_t pid = 0;
+  ASSERT_EQ(posix_spawn(&pid, argv[0], &actions, nullptr, const_cast<char**>(argv.data()), environ),
+            0);
+  posix_spawn_file_actions_destroy(&actions);
+  while (!exists(path("map/derived.lcm.part"))) usleep(1000);
+  ASSERT_EQ(kill(pid, SIGINT), 0);
+  int status = 0;
+  waitpid(pid, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 1);
+  EXPECT_THAT(read_file(err), HasSubstr("interrupted"));
+  EXPECT_TRUE(std::filesystem::is_empty(path("map")));
 }
 
 TEST_F(MapCommand, TheSameLogGivesTheSameBytes) {
@@ -53,6 +116,26 @@ TEST_F(MapCommand, DerivedMessagesAreAReadableLog) {
   const Result result = orchard({"log", "check", path("map/derived.lcm")});
   EXPECT_EQ(result.exit_code, 0) << result.out;
   EXPECT_THAT(orchard({"log", "info", path("map/derived.lcm")}).out, HasSubstr("DETECTIONS"));
+}
+
+// A terminal as `script` makes one; without one nothing is drawn (WritesTheWholeFolder...).
+TEST_F(MapCommand, ATerminalSeesProgress) {
+  const std::string command =
+      ORCHARD_BUILD_DIR "/bin/orchard map " + log() + " --out " + path("map");
+  const Result result = run({"script", "-qec", command, "/dev/null"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.out, HasSubstr("mapping ["));
+  EXPECT_THAT(result.out, HasSubstr("100 %"));
+}
+
+TEST_F(MapCommand, HelpNamesTheRigsWhereTheyLie) {
+  std::filesystem::create_directories(path("usr/bin"));
+  std::filesystem::create_directories(path("usr/share/orchard-mapper/config"));
+  std::filesystem::copy(ORCHARD_BUILD_DIR "/bin/orchard", path("usr/bin/orchard"));
+  EXPECT_THAT(run({path("usr/bin/orchard"), "help", "calibrate", "trunks"}).out,
+              HasSubstr("--config " + path("usr/share/orchard-mapper/config/tubes.yaml")));
+  EXPECT_THAT(orchard({"help", "calibrate", "trunks"}).out,
+              HasSubstr("--config config/tubes.yaml"));
 }
 
 TEST_F(MapCommand, SimulationIsRepeatable) {

@@ -75,8 +75,9 @@ void write_rawlog(const std::string& log_path, const std::string& rawlog_path) {
   std::int64_t start_utime = 0;
   std::int64_t next_odometry = 0;
   while (const auto event = reader.next()) {
-    const auto decoded =
-        bus::decode(*bus::find_channel(event->channel), event->data.data(), event->data.size());
+    const bus::Channel channel = *bus::find_channel(event->channel);
+    if (bus::info(channel).role == bus::Role::kService) continue;  // the rig: no rawlog holds it
+    const auto decoded = bus::decode(channel, event->data.data(), event->data.size());
     const auto& message = std::get<bus::Message>(decoded);
     const std::int64_t utime = bus::utime_of(message);
     if (start_utime == 0) {

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bus/replay/logged_rig.hpp"
+
+#include <algorithm>
+#include <variant>
+
+#include "bus/messages/channel.hpp"
+#include "bus/messages/service_messages.hpp"
+#include "io/config/config_difference.hpp"
+#include "io/config/text_hash.hpp"
+#include "io/file_error.hpp"
+#include "io/log/log_reader.hpp"
+
+namespace orchard::bus {
+namespace {
+
+std::string join(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+[[noreturn]] void refuse_disagreement(const std::string& log_path, const LoggedRig& a,
+                                      const LoggedRig& b,
+                                      const std::vector<io::ConfigDifference>& differences) {
+  std::string text = log_path + " was recorded with different rigs (" + join(a.processes) + " -> " +
+                     join(b.processes) + "):";
+  for (const std::string& line : io::difference_lines(differences)) text += "\n  " + line;
+  throw io::FileError(text + "\ngive one with --config FILE; `orchard log config " + log_path +
+                      " --process " + b.processes.front() + "` prints the last one");
+}
+
+}  // namespace
+
+std::vector<LoggedRig> read_logged_rigs(const std::string& log_path) {
+  const std::string_view channel = info(Channel::kConfig).name;
+  std::vector<LoggedRig> rigs;
+  io::LogReader reader(log_path);
+  while (const auto event = reader.next()) {
+    if (event->channel != channel) continue;
+    auto decoded = decode_config(event->data.data(), event->data.size());
+    auto* notice = std::get_if<ConfigNotice>(&decoded);
+    if (notice == nullptr || io::text_hash(notice->text) != notice->hash) continue;
+    const auto same = std::find_if(rigs.begin(), rigs.end(),
+                                   [&](const LoggedRig& rig) { return rig.yaml == notice->text; });
+    if (same == rigs.end()) {
+      rigs.push_back({{notice->name}, notice->version, std::move(notice->text)});
+    } else if (!contains(same->processes, notice->name)) {
+      same->processes.push_back(notice->name);
+    }
+  }
+  return rigs;
+}
+
+LoggedRig rig_of_log(const std::string& log_path, const std::string& process) {
+  std::vector<LoggedRig> rigs = read_logged_rigs(log_path);
+  if (rigs.empty()) {
+    throw io::FileError(log_path +
+                        " does not say with what rig it was recorded (it holds no CONFIG); give "
+                        "the rig with --config FILE");
+  }
+  if (!process.empty()) {
+    std::vector<std::string> names;
+    for (const LoggedRig& rig : rigs) {
+      names.insert(names.end(), rig.processes.begin(), rig.processes.end());
+    }
+    rigs.erase(
+        std::remove_if(rigs.begin(), rigs.end(),
+                       [&](const LoggedRig& rig) { return !contains(rig.processes, process); }),
+        rigs.end());
+    if (rigs.empty()) {
+      throw io::FileError(log_path + " holds no CONFIG of " + process + ", only of " + join(names));
+    }
+    return rigs.back();  // of a process that was restarted: what it ran with last
+  }
+  for (std::size_t i = 1; i < rigs.size(); ++i) {
+    const auto differences = io::config_differences(rigs.front().yaml, rigs[i].yaml);
+    if (!differences.empty()) refuse_disagreement(log_path, rigs.front(), rigs[i], differences);
+  }
+  return rigs.front();
+}
+
+}  // namespace orchard::bus

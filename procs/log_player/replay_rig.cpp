@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "log_player/replay_rig.hpp"
+
+#include <filesystem>
+#include <utility>
+
+#include "bus/replay/logged_rig.hpp"
+#include "io/config/config_difference.hpp"
+
+namespace orchard::procs {
+namespace {
+
+/// With this release's defaults for the keys that an older one did not have.
+std::string completed(const bus::LoggedRig& rig) {
+  try {
+    return io::effective_config(io::parse_config(rig.yaml, ""));
+  } catch (const io::ConfigError&) {
+    return rig.yaml;  // a key of another release: compared as it stands
+  }
+}
+
+}  // namespace
+
+ReplayRig choose_rig(const std::string& log_path, const std::string& config_path) {
+  if (config_path.empty()) {
+    const bus::LoggedRig rig = bus::rig_of_log(log_path);
+    const std::string file = std::filesystem::path(log_path).filename().string();
+    const std::string name = "the rig in " + file;
+    try {
+      return {io::parse_config(rig.yaml, name), name, {}};
+    } catch (const io::ConfigError& error) {
+      std::vector<std::string> problems = error.problems();
+      problems.push_back(file + " was recorded by version " + rig.version +
+                         ", whose rig this one does not read; give the rig with --config FILE");
+      throw io::ConfigError(std::move(problems));
+    }
+  }
+  io::LoadedConfig loaded = io::load_config_with_warnings(config_path);
+  ReplayRig chosen{std::move(loaded.config), config_path, std::move(loaded.warnings)};
+  const std::string given = io::effective_config(chosen.config);
+  std::vector<io::ConfigDifference> of_first;  // the first rig of the log speaks for it
+  for (const bus::LoggedRig& rig : bus::read_logged_rigs(log_path)) {
+    auto differences = io::config_differences(completed(rig), given);
+    if (differences.empty()) return chosen;
+    if (of_first.empty()) of_first = std::move(differences);
+  }
+  if (of_first.empty()) return chosen;
+  chosen.notes.push_back(config_path + " is another rig than " + log_path +
+                         " was recorded with (key: in the log -> given):");
+  for (const std::string& line : io::difference_lines(of_first)) {
+    chosen.notes.push_back("  " + line);
+  }
+  return chosen;
+}
+
+}  // namespace orchard::procs

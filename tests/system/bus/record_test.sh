@@ -12,15 +12,16 @@ record_some() {
   local recorder=$started
   until newest=$(sed -n 's/^record: writing \(.*\) from .*/\1/p' recorder.log) && [ -s "$newest" ]; do
     kill -0 "$recorder" || { cat recorder.log >&2; fail "record.sh ended"; }
+    sleep 0.1  # between two looks
   done
-  kill -INT "$recorder"
+  while kill -INT "$recorder" 2>/dev/null; do sleep 0.1; done
   wait "$recorder" || true
 }
 
 start node.log "$bin/fake_node" --role pose
 record_some
 first=$newest
-until [ "$(date +%s)" -gt "$(stat -c %Y "$first")" ]; do :; done  # names hold the second
+until [ "$(date +%s)" -gt "$(stat -c %Y "$first")" ]; do sleep 0.1; done  # names hold the second
 record_some
 [ "$newest" != "$first" ] || fail "the second recording has the first one's name"
 [ -s "$first" ] || fail "the first recording is gone"

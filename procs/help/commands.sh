@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Sourced by manual_pages.sh and completion.sh: what the programs' --help says.
+
+# help_text COMMAND...: what its --help prints; each is run once.
+help_text() {
+  local file
+  file=$help_texts/$(IFS=_; echo "$*")
+  [ -f "$file" ] || "$@" --help >"$file"
+  cat "$file"
+}
+help_texts=$(mktemp -d)
+trap 'rm -rf "$help_texts"' EXIT
+
+# subcommands COMMAND...: lines "name<TAB>what it does".
+subcommands() {
+  help_text "$@" | awk '
+    /^Subcommands:/ { inside = 1; next }
+    /^[^ ]/ { inside = 0 }
+    inside && /^  [a-z]/ { name = $1; sub(/^ +[^ ]+ +/, ""); print name "\t" $0 }'
+}
+
+# options COMMAND...: lines "--name<TAB>value or empty<TAB>what it does".
+options() {
+  help_text "$@" | awk '
+    /^(Options|\[Option Group)/ { inside = 1; next }
+    /^[^ ]/ { inside = 0 }
+    !inside { next }
+    /^ +-/ {
+      flush()
+      line = $0; sub(/^ +/, "", line)
+      words = line; text = ""
+      if (match(line, /   */)) { words = substr(line, 1, RSTART - 1); text = substr(line, RSTART + RLENGTH) }
+      split(words, word, " ")
+      n = split(word[1], names, ",")
+      name = names[n]
+      value = word[2]
+      next
+    }
+    { more = $0; sub(/^ +/, "", more); text = text == "" ? more : text " " more }
+    function flush() { if (name != "") print name "\t" value "\t" text; name = "" }
+    END { flush() }'
+}
+
+# commands COMMAND...: the command and every command below it, one per line.
+commands() {
+  local name
+  echo "$*"
+  while IFS=$'\t' read -r name _; do commands "$@" "$name"; done < <(subcommands "$@")
+}

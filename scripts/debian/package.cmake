@@ -1,0 +1,70 @@
+# Two Debian packages by `cpack` in the build folder: orchard-mapper (programs, message types, pages) and
+# liborchard-dev (the library for other programs). tests/package/deb_test.sh tries them.
+set(doc ${CMAKE_INSTALL_DATADIR}/doc)
+
+# ---- documentation ----
+install(FILES LICENSE README.md CHANGELOG.md SECURITY.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
+file(GLOB_RECURSE pages RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS
+     lib/*.md procs/*.md lcmtypes/*.md config/*.md tests/*.md)
+foreach(page ${pages})
+  get_filename_component(folder ${page} DIRECTORY)
+  install(FILES ${page} DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder})
+endforeach()
+install(FILES scripts/figures/demo_map.png DESTINATION ${CMAKE_INSTALL_DOCDIR}/scripts/figures)
+
+# ---- what Debian wants beside it ----
+set(package_dir ${CMAKE_BINARY_DIR}/debian)
+configure_file(scripts/debian/changelog.in ${package_dir}/changelog.Debian @ONLY)
+find_program(GZIP gzip REQUIRED)
+execute_process(COMMAND ${GZIP} -9nkf ${package_dir}/changelog.Debian COMMAND_ERROR_IS_FATAL ANY)
+file(READ LICENSE licence)
+string(REGEX REPLACE "^[^\n]*\n\n[^\n]*\n\n" "" licence "${licence}")  # its title and its year
+string(REGEX REPLACE "\n\n" "\n.\n" licence "${licence}")
+string(REGEX REPLACE "\n([^\n])" "\n \\1" licence " ${licence}")
+configure_file(scripts/debian/copyright.in ${package_dir}/copyright @ONLY)
+set(main_package orchard-mapper)
+set(dev_package liborchard-dev)
+foreach(part main dev)
+  install(FILES ${package_dir}/copyright ${package_dir}/changelog.Debian.gz
+          DESTINATION ${doc}/${${part}_package} COMPONENT ${part})
+endforeach()
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME orchard-mapper)
+set(CPACK_PACKAGE_CONTACT "Orchard Mapper maintainers <maintainers@orchard-mapper.invalid>")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_ALL main dev)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS OFF)
+
+set(CPACK_DEBIAN_MAIN_PACKAGE_NAME ${main_package})
+set(CPACK_DEBIAN_MAIN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_MAIN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_MAIN_PACKAGE_RECOMMENDS "liblcm-bin, iproute2")
+set(CPACK_DEBIAN_MAIN_PACKAGE_SUGGESTS "liborchard-dev, python3, default-jre, liblcm-java, libjchart2d-java, qgis")
+set(CPACK_DEBIAN_MAIN_DESCRIPTION "maps of tree trunks from laser scans and camera images
+A robot with a 2D laser scanner and a camera drives through an orchard. Orchard
+Mapper turns what they see into a map of every tree trunk and every other
+object: position, width, confidence and class.
+
+This package holds the programs, which talk over LCM, the message types for
+C++, Python and Java, example configurations and the documentation.")
+
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME ${dev_package})
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
+    "libeigen3-dev, libgeographiclib-dev, pkg-config")
+set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "libopencv-dev, libjpeg-dev, libmrpt-poses-dev, libceres-dev")
+set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS
+    "orchard-mapper, liblcm-dev, libmrpt-obs-dev, libgdal-dev, libyaml-cpp-dev, libspdlog-dev, libcli11-dev, nlohmann-json3-dev, libturbojpeg0-dev, zlib1g-dev")
+set(CPACK_DEBIAN_DEV_DESCRIPTION "library to map tree trunks from laser scans (development files)
+What Orchard Mapper is made of, as static libraries with headers and a CMake
+package of components: geometry, laser, vision, detection, pose, mapping and
+more. Each component needs the development packages of the libraries that it
+stands on, which CMake names.")
+include(CPack)

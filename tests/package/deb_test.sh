@@ -1,0 +1,71 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Tries a Debian package in a clean Debian: lintian finds no error in it, it installs with apt into a new
+# minimal bookworm, and there the installed `orchard` simulates, maps and judges the paper's scene.
+#   tests/package/deb_test.sh DEB [--chroot DIR] [--mirror URL]
+#     DEB           made by: ninja -C build && (cd build && cpack)
+#     --chroot DIR  where the clean Debian goes (default: a new folder, deleted afterwards)
+#     --mirror URL  where debootstrap takes it from (default: the first of this machine's apt sources)
+# Needs root, debootstrap and lintian, and a mirror; takes minutes and a gigabyte of disk.
+set -euo pipefail
+
+deb=
+chroot=
+mirror=
+while [ $# -gt 0 ]; do
+  case $1 in
+    --chroot) chroot=${2:?--chroot needs a folder}; shift ;;
+    --mirror) mirror=${2:?--mirror needs a URL}; shift ;;
+    -h | --help) sed -n '3,9s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -*) echo "deb_test: unknown option $1; see $0 --help" >&2; exit 2 ;;
+    *) deb=$1 ;;
+  esac
+  shift
+done
+fail() { echo "deb_test: $*" >&2; exit 1; }
+[ -f "$deb" ] || { echo "deb_test: which package? see $0 --help" >&2; exit 2; }
+[ "$(id -u)" -eq 0 ] || fail "needs root, for chroot"
+for program in debootstrap lintian; do
+  command -v $program >/dev/null || fail "$program is missing: apt-get install $program"
+done
+[ -n "$mirror" ] || mirror=$(apt-get indextargets --format '$(SITE)' 'Created-By: Packages' | head -n 1)
+
+echo "== lintian $(basename "$deb")"
+lintian --fail-on error "$deb"
+
+[ -n "$chroot" ] || chroot=$(mktemp -d)/debian
+cleanup() {
+  umount "$chroot/proc" 2>/dev/null || true
+  rm -rf --one-file-system "$chroot"
+}
+trap cleanup EXIT
+if [ ! -x "$chroot/usr/bin/apt-get" ]; then
+  echo "== debootstrap bookworm from $mirror"
+  debootstrap --variant=minbase bookworm "$chroot" "$mirror" >"$chroot.log" 2>&1 ||
+    { tail -n 5 "$chroot.log" >&2; fail "debootstrap failed"; }
+  rm -f "$chroot.log"
+fi
+for file in /etc/resolv.conf /etc/hosts; do cp -L $file "$chroot$file"; done  # the network as it is here
+mountpoint -q "$chroot/proc" || mount -t proc proc "$chroot/proc"
+
+echo "== apt-get install $(basename "$deb")"
+cp "$deb" "$chroot/tmp/package.deb"
+inside() { chroot "$chroot" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive "$@"; }
+inside apt-get update -qq
+inside apt-get install -y -qq --no-install-recommends /tmp/package.deb >"$chroot/tmp/apt.log" 2>&1 ||
+  { tail -n 5 "$chroot/tmp/apt.log" >&2; fail "the package does not install"; }
+
+echo "== simulate, map, evaluate"
+config=/usr/share/orchard-mapper/config/tubes.yaml
+inside orchard --version
+inside orchard simulate --scene tubes --seed 1 --config $config --out /tmp/tubes.lcm --truth /tmp/truth.csv
+inside orchard map /tmp/tubes.lcm --config $config --out /tmp/map --quiet
+inside orchard evaluate /tmp/map --truth /tmp/truth.csv | tee "$chroot/tmp/tables.txt" | tail -n 2
+grep -q 'found 16 of 16' "$chroot/tmp/tables.txt" || fail "the map is not right"
+for file in share/man/man1/orchard-map.1.gz share/bash-completion/completions/orchard \
+  share/orchard-mapper/lcmtypes/scan_t.lcm include/orchard/scan_t.hpp \
+  lib/python3/dist-packages/orchard/scan_t.py share/orchard-mapper/orchard_lcmtypes.jar; do
+  # A minimal Debian may be told to leave manual pages out, so the package is asked, not the disk.
+  dpkg-deb --contents "$deb" | grep -q "/usr/$file\$" || fail "$file is not in the package"
+done
+echo "deb_test: $(basename "$deb") works in a clean Debian"

@@ -14,11 +14,12 @@ echo "== 1/3 packages (scripts/install_deps.sh)"
 scripts/install_deps.sh
 
 echo "== 2/3 configure: cmake -S . -B build -G Ninja (Release)"
+read -r -a options <<<"${ORCHARD_CMAKE_OPTIONS:-}"  # such as -DORCHARD_WERROR=ON
 launcher=()
 command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 export CCACHE_SLOPPINESS=pch_defines,time_macros  # without it ccache passes over precompiled headers
 mkdir -p build
-if ! cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release "${launcher[@]}" >build/configure.log 2>&1
+if ! cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release "${launcher[@]}" "${options[@]}" >build/configure.log 2>&1
 then
   cat build/configure.log
   echo "build: cmake failed; the lines above say why" >&2

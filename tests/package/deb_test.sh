@@ -62,10 +62,11 @@ inside orchard simulate --scene tubes --seed 1 --config $config --out /tmp/tubes
 inside orchard map /tmp/tubes.lcm --config $config --out /tmp/map --quiet
 inside orchard evaluate /tmp/map --truth /tmp/truth.csv | tee "$chroot/tmp/tables.txt" | tail -n 2
 grep -q 'found 16 of 16' "$chroot/tmp/tables.txt" || fail "the map is not right"
+contents=$(dpkg-deb --contents "$deb")
 for file in share/man/man1/orchard-map.1.gz share/bash-completion/completions/orchard \
   share/orchard-mapper/lcmtypes/scan_t.lcm include/orchard/scan_t.hpp \
   lib/python3/dist-packages/orchard/scan_t.py share/orchard-mapper/orchard_lcmtypes.jar; do
   # A minimal Debian may be told to leave manual pages out, so the package is asked, not the disk.
-  dpkg-deb --contents "$deb" | grep -q "/usr/$file\$" || fail "$file is not in the package"
+  grep -q "/usr/$file\$" <<<"$contents" || fail "$file is not in the package"
 done
 echo "deb_test: $(basename "$deb") works in a clean Debian"

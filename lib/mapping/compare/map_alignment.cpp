@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "geometry/angles.hpp"
 #include "mapping/compare/alignment_evidence.hpp"
@@ -124,121 +125,194 @@ bool is_clear(const EvidenceDifference& d) {
   return d.log_odds > kOddsNeeded && d.sigmas > kSigmasNeeded;
 }
 
+/// Alignment hypotheses with the evidence for each of them.
+struct RatedHypotheses {
+  std::vector<AlignmentCandidate> candidates;
+  std::vector<AlignmentEvidence> evidence;
+  std::vector<PairNoise> noise;
+  std::size_t best = 0;
+};
+
+class MapAligner {
+ public:
+  MapAligner(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
+             const DriveView& view_a, const DriveView& view_b, const MapAlignmentConfig& config)
+      : config_(config),
+        with_objects_(std::min(num_not_objects(a), num_not_objects(b)) < kFewTrees),
+        a_(select(a, with_objects_, view_a)),
+        b_(select(b, with_objects_, view_b)),
+        spacing_m_(
+            std::min(typical_spacing_m(a_.trunks.places), typical_spacing_m(b_.trunks.places))) {
+    search_.any_place = config.any_place;
+    search_.offset_max_m = config.offset_max_m;
+    search_.turn_max_rad = config.turn_max_deg * geometry::kPi / 180.0;
+    search_.gate_m = std::clamp(0.35 * spacing_m_, std::min(0.1, config.gate_m), config.gate_m);
+  }
+
+  MapAlignment align() {
+    AlignmentCandidates found = alignment_candidates(a_.trunks.places, a_.trunks.width_m,
+                                                     b_.trunks.places, b_.trunks.width_m, search_);
+    const std::size_t num_pairs_max = found.ways.empty() ? 0 : found.ways.front().pairs.size();
+    if (num_pairs_max < num_pairs_min()) return refused(num_pairs_max);
+    const RatedHypotheses rated = rate(worth_rating(std::move(found.ways), num_pairs_max));
+    MapAlignment alignment = best_of(rated);
+    refuse_chance(rated, found.num_tried, alignment);
+    refuse_rivals(rated, alignment);
+    refuse_aliases(rated, alignment);
+    for (LandmarkPair& pair : alignment.pairs) {
+      pair.a = a_.index[static_cast<std::size_t>(pair.a)];
+      pair.b = b_.index[static_cast<std::size_t>(pair.b)];
+    }
+    return alignment;
+  }
+
+ private:
+  std::size_t num_pairs_min() const {
+    return static_cast<std::size_t>(std::max(2, config_.min_pairs));
+  }
+
+  MapAlignment refused(std::size_t num_pairs_max) const {
+    MapAlignment alignment;
+    const auto most = static_cast<double>(num_pairs_max);
+    alignment.reason = config_.any_place ? fmt::format(
+                                               "at most {:.0f} trees come to lie upon each other, "
+                                               "however the second map is laid "
+                                               "on the first",
+                                               most)
+                                         : fmt::format(
+                                               "at most {:.0f} trees come to lie upon each other "
+                                               "within {:.1f} m and {:.0f} degrees",
+                                               most, config_.offset_max_m, config_.turn_max_deg);
+    return alignment;
+  }
+
+  /// The hypotheses with at least a fraction of the most pairs.
+  std::vector<AlignmentCandidate> worth_rating(std::vector<AlignmentCandidate> candidates,
+                                               std::size_t num_pairs_max) const {
+    const double least = kShareOfBest * static_cast<double>(num_pairs_max);
+    candidates.erase(std::remove_if(candidates.begin(), candidates.end(),
+                                    [&](const AlignmentCandidate& c) {
+                                      return static_cast<double>(c.pairs.size()) < least ||
+                                             c.pairs.size() < num_pairs_min();
+                                    }),
+                     candidates.end());
+    return candidates;
+  }
+
+  /// Rates each hypothesis by the noise of its own pairs: the right one may have few pairs, but
+  /// they agree better than pairs of trunks that are only planted alike.
+  RatedHypotheses rate(std::vector<AlignmentCandidate> candidates) const {
+    RatedHypotheses rated;
+    rated.candidates = std::move(candidates);
+    for (const AlignmentCandidate& c : rated.candidates) {
+      rated.noise.push_back(pair_noise(a_.trunks, b_.trunks, c.pairs, search_.gate_m));
+    }
+    const PairNoise null = chance_noise(rated.noise);
+    for (std::size_t k = 0; k < rated.candidates.size(); ++k) {
+      const AlignmentCandidate& c = rated.candidates[k];
+      rated.evidence.push_back(evidence_of(a_.trunks, b_.trunks, c,
+                                           cautious(rated.noise[k], null, c.pairs.size()), null));
+      if (k != rated.best &&
+          difference(rated.evidence[k], rated.evidence[rated.best]).log_odds > 0.0) {
+        rated.best = k;
+      }
+    }
+    return rated;
+  }
+
+  MapAlignment best_of(const RatedHypotheses& rated) const {
+    MapAlignment alignment;
+    alignment.verdict = AlignmentVerdict::kAligned;
+    alignment.T_a_b = rated.candidates[rated.best].T_a_b;
+    alignment.pairs = rated.candidates[rated.best].pairs;
+    alignment.position_sd_m = rated.noise[rated.best].position_sd_m;
+    double sum_m2 = 0.0;
+    for (const LandmarkPair& pair : alignment.pairs) sum_m2 += pair.residual_m.squaredNorm();
+    alignment.rms_m = std::sqrt(sum_m2 / static_cast<double>(alignment.pairs.size()));
+    alignment.covariance = covariance_of(b_.trunks.places, alignment);
+    return alignment;
+  }
+
+  double distance_m(const MapAlignment& alignment, const geometry::Pose2& other) const {
+    return apart_m(alignment.T_a_b, other, b_.trunks.places, alignment.pairs);
+  }
+
+  /// Refuses an alignment whose number of pairs chance explains, or that pairs too few of the
+  /// trunks that both drives could see.
+  void refuse_chance(const RatedHypotheses& rated, double num_tried,
+                     MapAlignment& alignment) const {
+    const AlignmentEvidence& evidence = rated.evidence[rated.best];
+    const auto num_pairs = static_cast<double>(alignment.pairs.size());
+    const double log_p =
+        log_chance(num_pairs - 2.0,
+                   expected_by_chance(a_.trunks.places, num_judged_b(evidence), search_.gate_m)) +
+        std::log(std::max(1.0, num_tried));
+    const double fraction = share_explained(evidence, alignment.pairs.size());
+    if (log_p > std::log(kChanceAllowed)) {
+      alignment.verdict = AlignmentVerdict::kNone;
+      alignment.reason = fmt::format(
+          "the {:.0f} trees that come to lie upon each other may do so by chance", num_pairs);
+    } else if (fraction < kShareExplained) {
+      alignment.verdict = AlignmentVerdict::kNone;
+      alignment.reason = fmt::format(
+          "only {:.0f} % of the trees that both drives could see come to lie upon each other",
+          100.0 * fraction);
+    }
+  }
+
+  /// Calls an alignment ambiguous that another hypothesis explains about as well.
+  void refuse_rivals(const RatedHypotheses& rated, MapAlignment& alignment) const {
+    alignment.log_odds = 1e9;
+    for (std::size_t k = 0; k < rated.candidates.size(); ++k) {
+      if (k == rated.best) continue;
+      const AlignmentCandidate& rival = rated.candidates[k];
+      const EvidenceDifference d = difference(rated.evidence[rated.best], rated.evidence[k]);
+      if (d.log_odds < alignment.log_odds) {
+        alignment.log_odds = d.log_odds;
+        if (alignment.verdict != AlignmentVerdict::kAmbiguous) {
+          alignment.rival_offset_m = distance_m(alignment, rival.T_a_b);
+        }
+      }
+      if (is_clear(d) || alignment.verdict != AlignmentVerdict::kAligned) continue;
+      alignment.verdict = AlignmentVerdict::kAmbiguous;
+      alignment.rival_offset_m = distance_m(alignment, rival.T_a_b);
+      alignment.reason = fmt::format(
+          "they fit about as well when the second is shifted by another {:.1f} m ({:.0f} pairs of "
+          "trees against {:.0f})",
+          alignment.rival_offset_m, static_cast<double>(rival.pairs.size()),
+          static_cast<double>(alignment.pairs.size()));
+    }
+  }
+
+  /// Lattice aliasing: rows that end alike fit well also where they are other rows. Not asked where
+  /// the shared frame excludes other trees.
+  void refuse_aliases(const RatedHypotheses& rated, MapAlignment& alignment) const {
+    const bool is_told =
+        !config_.any_place && distance_m(alignment, geometry::Pose2{}) < kSharedFrame * spacing_m_;
+    if (alignment.verdict != AlignmentVerdict::kAligned || is_told ||
+        is_clear(detail(rated.evidence[rated.best]))) {
+      return;
+    }
+    alignment.verdict = AlignmentVerdict::kAmbiguous;
+    alignment.reason = fmt::format(
+        "the {:.0f} trees that come to lie upon each other agree in place and width no better "
+        "than other trees planted alike would",
+        static_cast<double>(alignment.pairs.size()));
+  }
+
+  const MapAlignmentConfig& config_;
+  bool with_objects_;
+  Selection a_, b_;
+  double spacing_m_;
+  AlignmentSearch search_;
+};
+
 }  // namespace
 
 MapAlignment align_maps(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
                         const DriveView& view_a, const DriveView& view_b,
                         const MapAlignmentConfig& config) {
-  MapAlignment alignment;
-  const bool with_objects = std::min(num_not_objects(a), num_not_objects(b)) < kFewTrees;
-  const Selection in_a = select(a, with_objects, view_a), in_b = select(b, with_objects, view_b);
-  const IndexedPoints &places_a = in_a.trunks.places, &places_b = in_b.trunks.places;
-  AlignmentSearch search;
-  search.any_place = config.any_place;
-  search.offset_max_m = config.offset_max_m;
-  search.turn_max_rad = config.turn_max_deg * geometry::kPi / 180.0;
-  const double spacing_m = std::min(typical_spacing_m(places_a), typical_spacing_m(places_b));
-  search.gate_m = std::clamp(0.35 * spacing_m, std::min(0.1, config.gate_m), config.gate_m);
-  AlignmentCandidates candidates =
-      alignment_candidates(places_a, in_a.trunks.width_m, places_b, in_b.trunks.width_m, search);
-  std::vector<AlignmentCandidate>& ways = candidates.ways;
-  const auto needed = static_cast<std::size_t>(std::max(2, config.min_pairs));
-  if (ways.empty() || ways.front().pairs.size() < needed) {
-    const std::size_t most = ways.empty() ? 0 : ways.front().pairs.size();
-    alignment.reason = config.any_place
-                           ? fmt::format(
-                                 "at most {} trees come to lie upon each other, however the "
-                                 "second map is laid on the first",
-                                 most)
-                           : fmt::format(
-                                 "at most {} trees come to lie upon each other within {:.1f} m "
-                                 "and {:.0f} degrees",
-                                 most, config.offset_max_m, config.turn_max_deg);
-    return alignment;
-  }
-  const double least = kShareOfBest * static_cast<double>(ways.front().pairs.size());
-  ways.erase(std::remove_if(ways.begin(), ways.end(),
-                            [&](const AlignmentCandidate& way) {
-                              return static_cast<double>(way.pairs.size()) < least ||
-                                     way.pairs.size() < needed;
-                            }),
-             ways.end());
-
-  // Each way by the noise that its own pairs show: the right one has few pairs, perhaps, but they
-  // agree better than trunks do that only stand in rows alike.
-  std::vector<PairNoise> noise;
-  for (const AlignmentCandidate& way : ways) {
-    noise.push_back(pair_noise(in_a.trunks, in_b.trunks, way.pairs, search.gate_m));
-  }
-  const PairNoise by_chance = chance_noise(noise);
-  std::vector<AlignmentEvidence> evidence;
-  std::size_t best = 0;
-  for (std::size_t k = 0; k < ways.size(); ++k) {
-    evidence.push_back(evidence_of(in_a.trunks, in_b.trunks, ways[k],
-                                   cautious(noise[k], by_chance, ways[k].pairs.size()), by_chance));
-    if (k != best && difference(evidence[k], evidence[best]).log_odds > 0.0) best = k;
-  }
-  alignment.T_a_b = ways[best].T_a_b;
-  alignment.pairs = ways[best].pairs;
-  alignment.position_sd_m = noise[best].position_sd_m;
-  double sum_m2 = 0.0;
-  for (const LandmarkPair& pair : alignment.pairs) sum_m2 += pair.residual_m.squaredNorm();
-  alignment.rms_m = std::sqrt(sum_m2 / static_cast<double>(alignment.pairs.size()));
-  alignment.covariance = covariance_of(places_b, alignment);
-  alignment.verdict = AlignmentVerdict::kAligned;
-
-  const double chance =
-      log_chance(static_cast<double>(alignment.pairs.size()) - 2.0,
-                 expected_by_chance(places_a, num_judged_b(evidence[best]), search.gate_m)) +
-      std::log(std::max(1.0, candidates.num_tried));
-  const double share = share_explained(evidence[best], alignment.pairs.size());
-  if (chance > std::log(kChanceAllowed)) {
-    alignment.verdict = AlignmentVerdict::kNone;
-    alignment.reason =
-        fmt::format("the {} trees that come to lie upon each other may do so by chance",
-                    alignment.pairs.size());
-  } else if (share < kShareExplained) {
-    alignment.verdict = AlignmentVerdict::kNone;
-    alignment.reason = fmt::format(
-        "only {:.0f} % of the trees that both drives could see come to lie upon each other",
-        100.0 * share);
-  }
-  alignment.log_odds = 1e9;
-  for (std::size_t k = 0; k < ways.size(); ++k) {
-    if (k == best) continue;
-    const EvidenceDifference d = difference(evidence[best], evidence[k]);
-    if (d.log_odds < alignment.log_odds) {
-      alignment.log_odds = d.log_odds;
-      if (alignment.verdict != AlignmentVerdict::kAmbiguous) {
-        alignment.rival_offset_m =
-            apart_m(alignment.T_a_b, ways[k].T_a_b, places_b, alignment.pairs);
-      }
-    }
-    if (is_clear(d) || alignment.verdict != AlignmentVerdict::kAligned) continue;
-    alignment.verdict = AlignmentVerdict::kAmbiguous;
-    alignment.rival_offset_m = apart_m(alignment.T_a_b, ways[k].T_a_b, places_b, alignment.pairs);
-    alignment.reason = fmt::format(
-        "they fit about as well when the second is shifted by another {:.1f} m ({} pairs of "
-        "trees against {})",
-        alignment.rival_offset_m, ways[k].pairs.size(), alignment.pairs.size());
-  }
-  // Rows that end alike lie well upon each other, too, when they are others. Where the frames tell
-  // which trees are the same it need not be asked.
-  const bool is_told = !config.any_place && apart_m(alignment.T_a_b, geometry::Pose2{}, places_b,
-                                                    alignment.pairs) < kSharedFrame * spacing_m;
-  if (alignment.verdict == AlignmentVerdict::kAligned && !is_told &&
-      !is_clear(detail(evidence[best]))) {
-    alignment.verdict = AlignmentVerdict::kAmbiguous;
-    alignment.reason = fmt::format(
-        "the {} trees that come to lie upon each other agree in place and width no better than "
-        "other trees planted alike would",
-        alignment.pairs.size());
-  }
-  for (LandmarkPair& pair : alignment.pairs) {
-    pair.a = in_a.index[static_cast<std::size_t>(pair.a)];
-    pair.b = in_b.index[static_cast<std::size_t>(pair.b)];
-  }
-  return alignment;
+  return MapAligner(a, b, view_a, view_b, config).align();
 }
 
 }  // namespace orchard::mapping

@@ -40,10 +40,9 @@ double SlamLandmark::width_sd_m() const {
 }
 
 void SlamLandmark::add_width(double observed_m, double sd_m) {
-  const double information = 1.0 / (sd_m * sd_m);
-  width_m =
-      (width_m * width_information + observed_m * information) / (width_information + information);
-  width_information += information;
+  const double added = 1.0 / (sd_m * sd_m);
+  width_m = (width_m * width_information + observed_m * added) / (width_information + added);
+  width_information += added;
 }
 
 void SlamGraph::add_observation(int keyframe, int landmark, const Eigen::Vector2d& p_base,

@@ -163,7 +163,9 @@ TEST(Submaps, ADriftIsTakenOutAndTheKeyframesFollow) {
         between(graph.keyframes[k - 1].T_map_base, graph.keyframes[k].T_map_base);
     EXPECT_NEAR(step.x(), kStepM, 0.02);
     EXPECT_NEAR(step.y(), 0.0, 0.02);
-    if (k > 10) EXPECT_GT(graph.keyframes[k].covariance(0, 0), 0.0);
+    if (k > 10) {
+      EXPECT_GT(graph.keyframes[k].covariance(0, 0), 0.0);
+    }
   }
   EXPECT_GT(before_m, 1.0);
   EXPECT_LT(after_m, 0.1 * before_m);

@@ -114,8 +114,7 @@ void MapperNode::add_scan(const laser::Scan& scan) {
   const std::int64_t since_us = has_any ? scan.utime - last_kept_scan_utime_ : 0;
   if (has_any && since_us >= 0 && since_us < microseconds(config_.existence.period_s)) return;
   last_kept_scan_utime_ = scan.utime;
-  queue_.push(kScan, scan.utime,
-              std::make_shared<mapping::FreeSpace>(scan, laser_, blind_, config_.existence));
+  queue_.push(kScan, scan.utime, std::make_shared<mapping::FreeSpace>(scan, laser_, blind_));
   if (queue_.size(kScan) > kScansWaitingMax) queue_.take(kScan);
 }
 

@@ -12,6 +12,9 @@
 
 namespace orchard::mapping {
 
+/// Range within which beams are evidence [m]: farther ones are too sparse for a trunk.
+inline constexpr double kBeamReach_m = 8.0;
+
 /// What the beams of a scan say of a position.
 enum class FreeSpaceVerdict {
   kUnknown,        ///< hidden, out of reach, or too few beams

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/slam/slam_tracker.hpp"
 
+#include "pose/slam/local_map.hpp"
+
 #include <algorithm>
 #include <cmath>
 

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/slam/slam_tracker.hpp"
 
-#include "pose/slam/local_map.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include "geometry/pose2.hpp"
 #include "pose/slam/association.hpp"
+#include "pose/slam/local_map.hpp"
 
 namespace orchard::pose {
 using geometry::between;

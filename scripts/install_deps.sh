@@ -25,7 +25,7 @@ packages=(
   # files
   libyaml-cpp-dev libgdal-dev zlib1g-dev nlohmann-json3-dev
   # command line, log, tests, benchmarks
-  libcli11-dev libspdlog-dev libgtest-dev libgmock-dev libbenchmark-dev
+  libcli11-dev libspdlog-dev libfmt-dev libgtest-dev libgmock-dev libbenchmark-dev
   # manual pages
   help2man
   # network namespaces and multicast routes for demo and tests

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "detection/consistency_monitor.hpp"
 
+#include <fmt/core.h>
 #include <cmath>
-#include <cstdio>
 
 #include "geometry/angles.hpp"
 #include "geometry/statistics.hpp"
@@ -47,14 +47,12 @@ double ConsistencyMonitor::degrees(double offset_px) const {
 
 std::string ConsistencyMonitor::disagreement(const char* verb, double offset_px,
                                              double duration_s) const {
-  char text[240];
-  std::snprintf(text, sizeof text,
-                "laser and image edges %s by %.1f px (%.1f deg, image to the %s) for %.0f s: check "
-                "camera.phi_rad (orchard calibrate laser-camera) or camera.delay_s (orchard "
-                "calibrate delay)",
-                verb, std::abs(offset_px), std::abs(degrees(offset_px)),
-                offset_px > 0.0 ? "right" : "left", duration_s);
-  return text;
+  return fmt::format(
+      "laser and image edges {} by {:.1f} px ({:.1f} deg, image to the {}) for {:.0f} s: check "
+      "camera.phi_rad (orchard calibrate laser-camera) or camera.delay_s (orchard "
+      "calibrate delay)",
+      verb, std::abs(offset_px), std::abs(degrees(offset_px)), offset_px > 0.0 ? "right" : "left",
+      duration_s);
 }
 
 std::string ConsistencyMonitor::warning() const {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/detection_evaluation.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "evaluation/score_test.hpp"
 
@@ -120,8 +120,8 @@ DetectionEvaluation evaluate_detections(const std::vector<Look>& looks,
   evaluation.num_looks = static_cast<int>(looks.size());
   evaluation.counts = count_labels(looks, rules);
   for (std::size_t i = 0; i + 1 < kRangeEdgesM.size(); ++i) {
-    char name[32];
-    std::snprintf(name, sizeof name, "%.0f to %.0f m", kRangeEdgesM[i], kRangeEdgesM[i + 1]);
+    const std::string name =
+        fmt::format("{:.0f} to {:.0f} m", kRangeEdgesM[i], kRangeEdgesM[i + 1]);
     Slice slice = slice_of(looks, rules, name, kRangeEdgesM[i], kRangeEdgesM[i + 1]);
     const Counts& c = slice.counts;
     if (c.num_right + c.num_wrong + c.num_missed > 0) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/trajectory_report.hpp"
 
-#include <cstdio>
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "geometry/angles.hpp"
@@ -13,16 +13,11 @@ using nlohmann::ordered_json;
 
 constexpr double kDegPerRad = 180.0 / geometry::kPi;
 
-std::string row(const char* name, const ErrorStatistics& e, double scale, const char* unit) {
-  char line[160];
-  if (e.num == 0) {
-    std::snprintf(line, sizeof line, "%-26s      -\n", name);
-  } else {
-    std::snprintf(line, sizeof line, "%-26s %6d  %9.4f %9.4f %9.4f %9.4f %9.4f %9.4f  %s\n", name,
-                  e.num, scale * e.rmse, scale * e.mean, scale * e.median, scale * e.sd,
-                  scale * e.min, scale * e.max, unit);
-  }
-  return line;
+std::string row(const std::string& name, const ErrorStatistics& e, double scale, const char* unit) {
+  if (e.num == 0) return fmt::format("{:<26}      -\n", name);
+  return fmt::format("{:<26} {:6}  {:9.4f} {:9.4f} {:9.4f} {:9.4f} {:9.4f} {:9.4f}  {}\n", name,
+                     e.num, scale * e.rmse, scale * e.mean, scale * e.median, scale * e.sd,
+                     scale * e.min, scale * e.max, unit);
 }
 
 const char* unit_name(DeltaUnit unit) {
@@ -39,39 +34,34 @@ ordered_json statistics_json(const ErrorStatistics& e) {
 
 std::string trajectory_summary(const TrajectoryEvaluation& evaluation,
                                const TrajectoryRules& rules) {
-  char line[240];
-  std::snprintf(line, sizeof line,
-                "%zu of %d poses compared with %d true ones: %d outside their time, %d in gaps",
-                evaluation.compared.size(), evaluation.num_estimates, evaluation.num_true,
-                evaluation.num_outside, evaluation.num_in_gaps);
-  std::string text = line;
+  std::string text =
+      fmt::format("{} of {} poses compared with {} true ones: {} outside their time, {} in gaps",
+                  evaluation.compared.size(), evaluation.num_estimates, evaluation.num_true,
+                  evaluation.num_outside, evaluation.num_in_gaps);
   if (rules.association == Association::kNearest) {
-    std::snprintf(line, sizeof line, ", %d without a partner within %g s", evaluation.num_unmatched,
-                  rules.max_difference_s);
+    text += fmt::format(", {} without a partner within {:g} s", evaluation.num_unmatched,
+                        rules.max_difference_s);
   } else {
-    std::snprintf(line, sizeof line, " of more than %g s", evaluation.gap_max_s);
+    text += fmt::format(" of more than {:g} s", evaluation.gap_max_s);
   }
-  text += line;
   text += "\n";
   if (rules.alignment != Alignment::kNone) {
     const RigidMotion& t = evaluation.T_truth_estimate;
-    std::snprintf(
-        line, sizeof line, "aligned %s: moved by (%.3f, %.3f) m, turned by %.3f degrees\n",
+    text += fmt::format(
+        "aligned {}: moved by ({:.3f}, {:.3f}) m, turned by {:.3f} degrees\n",
         rules.alignment == Alignment::kRigid ? "with the least squares" : "at the first pose",
         t.x_m, t.y_m, kDegPerRad * t.yaw_rad);
-    text += line;
   }
-  std::snprintf(line, sizeof line, "%-26s %6s  %9s %9s %9s %9s %9s %9s\n", "", "n", "RMSE", "mean",
-                "median", "sd", "min", "max");
-  text += line;
+  text += fmt::format("{:<26} {:>6}  {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "", "n", "RMSE",
+                      "mean", "median", "sd", "min", "max");
   text += row("APE position (ATE)", evaluation.position_m, 1.0, "m");
   text += row("APE yaw", evaluation.yaw_rad, kDegPerRad, "deg");
-  char name[64];
-  std::snprintf(name, sizeof name, "RPE %s, %g %s", evaluation.has_yaw ? "position" : "distance",
-                rules.delta, unit_name(rules.unit));
-  text += row(name, evaluation.relative_position_m, 1.0, "m");
-  std::snprintf(name, sizeof name, "RPE yaw, %g %s", rules.delta, unit_name(rules.unit));
-  text += row(name, evaluation.relative_yaw_rad, kDegPerRad, "deg");
+  const std::string position_name =
+      fmt::format("RPE {}, {:g} {}", evaluation.has_yaw ? "position" : "distance", rules.delta,
+                  unit_name(rules.unit));
+  text += row(position_name, evaluation.relative_position_m, 1.0, "m");
+  const std::string yaw_name = fmt::format("RPE yaw, {:g} {}", rules.delta, unit_name(rules.unit));
+  text += row(yaw_name, evaluation.relative_yaw_rad, kDegPerRad, "deg");
   if (!evaluation.has_yaw) text += "no headings on one side: yaw is not judged\n";
   return text;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/window_evaluation.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
-#include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -47,10 +47,8 @@ AreaEstimate estimate(const std::vector<Group>& groups, Score score) {
 }
 
 std::string area_text(const char* name, const AreaEstimate& estimate, const char* meaning) {
-  char line[200];
-  std::snprintf(line, sizeof line, "%-23s %.4f   95 %% in [%.4f, %.4f]   %s\n", name, estimate.area,
-                estimate.low, estimate.high, meaning);
-  return line;
+  return fmt::format("{:<23} {:.4f}   95 % in [{:.4f}, {:.4f}]   {}\n", name, estimate.area,
+                     estimate.low, estimate.high, meaning);
 }
 
 }  // namespace
@@ -79,20 +77,18 @@ WindowEvaluation evaluate_windows(const std::vector<ScoredWindow>& windows, doub
 }
 
 std::string window_summary(const WindowEvaluation& e) {
-  char text[400];
-  std::snprintf(text, sizeof text,
-                "%d pictures of %d trees (%zu left out): %d windows on trunks, %d elsewhere at the "
-                "same heights\n",
-                e.num_pictures, e.num_groups, e.left_out.size(), e.num_trunk, e.num_other);
-  std::string summary = text;
+  std::string summary = fmt::format(
+      "{} pictures of {} trees ({} left out): {} windows on trunks, {} elsewhere at the "
+      "same heights\n",
+      e.num_pictures, e.num_groups, e.left_out.size(), e.num_trunk, e.num_other);
   summary += area_text("auc", e.appearance, "the learnt model");
   summary += area_text("auc_hue_interval", e.hue_interval, "the hue interval of this model file");
   summary += area_text("auc_hue_interval_paper", e.paper_hue_interval, "the paper's hue interval");
-  std::snprintf(text, sizeof text,
-                "from a confidence of %.2f on: %.1f %% of the windows on trunks, %.1f %% of those "
-                "elsewhere\n",
-                e.confidence_min, 100.0 * e.found_share, 100.0 * e.false_share);
-  return summary + text;
+  summary += fmt::format(
+      "from a confidence of {:.2f} on: {:.1f} % of the windows on trunks, {:.1f} % of those "
+      "elsewhere\n",
+      e.confidence_min, 100.0 * e.found_share, 100.0 * e.false_share);
+  return summary;
 }
 
 std::string window_json(const WindowEvaluation& e) {

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "io/file_error.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::io {
 namespace {
@@ -22,12 +23,6 @@ std::string shown(std::string_view text) {
   std::string result = "\"";
   for (const char c : text.substr(0, kShownBytes)) result += c >= 0x20 && c < 0x7F ? c : '?';
   return result + (text.size() > kShownBytes ? "...\"" : "\"");
-}
-
-std::string number_text(double value) {
-  char text[32];
-  const auto result = std::to_chars(text, text + sizeof(text), value);
-  return std::string(text, result.ptr);
 }
 
 }  // namespace
@@ -197,7 +192,7 @@ double CsvReader::number_in(std::size_t field, double lo, double hi) const {
   const double value = number(field);
   if (value >= lo && value <= hi) return value;
   fail(field,
-       shown(text(field)) + " must be in [" + number_text(lo) + ", " + number_text(hi) + "]");
+       shown(text(field)) + " must be in [" + shortest_text(lo) + ", " + shortest_text(hi) + "]");
 }
 
 std::int64_t CsvReader::integer(std::size_t field) const {

@@ -2,11 +2,11 @@
 #include "detector/detector_node.hpp"
 
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include "detection/edge_offset.hpp"
 #include "geometry/angles.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::procs {
 
@@ -57,9 +57,7 @@ std::string DetectorNode::waiting_for() const {
   }
   const auto utime = pairer_.waiting_scan_utime();
   if (!utime) return {};
-  char seconds[32];
-  std::snprintf(seconds, sizeof seconds, "%.3f", static_cast<double>(*utime) * 1e-6);
-  return std::string("SCAN at ") + seconds + " s waits for an IMAGE" +
+  return "SCAN at " + fixed_text(static_cast<double>(*utime) * 1e-6, 3) + " s waits for an IMAGE" +
          (rig_.detector.use_odometry ? " (from the camera driver) and ODOMETRY (from the base)"
                                      : " (from the camera driver)");
 }

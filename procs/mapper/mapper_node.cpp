@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapper/mapper_node.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <utility>
 
@@ -231,11 +231,9 @@ std::optional<geometry::Georeference> MapperNode::georeference() const {
 std::string MapperNode::warning() const {
   const auto place = fixes_.empty() ? std::nullopt : georeference();
   if (!place || place->residual_rms_m <= geometry::kGeoreferenceResidualMax_m) return {};
-  char text[160];
-  std::snprintf(text, sizeof text,
-                "the satellite fixes lie %.2f m about the map that they place (more than %.1f m)",
-                place->residual_rms_m, geometry::kGeoreferenceResidualMax_m);
-  return text;
+  return fmt::format(
+      "the satellite fixes lie {:.2f} m about the map that they place (more than {:.1f} m)",
+      place->residual_rms_m, geometry::kGeoreferenceResidualMax_m);
 }
 
 bus::NodeCounts MapperNode::counts() const {
@@ -285,12 +283,10 @@ std::string MapperNode::waiting_for() const {
                  "from DETECTIONS alone (or set mapper.presence.scan_wait_s to 0)"
                : "";
   }
-  char text[128];
   const std::int64_t utime = waiting_.front().utime;
-  std::snprintf(text, sizeof text, "DETECTIONS at %.3f s wait for %s", seconds(utime),
-                looks_.is_ready(utime, newest_utime_) ? "a POSE at or after (orchard-pose)"
-                                                      : "their SCAN (a laser driver)");
-  return text;
+  return fmt::format("DETECTIONS at {:.3f} s wait for {}", seconds(utime),
+                     looks_.is_ready(utime, newest_utime_) ? "a POSE at or after (orchard-pose)"
+                                                           : "their SCAN (a laser driver)");
 }
 
 io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {

@@ -5,21 +5,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "geometry/angles.hpp"
 #include "geometry/camera_model.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::calibration {
 namespace {
 
-std::string number(double value, int digits) {
-  char text[48];
-  std::snprintf(text, sizeof text, "%.*f", digits, value);
-  return text;
-}
-
-std::string degrees(double angle_rad) { return number(angle_rad * 180.0 / geometry::kPi, 0); }
+std::string degrees(double angle_rad) { return fixed_text(angle_rad * 180.0 / geometry::kPi, 0); }
 
 class Judge {
  public:
@@ -48,7 +42,7 @@ class Judge {
     const double outliers = all - calibration_.num_views;
     if (outliers > rules_.most_outliers * all) {
       reasons_.push_back(
-          "too many outliers: " + number(outliers, 0) + " of " + number(all, 0) +
+          "too many outliers: " + fixed_text(outliers, 0) + " of " + fixed_text(all, 0) +
           " views disagree with the rest; is the board flat, and was it held still?");
     }
   }
@@ -74,9 +68,9 @@ class Judge {
                          " of the picture, where the lens bends most; show it there");
     }
     if (coverage.share() < rules_.least_coverage) {
-      reasons_.push_back("only " + number(100.0 * coverage.share(), 0) +
+      reasons_.push_back("only " + fixed_text(100.0 * coverage.share(), 0) +
                          " % of the picture was covered by the board, " +
-                         number(100.0 * rules_.least_coverage, 0) +
+                         fixed_text(100.0 * rules_.least_coverage, 0) +
                          " % are needed; move it all over the picture");
     }
   }
@@ -122,8 +116,8 @@ class Judge {
       farthest_m = std::max(farthest_m, view.distance_m);
     }
     if (farthest_m < rules_.least_distance_ratio * nearest_m) {
-      reasons_.push_back("all views are at one distance (" + number(nearest_m, 2) + " to " +
-                         number(farthest_m, 2) + " m); show the board nearer and farther too");
+      reasons_.push_back("all views are at one distance (" + fixed_text(nearest_m, 2) + " to " +
+                         fixed_text(farthest_m, 2) + " m); show the board nearer and farther too");
     }
   }
 
@@ -131,9 +125,10 @@ class Judge {
     const double limit_px =
         rules_.largest_rms_px * std::max(1.0, calibration_.intrinsics.width_px / 640.0);
     if (calibration_.rms_px > limit_px) {
-      reasons_.push_back("the reprojection error is too large: " + number(calibration_.rms_px, 2) +
-                         " px, at most " + number(limit_px, 2) +
-                         " px are allowed; is the board flat, and was it held still?");
+      reasons_.push_back(
+          "the reprojection error is too large: " + fixed_text(calibration_.rms_px, 2) +
+          " px, at most " + fixed_text(limit_px, 2) +
+          " px are allowed; is the board flat, and was it held still?");
     }
   }
 
@@ -142,16 +137,16 @@ class Judge {
     const double fc_sd = std::max(calibration_.fc_sd_px[0] / camera.fc_px[0],
                                   calibration_.fc_sd_px[1] / camera.fc_px[1]);
     if (!(fc_sd <= rules_.largest_fc_sd)) {
-      reasons_.push_back("the focal length is uncertain by " + number(100.0 * fc_sd, 1) +
+      reasons_.push_back("the focal length is uncertain by " + fixed_text(100.0 * fc_sd, 1) +
                          " % (one standard deviation), at most " +
-                         number(100.0 * rules_.largest_fc_sd, 1) +
+                         fixed_text(100.0 * rules_.largest_fc_sd, 1) +
                          " % are allowed; add views with more tilt");
     }
     const double cc_sd_px = std::max(calibration_.cc_sd_px[0], calibration_.cc_sd_px[1]);
     const double limit_px = rules_.largest_cc_sd * camera.width_px;
     if (!(cc_sd_px <= limit_px)) {
-      reasons_.push_back("the principal point is uncertain by " + number(cc_sd_px, 1) +
-                         " px (one standard deviation), at most " + number(limit_px, 1) +
+      reasons_.push_back("the principal point is uncertain by " + fixed_text(cc_sd_px, 1) +
+                         " px (one standard deviation), at most " + fixed_text(limit_px, 1) +
                          " px are allowed; add views with more tilt");
     }
   }
@@ -161,14 +156,14 @@ class Judge {
     const double dx = (camera.cc_px[0] - 0.5 * (camera.width_px - 1)) / camera.width_px;
     const double dy = (camera.cc_px[1] - 0.5 * (camera.height_px - 1)) / camera.height_px;
     if (std::max(std::abs(dx), std::abs(dy)) > rules_.largest_cc_offset) {
-      reasons_.push_back("the principal point (" + number(camera.cc_px[0], 0) + ", " +
-                         number(camera.cc_px[1], 0) +
+      reasons_.push_back("the principal point (" + fixed_text(camera.cc_px[0], 0) + ", " +
+                         fixed_text(camera.cc_px[1], 0) +
                          ") is far from the picture's middle; are the pictures cropped?");
     }
     const double ratio = camera.fc_px[0] / camera.fc_px[1];
     if (std::abs(ratio - 1.0) > rules_.largest_fc_difference) {
       reasons_.push_back("the two focal lengths differ by " +
-                         number(100.0 * std::abs(ratio - 1.0), 0) +
+                         fixed_text(100.0 * std::abs(ratio - 1.0), 0) +
                          " %; are the pictures stretched, or is the board's size wrong?");
     }
     // a ray through each corner of the picture must come back to it

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/extrinsics/camera_delay.hpp"
 
+#include <fmt/core.h>
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -103,17 +103,11 @@ std::optional<Fit> refine(const std::vector<DelayLook>& looks, Line line) {
   return Fit{line, inverse * meat * inverse};
 }
 
-std::string sentence(const char* format, int a, int b, double c) {
-  char text[320];
-  std::snprintf(text, sizeof text, format, a, b, c);
-  return text;
-}
-
 void require_looks(const std::vector<DelayLook>& looks, const DelayOptions& options) {
   const int num = static_cast<int>(looks.size());
   if (num < options.min_looks) {
-    throw std::runtime_error(sentence(
-        "only %d looks at trunks with both edges in the picture (%d are needed, within %.0f m or "
+    throw std::runtime_error(fmt::format(
+        "only {} looks at trunks with both edges in the picture ({} are needed, within {:.0f} m or "
         "less); drive past trunks with the camera on them",
         num, options.min_looks, 5.0));
   }
@@ -122,8 +116,8 @@ void require_looks(const std::vector<DelayLook>& looks, const DelayOptions& opti
         return std::abs(look.yaw_rate_radps) >= options.turning_radps;
       }));
   if (num_turning < options.min_turning_looks) {
-    throw std::runtime_error(sentence(
-        "the robot hardly turned: %d of %d looks at a yaw rate of %.1f rad/s or more, so a delay "
+    throw std::runtime_error(fmt::format(
+        "the robot hardly turned: {} of {} looks at a yaw rate of {:.1f} rad/s or more, so a delay "
         "cannot be told; drive curves to both sides past trunks",
         num_turning, num, options.turning_radps));
   }
@@ -176,8 +170,8 @@ DelayEstimate estimate_delay(const std::vector<DelayLook>& looks, const DelayOpt
   }
   if (!fit || estimate.num_looks < kAgreeingMin * estimate.num_all ||
       estimate.num_turning < options.min_turning_looks) {
-    throw std::runtime_error(sentence(
-        "only %d of %d looks agree with one delay (%.0f %% are needed); check camera.phi_rad, "
+    throw std::runtime_error(fmt::format(
+        "only {} of {} looks agree with one delay ({:.0f} % are needed); check camera.phi_rad, "
         "camera.delta_m and laser.mount_* first (orchard calibrate laser-camera)",
         estimate.num_looks, estimate.num_all, 100.0 * kAgreeingMin));
   }
@@ -188,8 +182,8 @@ DelayEstimate estimate_delay(const std::vector<DelayLook>& looks, const DelayOpt
   estimate.residual_sd_px = std::sqrt(sum_px2 / std::max(1, estimate.num_looks - 2));
   estimate.num_pictures = static_cast<int>(pictures.size());
   if (estimate.se_s > options.max_se_s) {
-    throw std::runtime_error(sentence(
-        "%d looks in %d pictures tell the delay to %.1f ms only; drive more and faster curves to "
+    throw std::runtime_error(fmt::format(
+        "{} looks in {} pictures tell the delay to {:.1f} ms only; drive more and faster curves to "
         "both sides past trunks",
         estimate.num_looks, estimate.num_pictures, 1e3 * estimate.se_s));
   }

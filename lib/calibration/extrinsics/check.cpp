@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/extrinsics/check.hpp"
 
+#include <fmt/core.h>
 #include <Eigen/Geometry>
 #include <cmath>
-#include <cstdio>
 
 #include "geometry/angles.hpp"
 
@@ -38,11 +38,9 @@ std::string mount_contradiction(const Mount& found, const Mount& stated) {
              "against what camera.phi_rad states (to a scanner, which sees one plane, both look "
              "the same)";
     }
-    char text[200];
-    std::snprintf(text, sizeof text,
-                  "the camera is mounted turned by %.0f deg against what camera.phi_rad states",
-                  turned_deg);
-    return text;
+    return fmt::format(
+        "the camera is mounted turned by {:.0f} deg against what camera.phi_rad states",
+        turned_deg);
   }
   const Mount top_bottom = mirrored(stated, {1.0, -1.0, 1.0});
   const double off_m = (found.delta_m - stated.delta_m).norm();

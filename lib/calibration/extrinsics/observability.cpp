@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/extrinsics/observability.hpp"
 
+#include <fmt/core.h>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "geometry/angles.hpp"
 
@@ -16,12 +16,6 @@ constexpr double kDeg = geometry::kPi / 180.0;
 constexpr double kLeastSpread = 0.05;  ///< of normals: 3 degrees
 constexpr double kSameOrientation_rad = 6.0 * kDeg;
 constexpr double kMoved_m = 0.05;
-
-std::string text(const char* format, double a, double b = 0.0) {
-  char buffer[320];
-  std::snprintf(buffer, sizeof buffer, format, a, b);
-  return buffer;
-}
 
 /// Variance of a normal's direction in one direction across it.
 double normal_variance(const BoardPose& board) {
@@ -73,10 +67,8 @@ std::string camera_direction(const Eigen::Vector3d& direction_camera) {
   int axis = 0;
   d.cwiseAbs().maxCoeff(&axis);
   if (std::abs(d[axis]) > 0.85) return kNames[static_cast<std::size_t>(axis)];
-  char buffer[96];
-  std::snprintf(buffer, sizeof buffer, "the direction (%.2f, %.2f, %.2f) of the camera frame",
-                d.x(), d.y(), d.z());
-  return buffer;
+  return fmt::format("the direction ({:.2f}, {:.2f}, {:.2f}) of the camera frame", d.x(), d.y(),
+                     d.z());
 }
 
 std::string degenerate_motion(const BoardMotion& motion) {
@@ -87,16 +79,17 @@ std::string degenerate_motion(const BoardMotion& motion) {
       return "the board never moved: all views show it in one place and one orientation, which "
              "determines one of six unknowns; hold it in other places, tilted to all sides";
     }
-    return text(
-        "the board was always (nearly) parallel to itself, tilted by %.1f deg at most between two "
+    return fmt::format(
+        "the board was always (nearly) parallel to itself, tilted by {:.1f} deg at most between "
+        "two "
         "views: translations along it are not determined; tilt it by 20 to 45 deg to the left and "
         "right, "
         "forward and back",
         motion.tilt_max_deg);
   }
   if (motion.num_orientations == 2) {
-    return text("the board was held in two orientations only (%.0f deg apart): ",
-                motion.tilt_max_deg) +
+    return fmt::format("the board was held in two orientations only ({:.0f} deg apart): ",
+                       motion.tilt_max_deg) +
            "the translation along " + camera_direction(motion.axis_camera) +
            ", the line in which the two planes meet, is not determined; hold it in more";
   }
@@ -120,18 +113,20 @@ std::string undetermined_direction(const Eigen::Matrix<double, 6, 6>& covariance
   std::string what;
   if (!(shift_sd_m <= shift_sd_max_m)) {
     what = "the translation along " + camera_direction(shift.eigenvectors().col(2)) +
-           text(" is not determined (standard deviation %.0f mm, wanted at most %.0f)",
-                1e3 * shift_sd_m, 1e3 * shift_sd_max_m);
+           fmt::format(" is not determined (standard deviation {:.0f} mm, wanted at most {:.0f})",
+                       1e3 * shift_sd_m, 1e3 * shift_sd_max_m);
   } else if (!(turn_sd_rad <= turn_sd_max_rad)) {
     what = "the rotation about " + camera_direction(turn.eigenvectors().col(2)) +
-           text(" is not determined (standard deviation %.2f deg, wanted at most %.2f)",
-                turn_sd_rad / kDeg, turn_sd_max_rad / kDeg);
+           fmt::format(" is not determined (standard deviation {:.2f} deg, wanted at most {:.2f})",
+                       turn_sd_rad / kDeg, turn_sd_max_rad / kDeg);
   } else {
     return {};
   }
   if (motion.tilt_max_deg < 25.0) {
-    return what + text("; the board was tilted by %.0f deg at most between two views: tilt it more",
-                       motion.tilt_max_deg);
+    return what +
+           fmt::format(
+               "; the board was tilted by {:.0f} deg at most between two views: tilt it more",
+               motion.tilt_max_deg);
   }
   if (motion.out_of_plane < 0.15) {
     return what +

@@ -10,6 +10,7 @@
 #include "calibration/trunks/hue_interval.hpp"
 #include "detection/adaptation/two_groups.hpp"
 #include "geometry/statistics.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::calibration {
 namespace {
@@ -125,13 +126,7 @@ double separation(const std::vector<double>& a, const std::vector<double>& b, do
   return std::abs(mean_a - mean_b) / std::max(pooled, sd_floor);
 }
 
-std::string with_decimals(double value, int digits) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.*f", digits, value);
-  return text;
-}
-
-std::string millimetres(double metres) { return with_decimals(1e3 * metres, 0) + " mm"; }
+std::string millimetres(double metres) { return fixed_text(1e3 * metres, 0) + " mm"; }
 
 /// Says so when the second largest population cannot be told from the trunks, or may be them.
 void compare_populations(const std::vector<Thing>& things, const std::vector<std::size_t>& trunks,
@@ -153,13 +148,13 @@ void compare_populations(const std::vector<Thing>& things, const std::vector<std
   const std::string what =
       std::to_string(others.size()) + " other things of about " +
       millimetres(geometry::midpoint_median(widths_m[1])) +
-      (has_hue ? " and hue " + with_decimals(geometry::midpoint_median(hues_deg[1]) + hue_deg, 0)
+      (has_hue ? " and hue " + fixed_text(geometry::midpoint_median(hues_deg[1]) + hue_deg, 0)
                : std::string());
   if (std::max(by_width, by_hue) < options.separation_min) {
     model.warnings.push_back(
-        what + " do not separate from the trunks (" + with_decimals(by_width, 1) + " sd in width" +
-        (has_hue ? ", " + with_decimals(by_hue, 1) + " sd in hue" : "") + "; " +
-        with_decimals(options.separation_min, 0) +
+        what + " do not separate from the trunks (" + fixed_text(by_width, 1) + " sd in width" +
+        (has_hue ? ", " + fixed_text(by_hue, 1) + " sd in hue" : "") + "; " +
+        fixed_text(options.separation_min, 0) +
         " are needed): a mixed orchard, or posts like trunks; pick the trunks with --list and "
         "--trees");
   }
@@ -182,7 +177,7 @@ void look_for_two_kinds(const std::vector<Thing>& things, const std::vector<std:
   if (!groups || groups->separation < options.separation_min) return;
   model.warnings.push_back("the trunks are of two kinds, about " + millimetres(groups->low_mean) +
                            " and " + millimetres(groups->high_mean) + " wide (" +
-                           with_decimals(groups->separation, 1) +
+                           fixed_text(groups->separation, 1) +
                            " sd apart): one mean fits neither; calibrate on one kind with --trees");
 }
 
@@ -213,7 +208,7 @@ std::vector<std::size_t> picked_by_place(const std::vector<Thing>& things,
     }
     if (picked.size() == before) {
       throw std::runtime_error("landmark " + std::to_string(place.id) + " of the map, at (" +
-                               with_decimals(place.x_m, 2) + ", " + with_decimals(place.y_m, 2) +
+                               fixed_text(place.x_m, 2) + ", " + fixed_text(place.y_m, 2) +
                                ") m, was not seen in full; leave it out of --ids");
     }
   }

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "io/config/number_text.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::io {
 namespace {
@@ -23,7 +23,7 @@ struct Line {
 };
 
 std::string range_text(const ConfigKey& key, double lo, double hi) {
-  return std::string(key.unit) + " in [" + number_text(lo) + ", " + number_text(hi) +
+  return std::string(key.unit) + " in [" + shortest_text(lo) + ", " + shortest_text(hi) +
          "]: " + key.doc;
 }
 
@@ -33,7 +33,7 @@ class LineCollector : public ConfigVisitor {
 
  private:
   void on_number(const ConfigKey& key, double& value, double lo, double hi) override {
-    add(key, number_text(value), range_text(key, lo, hi));
+    add(key, shortest_text(value), range_text(key, lo, hi));
   }
   void on_integer(const ConfigKey& key, int& value, int lo, int hi) override {
     add(key, std::to_string(value), range_text(key, lo, hi));
@@ -53,7 +53,7 @@ class LineCollector : public ConfigVisitor {
   void on_numbers(const ConfigKey& key, const NumberList& list, double lo, double hi) override {
     std::string text = "[";
     for (std::size_t i = 0; i < list.size; ++i) {
-      text += (i > 0 ? ", " : "") + number_text(list.data[i]);
+      text += (i > 0 ? ", " : "") + shortest_text(list.data[i]);
     }
     add(key, text + "]", range_text(key, lo, hi));
   }

@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "io/config/config_error.hpp"
-#include "io/config/number_text.hpp"
 #include "io/config/old_keys.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::io {
 namespace {
@@ -252,7 +252,7 @@ class Reader : public ConfigVisitor {
     if (!parsed) return refuse(field, key, text, "must be a number");
     if (!(*parsed >= lo && *parsed <= hi)) {
       return refuse(field, key, text,
-                    "must be in [" + number_text(lo) + ", " + number_text(hi) + "]");
+                    "must be in [" + shortest_text(lo) + ", " + shortest_text(hi) + "]");
     }
     value = *parsed;
   }

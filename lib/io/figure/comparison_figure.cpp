@@ -3,7 +3,7 @@
 
 #include "io/figure/label_placement.hpp"
 #include "io/figure/map_frame.hpp"
-#include "io/fixed_text.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::io {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "io/figure/legend.hpp"
 #include "io/figure/plot_axes.hpp"
-#include "io/fixed_text.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::io {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "io/fixed_text.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::io {
 namespace {

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "io/fixed_text.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::io {
 namespace {

@@ -8,9 +8,9 @@
 #include "geometry/angles.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
-#include "io/fixed_text.hpp"
 #include "io/map/geopackage.hpp"
 #include "io/map/map_csv.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::io {
 namespace {

@@ -10,10 +10,10 @@
 
 #include "geometry/statistics.hpp"
 #include "io/file_error.hpp"
-#include "io/fixed_text.hpp"
 #include "io/map/map_csv.hpp"
 #include "io/map/trajectory_csv.hpp"
 #include "mapping/compare/landmark_pairing.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::io {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/map/summary_json.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "io/fixed_text.hpp"
 #include "mapping/rows/navigation_graph.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::io {
 namespace {
@@ -62,9 +62,7 @@ Json georeference_json(const geometry::Georeference& g) {
 
 /// JSON's numbers are doubles to most readers: a hash is text.
 std::string hash_text(std::int64_t hash) {
-  char text[20];
-  std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(hash));
-  return text;
+  return fmt::format("{:016x}", static_cast<std::uint64_t>(hash));
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include "geometry/angles.hpp"
 #include "io/atomic_file.hpp"
 #include "io/csv.hpp"
-#include "io/fixed_text.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::io {
 namespace {

@@ -8,7 +8,7 @@
 #include "io/atomic_file.hpp"
 #include "io/csv.hpp"
 #include "io/file_error.hpp"
-#include "io/fixed_text.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::io {
 namespace {

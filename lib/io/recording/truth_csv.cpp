@@ -4,8 +4,8 @@
 #include "io/atomic_file.hpp"
 #include "io/csv.hpp"
 #include "io/file_error.hpp"
-#include "io/fixed_text.hpp"
 #include "io/map/trajectory_csv.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::io {
 namespace {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping/compare/map_alignment.hpp"
 
+#include <fmt/core.h>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -124,12 +125,6 @@ bool is_clear(const EvidenceDifference& d) {
   return d.log_odds > kOddsNeeded && d.sigmas > kSigmasNeeded;
 }
 
-std::string text(const char* format, double x, double y = 0.0, double z = 0.0) {
-  char buffer[256];
-  std::snprintf(buffer, sizeof buffer, format, x, y, z);
-  return buffer;
-}
-
 /// Alignment hypotheses with the evidence for each of them.
 struct RatedHypotheses {
   std::vector<AlignmentCandidate> candidates;
@@ -179,14 +174,15 @@ class MapAligner {
   MapAlignment refused(std::size_t num_pairs_max) const {
     MapAlignment alignment;
     const auto most = static_cast<double>(num_pairs_max);
-    alignment.reason =
-        config_.any_place
-            ? text(
-                  "at most %.0f trees come to lie upon each other, however the second map is laid "
-                  "on the first",
-                  most)
-            : text("at most %.0f trees come to lie upon each other within %.1f m and %.0f degrees",
-                   most, config_.offset_max_m, config_.turn_max_deg);
+    alignment.reason = config_.any_place ? fmt::format(
+                                               "at most {:.0f} trees come to lie upon each other, "
+                                               "however the second map is laid "
+                                               "on the first",
+                                               most)
+                                         : fmt::format(
+                                               "at most {:.0f} trees come to lie upon each other "
+                                               "within {:.1f} m and {:.0f} degrees",
+                                               most, config_.offset_max_m, config_.turn_max_deg);
     return alignment;
   }
 
@@ -254,13 +250,13 @@ class MapAligner {
     const double fraction = share_explained(evidence, alignment.pairs.size());
     if (log_p > std::log(kChanceAllowed)) {
       alignment.verdict = AlignmentVerdict::kNone;
-      alignment.reason =
-          text("the %.0f trees that come to lie upon each other may do so by chance", num_pairs);
+      alignment.reason = fmt::format(
+          "the {:.0f} trees that come to lie upon each other may do so by chance", num_pairs);
     } else if (fraction < kShareExplained) {
       alignment.verdict = AlignmentVerdict::kNone;
-      alignment.reason =
-          text("only %.0f %% of the trees that both drives could see come to lie upon each other",
-               100.0 * fraction);
+      alignment.reason = fmt::format(
+          "only {:.0f} % of the trees that both drives could see come to lie upon each other",
+          100.0 * fraction);
     }
   }
 
@@ -280,9 +276,9 @@ class MapAligner {
       if (is_clear(d) || alignment.verdict != AlignmentVerdict::kAligned) continue;
       alignment.verdict = AlignmentVerdict::kAmbiguous;
       alignment.rival_offset_m = distance_m(alignment, rival.T_a_b);
-      alignment.reason = text(
-          "they fit about as well when the second is shifted by another %.1f m (%.0f pairs of "
-          "trees against %.0f)",
+      alignment.reason = fmt::format(
+          "they fit about as well when the second is shifted by another {:.1f} m ({:.0f} pairs of "
+          "trees against {:.0f})",
           alignment.rival_offset_m, static_cast<double>(rival.pairs.size()),
           static_cast<double>(alignment.pairs.size()));
     }
@@ -298,8 +294,8 @@ class MapAligner {
       return;
     }
     alignment.verdict = AlignmentVerdict::kAmbiguous;
-    alignment.reason = text(
-        "the %.0f trees that come to lie upon each other agree in place and width no better "
+    alignment.reason = fmt::format(
+        "the {:.0f} trees that come to lie upon each other agree in place and width no better "
         "than other trees planted alike would",
         static_cast<double>(alignment.pairs.size()));
   }

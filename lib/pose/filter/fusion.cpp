@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/filter/fusion.hpp"
 
+#include <fmt/core.h>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <variant>
 
 #include "geometry/angles.hpp"
@@ -51,7 +51,8 @@ void Fusion::add(const Odometry& odometry) {
     move_to(odometry.utime);
     ++num_silences_;
     silence_most_s_ = std::max(silence_most_s_, silent_s);
-    note("no ODOMETRY for %.1f s: what the robot did meanwhile is unknown", silent_s);
+    note(
+        fmt::format("no ODOMETRY for {:.1f} s: what the robot did meanwhile is unknown", silent_s));
   } else {
     move_to(odometry.utime, 0.5 * (before.speed_mps + odometry.speed_mps),
             0.5 * (before.yaw_rate_radps + odometry.yaw_rate_radps));
@@ -78,7 +79,7 @@ void Fusion::add(const Gnss& gnss) {
   travel_m_ = 0.0;
   if (is_frozen) {
     ++num_left_out_;
-    note("GNSS is frozen: the same fix again and again while the robot moves", 0.0);
+    note("GNSS is frozen: the same fix again and again while the robot moves");
     return;
   }
   PositionSight sight;
@@ -93,7 +94,8 @@ void Fusion::add(const Gnss& gnss) {
   if (const auto scatter_m = monitor_.scatter_m();
       scatter_m && square(*scatter_m) > 4.0 * sight.covariance.diagonal().maxCoeff()) {
     sight.covariance = square(*scatter_m) * Eigen::Matrix2d::Identity();
-    note("GNSS scatters by %.2f m, more than it claims: believed that much less", *scatter_m);
+    note(fmt::format("GNSS scatters by {:.2f} m, more than it claims: believed that much less",
+                     *scatter_m));
   }
   if (odometry_) take_position(sight);
   last_fix_ = LastFix{gnss.utime, sight.p_map_m, filter_.p_map_m(sight.p_base_m)};
@@ -112,7 +114,7 @@ void Fusion::take_position(const PositionSight& sight) {
     if (seconds(*utime_ - *left_out_since_) < config_.gnss.believe_again_s) {
       ++num_left_out_;
       left_out_most_m_ = std::max(left_out_most_m_, off_m.norm());
-      note("GNSS is %.1f m from where the robot can be: left out", off_m.norm());
+      note(fmt::format("GNSS is {:.1f} m from where the robot can be: left out", off_m.norm()));
       return;
     }
     filter_.doubt(off_m.squaredNorm(), square(0.5));
@@ -196,7 +198,7 @@ void Fusion::move_to(std::int64_t utime) {
     turn.is_gyro = true;
     filter_.move(turn);
   }
-  note("no ODOMETRY for %.1f s: what the robot does meanwhile is unknown", silent_s);
+  note(fmt::format("no ODOMETRY for {:.1f} s: what the robot does meanwhile is unknown", silent_s));
   utime_ = utime;
 }
 
@@ -239,26 +241,21 @@ std::optional<PoseEstimate> Fusion::estimate() const {
   return pose;
 }
 
-void Fusion::note(const char* what, double figure) {
-  char text[160];
-  std::snprintf(text, sizeof text, what, figure);
-  note_ = text;
+void Fusion::note(std::string text) {
+  note_ = std::move(text);
   note_utime_ = utime_.value_or(0);
 }
 
 std::string Fusion::warning() const {
-  char text[200];
   if (is_finished_) {
     std::string all;
     if (num_left_out_ > 0) {
-      std::snprintf(text, sizeof text, "%lld GNSS fixes left out, up to %.1f m off; ",
-                    static_cast<long long>(num_left_out_), left_out_most_m_);
-      all += text;
+      all += fmt::format("{} GNSS fixes left out, up to {:.1f} m off; ", num_left_out_,
+                         left_out_most_m_);
     }
     if (num_silences_ > 0) {
-      std::snprintf(text, sizeof text, "ODOMETRY silent %lld times, up to %.1f s; ",
-                    static_cast<long long>(num_silences_), silence_most_s_);
-      all += text;
+      all +=
+          fmt::format("ODOMETRY silent {} times, up to {:.1f} s; ", num_silences_, silence_most_s_);
     }
     if (!is_placed_) all += "never found where it started: no heading from GNSS or POSE_FIX; ";
     if (!all.empty()) all.resize(all.size() - 2);
@@ -270,8 +267,7 @@ std::string Fusion::warning() const {
   }
   const double worst_variance = filter_.covariance().diagonal().head<2>().maxCoeff();
   if (is_placed_ && worst_variance > square(config_.fusion.warn_sd_m)) {
-    std::snprintf(text, sizeof text, "position uncertain to %.2f m", std::sqrt(worst_variance));
-    return text;
+    return fmt::format("position uncertain to {:.2f} m", std::sqrt(worst_variance));
   }
   return {};
 }

@@ -43,7 +43,7 @@ class Fusion : public Localiser {
   void move_to(std::int64_t utime);
   bool hears_gyro_at(std::int64_t utime) const;
   double silence_s(std::int64_t utime) const;
-  void note(const char* what, double figure);
+  void note(std::string text);
 
   PoseConfig config_;
   FusionFilter filter_;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/prior_map/prior_map.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
-#include <cstdio>
 #include <limits>
 #include <numeric>
 #include <tuple>
@@ -46,11 +46,7 @@ double median_spacing_m(const std::vector<PriorLandmark>& landmarks) {
   return geometry::median(std::move(nearest_m));
 }
 
-std::string rounded(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
+std::string rounded(double value) { return fmt::format("{:.3g}", value); }
 
 }  // namespace
 

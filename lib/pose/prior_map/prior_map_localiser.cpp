@@ -4,12 +4,12 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 #include <utility>
 #include <variant>
 
 #include "pose/planar.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::pose {
 namespace {
@@ -32,14 +32,9 @@ constexpr int kContradictions = 2;
 /// A place dead-reckoned to more than this share of the trees' spacing may be a tree off.
 constexpr double kLostSpacings = 0.3;
 
-std::string fixed(double value, int digits) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", digits, value);
-  return text;
-}
-
 std::string place_text(const Place& place) {
-  return "(" + fixed(place.T_map_base.x(), 1) + ", " + fixed(place.T_map_base.y(), 1) + ") m";
+  return "(" + fixed_text(place.T_map_base.x(), 1) + ", " + fixed_text(place.T_map_base.y(), 1) +
+         ") m";
 }
 
 double largest_sd_m(const Eigen::Matrix3d& P) {
@@ -214,8 +209,8 @@ void PriorMapLocaliser::track(const std::vector<Sighting>& sightings) {
   }
   const double sd_m = largest_sd_m(tracker_.covariance());
   if (sd_m > std::min(config_.lost_sd_m, kLostSpacings * map_.spacing_m())) {
-    lose("no tree was recognised for so long that the last place is known to " + fixed(sd_m, 1) +
-             " m only",
+    lose("no tree was recognised for so long that the last place is known to " +
+             fixed_text(sd_m, 1) + " m only",
          false);
     return;
   }
@@ -266,7 +261,7 @@ void PriorMapLocaliser::check_place(bool trees_gone, const TreeWatch::Count& tre
   } else if (num_contradictions_ >= kContradictions) {
     const double since_m =
         contradicted_since ? local_.travel_m() - suspected_travel_m_ : config_.window_m;
-    lose("the trunks of the last " + fixed(since_m, 0) +
+    lose("the trunks of the last " + fixed_text(since_m, 0) +
              " m speak against the place that was taken" +
              (contradicted_since ? ": the robot may have been carried before them" : ""),
          true);
@@ -299,7 +294,7 @@ void PriorMapLocaliser::search() {
 void PriorMapLocaliser::judge(const SearchResult& result) {
   const std::string since =
       std::to_string(checked_trunks_) + " trunks of the last " +
-      fixed(std::min(config_.window_m, local_.travel_m() - lost_travel_m_), 0) + " m";
+      fixed_text(std::min(config_.window_m, local_.travel_m() - lost_travel_m_), 0) + " m";
   if (result.places.empty() || result.log_fit < config_.min_log_fit) {
     state_ = "LOST: the " + since + " fit no place of the prior map well enough; drive on, or " +
              "check that it is the map of this orchard";
@@ -354,7 +349,7 @@ std::optional<PoseEstimate> PriorMapLocaliser::estimate() const {
 std::string PriorMapLocaliser::warning() const {
   if (!tracking_) return state_;
   if (last_odometry_ && silence_s() > pose_config_.odometry_gap_max_s) {
-    return "no ODOMETRY for " + fixed(silence_s(), 1) + " s: motion is guessed between scans";
+    return "no ODOMETRY for " + fixed_text(silence_s(), 1) + " s: motion is guessed between scans";
   }
   return {};
 }

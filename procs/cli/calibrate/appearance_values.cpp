@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/calibrate/appearance_values.hpp"
 
-#include <cstdio>
+#include <fmt/core.h>
 #include <string>
 
 namespace orchard::cli {
 namespace {
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
+std::string number(double value) { return fmt::format("{:.6g}", value); }
 
 std::string list(const std::vector<double>& values) {
   std::string text = "[";

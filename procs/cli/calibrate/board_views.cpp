@@ -9,10 +9,10 @@
 
 #include "bus/messages/codec.hpp"
 #include "io/file_error.hpp"
-#include "io/fixed_text.hpp"
 #include "io/log/log_reader.hpp"
 #include "io/progress_bar.hpp"
 #include "io/recording/picture_file.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::cli {
 namespace {
@@ -126,7 +126,7 @@ void search_log(const std::string& path, Search& search, bool quiet) {
     const std::int64_t utime = bus::utime_of(*message);
     if (first_utime == 0) first_utime = utime;
     search.add(
-        path + " at " + io::fixed_text(1e-6 * static_cast<double>(utime - first_utime), 2) + " s",
+        path + " at " + fixed_text(1e-6 * static_cast<double>(utime - first_utime), 2) + " s",
         *picture);
   }
   bar.finish();

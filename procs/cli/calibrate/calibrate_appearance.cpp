@@ -16,9 +16,9 @@
 #include "io/config/config.hpp"
 #include "io/config/config_edit.hpp"
 #include "io/file_error.hpp"
-#include "io/fixed_text.hpp"
 #include "io/progress_bar.hpp"
 #include "io/recording/observation_csv.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::cli {
 namespace {
@@ -78,12 +78,12 @@ int run_calibrate_appearance(const CalibrateAppearanceOptions& options) {
     throw io::FileError(options.log_paths.front() + ": " + error.what());
   }
   fit.config.confidence_min = config.detector.appearance.confidence_min;
-  const std::string note =
-      std::to_string(fit.num_trunk) + " windows on trunks, " + std::to_string(fit.num_other) +
-      " on other things, " + std::to_string(fit.num_groups) + " of those, in " +
-      std::to_string(options.log_paths.size()) + " drives from " +
-      std::filesystem::path(options.log_paths.front()).filename().string() +
-      "; area under the ROC curve where left out " + io::fixed_text(fit.area, 4);
+  const std::string note = std::to_string(fit.num_trunk) + " windows on trunks, " +
+                           std::to_string(fit.num_other) + " on other things, " +
+                           std::to_string(fit.num_groups) + " of those, in " +
+                           std::to_string(options.log_paths.size()) + " drives from " +
+                           std::filesystem::path(options.log_paths.front()).filename().string() +
+                           "; area under the ROC curve where left out " + fixed_text(fit.area, 4);
   const std::string out = options.out_path.empty() ? options.config_path : options.out_path;
   io::edit_config_file(options.config_path, out, appearance_values(fit.config),
                        "orchard calibrate appearance", note);

@@ -17,13 +17,12 @@
 #include "io/config/camera_import.hpp"
 #include "io/figure/coverage_figure.hpp"
 #include "io/file_error.hpp"
-#include "io/fixed_text.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::cli {
 namespace {
 
 using calibration::CameraCalibration;
-using io::fixed_text;
 
 std::string pm(double value, double sd, int digits) {
   return fixed_text(value, digits) + " +- " + fixed_text(sd, digits);

@@ -15,6 +15,7 @@
 #include "io/config/config_edit.hpp"
 #include "io/file_error.hpp"
 #include "io/progress_bar.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::cli {
 namespace {
@@ -79,12 +80,6 @@ void print(const calibration::DelayEstimate& e, double delay_s, const io::Config
   std::printf("residual          %.2f px\n", e.residual_sd_px);
 }
 
-std::string decimals(double value, int digits) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", digits, value);
-  return text;
-}
-
 }  // namespace
 
 int run_calibrate_delay(const CalibrateDelayOptions& options) {
@@ -101,7 +96,7 @@ int run_calibrate_delay(const CalibrateDelayOptions& options) {
       estimate = calibration::estimate_delay(look_at_logs(options, config, warnings).looks, {});
       config.camera.delay_s += estimate.delay_s;
       if (std::abs(config.camera.delay_s) > 0.5) {
-        throw std::runtime_error("the delay found, " + decimals(config.camera.delay_s, 3) +
+        throw std::runtime_error("the delay found, " + fixed_text(config.camera.delay_s, 3) +
                                  " s, is beyond 0.5 s; check the clocks of camera and laser");
       }
       if (std::abs(estimate.delay_s) < kSettled_s) break;
@@ -119,7 +114,7 @@ int run_calibrate_delay(const CalibrateDelayOptions& options) {
                  estimate.offset_px, degrees(estimate.offset_px, config));
   }
 
-  std::string note = "standard error " + decimals(1e3 * estimate.se_s, 1) + " ms, " +
+  std::string note = "standard error " + fixed_text(1e3 * estimate.se_s, 1) + " ms, " +
                      std::to_string(estimate.num_looks) + " looks in " +
                      std::filesystem::path(options.log_paths.front()).filename().string();
   if (options.log_paths.size() > 1) {
@@ -127,7 +122,7 @@ int run_calibrate_delay(const CalibrateDelayOptions& options) {
   }
   const std::string out = options.out_path.empty() ? options.config_path : options.out_path;
   io::edit_config_file(options.config_path, out,
-                       {{"camera.delay_s", decimals(config.camera.delay_s, 4)}},
+                       {{"camera.delay_s", fixed_text(config.camera.delay_s, 4)}},
                        "orchard calibrate delay", note);
   if (!options.quiet) std::printf("written to %s\n", out.c_str());
   return bus::kExitOk;

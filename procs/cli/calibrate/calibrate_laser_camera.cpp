@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/calibrate/calibrate_laser_camera.hpp"
 
+#include <fmt/core.h>
 #include <array>
 #include <cmath>
-#include <cstdarg>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -30,18 +30,8 @@ constexpr double kDeg = 3.14159265358979323846 / 180.0;
 /// Corners of a board held still move by less between two pictures of 320 pixels' width.
 constexpr double kStillShift = 0.8 / 320.0;
 
-std::string text(const char* format, ...) __attribute__((format(printf, 1, 2)));
-std::string text(const char* format, ...) {
-  char buffer[512];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(buffer, sizeof buffer, format, arguments);
-  va_end(arguments);
-  return buffer;
-}
-
 std::string three(const std::array<double, 3>& values) {
-  return text("[%.5f, %.5f, %.5f]", values[0], values[1], values[2]);
+  return fmt::format("[{:.5f}, {:.5f}, {:.5f}]", values[0], values[1], values[2]);
 }
 
 /// What of a log can be used, with every reason why not.
@@ -59,38 +49,37 @@ std::vector<calibration::StillView> read_views(const CalibrateLaserCameraOptions
   const std::string& log = options.log_path;
   const auto& lens = config.camera.intrinsics;
   if (collector.num_wrong_size() > 0 && collector.num_wrong_size() < collector.num_images()) {
-    throw io::FileError(
-        text("%s: its pictures are of different sizes, %d of %d are not %dx%d (as %s says) but "
-             "e.g. %s: record again at one resolution",
-             log.c_str(), collector.num_wrong_size(), collector.num_images(), lens.width_px,
-             lens.height_px, options.config_path.c_str(), collector.wrong_size().c_str()));
+    throw io::FileError(fmt::format(
+        "{}: its pictures are of different sizes, {} of {} are not {}x{} (as {} says) but "
+        "e.g. {}: record again at one resolution",
+        log, collector.num_wrong_size(), collector.num_images(), lens.width_px, lens.height_px,
+        options.config_path, collector.wrong_size()));
   }
   if (collector.num_wrong_size() > 0) {
-    throw io::FileError(
-        text("%s: its pictures are %s, but camera in %s is %dx%d: the YAML of another camera?",
-             log.c_str(), collector.wrong_size().c_str(), options.config_path.c_str(),
-             lens.width_px, lens.height_px));
+    throw io::FileError(fmt::format(
+        "{}: its pictures are {}, but camera in {} is {}x{}: the YAML of another camera?", log,
+        collector.wrong_size(), options.config_path, lens.width_px, lens.height_px));
   }
   if (collector.num_scans() == 0) throw io::FileError(log + ": holds no usable SCAN");
   if (collector.num_images() == 0) throw io::FileError(log + ": holds no usable IMAGE");
   if (collector.num_pairs() == 0) {
     throw io::FileError(
-        text("%s: no picture is within %.3f s of a scan "
-             "(detector.pairing_tolerance_s): are both stamped with one clock?",
-             log.c_str(), config.detector.pairing_tolerance_s));
+        fmt::format("{}: no picture is within {:.3f} s of a scan "
+                    "(detector.pairing_tolerance_s): are both stamped with one clock?",
+                    log, config.detector.pairing_tolerance_s));
   }
   if (collector.num_unreadable() == collector.num_pairs()) {
-    throw io::FileError(
-        text("%s: none of its %d pictures can be decoded; record JPEG, or raw pixels of the size "
-             "that the message states",
-             log.c_str(), collector.num_pairs()));
+    throw io::FileError(fmt::format(
+        "{}: none of its {} pictures can be decoded; record JPEG, or raw pixels of the size "
+        "that the message states",
+        log, collector.num_pairs()));
   }
   if (collector.pairs().empty()) {
-    throw io::FileError(
-        text("%s: the camera never saw the board: no %s of %dx%d %s in any of %d pictures; show it "
-             "wholly, in good light, and check --columns and --rows",
-             log.c_str(), options.board_kind.c_str(), options.board.columns, options.board.rows,
-             options.board_kind == "charuco" ? "squares" : "inner corners", collector.num_pairs()));
+    throw io::FileError(fmt::format(
+        "{}: the camera never saw the board: no {} of {}x{} {} in any of {} pictures; show it "
+        "wholly, in good light, and check --columns and --rows",
+        log, options.board_kind, options.board.columns, options.board.rows,
+        options.board_kind == "charuco" ? "squares" : "inner corners", collector.num_pairs()));
   }
   const double shift_max_px = kStillShift * config.camera.intrinsics.width_px;
   auto views = calibration::still_views(collector.pairs(), shift_max_px);
@@ -272,11 +261,12 @@ int run_calibrate_laser_camera(const CalibrateLaserCameraOptions& options) {
   }
   const auto sd = [&](int i) { return std::sqrt(result.covariance(i, i)); };
   write(o, result.extrinsics,
-        text("%d views in %s, %.1f mm RMS; sd of delta %.1f %.1f %.1f mm, of the rotation %.2f "
-             "%.2f %.2f deg",
-             result.num_used, std::filesystem::path(o.log_path).filename().string().c_str(),
-             1e3 * result.rms_m, 1e3 * sd(0), 1e3 * sd(1), 1e3 * sd(2), sd(3) / kDeg, sd(4) / kDeg,
-             sd(5) / kDeg));
+        fmt::format("{} views in {}, {:.1f} mm RMS; sd of delta {:.1f} {:.1f} {:.1f} mm, of the "
+                    "rotation {:.2f} "
+                    "{:.2f} {:.2f} deg",
+                    result.num_used, std::filesystem::path(o.log_path).filename().string(),
+                    1e3 * result.rms_m, 1e3 * sd(0), 1e3 * sd(1), 1e3 * sd(2), sd(3) / kDeg,
+                    sd(4) / kDeg, sd(5) / kDeg));
   return bus::kExitOk;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/calibrate/calibrate_pictures.hpp"
 
+#include <fmt/core.h>
 #include <cstdio>
 #include <filesystem>
 #include <stdexcept>
@@ -14,6 +15,7 @@
 #include "io/config/config.hpp"
 #include "io/config/config_edit.hpp"
 #include "io/file_error.hpp"
+#include "text/number_text.hpp"
 #include "vision/appearance/appearance.hpp"
 
 namespace orchard::cli {
@@ -42,17 +44,11 @@ void learn_from(const PictureWindows& picture, const vision::ColourConfig& colou
   }
 }
 
-std::string decimals(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f", value);
-  return text;
-}
-
 void add_hue_interval(const vision::HueHistogram& hues, std::vector<io::ConfigValue>& values) {
   if (hues.num_coloured == 0) return;
   const auto interval = calibration::hue_interval(hues, kHueTail, kHueMargin_deg);
-  values.push_back({"detector.colour.hue_min_deg", decimals(interval.min_deg)});
-  values.push_back({"detector.colour.hue_max_deg", decimals(interval.max_deg)});
+  values.push_back({"detector.colour.hue_min_deg", fixed_text(interval.min_deg, 1)});
+  values.push_back({"detector.colour.hue_max_deg", fixed_text(interval.max_deg, 1)});
   if (interval.width_deg > kUselessHues_deg) {
     std::fprintf(stderr,
                  "%s: warning: the trunks' hues spread over %.0f degrees, so that colour_model "
@@ -65,12 +61,11 @@ std::string note_of(const calibration::AppearanceFit& fit, const PictureCount& c
                     const CalibratePicturesOptions& options) {
   std::string from = std::filesystem::path(options.pictures.picture_folder).lexically_normal();
   if (!options.pictures.only.empty()) from += " " + options.pictures.only;
-  char text[200];
-  std::snprintf(text, sizeof text,
-                ": %d pictures of %d trees, %d windows on trunks, %d elsewhere; area under the ROC "
-                "curve on trees left out %.4f, penalty %g",
-                count.used, count.num_groups, fit.num_trunk, fit.num_other, fit.area, fit.penalty);
-  return from + text;
+  return from +
+         fmt::format(
+             ": {} pictures of {} trees, {} windows on trunks, {} elsewhere; area under the ROC "
+             "curve on trees left out {:.4f}, penalty {:g}",
+             count.used, count.num_groups, fit.num_trunk, fit.num_other, fit.area, fit.penalty);
 }
 
 }  // namespace

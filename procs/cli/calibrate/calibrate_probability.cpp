@@ -13,8 +13,8 @@
 #include "io/config/config.hpp"
 #include "io/config/config_edit.hpp"
 #include "io/file_error.hpp"
-#include "io/fixed_text.hpp"
 #include "io/recording/observation_csv.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::cli {
 namespace {
@@ -60,7 +60,7 @@ void add_samples(const CalibrateProbabilityOptions& options, const io::Config& c
 std::string list_text(const std::vector<double>& values) {
   std::string text = "[";
   for (const double value : values) {
-    text += (text.size() > 1 ? ", " : "") + io::fixed_text(value, 4);
+    text += (text.size() > 1 ? ", " : "") + fixed_text(value, 4);
   }
   return text + "]";
 }
@@ -125,16 +125,16 @@ int run_calibrate_probability(const CalibrateProbabilityOptions& options) {
   const std::string note = std::to_string(fit.num_judged + fit.num_laser) + " looks in " +
                            std::to_string(fit.num_recordings) + " recordings, from " +
                            std::filesystem::path(options.log_paths.front()).filename().string() +
-                           "; calibration error " + io::fixed_text(error, 4) + " where left out";
+                           "; calibration error " + fixed_text(error, 4) + " where left out";
   io::edit_config_file(options.config_path, out,
                        {{"detector.probability.enabled", "true"},
                         {"detector.probability.judged_tree", list_text(fit.config.judged_tree)},
                         {"detector.probability.judged_object", list_text(fit.config.judged_object)},
                         {"detector.probability.laser_tree", list_text(fit.config.laser_tree)},
                         {"detector.probability.laser_object", list_text(fit.config.laser_object)},
-                        {"mapper.evidence_prior", io::fixed_text(fit.prior, 3)},
-                        {"mapper.evidence_base_rate", io::fixed_text(fit.base_rate, 3)},
-                        {"mapper.evidence_correlation", io::fixed_text(fit.correlation, 3)}},
+                        {"mapper.evidence_prior", fixed_text(fit.prior, 3)},
+                        {"mapper.evidence_base_rate", fixed_text(fit.base_rate, 3)},
+                        {"mapper.evidence_correlation", fixed_text(fit.correlation, 3)}},
                        "orchard calibrate probability", note);
   if (!options.quiet) std::printf("written to %s\n", out.c_str());
   return bus::kExitOk;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/calibrate/calibrate_trunks.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -23,15 +24,10 @@
 #include "io/map/map_csv.hpp"
 #include "io/progress_bar.hpp"
 #include "pose/pose_node.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::cli {
 namespace {
-
-std::string decimals(double value, int digits) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", digits, value);
-  return text;
-}
 
 std::vector<calibration::TrunkObservation> look_at_logs(const CalibrateTrunksOptions& options,
                                                         const io::Config& config) {
@@ -131,14 +127,12 @@ std::optional<vision::AppearanceConfig> choose_appearance(
   if (!model.has_hue || options.colour_model == ColourChoice::kHueInterval) return std::nullopt;
   try {
     const auto learnt = calibration::learn_trunk_appearance(looks, model, config.detector.colour);
-    char text[200];
-    std::snprintf(text, sizeof text,
-                  "area under the ROC curve, %d windows on trunks, %d elsewhere: appearance %.4f "
-                  "(trunks left out), hue interval %.4f",
-                  learnt.fit.num_trunk, learnt.fit.num_other, learnt.fit.area,
-                  learnt.hue_interval_area);
-    if (!options.quiet) std::printf("%s\n", text);
-    note += std::string("; ") + text;
+    const std::string text = fmt::format(
+        "area under the ROC curve, {} windows on trunks, {} elsewhere: appearance {:.4f} "
+        "(trunks left out), hue interval {:.4f}",
+        learnt.fit.num_trunk, learnt.fit.num_other, learnt.fit.area, learnt.hue_interval_area);
+    if (!options.quiet) std::printf("%s\n", text.c_str());
+    note += "; " + text;
     const bool better = learnt.fit.area > learnt.hue_interval_area;
     if (better || options.colour_model == ColourChoice::kAppearance) return learnt.fit.config;
   } catch (const std::runtime_error& error) {
@@ -152,23 +146,23 @@ std::optional<vision::AppearanceConfig> choose_appearance(
 
 std::vector<io::ConfigValue> values_of(const calibration::TrunkModel& model) {
   const calibration::WidthByRange& width = model.width_by_range;
-  std::vector<io::ConfigValue> values{{"detector.width.mean_m", decimals(model.width_mean_m, 5)},
-                                      {"detector.width.sd_m", decimals(width.sd_m, 5)}};
+  std::vector<io::ConfigValue> values{{"detector.width.mean_m", fixed_text(model.width_mean_m, 5)},
+                                      {"detector.width.sd_m", fixed_text(width.sd_m, 5)}};
   if (width.has_growth) {
     values.push_back(
-        {"detector.width.sd_per_beam_step", decimals(std::min(width.sd_per_beam_step, 5.0), 3)});
+        {"detector.width.sd_per_beam_step", fixed_text(std::min(width.sd_per_beam_step, 5.0), 3)});
   }
   if (model.has_hue) {
-    values.push_back({"detector.colour.hue_min_deg", decimals(model.hue_min_deg, 1)});
-    values.push_back({"detector.colour.hue_max_deg", decimals(model.hue_max_deg, 1)});
+    values.push_back({"detector.colour.hue_min_deg", fixed_text(model.hue_min_deg, 1)});
+    values.push_back({"detector.colour.hue_max_deg", fixed_text(model.hue_max_deg, 1)});
   }
   return values;
 }
 
 void add_light(const vision::WindowLight& light, std::vector<io::ConfigValue>& values) {
-  values.push_back({"detector.adaptation.reference_blue", decimals(std::exp(light.blue), 4)});
-  values.push_back({"detector.adaptation.reference_red", decimals(std::exp(light.red), 4)});
-  values.push_back({"detector.adaptation.reference_green", decimals(std::exp(light.green), 2)});
+  values.push_back({"detector.adaptation.reference_blue", fixed_text(std::exp(light.blue), 4)});
+  values.push_back({"detector.adaptation.reference_red", fixed_text(std::exp(light.red), 4)});
+  values.push_back({"detector.adaptation.reference_green", fixed_text(std::exp(light.green), 2)});
 }
 
 }  // namespace

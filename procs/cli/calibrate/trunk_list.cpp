@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/calibrate/trunk_list.hpp"
 
-#include <cstdio>
+#include <fmt/core.h>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -36,11 +36,10 @@ void write_picture(const std::string& path, const vision::PixelBlock& crop) {
   io::write_file_atomically(path, std::string(png.begin(), png.end()));
 }
 
+/// `format` has places for what is known of a thing, in this order.
 std::string row(const char* format, int number, const calibration::ThingSeen& t) {
-  char text[400];
-  std::snprintf(text, sizeof text, format, number, t.is_trunk ? "trunk" : "other", t.log + 1, t.x_m,
-                t.y_m, t.num_observations, 1e3 * t.median_width_m, t.dominant_hue_deg);
-  return text;
+  return fmt::format(fmt::runtime(format), number, t.is_trunk ? "trunk" : "other", t.log + 1, t.x_m,
+                     t.y_m, t.num_observations, 1e3 * t.median_width_m, t.dominant_hue_deg);
 }
 
 }  // namespace
@@ -66,11 +65,11 @@ void write_trunk_list(const std::string& folder, const calibration::TrunkModel& 
   int number = 0;
   for (const calibration::ThingSeen& thing : model.things) {
     ++number;
-    csv += row("%d,%s,%d,%.3f,%.3f,%d,%.1f,%.1f\n", number, thing);
+    csv += row("{},{},{},{:.3f},{:.3f},{},{:.1f},{:.1f}\n", number, thing);
     html += thing.is_trunk ? "<tr class=\"trunk\">" : "<tr>";
     html +=
-        row("<td>%d</td><td>%s</td><td>%d</td><td>%.2f</td><td>%.2f</td><td>%d</td>"
-            "<td>%.0f</td><td>%.0f</td>",
+        row("<td>{}</td><td>{}</td><td>{}</td><td>{:.2f}</td><td>{:.2f}</td><td>{}</td>"
+            "<td>{:.0f}</td><td>{:.0f}</td>",
             number, thing);
     if (const auto* best = best_look(thing, looks)) {
       const std::string name = "thing_" + std::to_string(number) + ".png";

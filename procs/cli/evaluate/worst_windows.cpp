@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/evaluate/worst_windows.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -48,9 +48,7 @@ void WorstWindows::add(const std::string& picture, const vision::PixelBlock& pix
   entry.error = labelled.is_trunk ? 1.0 - confidence : confidence;
   std::vector<Entry>& worst = entries_[labelled.is_trunk ? 1 : 0];
   if (worst.size() == kKept && entry.error <= worst.back().error) return;
-  char text[64];
-  std::snprintf(text, sizeof text, "%.12s %.3f", picture.c_str(), confidence);
-  entry.text = text;
+  entry.text = fmt::format("{:.12} {:.3f}", picture, confidence);
   const cv::Mat tile = tile_of(pixels, labelled.window);
   entry.bgr.assign(tile.datastart, tile.dataend);
   const auto place =

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/logs/message_text.hpp"
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 namespace orchard::cli {
@@ -166,9 +167,7 @@ Json fields(const pose::TrajectoryPage& m) {
 /// One value in words: numbers short, arrays with their beginning only, objects in braces.
 std::string words(const Json& value) {
   if (value.is_number_float()) {
-    char text[32];
-    std::snprintf(text, sizeof(text), "%.6g", value.get<double>());
-    return text;
+    return fmt::format("{:.6g}", value.get<double>());
   }
   if (value.is_object()) {
     std::string text;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/logs/simulate.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cinttypes>
 #include <cmath>
@@ -37,12 +38,10 @@ Stretch stretch_of(const SimulateOptions& options, std::int64_t scene_end_utime)
   const auto after_us = [](double s) { return static_cast<std::int64_t>(std::llround(s * 1e6)); };
   Stretch stretch{simulation::kEpochUtime + after_us(options.from_s), scene_end_utime};
   if (stretch.begin_utime > scene_end_utime) {
-    char text[128];
-    std::snprintf(text, sizeof text,
-                  "nothing is left after %.1f s: scene %s ends at %.1f s; give a smaller --from",
-                  options.from_s, options.scene.c_str(),
-                  1e-6 * static_cast<double>(scene_end_utime - simulation::kEpochUtime));
-    throw io::FileError(text);
+    throw io::FileError(fmt::format(
+        "nothing is left after {:.1f} s: scene {} ends at {:.1f} s; give a smaller --from",
+        options.from_s, options.scene,
+        1e-6 * static_cast<double>(scene_end_utime - simulation::kEpochUtime)));
   }
   if (options.duration_s > 0.0) {
     stretch.end_utime =

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/maps/compare.hpp"
 
+#include <fmt/core.h>
 #include <cmath>
 #include <cstdio>
 
@@ -36,15 +37,15 @@ void print_change(const io::ComparisonContent& content, const MapChange& c) {
       c.b >= 0 ? std::to_string(content.b[static_cast<std::size_t>(c.b)].id) : "-";
   const std::string place =
       l.row != 0 ? std::to_string(l.row) + "/" + std::to_string(l.position) : "-";
-  char detail[80] = "";
-  if (c.change == Change::kMoved) std::snprintf(detail, sizeof detail, "by %.2f m", c.moved_m);
+  std::string detail;
+  if (c.change == Change::kMoved) detail = fmt::format("by {:.2f} m", c.moved_m);
   if (c.change == Change::kGrown || c.change == Change::kThinner) {
-    std::snprintf(detail, sizeof detail, "by %+.0f mm (standard error %.0f)",
-                  1e3 * c.width_change_m, 1e3 * c.width_change_se_m);
+    detail = fmt::format("by {:+.0f} mm (standard error {:.0f})", 1e3 * c.width_change_m,
+                         1e3 * c.width_change_se_m);
   }
   std::printf("%-9s  %10.3f  %6s  %6s  %8s  %9.2f  %9.2f  %s\n", mapping::change_text(c.change),
               c.confidence, id_a.c_str(), id_b.c_str(), place.c_str(), c.p_a.x(), c.p_a.y(),
-              detail);
+              detail.c_str());
 }
 
 void print_table(const io::ComparisonContent& content) {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/maps/scan_timer.hpp"
 
-#include <array>
-#include <cinttypes>
+#include <fmt/core.h>
 #include <cstdio>
 #include <fstream>
 
@@ -36,11 +35,8 @@ void ScanTimer::count() {
 std::string ScanTimer::text() const {
   std::string text;
   for (const Stretch& s : stretches_) {
-    std::array<char, 160> line{};
-    std::snprintf(line.data(), line.size(),
-                  "timing: scans %" PRId64 "-%" PRId64 ": %.3f ms a scan, %.1f MiB at most\n",
-                  s.first, s.last, s.ms_per_scan, s.peak_mib);
-    text += line.data();
+    text += fmt::format("timing: scans {}-{}: {:.3f} ms a scan, {:.1f} MiB at most\n", s.first,
+                        s.last, s.ms_per_scan, s.peak_mib);
   }
   return text;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/rig/overlay.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -17,6 +18,7 @@
 #include "io/figure/overlay_figure.hpp"
 #include "io/file_error.hpp"
 #include "log_player/replay_rig.hpp"
+#include "text/number_text.hpp"
 #include "vision/decode.hpp"
 
 namespace orchard::cli {
@@ -70,12 +72,6 @@ class NearestPair : public bus::Node {
   std::optional<detection::ScanImagePair> nearest_;
 };
 
-std::string seconds_text(double seconds) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3f", seconds);
-  return text;
-}
-
 /// The utime asked for, within what the log covers.
 std::int64_t utime_asked(const OverlayOptions& options, const bus::ReplayIndex& index) {
   const std::int64_t first = index.report.first_utime, last = index.report.last_utime;
@@ -83,7 +79,7 @@ std::int64_t utime_asked(const OverlayOptions& options, const bus::ReplayIndex& 
       options.at >= kAbsoluteFrom ? options.at : static_cast<double>(first) + 1e6 * options.at;
   if (!(at_us >= static_cast<double>(first) && at_us <= static_cast<double>(last))) {
     throw io::FileError(options.log_path + " covers 0 to " +
-                        seconds_text(1e-6 * static_cast<double>(last - first)) + " s (utime " +
+                        fixed_text(1e-6 * static_cast<double>(last - first), 3) + " s (utime " +
                         std::to_string(first) + " to " + std::to_string(last) +
                         "); --at is outside");
   }
@@ -151,11 +147,10 @@ io::OverlayContent content_of(const OverlayOptions& options, const detection::Sc
          vision::find_edge(edges, view->right_edge, view->right_x_px, config.detector.edges),
          d.roc_vision > 0.0f, d});
   }
-  char exposed[32];
-  std::snprintf(exposed, sizeof exposed, "%+.3f",
-                1e-6 * static_cast<double>(image.utime - pair.scan.utime) - config.camera.delay_s);
+  const std::string exposed = fmt::format(
+      "{:+.3f}", 1e-6 * static_cast<double>(image.utime - pair.scan.utime) - config.camera.delay_s);
   content.title = "scan " +
-                  seconds_text(1e-6 * static_cast<double>(pair.scan.utime - first_utime)) +
+                  fixed_text(1e-6 * static_cast<double>(pair.scan.utime - first_utime), 3) +
                   " s (utime " + std::to_string(pair.scan.utime) + "), picture " + exposed + " s" +
                   (motion ? ", moved by odometry" : "") + "; points red near, blue far";
   if (num_outside > 0) content.title += "; " + std::to_string(num_outside) + " more outside";
@@ -189,7 +184,7 @@ int run_overlay(const OverlayOptions& options) {
   bus::replay_in_process(options.log_path, {&node}, replay);
   if (!node.pair()) {
     throw io::FileError(options.log_path + " has no scan with a picture within " +
-                        seconds_text(kReach_s) + " s of --at " + seconds_text(at_s) +
+                        fixed_text(kReach_s, 3) + " s of --at " + fixed_text(at_s, 3) +
                         " s (see detector.pairing_tolerance_s)");
   }
   const io::OverlayContent content = content_of(options, *node.pair(), rig, first_utime);

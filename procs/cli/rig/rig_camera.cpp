@@ -8,7 +8,7 @@
 #include "io/atomic_file.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
-#include "io/fixed_text.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::cli {
 namespace {
@@ -19,7 +19,7 @@ template <std::size_t N>
 std::string list(const std::array<double, N>& numbers, int digits) {
   std::string text = "[";
   for (std::size_t i = 0; i < N; ++i) {
-    text += (i > 0 ? ", " : "") + io::fixed_text(numbers[i], digits);
+    text += (i > 0 ? ", " : "") + fixed_text(numbers[i], digits);
   }
   return text + "]";
 }
@@ -53,7 +53,7 @@ std::vector<io::ConfigValue> rig_values_of(const geometry::CameraIntrinsics& cam
           {"camera.height_px", std::to_string(camera.height_px)},
           {"camera.fc_px", list(camera.fc_px, 3)},
           {"camera.cc_px", list(camera.cc_px, 3)},
-          {"camera.alpha_c", io::fixed_text(camera.alpha_c, 6)},
+          {"camera.alpha_c", fixed_text(camera.alpha_c, 6)},
           {"camera.kc", list(camera.kc, 6)}};
 }
 

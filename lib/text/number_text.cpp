@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/fixed_text.hpp"
+#include "text/number_text.hpp"
 
 #include <charconv>
 
-namespace orchard::io {
+namespace orchard {
 
 std::string fixed_text(double value, int num_decimals) {
   char text[400];  // the largest double has 309 digits before the point
@@ -14,4 +14,10 @@ std::string fixed_text(double value, int num_decimals) {
   return fixed;
 }
 
-}  // namespace orchard::io
+std::string shortest_text(double value) {
+  char text[32];
+  const auto result = std::to_chars(text, text + sizeof(text), value);
+  return std::string(text, result.ptr);
+}
+
+}  // namespace orchard

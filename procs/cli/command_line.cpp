@@ -304,7 +304,8 @@ namespace {
 std::vector<char*> with_help_option(int argc, char** argv) {
   static char help_option[] = "--help";
   std::vector<char*> words(argv, argv + argc);
-  if (argc > 1 && std::string(argv[1]) == "help") {
+  const bool explains = argc == 2 || (argc > 2 && argv[2][0] != '-');  // not its own help
+  if (explains && std::string(argv[1]) == "help") {
     words.erase(words.begin() + 1);
     words.push_back(help_option);
   }

@@ -14,7 +14,7 @@ trap 'rm -rf "$help_texts"' EXIT
 # subcommands COMMAND...: lines "name<TAB>what it does".
 subcommands() {
   help_text "$@" | awk '
-    /^Subcommands:/ { inside = 1; next }
+    /^(Subcommands|Commands):/ { inside = 1; next }
     /^[^ ]/ { inside = 0 }
     inside && /^  [a-z]/ { name = $1; sub(/^ +[^ ]+ +/, ""); print name "\t" $0 }'
 }
@@ -33,7 +33,7 @@ options() {
       split(words, word, " ")
       n = split(word[1], names, ",")
       name = names[n]
-      value = word[2]
+      value = word[2] ~ /^[[(]/ ? "" : word[2]  # what stands in brackets says more of a switch
       next
     }
     { more = $0; sub(/^ +/, "", more); text = text == "" ? more : text " " more }

@@ -44,6 +44,7 @@ set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS OFF)
 set(CPACK_DEBIAN_MAIN_PACKAGE_NAME ${main_package})
 set(CPACK_DEBIAN_MAIN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_MAIN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_MAIN_PACKAGE_DEPENDS "fonts-dejavu-core")  # what figures are written with
 set(CPACK_DEBIAN_MAIN_PACKAGE_RECOMMENDS "liblcm-bin, iproute2")
 set(CPACK_DEBIAN_MAIN_PACKAGE_SUGGESTS "liborchard-dev, python3, default-jre, liblcm-java, libjchart2d-java, qgis")
 set(CPACK_DEBIAN_MAIN_DESCRIPTION "maps of tree trunks from laser scans and camera images
@@ -58,10 +59,10 @@ set(CPACK_DEBIAN_DEV_PACKAGE_NAME ${dev_package})
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
-    "libeigen3-dev, libgeographiclib-dev, pkg-config")
+    "libeigen3-dev, libfmt-dev, libgeographiclib-dev, pkg-config")
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "libopencv-dev, libjpeg-dev, libmrpt-poses-dev, libceres-dev")
 set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS
-    "orchard-mapper, liblcm-dev, libmrpt-obs-dev, libgdal-dev, libyaml-cpp-dev, libspdlog-dev, libcli11-dev, nlohmann-json3-dev, libturbojpeg0-dev, zlib1g-dev")
+    "orchard-mapper, liblcm-dev, libmrpt-obs-dev, libcairo2-dev, libgdal-dev, libyaml-cpp-dev, libspdlog-dev, libcli11-dev, nlohmann-json3-dev, libturbojpeg0-dev, zlib1g-dev")
 set(CPACK_DEBIAN_DEV_DESCRIPTION "library to map tree trunks from laser scans (development files)
 What Orchard Mapper is made of, as static libraries with headers and a CMake
 package of components: geometry, laser, vision, detection, pose, mapping and

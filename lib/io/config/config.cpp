@@ -61,9 +61,7 @@ std::string effective_config(const Config& config) {
   return print_values(schema_of(copy));
 }
 
-std::int64_t config_hash(const Config& config) {
-  return text_hash(effective_config(config));
-}
+std::int64_t config_hash(const Config& config) { return text_hash(effective_config(config)); }
 
 std::vector<std::string> RigFile::load(const std::string& path) {
   LoadedConfig loaded = load_config_with_warnings(path);

@@ -8,7 +8,7 @@ namespace orchard::cli {
 /// `orchard overlay LOG --at TIME --out PNG`.
 struct OverlayOptions {
   std::string log_path;
-  double at = 0.0;  ///< seconds from the log's first message, or an absolute utime [us]
+  double at = 0.0;          ///< seconds from the log's first message, or an absolute utime [us]
   std::string config_path;  ///< empty: the rig that the log carries
   std::string out_path;
 };

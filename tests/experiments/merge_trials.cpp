@@ -131,7 +131,7 @@ void run_case(const Case& c, std::uint64_t seed, Score& score) {
   for (std::size_t k = 1; k < maps.size(); ++k) {
     const DrivenMap& b = maps[k];
     const MapAlignment alignment = align_maps(
-        whole.landmarks, b.landmarks, DriveView(whole.landmarks, ways, view), view_of(b), config);
+        whole.landmarks, b.landmarks, DetectionMap(whole.landmarks, ways, view), view_of(b), config);
     if (alignment.verdict != AlignmentVerdict::kAligned) {
       ++score.num_refused;
       if (c.is_overlapping && c.missing > 0.0) {

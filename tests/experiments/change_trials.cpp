@@ -37,7 +37,7 @@ std::size_t kind_of(Change change) {
 
 void judge(const DrivenMap& a, const DrivenMap& b, const std::map<int, Change>& truth,
            Scores& scores) {
-  const DriveView view_a = view_of(a), view_b = view_of(b);
+  const DetectionMap view_a = view_of(a), view_b = view_of(b);
   const MapAlignment alignment =
       align_maps(a.landmarks, b.landmarks, view_a, view_b, MapAlignmentConfig{});
   if (alignment.verdict != AlignmentVerdict::kAligned) {

@@ -65,10 +65,10 @@ inline std::map<int, Change> change_block(Block& block, const DayChanges& share,
   return truth;
 }
 
-inline DriveView view_of(const DrivenMap& map) {
+inline DetectionMap view_of(const DrivenMap& map) {
   SensorView view;
   view.reach_m = 8.0;  // more than the drives truly have: that is for the map to tell
-  return DriveView(map.landmarks, {map.trajectory}, view);
+  return DetectionMap(map.landmarks, {map.trajectory}, view);
 }
 
 }  // namespace orchard::trials

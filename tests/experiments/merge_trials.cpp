@@ -131,8 +131,9 @@ void run_case(const Case& c, std::uint64_t seed, Score& score) {
   config.any_place = c.any_place;
   for (std::size_t k = 1; k < maps.size(); ++k) {
     const DrivenMap& b = maps[k];
-    const MapAlignment alignment = align_maps(
-        whole.landmarks, b.landmarks, DriveView(whole.landmarks, ways, view), view_of(b), config);
+    const MapAlignment alignment =
+        align_maps(whole.landmarks, b.landmarks, DetectionMap(whole.landmarks, ways, view),
+                   view_of(b), config);
     if (alignment.verdict != AlignmentVerdict::kAligned) {
       ++score.num_refused;
       if (c.is_overlapping && c.missing > 0.0) {

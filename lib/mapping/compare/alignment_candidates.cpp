@@ -15,19 +15,19 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kBaseline_m = 20.0;       ///< longest distance of the two points tried together
-constexpr std::size_t kNumWitnesses = 40;  ///< points around them that must agree
-constexpr double kShareOfWitnesses = 0.4;
-constexpr double kRowHalf =
-    1.5;  ///< of the nearest tree's distance: what is a row's, and no other's
-constexpr std::size_t kWaysMost = 400;
-constexpr int kFitsMost = 40;
+constexpr double kBaseline_m = 20.0;     ///< longest distance of the two points tried together
+constexpr std::size_t kNumSupport = 40;  ///< points around them of which a fraction must agree
+constexpr double kInlierFraction = 0.4;
+// Half width of a row, per distance to the nearest tree: no other row is within.
+constexpr double kRowHalf = 1.5;
+constexpr std::size_t kNumCandidatesMax = 400;
+constexpr int kNumFitsMax = 40;
 
 /// Two points of a and those around them.
 struct Anchor {
   std::size_t first = 0, second = 0;
   Vector2d middle{0.0, 0.0};
-  std::vector<std::int32_t> witnesses;
+  std::vector<std::int32_t> support;
 };
 
 struct Hypothesis {
@@ -45,15 +45,15 @@ struct Hypothesis {
   }
 };
 
-/// How much better than by chance the witnesses agree: log likelihood, as they themselves show
-/// their noise, and as chance does while they are few.
-double agreement(const Hypothesis& h, double place_by_chance_m2, double width_by_chance_m2) {
-  constexpr double kOfChance = 5.0;
+/// Log-likelihood ratio of the inlier support against the null hypothesis, by the noise of the
+/// inliers themselves, shrunk to that of the null hypothesis while they are few.
+double agreement(const Hypothesis& h, double null_place_m2, double null_width_m2) {
+  constexpr double kNullPoints = 5.0;
   const double n = h.num_agreeing;
-  const auto gain = [n](double own, double by_chance) {
-    return 0.5 * n * std::log(by_chance * (n + kOfChance) / (n * own + kOfChance * by_chance));
+  const auto gain = [n](double own, double null) {
+    return 0.5 * n * std::log(null * (n + kNullPoints) / (n * own + kNullPoints * null));
   };
-  return 2.0 * gain(h.place_m2(), place_by_chance_m2) + gain(h.width_m2(), width_by_chance_m2);
+  return 2.0 * gain(h.place_m2(), null_place_m2) + gain(h.width_m2(), null_width_m2);
 }
 
 /// By agreement of places and widths, and by the number that agree, in turn; each once.
@@ -111,15 +111,14 @@ std::int32_t far_end(const IndexedPoints& a, std::size_t first, const Vector2d* 
 }
 
 /// Points around an anchor, no farther than that from the line through its two.
-std::vector<std::int32_t> witnesses_of(const IndexedPoints& a, const Anchor& anchor,
-                                       double aside_m) {
+std::vector<std::int32_t> support_of(const IndexedPoints& a, const Anchor& anchor, double aside_m) {
   const Vector2d along = (a[anchor.second] - a[anchor.first]).stableNormalized();
-  std::vector<std::int32_t> witnesses;
-  for (const std::int32_t i : a.nearest_few(anchor.middle, 0.6 * kBaseline_m, kNumWitnesses)) {
+  std::vector<std::int32_t> support;
+  for (const std::int32_t i : a.nearest_few(anchor.middle, 0.6 * kBaseline_m, kNumSupport)) {
     const Vector2d d = a[static_cast<std::size_t>(i)] - anchor.middle;
-    if (std::abs(along.x() * d.y() - along.y() * d.x()) <= aside_m) witnesses.push_back(i);
+    if (std::abs(along.x() * d.y() - along.y() * d.x()) <= aside_m) support.push_back(i);
   }
-  return witnesses;
+  return support;
 }
 
 /// Each of `count` points from all over a with the one farthest from it, and with the one farthest
@@ -150,22 +149,23 @@ std::vector<Anchor> anchors_of(const IndexedPoints& a, std::size_t count) {
       anchor.second = static_cast<std::size_t>(second);
       anchor.middle = 0.5 * (a[first] + a[anchor.second]);
       const bool in_row = second == along && second != aside;
-      anchor.witnesses = witnesses_of(a, anchor, in_row ? kRowHalf * row_step_m : kBaseline_m);
+      anchor.support = support_of(a, anchor, in_row ? kRowHalf * row_step_m : kBaseline_m);
       anchors.push_back(std::move(anchor));
     }
   }
   return anchors;
 }
 
-/// Whether enough points around the anchor find partners; stops as soon as they cannot.
-bool is_borne_out(const Trunks& a, const Trunks& b, const Anchor& anchor, double gate_m,
-                  Hypothesis& hypothesis) {
+/// Inlier check: whether enough points around the anchor find partners; stops as soon as too few
+/// can.
+bool has_support(const Trunks& a, const Trunks& b, const Anchor& anchor, double gate_m,
+                 Hypothesis& hypothesis) {
   const geometry::Pose2 T_b_a = inverse(hypothesis.T_a_b);
   const Eigen::Matrix2d R_b_a = rotation(T_b_a);
-  const auto num = static_cast<int>(anchor.witnesses.size());
-  const int needed = std::max(3, static_cast<int>(std::ceil(kShareOfWitnesses * num)));
+  const auto num = static_cast<int>(anchor.support.size());
+  const int needed = std::max(3, static_cast<int>(std::ceil(kInlierFraction * num)));
   int num_left = num;
-  for (const std::int32_t i : anchor.witnesses) {
+  for (const std::int32_t i : anchor.support) {
     if (hypothesis.num_agreeing + num_left < needed) return false;
     --num_left;
     const auto of_a = static_cast<std::size_t>(i);
@@ -232,14 +232,14 @@ geometry::Pose2 fit_pairs(const IndexedPoints& a, const IndexedPoints& b,
 /// Fits outwards from the anchor: pairs far away are right only once the turn is.
 AlignmentCandidate refined(const IndexedPoints& a, const IndexedPoints& b,
                            const Hypothesis& hypothesis, double gate_m) {
-  AlignmentCandidate way{hypothesis.T_a_b, {}};
+  AlignmentCandidate candidate{hypothesis.T_a_b, {}};
   double radius_m = 0.6 * kBaseline_m;
   std::vector<std::pair<std::int32_t, std::int32_t>> last;
-  for (int k = 0; k < kFitsMost; ++k) {
-    way.pairs = pair_landmarks(a, b, way.T_a_b, gate_m);
+  for (int k = 0; k < kNumFitsMax; ++k) {
+    candidate.pairs = pair_landmarks(a, b, candidate.T_a_b, gate_m);
     std::vector<std::pair<std::int32_t, std::int32_t>> now;
     double farthest_m = 0.0;
-    for (const LandmarkPair& pair : way.pairs) {
+    for (const LandmarkPair& pair : candidate.pairs) {
       now.push_back({pair.a, pair.b});
       farthest_m =
           std::max(farthest_m, (a[static_cast<std::size_t>(pair.a)] - hypothesis.middle_a).norm());
@@ -247,10 +247,11 @@ AlignmentCandidate refined(const IndexedPoints& a, const IndexedPoints& b,
     const bool is_whole = radius_m >= farthest_m;
     if (is_whole && now == last) break;
     last = std::move(now);
-    way.T_a_b = fit_pairs(a, b, way.pairs, hypothesis.middle_a, radius_m, way.T_a_b);
+    candidate.T_a_b =
+        fit_pairs(a, b, candidate.pairs, hypothesis.middle_a, radius_m, candidate.T_a_b);
     radius_m *= 1.6;
   }
-  return way;
+  return candidate;
 }
 
 bool is_near(const geometry::Pose2& T, const geometry::Pose2& other, const Vector2d& p_a,
@@ -260,8 +261,8 @@ bool is_near(const geometry::Pose2& T, const geometry::Pose2& other, const Vecto
          std::abs(geometry::wrap_angle_rad(T.yaw_rad - other.yaw_rad)) < near_rad;
 }
 
-bool is_same_way(const geometry::Pose2& T, const geometry::Pose2& other, const Vector2d& p_a,
-                 double spacing_m) {
+bool is_same(const geometry::Pose2& T, const geometry::Pose2& other, const Vector2d& p_a,
+             double spacing_m) {
   return is_near(T, other, p_a, 0.35 * spacing_m, 0.03);
 }
 
@@ -286,36 +287,36 @@ AlignmentCandidates alignment_candidates(const IndexedPoints& a,
                                 b[static_cast<std::size_t>(j)]);
       if (!is_allowed(h.T_a_b, anchor.middle, search)) return;
       found.num_tried += 1.0;
-      if (is_borne_out({a, width_of_a_m}, {b, width_of_b_m}, anchor, search.gate_m, h))
+      if (has_support({a, width_of_a_m}, {b, width_of_b_m}, anchor, search.gate_m, h))
         hypotheses.push_back(h);
     });
   }
-  std::vector<geometry::Pose2> refined_from;  // many begin alike and end in a way that is known
+  std::vector<geometry::Pose2> refined_from;  // close hypotheses are not refined again
   for (const std::size_t k : most_promising_first(hypotheses)) {
     const Hypothesis& h = hypotheses[k];
-    if (found.ways.size() >= kWaysMost) break;
-    const auto known = [&](const AlignmentCandidate& way) {
-      return is_same_way(h.T_a_b, way.T_a_b, h.middle_a, spacing_m);
+    if (found.candidates.size() >= kNumCandidatesMax) break;
+    const auto known = [&](const AlignmentCandidate& candidate) {
+      return is_same(h.T_a_b, candidate.T_a_b, h.middle_a, spacing_m);
     };
     const auto begun = [&](const geometry::Pose2& T) {
       return is_near(h.T_a_b, T, h.middle_a, 0.1 * spacing_m, 0.01);
     };
-    if (std::any_of(found.ways.begin(), found.ways.end(), known) ||
+    if (std::any_of(found.candidates.begin(), found.candidates.end(), known) ||
         std::any_of(refined_from.begin(), refined_from.end(), begun)) {
       continue;
     }
     refined_from.push_back(h.T_a_b);
-    AlignmentCandidate way = refined(a, b, h, search.gate_m);
+    AlignmentCandidate candidate = refined(a, b, h, search.gate_m);
     const auto same = [&](const AlignmentCandidate& other) {
-      return is_same_way(way.T_a_b, other.T_a_b, h.middle_a, spacing_m);
+      return is_same(candidate.T_a_b, other.T_a_b, h.middle_a, spacing_m);
     };
-    if (way.pairs.size() < 3 || !is_allowed(way.T_a_b, h.middle_a, search) ||
-        std::any_of(found.ways.begin(), found.ways.end(), same)) {
+    if (candidate.pairs.size() < 3 || !is_allowed(candidate.T_a_b, h.middle_a, search) ||
+        std::any_of(found.candidates.begin(), found.candidates.end(), same)) {
       continue;
     }
-    found.ways.push_back(std::move(way));
+    found.candidates.push_back(std::move(candidate));
   }
-  std::stable_sort(found.ways.begin(), found.ways.end(),
+  std::stable_sort(found.candidates.begin(), found.candidates.end(),
                    [](const AlignmentCandidate& x, const AlignmentCandidate& y) {
                      return x.pairs.size() > y.pairs.size();
                    });

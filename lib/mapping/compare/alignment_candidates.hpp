@@ -8,7 +8,7 @@
 
 namespace orchard::mapping {
 
-/// Where to look for T_a_b.
+/// Search window of T_a_b.
 struct AlignmentSearch {
   bool any_place = false;     ///< any offset and any turn; else the limits below
   double offset_max_m = 5.0;  ///< no point of b moves farther than this
@@ -16,21 +16,20 @@ struct AlignmentSearch {
   double gate_m = 0.5;  ///< farthest that a pair may lie apart
 };
 
-/// One way to lay b on a.
+/// An alignment hypothesis.
 struct AlignmentCandidate {
   geometry::Pose2 T_a_b;
   std::vector<LandmarkPair> pairs;
 };
 
 struct AlignmentCandidates {
-  std::vector<AlignmentCandidate> ways;  ///< those with most pairs first
-  double num_tried = 0.0;                ///< hypotheses, to weigh what chance may do
+  std::vector<AlignmentCandidate> candidates;  ///< those with most pairs first
+  double num_tried = 0.0;                      ///< for the correction of multiple tests
 };
 
-/// All ways in which many points of b come to lie on points of a, by trying two points on two
-/// points of equal distance, from places all over a, and fitting what agrees. Where there are too
-/// many, those of which most points agree and those whose places and widths [m] agree best.
-/// Deterministic.
+/// Generates alignment hypotheses that register many points of b to points of a: two points on two
+/// points of equal distance, from all over a, refined with their inliers. Where there are too many,
+/// those with most inliers and those whose positions and widths [m] agree best. Deterministic.
 AlignmentCandidates alignment_candidates(const IndexedPoints& a,
                                          const std::vector<double>& width_of_a_m,
                                          const IndexedPoints& b,

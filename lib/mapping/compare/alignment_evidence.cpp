@@ -13,8 +13,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kShareChanged = 0.05;   ///< of trees between two drives, before looking
-constexpr double kShareOutliers = 0.05;  ///< of pairs that are worse than the noise
+constexpr double kChangedFraction = 0.05;  ///< prior fraction of trees between two drives
+constexpr double kOutlierFraction = 0.05;  ///< of pairs that are worse than the noise
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 double normal_density(double deviation, double sd) {
@@ -38,10 +38,10 @@ EvidenceDifference sum_of(const std::vector<double>& values) {
 
 PairNoise pair_noise(const AlignmentTrunks& a, const AlignmentTrunks& b,
                      const std::vector<LandmarkPair>& pairs, double gate_m) {
-  std::vector<LandmarkPair> straightened = pairs;
-  remove_common_residuals(a.places, straightened);
+  std::vector<LandmarkPair> corrected = pairs;
+  remove_common_residuals(a.places, corrected);
   std::vector<double> deviations_m, width_changes_m;
-  for (const LandmarkPair& pair : straightened) {
+  for (const LandmarkPair& pair : corrected) {
     deviations_m.push_back(pair.residual_m.x());
     deviations_m.push_back(pair.residual_m.y());
     width_changes_m.push_back(b.width_m[static_cast<std::size_t>(pair.b)] -
@@ -60,40 +60,39 @@ PairNoise pair_noise(const AlignmentTrunks& a, const AlignmentTrunks& b,
   return noise;
 }
 
-PairNoise chance_noise(const std::vector<PairNoise>& of_ways) {
-  constexpr std::size_t kFewest = 4;
-  PairNoise chance = of_ways.front();
-  if (of_ways.size() < kFewest) {
-    chance.position_sd_m = 0.5 * chance.gate_m;  // of a disc, per axis
-    chance.width_sd_m = std::max(chance.width_sd_m, std::sqrt(2.0) * chance.width_spread_m);
-    return chance;
+PairNoise null_noise(const std::vector<PairNoise>& of_hypotheses) {
+  constexpr std::size_t kNumHypothesesMin = 4;
+  PairNoise null = of_hypotheses.front();
+  if (of_hypotheses.size() < kNumHypothesesMin) {
+    null.position_sd_m = 0.5 * null.gate_m;  // of a disc, per axis
+    null.width_sd_m = std::max(null.width_sd_m, std::sqrt(2.0) * null.width_spread_m);
+    return null;
   }
   std::vector<double> positions_m, widths_m;
-  for (const PairNoise& noise : of_ways) {
+  for (const PairNoise& noise : of_hypotheses) {
     positions_m.push_back(noise.position_sd_m);
     widths_m.push_back(noise.width_sd_m);
   }
-  chance.position_sd_m = geometry::median(std::move(positions_m));
-  chance.width_sd_m = geometry::median(std::move(widths_m));
-  return chance;
+  null.position_sd_m = geometry::median(std::move(positions_m));
+  null.width_sd_m = geometry::median(std::move(widths_m));
+  return null;
 }
 
-PairNoise cautious(const PairNoise& own, const PairNoise& chance, std::size_t num_pairs) {
-  constexpr double kPairsOfChance = 5.0;
+PairNoise shrunk(const PairNoise& own, const PairNoise& null, std::size_t num_pairs) {
+  constexpr double kNullPairs = 5.0;
   const auto n = static_cast<double>(num_pairs);
-  const auto mixed = [&](double sd, double sd_by_chance) {
-    return std::sqrt((n * sd * sd + kPairsOfChance * sd_by_chance * sd_by_chance) /
-                     (n + kPairsOfChance));
+  const auto mixed = [&](double sd, double null_sd) {
+    return std::sqrt((n * sd * sd + kNullPairs * null_sd * null_sd) / (n + kNullPairs));
   };
   PairNoise noise = own;
-  noise.position_sd_m = mixed(own.position_sd_m, chance.position_sd_m);
-  noise.width_sd_m = mixed(own.width_sd_m, chance.width_sd_m);
+  noise.position_sd_m = mixed(own.position_sd_m, null.position_sd_m);
+  noise.width_sd_m = mixed(own.width_sd_m, null.width_sd_m);
   return noise;
 }
 
 AlignmentEvidence evidence_of(const AlignmentTrunks& a, const AlignmentTrunks& b,
-                              const AlignmentCandidate& way, const PairNoise& noise,
-                              const PairNoise& chance) {
+                              const AlignmentCandidate& candidate, const PairNoise& noise,
+                              const PairNoise& null) {
   AlignmentEvidence evidence;
   evidence.of_a.assign(a.places.size(), kNone);
   evidence.of_b.assign(b.places.size(), kNone);
@@ -101,10 +100,10 @@ AlignmentEvidence evidence_of(const AlignmentTrunks& a, const AlignmentTrunks& b
   const auto any_width = [&](std::size_t j) {
     return 0.9 * normal_density(b.width_m[j] - noise.width_mean_m, noise.width_spread_m) + 0.1;
   };
-  // what a pair by chance has of likelihood, on average
-  const double by_chance = -3.0 * (0.5 + 0.5 * std::log(2.0 * geometry::kPi)) -
-                           2.0 * std::log(chance.position_sd_m) - std::log(chance.width_sd_m);
-  std::vector<LandmarkPair> pairs = way.pairs;
+  // mean log-likelihood of a pair under the null hypothesis
+  const double of_null = -3.0 * (0.5 + 0.5 * std::log(2.0 * geometry::kPi)) -
+                         2.0 * std::log(null.position_sd_m) - std::log(null.width_sd_m);
+  std::vector<LandmarkPair> pairs = candidate.pairs;
   remove_common_residuals(a.places, pairs);
   for (const LandmarkPair& pair : pairs) {
     const auto i = static_cast<std::size_t>(pair.a), j = static_cast<std::size_t>(pair.b);
@@ -114,19 +113,19 @@ AlignmentEvidence evidence_of(const AlignmentTrunks& a, const AlignmentTrunks& b
         normal_density(b.width_m[j] - a.width_m[i] - noise.width_offset_m, noise.width_sd_m);
     evidence.of_a[i] = 0.0;
     evidence.of_b[j] =
-        std::log((1.0 - kShareChanged) * ((1.0 - kShareOutliers) * place * width +
-                                          kShareOutliers * anywhere * any_width(j))) -
-        by_chance;
+        std::log((1.0 - kChangedFraction) * ((1.0 - kOutlierFraction) * place * width +
+                                             kOutlierFraction * anywhere * any_width(j))) -
+        of_null;
   }
-  const geometry::Pose2 T_b_a = inverse(way.T_a_b);
+  const geometry::Pose2 T_b_a = inverse(candidate.T_a_b);
   for (std::size_t i = 0; i < a.places.size(); ++i) {
     if (std::isnan(evidence.of_a[i]) && b.is_looked_at(transform(T_b_a, a.places[i]))) {
-      evidence.of_a[i] = std::log(kShareChanged);
+      evidence.of_a[i] = std::log(kChangedFraction);
     }
   }
   for (std::size_t j = 0; j < b.places.size(); ++j) {
-    if (std::isnan(evidence.of_b[j]) && a.is_looked_at(transform(way.T_a_b, b.places[j]))) {
-      evidence.of_b[j] = std::log(kShareChanged * anywhere * any_width(j)) - by_chance;
+    if (std::isnan(evidence.of_b[j]) && a.is_looked_at(transform(candidate.T_a_b, b.places[j]))) {
+      evidence.of_b[j] = std::log(kChangedFraction * anywhere * any_width(j)) - of_null;
     }
   }
   return evidence;
@@ -158,7 +157,7 @@ std::size_t num_judged_b(const AlignmentEvidence& evidence) {
                                                 [](double v) { return !std::isnan(v); }));
 }
 
-double share_explained(const AlignmentEvidence& evidence, std::size_t num_pairs) {
+double fraction_explained(const AlignmentEvidence& evidence, std::size_t num_pairs) {
   const std::size_t num_judged = num_judged_b(evidence);
   return num_judged == 0 ? 0.0 : static_cast<double>(num_pairs) / static_cast<double>(num_judged);
 }

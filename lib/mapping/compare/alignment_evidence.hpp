@@ -8,22 +8,22 @@
 
 namespace orchard::mapping {
 
-/// The trunks of one map that alignment goes by.
+/// The trunks of one map that are registered.
 struct AlignmentTrunks {
   IndexedPoints places;
   std::vector<double> width_m;
-  /// Whether a trunk at that place (in this map's frame) would stand in this map.
+  /// Whether a trunk at a position (in this map's frame) would have been observed.
   std::function<bool(const Eigen::Vector2d&)> is_looked_at;
 };
 
-/// How well one way of laying b on a explains each trunk: log likelihoods against trunks that only
-/// stand in rows alike, NaN for a trunk that it puts where the other drive cannot judge.
+/// Log-likelihood ratio of each trunk, an alignment hypothesis against the null hypothesis (other
+/// trunks, planted alike); NaN for a trunk outside the other drive's field of view.
 struct AlignmentEvidence {
   std::vector<double> of_a;
   std::vector<double> of_b;
 };
 
-/// How pairs of one trunk differ between the two maps.
+/// Differences of the pairs of one trunk between the two maps.
 struct PairNoise {
   double position_sd_m = 0.02;  ///< per axis
   double width_offset_m = 0.0;  ///< of b against a
@@ -33,37 +33,37 @@ struct PairNoise {
   double gate_m = 0.5;
 };
 
-/// Noise as the pairs of one way show it.
+/// Noise of the pairs of one hypothesis.
 PairNoise pair_noise(const AlignmentTrunks& a, const AlignmentTrunks& b,
                      const std::vector<LandmarkPair>& pairs, double gate_m);
 
-/// How trunks differ that are paired by chance, as planted alike: the median of all ways' noise;
-/// where there are but few ways, anything within the gate.
-PairNoise chance_noise(const std::vector<PairNoise>& of_ways);
+/// Noise of pairs under the null hypothesis (lattice aliasing): the median over all hypotheses;
+/// where there are few of them, uniform within the gate.
+PairNoise null_noise(const std::vector<PairNoise>& of_hypotheses);
 
-/// What may be believed of a way's own noise when it has few pairs, whose luck it may be.
-PairNoise cautious(const PairNoise& own, const PairNoise& chance, std::size_t num_pairs);
+/// Shrinks the noise of a hypothesis with few pairs towards that of the null hypothesis.
+PairNoise shrunk(const PairNoise& own, const PairNoise& null, std::size_t num_pairs);
 
 AlignmentEvidence evidence_of(const AlignmentTrunks& a, const AlignmentTrunks& b,
-                              const AlignmentCandidate& way, const PairNoise& noise,
-                              const PairNoise& chance);
+                              const AlignmentCandidate& candidate, const PairNoise& noise,
+                              const PairNoise& null);
 
-/// By how much something explains the maps better.
+/// Difference of two log-likelihoods.
 struct EvidenceDifference {
   double log_odds = 0.0;
   double sigmas = 0.0;  ///< Vuong's statistic
 };
 
-/// Of the first way against the second; what one of them cannot judge is as if by chance.
+/// Log-odds of hypothesis 1 against 2; trunks outside either field of view get the null likelihood.
 EvidenceDifference difference(const AlignmentEvidence& first, const AlignmentEvidence& second);
 
-/// Of a way against trunks that are others, planted alike: only what places and widths of b say.
+/// Log-odds of a hypothesis against the null hypothesis, by positions and widths of b alone.
 EvidenceDifference detail(const AlignmentEvidence& evidence);
 
-/// Trunks of b that the way puts where the first drive can judge.
+/// Number of trunks of b within the field of view of the first drive.
 std::size_t num_judged_b(const AlignmentEvidence& evidence);
 
-/// Share of the trunks of b that the way pairs, of those it puts where the first drive looked.
-double share_explained(const AlignmentEvidence& evidence, std::size_t num_pairs);
+/// Fraction of these that are paired.
+double fraction_explained(const AlignmentEvidence& evidence, std::size_t num_pairs);
 
 }  // namespace orchard::mapping

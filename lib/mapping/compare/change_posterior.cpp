@@ -9,22 +9,23 @@
 namespace orchard::mapping {
 namespace {
 
-constexpr double kGrowthScale_m = 0.05;       ///< of widths that changed (exponential)
-constexpr double kStrayScale_m = 0.1;         ///< of widths that are off
-constexpr double kStrayPlace_m = 0.1;         ///< of places that are off, per axis
-constexpr double kStrayPlacesOfTrees = 0.01;  ///< share of unchanged pairs
-constexpr double kStrayPlacesOfOthers = 0.05;
-constexpr double kStrayMost = 0.3;
-constexpr double kBushPlace_m = 0.03;  ///< where the width of a thing is off, its place is, too
-constexpr double kThinner = -4.0;      ///< standard errors
+constexpr double kGrowthScale_m = 0.05;            ///< of widths that changed (exponential)
+constexpr double kOutlierScale_m = 0.1;            ///< of outliers among widths
+constexpr double kOutlierPosition_m = 0.1;         ///< of outliers among positions, per axis
+constexpr double kPositionOutliersOfTrees = 0.01;  ///< fraction of unchanged pairs
+constexpr double kPositionOutliersOfOthers = 0.05;
+constexpr double kOutliersMax = 0.3;
+constexpr double kBushPosition_m =
+    0.03;                          ///< where a width is an outlier, the position is less certain
+constexpr double kThinner = -4.0;  ///< standard errors
 
 double normal(double deviation, double sd) {
   const double u = deviation / sd;
   return std::exp(-0.5 * u * u) / (sd * std::sqrt(2.0 * geometry::kPi));
 }
 
-/// Density [1/m2] of a place that far away, each axis scattering by sd.
-double place(double distance_m, double sd) {
+/// Density [1/m2] of a position that far away, with sd per axis.
+double position_density(double distance_m, double sd) {
   const double u = distance_m / sd;
   return std::exp(-0.5 * u * u) / (2.0 * geometry::kPi * sd * sd);
 }
@@ -36,54 +37,58 @@ double change_of_width(double change_m, double scale_m) {
 
 }  // namespace
 
-PairOdds odds_of(const PairSight& pair, const PairScatter& scatter) {
+ChangePosterior change_posterior(const PairObservation& pair, const PairScatter& scatter) {
   const double position_sd_m = pair.noise_factor * scatter.position_sd_m;
   const double width_sd_m = pair.noise_factor * scatter.width_sd_m;
-  const double stray_widths =
-      pair.both_trees ? scatter.stray_widths_of_trees : scatter.stray_widths_of_others;
-  const double stray_places = pair.both_trees ? kStrayPlacesOfTrees : kStrayPlacesOfOthers;
-  const double there = place(pair.distance_m, position_sd_m);
+  const double width_outliers =
+      pair.both_trees ? scatter.width_outliers_of_trees : scatter.width_outliers_of_others;
+  const double position_outliers =
+      pair.both_trees ? kPositionOutliersOfTrees : kPositionOutliersOfOthers;
+  const double there = position_density(pair.distance_m, position_sd_m);
   const double as_wide = normal(pair.width_change_m, width_sd_m);
   const double as_wide_as_all = normal(pair.width_change_m - scatter.width_common_m, width_sd_m);
-  const double still = 1.0 - 3.0 * kShareChanged;
+  const double still = 1.0 - 3.0 * kChangedFraction;
 
-  PairOdds odds;
-  const double strayed =
-      stray_places * place(pair.distance_m, std::hypot(position_sd_m, kStrayPlace_m));
-  odds.unchanged =
-      still * ((1.0 - stray_widths - stray_places) * there * as_wide +
-               stray_widths * place(pair.distance_m, std::hypot(position_sd_m, kBushPlace_m)) *
-                   change_of_width(pair.width_change_m, kStrayScale_m) +
-               strayed * as_wide);
-  odds.changed_with_all = still * strayed * std::max(0.0, as_wide_as_all - as_wide);
-  odds.width_changed = kShareChanged * there * change_of_width(pair.width_change_m, kGrowthScale_m);
-  odds.moved =
-      kShareChanged * as_wide_as_all / (geometry::kPi * scatter.moved_max_m * scatter.moved_max_m);
-  const double new_per_m2 = kShareChanged / (2.0 * scatter.spacing_m * scatter.spacing_m);
-  odds.replaced = kShareChanged * new_per_m2 *
-                  normal(pair.width_b_m - scatter.width_mean_m, scatter.width_spread_m);
-  const double sum =
-      odds.unchanged + odds.changed_with_all + odds.width_changed + odds.moved + odds.replaced;
+  ChangePosterior posterior;
+  const double displaced =
+      position_outliers *
+      position_density(pair.distance_m, std::hypot(position_sd_m, kOutlierPosition_m));
+  posterior.unchanged =
+      still * ((1.0 - width_outliers - position_outliers) * there * as_wide +
+               width_outliers *
+                   position_density(pair.distance_m, std::hypot(position_sd_m, kBushPosition_m)) *
+                   change_of_width(pair.width_change_m, kOutlierScale_m) +
+               displaced * as_wide);
+  posterior.changed_with_all = still * displaced * std::max(0.0, as_wide_as_all - as_wide);
+  posterior.width_changed =
+      kChangedFraction * there * change_of_width(pair.width_change_m, kGrowthScale_m);
+  posterior.moved = kChangedFraction * as_wide_as_all /
+                    (geometry::kPi * scatter.moved_max_m * scatter.moved_max_m);
+  const double new_per_m2 = kChangedFraction / (2.0 * scatter.spacing_m * scatter.spacing_m);
+  posterior.replaced = kChangedFraction * new_per_m2 *
+                       normal(pair.width_b_m - scatter.width_mean_m, scatter.width_spread_m);
+  const double sum = posterior.unchanged + posterior.changed_with_all + posterior.width_changed +
+                     posterior.moved + posterior.replaced;
   if (!(sum > 1e-200)) return {0.0, 0.0, 0.0, 0.0, 1.0};  // like nothing that is known
-  odds.unchanged /= sum;
-  odds.changed_with_all /= sum;
-  odds.width_changed /= sum;
-  odds.moved /= sum;
-  odds.replaced /= sum;
-  return odds;
+  posterior.unchanged /= sum;
+  posterior.changed_with_all /= sum;
+  posterior.width_changed /= sum;
+  posterior.moved /= sum;
+  posterior.replaced /= sum;
+  return posterior;
 }
 
-double stray_share(const std::vector<double>& deviations, double expected, double weight) {
+double outlier_fraction(const std::vector<double>& deviations, double expected, double weight) {
   const auto num_thinner = std::count_if(deviations.begin(), deviations.end(),
                                          [](double deviation) { return deviation < kThinner; });
-  const double share = (2.0 * static_cast<double>(num_thinner) + weight * expected) /
-                       (static_cast<double>(deviations.size()) + weight);
-  return std::min(share, kStrayMost);
+  const double fraction = (2.0 * static_cast<double>(num_thinner) + weight * expected) /
+                          (static_cast<double>(deviations.size()) + weight);
+  return std::min(fraction, kOutliersMax);
 }
 
 double confidence_of_absence(double probability_missed, double real) {
-  return real * kShareChanged /
-         (kShareChanged + (1.0 - kShareChanged) * std::min(1.0, probability_missed));
+  return real * kChangedFraction /
+         (kChangedFraction + (1.0 - kChangedFraction) * std::min(1.0, probability_missed));
 }
 
 }  // namespace orchard::mapping

@@ -7,16 +7,15 @@
 
 namespace orchard::mapping {
 
-/// What stands so close together that it passes for parts of one thing.
-struct ThicketConfig {
+/// Clumps: landmarks so close together that they may be parts of one object.
+struct ClumpConfig {
   double near_m = 0.5;     ///< two others this near make a landmark part of a bush or heap
   double reach_m = 0.8;    ///< how far the parts of one stand from each other at most
   double stake_m = 0.045;  ///< thinner things stand beside trees as they please
 };
 
-/// Which landmarks stand so close together that they are parts of one thing, or might be taken for
-/// each other: at least two others near, stakes and stalks not counted. Each look at a bush shows
-/// other parts of it, so what such a landmark is, and where, says little.
-std::vector<char> in_thickets(const std::vector<Landmark>& landmarks, const ThicketConfig& config);
+/// Whether each landmark is part of a clump: at least two others near, stakes and stalks not
+/// counted. Each drive observes other parts of a bush, so such a landmark is not reproducible.
+std::vector<char> in_clumps(const std::vector<Landmark>& landmarks, const ClumpConfig& config);
 
 }  // namespace orchard::mapping

@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr std::size_t kNumRanges = LookRaster::kRangeEnds_m.size();
+constexpr std::size_t kNumRanges = VisibilityGrid::kRangeEnds_m.size();
 using Rates = std::array<double, kNumRanges>;
 
 /// Rates that are not negative and explain the observations per second of looking best; what the
@@ -44,9 +44,9 @@ Rates fit_rates(const std::vector<Rates>& shares, const std::vector<double>& per
 
 }  // namespace
 
-DriveView::DriveView(const std::vector<Landmark>& landmarks,
-                     const std::vector<std::vector<pose::PoseEstimate>>& trajectories,
-                     const SensorView& view) {
+DetectionMap::DetectionMap(const std::vector<Landmark>& landmarks,
+                           const std::vector<std::vector<pose::PoseEstimate>>& trajectories,
+                           const SensorView& view) {
   if (trajectories.empty()) return;
   is_known_ = true;
   raster_.emplace_back(landmarks, trajectories, view);
@@ -54,7 +54,7 @@ DriveView::DriveView(const std::vector<Landmark>& landmarks,
   std::vector<double> per_second;
   for (const Landmark& l : landmarks) {
     if (l.label == detection::Label::kObject) continue;
-    const LookRaster::Looks looks = raster_.front().at({l.x_m, l.y_m});
+    const VisibilityGrid::Seconds looks = raster_.front().at({l.x_m, l.y_m});
     double total_s = 0.0;
     for (const float s : looks) total_s += s;
     if (total_s <= 0.0) continue;
@@ -75,21 +75,21 @@ DriveView::DriveView(const std::vector<Landmark>& landmarks,
   shape_ = std::clamp(1.0 / std::max(1e-6, spread * spread), 0.5, 4.0);
 }
 
-double DriveView::expected_observations(const Vector2d& p_map) const {
+double DetectionMap::expected_observations(const Vector2d& p_map) const {
   if (!is_known_) return 0.0;
-  const LookRaster::Looks looks = raster_.front().at(p_map);
+  const VisibilityGrid::Seconds looks = raster_.front().at(p_map);
   double sum = 0.0;
   for (std::size_t j = 0; j < kNumRanges; ++j) sum += looks[j] * rate_per_s_[j];
   return sum;
 }
 
-double DriveView::visibility(const Landmark& landmark) const {
+double DetectionMap::visibility(const Landmark& landmark) const {
   const double expected = expected_observations({landmark.x_m, landmark.y_m});
   if (expected <= 0.0) return 1.0;
   return std::clamp(landmark.num_observations / expected, 0.1, 1.0);
 }
 
-double DriveView::probability_missed(const Vector2d& p_map, double visibility) const {
+double DetectionMap::probability_missed(const Vector2d& p_map, double visibility) const {
   if (!is_known_) return 1.0;
   return std::pow(1.0 + visibility * expected_observations(p_map) / shape_, -shape_);
 }

@@ -18,19 +18,19 @@ using Eigen::Vector2d;
 
 constexpr double kOddsNeeded = 7.0;  ///< a thousand to one
 constexpr double kSigmasNeeded = 3.0;
-constexpr double kShareOfBest = 0.2;     ///< a rival pairs at least this share of the most pairs
-constexpr double kShareExplained = 0.5;  ///< of the trunks that both drives could see
+constexpr double kRivalPairsFraction = 0.2;  ///< of the most pairs: fewer are no rival
+constexpr double kExplainedFraction = 0.5;   ///< of the trunks that both drives could see
 constexpr double kChanceAllowed = 0.01;
-constexpr double kLookedAt = 0.05;  ///< a place: a tree there is missed more seldom
+constexpr double kMissedMax = 0.05;  ///< probability that a tree is missed where the drive observed
 constexpr std::size_t kFewTrees = 10;
-constexpr double kSharedFrame = 0.45;  ///< of a tree spacing: nearer no other tree can be meant
+constexpr double kSharedFrame = 0.45;  ///< of a tree spacing: no other tree is so near
 
 struct Selection {
   std::vector<std::int32_t> index;  ///< into the map's landmarks
   AlignmentTrunks trunks;
 };
 
-/// A place is inside a map when landmarks stand around it on all sides.
+/// Whether landmarks surround a position on all sides: it is inside the map.
 bool is_surrounded(const IndexedPoints& points, const Vector2d& p) {
   constexpr double kReach_m = 12.0, kWidestGap_rad = 2.6;
   constexpr std::size_t kNum = 10;
@@ -48,7 +48,8 @@ bool is_surrounded(const IndexedPoints& points, const Vector2d& p) {
   return widest_rad < kWidestGap_rad;
 }
 
-Selection select(const std::vector<Landmark>& landmarks, bool with_objects, const DriveView& view) {
+Selection select(const std::vector<Landmark>& landmarks, bool with_objects,
+                 const DetectionMap& view) {
   Selection s{{}, {IndexedPoints({}), {}, {}}};
   std::vector<Vector2d> places;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
@@ -60,7 +61,7 @@ Selection select(const std::vector<Landmark>& landmarks, bool with_objects, cons
   s.trunks.places = IndexedPoints(places);
   if (view.is_known()) {
     s.trunks.is_looked_at = [&view](const Vector2d& p) {
-      return view.probability_missed(p) < kLookedAt;
+      return view.probability_missed(p) < kMissedMax;
     };
   } else {
     s.trunks.is_looked_at = [points = IndexedPoints(std::move(places))](const Vector2d& p) {
@@ -83,7 +84,7 @@ double log_chance(double count, double mean) {
   return count - mean - count * std::log(count / mean);
 }
 
-/// Points of b that find a partner by chance wherever b is laid.
+/// Expected number of points of b that find a partner under any alignment.
 double expected_by_chance(const IndexedPoints& a, std::size_t num_b, double gate_m) {
   double x0 = 1e300, x1 = -1e300, y0 = 1e300, y1 = -1e300;
   for (const Vector2d& p : a.points()) {
@@ -136,7 +137,8 @@ struct RatedHypotheses {
 class MapAligner {
  public:
   MapAligner(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
-             const DriveView& view_a, const DriveView& view_b, const MapAlignmentConfig& config)
+             const DetectionMap& view_a, const DetectionMap& view_b,
+             const MapAlignmentConfig& config)
       : config_(config),
         with_objects_(std::min(num_not_objects(a), num_not_objects(b)) < kFewTrees),
         a_(select(a, with_objects_, view_a)),
@@ -152,9 +154,10 @@ class MapAligner {
   MapAlignment align() {
     AlignmentCandidates found = alignment_candidates(a_.trunks.places, a_.trunks.width_m,
                                                      b_.trunks.places, b_.trunks.width_m, search_);
-    const std::size_t num_pairs_max = found.ways.empty() ? 0 : found.ways.front().pairs.size();
+    const std::size_t num_pairs_max =
+        found.candidates.empty() ? 0 : found.candidates.front().pairs.size();
     if (num_pairs_max < num_pairs_min()) return refused(num_pairs_max);
-    const RatedHypotheses rated = rate(worth_rating(std::move(found.ways), num_pairs_max));
+    const RatedHypotheses rated = rate(worth_rating(std::move(found.candidates), num_pairs_max));
     MapAlignment alignment = best_of(rated);
     refuse_chance(rated, found.num_tried, alignment);
     refuse_rivals(rated, alignment);
@@ -189,7 +192,7 @@ class MapAligner {
   /// The hypotheses with at least a fraction of the most pairs.
   std::vector<AlignmentCandidate> worth_rating(std::vector<AlignmentCandidate> candidates,
                                                std::size_t num_pairs_max) const {
-    const double least = kShareOfBest * static_cast<double>(num_pairs_max);
+    const double least = kRivalPairsFraction * static_cast<double>(num_pairs_max);
     candidates.erase(std::remove_if(candidates.begin(), candidates.end(),
                                     [&](const AlignmentCandidate& c) {
                                       return static_cast<double>(c.pairs.size()) < least ||
@@ -207,11 +210,11 @@ class MapAligner {
     for (const AlignmentCandidate& c : rated.candidates) {
       rated.noise.push_back(pair_noise(a_.trunks, b_.trunks, c.pairs, search_.gate_m));
     }
-    const PairNoise null = chance_noise(rated.noise);
+    const PairNoise null = null_noise(rated.noise);
     for (std::size_t k = 0; k < rated.candidates.size(); ++k) {
       const AlignmentCandidate& c = rated.candidates[k];
-      rated.evidence.push_back(evidence_of(a_.trunks, b_.trunks, c,
-                                           cautious(rated.noise[k], null, c.pairs.size()), null));
+      rated.evidence.push_back(
+          evidence_of(a_.trunks, b_.trunks, c, shrunk(rated.noise[k], null, c.pairs.size()), null));
       if (k != rated.best &&
           difference(rated.evidence[k], rated.evidence[rated.best]).log_odds > 0.0) {
         rated.best = k;
@@ -247,12 +250,12 @@ class MapAligner {
         log_chance(num_pairs - 2.0,
                    expected_by_chance(a_.trunks.places, num_judged_b(evidence), search_.gate_m)) +
         std::log(std::max(1.0, num_tried));
-    const double fraction = share_explained(evidence, alignment.pairs.size());
+    const double fraction = fraction_explained(evidence, alignment.pairs.size());
     if (log_p > std::log(kChanceAllowed)) {
       alignment.verdict = AlignmentVerdict::kNone;
       alignment.reason = fmt::format(
           "the {:.0f} trees that come to lie upon each other may do so by chance", num_pairs);
-    } else if (fraction < kShareExplained) {
+    } else if (fraction < kExplainedFraction) {
       alignment.verdict = AlignmentVerdict::kNone;
       alignment.reason = fmt::format(
           "only {:.0f} % of the trees that both drives could see come to lie upon each other",
@@ -310,7 +313,7 @@ class MapAligner {
 }  // namespace
 
 MapAlignment align_maps(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
-                        const DriveView& view_a, const DriveView& view_b,
+                        const DetectionMap& view_a, const DetectionMap& view_b,
                         const MapAlignmentConfig& config) {
   return MapAligner(a, b, view_a, view_b, config).align();
 }

@@ -23,7 +23,7 @@ enum class AlignmentVerdict {
   kNone,       ///< no answer explains them
 };
 
-/// How two maps lie upon each other.
+/// Registration of two maps.
 struct MapAlignment {
   AlignmentVerdict verdict = AlignmentVerdict::kNone;
   geometry::Pose2 T_a_b;                                 ///< the best answer
@@ -36,17 +36,16 @@ struct MapAlignment {
   std::string reason;               ///< why not, as a sentence without a full stop
 };
 
-/// Finds T_a_b on the trunks themselves: what stands where, how wide it is, and where none stands.
+/// Registers map b to map a by the trunks themselves: positions, widths and gaps.
 ///
-/// Rows look alike everywhere, so each of many ways to lay b on a is tried, and the best must
-/// explain positions, widths and gaps better than any other (a shift by a tree, by a row, a turn
-/// by half a circle): by odds of a thousand to one and three standard deviations of the difference
-/// (Vuong 1989), counting only trees that both answers can judge. A tree that stands where the
-/// other drive looked and found nothing counts against an answer; where it did not look, for
-/// nothing. Without views, a place counts as looked at that has landmarks on all sides.
-/// Deterministic. Landmarks that are objects take part only where there are few trees.
+/// Rows look alike everywhere (lattice aliasing), so the best of many alignment hypotheses must
+/// beat every other one (a shift by a tree, by a row, a turn by half a circle) by odds of a
+/// thousand to one and three standard deviations of the difference (Vuong 1989). A trunk without
+/// partner counts against a hypothesis only within the other drive's field of view; without a
+/// detection map, that is wherever landmarks stand on all sides. Landmarks that are objects take
+/// part only where there are few trees. Deterministic.
 MapAlignment align_maps(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
-                        const DriveView& view_a, const DriveView& view_b,
+                        const DetectionMap& view_a, const DetectionMap& view_b,
                         const MapAlignmentConfig& config);
 
 }  // namespace orchard::mapping

@@ -14,8 +14,8 @@ namespace {
 using detection::Label;
 using Eigen::Vector2d;
 
-constexpr double kOneThing_m = 0.25;   ///< landmarks nearer than this may be one thing
-constexpr double kNeverSurer = 0.995;  ///< some moved farther than is looked for
+constexpr double kOneObject_m = 0.25;    ///< nearer landmarks may be one object
+constexpr double kCertaintyMax = 0.995;  ///< some moved farther than the search radius
 constexpr double kMissedIfAssumed = 0.005;
 constexpr double kNearestOther = 0.9;  ///< of a tree spacing: what is farther away is another tree
 
@@ -27,27 +27,27 @@ std::vector<Vector2d> places_of(const std::vector<Landmark>& landmarks) {
 
 /// All that stands alone and is no object: what tells the trees' spacing.
 std::vector<Vector2d> lone_trees(const std::vector<Landmark>& landmarks,
-                                 const std::vector<char>& in_thicket) {
+                                 const std::vector<char>& in_clump) {
   std::vector<Vector2d> places;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const Landmark& l = landmarks[i];
-    if (l.label != Label::kObject && !in_thicket[i]) places.push_back({l.x_m, l.y_m});
+    if (l.label != Label::kObject && !in_clump[i]) places.push_back({l.x_m, l.y_m});
   }
   return places.size() < 2 ? places_of(landmarks) : places;
 }
 
-/// How sure one may be that a thing stands there at all, from how often it was seen.
-double reality(const Landmark& l) { return 1.0 - std::exp(-0.5 * l.num_observations); }
+/// Existence probability of a landmark, by its number of observations.
+double existence(const Landmark& l) { return 1.0 - std::exp(-0.5 * l.num_observations); }
 
-/// Scatter of pairs grows as the things were seen more seldom than is usual.
-double seldom_factor(const Landmark& a, const Landmark& b, double typical) {
+/// Factor on the scatter of a pair with fewer observations than usual.
+double noise_factor(const Landmark& a, const Landmark& b, double typical) {
   const double share =
       1.0 / std::max(1, a.num_observations) + 1.0 / std::max(1, b.num_observations);
   return std::sqrt(0.5 + 0.5 * std::max(1.0, share / typical));
 }
 
-double typical_share(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
-                     const std::vector<LandmarkPair>& pairs) {
+double typical_variance(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
+                        const std::vector<LandmarkPair>& pairs) {
   std::vector<double> shares;
   for (const LandmarkPair& pair : pairs) {
     shares.push_back(1.0 / std::max(1, a[static_cast<std::size_t>(pair.a)].num_observations) +
@@ -88,7 +88,7 @@ WidthChange width_change_of(const std::vector<Landmark>& a, const std::vector<La
   return change;
 }
 
-/// How the pairs of two straightened maps scatter.
+/// Scatter of the pairs of two maps after non-rigid residual removal.
 PairScatter scatter_of(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
                        const std::vector<LandmarkPair>& pairs, const WidthChange& width_change,
                        double typical) {
@@ -105,54 +105,56 @@ PairScatter scatter_of(const std::vector<Landmark>& a, const std::vector<Landmar
     if (l.label == Label::kObject && m.label == Label::kObject) continue;
     (are_trees(l, m) ? of_trees : of_others)
         .push_back((m.width_m - l.width_m - scatter.width_common_m) /
-                   (seldom_factor(l, m, typical) * scatter.width_sd_m));
+                   (noise_factor(l, m, typical) * scatter.width_sd_m));
   }
   scatter.position_sd_m = std::max(0.004, geometry::robust_sd(std::move(deviations_m)));
   scatter.width_mean_m = geometry::median(widths_m);
   for (double& width_m : widths_m) width_m -= scatter.width_mean_m;
   scatter.width_spread_m = std::max(0.01, geometry::robust_sd(std::move(widths_m)));
-  scatter.stray_widths_of_trees = stray_share(of_trees, scatter.stray_widths_of_trees, 100.0);
-  scatter.stray_widths_of_others = stray_share(of_others, scatter.stray_widths_of_others, 20.0);
+  scatter.width_outliers_of_trees =
+      outlier_fraction(of_trees, scatter.width_outliers_of_trees, 100.0);
+  scatter.width_outliers_of_others =
+      outlier_fraction(of_others, scatter.width_outliers_of_others, 20.0);
   return scatter;
 }
 
 /// One of the two maps.
 struct Side {
   const std::vector<Landmark>& landmarks;
-  const DriveView& view;
+  const DetectionMap& view;
   geometry::Pose2 T_map_a;  ///< from the frame of the earlier map, in which places are, to its own
   IndexedPoints places;
-  std::vector<char> in_thicket;
+  std::vector<char> in_clump;
   std::vector<bool> is_paired;
   /// That a thing has no partner because it has gone, or come, and did not move.
   std::vector<double> not_moved;
 
-  Side(const std::vector<Landmark>& all, const DriveView& seen, const geometry::Pose2& T,
-       std::vector<Vector2d> places_in_a, const ThicketConfig& thicket)
+  Side(const std::vector<Landmark>& all, const DetectionMap& seen, const geometry::Pose2& T,
+       std::vector<Vector2d> places_in_a, const ClumpConfig& clump)
       : landmarks(all),
         view(seen),
         T_map_a(T),
         places(std::move(places_in_a)),
-        in_thicket(in_thickets(all, thicket)),
+        in_clump(in_clumps(all, clump)),
         is_paired(all.size(), false),
-        not_moved(all.size(), kNeverSurer) {}
+        not_moved(all.size(), kCertaintyMax) {}
 };
 
 class MapComparer {
  public:
   MapComparer(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
-              const DriveView& view_a, const DriveView& view_b, const MapAlignment& alignment,
+              const DetectionMap& view_a, const DetectionMap& view_b, const MapAlignment& alignment,
               const ComparisonConfig& config)
       : config_(config),
         a_(a, view_a, geometry::Pose2{}, places_of(a), config.thicket),
         b_(b, view_b, inverse(alignment.T_a_b),
-           straightened(a_.places, IndexedPoints(places_of(b)), alignment), config.thicket) {
-    const double spacing_m = typical_spacing_m(IndexedPoints(lone_trees(a, a_.in_thicket)));
+           aligned_locally(a_.places, IndexedPoints(places_of(b)), alignment), config.thicket) {
+    const double spacing_m = typical_spacing_m(IndexedPoints(lone_trees(a, a_.in_clump)));
     gate_m_ = std::clamp(0.35 * spacing_m, 0.1, 0.5);
     pairs_ = pair_landmarks(a_.places, b_.places, geometry::Pose2{}, gate_m_);
-    typical_share_ = typical_share(a, b, pairs_);
+    typical_variance_ = typical_variance(a, b, pairs_);
     width_change_ = width_change_of(a, b, pairs_);
-    scatter_ = scatter_of(a, b, pairs_, width_change_, typical_share_);
+    scatter_ = scatter_of(a, b, pairs_, width_change_, typical_variance_);
     scatter_.spacing_m = std::max(spacing_m, gate_m_);
     scatter_.moved_max_m = std::min(config.moved_max_m, kNearestOther * scatter_.spacing_m);
   }
@@ -164,10 +166,10 @@ class MapComparer {
       comparison_.width_change_common_se_m =
           1.253 * width_change_.sd_m / std::sqrt(static_cast<double>(width_change_.num_pairs));
     }
-    pair_what_lies_together();
-    pair_what_moved();
-    tell_absent(a_, b_, Change::kMissing);
-    tell_absent(b_, a_, Change::kNew);
+    pair_unmoved();
+    pair_moved();
+    add_absent(a_, b_, Change::kMissing);
+    add_absent(b_, a_, Change::kNew);
     std::stable_sort(comparison_.changes.begin(), comparison_.changes.end(),
                      [](const MapChange& x, const MapChange& y) {
                        if ((x.a < 0) != (y.a < 0)) return y.a < 0;
@@ -184,7 +186,7 @@ class MapComparer {
     return !side.is_paired[i] && is_compared(side.landmarks[i]);
   }
 
-  void pair_what_lies_together() {
+  void pair_unmoved() {
     for (const LandmarkPair& pair : pairs_) {
       const auto i = static_cast<std::size_t>(pair.a), j = static_cast<std::size_t>(pair.b);
       if (is_compared(a_.landmarks[i]) || is_compared(b_.landmarks[j])) {
@@ -196,43 +198,43 @@ class MapComparer {
   }
 
   /// What stands near an empty place and is as wide as what stood there has moved, most likely.
-  void pair_what_moved() {
-    constexpr double kLeastOdds = 0.01;
+  void pair_moved() {
+    constexpr double kProbabilityMin = 0.01;
     struct Offer {
-      double odds;
+      double probability;
       std::size_t a, b;
     };
     std::vector<Offer> offers;
     for (std::size_t i = 0; i < a_.landmarks.size(); ++i) {
-      if (!is_left(a_, i) || a_.in_thicket[i]) continue;
+      if (!is_left(a_, i) || a_.in_clump[i]) continue;
       for (const std::int32_t near : b_.places.within(a_.places[i], scatter_.moved_max_m)) {
         const auto j = static_cast<std::size_t>(near);
-        if (!is_left(b_, j) || b_.in_thicket[j]) continue;
-        const double moved = odds_of(sight_of(i, j), scatter_).moved;
-        if (moved > kLeastOdds) offers.push_back({moved, i, j});
+        if (!is_left(b_, j) || b_.in_clump[j]) continue;
+        const double moved = change_posterior(observation_of(i, j), scatter_).moved;
+        if (moved > kProbabilityMin) offers.push_back({moved, i, j});
       }
     }
     std::stable_sort(offers.begin(), offers.end(),
-                     [](const Offer& x, const Offer& y) { return x.odds > y.odds; });
+                     [](const Offer& x, const Offer& y) { return x.probability > y.probability; });
     for (const Offer& offer : offers) {
       if (a_.is_paired[offer.a] || b_.is_paired[offer.b]) continue;
-      if (offer.odds > 0.5 && take_pair(offer.a, offer.b)) continue;
-      doubt(offer.a, offer.b, 1.0 - offer.odds);
+      if (offer.probability > 0.5 && take_pair(offer.a, offer.b)) continue;
+      limit_not_moved(offer.a, offer.b, 1.0 - offer.probability);
     }
   }
 
-  void doubt(std::size_t i, std::size_t j, double not_moved) {
+  void limit_not_moved(std::size_t i, std::size_t j, double not_moved) {
     a_.not_moved[i] = std::min(a_.not_moved[i], not_moved);
     b_.not_moved[j] = std::min(b_.not_moved[j], not_moved);
   }
 
-  PairSight sight_of(std::size_t i, std::size_t j) const {
+  PairObservation observation_of(std::size_t i, std::size_t j) const {
     const Landmark &l = a_.landmarks[i], &m = b_.landmarks[j];
-    PairSight pair;
+    PairObservation pair;
     pair.distance_m = (b_.places[j] - a_.places[i]).norm();
     pair.width_b_m = m.width_m;
     pair.width_change_m = m.width_m - l.width_m;
-    pair.noise_factor = seldom_factor(l, m, typical_share_);
+    pair.noise_factor = noise_factor(l, m, typical_variance_);
     pair.both_trees = are_trees(l, m);
     return pair;
   }
@@ -240,14 +242,14 @@ class MapComparer {
   /// Tells what became of one thing that stands in both maps; false when it is two, of which one
   /// has given way to the other.
   bool take_pair(std::size_t i, std::size_t j) {
-    const PairSight pair = sight_of(i, j);
-    const PairOdds odds = odds_of(pair, scatter_);
+    const PairObservation pair = observation_of(i, j);
+    const ChangePosterior posterior = change_posterior(pair, scatter_);
     const bool is_far =
         pair.distance_m >= config_.moved_min_m &&
         pair.distance_m >= config_.sigmas_min * pair.noise_factor * scatter_.position_sd_m;
-    const bool in_thicket = a_.in_thicket[i] || b_.in_thicket[j];
-    if (is_far && !in_thicket && odds.replaced > 0.5) {
-      doubt(i, j, odds.replaced);
+    const bool in_clump = a_.in_clump[i] || b_.in_clump[j];
+    if (is_far && !in_clump && posterior.replaced > 0.5) {
+      limit_not_moved(i, j, posterior.replaced);
       return false;
     }
     a_.is_paired[i] = b_.is_paired[j] = true;
@@ -263,32 +265,32 @@ class MapComparer {
         change_m >= config_.width_change_min_m &&
         change_m >= config_.sigmas_min * c.width_change_se_m &&
         (a_.landmarks[i].label == Label::kTree || b_.landmarks[j].label == Label::kTree);
-    if (in_thicket) {
+    if (in_clump) {
       c.confidence = 0.5;
-    } else if (is_far && odds.moved > 0.5) {
+    } else if (is_far && posterior.moved > 0.5) {
       c.change = Change::kMoved;
-      c.confidence = odds.moved;
-    } else if (is_wide && odds.width_changed + odds.changed_with_all >= config_.confidence_min) {
+      c.confidence = posterior.moved;
+    } else if (is_wide &&
+               posterior.width_changed + posterior.changed_with_all >= config_.confidence_min) {
       c.change = c.width_change_m > 0.0 ? Change::kGrown : Change::kThinner;
-      c.confidence = odds.width_changed + odds.changed_with_all;
+      c.confidence = posterior.width_changed + posterior.changed_with_all;
     } else {
-      c.confidence = odds.unchanged + odds.changed_with_all;
+      c.confidence = posterior.unchanged + posterior.changed_with_all;
     }
     comparison_.changes.push_back(c);
     return true;
   }
 
   /// Of what one map has and the other has not: whether the other drive looked there.
-  void tell_absent(const Side& there, const Side& other, Change change) {
-    const double same_m = std::min(kOneThing_m, gate_m_);
+  void add_absent(const Side& there, const Side& other, Change change) {
+    const double same_m = std::min(kOneObject_m, gate_m_);
     for (std::size_t i = 0; i < there.landmarks.size(); ++i) {
       if (!is_left(there, i)) continue;
       MapChange c;
       (change == Change::kMissing ? c.a : c.b) = static_cast<std::int32_t>(i);
       c.p_a = there.places[i];
       // One thing may stand in a map as two; where the other map has something, nothing is missing.
-      if (other.places.nearest(c.p_a, there.in_thicket[i] ? config_.thicket.reach_m : same_m) >=
-          0) {
+      if (other.places.nearest(c.p_a, there.in_clump[i] ? config_.thicket.reach_m : same_m) >= 0) {
         c.confidence = 0.5;
         comparison_.changes.push_back(c);
         continue;
@@ -298,7 +300,7 @@ class MapComparer {
                                 ? kMissedIfAssumed
                                 : other.view.probability_missed(transform(other.T_map_a, c.p_a),
                                                                 there.view.visibility(l));
-      const double absent = confidence_of_absence(missed, reality(l));
+      const double absent = confidence_of_absence(missed, existence(l));
       const bool is_sure = absent >= config_.confidence_min;
       c.change = is_sure ? change : Change::kNotSeen;
       c.confidence = is_sure ? absent * there.not_moved[i] : 1.0 - absent;
@@ -307,10 +309,10 @@ class MapComparer {
   }
 
   const ComparisonConfig& config_;
-  Side a_, b_;  ///< b_ after a_: it is straightened upon it
+  Side a_, b_;  ///< b_ after a_, to which it is aligned
   double gate_m_ = 0.5;
   std::vector<LandmarkPair> pairs_;
-  double typical_share_ = 1.0;
+  double typical_variance_ = 1.0;
   WidthChange width_change_;
   PairScatter scatter_;
   MapComparison comparison_;
@@ -319,7 +321,7 @@ class MapComparer {
 }  // namespace
 
 MapComparison compare_maps(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
-                           const DriveView& view_a, const DriveView& view_b,
+                           const DetectionMap& view_a, const DetectionMap& view_b,
                            const MapAlignment& alignment, const ComparisonConfig& config) {
   return MapComparer(a, b, view_a, view_b, alignment, config).compare();
 }

@@ -107,8 +107,8 @@ std::vector<KeptId> merge_into(MergedMap& merged, const std::vector<Landmark>& b
   }
   for (const Landmark& l : b) places_b.push_back({l.x_m, l.y_m});
   const IndexedPoints a_points(std::move(places_a)), b_points(std::move(places_b));
-  // Paired as straightened, so that a bend parts no tree in two.
-  const IndexedPoints b_in_a(straightened(a_points, b_points, alignment));
+  // Paired after local alignment, so that a deformation splits no tree in two.
+  const IndexedPoints b_in_a(aligned_locally(a_points, b_points, alignment));
   const double gate_m = std::clamp(0.35 * typical_spacing_m(a_points), 0.1, 0.5);
   std::vector<std::int32_t> partner(b.size(), -1);
   for (const LandmarkPair& pair : pair_landmarks(a_points, b_in_a, geometry::Pose2{}, gate_m)) {

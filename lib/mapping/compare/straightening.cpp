@@ -7,12 +7,12 @@ namespace orchard::mapping {
 
 using Eigen::Vector2d;
 
-std::vector<Vector2d> straightened(const IndexedPoints& a, const IndexedPoints& b,
-                                   const MapAlignment& alignment) {
-  constexpr std::size_t kNumNeighbours = 10, kFewest = 12;
+std::vector<Vector2d> aligned_locally(const IndexedPoints& a, const IndexedPoints& b,
+                                      const MapAlignment& alignment) {
+  constexpr std::size_t kNumNeighbours = 10, kNumPairsMin = 12;
   std::vector<Vector2d> places;
   for (const Vector2d& p : b.points()) places.push_back(transform(alignment.T_a_b, p));
-  if (alignment.pairs.size() < kFewest) return places;
+  if (alignment.pairs.size() < kNumPairsMin) return places;
   std::vector<Vector2d> paired;
   for (const LandmarkPair& pair : alignment.pairs) {
     paired.push_back(a[static_cast<std::size_t>(pair.a)]);
@@ -27,7 +27,7 @@ std::vector<Vector2d> straightened(const IndexedPoints& a, const IndexedPoints& 
     std::vector<double> x_m, y_m;
     for (const std::int32_t k : near) {
       const LandmarkPair& pair = alignment.pairs[static_cast<std::size_t>(k)];
-      if (pair.b == static_cast<std::int32_t>(j)) continue;  // not straightened by itself
+      if (pair.b == static_cast<std::int32_t>(j)) continue;  // not corrected by itself
       x_m.push_back(pair.residual_m.x());
       y_m.push_back(pair.residual_m.y());
     }

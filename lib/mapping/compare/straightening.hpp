@@ -7,8 +7,9 @@
 
 namespace orchard::mapping {
 
-/// Where points of b lie in the frame of a, the maps' bend against each other taken out.
-std::vector<Eigen::Vector2d> straightened(const IndexedPoints& a, const IndexedPoints& b,
-                                          const MapAlignment& alignment);
+/// Points of b in the frame of a after non-rigid residual removal: the local deformation of one map
+/// against the other is the median residual of the neighbours.
+std::vector<Eigen::Vector2d> aligned_locally(const IndexedPoints& a, const IndexedPoints& b,
+                                             const MapAlignment& alignment);
 
 }  // namespace orchard::mapping

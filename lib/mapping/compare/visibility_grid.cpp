@@ -89,7 +89,8 @@ std::vector<float> free_distance_m(const Vector2d& p, double reach_m, const Inde
 }
 
 int cell_of(double coordinate_m) {
-  return static_cast<int>(std::floor(std::clamp(coordinate_m, -5e8, 5e8) / LookRaster::kCell_m));
+  return static_cast<int>(
+      std::floor(std::clamp(coordinate_m, -5e8, 5e8) / VisibilityGrid::kCell_m));
 }
 
 /// The directions that the laser does not cover end where it stands.
@@ -107,13 +108,13 @@ void close_behind(const SensorView& view, double yaw_rad, std::vector<float>& fr
 }  // namespace
 
 /// Rounds towards minus infinity.
-int LookRaster::tile_of(int cell) {
+int VisibilityGrid::tile_of(int cell) {
   return cell >= 0 ? cell / kTileCells : -((-cell + kTileCells - 1) / kTileCells);
 }
 
-LookRaster::LookRaster(const std::vector<Landmark>& landmarks,
-                       const std::vector<std::vector<pose::PoseEstimate>>& trajectories,
-                       const SensorView& view) {
+VisibilityGrid::VisibilityGrid(const std::vector<Landmark>& landmarks,
+                               const std::vector<std::vector<pose::PoseEstimate>>& trajectories,
+                               const SensorView& view) {
   std::vector<Vector2d> places;
   std::vector<double> radius_m;
   for (const Landmark& l : landmarks) {
@@ -130,8 +131,8 @@ LookRaster::LookRaster(const std::vector<Landmark>& landmarks,
   }
 }
 
-void LookRaster::add_view(const Vector2d& p_laser, double reach_m, float seconds,
-                          const std::vector<float>& free_m) {
+void VisibilityGrid::add_view(const Vector2d& p_laser, double reach_m, float seconds,
+                              const std::vector<float>& free_m) {
   const int x_first = cell_of(p_laser.x() - reach_m), x_last = cell_of(p_laser.x() + reach_m);
   const int y_last = cell_of(p_laser.y() + reach_m);
   Tile* tile = nullptr;
@@ -147,7 +148,7 @@ void LookRaster::add_view(const Vector2d& p_laser, double reach_m, float seconds
       if (tile == nullptr || wanted_x != tx || wanted_y != ty) {
         tx = wanted_x, ty = wanted_y;
         tile = &tiles_[{tx, ty}];
-        if (tile->empty()) tile->assign(kTileCells * kTileCells, Looks{});
+        if (tile->empty()) tile->assign(kTileCells * kTileCells, Seconds{});
       }
       const auto range = static_cast<std::size_t>(
           std::upper_bound(kRangeEnds_m.begin(), kRangeEnds_m.end() - 1, distance_m) -
@@ -158,7 +159,7 @@ void LookRaster::add_view(const Vector2d& p_laser, double reach_m, float seconds
   }
 }
 
-LookRaster::Looks LookRaster::at(const Vector2d& p_map) const {
+VisibilityGrid::Seconds VisibilityGrid::at(const Vector2d& p_map) const {
   const int cx = cell_of(p_map.x()), cy = cell_of(p_map.y());
   const int tx = tile_of(cx), ty = tile_of(cy);
   const auto found = tiles_.find({tx, ty});

@@ -12,7 +12,7 @@
 
 namespace orchard::mapping {
 
-/// Where a laser looks, as it is mounted on its robot.
+/// Field of view of a laser and its extrinsics on the robot.
 struct SensorView {
   double reach_m = 20.0;  ///< farther things are never detected
   double bearing_min_rad = -3.14159265358979323846;
@@ -22,29 +22,29 @@ struct SensorView {
   double mount_yaw_rad = 0.0;
 };
 
-/// For how long a drive looked at each place, by distance: cells of half a metre.
+/// For how long each cell of half a metre was in view of a drive, by distance.
 ///
-/// Looks from poses along the path; what the landmarks of the drive's own map hide is not looked
-/// at. Time counts where the robot was slow, within reason.
-class LookRaster {
+/// From poses along the path; landmarks of the drive's own map occlude what is behind them. Time
+/// counts where the robot was slow, within limits.
+class VisibilityGrid {
  public:
   static constexpr double kCell_m = 0.5;
-  /// Far ends of the distances that are told apart [m]; the last one is the reach.
+  /// Far ends of the distance bins [m]; the last one is the range of the sensor.
   static constexpr std::array<double, 12> kRangeEnds_m{1.5, 2.5, 3.5,  4.5,  5.5,  6.5,
                                                        7.5, 9.0, 11.0, 13.0, 16.0, 1e9};
-  using Looks = std::array<float, kRangeEnds_m.size()>;  ///< seconds by distance
+  using Seconds = std::array<float, kRangeEnds_m.size()>;  ///< in view, by distance
 
   /// `trajectories`: T_map_base in order of utime, one per drive, in the landmarks' frame.
-  LookRaster(const std::vector<Landmark>& landmarks,
-             const std::vector<std::vector<pose::PoseEstimate>>& trajectories,
-             const SensorView& view);
+  VisibilityGrid(const std::vector<Landmark>& landmarks,
+                 const std::vector<std::vector<pose::PoseEstimate>>& trajectories,
+                 const SensorView& view);
 
-  /// Looks at the cell that holds a point of map.
-  Looks at(const Eigen::Vector2d& p_map) const;
+  /// Time in view of the cell that holds a point of map.
+  Seconds at(const Eigen::Vector2d& p_map) const;
 
  private:
   static constexpr int kTileCells = 32;
-  using Tile = std::vector<Looks>;
+  using Tile = std::vector<Seconds>;
 
   /// Rounds towards minus infinity.
   static int tile_of(int cell);

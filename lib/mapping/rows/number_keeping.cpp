@@ -96,14 +96,15 @@ KeptNumbers keep_ids(const std::vector<Landmark>& earlier, const MapAlignment& a
     ++kept.num_found;
   };
   const IndexedPoints then(places_of(earlier)), now(places_of(landmarks));
-  const IndexedPoints laid(straightened(then, now, alignment));
+  const IndexedPoints laid(aligned_locally(then, now, alignment));
   const double gate_m = std::clamp(0.35 * typical_spacing_m(then), 0.1, 0.5);
   // Of trees, what compare takes for the same, and not one that was planted beside the place of
   // another. What stands farther off may have been moved there, but that is not sure enough.
   ComparisonConfig everywhere;
   everywhere.assume_seen = true;
   for (const MapChange& c :
-       compare_maps(earlier, landmarks, DriveView(), DriveView(), alignment, everywhere).changes) {
+       compare_maps(earlier, landmarks, DetectionMap(), DetectionMap(), alignment, everywhere)
+           .changes) {
     if (c.a >= 0 && c.b >= 0 && c.moved_m <= gate_m) keep(c.a, c.b);
   }
   for (const LandmarkPair& pair : pair_landmarks(then, laid, geometry::Pose2{}, gate_m)) {

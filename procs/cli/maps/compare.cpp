@@ -86,8 +86,8 @@ int run_compare(const CompareOptions& options) {
   const io::StoredMap b = io::read_stored_map(options.later_path);
   require_views(options, a, options.earlier_path);
   require_views(options, b, options.later_path);
-  const mapping::DriveView view_a = view_of(a, options.reach_m);
-  const mapping::DriveView view_b = view_of(b, options.reach_m);
+  const mapping::DetectionMap view_a = view_of(a, options.reach_m);
+  const mapping::DetectionMap view_b = view_of(b, options.reach_m);
   const mapping::MapAlignment alignment = lay_on(a, view_a, b, view_b, options.alignment);
   const mapping::MapComparison comparison = mapping::compare_maps(
       a.landmarks, b.landmarks, view_a, view_b, alignment, options.comparison);

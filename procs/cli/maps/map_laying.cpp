@@ -8,14 +8,14 @@
 
 namespace orchard::cli {
 
-mapping::DriveView view_of(const io::StoredMap& map, double reach_m) {
+mapping::DetectionMap view_of(const io::StoredMap& map, double reach_m) {
   mapping::SensorView view = map.view;
   if (reach_m > 0.0) view.reach_m = reach_m;
-  return mapping::DriveView(map.landmarks, map.trajectories, view);
+  return mapping::DetectionMap(map.landmarks, map.trajectories, view);
 }
 
-mapping::MapAlignment lay_on(const io::StoredMap& a, const mapping::DriveView& view_a,
-                             const io::StoredMap& b, const mapping::DriveView& view_b,
+mapping::MapAlignment lay_on(const io::StoredMap& a, const mapping::DetectionMap& view_a,
+                             const io::StoredMap& b, const mapping::DetectionMap& view_b,
                              const mapping::MapAlignmentConfig& config) {
   mapping::MapAlignment alignment =
       mapping::align_maps(a.landmarks, b.landmarks, view_a, view_b, config);

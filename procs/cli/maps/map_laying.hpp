@@ -9,11 +9,11 @@
 namespace orchard::cli {
 
 /// Where the drives of a map looked; `reach_m` over 0 replaces what the map says.
-mapping::DriveView view_of(const io::StoredMap& map, double reach_m);
+mapping::DetectionMap view_of(const io::StoredMap& map, double reach_m);
 
 /// How map b lies on map a. Throws io::FileError in one sentence when that cannot be told.
-mapping::MapAlignment lay_on(const io::StoredMap& a, const mapping::DriveView& view_a,
-                             const io::StoredMap& b, const mapping::DriveView& view_b,
+mapping::MapAlignment lay_on(const io::StoredMap& a, const mapping::DetectionMap& view_a,
+                             const io::StoredMap& b, const mapping::DetectionMap& view_b,
                              const mapping::MapAlignmentConfig& config);
 
 /// Gives what `content` has in common with an earlier map the ids and numbers it had there, and

@@ -44,7 +44,7 @@ std::pair<std::size_t, mapping::MapAlignment> next_to_lay(const io::StoredMap& w
                                                           const std::vector<io::StoredMap>& maps,
                                                           const std::vector<std::size_t>& left,
                                                           const MergeOptions& options) {
-  const mapping::DriveView view = view_of(whole, options.reach_m);
+  const mapping::DetectionMap view = view_of(whole, options.reach_m);
   std::string reason;
   for (std::size_t next = 0; next < left.size(); ++next) {
     const io::StoredMap& map = maps[left[next]];

@@ -18,10 +18,10 @@ using ::testing::HasSubstr;
 
 constexpr double kDeg = 3.14159265358979323846 / 180.0;
 
-DriveView view_of(const DrivenMap& map) {
+DetectionMap view_of(const DrivenMap& map) {
   SensorView view;
   view.reach_m = 8.0;  // more than the drives truly have: that is for the map to tell
-  return DriveView(map.landmarks, {map.trajectory}, view);
+  return DetectionMap(map.landmarks, {map.trajectory}, view);
 }
 
 /// Largest distance between where the alignment and the truth put trees of b.
@@ -146,14 +146,15 @@ TEST(MapAlignment, SaysWhenAShiftByATreeFitsAsWell) {
   const DrivenMap a = drive_through(block, drive, dice);
   const DrivenMap b = drive_through(block, drive, dice);
   const MapAlignment free =
-      align_maps(a.landmarks, b.landmarks, DriveView(), DriveView(), MapAlignmentConfig{});
+      align_maps(a.landmarks, b.landmarks, DetectionMap(), DetectionMap(), MapAlignmentConfig{});
   EXPECT_EQ(free.verdict, AlignmentVerdict::kAmbiguous);
   EXPECT_NEAR(free.rival_offset_m, 2.0, 0.2);
   EXPECT_THAT(free.reason, HasSubstr("shifted by another 2."));
   // who knows that the frames agree within less than half a spacing need not be asked
   MapAlignmentConfig close;
   close.offset_max_m = 0.9;
-  const MapAlignment known = align_maps(a.landmarks, b.landmarks, DriveView(), DriveView(), close);
+  const MapAlignment known =
+      align_maps(a.landmarks, b.landmarks, DetectionMap(), DetectionMap(), close);
   EXPECT_EQ(known.verdict, AlignmentVerdict::kAligned) << known.reason;
 }
 
@@ -185,7 +186,7 @@ TEST(MapAlignment, RefusesAnotherOrchard) {
     const DrivenMap a = drive_through(block, drive, dice);
     const DrivenMap b = drive_through(other, drive, dice);
     const MapAlignment alignment =
-        align_maps(a.landmarks, b.landmarks, DriveView(), DriveView(), MapAlignmentConfig{});
+        align_maps(a.landmarks, b.landmarks, DetectionMap(), DetectionMap(), MapAlignmentConfig{});
     num_aligned += alignment.verdict == AlignmentVerdict::kAligned;
   }
   EXPECT_EQ(num_aligned, 0);
@@ -212,15 +213,18 @@ TEST(MapAlignment, ScatteredPolesAndMapsTooSmall) {
   }
   MapAlignmentConfig config;
   config.any_place = true;
-  const MapAlignment alignment = align_maps(a, b, DriveView(), DriveView(), config);
+  const MapAlignment alignment = align_maps(a, b, DetectionMap(), DetectionMap(), config);
   EXPECT_EQ(alignment.verdict, AlignmentVerdict::kAligned) << alignment.reason;
   EXPECT_EQ(alignment.pairs.size(), 11u);
   EXPECT_NEAR(alignment.T_a_b.yaw_rad, -170.0 * kDeg, 0.02);
   config.any_place = false;
-  EXPECT_EQ(align_maps(a, b, DriveView(), DriveView(), config).verdict, AlignmentVerdict::kNone);
+  EXPECT_EQ(align_maps(a, b, DetectionMap(), DetectionMap(), config).verdict,
+            AlignmentVerdict::kNone);
   b.resize(2);
-  EXPECT_EQ(align_maps(a, b, DriveView(), DriveView(), config).verdict, AlignmentVerdict::kNone);
-  EXPECT_EQ(align_maps(a, {}, DriveView(), DriveView(), config).verdict, AlignmentVerdict::kNone);
+  EXPECT_EQ(align_maps(a, b, DetectionMap(), DetectionMap(), config).verdict,
+            AlignmentVerdict::kNone);
+  EXPECT_EQ(align_maps(a, {}, DetectionMap(), DetectionMap(), config).verdict,
+            AlignmentVerdict::kNone);
 }
 
 }  // namespace

@@ -13,14 +13,14 @@ namespace {
 
 using Eigen::Vector2d;
 
-DriveView view_of(const DrivenMap& map) {
+DetectionMap view_of(const DrivenMap& map) {
   SensorView view;
   view.reach_m = 8.0;  // more than the drives truly have: that is for the map to tell
-  return DriveView(map.landmarks, {map.trajectory}, view);
+  return DetectionMap(map.landmarks, {map.trajectory}, view);
 }
 
 MapComparison compare(const DrivenMap& a, const DrivenMap& b, ComparisonConfig config = {}) {
-  const DriveView view_a = view_of(a), view_b = view_of(b);
+  const DetectionMap view_a = view_of(a), view_b = view_of(b);
   const MapAlignment alignment =
       align_maps(a.landmarks, b.landmarks, view_a, view_b, MapAlignmentConfig{});
   EXPECT_EQ(alignment.verdict, AlignmentVerdict::kAligned) << alignment.reason;
@@ -276,7 +276,7 @@ TEST(MapComparison, ABushIsNotTheTreesThatItsPartsPassFor) {
   EXPECT_EQ(num_of_new, 2) << "its parts that pass for trees";
 }
 
-TEST(DriveView, HiddenAndFarPlacesAreNotLookedAt) {
+TEST(DetectionMap, HiddenAndFarPlacesAreNotLookedAt) {
   std::vector<Landmark> landmarks;
   std::vector<pose::PoseEstimate> path;
   for (int i = 0; i < 80; ++i) {  // rows at y = 2 and y = -4, seen from y = 0 a hundred times each
@@ -297,14 +297,14 @@ TEST(DriveView, HiddenAndFarPlacesAreNotLookedAt) {
   }
   SensorView view;
   view.reach_m = 8.0;
-  const DriveView seen(landmarks, {path}, view);
+  const DetectionMap seen(landmarks, {path}, view);
   EXPECT_NEAR(seen.expected_observations({10.2, 2.0}), 100.0, 35.0);
   EXPECT_LT(seen.probability_missed({10.5, 2.0}), 0.01);
   EXPECT_EQ(seen.probability_missed({10.5, 12.0}), 1.0) << "beyond reach";
   EXPECT_EQ(seen.probability_missed({10.5, -30.0}), 1.0);
-  const LookRaster raster(landmarks, {path}, view);
+  const VisibilityGrid raster(landmarks, {path}, view);
   const auto seconds_near = [&](const Vector2d& p) {
-    const LookRaster::Looks looks = raster.at(p);
+    const VisibilityGrid::Looks looks = raster.at(p);
     return looks[0] + looks[1] + looks[2] + looks[3];  // within 4.5 m
   };
   EXPECT_GT(seconds_near({8.4, 3.2}), 3.0);
@@ -312,8 +312,8 @@ TEST(DriveView, HiddenAndFarPlacesAreNotLookedAt) {
   SensorView left = view;  // a laser that looks to the right only sees no row to the left
   left.bearing_min_rad = -2.0;
   left.bearing_max_rad = -0.5;
-  EXPECT_EQ(DriveView(landmarks, {path}, left).probability_missed({10.5, 2.0}), 1.0);
-  EXPECT_EQ(DriveView().probability_missed({10.5, 2.0}), 1.0);
+  EXPECT_EQ(DetectionMap(landmarks, {path}, left).probability_missed({10.5, 2.0}), 1.0);
+  EXPECT_EQ(DetectionMap().probability_missed({10.5, 2.0}), 1.0);
 }
 
 }  // namespace

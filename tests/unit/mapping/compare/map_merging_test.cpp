@@ -38,7 +38,7 @@ Landmark landmark_of(const std::vector<Vector2d>& looks, double roc) {
 
 MapAlignment aligned(const DrivenMap& a, const DrivenMap& b) {
   MapAlignment alignment =
-      align_maps(a.landmarks, b.landmarks, DriveView(), DriveView(), MapAlignmentConfig{});
+      align_maps(a.landmarks, b.landmarks, DetectionMap(), DetectionMap(), MapAlignmentConfig{});
   EXPECT_EQ(alignment.verdict, AlignmentVerdict::kAligned) << alignment.reason;
   return alignment;
 }

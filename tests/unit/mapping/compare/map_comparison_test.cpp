@@ -302,10 +302,10 @@ TEST(DetectionMap, HiddenAndFarPlacesAreNotLookedAt) {
   EXPECT_LT(seen.probability_missed({10.5, 2.0}), 0.01);
   EXPECT_EQ(seen.probability_missed({10.5, 12.0}), 1.0) << "beyond reach";
   EXPECT_EQ(seen.probability_missed({10.5, -30.0}), 1.0);
-  const VisibilityGrid raster(landmarks, {path}, view);
+  const VisibilityGrid grid(landmarks, {path}, view);
   const auto seconds_near = [&](const Vector2d& p) {
-    const VisibilityGrid::Looks looks = raster.at(p);
-    return looks[0] + looks[1] + looks[2] + looks[3];  // within 4.5 m
+    const VisibilityGrid::Seconds seconds = grid.at(p);
+    return seconds[0] + seconds[1] + seconds[2] + seconds[3];  // within 4.5 m
   };
   EXPECT_GT(seconds_near({8.4, 3.2}), 3.0);
   EXPECT_LT(seconds_near({20.2, 3.2}), 0.25 * seconds_near({8.4, 3.2})) << "behind the wall";

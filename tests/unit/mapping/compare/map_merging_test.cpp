@@ -70,7 +70,7 @@ TEST(Merging, TheBetterKnownPlaceWeighsMore) {
   EXPECT_LT(both.x_m, 0.01);
   EXPECT_GT(both.y_m, 0.99);
   EXPECT_GT(both.covariance[0], 0.0);
-  const Landmark turned = transformed(a, {{0, 0}, 1.5707963267948966});
+  const Landmark turned = transformed(a, {0, 0, 1.5707963267948966});
   EXPECT_NEAR(turned.covariance[0], 0.09, 1e-9);
   EXPECT_NEAR(turned.covariance[2], 0.0001, 1e-9);
 }

@@ -29,7 +29,7 @@ std::vector<SaveRequest> run_behind(Recorder& node, int num_tenths) {
   StopSignal stop;
   Bus bus("memq://");
   std::vector<SaveRequest> saves;
-  LiveNode live(bus, node, "orchard-recorder", io::Config{},
+  LiveNode live(bus, node, "orchard-recorder", io::EffectiveConfig{},
                 [&](Node&, const SaveRequest& request) { saves.push_back(request); });
   for (const Message& message : testing::fake_drive(num_tenths)) bus.publish(message);
   bus.publish(Channel::kScan, {1, 2, 3});

@@ -93,7 +93,7 @@ TEST(FreeSpace, FollowsTheSweepOfATurningRobot) {
   const std::vector<Thing> things = before_a_wall({{{2.0, 3.0}, 0.12}});
   const Eigen::Vector3d velocity(0.8, 0.0, 1.0);
   const laser::Scan scan = beams_of(things, {}, laser, velocity);
-  FreeSpace free_space(scan, laser, {}, {});
+  FreeSpace free_space(scan, laser, {});
   EXPECT_EQ(free_space.at({2.0, 3.0}, 0.12, 0.01).verdict, FreeSpaceVerdict::kPassesThrough);
   free_space.set_velocity(velocity);
   EXPECT_EQ(free_space.at({2.0, 3.0}, 0.12, 0.01).verdict, FreeSpaceVerdict::kReturns);

@@ -7,11 +7,12 @@
 
 int main(int argc, char** argv) {
   using namespace orchard;
+  bus::ProcessInfo info;
+  info.name = "orchard-pose";
+  info.description =
+      "Estimates where the robot is, as pose.mode asks.\n"
+      "Reads POSE_FIX, ODOMETRY, IMU, GNSS, SCAN or DETECTIONS, sends POSE and TRAJECTORY.";
   io::RigFile rig;
-  return bus::run_node_process(
-      argc, argv,
-      {"orchard-pose",
-       "Says where the robot is: POSE_FIX and ODOMETRY in (as pose.mode asks), POSE out.",
-       {}},
-      rig, [&] { return std::make_unique<procs::PoseNode>(rig.config()); });
+  return bus::run_node_process(argc, argv, info, rig,
+                               [&] { return std::make_unique<procs::PoseNode>(rig.config()); });
 }

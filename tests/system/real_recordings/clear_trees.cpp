@@ -45,7 +45,8 @@ std::vector<Point> observations(const std::vector<io::SensorMessage>& recording)
     if (base == track.end()) continue;
     const pose::PoseFix& fix = base->second;
     for (const Eigen::Vector2d& p : free_standing(*scan)) {
-      const Eigen::Vector2d p_map = geometry::transform({fix.x_m, fix.y_m, fix.yaw_rad}, p);
+      const Eigen::Vector2d p_map =
+          geometry::transform(geometry::Pose2{fix.x_m, fix.y_m, fix.yaw_rad}, p);
       points.push_back({p_map.x(), p_map.y()});
     }
   }

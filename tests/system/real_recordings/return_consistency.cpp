@@ -81,8 +81,9 @@ void add_returns(const laser::Scan& scan, const std::vector<pose::PoseEstimate>&
       trajectory.begin(), trajectory.end(), scan.utime,
       [](const pose::PoseEstimate& pose, std::int64_t utime) { return pose.utime < utime; });
   if (at == trajectory.end()) --at;
-  const Eigen::Vector3d T_map_laser = geometry::compose(
-      {at->x_m, at->y_m, at->yaw_rad}, {mount.mount_x_m, mount.mount_y_m, mount.mount_yaw_rad});
+  const Eigen::Vector3d T_map_laser =
+      geometry::compose(Eigen::Vector3d(at->x_m, at->y_m, at->yaw_rad),
+                        Eigen::Vector3d(mount.mount_x_m, mount.mount_y_m, mount.mount_yaw_rad));
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const double range_m = scan.ranges_m[i];
     if (!(range_m > scan.range_min_m) || range_m >= scan.range_max_m) continue;

@@ -14,6 +14,7 @@
 
 #include "bus/messages/codec.hpp"
 #include "io/log/log_reader.hpp"
+#include "text/number_text.hpp"
 
 namespace {
 
@@ -36,7 +37,7 @@ class FolderWriter {
     if (num_scans_++ == 0) describe(scan);
     scans_ << scan.utime;
     for (const float range_m : scan.ranges_m)
-      scans_ << (range_m > 0.0f ? text(",%.3f", range_m) : ",0");
+      scans_ << ',' << (range_m > 0.0f ? fixed_text(range_m, 3) : "0");
     scans_ << '\n';
   }
   void operator()(const vision::Image& image) {
@@ -48,12 +49,13 @@ class FolderWriter {
                static_cast<std::streamsize>(image.data.size()));
   }
   void operator()(const pose::Odometry& o) {
-    odometry_ << o.utime << text(",%.4f", o.speed_mps) << text(",%.5f", o.yaw_rate_radps) << '\n';
+    odometry_ << o.utime << ',' << fixed_text(o.speed_mps, 4) << ','
+              << fixed_text(o.yaw_rate_radps, 5) << '\n';
   }
   void operator()(const pose::PoseFix& fix) {
     if (!fix.has_yaw) return;
-    poses_ << fix.utime << text(",%.4f", fix.x_m) << text(",%.4f", fix.y_m)
-           << text(",%.5f", fix.yaw_rad) << '\n';
+    poses_ << fix.utime << ',' << fixed_text(fix.x_m, 4) << ',' << fixed_text(fix.y_m, 4) << ','
+           << fixed_text(fix.yaw_rad, 5) << '\n';
   }
   template <class Other>
   void operator()(const Other&) {}
@@ -67,23 +69,17 @@ class FolderWriter {
   }
 
  private:
-  static std::string text(const char* format, double value) {
-    char buffer[32];
-    std::snprintf(buffer, sizeof(buffer), format, value);
-    return buffer;
-  }
-
   void describe(const laser::Scan& scan) {
     scans_ << "utime_us";
     for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) scans_ << ",range_" << i << "_m";
     scans_ << '\n';
     std::ofstream file(folder_ + "/sensors.yaml");
     file << "laser:\n  num_beams: " << scan.ranges_m.size()
-         << text("\n  bearing_min_rad: %.9f", scan.bearing_min_rad)
-         << text("\n  bearing_step_rad: %.9f", scan.bearing_step_rad)
-         << text("\n  range_min_m: %.3f", scan.range_min_m)
-         << text("\n  range_max_m: %.3f", scan.range_max_m)
-         << text("\n  beam_period_us: %.6f\n", scan.beam_period_us);
+         << "\n  bearing_min_rad: " << fixed_text(scan.bearing_min_rad, 9)
+         << "\n  bearing_step_rad: " << fixed_text(scan.bearing_step_rad, 9)
+         << "\n  range_min_m: " << fixed_text(scan.range_min_m, 3)
+         << "\n  range_max_m: " << fixed_text(scan.range_max_m, 3)
+         << "\n  beam_period_us: " << fixed_text(scan.beam_period_us, 6) << "\n";
   }
 
   std::string folder_;

@@ -93,8 +93,7 @@ std::vector<simulation::TrueObservation> observe_all(const simulation::Simulator
 }  // namespace
 
 io::Config rig_of(const SimulateOptions& options) {
-  return options.config_path.empty() ? io::scene_rig(options.scene)
-                                     : io::load_config(options.config_path);
+  return options.config_path.empty() ? io::scene_rig(options.scene) : load_rig(options.config_path);
 }
 
 void write_rig(io::LogWriter& writer, const io::Config& config, std::int64_t utime) {

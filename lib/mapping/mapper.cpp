@@ -10,9 +10,9 @@
 #include "mapping/association.hpp"
 #include "mapping/candidate.hpp"
 #include "mapping/existence/existence.hpp"
-#include "mapping/id_keeping.hpp"
 #include "mapping/landmark_splitting.hpp"
 #include "mapping/map_state.hpp"
+#include "mapping/rows/id_keeping.hpp"
 #include "mapping/stored_detection.hpp"
 
 namespace orchard::mapping {

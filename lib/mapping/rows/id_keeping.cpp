@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mapping/id_keeping.hpp"
+#include "mapping/rows/id_keeping.hpp"
 
 #include <algorithm>
 #include <cstddef>

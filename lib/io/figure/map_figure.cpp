@@ -118,7 +118,7 @@ std::vector<LegendItem> legend_of(const std::vector<Landmark>& landmarks, bool h
                      }});
   }
   items.push_back(line_item("path", kPathColour));
-  if (has_ways) items.push_back(line_item("ways", kWay));
+  if (has_ways) items.push_back(line_item("aisles", kWay));
   return items;
 }
 

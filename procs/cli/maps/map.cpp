@@ -116,7 +116,7 @@ void print_summary(const MapOptions& options, const ReplayReport& report,
   }
   std::printf(
       "written to %s: map.csv (table), map.gpkg (QGIS), map.svg and map.png (picture),\n"
-      "  trajectory.csv, graph.json (ways for planners), summary.json%s\n",
+      "  trajectory.csv, graph.json (aisles, for planners), summary.json%s\n",
       options.out_folder.c_str(),
       options.no_derived ? "" : ", derived.lcm (every message on the way)");
 }

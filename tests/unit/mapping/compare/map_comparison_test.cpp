@@ -194,7 +194,8 @@ TEST(MapComparison, CommonGrowthIsThatOfTheTreesWhateverPostsAndBushesDo) {
     for (int i = 0; i < 6 * 28; ++i) {
       const bool is_bush = i % 4 == 0;
       const int place = i % 28;
-      const Vector2d p(2.0 * (place / 2) + (place % 2 == 0 ? 0.7 : 1.3), 4.0 * (i / 28));
+      const int column = place / 2, row = i / 28;
+      const Vector2d p(2.0 * column + (place % 2 == 0 ? 0.7 : 1.3), 4.0 * row);
       for (DrivenMap* map : {&a, &b}) {
         Landmark l = map->landmarks[10];
         l.id = 1000 + i;
@@ -261,7 +262,8 @@ TEST(MapComparison, ABushIsNotTheTreesThatItsPartsPassFor) {
     }
   };
   for (int bush = 0; bush < 8; ++bush) {
-    const Vector2d p(3.0 + 4.0 * (bush % 4), 4.0 * (bush / 4 + 1));
+    const int row = bush / 4 + 1;
+    const Vector2d p(3.0 + 4.0 * (bush % 4), 4.0 * row);
     add_bush(a, p, 1000 + 10 * bush);
     add_bush(b, p, 2000 + 10 * bush);
   }

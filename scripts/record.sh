@@ -20,7 +20,12 @@ if command -v ip >/dev/null && ! ip route get 239.255.76.67 >/dev/null 2>&1; the
   exit 1
 fi
 mkdir -p out/recordings
-log="out/recordings/$name-$(date +%Y%m%d-%H%M%S).lcm"
+stem="out/recordings/$name-$(date +%Y%m%d-%H%M%S)"
+log=$stem.lcm
+for ((n = 2; ; ++n)); do  # a second recording within the same second
+  [ -e "$log" ] || break
+  log=$stem-$n.lcm
+done
 echo "record: writing $log from $url; stop with Ctrl-C"
 echo "record: $(df -h --output=avail out/recordings | tail -1 | tr -d ' ') free on this disk"
 ln -sfn "$(basename "$log")" "out/recordings/$name.lcm"

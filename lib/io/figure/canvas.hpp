@@ -39,7 +39,7 @@ struct TextStyle {
   TextAnchor anchor = TextAnchor::kStart;
   bool is_bold = false;
   bool is_upward = false;               ///< read from below
-  std::optional<Colour> halo_colour{};  ///< a rim that keeps it readable on lines
+  std::optional<Colour> halo_colour{};  ///< an outline that keeps it readable on lines
 };
 
 /// How far a text runs, the same on every canvas.

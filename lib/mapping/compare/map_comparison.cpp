@@ -146,9 +146,9 @@ class MapComparer {
               const DetectionMap& view_a, const DetectionMap& view_b, const MapAlignment& alignment,
               const ComparisonConfig& config)
       : config_(config),
-        a_(a, view_a, geometry::Pose2{}, places_of(a), config.thicket),
+        a_(a, view_a, geometry::Pose2{}, places_of(a), config.clump),
         b_(b, view_b, inverse(alignment.T_a_b),
-           aligned_locally(a_.places, IndexedPoints(places_of(b)), alignment), config.thicket) {
+           aligned_locally(a_.places, IndexedPoints(places_of(b)), alignment), config.clump) {
     const double spacing_m = typical_spacing_m(IndexedPoints(lone_trees(a, a_.in_clump)));
     gate_m_ = std::clamp(0.35 * spacing_m, 0.1, 0.5);
     pairs_ = pair_landmarks(a_.places, b_.places, geometry::Pose2{}, gate_m_);
@@ -290,7 +290,7 @@ class MapComparer {
       (change == Change::kMissing ? c.a : c.b) = static_cast<std::int32_t>(i);
       c.p_a = there.places[i];
       // One thing may stand in a map as two; where the other map has something, nothing is missing.
-      if (other.places.nearest(c.p_a, there.in_clump[i] ? config_.thicket.reach_m : same_m) >= 0) {
+      if (other.places.nearest(c.p_a, there.in_clump[i] ? config_.clump.reach_m : same_m) >= 0) {
         c.confidence = 0.5;
         comparison_.changes.push_back(c);
         continue;

@@ -25,7 +25,7 @@ struct ComparisonConfig {
   double sigmas_min = 3.0;    ///< of moves and of width changes, in standard errors
   bool assume_seen = false;   ///< everything was in view of both drives
   bool with_objects = false;  ///< compare objects too, not only trees
-  ClumpConfig thicket;
+  ClumpConfig clump;
 };
 
 /// Change of one object.

@@ -83,13 +83,13 @@ void add_compare(CLI::App& app, Run& run) {
             ->check(CLI::Range(1.0, 20.0))
             ->capture_default_str();
         command
-            .add_option("--bush-near", o.comparison.thicket.near_m,
+            .add_option("--bush-near", o.comparison.clump.near_m,
                         "a landmark with two others this near is part of a bush, of which each "
                         "drive sees other parts [m]")
             ->check(CLI::Range(0.05, 5.0))
             ->capture_default_str();
         command
-            .add_option("--bush-reach", o.comparison.thicket.reach_m,
+            .add_option("--bush-reach", o.comparison.clump.reach_m,
                         "and comes or goes only where nothing else stands this near [m]")
             ->check(CLI::Range(0.05, 10.0))
             ->capture_default_str();

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "bus/node/source.hpp"
+#include "bus/driver/source.hpp"
 #include "bus/replay/replay_index.hpp"
 #include "io/log/log_reader.hpp"
 

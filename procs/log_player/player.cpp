@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "bus/node/live_driver.hpp"
+#include "bus/driver/live_driver.hpp"
 #include "bus/node/stop_signal.hpp"
 #include "bus/replay/lockstep_player.hpp"
 #include "detector/detector_node.hpp"

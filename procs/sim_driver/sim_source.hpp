@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "bus/node/source.hpp"
+#include "bus/driver/source.hpp"
 #include "io/config/config.hpp"
 #include "simulation/simulator.hpp"
 

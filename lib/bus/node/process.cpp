@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "bus/bus.hpp"
-#include "bus/node/live_driver.hpp"
+#include "bus/driver/live_driver.hpp"
 #include "bus/node/live_node.hpp"
 #include "bus/node/process_options.hpp"
 #include "bus/node/stop_signal.hpp"

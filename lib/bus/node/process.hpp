@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bus/node/node.hpp"
-#include "bus/node/source.hpp"
+#include "bus/driver/source.hpp"
 #include "bus/node/traffic_counts.hpp"
 #include "io/config/config_file.hpp"
 

@@ -7,7 +7,7 @@
 #include "bus/bus.hpp"
 #include "bus/node/process_options.hpp"
 #include "bus/node/process_report.hpp"
-#include "bus/node/source.hpp"
+#include "bus/driver/source.hpp"
 #include "bus/node/stop_signal.hpp"
 
 namespace orchard::bus {

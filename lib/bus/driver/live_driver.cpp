@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bus/node/live_driver.hpp"
+#include "bus/driver/live_driver.hpp"
 
 #include <spdlog/spdlog.h>
 

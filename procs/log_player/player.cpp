@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "bus/driver/live_driver.hpp"
+#include "bus/driver/paced_source.hpp"
 #include "bus/node/stop_signal.hpp"
 #include "bus/replay/lockstep_player.hpp"
 #include "detector/detector_node.hpp"
@@ -122,7 +123,8 @@ int play_paced(const PlayerOptions& options) {
   for (const std::string& warning : source.report().warnings) spdlog::warn("{}", warning);
   bus::StopSignal stop;
   bus::Bus bus(options.rig.config().lcm.url);
-  bus::LiveDriver(bus, source, "orchard-log-player", options.process).run(stop);
+  bus::PacedSource paced(source, options.process.speed);
+  bus::LiveDriver(bus, paced, "orchard-log-player", options.process).run(stop);
   return bus::kExitOk;
 }
 

@@ -4,9 +4,8 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <optional>
-
-#include "io/progress_bar.hpp"
+#include <chrono>
+#include <utility>
 
 namespace orchard::bus {
 namespace {
@@ -17,12 +16,20 @@ std::string join(const std::vector<std::string>& names) {
   return text;
 }
 
+/// How long a poll may last that nothing else ends: STATUS is due once a second.
+constexpr std::chrono::seconds kWaitMost{1};
+
+timespec to_timespec(std::chrono::nanoseconds time) {
+  const auto ns = std::max<std::int64_t>(0, time.count());
+  return {static_cast<time_t>(ns / 1000000000), static_cast<long>(ns % 1000000000)};
+}
+
 }  // namespace
 
-LiveDriver::LiveDriver(Bus& bus, Source& source, const std::string& name,
+LiveDriver::LiveDriver(Bus& bus, Driver& driver, const std::string& name,
                        const ProcessOptions& options)
     : bus_(bus),
-      source_(source),
+      driver_(driver),
       options_(options),
       report_(bus, name, options.config),
       missing_(options.wait_for) {
@@ -34,39 +41,36 @@ LiveDriver::LiveDriver(Bus& bus, Source& source, const std::string& name,
 
 void LiveDriver::run(StopSignal& stop) {
   if (!wait_for_others(stop)) return;
-  const std::optional<double> duration_s = source_.duration_s();
-  if (duration_s) {
-    spdlog::info("publishes {:.0f} s of messages at speed {:g}: done in {}", *duration_s,
-                 options_.speed, io::waiting_text(*duration_s / options_.speed));
+  announce_duration();
+  const Outbox outbox = [this](const Message& message) { send(message); };
+  while (!stop.raised() && !driver_.ended()) {
+    wait(driver_.files(), driver_.deadline(), stop);
+    if (stop.raised()) break;
+    driver_.step(outbox);
+    say_condition();
   }
-  io::ProgressBar bar("publishing", duration_s.has_value());
-  std::optional<Message> message = source_.next();
-  const Clock::time_point start = Clock::now();
-  const std::int64_t first_utime = message ? utime_of(*message) : 0;
-  while (message) {
-    const double due_us = static_cast<double>(utime_of(*message) - first_utime) / options_.speed;
-    const auto due = start + std::chrono::microseconds(static_cast<std::int64_t>(due_us));
-    if (!wait_until(due, stop)) break;
-    bus_.publish(*message);
-    ++num_published_;
-    bar.update(static_cast<std::uint64_t>(utime_of(*message) - first_utime),
-               static_cast<std::uint64_t>(1e6 * duration_s.value_or(0.0)));
-    message = source_.next();
-  }
-  bar.finish();
-  ended_ = !message;
-  if (ended_) spdlog::info("the source has ended after {} messages", num_published_);
-  while (ended_ && options_.hold && !stop.raised()) {
-    wait_until(Clock::now() + std::chrono::seconds(1), stop);
+  if (bar_) bar_->finish();
+  if (driver_.ended()) spdlog::info("the source has ended after {} messages", num_published_);
+  while (driver_.ended() && options_.hold && !stop.raised()) {
+    wait({}, Clock::now() + kWaitMost, stop);
   }
   report_.send(status());
+}
+
+void LiveDriver::announce_duration() {
+  duration_s_ = driver_.duration_s();
+  if (!duration_s_) return;
+  spdlog::info("publishes {:.0f} s of messages at speed {:g}: done in {}", *duration_s_,
+               options_.speed, io::waiting_text(*duration_s_ / options_.speed));
+  bar_.emplace("publishing", true);
 }
 
 bool LiveDriver::wait_for_others(StopSignal& stop) {
   if (!missing_.empty()) spdlog::info("waits for {}", join(missing_));
   Clock::time_point next_word = Clock::now() + std::chrono::seconds(5);
   while (!missing_.empty()) {
-    if (!wait_until(Clock::now() + std::chrono::milliseconds(20), stop)) return false;
+    wait({}, next_word, stop);
+    if (stop.raised()) return false;
     if (Clock::now() >= next_word && !missing_.empty()) {
       spdlog::warn("still waits for {}: started, on the same LCM URL, and not in --lockstep?",
                    join(missing_));
@@ -76,30 +80,57 @@ bool LiveDriver::wait_for_others(StopSignal& stop) {
   return true;
 }
 
-bool LiveDriver::wait_until(Clock::time_point until, StopSignal& stop) {
-  while (!stop.raised()) {
-    if (report_.due()) report_.send(status());
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
-    if (left.count() <= 0) return true;
-    const int timeout_ms =
-        static_cast<int>(std::min<std::int64_t>(left.count(), report_.ms_until_due()));
-    if (stop.wait(bus_.fileno(), timeout_ms)) bus_.handle(0);
+void LiveDriver::wait(std::vector<pollfd> files, Clock::time_point until, const StopSignal& stop) {
+  if (report_.due()) report_.send(status());
+  const std::size_t lcm = files.size();
+  files.push_back({bus_.fileno(), POLLIN, 0});
+  files.push_back({stop.fileno(), POLLIN, 0});
+  const Clock::time_point now = Clock::now();
+  const Clock::time_point end =
+      std::min(until, now + std::chrono::milliseconds(report_.ms_until_due()));
+  const timespec timeout = to_timespec(std::min<Clock::duration>(end - now, kWaitMost));
+  if (ppoll(files.data(), files.size(), &timeout, nullptr) <= 0) return;
+  if ((files[lcm].revents & POLLIN) != 0) bus_.handle(0);
+}
+
+void LiveDriver::send(const Message& message) {
+  bus_.publish(message);
+  ++num_published_;
+  if (!first_utime_) first_utime_ = utime_of(message);
+  if (bar_) {
+    bar_->update(
+        static_cast<std::uint64_t>(std::max<std::int64_t>(0, utime_of(message) - *first_utime_)),
+        static_cast<std::uint64_t>(1e6 * duration_s_.value_or(0.0)));
   }
-  return false;
+}
+
+void LiveDriver::say_condition() {
+  // To the log when it changes; STATUS repeats it every second.
+  std::string text = driver_.condition().text;
+  if (text == said_) return;
+  if (text.empty()) {
+    spdlog::info("all is well");
+  } else {
+    spdlog::warn("{}", text);
+  }
+  said_ = std::move(text);
 }
 
 Status LiveDriver::status() const {
+  const DriverCondition condition = driver_.condition();
   Status status;
+  status.level = condition.level;
+  status.text = condition.text;
   status.num_published = num_published_;
-  status.num_bad = bus_.counts().num_bad();
+  status.num_bad = bus_.counts().num_bad() + condition.num_bad;
   status.num_lost = bus_.counts().num_unsent;
   if (!missing_.empty()) {
     status.level = Level::kWaiting;
     status.text = "waits for " + join(missing_);
-  } else if (ended_) {
+  } else if (driver_.ended()) {
     status.text = "the source has ended";
   }
-  if (bus_.counts().num_unsent > 0) status.level = Level::kWarning;
+  if (bus_.counts().num_unsent > 0) status.level = std::max(status.level, Level::kWarning);
   return status;
 }
 

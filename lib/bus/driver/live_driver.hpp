@@ -1,39 +1,51 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <poll.h>
+
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "bus/bus.hpp"
+#include "bus/driver/driver.hpp"
 #include "bus/node/process_options.hpp"
 #include "bus/node/process_report.hpp"
-#include "bus/driver/source.hpp"
 #include "bus/node/stop_signal.hpp"
+#include "io/progress_bar.hpp"
 
 namespace orchard::bus {
 
-/// A source on the network: publishes each message when its time has come.
+/// A driver on the network: one thread and one loop that waits for the driver's files and deadline,
+/// for LCM, for STATUS and for a stop, so that none of them waits for another.
 class LiveDriver {
  public:
-  LiveDriver(Bus& bus, Source& source, const std::string& name, const ProcessOptions& options);
+  LiveDriver(Bus& bus, Driver& driver, const std::string& name, const ProcessOptions& options);
 
-  /// Runs until the source has no more (and no --hold was asked for) or a stop is asked for.
+  /// Runs until the driver has no more (and no --hold was asked for) or a stop is asked for.
   void run(StopSignal& stop);
 
  private:
-  using Clock = std::chrono::steady_clock;
-  /// Lets time pass until `until`, with STATUS and incoming messages; false when stopped.
-  bool wait_until(Clock::time_point until, StopSignal& stop);
+  using Clock = Driver::Clock;
   bool wait_for_others(StopSignal& stop);
+  /// Waits for `files`, what LCM brings, `until` or a stop; sends STATUS when it is due.
+  void wait(std::vector<pollfd> files, Clock::time_point until, const StopSignal& stop);
+  void announce_duration();
+  void send(const Message& message);
+  void say_condition();
   Status status() const;
 
   Bus& bus_;
-  Source& source_;
+  Driver& driver_;
   ProcessOptions options_;
   ProcessReport report_;
   std::vector<std::string> missing_;  ///< processes not heard of yet
+  std::optional<double> duration_s_;
+  std::optional<io::ProgressBar> bar_;
+  std::optional<std::int64_t> first_utime_;
   std::int64_t num_published_ = 0;
-  bool ended_ = false;
+  std::string said_;  ///< the condition as the log has it
 };
 
 }  // namespace orchard::bus

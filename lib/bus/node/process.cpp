@@ -5,10 +5,12 @@
 
 #include <exception>
 #include <iostream>
+#include <stdexcept>
 #include <utility>
 
 #include "bus/bus.hpp"
 #include "bus/driver/live_driver.hpp"
+#include "bus/driver/paced_source.hpp"
 #include "bus/node/live_node.hpp"
 #include "bus/node/process_options.hpp"
 #include "bus/node/stop_signal.hpp"
@@ -76,7 +78,29 @@ int run_driver_process(int argc, char** argv, ProcessInfo info, io::ConfigFile& 
     Bus bus(config.lcm().url);
     log_start(config.lcm().url, options);
     const std::unique_ptr<Source> source = make_source();
-    LiveDriver(bus, *source, info.name, options).run(stop);
+    PacedSource paced(*source, options.speed);
+    LiveDriver(bus, paced, info.name, options).run(stop);
+  });
+}
+
+int run_device_process(int argc, char** argv, ProcessInfo info, io::ConfigFile& config,
+                       const std::function<std::unique_ptr<Driver>()>& make_driver) {
+  ProcessOptions options;
+  if (const auto code = read_options(argc, argv, info, ProcessKind::kDevice, config, options)) {
+    return *code;
+  }
+  return guarded(info.name, [&] {
+    StopSignal stop;
+    Bus bus(config.lcm().url);
+    log_start(config.lcm().url, options);
+    const std::unique_ptr<Driver> driver = [&] {
+      try {
+        return make_driver();
+      } catch (const std::invalid_argument& error) {
+        throw io::FileError(error.what());  // an address or file that is none
+      }
+    }();
+    LiveDriver(bus, *driver, info.name, options).run(stop);
   });
 }
 

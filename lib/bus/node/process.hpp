@@ -6,8 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "bus/node/node.hpp"
+#include "bus/driver/driver.hpp"
 #include "bus/driver/source.hpp"
+#include "bus/node/node.hpp"
 #include "bus/node/traffic_counts.hpp"
 #include "io/config/config_file.hpp"
 
@@ -58,8 +59,13 @@ int run_node_process(int argc, char** argv, ProcessInfo info, io::ConfigFile& co
                      const std::function<std::unique_ptr<Node>()>& make_node,
                      const SaveHook& save = {});
 
-/// Runs one driver as a process: the same, publishing what the source gives at its pace (--speed).
+/// Runs a source as a process: the same, publishing what the source gives at its pace (--speed).
 int run_driver_process(int argc, char** argv, ProcessInfo info, io::ConfigFile& config,
                        const std::function<std::unique_ptr<Source>()>& make_source);
+
+/// Runs the driver of a device as a process: the same, at the device's own pace. `make_driver` may
+/// throw io::ConfigError, io::FileError and std::invalid_argument (an option that is none).
+int run_device_process(int argc, char** argv, ProcessInfo info, io::ConfigFile& config,
+                       const std::function<std::unique_ptr<Driver>()>& make_driver);
 
 }  // namespace orchard::bus

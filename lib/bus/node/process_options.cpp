@@ -72,7 +72,7 @@ std::optional<int> read_options(int argc, char** argv, const ProcessInfo& info, 
     app.add_flag("--lockstep", options.lockstep,
                  "take turns with orchard-log-player --lockstep instead of running live; stays "
                  "ready for the next replay until stopped");
-  } else {
+  } else if (kind == ProcessKind::kDriver) {
     app.add_option("--speed", options.speed,
                    "times real time; above 0, since flat out UDP loses most messages")
         ->option_text("FACTOR")

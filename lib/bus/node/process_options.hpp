@@ -10,7 +10,11 @@
 
 namespace orchard::bus {
 
-enum class ProcessKind { kNode, kDriver };
+enum class ProcessKind {
+  kNode,
+  kDriver,  ///< of a source that is paced
+  kDevice,  ///< of a sensor with a pace of its own
+};
 
 /// What the command line of a process said.
 struct ProcessOptions {

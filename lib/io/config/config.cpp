@@ -22,6 +22,7 @@ ConfigSchema schema_of(Config& c) {
     v.section("detector", c.detector, "scan and image to detections");
     v.section("pose", c.pose, "where the robot is");
     v.section("mapper", c.mapper, "detections to the map");
+    v.section("drivers", c.drivers, "the sensors of this machine");
     v.section("simulation", c.simulation, "the simulated world and its sensors");
   };
 }

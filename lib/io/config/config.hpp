@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "detection/detector_config.hpp"
+#include "device/drivers_config.hpp"
 #include "geometry/camera_config.hpp"
 #include "io/config/config_error.hpp"
 #include "io/config/config_file.hpp"
@@ -26,6 +27,7 @@ struct Config {
   detection::DetectorConfig detector;
   pose::PoseConfig pose;
   mapping::MapperConfig mapper;
+  device::DriversConfig drivers;
   simulation::SimulationConfig simulation;
 };
 

@@ -36,7 +36,10 @@ void flatten(const YAML::Node& node, const std::string& prefix, Values& values) 
 }
 
 bool reaches_the_map(const std::string& key) {
-  return key.rfind("lcm.", 0) != 0 && key.rfind("simulation.", 0) != 0;
+  for (const char* section : {"lcm.", "drivers.", "simulation."}) {
+    if (key.rfind(section, 0) == 0) return false;
+  }
+  return true;
 }
 
 Values values_of(const std::string& yaml) {

@@ -15,8 +15,9 @@ struct ConfigDifference {
 
 /// The keys whose values differ between two configurations, in the order of the first one.
 ///
-/// Both are YAML as effective_config() writes it. Left out are sections `lcm` and `simulation`:
-/// what a log becomes does not depend on them. Throws ConfigError when a text is not YAML.
+/// Both are YAML as effective_config() writes it. Left out are sections `lcm`, `drivers` and
+/// `simulation`: what a log becomes does not depend on them. Throws ConfigError when a text is not
+/// YAML.
 std::vector<ConfigDifference> config_differences(const std::string& a, const std::string& b);
 
 /// "key: a -> b" for people, one line each; of many differences the first twenty and how many more.

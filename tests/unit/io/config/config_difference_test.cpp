@@ -24,7 +24,9 @@ TEST(ConfigDifferences, NameEachKeyOnceInTheOrderOfTheFirst) {
 }
 
 TEST(ConfigDifferences, OfNetworkAndSimulationAreNone) {
-  EXPECT_THAT(lines("lcm:\n  url: a\nsimulation:\n  x: 1\n", "lcm:\n  url: b\n"), IsEmpty());
+  EXPECT_THAT(lines("lcm:\n  url: a\ndrivers:\n  laser:\n    device: c\nsimulation:\n  x: 1\n",
+                    "lcm:\n  url: b\n"),
+              IsEmpty());
 }
 
 TEST(ConfigDifferences, ManyAreCounted) {

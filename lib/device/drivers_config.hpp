@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+namespace orchard::device {
+
+/// What a laser scanner speaks.
+enum class LaserProtocol {
+  kScip,   ///< Hokuyo: SCIP 2.0 and later
+  kColaA,  ///< SICK TiM3xx, TiM5xx, LMS1xx: CoLa-A
+};
+
+/// The scanner of orchard-laser-driver. Section `drivers.laser`.
+struct LaserDriverConfig {
+  std::string device = "tcp:192.168.0.10:10940";
+  LaserProtocol protocol = LaserProtocol::kScip;
+};
+
+template <class Visitor>
+void describe(Visitor& v, LaserDriverConfig& c) {
+  v.text("device", c.device, "tcp:HOST:PORT, or serial:/dev/ttyACM0:115200");
+  v.choice("protocol", c.protocol, {"scip", "cola_a"}, "Hokuyo speaks scip, SICK cola_a");
+}
+
+/// The sensors of this machine and how they are reached. Section `drivers`.
+struct DriversConfig {
+  LaserDriverConfig laser;
+};
+
+template <class Visitor>
+void describe(Visitor& v, DriversConfig& c) {
+  v.section("laser", c.laser, "orchard-laser-driver");
+}
+
+}  // namespace orchard::device

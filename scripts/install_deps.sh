@@ -30,6 +30,8 @@ packages=(
   help2man
   # network namespaces and multicast routes for demo and tests
   iproute2 util-linux
+  # tests of several machines, clocks and supervisors
+  python3 nftables libfaketime supervisor
 )
 
 missing=()

@@ -2,6 +2,7 @@
 #include "mapper/map_saver.hpp"
 
 #include <filesystem>
+#include <tuple>
 #include <utility>
 
 #include "bus/node/process_options.hpp"
@@ -15,27 +16,59 @@ namespace {
 /// Drawing more than this takes over 0.1 s, and the node waits meanwhile: it is left to the end.
 constexpr std::size_t kDrawnLiveMost = 3000;
 
+/// So many more landmarks, one save more between two numberings.
+constexpr std::size_t kNumberedEachSave = 1000;
+
 }  // namespace
 
 void MapSaver::save(const MapperNode& mapper, const bus::SaveRequest& request) {
   if (folder_.empty()) return;
   // The first save makes the folder and every file in it, while the map is still small: who looks
-  // finds them all, and a folder that cannot be written shows in STATUS at once.
+  // finds them all.
   const bool live = request.kind != bus::SaveKind::kFinal;
   const bool quick =
       request.kind == bus::SaveKind::kQuick || mapper.num_landmarks() > kDrawnLiveMost;
   if (live && quick && !saved_table_.empty()) {
-    save_table(mapper);
+    save_table(numbered_landmarks(mapper));
   } else {
     save_folder(mapper, request.traffic);
   }
 }
 
-void MapSaver::save_table(const MapperNode& mapper) {
-  std::string table = io::map_csv(mapper.landmarks());
+void MapSaver::begin_new_map() {
+  saved_table_.clear();
+  numbers_.clear();
+  saves_until_numbering_ = 0;
+}
+
+void MapSaver::save_table(const std::vector<mapping::Landmark>& landmarks) {
+  std::string table = io::map_csv(landmarks);
   if (table == saved_table_) return;
   io::write_file_atomically((std::filesystem::path(folder_) / "map.csv").string(), table);
   saved_table_ = std::move(table);
+}
+
+/// Rows are found over the whole map, which takes long in a large one: there, the numbers found
+/// last stay for some saves.
+std::vector<mapping::Landmark> MapSaver::numbered_landmarks(const MapperNode& mapper) {
+  if (--saves_until_numbering_ > 0) {
+    std::vector<mapping::Landmark> landmarks = mapper.landmarks();
+    for (mapping::Landmark& l : landmarks) {
+      if (static_cast<std::size_t>(l.id) >= numbers_.size()) continue;
+      std::tie(l.row, l.position) = numbers_[static_cast<std::size_t>(l.id)];
+    }
+    return landmarks;
+  }
+  std::vector<mapping::Landmark> landmarks = mapper.numbered_landmarks();
+  saves_until_numbering_ = 1 + static_cast<int>(landmarks.size() / kNumberedEachSave);
+  numbers_.clear();
+  for (const mapping::Landmark& l : landmarks) {
+    if (static_cast<std::size_t>(l.id) >= numbers_.size()) {
+      numbers_.resize(static_cast<std::size_t>(l.id) + 1);
+    }
+    numbers_[static_cast<std::size_t>(l.id)] = {l.row, l.position};
+  }
+  return landmarks;
 }
 
 void MapSaver::save_folder(const MapperNode& mapper, const bus::TrafficCounts& traffic) {
@@ -44,11 +77,18 @@ void MapSaver::save_folder(const MapperNode& mapper, const bus::TrafficCounts& t
   summary.config_hash = config_hash_;
   summary.version = bus::version();
   summary.counts = bus::named_counts(traffic, {&mapper});
+  summary.warnings = notes_;
+  if (std::string warning = mapper.warning(); !warning.empty()) {
+    summary.warnings.push_back(std::move(warning));
+  }
   io::MapFolderContent content = mapper.content(summary);
   if (!content.trajectory.empty()) {
     content.summary.first_utime = content.trajectory.front().utime;
     content.summary.last_utime = content.trajectory.back().utime;
   }
+  std::error_code ignored;  // said below
+  std::filesystem::create_directories(folder_, ignored);
+  save_table(content.landmarks);
   io::write_map_folder(folder_, content);
   saved_table_ = io::map_csv(content.landmarks);
 }

@@ -105,14 +105,18 @@ void MapperNode::handle(const bus::Message& input, const bus::Outbox& send) {
   release(send);
 }
 
+// An earlier one than the last comes of a clock that was set back: kept like any other.
+bool MapperNode::keeps_beams_of(std::int64_t scan_utime) const {
+  if (last_kept_scan_utime_ == Queue::kNever) return true;
+  const std::int64_t since_us = scan_utime - last_kept_scan_utime_;
+  return since_us < 0 || since_us >= microseconds(config_.existence.period_s);
+}
+
 void MapperNode::add_scan(const laser::Scan& scan) {
   is_scan_missing_ = false;
   queue_.set_wait(kScan, scan_wait_us(config_.existence));
   queue_.reach(kScan, scan.utime);
-  // An earlier one than the last comes of a clock that was set back: kept like any other.
-  const bool has_any = last_kept_scan_utime_ != Queue::kNever;
-  const std::int64_t since_us = has_any ? scan.utime - last_kept_scan_utime_ : 0;
-  if (has_any && since_us >= 0 && since_us < microseconds(config_.existence.period_s)) return;
+  if (!keeps_beams_of(scan.utime)) return;
   last_kept_scan_utime_ = scan.utime;
   queue_.push(kScan, scan.utime, std::make_shared<mapping::FreeSpace>(scan, laser_, blind_));
   if (queue_.size(kScan) > kScansWaitingMax) queue_.take(kScan);
@@ -340,6 +344,12 @@ std::string MapperNode::waiting_for() const {
   return fmt::format(
       "DETECTIONS at {:.3f} s wait for {}", seconds(queue_.front_utime(kDetections)),
       blocker() == kScan ? "their SCAN (a laser driver)" : "a POSE at or after (orchard-pose)");
+}
+
+std::vector<mapping::Landmark> MapperNode::numbered_landmarks() const {
+  std::vector<mapping::Landmark> all = landmarks();
+  if (config_.rows.enabled) mapping::number_landmarks(mapping::find_rows(all, config_.rows), all);
+  return all;
 }
 
 io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {

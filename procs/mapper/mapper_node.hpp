@@ -58,6 +58,12 @@ class MapperNode : public bus::Node {
     return mapper_.landmarks(config_.min_observations);
   }
 
+  /// The same, numbered by their rows: map.csv.
+  std::vector<mapping::Landmark> numbered_landmarks() const;
+
+  /// Whether a SCAN of that time would be kept for its DETECTIONS; of others only the time counts.
+  bool keeps_beams_of(std::int64_t scan_utime) const;
+
   /// All of them, however seldom seen.
   std::size_t num_landmarks() const { return mapper_.num_landmarks(); }
 

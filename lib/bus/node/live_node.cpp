@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <stdexcept>
 
 namespace orchard::bus {
 namespace {
@@ -94,10 +95,11 @@ void LiveNode::run(StopSignal& stop) {
   }
   while (!inbox_.empty()) handle_oldest();
   host_.flush();
-  save_now(SaveKind::kFinal);
+  const std::string not_saved = save_now(SaveKind::kFinal);
   report_.send(status());
   spdlog::info("stopped: {} messages used, {} sent, {} refused, {} lost", host_.num_handled(),
                host_.num_published(), bus_.counts().num_bad(), host_.sequence_counts().num_lost);
+  if (!not_saved.empty()) throw std::runtime_error("the last save failed: " + not_saved);
 }
 
 void LiveNode::log_missing_inputs() {
@@ -155,18 +157,20 @@ void LiveNode::save_when_due() {
   if (full) next_full_save_ = Clock::now() + kFullSavePeriod;
 }
 
-void LiveNode::save_now(SaveKind kind) {
-  if (!save_) return;
+std::string LiveNode::save_now(SaveKind kind) {
+  if (!save_) return {};
   changed_ = false;
   SaveRequest request{kind, host_.traffic()};
   request.traffic.num_rejected = bus_.counts().num_rejected;
   try {
     save_(node_, request);
     report_.set_error("");
+    return {};
   } catch (const std::exception& error) {
     // A full disk must not end the mapping; the last good file stays.
     spdlog::error("not saved: {}", error.what());
     report_.set_error(std::string("not saved: ") + error.what());
+    return error.what();
   }
 }
 

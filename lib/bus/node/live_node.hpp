@@ -22,7 +22,7 @@ class LiveNode {
            SaveHook save);
 
   /// Runs until a stop is asked for, then takes in what has already arrived, flushes and saves.
-  /// Throws BusError, and what the node throws.
+  /// Throws BusError, what the node throws, and std::runtime_error when that last save failed.
   void run(StopSignal& stop);
 
  private:
@@ -32,7 +32,8 @@ class LiveNode {
   void drain();
   void handle_oldest();
   void save_when_due();
-  void save_now(SaveKind kind);
+  /// "", or what was thrown.
+  std::string save_now(SaveKind kind);
   Status status() const;
   std::string waiting_text() const;
 

@@ -111,6 +111,7 @@ std::optional<int> read_options(int argc, char** argv, const ProcessInfo& info, 
     std::cout << config.print(print_all ? io::PrintedKeys::kAll : io::PrintedKeys::kUser);
     return kExitOk;
   }
+  if (info.lockstep != nullptr) *info.lockstep = options.lockstep;
   options.config = config.effective();
   if (config_path.empty() && !info.load_default) {
     spdlog::warn("no --config given: running with built-in defaults");

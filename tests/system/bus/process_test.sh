@@ -62,7 +62,7 @@ code=0; wait "$driver" || code=$?
 [ "$code" -eq 0 ] || { cat "$work/driver.out" >&2; fail "driver: exit code $code"; }
 kill -INT "$process"
 code=0; wait "$process" || code=$?
-[ "$code" -eq 0 ] || fail "full disk: exit code $code"
+[ "$code" -eq 1 ] || fail "full disk: exit code $code, wanted 1: the last save failed"
 grep -q "50 messages used, 50 sent, 0 refused, 0 lost" "$work/node.out" || { cat "$work/node.out" >&2; fail "not every message was used"; }
 echo "ok: waiting and a full disk"
 

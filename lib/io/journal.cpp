@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/journal.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <utility>
+
+#include "io/atomic_file.hpp"
+#include "io/file_error.hpp"
+
+namespace orchard::io {
+namespace {
+
+constexpr char kMagic[] = "ORCHJRNL";
+constexpr std::uint32_t kVersion = 1;
+constexpr std::size_t kHeaderBytes = 24;
+constexpr std::uint32_t kBlockMark = 0x314B424Au;  // "JBK1"
+constexpr std::size_t kBlockHeaderBytes = 16;
+constexpr std::size_t kRecordHeaderBytes = 5;
+/// Records that share a block; one of them may be as large as the largest message.
+constexpr std::size_t kBlockMost = std::size_t{1} << 20;
+constexpr std::size_t kBlockReadMost = std::size_t{32} << 20;
+/// Blocks that wait for a disk that takes none: 64 MB, a quarter of an hour.
+constexpr std::size_t kWaitingMost = 64;
+
+template <class Unsigned>
+void put(std::string& to, Unsigned value) {
+  for (std::size_t i = 0; i < sizeof(Unsigned); ++i) {
+    to.push_back(static_cast<char>(static_cast<std::uint8_t>(value >> (8 * i))));
+  }
+}
+
+std::uint32_t get32(const char* bytes) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 4; i-- > 0;) value = value << 8 | static_cast<std::uint8_t>(bytes[i]);
+  return value;
+}
+
+std::uint32_t crc_of(std::string_view bytes) {
+  return static_cast<std::uint32_t>(
+      ::crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
+
+std::string header_of(std::int64_t identity) {
+  std::string header(kMagic, 8);
+  put(header, kVersion);
+  put(header, static_cast<std::uint64_t>(identity));
+  put(header, crc_of(header));
+  return header;
+}
+
+/// Why a header is not that of this maker.
+JournalReading judge_header(const std::string& header, std::int64_t identity) {
+  JournalReading reading;
+  if (header == header_of(identity)) {
+    reading.state = JournalReading::State::kWhole;
+    reading.num_good_bytes = kHeaderBytes;
+    return reading;
+  }
+  reading.state = JournalReading::State::kDamaged;
+  if (header.compare(0, 8, kMagic, 8) != 0) {
+    reading.reason = "it does not begin as one";
+  } else if (get32(header.data() + 20) != crc_of({header.data(), 20})) {
+    reading.reason = "its beginning is damaged";
+  } else if (get32(header.data() + 8) != kVersion) {
+    reading.reason = "it is of format " + std::to_string(get32(header.data() + 8)) + ", not " +
+                     std::to_string(kVersion);
+  } else {
+    reading.state = JournalReading::State::kOtherMaker;
+  }
+  return reading;
+}
+
+/// The records of an inflated block, or none where sizes contradict each other.
+bool hand_over(std::string_view records, JournalReading& reading,
+               const JournalRecordHook& on_record) {
+  while (!records.empty()) {
+    if (records.size() < kRecordHeaderBytes) return false;
+    const std::uint32_t size = get32(records.data() + 1);
+    if (size > records.size() - kRecordHeaderBytes) return false;
+    ++reading.num_records;
+    if (on_record) {
+      on_record(static_cast<std::uint8_t>(records.front()),
+                records.substr(kRecordHeaderBytes, size));
+    }
+    records.remove_prefix(kRecordHeaderBytes + size);
+  }
+  return true;
+}
+
+/// Whether a block holds together; its records then went to the hook.
+bool use_block(const std::string& header, const std::string& stored, JournalReading& reading,
+               const JournalRecordHook& on_record) {
+  if (crc_of(stored) != get32(header.data() + 12)) return false;
+  uLongf size = get32(header.data() + 4);
+  std::string records(size, '\0');
+  if (::uncompress(reinterpret_cast<Bytef*>(records.data()), &size,
+                   reinterpret_cast<const Bytef*>(stored.data()), stored.size()) != Z_OK ||
+      size != records.size()) {
+    return false;
+  }
+  return hand_over(records, reading, on_record);
+}
+
+bool is_zero_to_the_end(std::istream& file, std::uint64_t offset) {
+  file.clear();
+  file.seekg(static_cast<std::streamoff>(offset));
+  char c = 0;
+  while (file.get(c)) {
+    if (c != 0) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+JournalReading read_journal(const std::string& path, std::int64_t identity,
+                            const JournalRecordHook& on_record) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) return {};
+  if (!std::filesystem::is_regular_file(path, error)) {
+    throw FileError(path + " is no regular file; give another folder");
+  }
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw FileError(path + ": cannot be read (" + std::strerror(errno) + ")");
+  const std::uint64_t file_size = std::filesystem::file_size(path, error);
+  if (file_size < kHeaderBytes) return {};  // killed before its first commit
+  std::string header(kHeaderBytes, '\0');
+  file.read(header.data(), kHeaderBytes);
+  JournalReading reading = judge_header(header, identity);
+  std::string block_header(kBlockHeaderBytes, '\0'), stored;
+  while (reading.state == JournalReading::State::kWhole && reading.num_good_bytes < file_size) {
+    const std::uint64_t offset = reading.num_good_bytes;
+    const std::uint64_t left = file_size - offset;
+    bool holds = false;
+    std::uint64_t end = file_size;
+    if (left >= kBlockHeaderBytes) {
+      file.read(block_header.data(), kBlockHeaderBytes);
+      const std::uint64_t size = get32(block_header.data() + 8);
+      const bool believed = get32(block_header.data()) == kBlockMark && size <= kBlockReadMost &&
+                            get32(block_header.data() + 4) <= kBlockReadMost;
+      end = believed ? offset + kBlockHeaderBytes + size : offset + kBlockHeaderBytes;
+      if (believed && end <= file_size) {
+        stored.resize(size);
+        file.read(stored.data(), static_cast<std::streamsize>(size));
+        holds = file && use_block(block_header, stored, reading, on_record);
+      }
+    }
+    if (holds) {
+      reading.num_good_bytes = end;
+    } else {
+      // Only what was written last can be torn: a part of it is missing, or reads as zeros.
+      reading.num_torn_bytes = left;
+      if (end < file_size && !is_zero_to_the_end(file, offset)) {
+        reading.state = JournalReading::State::kDamaged;
+        reading.reason =
+            "the block at offset " + std::to_string(offset) + " does not hold together";
+      }
+      break;
+    }
+  }
+  return reading;
+}
+
+Journal::Journal(std::string path, std::int64_t identity, std::uint64_t num_good_bytes)
+    : path_(std::move(path)), size_(num_good_bytes) {
+  fd_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  if (fd_ < 0) throw FileError(path_ + ": cannot be written (" + std::strerror(errno) + ")");
+  try {
+    if (::ftruncate(fd_, static_cast<off_t>(size_)) != 0 || ::lseek(fd_, 0, SEEK_END) < 0) {
+      throw FileError(path_ + ": cannot be written (" + std::strerror(errno) + ")");
+    }
+    if (size_ == 0) {
+      const std::string header = header_of(identity);
+      write_fully(fd_, path_, header.data(), header.size());
+      size_ = header.size();
+    }
+  } catch (const FileError&) {
+    ::close(fd_);
+    throw;
+  }
+}
+
+Journal::~Journal() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+void Journal::add(std::uint8_t kind, const void* bytes, std::size_t size) {
+  if (waiting_.empty() || waiting_.back().records.size() > kBlockMost) waiting_.emplace_back();
+  if (waiting_.size() > kWaitingMost) {
+    num_dropped_ += waiting_.front().count;
+    waiting_.erase(waiting_.begin());
+  }
+  std::string& records = waiting_.back().records;
+  records.push_back(static_cast<char>(kind));
+  put(records, static_cast<std::uint32_t>(size));
+  records.append(static_cast<const char*>(bytes), size);
+  ++waiting_.back().count;
+}
+
+void Journal::write_block(const std::string& records) {
+  uLongf size = ::compressBound(records.size());
+  std::string block(kBlockHeaderBytes + size, '\0');
+  if (::compress2(reinterpret_cast<Bytef*>(block.data() + kBlockHeaderBytes), &size,
+                  reinterpret_cast<const Bytef*>(records.data()), records.size(), 1) != Z_OK) {
+    throw FileError(path_ + ": cannot be compressed");
+  }
+  block.resize(kBlockHeaderBytes + size);
+  std::string header;
+  put(header, kBlockMark);
+  put(header, static_cast<std::uint32_t>(records.size()));
+  put(header, static_cast<std::uint32_t>(size));
+  put(header, crc_of({block.data() + kBlockHeaderBytes, size}));
+  block.replace(0, kBlockHeaderBytes, header);
+  try {
+    write_fully(fd_, path_, block.data(), block.size());
+  } catch (const FileError&) {  // no half of a block stays
+    if (::ftruncate(fd_, static_cast<off_t>(size_)) == 0) ::lseek(fd_, 0, SEEK_END);
+    throw;
+  }
+  size_ += block.size();
+}
+
+void Journal::commit() {
+  if (waiting_.empty()) return;
+  while (!waiting_.empty()) {
+    write_block(waiting_.front().records);
+    waiting_.erase(waiting_.begin());
+  }
+  if (::fdatasync(fd_) != 0) {
+    throw FileError(path_ + ": cannot be synced to the disk (" + std::strerror(errno) + ")");
+  }
+}
+
+}  // namespace orchard::io

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/map/map_place.hpp"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <regex>
+#include <utility>
+
+#include "io/atomic_file.hpp"
+#include "io/file_error.hpp"
+
+namespace orchard::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Files that write_map_folder() and `orchard map` leave.
+bool is_map_file(const std::string& name) {
+  static const std::regex kNames(
+      "map\\.(csv|gpkg|svg|png)|trajectory(_[0-9]+)?\\.csv|graph\\.json|ids\\.csv|summary\\.json|"
+      "derived\\.lcm");
+  return std::regex_match(name, kNames);
+}
+
+std::vector<std::string> names_in(const std::string& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    names.push_back(entry.path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// "20261122T084500Z" of a file's last change.
+std::string change_time(const std::string& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return {};
+  std::tm utc{};
+  ::gmtime_r(&status.st_mtime, &utc);
+  char text[32];
+  std::strftime(text, sizeof(text), "%Y%m%dT%H%M%SZ", &utc);
+  return text;
+}
+
+bool is_alive(long pid) { return ::kill(static_cast<pid_t>(pid), 0) == 0 || errno == EPERM; }
+
+}  // namespace
+
+MapPlace::MapPlace(std::string folder) : folder_(std::move(folder)) {
+  std::error_code error;
+  fs::create_directories(folder_, error);
+  if (!fs::is_directory(folder_)) {
+    throw FileError(folder_ + ": cannot be made a folder" +
+                    (error ? " (" + error.message() + ")" : std::string()) +
+                    "; give another place for the map");
+  }
+  lock();
+  try {
+    remove_temporaries();  // before the trial: they may be what fills the disk
+    try_to_write();
+  } catch (...) {
+    ::close(fd_);
+    throw;
+  }
+}
+
+MapPlace::~MapPlace() { ::close(fd_); }
+
+std::string MapPlace::file(const std::string& name) const {
+  return (fs::path(folder_) / name).string();
+}
+
+void MapPlace::lock() {
+  fd_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd_ < 0) throw FileError(folder_ + ": cannot be read (" + std::strerror(errno) + ")");
+  // Where a file system knows no locks, there is none.
+  if (::flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    ::close(fd_);
+    throw FileError(folder_ +
+                    ": another mapper saves its map there; stop it, or give another "
+                    "folder");
+  }
+}
+
+void MapPlace::try_to_write() const {
+  FileReplacement trial;  // never committed: gone at once
+  trial.write(file("trial.csv"), "id\n");
+}
+
+void MapPlace::remove_temporaries() {
+  static const std::regex kTemporary("\\.([a-z_0-9]+)\\.([0-9]{1,9})-[0-9]+(\\.[a-z]+)");
+  for (const std::string& name : names_in(folder_)) {
+    std::smatch part;
+    if (!std::regex_match(name, part, kTemporary)) continue;
+    const std::string target = part[1].str() + part[3].str();
+    if (target != "trial.csv" && !is_map_file(target)) continue;
+    const long pid = std::stol(part[2].str());
+    // This process has made none yet: a number like its own was an earlier one's.
+    if (pid != ::getpid() && is_alive(pid)) continue;
+    std::error_code error;
+    if (fs::remove(file(name), error)) ++num_removed_temporaries_;
+  }
+}
+
+bool MapPlace::holds_map() const {
+  const std::vector<std::string> names = names_in(folder_);
+  return std::any_of(names.begin(), names.end(), is_map_file);
+}
+
+std::uint64_t MapPlace::free_bytes() const {
+  std::error_code error;
+  const fs::space_info space = fs::space(folder_, error);
+  return error ? UINT64_MAX : static_cast<std::uint64_t>(space.available);
+}
+
+std::string MapPlace::set_aside(const std::vector<std::string>& more) {
+  std::vector<std::string> names;
+  std::string newest;
+  for (const std::string& name : names_in(folder_)) {
+    if (!is_map_file(name) && std::count(more.begin(), more.end(), name) == 0) continue;
+    names.push_back(name);
+    newest = std::max(newest, change_time(file(name)));
+  }
+  if (names.empty()) return {};
+  std::string aside = file("earlier_" + newest);
+  for (int k = 2; fs::exists(aside); ++k) {
+    aside = file("earlier_" + newest + "_" + std::to_string(k));
+  }
+  std::error_code error;
+  fs::create_directory(aside, error);
+  if (error) throw FileError(aside + ": cannot be made a folder (" + error.message() + ")");
+  for (const std::string& name : names) {
+    rename_durably(file(name), (fs::path(aside) / name).string());
+  }
+  return aside;
+}
+
+}  // namespace orchard::io

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bus/node/node.hpp"
+#include "io/config/config.hpp"
+#include "io/journal.hpp"
+#include "io/map/map_place.hpp"
+#include "mapper/mapper_node.hpp"
+
+namespace orchard::procs {
+
+/// A mapper whose map outlives its process: it keeps a journal of its inputs beside the map and,
+/// made anew, takes them in again before anything else. The map is a function of its inputs, so it
+/// goes on as if nothing had happened, with every id.
+///
+/// A map that has no journal, one of another configuration or a damaged one is not gone on with: it
+/// is set aside, and so is one whose frame ended because orchard-pose began anew in a mode that
+/// starts from its own origin. STATUS and summary.json say so.
+class JournaledMapper : public bus::Node {
+ public:
+  static constexpr const char* kJournalName = "mapper.journal";
+
+  /// Takes in the journal in `place`, which must outlive this. Throws io::FileError.
+  JournaledMapper(const io::Config& config, std::int64_t config_hash, io::MapPlace& place);
+
+  std::string_view name() const override { return mapper_->name(); }
+  std::vector<bus::Channel> inputs() const override { return mapper_->inputs(); }
+  void handle(const bus::Message& input, const bus::Outbox& send) override;
+  void flush(const bus::Outbox& send) override;
+  bus::NodeCounts counts() const override { return mapper_->counts(); }
+  std::string waiting_for() const override { return mapper_->waiting_for(); }
+  std::string warning() const override;
+
+  /// Writes the inputs since the last time to the journal. Throws io::FileError when they cannot
+  /// be, and when it would take the last of the disk, which the map itself needs.
+  void commit();
+
+  /// Called with the map that is about to be set aside, so that its files are its last state.
+  void before_new_map(std::function<void(const MapperNode&)> hook) {
+    before_new_map_ = std::move(hook);
+  }
+
+  const MapperNode& mapper() const { return *mapper_; }
+
+  /// Inputs that were taken in from the journal, by channel.
+  const std::array<std::int64_t, bus::kNumChannels>& num_replayed() const { return num_replayed_; }
+
+  /// What happened to earlier maps, one sentence each.
+  const std::vector<std::string>& notes() const { return notes_; }
+
+ private:
+  void go_on_or_begin();
+  void replay();
+  void begin_new_map(const std::string& why);
+  void note_pose(const pose::PoseEstimate& pose);
+  std::vector<std::uint8_t> journal_bytes(const bus::Message& input) const;
+
+  io::Config config_;
+  std::int64_t config_hash_;
+  io::MapPlace& place_;
+  std::unique_ptr<MapperNode> mapper_;
+  std::unique_ptr<io::Journal> journal_;
+  std::function<void(const MapperNode&)> before_new_map_;
+  std::array<std::int64_t, bus::kNumChannels> num_replayed_{};
+  std::optional<pose::PoseEstimate> last_pose_;
+  std::vector<std::string> notes_;
+};
+
+}  // namespace orchard::procs

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapper/journaled_mapper.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "io/map/map_csv.hpp"
+#include "unit/io/test_folder.hpp"
+
+namespace orchard::procs {
+namespace {
+
+namespace fs = std::filesystem;
+using JournalReading = io::JournalReading;
+
+const bus::Outbox kNowhere = [](const bus::Message&) {};
+constexpr std::int64_t kStart_us = 1000000;
+
+/// At 10 Hz past a row with a tree every two metres; scans at 40 Hz.
+class Drive {
+ public:
+  explicit Drive(bus::Node& mapper) : mapper_(mapper) {}
+  void step(int k, int pose_seq) {
+    const std::int64_t utime = kStart_us + 100000 * k;
+    for (int s = 0; s < 4; ++s) {
+      laser::Scan scan;
+      scan.utime = utime + 25000 * s;
+      scan.seq = 4 * k + s;
+      scan.bearing_min_rad = -1.5;
+      scan.bearing_step_rad = 0.01;
+      scan.range_min_m = 0.1;
+      scan.range_max_m = 30.0;
+      scan.ranges_m.assign(301, 4.0f + 0.1f * static_cast<float>(k % 3));
+      mapper_.handle(scan, kNowhere);
+    }
+    detection::Detections detections;
+    detections.utime = utime;
+    detections.seq = k;
+    const double x_m = 0.1 * k;
+    for (double tree_m = 2.0 * std::ceil(x_m / 2.0); tree_m < x_m + 6.0; tree_m += 2.0) {
+      detection::Detection d;
+      d.utime = utime;
+      d.centre_x_m = tree_m - x_m + 0.003 * (k % 5);
+      d.centre_y_m = 1.5 - 0.002 * (k % 7);
+      d.covariance = {1e-4, 0, 1e-4};
+      d.width_m = 0.1;
+      d.width_sd_m = 0.01;
+      d.label = k % 4 == 0 ? detection::Label::kObject : detection::Label::kTree;
+      d.roc_tree = 0.7f;
+      detections.trunks.push_back(d);
+    }
+    mapper_.handle(detections, kNowhere);
+    pose::PoseEstimate pose;
+    pose.utime = utime;
+    pose.seq = pose_seq;
+    pose.x_m = x_m;
+    pose.covariance = {1e-4, 0, 0, 1e-4, 0, 1e-6};
+    mapper_.handle(pose, kNowhere);
+  }
+
+ private:
+  bus::Node& mapper_;
+};
+
+io::Config rig(pose::PoseMode mode = pose::PoseMode::kFixesAndOdometry) {
+  io::Config config;
+  config.pose.mode = mode;
+  return config;
+}
+
+std::string table_of(const MapperNode& mapper) { return io::map_csv(mapper.numbered_landmarks()); }
+
+/// A mapper process, as far as its map goes.
+struct Process {
+  Process(const io::Config& config, const std::string& folder, std::int64_t hash = 5)
+      : place(folder), node(config, hash, place), drive(node) {}
+  io::MapPlace place;
+  JournaledMapper node;
+  Drive drive;
+};
+
+TEST(JournaledMapper, KilledAnywhereItGoesOnAsIfItHadNotBeen) {
+  MapperNode never_killed(rig());
+  Drive drive(never_killed);
+  for (int k = 0; k < 200; ++k) drive.step(k, k);
+  never_killed.flush(kNowhere);
+
+  const io::TestFolder folder;
+  auto process = std::make_unique<Process>(rig(), folder.path());
+  for (int k = 0; k < 200; ++k) {
+    process->drive.step(k, k);
+    if (k % 10 != 9) continue;
+    process->node.commit();
+    if (k % 30 == 29) {  // killed
+      process.reset();
+      process = std::make_unique<Process>(rig(), folder.path());
+      EXPECT_EQ(process->node.num_replayed()[static_cast<std::size_t>(bus::Channel::kPose)], k + 1);
+    }
+  }
+  process->node.flush(kNowhere);
+  EXPECT_EQ(table_of(process->node.mapper()), table_of(never_killed));
+  EXPECT_GT(never_killed.landmarks().size(), 8u);
+  EXPECT_TRUE(process->node.notes().empty());
+  EXPECT_TRUE(process->node.warning().empty());
+}
+
+TEST(JournaledMapper, StoppedAndStartedAgainItKeepsEveryId) {
+  const io::TestFolder folder;
+  std::string before;
+  {
+    Process process(rig(), folder.path());
+    for (int k = 0; k < 100; ++k) process.drive.step(k, k);
+    process.node.flush(kNowhere);
+    process.node.commit();
+    before = table_of(process.node.mapper());
+  }
+  Process process(rig(), folder.path());
+  EXPECT_EQ(table_of(process.node.mapper()), before);
+  const std::size_t num_before = process.node.mapper().landmarks().size();
+  for (int k = 100; k < 160; ++k) process.drive.step(k, k);
+  EXPECT_GT(process.node.mapper().landmarks().size(), num_before);
+  EXPECT_EQ(process.node.mapper().landmarks().front().id, 1);
+}
+
+TEST(JournaledMapper, AMapThatItDidNotMakeIsSetAside) {
+  const io::TestFolder folder;
+  io::write_bytes(folder / "map.csv", "another's\n");
+  Process process(rig(), folder.path());
+  EXPECT_FALSE(fs::exists(folder / "map.csv"));
+  ASSERT_EQ(process.node.notes().size(), 1u);
+  const std::string note = process.node.notes().front();
+  const std::string aside = note.substr(note.rfind(' ') + 1);
+  EXPECT_EQ(io::read_bytes(aside + "/map.csv"), "another's\n");
+  EXPECT_NE(process.node.warning().find("is not gone on with"), std::string::npos);
+}
+
+TEST(JournaledMapper, ADamagedJournalAndAnotherConfigurationBeginAnewAndKeepTheOld) {
+  const io::TestFolder folder;
+  {
+    Process process(rig(), folder.path());
+    for (int k = 0; k < 100; ++k) {
+      process.drive.step(k, k);
+      if (k % 10 == 9) process.node.commit();
+    }
+  }
+  { EXPECT_NE(Process(rig(), folder.path(), 6).node.notes().front().find("another config"), 0u); }
+  // back to the first journal, with a byte of it turned
+  std::string journal;
+  for (const auto& entry : fs::directory_iterator(folder.path())) {
+    if (entry.is_directory()) journal = io::read_bytes(entry.path() / "mapper.journal");
+  }
+  ASSERT_GT(journal.size(), 1000u);
+  journal[500] = static_cast<char>(~journal[500]);
+  io::write_bytes(folder / "mapper.journal", journal);
+  Process process(rig(), folder.path());
+  EXPECT_EQ(process.node.mapper().num_landmarks(), 0u);
+  EXPECT_NE(process.node.notes().front().find("damaged"), std::string::npos);
+}
+
+TEST(JournaledMapper, PosesThatBeginAnewEndAMapOfTheirOwnOriginOnly) {
+  for (const auto mode : {pose::PoseMode::kFixesAndOdometry, pose::PoseMode::kSlam}) {
+    const bool is_own_origin = mode == pose::PoseMode::kSlam;
+    const io::TestFolder folder;
+    Process process(rig(mode), folder.path());
+    int num_saved = 0;
+    process.node.before_new_map([&](const MapperNode& earlier) {
+      EXPECT_GT(earlier.num_landmarks(), 4u);
+      io::write_bytes(folder / "map.csv", "saved");
+      ++num_saved;
+    });
+    for (int k = 0; k < 100; ++k) process.drive.step(k, k);
+    for (int k = 100; k < 130; ++k) process.drive.step(k, k - 100);
+    EXPECT_EQ(num_saved, is_own_origin ? 1 : 0);
+    EXPECT_EQ(process.node.notes().size(), is_own_origin ? 1u : 0u);
+    const auto landmarks = process.node.mapper().landmarks();
+    EXPECT_EQ(landmarks.front().x_m > 8.0, is_own_origin) << landmarks.front().x_m;
+  }
+}
+
+}  // namespace
+}  // namespace orchard::procs

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "laser/scan.hpp"
+#include "simulation/device/emulated_device.hpp"
+
+namespace orchard::simulation {
+
+/// What an emulated SICK scanner is and can do.
+struct ColaDeviceModel {
+  std::string name = "TiM561-2050101";
+  double rate_hz = 15.0;
+  bool allows_login = true;
+  bool sends_intensities = false;  ///< before it has been asked to
+};
+
+/// An emulated SICK scanner that speaks CoLa-A by the telegram listing 8014631: it puts out the
+/// beams of the scans that it is given, whose first is the first shot of its sweep when that looks
+/// 45 degrees behind the right.
+class ColaDevice : public EmulatedDevice {
+ public:
+  ColaDevice(ColaDeviceModel model, EmulatedClock clock);
+
+  void connected(std::int64_t utime) override;
+  void receive(std::string_view bytes, std::int64_t utime) override;
+  void measured(const device::Measurement& measurement) override;
+  std::optional<std::int64_t> deadline() const override;
+  void advance(std::int64_t utime) override;
+
+  std::int64_t num_sent() const { return num_sent_; }
+
+ private:
+  struct Sweep {
+    std::int64_t complete_utime = 0;
+    laser::Scan scan;
+  };
+
+  void answer(const std::string& telegram);
+  void obey(const std::string& telegram);
+  void send(const Sweep& sweep);
+
+  ColaDeviceModel model_;
+  EmulatedClock clock_;
+  std::string half_telegram_;
+  bool is_streaming_ = false;
+  bool is_logged_in_ = false;
+  bool sends_intensities_ = false;
+  std::deque<Sweep> sweeps_;
+  std::optional<laser::Scan> last_;  ///< tells the range of angles
+  std::int64_t num_sent_ = 0;
+};
+
+}  // namespace orchard::simulation

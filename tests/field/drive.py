@@ -13,7 +13,7 @@ class Drive:
     """A simulated log, and the map that it gives in one process."""
 
     def __init__(self, bench, config, seed, seconds=0.0):
-        self.config, self.seed = config, seed
+        self.config, self.seed = os.path.abspath(config), seed
         name = f"drive-{os.path.basename(config).split('.')[0]}-{seed}-{seconds:g}"
         self.folder = os.path.join(os.path.dirname(bench.work), "drives", name)
         os.makedirs(os.path.dirname(self.folder), exist_ok=True)

@@ -7,6 +7,9 @@ import time
 import traceback
 
 sys.dont_write_bytecode = True
+import measure_disk
+import measure_hostile
+import measure_kills
 import measure_link
 import table
 import wire
@@ -15,7 +18,8 @@ from programs import Bench
 MEASUREMENTS = {
     function.__name__: function for function in (
         measure_link.loss, measure_link.loss_default_kernel, measure_link.duplicates,
-        measure_link.reorder, measure_link.link_down, measure_link.slow_link)
+        measure_link.reorder, measure_link.link_down, measure_link.slow_link,
+        measure_kills.kills, measure_kills.kills_saving, measure_disk.disk_full, measure_hostile.hostile)
 }
 
 

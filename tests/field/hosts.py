@@ -45,15 +45,16 @@ def no_transmit_checksum(interface):
 
 
 class Host:
-    """A namespace of network and host name, kept by a process that does nothing."""
+    """A namespace of network, host name and perhaps mounts, kept by a process that does nothing."""
 
-    def __init__(self, name):
+    def __init__(self, name, mounts=False):
         self.name = name
+        own = ["-n", "-u"] + (["-m"] if mounts else [])
         self.keeper = subprocess.Popen(
-            ["unshare", "-n", "-u", "sh", "-c", 'hostname "$1"; echo; exec sleep infinity', "sh", name],
+            ["unshare", *own, "sh", "-c", 'hostname "$1"; echo; exec sleep infinity', "sh", name],
             stdout=subprocess.PIPE)
         self.keeper.stdout.readline()
-        self.enter = ["nsenter", "-t", str(self.keeper.pid), "-n", "-u"]
+        self.enter = ["nsenter", "-t", str(self.keeper.pid), *own]
         self.run("ip link set lo up")
 
     def run(self, command, check=True):
@@ -142,9 +143,9 @@ class Network:
             host.close()
 
 
-def lone_host():
+def lone_host(mounts=False):
     """One machine without a network: multicast on its loopback, as on a robot of one computer."""
-    host = Host("robot")
+    host = Host("robot", mounts)
     host.run("ip link set lo multicast on")
     host.run("ip route add 224.0.0.0/4 dev lo")
     return host

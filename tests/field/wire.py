@@ -9,6 +9,7 @@ import time
 
 from hosts import in_thread
 
+IPPROTO_IP, IP_MULTICAST_TTL = socket.IPPROTO_IP, socket.IP_MULTICAST_TTL
 GROUP, PORT = "239.255.76.67", 7667
 SHORT, LONG = 0x4C433032, 0x4C433033  # "LC02", "LC03"
 LOG_MAGIC = 0xEDA1DA01
@@ -36,13 +37,17 @@ def fragment(number, size, offset, index, count, data, channel=None):
     return head + (channel + b"\0" if channel is not None else b"") + data
 
 
+def udp_socket(host):
+    with host.network():
+        return socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+
+
 class Sender:
     """Publishes on a host, as a process there would."""
 
-    def __init__(self, host, ttl=1):
-        with host.network():
-            self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.socket.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, ttl)
+    def __init__(self, host, ttl=1, socket=None):
+        self.socket = socket or udp_socket(host)
+        self.socket.setsockopt(IPPROTO_IP, IP_MULTICAST_TTL, ttl)
         self.number = 0
 
     def raw(self, datagram):

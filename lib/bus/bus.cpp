@@ -31,6 +31,7 @@ struct Bus::Impl {
   lcm_t* lcm = nullptr;
   std::vector<std::unique_ptr<Subscription>> subscriptions;
   std::function<void(Channel, const Rejection&)> rejection_handler;
+  std::function<void(const std::string&, std::int64_t, Bytes)> raw_handler;
   RejectionLog rejection_log;
   BusCounts counts;
   std::exception_ptr pending;
@@ -54,6 +55,32 @@ struct Bus::Impl {
     }
   }
 
+  static void on_raw_message(const lcm_recv_buf_t* buffer, const char* channel, void* context) {
+    Impl& bus = *static_cast<Impl*>(context);
+    try {
+      const Bytes bytes{static_cast<const std::uint8_t*>(buffer->data), buffer->data_size};
+      bus.raw_handler(channel, buffer->recv_utime, bytes);
+    } catch (...) {
+      if (!bus.pending) bus.pending = std::current_exception();
+    }
+  }
+
+  void subscribe_raw(std::function<void(const std::string&, std::int64_t, Bytes)> handler) {
+    raw_handler = std::move(handler);
+    set_queue(lcm_subscribe(lcm, ".*", &Impl::on_raw_message, this), kLargeQueue);
+  }
+
+  /// Checks a subscription and says how many messages may wait in it.
+  void set_queue(lcm_subscription_t* subscription, int capacity) {
+    if (subscription == nullptr) {
+      throw BusError("nothing can be received on " + url +
+                     ": is there a multicast route and does the firewall let UDP through? "
+                     "\"orchard doctor\" says what is missing");
+    }
+    const bool is_private = url.compare(0, 7, "memq://") == 0;
+    lcm_subscription_set_queue_capacity(subscription, is_private ? 0 : capacity);
+  }
+
   void refuse(Channel channel, const Rejection& rejection) {
     ++counts.num_rejected[static_cast<std::size_t>(rejection.reason)];
     rejection_log.note(channel, rejection);
@@ -75,16 +102,8 @@ struct Bus::Impl {
       return {};
     };
     const std::string name(info(channel).name);
-    lcm_subscription_t* c_subscription =
-        lcm_subscribe(lcm, name.c_str(), &Impl::on_message, subscription.get());
-    if (c_subscription == nullptr) {
-      throw BusError("nothing can be received on " + url +
-                     ": is there a multicast route and does the firewall let UDP through? "
-                     "\"orchard doctor\" says what is missing");
-    }
-    const bool is_private = url.compare(0, 7, "memq://") == 0;
-    const int capacity = is_private ? 0 : channel == Channel::kImage ? kImageQueue : kLargeQueue;
-    lcm_subscription_set_queue_capacity(c_subscription, capacity);
+    set_queue(lcm_subscribe(lcm, name.c_str(), &Impl::on_message, subscription.get()),
+              channel == Channel::kImage ? kImageQueue : kLargeQueue);
     subscriptions.push_back(std::move(subscription));
   }
 };
@@ -131,6 +150,10 @@ void Bus::subscribe_ack(std::function<void(const Ack&)> handler) {
 void Bus::subscribe_replay(std::function<void(const ReplayMark&)> handler) {
   impl_->subscribe(Channel::kReplay, decode_replay,
                    [handler = std::move(handler)](const ReplayMark& m, Bytes) { handler(m); });
+}
+
+void Bus::subscribe_raw(std::function<void(const std::string&, std::int64_t, Bytes)> handler) {
+  impl_->subscribe_raw(std::move(handler));
 }
 
 void Bus::on_rejection(std::function<void(Channel, const Rejection&)> handler) {

@@ -61,6 +61,11 @@ class Bus {
   void subscribe_ack(std::function<void(const Ack&)> handler);
   void subscribe_replay(std::function<void(const ReplayMark&)> handler);
 
+  /// Every message of every channel, known or not, as it came and unchecked: for recorders alone.
+  /// `receipt_utime`: host's time of day when the network gave it to LCM [us].
+  void subscribe_raw(
+      std::function<void(const std::string& channel, std::int64_t receipt_utime, Bytes)> handler);
+
   /// Called for each refused message besides counting and logging it. May throw.
   void on_rejection(std::function<void(Channel, const Rejection&)> handler);
 

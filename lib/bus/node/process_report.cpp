@@ -32,6 +32,7 @@ ProcessReport::ProcessReport(Bus& bus, std::string name, const io::EffectiveConf
   notice_.version = std::string(version());
   notice_.text = config.text;
   next_status_ = next_config_ = last_status_ = Clock::now();
+  supervisor_.ready();
 }
 
 void ProcessReport::note_input(double latency_s) {
@@ -62,12 +63,13 @@ void ProcessReport::send(Status status) {
     status.text = error_ + (status.text.empty() ? "" : "; " + status.text);
   }
   bus_.publish(Channel::kStatus, encode(status));
+  supervisor_.alive(status.text);
   num_inputs_ = 0;
   latency_sum_s_ = latency_max_s_ = 0.0;
   last_status_ = now;
   next_status_ += std::chrono::seconds(1);
   if (next_status_ < now) next_status_ = now + std::chrono::seconds(1);
-  if (now >= next_config_) {
+  if (!notice_.text.empty() && now >= next_config_) {
     notice_.utime = wall_utime();
     bus_.publish(Channel::kConfig, encode(notice_));
     ++notice_.seq;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "bus/bus.hpp"
+#include "bus/node/service_notifier.hpp"
 #include "io/config/config_file.hpp"
 
 namespace orchard::bus {
@@ -14,7 +15,7 @@ namespace orchard::bus {
 std::int64_t wall_utime();
 
 /// Tells the world how a process is: STATUS once a second, CONFIG at the start and every ten
-/// seconds.
+/// seconds (none for a process without a rig), and a supervisor's watchdog.
 class ProcessReport {
  public:
   ProcessReport(Bus& bus, std::string name, const io::EffectiveConfig& config);
@@ -35,6 +36,7 @@ class ProcessReport {
  private:
   using Clock = std::chrono::steady_clock;
   Bus& bus_;
+  ServiceNotifier supervisor_;
   std::string name_;
   std::string host_;
   ConfigNotice notice_;

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+namespace orchard::cli {
+
+/// The LCM network to use: --lcm-url when given, else the rig's, else LCM_DEFAULT_URL, else the
+/// built-in one. Says on standard error which and why. Throws io::ConfigError.
+std::string field_url(const std::string& lcm_url, const std::string& config_path);
+
+}  // namespace orchard::cli

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/field/launch_plan.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "cli/rig/suggestion.hpp"
+#include "io/file_error.hpp"
+
+namespace orchard::cli {
+namespace {
+
+enum Stage { kDrivers, kDetector, kPose, kMapper, kRecorder };
+
+/// Drivers of the sensors that the rig names a device for.
+std::vector<std::string> drivers_of(const io::Config&) { return {}; }
+
+std::string full_name(const std::string& name) {
+  return name.rfind("orchard-", 0) == 0 ? name : "orchard-" + name;
+}
+
+/// The processes that a list of names means.
+std::set<std::string> named(const std::vector<std::string>& names,
+                            const std::vector<ChildPlan>& plans) {
+  std::set<std::string> found;
+  for (const std::string& name : names) {
+    std::size_t before = found.size();
+    std::vector<std::string> known{"drivers"};
+    for (const ChildPlan& plan : plans) {
+      known.push_back(plan.name.substr(std::string("orchard-").size()));
+      const bool is_meant =
+          name == "drivers" ? plan.stage == kDrivers : plan.name == full_name(name);
+      if (is_meant) found.insert(plan.name);
+    }
+    if (found.size() == before && name != "drivers") {
+      const std::string near = nearest_word(name, known);
+      throw io::FileError("this rig has no process \"" + name + "\"" +
+                          (near.empty() ? "" : "; did you mean " + near + "?"));
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
+std::vector<ChildPlan> plan_launch(const LiveOptions& options, const io::Config& config,
+                                   const std::string& program_folder) {
+  std::vector<ChildPlan> plans;
+  const auto add = [&](const std::string& name, int stage, std::vector<std::string> more = {}) {
+    ChildPlan plan;
+    plan.name = name;
+    plan.stage = stage;
+    plan.log_path = options.out_folder + "/logs/" + name + ".log";
+    plan.arguments = {program_folder + "/" + name, "--config", options.config_path};
+    if (!options.lcm_url.empty()) {
+      plan.arguments.insert(plan.arguments.end(), {"--lcm-url", options.lcm_url});
+    }
+    plan.arguments.insert(plan.arguments.end(), more.begin(), more.end());
+    plans.push_back(std::move(plan));
+  };
+  if (!options.record_folder.empty()) {
+    add("orchard-recorder", kRecorder);
+    std::vector<std::string>& words = plans.back().arguments;
+    words.front() = program_folder + "/orchard";
+    words.insert(words.begin() + 1, "record");
+    words.insert(words.end(), {"--out", options.record_folder});
+  }
+  add("orchard-mapper", kMapper, {"--out", options.out_folder});
+  add("orchard-pose", kPose);
+  add("orchard-detector", kDetector);
+  if (!options.scene.empty()) {
+    add("orchard-sim-driver", kDrivers,
+        {"--scene", options.scene, "--seed", options.seed, "--hold"});
+  } else {
+    for (const std::string& driver : drivers_of(config)) add(driver, kDrivers);
+  }
+
+  const std::set<std::string> only = named(options.only, plans);
+  const std::set<std::string> without = named(options.without, plans);
+  const auto is_left_out = [&](const ChildPlan& plan) {
+    return (!options.only.empty() && only.count(plan.name) == 0) || without.count(plan.name) > 0;
+  };
+  plans.erase(std::remove_if(plans.begin(), plans.end(), is_left_out), plans.end());
+  if (plans.empty()) {
+    throw io::FileError(options.config_path +
+                        ": nothing to start (drivers are started for what "
+                        "the section drivers names)");
+  }
+  return plans;
+}
+
+}  // namespace orchard::cli

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/field/live.hpp"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "bus/bus.hpp"
+#include "bus/node/process.hpp"
+#include "bus/node/process_report.hpp"
+#include "bus/node/stop_signal.hpp"
+#include "cli/field/field_url.hpp"
+#include "cli/field/status_board.hpp"
+#include "cli/field/status_screen.hpp"
+#include "cli/load_rig.hpp"
+#include "io/file_error.hpp"
+
+namespace orchard::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+namespace fs = std::filesystem;
+
+constexpr std::chrono::milliseconds kRedraw{500};
+
+/// How long a stage may take to stop; the mapper then writes its whole folder.
+constexpr std::chrono::seconds kStopMost{20};
+
+std::string time_text() {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  localtime_r(&now, &local);
+  char text[32];
+  std::strftime(text, sizeof(text), "%Y%m%d-%H%M%S", &local);
+  return text;
+}
+
+/// The processes of this machine, with what happened to them last.
+class Launch {
+ public:
+  explicit Launch(std::vector<ChildPlan> plans) {
+    for (ChildPlan& plan : plans) {
+      children_.push_back(std::make_unique<ChildProcess>(std::move(plan)));
+    }
+    for (const auto& child : children_) child->start();
+  }
+
+  /// Notes who has ended and starts again who failed.
+  void watch() {
+    for (const auto& child : children_) {
+      while (const std::optional<std::string> event = child->watch()) say(*event, *child);
+    }
+  }
+
+  /// A process that ends with a mistake in its configuration or command line ends all.
+  std::optional<int> mistake() const {
+    for (const auto& child : children_) {
+      const std::optional<int> code = child->running() ? std::nullopt : child->exit_code();
+      if (code == bus::kExitInput || code == bus::kExitUsage || code == 127) return code;
+    }
+    return std::nullopt;
+  }
+
+  std::vector<pollfd> files() const {
+    std::vector<pollfd> files;
+    for (const auto& child : children_) {
+      if (child->fileno() >= 0) files.push_back({child->fileno(), POLLIN, 0});
+    }
+    return files;
+  }
+
+  Clock::time_point next_restart() const {
+    Clock::time_point next = Clock::time_point::max();
+    for (const auto& child : children_) {
+      if (!child->running()) next = std::min(next, child->restart_at());
+    }
+    return next;
+  }
+
+  /// Stops stage after stage, calling `meanwhile` often. True when all ended by themselves, well.
+  bool stop(const std::function<void()>& meanwhile) {
+    int last = 0;
+    for (const auto& child : children_) last = std::max(last, child->plan().stage);
+    bool well = true;
+    for (int stage = 0; stage <= last; ++stage) well = stop_stage(stage, meanwhile) && well;
+    return well;
+  }
+
+  /// "started 6 processes" and what has happened since, newest last.
+  const std::string& last_event() const { return last_event_; }
+  std::size_t size() const { return children_.size(); }
+
+ private:
+  void say(const std::string& event, const ChildProcess& child) {
+    last_event_ = event;
+    std::string words = event;
+    const std::optional<int> code = child.running() ? std::nullopt : child.exit_code();
+    if (code.value_or(0) != 0) {
+      words += "; its last words (" + child.plan().log_path + "):\n" +
+               last_lines(child.plan().log_path, 3);
+      if (words.back() == '\n') words.pop_back();
+    }
+    if (!StatusScreen::is_terminal()) std::fprintf(stderr, "orchard live: %s\n", words.c_str());
+  }
+
+  bool stop_stage(int stage, const std::function<void()>& meanwhile) {
+    const Clock::time_point end = Clock::now() + kStopMost;
+    bool well = true;
+    for (const auto& child : children_) {
+      if (child->plan().stage == stage) child->ask_to_stop();
+    }
+    for (const auto& child : children_) {
+      if (child->plan().stage != stage) continue;
+      while (child->running()) {
+        meanwhile();
+        if (const auto event = child->watch()) say(*event, *child);
+        if (Clock::now() >= end) child->kill_now();
+        pollfd waiting{child->fileno(), POLLIN, 0};
+        if (child->running()) poll(&waiting, 1, 50);
+      }
+      well = well && child->exit_code().value_or(0) == 0;
+    }
+    return well;
+  }
+
+  std::vector<std::unique_ptr<ChildProcess>> children_;
+  std::string last_event_;
+};
+
+std::string program_folder() {
+  std::error_code error;
+  const fs::path self = fs::read_symlink("/proc/self/exe", error);
+  if (error) throw io::FileError("where orchard's programs are cannot be found out (/proc)");
+  return self.parent_path().string();
+}
+
+}  // namespace
+
+int run_live(const LiveOptions& given) {
+  LiveOptions options = given;
+  const io::Config config = load_rig(options.config_path);
+  if (options.out_folder.empty()) options.out_folder = "out/live/" + time_text();
+  const std::vector<ChildPlan> plans = plan_launch(options, config, program_folder());
+  std::error_code error;
+  fs::create_directories(options.out_folder + "/logs", error);
+  if (error) {
+    throw io::FileError(options.out_folder + "/logs: cannot be made (" + error.message() + ")");
+  }
+  const std::string url = field_url(options.lcm_url, options.config_path);
+
+  bus::StopSignal stop;
+  bus::Bus bus(url);
+  StatusBoard board;
+  bus.subscribe_status(
+      [&board](const bus::Status& status) { board.note(status, bus::wall_utime()); });
+  Launch launch(plans);
+  StatusScreen screen;
+  std::fprintf(stderr,
+               "orchard live: started %zu processes; map and logs in %s; Ctrl-C stops all\n",
+               launch.size(), options.out_folder.c_str());
+  if (StatusScreen::is_terminal()) std::printf("\033[2J");
+  Clock::time_point next_draw = Clock::now();
+  const auto draw = [&](const std::string& headline) {
+    if (Clock::now() < next_draw) return;
+    screen.show(board, headline, bus::wall_utime());
+    next_draw = Clock::now() + kRedraw;
+  };
+  while (!stop.raised() && !launch.mistake()) {
+    draw("orchard live " + options.config_path + ": map in " + options.out_folder +
+         "; Ctrl-C stops all\n" + launch.last_event());
+    std::vector<pollfd> files = launch.files();
+    files.push_back({stop.fileno(), POLLIN, 0});
+    files.push_back({bus.fileno(), POLLIN, 0});
+    const auto wait = std::chrono::ceil<std::chrono::milliseconds>(
+        std::min(next_draw, launch.next_restart()) - Clock::now());
+    poll(files.data(), files.size(),
+         static_cast<int>(std::clamp<std::int64_t>(wait.count(), 0, 1000)));
+    if ((files.back().revents & POLLIN) != 0) bus.handle(0);
+    launch.watch();
+  }
+  const std::optional<int> mistake = launch.mistake();
+  if (!mistake) std::fprintf(stderr, "orchard live: stops\n");
+  const bool well = launch.stop([&] {
+    while (bus.handle(0)) {
+    }
+    draw("orchard live stops\n" + launch.last_event());
+  });
+  if (mistake) {
+    std::fprintf(stderr, "orchard live: %s\n", launch.last_event().c_str());
+    return *mistake == 127 ? bus::kExitRuntime : *mistake;
+  }
+  if (!well)
+    std::fprintf(stderr, "orchard live: a process did not end well; see %s/logs\n",
+                 options.out_folder.c_str());
+  return well ? bus::kExitOk : bus::kExitRuntime;
+}
+
+}  // namespace orchard::cli

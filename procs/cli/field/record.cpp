@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/field/record.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <ctime>
+
+#include "bus/bus.hpp"
+#include "bus/node/process.hpp"
+#include "bus/node/process_report.hpp"
+#include "bus/node/stop_signal.hpp"
+#include "cli/field/field_url.hpp"
+#include "io/config/config.hpp"
+#include "io/log/log_recorder.hpp"
+
+namespace orchard::cli {
+namespace {
+
+std::string time_text() {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  localtime_r(&now, &local);
+  char text[32];
+  std::strftime(text, sizeof(text), "%Y%m%d-%H%M%S", &local);
+  return text;
+}
+
+bus::Status status_of(const io::LogRecorder& recorder) {
+  bus::Status status;
+  status.num_good = recorder.num_written();
+  status.num_lost = recorder.num_dropped();
+  if (!recorder.problem().empty()) {
+    status.level = bus::Level::kError;
+    status.text = recorder.problem();
+  } else {
+    char text[128];
+    std::snprintf(text, sizeof(text), "%.1f MB recorded, %.1f GB left on the disk",
+                  1e-6 * static_cast<double>(recorder.total_bytes()),
+                  1e-9 * static_cast<double>(recorder.free_bytes()));
+    status.text = text;
+  }
+  return status;
+}
+
+}  // namespace
+
+int run_record(const RecordOptions& options) {
+  const std::string url = field_url(options.lcm_url, options.config_path);
+  bus::StopSignal stop;
+  bus::Bus bus(url);
+  io::RecordingLimits limits;
+  limits.split_bytes = static_cast<std::int64_t>(1e6 * options.split_mb);
+  limits.keep_bytes = static_cast<std::int64_t>(1e9 * options.keep_gb);
+  limits.least_free_bytes = static_cast<std::int64_t>(1e9 * options.least_free_gb);
+  io::LogRecorder recorder(options.folder + "/" + options.name + "-" + time_text(), limits);
+  spdlog::info("records to {}; Ctrl-C ends", recorder.path());
+  bus::ProcessReport report(bus, "orchard-recorder", {});
+  bus.subscribe_raw([&recorder](const std::string& channel, std::int64_t utime, bus::Bytes bytes) {
+    recorder.write(utime, channel, bytes.data, bytes.size);
+  });
+  std::string said;
+  while (!stop.raised()) {
+    if (report.due()) {
+      recorder.sync();
+      if (recorder.problem() != said) {
+        said = recorder.problem();
+        if (said.empty()) {
+          spdlog::info("records again");
+        } else {
+          spdlog::error("{}", said);
+        }
+      }
+      report.send(status_of(recorder));
+    }
+    if (stop.wait(bus.fileno(), report.ms_until_due())) bus.handle(0);
+  }
+  // What was sent before the stop still counts, and LCM's thread may not have read it all.
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(2);
+  while (std::chrono::steady_clock::now() < end && bus.handle(30)) {
+  }
+  recorder.sync();
+  spdlog::info("{} messages recorded, {} left out", recorder.num_written(), recorder.num_dropped());
+  return recorder.num_dropped() > 0 ? bus::kExitRuntime : bus::kExitOk;
+}
+
+}  // namespace orchard::cli

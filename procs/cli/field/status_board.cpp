@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/field/status_board.hpp"
+
+#include <algorithm>
+
+namespace orchard::cli {
+namespace {
+
+/// STATUS messages whose delays are compared: the quickest tells the clock's offset best.
+constexpr std::size_t kNumOffsets = 8;
+
+/// A process that was not heard of for so long is no longer shown.
+constexpr std::int64_t kForgetAfter_us = 60'000'000;
+
+}  // namespace
+
+void StatusBoard::note(const bus::Status& status, std::int64_t receipt_utime) {
+  const auto key = std::make_pair(status.host, status.name);
+  const auto known = entries_.find(key);
+  Entry& entry = entries_[key];
+  const bool goes_on = known != entries_.end() && status.seq > entry.last.seq;
+  entry.num_new_lost = goes_on ? status.num_lost - entry.last.num_lost : 0;
+  entry.last = status;
+  entry.receipt_utime = receipt_utime;
+  entry.offsets_us.push_back(status.utime - receipt_utime);
+  if (entry.offsets_us.size() > kNumOffsets) entry.offsets_us.erase(entry.offsets_us.begin());
+}
+
+std::vector<ProcessView> StatusBoard::processes(std::int64_t now_utime) const {
+  std::vector<ProcessView> views;
+  for (const auto& [key, entry] : entries_) {
+    const std::int64_t age_us = now_utime - entry.receipt_utime;
+    if (age_us > kForgetAfter_us) continue;
+    ProcessView view;
+    view.status = entry.last;
+    view.age_s = 1e-6 * static_cast<double>(age_us);
+    if (entry.last.input_period_s > 0.0) view.input_hz = 1.0 / entry.last.input_period_s;
+    // The way takes time, so the receipt is late by a little and never early.
+    view.clock_offset_s = 1e-6 * static_cast<double>(*std::max_element(entry.offsets_us.begin(),
+                                                                       entry.offsets_us.end()));
+    view.num_new_lost = entry.num_new_lost;
+    views.push_back(std::move(view));
+  }
+  return views;
+}
+
+}  // namespace orchard::cli

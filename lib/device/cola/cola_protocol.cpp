@@ -21,6 +21,9 @@ constexpr int kMaxAsked = 3;
 /// The slowest of these scanners sends a sweep every 67 ms.
 constexpr std::int64_t kMaxSilence_us = 1'000'000;
 
+/// One that was just started needs seconds.
+constexpr std::int64_t kFirstSweep_us = 6'000'000;
+
 /// 10,000 beams with intensities in up to four digits and a blank each.
 constexpr std::size_t kMaxTelegram = 128 * 1024;
 
@@ -86,7 +89,7 @@ void ColaProtocol::ask(Step step, std::int64_t host_utime) {
   step_ = step;
   num_asked_ = 0;
   if (step == Step::kStream) {
-    deadline_utime_ = host_utime + kMaxSilence_us;
+    deadline_utime_ = host_utime + kFirstSweep_us;
   } else {
     ask_again(host_utime);
   }

@@ -15,6 +15,9 @@ constexpr double kTick_us = 1000.0;
 constexpr std::int64_t kAnswer_us = 500'000;
 constexpr int kMaxAsked = 3;
 
+/// A motor that was standing needs seconds.
+constexpr std::int64_t kFirstSweep_us = 6'000'000;
+
 /// A sweep is missing when this many turns have gone by, and half a second for a busy host.
 constexpr double kMaxSilence_turns = 5.0;
 
@@ -59,6 +62,7 @@ void ScipProtocol::begin_stream(ScipEncoding encoding, std::int64_t host_utime) 
   encoding_ = encoding;
   step_ = Step::kStream;
   num_asked_ = 0;
+  is_granted_ = false;
   const char letter = encoding == ScipEncoding::kTwo     ? 'S'
                       : encoding == ScipEncoding::kThree ? 'D'
                                                          : 'E';
@@ -155,13 +159,15 @@ void ScipProtocol::take_clock_reading(const ScipReply& reply, std::int64_t host_
 void ScipProtocol::take_stream(const ScipReply& reply, std::int64_t host_utime) {
   if (reply.status == "99") return take_sweep(reply, host_utime);
   if (reply.status == "00") {
+    is_granted_ = true;
+    deadline_utime_ = host_utime + kFirstSweep_us;
     return;
   }
   refuse_stream(reply.status, host_utime);
 }
 
 void ScipProtocol::refuse_stream(std::string_view status, std::int64_t host_utime) {
-  if (!is_streaming_ && encoding_ == ScipEncoding::kThreeWithIntensity) {
+  if (!is_granted_ && encoding_ == ScipEncoding::kThreeWithIntensity) {
     return begin_stream(ScipEncoding::kThree, host_utime);  // a model without intensities
   }
   if (status >= "21" && status <= "98") {
@@ -172,7 +178,7 @@ void ScipProtocol::refuse_stream(std::string_view status, std::int64_t host_utim
     return;
   }
   ++counts_.num_bad;
-  if (!is_streaming_) fail("the scanner refuses " + command_ + ": status " + std::string(status));
+  if (!is_granted_) fail("the scanner refuses " + command_ + ": status " + std::string(status));
 }
 
 void ScipProtocol::take_sweep(const ScipReply& reply, std::int64_t host_utime) {
@@ -182,7 +188,7 @@ void ScipProtocol::take_sweep(const ScipReply& reply, std::int64_t host_utime) {
     return;
   }
   ++counts_.num_good;
-  is_streaming_ = true;
+  is_granted_ = is_streaming_ = true;
   trouble_.clear();
   const double step_0_us = clock_.arrived(sweep->ticks, host_utime);
   const double first_beam_us = parameters_->first_step * parameters_->beam_period_us();
@@ -202,6 +208,10 @@ void ScipProtocol::expire(std::int64_t host_utime) {
     case Step::kLaser:
       return begin_stream(ScipEncoding::kThree, host_utime);
     case Step::kStream:
+      if (!is_granted_ && encoding_ == ScipEncoding::kThreeWithIntensity) {
+        return begin_stream(ScipEncoding::kThree, host_utime);
+      }
+      if (!is_granted_) break;
       if (trouble_.empty()) trouble_ = "the scanner sends no sweeps";
       if (!is_streaming_) return fail(trouble_);
       is_streaming_ = false;

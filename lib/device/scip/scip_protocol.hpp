@@ -59,6 +59,7 @@ class ScipProtocol : public Protocol {
   int num_readings_ = 0;
   std::optional<ScipParameters> parameters_;
   ScipEncoding encoding_ = ScipEncoding::kThree;
+  bool is_granted_ = false;    ///< it has agreed to send sweeps
   bool is_streaming_ = false;  ///< a sweep has come in this talk
   std::string trouble_;        ///< what the scanner says is wrong with it
   std::string failure_;

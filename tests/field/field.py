@@ -7,10 +7,12 @@ import time
 import traceback
 
 sys.dont_write_bytecode = True
+import measure_clocks
 import measure_disk
 import measure_hostile
 import measure_kills
 import measure_link
+import measure_strangers
 import table
 import wire
 from programs import Bench
@@ -19,7 +21,9 @@ MEASUREMENTS = {
     function.__name__: function for function in (
         measure_link.loss, measure_link.loss_default_kernel, measure_link.duplicates,
         measure_link.reorder, measure_link.link_down, measure_link.slow_link,
-        measure_kills.kills, measure_kills.kills_saving, measure_disk.disk_full, measure_hostile.hostile)
+        measure_kills.kills, measure_kills.kills_saving, measure_disk.disk_full, measure_hostile.hostile,
+        measure_clocks.clocks, measure_clocks.clock_offset, measure_strangers.twice,
+        measure_strangers.same_folder, measure_strangers.old_types, measure_strangers.calibration)
 }
 
 

@@ -8,11 +8,13 @@ import traceback
 
 sys.dont_write_bytecode = True
 import measure_clocks
+import measure_day
 import measure_disk
 import measure_hostile
 import measure_kills
 import measure_link
 import measure_strangers
+import measure_two_machines
 import table
 import wire
 from programs import Bench
@@ -23,7 +25,8 @@ MEASUREMENTS = {
         measure_link.reorder, measure_link.link_down, measure_link.slow_link,
         measure_kills.kills, measure_kills.kills_saving, measure_disk.disk_full, measure_hostile.hostile,
         measure_clocks.clocks, measure_clocks.clock_offset, measure_strangers.twice,
-        measure_strangers.same_folder, measure_strangers.old_types, measure_strangers.calibration)
+        measure_strangers.same_folder, measure_strangers.old_types, measure_strangers.calibration,
+        measure_two_machines.two_machines, measure_day.day)
 }
 
 

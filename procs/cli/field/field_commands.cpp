@@ -40,6 +40,8 @@ void add_live(CLI::App& app, Run& run) {
         command.add_option("--sim", o.scene, "simulated sensors in place of the rig's: this scene")
             ->check(CLI::IsMember({"tubes", "orchard"}));
         command.add_option("--seed", o.seed, "of the simulated scene")->capture_default_str();
+        command.add_option("--speed", o.speed, "of the simulated drive, times real time")
+            ->capture_default_str();
         command.add_option("--lcm-url", o.lcm_url, "LCM network, instead of the rig's lcm.url")
             ->type_name("URL");
       });

@@ -13,7 +13,11 @@ namespace {
 enum Stage { kDrivers, kDetector, kPose, kMapper, kRecorder };
 
 /// Drivers of the sensors that the rig names a device for.
-std::vector<std::string> drivers_of(const io::Config&) { return {}; }
+std::vector<std::string> drivers_of(const io::Config& config) {
+  std::vector<std::string> names;
+  if (!config.drivers.laser.device.empty()) names.push_back("orchard-laser-driver");
+  return names;
+}
 
 std::string full_name(const std::string& name) {
   return name.rfind("orchard-", 0) == 0 ? name : "orchard-" + name;
@@ -69,8 +73,12 @@ std::vector<ChildPlan> plan_launch(const LiveOptions& options, const io::Config&
   add("orchard-pose", kPose);
   add("orchard-detector", kDetector);
   if (!options.scene.empty()) {
+    // A simulated drive begins when everyone listens; a real robot's drives go on anyway.
+    std::string listeners;
+    for (const ChildPlan& plan : plans) listeners += (listeners.empty() ? "" : ",") + plan.name;
     add("orchard-sim-driver", kDrivers,
-        {"--scene", options.scene, "--seed", options.seed, "--hold"});
+        {"--scene", options.scene, "--seed", options.seed, "--speed", options.speed, "--hold",
+         "--wait-for", listeners});
   } else {
     for (const std::string& driver : drivers_of(config)) add(driver, kDrivers);
   }

@@ -19,6 +19,7 @@ struct LiveOptions {
   std::vector<std::string> without;
   std::string scene;  ///< orchard-sim-driver in place of the rig's drivers
   std::string seed = "1";
+  std::string speed = "1";  ///< of the simulated drive, times real time
 };
 
 /// The processes of one machine, in the order in which they are started. `program_folder`: where

@@ -77,12 +77,15 @@ void add_map(CLI::App& app, Run& run) {
   add_command<MapOptions>(
       app, run, "map", "Make the map of a log, in this process and faster than it was driven",
       "  orchard map drive.lcm --out out/drive                  (by the rig in the log)\n"
+      "  orchard map drive.lcm.00 drive.lcm.01 --out out/drive  (what lcm-logger split)\n"
       "  orchard map drive.lcm --config mine.yaml --out out/drive --strict --quiet\n"
       "  orchard map later.lcm --previous out/drive --out out/later\n"
       "The map depends on the log and the configuration only: the same files every time.\n"
       "A damaged log is mapped from what can be read, with warnings; --strict refuses it.\n",
       run_map, [](CLI::App& command, MapOptions& o) {
-        command.add_option("log", o.log_path, "log to map")->required()->type_name("LOG");
+        command.add_option("log", o.log_paths, "log to map, or the pieces of one, in any order")
+            ->required()
+            ->type_name("LOG...");
         command
             .add_option("--config", o.config_path,
                         "another rig than it was recorded with, or that of a log without CONFIG")
@@ -110,14 +113,20 @@ void add_log(CLI::App& app, Run& run) {
   const auto add_path = [](CLI::App& command, LogOptions& o) {
     command.add_option("log", o.log_path, "log to read")->required()->type_name("LOG");
   };
+  const auto add_paths = [](CLI::App& command, LogOptions& o) {
+    command.add_option("log", o.log_paths, "log to read, or the pieces of one")
+        ->required()
+        ->type_name("LOG...");
+    command.add_flag("--json", o.json, "for programs");
+  };
   const auto add_survey = [add_path](CLI::App& command, LogOptions& o) {
     add_path(command, o);
     command.add_flag("--json", o.json, "for programs");
   };
   add_command<LogOptions>(*log, run, "info", "What it holds: channels, counts, rates, times",
                           "  orchard log info drive.lcm\n"
-                          "  orchard log info drive.lcm --json\n",
-                          run_log_info, add_survey);
+                          "  orchard log info drive.lcm.00 drive.lcm.01 --json\n",
+                          run_log_info, add_paths);
   add_command<LogOptions>(*log, run, "check", "What is wrong with it; exit 3 when something is",
                           "  orchard log check drive.lcm && echo sound\n", run_log_check,
                           add_survey);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "log_player/replay_rig.hpp"
 
-#include <filesystem>
 #include <utility>
 
 #include "bus/replay/logged_rig.hpp"
@@ -21,10 +20,10 @@ std::string completed(const bus::LoggedRig& rig) {
 
 }  // namespace
 
-ReplayRig choose_rig(const std::string& log_path, const std::string& config_path) {
+ReplayRig choose_rig(const io::LogPaths& logs, const std::string& config_path) {
   if (config_path.empty()) {
-    const bus::LoggedRig rig = bus::rig_of_log(log_path);
-    const std::string file = std::filesystem::path(log_path).filename().string();
+    const bus::LoggedRig rig = bus::rig_of_log(logs);
+    const std::string file = logs.names();
     const std::string name = "the rig in " + file;
     try {
       return {io::parse_config(rig.yaml, name), name, {}};
@@ -39,13 +38,13 @@ ReplayRig choose_rig(const std::string& log_path, const std::string& config_path
   ReplayRig chosen{std::move(loaded.config), config_path, std::move(loaded.warnings)};
   const std::string given = io::effective_config(chosen.config);
   std::vector<io::ConfigDifference> of_first;  // the first rig of the log speaks for it
-  for (const bus::LoggedRig& rig : bus::read_logged_rigs(log_path)) {
+  for (const bus::LoggedRig& rig : bus::read_logged_rigs(logs)) {
     auto differences = io::config_differences(completed(rig), given);
     if (differences.empty()) return chosen;
     if (of_first.empty()) of_first = std::move(differences);
   }
   if (of_first.empty()) return chosen;
-  chosen.notes.push_back(config_path + " is another rig than " + log_path +
+  chosen.notes.push_back(config_path + " is another rig than " + logs.text() +
                          " was recorded with (key: in the log -> given):");
   for (const std::string& line : io::difference_lines(of_first)) {
     chosen.notes.push_back("  " + line);

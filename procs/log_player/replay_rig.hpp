@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "io/config/config.hpp"
+#include "io/log/log_series.hpp"
 
 namespace orchard::procs {
 
@@ -18,6 +19,6 @@ struct ReplayRig {
 
 /// The rig of `config_path`, compared with the one in the log, or the log's own when `config_path`
 /// is empty. Throws io::ConfigError, and io::FileError as bus::rig_of_log() does.
-ReplayRig choose_rig(const std::string& log_path, const std::string& config_path);
+ReplayRig choose_rig(const io::LogPaths& logs, const std::string& config_path);
 
 }  // namespace orchard::procs

@@ -81,9 +81,9 @@ class PrivateBus {
 
 }  // namespace
 
-ReplayReport replay_in_process(const std::string& log_path, const std::vector<Node*>& nodes,
+ReplayReport replay_in_process(const io::LogPaths& logs, const std::vector<Node*>& nodes,
                                const ReplayOptions& options) {
-  ReplayIndex index = index_log(log_path, options);
+  ReplayIndex index = index_log(logs, options);
   ReplayReport& report = index.report;
   PrivateBus bus(nodes);
   const auto pass_on = [&] {
@@ -92,7 +92,7 @@ ReplayReport replay_in_process(const std::string& log_path, const std::vector<No
       if (options.on_derived) options.on_derived(output.channel, output.utime, output.bytes);
     }
   };
-  io::LogReader reader(log_path);
+  io::LogSeries reader(logs);
   std::uint64_t num_done = 0;
   for (const ReplayEntry& entry : index.entries) {
     bus.input(entry.channel, reader.read_at(entry.offset).data);

@@ -9,7 +9,7 @@
 #include "bus/messages/codec.hpp"
 #include "bus/node/node.hpp"
 #include "bus/node/traffic_counts.hpp"
-#include "io/log/log_reader.hpp"
+#include "io/log/log_series.hpp"
 
 namespace orchard::bus {
 
@@ -36,10 +36,11 @@ struct ReplayOptions {
   std::function<void(Channel, std::int64_t utime, const std::vector<std::uint8_t>&)> on_derived;
 };
 
-/// Replays a log's source channels, merged by (utime, channel, seq), through nodes on a private
-/// memq:// bus that is drained after each input, then flushes them in order. Deterministic.
-/// Throws io::FileError for a log that cannot be read or holds no source channel.
-ReplayReport replay_in_process(const std::string& log_path, const std::vector<Node*>& nodes,
+/// Replays the source channels of a log, or of several of one drive, merged by (utime, channel,
+/// seq), through nodes on a private memq:// bus that is drained after each input, then flushes them
+/// in order. Deterministic. Throws io::FileError for a log that cannot be read or holds no source
+/// channel.
+ReplayReport replay_in_process(const io::LogPaths& logs, const std::vector<Node*>& nodes,
                                const ReplayOptions& options);
 
 }  // namespace orchard::bus

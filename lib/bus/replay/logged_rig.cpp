@@ -9,7 +9,6 @@
 #include "io/config/config_difference.hpp"
 #include "io/config/text_hash.hpp"
 #include "io/file_error.hpp"
-#include "io/log/log_reader.hpp"
 
 namespace orchard::bus {
 namespace {
@@ -36,10 +35,10 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
 
 }  // namespace
 
-std::vector<LoggedRig> read_logged_rigs(const std::string& log_path) {
+std::vector<LoggedRig> read_logged_rigs(const io::LogPaths& logs) {
   const std::string_view channel = info(Channel::kConfig).name;
   std::vector<LoggedRig> rigs;
-  io::LogReader reader(log_path);
+  io::LogSeries reader(logs);
   while (const auto event = reader.next()) {
     if (event->channel != channel) continue;
     auto decoded = decode_config(event->data.data(), event->data.size());
@@ -56,8 +55,9 @@ std::vector<LoggedRig> read_logged_rigs(const std::string& log_path) {
   return rigs;
 }
 
-LoggedRig rig_of_log(const std::string& log_path, const std::string& process) {
-  std::vector<LoggedRig> rigs = read_logged_rigs(log_path);
+LoggedRig rig_of_log(const io::LogPaths& logs, const std::string& process) {
+  const std::string log_path = logs.text();
+  std::vector<LoggedRig> rigs = read_logged_rigs(logs);
   if (rigs.empty()) {
     throw io::FileError(log_path +
                         " does not say with what rig it was recorded (it holds no CONFIG); give "

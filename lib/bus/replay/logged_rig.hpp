@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "io/log/log_series.hpp"
+
 namespace orchard::bus {
 
 /// A configuration that a log's CONFIG messages carry.
@@ -15,11 +17,11 @@ struct LoggedRig {
 
 /// The different configurations of a log, in order of appearance. CONFIG messages that are damaged
 /// or contradict their hash are left out. Throws io::FileError when the log cannot be opened.
-std::vector<LoggedRig> read_logged_rigs(const std::string& log_path);
+std::vector<LoggedRig> read_logged_rigs(const io::LogPaths& logs);
 
 /// The configuration of a log: the one that all its processes ran with or, when `process` is not
 /// empty, the one of that process. Throws io::FileError, in a sentence that says what to do, when
 /// there is none, and when several disagree about the map.
-LoggedRig rig_of_log(const std::string& log_path, const std::string& process = "");
+LoggedRig rig_of_log(const io::LogPaths& logs, const std::string& process = "");
 
 }  // namespace orchard::bus

@@ -56,10 +56,11 @@ void cut(ReplayIndex& index, const ReplayOptions& options) {
 
 }  // namespace
 
-ReplayIndex index_log(const std::string& log_path, const ReplayOptions& options) {
+ReplayIndex index_log(const io::LogPaths& logs, const ReplayOptions& options) {
+  const std::string log_path = logs.text();
   ReplayIndex index;
   ReplayReport& report = index.report;
-  io::LogReader reader(log_path);
+  io::LogSeries reader(logs);
   SequenceGate gate;
   std::set<std::string> other_channels;
   bool has_source = false;
@@ -78,8 +79,8 @@ ReplayIndex index_log(const std::string& log_path, const ReplayOptions& options)
     const auto decoded = decode(*channel, event->data.data(), event->data.size());
     if (const auto* rejection = std::get_if<Rejection>(&decoded)) {
       if (options.strict) {
-        throw io::FileError(log_path + ": " + event->channel + " at offset " +
-                            std::to_string(event->offset) + " is refused: " + rejection->detail);
+        throw io::FileError(reader.where(event->offset) + ": this " + event->channel +
+                            " is refused: " + rejection->detail);
       }
       ++report.num_rejected[static_cast<std::size_t>(rejection->reason)];
       continue;
@@ -109,6 +110,7 @@ ReplayIndex index_log(const std::string& log_path, const ReplayOptions& options)
                         std::to_string(report.gaps.front().size) +
                         " bytes could not be read); \"orchard log repair\" keeps what is whole");
   }
+  report.warnings = reader.notes();
   add_warnings(report, gate.counts());
   std::sort(index.entries.begin(), index.entries.end(),
             [](const ReplayEntry& a, const ReplayEntry& b) {

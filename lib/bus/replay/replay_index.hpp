@@ -14,7 +14,7 @@ struct ReplayEntry {
   std::int64_t utime = 0;
   Channel channel = Channel::kScan;
   std::int32_t seq = 0;
-  std::uint64_t offset = 0;
+  std::uint64_t offset = 0;  ///< as io::LogSeries gives it
 };
 
 struct ReplayIndex {
@@ -22,8 +22,8 @@ struct ReplayIndex {
   ReplayReport report;               ///< what was read, refused and missing; no messages in or out
 };
 
-/// Reads a log once: which source messages it holds, in the order in which they are replayed.
-/// Throws io::FileError as replay_in_process does.
-ReplayIndex index_log(const std::string& log_path, const ReplayOptions& options);
+/// Reads a log, or several of one drive, once: which source messages it holds, in the order in
+/// which they are replayed. Throws io::FileError as replay_in_process does.
+ReplayIndex index_log(const io::LogPaths& logs, const ReplayOptions& options);
 
 }  // namespace orchard::bus

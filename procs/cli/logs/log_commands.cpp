@@ -81,19 +81,21 @@ void print_findings(const std::string& path, const LogSurvey& survey) {
 }  // namespace
 
 int run_log_info(const LogOptions& options) {
-  const LogSurvey survey = survey_log(options.log_path);
+  const io::LogPaths logs(options.log_paths);
+  const LogSurvey survey = survey_log(logs);
   if (options.json) {
-    std::fputs(log_json(options.log_path, survey).c_str(), stdout);
+    std::fputs(log_json(logs.text(), survey).c_str(), stdout);
     return bus::kExitOk;
   }
   std::printf("%s: %" PRIu64 " bytes, %" PRId64 " messages, received over %.3f s\n",
-              options.log_path.c_str(), survey.file_size, survey.num_events,
+              logs.text().c_str(), survey.file_size, survey.num_events,
               static_cast<double>(survey.last_timestamp_us - survey.first_timestamp_us) *
                   kSecondsPerMicrosecond);
   print_channels(survey);
+  for (const std::string& note : survey.notes) std::printf("%s\n", note.c_str());
   if (!survey.gaps.empty() || survey.num_refused() > 0) {
     std::printf("parts of it cannot be read: see `orchard log check %s`\n",
-                options.log_path.c_str());
+                logs.paths().size() == 1 ? logs.text().c_str() : "LOG");
   }
   return bus::kExitOk;
 }

@@ -2,15 +2,17 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace orchard::cli {
 
 /// `orchard log info|check|config|repair LOG`.
 struct LogOptions {
   std::string log_path;
-  std::string out_path;  ///< of repair
-  bool json = false;     ///< of info and check
-  std::string process;   ///< of config: that of this process; empty: the one that all ran with
+  std::vector<std::string> log_paths;  ///< of info, instead: one, or the pieces of one
+  std::string out_path;                ///< of repair
+  bool json = false;                   ///< of info and check
+  std::string process;  ///< of config: that of this process; empty: the one that all ran with
 };
 
 /// Prints what a log holds: channels, counts, rates, times. Returns the exit code.

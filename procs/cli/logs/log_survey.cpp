@@ -67,8 +67,9 @@ bool LogSurvey::knows_a_channel() const {
 
 bool LogSurvey::sound() const { return gaps.empty() && num_refused() == 0 && knows_a_channel(); }
 
-LogSurvey survey_log(const std::string& path) {
-  io::LogReader reader(path);
+LogSurvey survey_log(const io::LogPaths& logs) {
+  const std::string path = logs.text();
+  io::LogSeries reader(logs);
   LogSurvey survey;
   survey.file_size = reader.file_size();
   io::ProgressBar bar("reading " + path);
@@ -81,6 +82,7 @@ LogSurvey survey_log(const std::string& path) {
   }
   bar.finish();
   survey.gaps = reader.gaps();
+  survey.notes = reader.notes();
   if (survey.num_events == 0) {
     throw io::FileError(path + (survey.file_size == 0
                                     ? " is empty; was it recorded with lcm-logger?"

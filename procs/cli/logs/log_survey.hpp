@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bus/messages/codec.hpp"
-#include "io/log/log_reader.hpp"
+#include "io/log/log_series.hpp"
 
 namespace orchard::cli {
 
@@ -30,6 +30,7 @@ struct ChannelSurvey {
 struct LogSurvey {
   std::map<std::string, ChannelSurvey> channels;
   std::vector<io::LogGap> gaps;
+  std::vector<std::string> notes;  ///< of several logs: what lies between them, what they share
   std::int64_t num_events = 0;
   std::uint64_t file_size = 0;
   std::int64_t first_timestamp_us = 0;  ///< of receipt
@@ -40,7 +41,8 @@ struct LogSurvey {
   bool sound() const;  ///< all of it can be read, and something of it be used
 };
 
-/// Reads the whole log. Throws io::FileError when it cannot be opened or is empty of events.
-LogSurvey survey_log(const std::string& path);
+/// Reads the whole log, or the pieces of one as one. Throws io::FileError when it cannot be opened
+/// or is empty of events.
+LogSurvey survey_log(const io::LogPaths& logs);
 
 }  // namespace orchard::cli

@@ -19,7 +19,7 @@
 #include "detector/detector_node.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
-#include "io/log/log_reader.hpp"
+#include "io/log/log_series.hpp"
 #include "io/log/log_writer.hpp"
 #include "io/map/map_folder.hpp"
 #include "io/map/stored_map.hpp"
@@ -43,6 +43,8 @@ struct Pipeline {
   procs::MapperNode mapper;
 };
 
+io::LogPaths logs_of(const MapOptions& options) { return {options.log_paths}; }
+
 std::int64_t num_in(const ReplayReport& report, Channel channel) {
   return report.num_in[static_cast<std::size_t>(channel)];
 }
@@ -54,12 +56,13 @@ std::int64_t num_out(const ReplayReport& report, Channel channel) {
 void require_usable(const MapOptions& options, const std::string& rig_name,
                     const ReplayReport& report) {
   if (num_in(report, Channel::kScan) == 0) {
-    throw io::FileError(options.log_path + " holds no usable " +
+    throw io::FileError(logs_of(options).text() + " holds no usable " +
                         std::string(bus::info(Channel::kScan).name) +
                         " message; a map needs the laser's scans (see `orchard log info`)");
   }
   if (num_out(report, Channel::kPose) == 0) {
-    throw io::FileError(options.log_path + " does not say where the robot was as " + rig_name +
+    throw io::FileError(logs_of(options).text() + " does not say where the robot was as " +
+                        rig_name +
                         " asks (pose.mode); see which channels it has with `orchard log info`");
   }
 }
@@ -132,14 +135,14 @@ void make_folder(const std::string& folder) {
 }
 
 /// Where the laser looks, by the rig and the log's first scan: what later comparisons go by.
-mapping::SensorView view_of(const io::Config& config, const std::string& log_path) {
+mapping::SensorView view_of(const io::Config& config, const io::LogPaths& logs) {
   mapping::SensorView view;
   view.reach_m =
       std::min(config.detector.segmentation.range_max_m, config.mapper.observation_range_max_m);
   view.mount_x_m = config.laser.mount_x_m;
   view.mount_y_m = config.laser.mount_y_m;
   view.mount_yaw_rad = config.laser.mount_yaw_rad;
-  io::LogReader reader(log_path);
+  io::LogSeries reader(logs);
   while (const auto event = reader.next()) {
     if (event->channel != bus::info(Channel::kScan).name) continue;
     const auto decoded = bus::decode(Channel::kScan, event->data.data(), event->data.size());
@@ -157,7 +160,7 @@ mapping::SensorView view_of(const io::Config& config, const std::string& log_pat
 }  // namespace
 
 int run_map(const MapOptions& options) {
-  const procs::ReplayRig rig = procs::choose_rig(options.log_path, options.config_path);
+  const procs::ReplayRig rig = procs::choose_rig(logs_of(options), options.config_path);
   const io::Config& config = rig.config;
   for (const std::string& note : rig.notes) {
     std::fprintf(stderr, "orchard map: note: %s\n", note.c_str());
@@ -183,7 +186,7 @@ int run_map(const MapOptions& options) {
     if (derived) derived->write(utime, bus::info(channel).name, data);
     if (channel == Channel::kDetections) timer.count();
   };
-  const ReplayReport report = bus::replay_in_process(options.log_path, pipeline.nodes(), replay);
+  const ReplayReport report = bus::replay_in_process(logs_of(options), pipeline.nodes(), replay);
   work.finish();
   std::vector<std::string> warnings = report.warnings;
   for (const bus::Node* node : pipeline.nodes()) {
@@ -197,7 +200,7 @@ int run_map(const MapOptions& options) {
   require_usable(options, rig.name, report);
 
   io::MapSummary summary;
-  summary.source = std::filesystem::path(options.log_path).filename().string();
+  summary.source = logs_of(options).names();
   summary.config_hash = io::config_hash(config);
   summary.version = ORCHARD_VERSION;
   summary.first_utime = report.first_utime;
@@ -205,7 +208,7 @@ int run_map(const MapOptions& options) {
   summary.counts = counts_of(report, pipeline);
   summary.warnings = std::move(warnings);
   io::MapFolderContent content = pipeline.mapper.content(summary);
-  content.view = view_of(config, options.log_path);
+  content.view = view_of(config, logs_of(options));
   if (content.landmarks.empty()) {
     content.summary.warnings.push_back("nothing was mapped: no object was seen often enough");
     std::fprintf(stderr, "orchard map: warning: %s\n", content.summary.warnings.back().c_str());

@@ -2,15 +2,16 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "mapping/compare/map_alignment.hpp"
 
 namespace orchard::cli {
 
-/// `orchard map LOG --out DIR`.
+/// `orchard map LOG... --out DIR`.
 struct MapOptions {
-  std::string log_path;
-  std::string config_path;  ///< empty: the rig that the log carries
+  std::vector<std::string> log_paths;  ///< of one drive, in any order
+  std::string config_path;             ///< empty: the rig that the log carries
   std::string out_folder;
   std::string previous_path;  ///< map whose ids and numbers are kept; empty: none
   mapping::MapAlignmentConfig previous_alignment;
@@ -20,9 +21,9 @@ struct MapOptions {
   bool timing = false;      ///< print what every thousand scans took
 };
 
-/// Replays a log through detector, pose and mapper in this process and writes the map folder;
-/// returns the exit code. Throws io::FileError and io::ConfigError, and then leaves an earlier map
-/// in the folder as it was; Interrupted as well.
+/// Replays a log, or the pieces of one, through detector, pose and mapper in this process and
+/// writes the map folder; returns the exit code. Throws io::FileError and io::ConfigError, and then
+/// leaves an earlier map in the folder as it was; Interrupted as well.
 int run_map(const MapOptions& options);
 
 }  // namespace orchard::cli

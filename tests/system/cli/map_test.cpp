@@ -33,6 +33,34 @@ TEST_F(MapCommand, WritesTheWholeFolderAndSaysWhatItFound) {
   EXPECT_THAT(summary.dump(), HasSubstr("drive.lcm"));
 }
 
+TEST_F(MapCommand, PiecesOfALogAreMappedAsTheLogWas) {
+  ASSERT_EQ(map(log()).exit_code, 0);
+  // cut where an event begins, near each third
+  const std::string bytes = read_file(log());
+  std::vector<std::size_t> cuts{0};
+  for (const std::size_t third : {bytes.size() / 3, 2 * bytes.size() / 3}) {
+    cuts.push_back(bytes.find("\xED\xA1\xDA\x01", third));
+  }
+  cuts.push_back(bytes.size());
+  for (std::size_t i = 0; i < 3; ++i) {
+    write_file(path("drive." + std::to_string(i)), bytes.substr(cuts[i], cuts[i + 1] - cuts[i]));
+  }
+  // in another order, and the second twice
+  const Result result = orchard({"map", path("drive.1"), path("drive.2"), path("drive.0"),
+                                 path("drive.1"), "--out", path("pieces"), "--config", config()});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("stand in another log, too: used once"));
+  for (const char* file : {"map.csv", "map.gpkg", "trajectory.csv", "derived.lcm"}) {
+    EXPECT_EQ(read_file(path("pieces/") + file), read_file(path("map/") + file)) << file;
+  }
+  const Result info = orchard({"log", "info", path("drive.2"), path("drive.0"), path("drive.1")});
+  EXPECT_EQ(info.exit_code, 0) << info.err;
+  EXPECT_EQ(info.out.substr(info.out.find('\n')), [&] {
+    const std::string whole = orchard({"log", "info", log()}).out;
+    return whole.substr(whole.find('\n'));
+  }());
+}
+
 TEST_F(MapCommand, WhatIsSaidToBeWrittenIsThere) {
   const Result result = map(log());
   for (const char* file : {"map.csv", "map.gpkg", "map.svg", "map.png", "trajectory.csv",

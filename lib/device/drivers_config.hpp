@@ -3,6 +3,9 @@
 
 #include <string>
 
+#include "device/gnss/gnss_driver_config.hpp"
+#include "device/lines/odometry_driver_config.hpp"
+
 namespace orchard::device {
 
 /// What a laser scanner speaks.
@@ -26,11 +29,17 @@ void describe(Visitor& v, LaserDriverConfig& c) {
 /// The sensors of this machine and how they are reached. Section `drivers`.
 struct DriversConfig {
   LaserDriverConfig laser;
+  GnssDriverConfig gnss;
+  OdometryDriverConfig odometry;
+  ImuDriverConfig imu;
 };
 
 template <class Visitor>
 void describe(Visitor& v, DriversConfig& c) {
   v.section("laser", c.laser, "orchard-laser-driver");
+  v.section("gnss", c.gnss, "orchard-gnss-driver");
+  v.section("odometry", c.odometry, "orchard-odometry-driver");
+  v.section("imu", c.imu, "orchard-imu-driver");
 }
 
 }  // namespace orchard::device

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+namespace orchard::device {
+
+/// What stamps a fix.
+enum class GnssStamp {
+  kReceipt,  ///< its arrival here, freed of jitter, less latency_s
+  kFixTime,  ///< its own time: right where the host keeps satellite time (chrony on the receiver)
+};
+
+/// The receiver of orchard-gnss-driver, behind gpsd. Section `drivers.gnss`.
+struct GnssDriverConfig {
+  std::string device = "tcp:127.0.0.1:2947";
+  std::string receiver;  ///< as gpsd names it; empty: the first that reports
+  GnssStamp stamp = GnssStamp::kReceipt;
+  double latency_s = 0.1;  ///< from the instant of a fix to its quickest arrival
+};
+
+template <class Visitor>
+void describe(Visitor& v, GnssDriverConfig& c) {
+  v.text("device", c.device, "where gpsd listens: tcp:HOST:PORT");
+  v.text("receiver", c.receiver, "as gpsd names it (/dev/ttyACM0); empty: the first that reports");
+  v.choice("stamp", c.stamp, {"receipt", "fix_time"},
+           "stamps from arrival less latency_s | the fix's own time, where the host keeps it, too");
+  v.number("latency_s", c.latency_s, 0, 2, "s",
+           "stamp: receipt: from the instant of a fix to its quickest arrival");
+}
+
+}  // namespace orchard::device

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "device/gnss/gpsd_protocol.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "device/gnss/gnss_fix.hpp"
+
+namespace orchard::device {
+namespace {
+
+constexpr std::int64_t kFixTime_us = 1777889472000000;    // 2026-05-04T10:11:12Z
+constexpr std::int64_t kHost_us = 1'700'000'000'000'000;  // a host that has its own idea of time
+
+/// A fix `i` fifths of a second after 10:11:12.
+std::string tpv(int i, const std::string& more = "") {
+  char text[300];
+  std::snprintf(text, sizeof text,
+                "{\"class\":\"TPV\",\"device\":\"/dev/ttyACM0\",\"mode\":3,"
+                "\"time\":\"2026-05-04T10:%02d:%02d.%d00Z\",\"lat\":-32.4,\"lon\":-71.3,"
+                "\"altHAE\":51.5%s}\r\n",
+                11 + (12 + i / 5) / 60, (12 + i / 5) % 60, i % 5 * 2, more.c_str());
+  return text;
+}
+
+std::vector<pose::Gnss> taken(Protocol& protocol) {
+  std::vector<pose::Gnss> fixes;
+  for (const Measurement& measurement : protocol.take_measurements()) {
+    fixes.push_back(std::get<pose::Gnss>(measurement));
+  }
+  return fixes;
+}
+
+GpsdProtocol connected(const GnssDriverConfig& config = {}) {
+  GpsdProtocol protocol(config);
+  protocol.connected(kHost_us);
+  return protocol;
+}
+
+TEST(GpsdProtocol, AsksForReportsOfTheReceiverThatWasChosen) {
+  EXPECT_EQ(connected().take_to_send(), "?WATCH={\"enable\":true,\"json\":true};\n");
+  GnssDriverConfig config;
+  config.receiver = "/dev/tty\"ACM0";
+  EXPECT_EQ(connected(config).take_to_send(),
+            "?WATCH={\"enable\":true,\"json\":true,\"device\":\"/dev/tty\\\"ACM0\"};\n");
+}
+
+TEST(GpsdProtocol, NamesTheQualityByGga) {
+  // gpsd_json(5): status 1 normal, 2 DGPS, 3 RTK fixed, 4 RTK floating, 5 DR, 6 GNSSDR, 7 time,
+  // 8 simulated, 9 P(Y). NMEA 0183 GGA: 1 single, 2 differential, 3 PPS, 4 RTK, 5 float, 6
+  // estimated, 7 manual, 8 simulator.
+  const int expected[] = {1, 1, 2, 4, 5, 6, 6, 7, 8, 3};
+  for (int status = 0; status < 10; ++status) {
+    GpsdFix fix;
+    fix.mode = 3;
+    fix.status = status;
+    EXPECT_EQ(gga_quality(fix), expected[status]);
+    fix.mode = 1;
+    EXPECT_EQ(gga_quality(fix), 0);
+  }
+  EXPECT_EQ(quality_name(4), "RTK fixed");
+  EXPECT_EQ(quality_name(5), "RTK float");
+}
+
+TEST(GpsdProtocol, TheCovarianceIsThatOfTheEllipse) {
+  GpsdFix fix;
+  fix.mode = 3;
+  GpsdNoise noise;
+  noise.major_sd_m = 0.03;
+  noise.minor_sd_m = 0.01;
+  noise.orientation_deg = 30.0;
+  noise.up_sd_m = 0.05;
+  noise.north_sd_m = noise.east_sd_m = 9.0;
+  const auto covariance = enu_covariance(fix, &noise);
+  // Along the axis 30 degrees from north to east the variance is the major one, across the minor.
+  const double e = std::sin(M_PI / 6), n = std::cos(M_PI / 6);
+  const auto along = [&](double east, double north) {
+    return covariance[0] * east * east + 2 * covariance[1] * east * north +
+           covariance[3] * north * north;
+  };
+  EXPECT_NEAR(along(e, n), 9e-4, 1e-12);
+  EXPECT_NEAR(along(n, -e), 1e-4, 1e-12);
+  EXPECT_NEAR(covariance[5], 25e-4, 1e-12);
+  noise.major_sd_m.reset();
+  EXPECT_DOUBLE_EQ(enu_covariance(fix, &noise)[0], 81.0);
+}
+
+TEST(GpsdProtocol, WithoutDeviationsTheErrorsCountUnlessTheyCannotBeOfRtk) {
+  GpsdFix fix;
+  fix.mode = 3;
+  fix.status = 3;
+  fix.eph_m = 0.02;
+  fix.epv_m = 0.03;
+  fix.epx_m = fix.epy_m = 2.0;
+  EXPECT_NEAR(enu_covariance(fix, nullptr)[0], 4e-4, 1e-12);
+  EXPECT_NEAR(enu_covariance(fix, nullptr)[5], 9e-4, 1e-12);
+  fix.eph_m = 3.75;  // 3.75 m times a dilution of 1: gpsd's model, not the receiver's
+  EXPECT_EQ(enu_covariance(fix, nullptr), (std::array<double, 6>{}));
+  fix.status = 1;
+  EXPECT_NEAR(enu_covariance(fix, nullptr)[3], 3.75 * 3.75, 1e-9);
+  fix.eph_m.reset();
+  EXPECT_NEAR(enu_covariance(fix, nullptr)[3], 4.0, 1e-9);
+}
+
+TEST(GpsdProtocol, StampsByArrivalWithoutItsJitter) {
+  GnssDriverConfig config;
+  config.latency_s = 0.15;
+  GpsdProtocol protocol = connected(config);
+  std::mt19937 random(5);
+  std::vector<pose::Gnss> fixes;
+  for (int i = 0; i < 300; ++i) {
+    // True: 150 ms at least, up to 80 ms more.
+    const auto late_us = static_cast<std::int64_t>(150'000 + random() % 80'000);
+    protocol.receive(tpv(i), kHost_us + 200'000 * i + late_us);
+    for (const pose::Gnss& fix : taken(protocol)) fixes.push_back(fix);
+  }
+  ASSERT_EQ(fixes.size(), 300u);
+  for (std::size_t i = 100; i < fixes.size(); ++i) {
+    // The quickest of a few seconds: a small part of the 80 ms.
+    const double expected_us = 2e5 * static_cast<double>(i);
+    EXPECT_NEAR(static_cast<double>(fixes[i].utime - kHost_us), expected_us, 15e3) << i;
+  }
+  EXPECT_EQ(protocol.counts().num_bad, 0);
+}
+
+TEST(GpsdProtocol, StampsByTheFixItselfWhereTheHostKeepsItsTime) {
+  GnssDriverConfig config;
+  config.stamp = GnssStamp::kFixTime;
+  GpsdProtocol protocol = connected(config);
+  protocol.receive(tpv(0), kFixTime_us + 120'000);
+  ASSERT_EQ(taken(protocol).at(0).utime, kFixTime_us);
+  EXPECT_EQ(protocol.condition(), "");
+  protocol.receive(tpv(1), kFixTime_us + 3'700'000);
+  EXPECT_NE(protocol.condition().find("3.5 s after their own time"), std::string::npos);
+}
+
+TEST(GpsdProtocol, ARepeatedFixIsOneMeasurement) {
+  GpsdProtocol protocol = connected();
+  protocol.receive(tpv(0) + tpv(0, ",\"status\":3") + tpv(1), kHost_us + 5);
+  EXPECT_EQ(taken(protocol).size(), 2u);
+}
+
+TEST(GpsdProtocol, DeviationsOfAFloatSolutionAreNotThoseOfAFixedOne) {
+  GpsdProtocol protocol = connected();
+  const std::string gst =
+      "{\"class\":\"GST\",\"device\":\"/dev/ttyACM0\",\"time\":\"2026-05-04T10:11:12.000Z\","
+      "\"lat\":0.3,\"lon\":0.4,\"alt\":0.5}\r\n";
+  protocol.receive(tpv(0, ",\"status\":4") + gst + tpv(1, ",\"status\":4") +
+                       tpv(2, ",\"status\":3") + tpv(10, ",\"status\":4"),
+                   kHost_us + 5);
+  const auto fixes = taken(protocol);
+  ASSERT_EQ(fixes.size(), 4u);
+  EXPECT_EQ(fixes[0].covariance[0], 0.0);
+  EXPECT_NEAR(fixes[1].covariance[0], 0.16, 1e-12);
+  EXPECT_NEAR(fixes[1].covariance[3], 0.09, 1e-12);
+  EXPECT_EQ(fixes[1].fix_quality, 5);
+  EXPECT_EQ(fixes[2].covariance[0], 0.0);
+  EXPECT_EQ(fixes[2].fix_quality, 4);
+  EXPECT_EQ(fixes[3].covariance[0], 0.0);  // two seconds later
+}
+
+TEST(GpsdProtocol, SaysWhatIsMissingAndRecovers) {
+  GpsdProtocol protocol = connected();
+  EXPECT_EQ(protocol.condition(), "waits for a first report");
+  protocol.receive("{\"class\":\"DEVICES\",\"devices\":[]}\r\n", kHost_us + 5);
+  EXPECT_NE(protocol.condition().find("no receiver"), std::string::npos);
+  protocol.receive("{\"class\":\"TPV\",\"device\":\"/dev/ttyACM0\",\"mode\":1}\r\n", kHost_us + 9);
+  EXPECT_EQ(protocol.condition(), "the receiver has no fix yet");
+  EXPECT_TRUE(taken(protocol).empty());
+  protocol.receive(tpv(0), kHost_us + 20);
+  EXPECT_EQ(protocol.condition(), "");
+  EXPECT_EQ(taken(protocol).size(), 1u);
+  protocol.take_to_send();
+  // Unplugged: gpsd is silent, and is asked whether it is there.
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_EQ(protocol.failure(), "");
+    protocol.expire(*protocol.deadline());
+    EXPECT_EQ(protocol.take_to_send(), "?DEVICES;\n");
+  }
+  EXPECT_NE(protocol.condition().find("still plugged in"), std::string::npos);
+  EXPECT_EQ(protocol.failure(), "gpsd no longer answers");
+  protocol.connected(kHost_us + 20'000'000);
+  EXPECT_EQ(protocol.failure(), "");
+  protocol.receive(tpv(100), kHost_us + 20'000'100);
+  EXPECT_EQ(taken(protocol).size(), 1u);
+}
+
+TEST(GpsdProtocol, ReadsOneOfTwoReceiversAndSaysSo) {
+  GpsdProtocol protocol = connected();
+  std::string other = tpv(1);
+  other.replace(other.find("ACM0"), 4, "USB7");
+  protocol.receive(tpv(0) + other, kHost_us + 20);
+  EXPECT_EQ(taken(protocol).size(), 1u);
+  EXPECT_NE(protocol.condition().find("reads /dev/ttyACM0 only"), std::string::npos);
+}
+
+TEST(GpsdProtocol, CountsWhatIsNoReport) {
+  GpsdProtocol protocol = connected();
+  protocol.receive("garbage\n" + std::string(40000, 'x') + "\n" + tpv(0), kHost_us + 20);
+  EXPECT_EQ(protocol.counts().num_bad, 2);
+  EXPECT_EQ(taken(protocol).size(), 1u);
+}
+
+}  // namespace
+}  // namespace orchard::device

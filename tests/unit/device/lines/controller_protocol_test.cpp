@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "device/lines/controller_protocol.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace orchard::device {
+namespace {
+
+constexpr std::int64_t kStart_us = 1'700'000'000'000'000;
+
+template <class M>
+std::vector<M> taken(Protocol& protocol) {
+  std::vector<M> found;
+  for (const Measurement& measurement : protocol.take_measurements()) {
+    if (const auto* m = std::get_if<M>(&measurement)) found.push_back(*m);
+  }
+  return found;
+}
+
+struct Rig {
+  OdometryDriverConfig odometry;
+  ImuDriverConfig imu;
+};
+
+ControllerProtocol connected(const Rig& rig = {}) {
+  ControllerProtocol protocol(rig.odometry, rig.imu);
+  protocol.connected(kStart_us);
+  protocol.receive("f a line\n", kStart_us);
+  return protocol;
+}
+
+std::string with_checksum(const std::string& line) {
+  char sum[8];
+  std::snprintf(sum, sizeof sum, "*%02x\n", line_checksum(line));
+  return line + sum;
+}
+
+TEST(ControllerProtocol, VelocitiesAreStampedWhenTheyCome) {
+  ControllerProtocol protocol = connected();
+  EXPECT_EQ(protocol.condition(),
+            "waits for lines: is the controller running, and the baud rate right?");
+  protocol.receive("V 0.5 0.1 0.02", kStart_us + 10);
+  protocol.receive(" 0.03\r\n", kStart_us + 20);
+  const auto odometry = taken<pose::Odometry>(protocol);
+  ASSERT_EQ(odometry.size(), 1u);
+  EXPECT_EQ(odometry[0].utime, kStart_us + 20);
+  EXPECT_DOUBLE_EQ(odometry[0].speed_mps, 0.5);
+  EXPECT_DOUBLE_EQ(odometry[0].covariance[0], 0.0004);
+  EXPECT_DOUBLE_EQ(odometry[0].covariance[2], 0.0009);
+  EXPECT_EQ(protocol.condition(), "");
+  EXPECT_EQ(protocol.counts().num_good, 1);
+  EXPECT_EQ(protocol.counts().num_bad, 0);
+}
+
+// A circle of 2 m radius at 0.8 m/s: each wheel's way is known, and so are speed and turn.
+TEST(ControllerProtocol, TicksOfACircleThroughManyWrapsAndALostLine) {
+  Rig rig;
+  rig.odometry.metres_per_tick = {0.0001, -0.0001};  // the right one counts backwards
+  rig.odometry.wheel_distance_m = 0.6;
+  rig.odometry.counter_bits = 16;  // wraps every 6.5 m
+  ControllerProtocol protocol = connected(rig);
+  const double speed_mps = 0.8, yaw_rate_radps = 0.4;
+  std::vector<pose::Odometry> all;
+  std::mt19937 random(3);
+  for (int i = 0; i <= 2000; ++i) {
+    if (i == 700) continue;  // a line that was lost
+    const double t_s = 0.02 * i;
+    const auto left = std::llround((speed_mps - 0.3 * yaw_rate_radps) * t_s / 0.0001);
+    const auto right = std::llround((speed_mps + 0.3 * yaw_rate_radps) * t_s / 0.0001);
+    // The left counter is signed and the right one unsigned.
+    const auto line = "T " + std::to_string(static_cast<std::int16_t>(left)) + " " +
+                      std::to_string(static_cast<std::uint16_t>(-right)) + " @" +
+                      std::to_string((4'294'000'000 + 20'000LL * i) % (1LL << 32));
+    const auto delay_us = static_cast<std::int64_t>(random() % 8000);
+    protocol.receive(with_checksum(line), kStart_us + 20'000LL * i + delay_us);
+    for (const auto& odometry : taken<pose::Odometry>(protocol)) all.push_back(odometry);
+  }
+  ASSERT_EQ(all.size(), 1999u);
+  double way_m = 0.0, turn_rad = 0.0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const double step_s = i == 699 ? 0.04 : 0.02;
+    way_m += all[i].speed_mps * step_s;
+    turn_rad += all[i].yaw_rate_radps * step_s;
+    // One tick of rounding at each end of the step, in each wheel.
+    EXPECT_NEAR(all[i].speed_mps, speed_mps, 0.0001 / 0.02 + 1e-9);
+    EXPECT_NEAR(all[i].yaw_rate_radps, yaw_rate_radps, 0.0002 / 0.6 / 0.02 + 1e-9);
+    ASSERT_TRUE(i == 0 || all[i].utime > all[i - 1].utime);
+  }
+  EXPECT_NEAR(way_m, speed_mps * 40.0, 0.0002);
+  EXPECT_NEAR(turn_rad, yaw_rate_radps * 40.0, 0.0004);
+  // In the middle of the step, and not later than the quickest lines say.
+  EXPECT_NEAR(static_cast<double>(all.back().utime - kStart_us), 40e6 - 10e3, 2000.0);
+  EXPECT_EQ(protocol.counts().num_bad, 0);
+}
+
+TEST(ControllerProtocol, ARestartedControllerMakesNoJump) {
+  for (const bool has_time : {true, false}) {
+    ControllerProtocol protocol = connected();
+    const auto line = [&](std::int64_t ticks, std::int64_t time_us) {
+      return "T " + std::to_string(ticks) + " " + std::to_string(ticks) +
+             (has_time ? " @" + std::to_string(time_us) : "") + "\n";
+    };
+    protocol.receive(line(900'000, 500'000'000), kStart_us + 100'000);
+    protocol.receive(line(900'010, 500'020'000), kStart_us + 120'000);
+    protocol.receive(line(0, 1'000'000), kStart_us + 900'000);
+    protocol.receive(line(10, 1'020'000), kStart_us + 920'000);
+    const auto odometry = taken<pose::Odometry>(protocol);
+    ASSERT_EQ(odometry.size(), 2u) << has_time;
+    for (const auto& each : odometry) EXPECT_NEAR(each.speed_mps, 0.5, 1e-6);
+    EXPECT_EQ(protocol.counts().num_bad, has_time ? 0 : 1);
+  }
+}
+
+// A unit that lies on its back and is turned by a quarter: roll 180 deg, yaw 90 deg.
+TEST(ControllerProtocol, TurnsAnInertialUnitIntoBase) {
+  Rig rig;
+  rig.imu.mount_rad = {M_PI, 0.0, M_PI / 2};
+  ControllerProtocol protocol = connected(rig);
+  // Base level, yawing left at 0.3 rad/s, accelerating forward at 1: the unit's z points down, its
+  // x to base's left, its y to base's front.
+  protocol.receive("I 0 0 -0.3 0 1 -9.8\n", kStart_us + 5);
+  const auto imu = taken<pose::Imu>(protocol);
+  ASSERT_EQ(imu.size(), 1u);
+  EXPECT_NEAR(imu[0].angular_rate_radps[2], 0.3, 1e-12);
+  EXPECT_NEAR(imu[0].acceleration_mps2[0], 1.0, 1e-12);
+  EXPECT_NEAR(imu[0].acceleration_mps2[1], 0.0, 1e-12);
+  EXPECT_NEAR(imu[0].acceleration_mps2[2], 9.8, 1e-12);
+  EXPECT_FALSE(imu[0].has_orientation);
+  // Base level and facing north (yaw 90 deg): the unit's x points west, its y north, its z down:
+  // roll 180 deg, pitch 0, yaw 180 deg.
+  protocol.receive("I 0 0 0 0 0 -9.8 3.14159265358979 0 3.14159265358979\n", kStart_us + 9);
+  const auto turned = taken<pose::Imu>(protocol);
+  ASSERT_EQ(turned.size(), 1u);
+  EXPECT_NEAR(turned[0].roll_rad, 0.0, 1e-9);
+  EXPECT_NEAR(turned[0].pitch_rad, 0.0, 1e-9);
+  EXPECT_NEAR(turned[0].yaw_rad, M_PI / 2, 1e-9);
+}
+
+TEST(ControllerProtocol, AfterOneChecksumAllMustHaveOne) {
+  ControllerProtocol protocol = connected();
+  protocol.receive("V 1 0\n" + with_checksum("V 2 0") + "V 3 0\n", kStart_us + 1);
+  EXPECT_EQ(taken<pose::Odometry>(protocol).size(), 2u);
+  EXPECT_EQ(protocol.counts().num_bad, 1);
+  protocol.connected(kStart_us + 100);
+  protocol.receive("\nV 3 0\n", kStart_us + 200);
+  EXPECT_EQ(taken<pose::Odometry>(protocol).size(), 1u);
+}
+
+TEST(ControllerProtocol, SaysWhenItIsSilentAndGivesUp) {
+  ControllerProtocol protocol = connected();
+  protocol.receive("V 1 0\n", kStart_us + 100);
+  ASSERT_EQ(protocol.deadline(), kStart_us + 1'000'100);
+  protocol.expire(kStart_us + 1'000'100);
+  EXPECT_NE(protocol.condition(), "");
+  EXPECT_EQ(protocol.failure(), "");
+  protocol.receive("V 1 \x1b[2J\n", kStart_us + 1'500'000);
+  EXPECT_EQ(protocol.condition(),
+            "waits for a usable line; refused \"V 1 ?[2J\" (not a number: ?[2J)");
+  while (protocol.failure().empty()) {
+    ASSERT_LT(*protocol.deadline(), kStart_us + 12'000'000);
+    protocol.expire(*protocol.deadline());
+  }
+  protocol.connected(kStart_us + 20'000'000);
+  EXPECT_EQ(protocol.failure(), "");
+  protocol.receive("\nV 1 0\n", kStart_us + 20'100'000);
+  EXPECT_EQ(protocol.condition(), "");
+}
+
+TEST(ControllerProtocol, FollowsTheHostsClockWhenItIsSet) {
+  ControllerProtocol protocol = connected();
+  protocol.receive("T 0 0\n", kStart_us + 10);
+  constexpr std::int64_t kStep_us = -3'600'000'000;
+  protocol.host_clock_stepped(kStep_us);
+  protocol.receive("T 10 10\n", kStart_us + kStep_us + 20'010);
+  const auto odometry = taken<pose::Odometry>(protocol);
+  ASSERT_EQ(odometry.size(), 1u);
+  EXPECT_EQ(odometry[0].utime, kStart_us + kStep_us + 10'010);
+  EXPECT_NEAR(odometry[0].speed_mps, 0.5, 1e-9);
+}
+
+}  // namespace
+}  // namespace orchard::device

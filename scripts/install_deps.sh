@@ -28,6 +28,8 @@ packages=(
   libcli11-dev libspdlog-dev libfmt-dev libgtest-dev libgmock-dev libbenchmark-dev
   # manual pages
   help2man
+  # gpsfake, for the tests of the GNSS driver
+  gpsd gpsd-clients
   # network namespaces and multicast routes for demo and tests
   iproute2 util-linux
   # tests of several machines, clocks and supervisors

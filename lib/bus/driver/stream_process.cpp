@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bus/driver/stream_process.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+#include "bus/driver/device_server.hpp"
+#include "bus/driver/paced_source.hpp"
+#include "bus/driver/played_log.hpp"
+#include "bus/driver/port.hpp"
+#include "bus/driver/raw_source.hpp"
+#include "bus/driver/stream_driver.hpp"
+
+namespace orchard::bus {
+namespace {
+
+/// As typed.
+struct StreamOptions {
+  std::string device;
+  std::string raw_out;
+  std::string raw_in;
+  std::string emulate;
+  std::string emulate_at;
+};
+
+/// A log's measurements through an emulated device on a port of its own, and the driver that reads
+/// it, in one loop.
+class EmulatedDriver : public Driver {
+ public:
+  EmulatedDriver(const StreamDevice& device, const std::string& log_path, std::int64_t start_utime,
+                 const std::string& raw_out)
+      : log_(log_path, start_utime, device.channels),
+        server_(device.make_emulated(), device.emulated_at),
+        driver_(device.make_protocol(), parse_port(server_.address()), raw_out) {}
+
+  std::vector<pollfd> files() override {
+    std::vector<pollfd> files = driver_.files();
+    const std::vector<pollfd> others = server_.files();
+    files.insert(files.end(), others.begin(), others.end());
+    return files;
+  }
+  Clock::time_point deadline() override {
+    return std::min({driver_.deadline(), server_.deadline(), log_.deadline()});
+  }
+  void step(const Outbox& send) override {
+    while (const auto message = log_.take_due()) play(*message);
+    server_.step();
+    driver_.step(send);
+  }
+  DriverCondition condition() const override { return driver_.condition(); }
+
+ private:
+  void play(const Message& message) {
+    std::visit(
+        [this](const auto& m) {
+          using M = std::decay_t<decltype(m)>;
+          if constexpr (std::is_constructible_v<device::Measurement, M>) server_.measured(m);
+        },
+        message);
+  }
+
+  PlayedLog log_;
+  DeviceServer server_;
+  StreamDriver driver_;
+};
+
+/// A recording of raw bytes as a driver.
+class RawDriver : public Driver {
+ public:
+  RawDriver(std::unique_ptr<device::Protocol> protocol, const std::string& path)
+      : source_(std::move(protocol), path), paced_(source_, 1.0) {}
+
+  std::vector<pollfd> files() override { return {}; }
+  Clock::time_point deadline() override { return paced_.deadline(); }
+  void step(const Outbox& send) override { paced_.step(send); }
+  bool ended() const override { return paced_.ended(); }
+
+ private:
+  RawSource source_;
+  PacedSource paced_;
+};
+
+std::int64_t parse_utime(const std::string& text) {
+  std::int64_t utime = 0;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), utime);
+  if (result.ec != std::errc() || result.ptr != text.data() + text.size() || utime < 0) {
+    throw std::invalid_argument("--emulate-at " + text + ": must be microseconds since 1970");
+  }
+  return utime;
+}
+
+std::unique_ptr<Driver> make_driver(const StreamDevice& device, const StreamOptions& options) {
+  if (!options.raw_in.empty()) {
+    return std::make_unique<RawDriver>(device.make_protocol(), options.raw_in);
+  }
+  if (options.emulate.empty()) {
+    const std::string& where = options.device.empty() ? device.device : options.device;
+    return std::make_unique<StreamDriver>(device.make_protocol(), parse_port(where),
+                                          options.raw_out);
+  }
+  const std::int64_t start_utime = options.emulate_at.empty() ? 0 : parse_utime(options.emulate_at);
+  return std::make_unique<EmulatedDriver>(device, options.emulate, start_utime, options.raw_out);
+}
+
+}  // namespace
+
+int run_stream_process(int argc, char** argv, ProcessInfo info, io::ConfigFile& config,
+                       const std::function<StreamDevice()>& make_device) {
+  StreamOptions options;
+  const std::vector<ExtraOption> more = {
+      {"--device", "PORT", "tcp:HOST:PORT or serial:FILE:BAUD, instead of the configuration's",
+       &options.device},
+      {"--raw-out", "FILE", "record the device's raw bytes", &options.raw_out},
+      {"--raw-in", "FILE", "read raw bytes from a recording instead of the device",
+       &options.raw_in},
+      {"--emulate", "LOG", "play the measurements of a log as the device would send them",
+       &options.emulate},
+      {"--emulate-at", "UTIME", "play the log's first event at that time of the host [us] [now]",
+       &options.emulate_at},
+  };
+  info.options.insert(info.options.end(), more.begin(), more.end());
+  return run_device_process(argc, argv, info, config,
+                            [&] { return make_driver(make_device(), options); });
+}
+
+}  // namespace orchard::bus

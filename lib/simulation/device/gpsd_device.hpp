@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "simulation/device/emulated_device.hpp"
+
+namespace orchard::simulation {
+
+/// gpsd with one receiver: fixes as GST and TPV reports (gpsd_json(5)), each `latency_s` after its
+/// instant, to a client that has asked for them by ?WATCH. Satellite time is true time.
+class GpsdDevice : public EmulatedDevice {
+ public:
+  explicit GpsdDevice(double latency_s) : latency_us_(static_cast<std::int64_t>(1e6 * latency_s)) {}
+
+  void connected(std::int64_t utime) override;
+  void receive(std::string_view bytes, std::int64_t utime) override;
+  void measured(const device::Measurement& measurement) override;
+  std::optional<std::int64_t> deadline() const override;
+  void advance(std::int64_t utime) override;
+
+ private:
+  std::int64_t latency_us_;
+  std::string asked_;
+  bool is_watched_ = false;
+  std::deque<pose::Gnss> on_their_way_;
+};
+
+}  // namespace orchard::simulation

@@ -16,13 +16,14 @@ enum class LaserProtocol {
 
 /// The scanner of orchard-laser-driver. Section `drivers.laser`.
 struct LaserDriverConfig {
-  std::string device = "tcp:192.168.0.10:10940";
+  std::string device;  ///< empty: this machine has none
   LaserProtocol protocol = LaserProtocol::kScip;
 };
 
 template <class Visitor>
 void describe(Visitor& v, LaserDriverConfig& c) {
-  v.text("device", c.device, "tcp:HOST:PORT, or serial:/dev/ttyACM0:115200");
+  v.text("device", c.device,
+         "tcp:192.168.0.10:10940 or serial:/dev/ttyACM0:115200; empty: there is none");
   v.choice("protocol", c.protocol, {"scip", "cola_a"}, "Hokuyo speaks scip, SICK cola_a");
 }
 

@@ -161,7 +161,6 @@ void ColaProtocol::take_sweep(std::string_view telegram, std::int64_t host_utime
     ++counts_.num_bad;
     return;
   }
-  ++counts_.num_good;
   if (step_ == Step::kStart) step_ = Step::kStream;  // the first sweep overtook the answer
   is_streaming_ = true;
   trouble_ = sweep->is_dirty ? "the scanner says that its front screen is dirty" : "";
@@ -170,6 +169,12 @@ void ColaProtocol::take_sweep(std::string_view telegram, std::int64_t host_utime
   const double sent_us = clock_.arrived(sweep->sent_ticks, host_utime);
   const double start_us = sent_us - kTick_us * (sweep->sent_ticks - sweep->start_ticks);
   sweep->scan.utime = clock_.host_utime(start_us + sweep->to_first_beam_us);
+  if (last_utime_ && sweep->scan.utime <= *last_utime_) {
+    ++counts_.num_bad;  // a counter that jumped: two sweeps cannot be of one time
+    return;
+  }
+  last_utime_ = sweep->scan.utime;
+  ++counts_.num_good;
   measurements_.emplace_back(std::move(sweep->scan));
 }
 
@@ -190,6 +195,7 @@ void ColaProtocol::expire(std::int64_t host_utime) {
 
 void ColaProtocol::host_clock_stepped(std::int64_t step_us) {
   clock_.host_stepped(step_us);
+  if (last_utime_) *last_utime_ += step_us;
   if (deadline_utime_) *deadline_utime_ += step_us;
 }
 

@@ -51,7 +51,8 @@ class ColaProtocol : public Protocol {
   ColaModel model_;
   std::optional<ColaRange> range_;
   bool is_streaming_ = false;  ///< a sweep has come in this talk
-  std::string trouble_;        ///< what the scanner says is wrong with it
+  std::optional<std::int64_t> last_utime_;
+  std::string trouble_;  ///< what the scanner says is wrong with it
   std::string failure_;
 };
 

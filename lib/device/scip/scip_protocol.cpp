@@ -187,16 +187,20 @@ void ScipProtocol::take_sweep(const ScipReply& reply, std::int64_t host_utime) {
     ++counts_.num_bad;
     return;
   }
-  ++counts_.num_good;
   is_granted_ = is_streaming_ = true;
   trouble_.clear();
+  deadline_utime_ = host_utime + kAnswer_us +
+                    static_cast<std::int64_t>(kMaxSilence_turns * parameters_->turn_us());
   const double step_0_us = clock_.arrived(sweep->ticks, host_utime);
   const double first_beam_us = parameters_->first_step * parameters_->beam_period_us();
   sweep->scan.utime = clock_.host_utime(step_0_us + first_beam_us);
+  if (last_utime_ && sweep->scan.utime <= *last_utime_) {
+    ++counts_.num_bad;  // a counter that jumped: two sweeps cannot be of one time
+    return;
+  }
+  last_utime_ = sweep->scan.utime;
+  ++counts_.num_good;
   measurements_.emplace_back(std::move(sweep->scan));
-  num_asked_ = 0;
-  deadline_utime_ = host_utime + kAnswer_us +
-                    static_cast<std::int64_t>(kMaxSilence_turns * parameters_->turn_us());
 }
 
 void ScipProtocol::expire(std::int64_t host_utime) {
@@ -239,6 +243,7 @@ void ScipProtocol::fail(const std::string& why) {
 void ScipProtocol::host_clock_stepped(std::int64_t step_us) {
   clock_.host_stepped(step_us);
   asked_utime_ += step_us;
+  if (last_utime_) *last_utime_ += step_us;
   if (deadline_utime_) *deadline_utime_ += step_us;
 }
 

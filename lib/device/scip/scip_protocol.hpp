@@ -61,7 +61,8 @@ class ScipProtocol : public Protocol {
   ScipEncoding encoding_ = ScipEncoding::kThree;
   bool is_granted_ = false;    ///< it has agreed to send sweeps
   bool is_streaming_ = false;  ///< a sweep has come in this talk
-  std::string trouble_;        ///< what the scanner says is wrong with it
+  std::optional<std::int64_t> last_utime_;
+  std::string trouble_;  ///< what the scanner says is wrong with it
   std::string failure_;
 };
 

@@ -162,6 +162,17 @@ TEST(ScipProtocol, ABrokenSweepIsCountedAndTheNextOneRead) {
   EXPECT_EQ(scip.counts().num_bad, 1);
 }
 
+TEST(ScipProtocol, TwoSweepsOfOneTimeAreOne) {
+  ScipProtocol scip;
+  lead_to_stream(scip);
+  for (int i = 0; i < 2; ++i) {
+    scip.receive("MD0002000500000\n99b\nm2@0?\n0CB1Dh00C1GQn\n\n", i * 1000);
+  }
+  EXPECT_EQ(scip.take_measurements().size(), 1u);
+  EXPECT_EQ(scip.counts().num_good, 1);
+  EXPECT_EQ(scip.counts().num_bad, 1);
+}
+
 TEST(ScipProtocol, SilenceAsksAgainAndThenWantsANewConnection) {
   ScipProtocol scip;
   scip.connected(0);

@@ -39,7 +39,7 @@ std::int32_t ColaFields::signed_number() {
     return value;
   }
   std::string_view field = text();
-  if (field.front() == '+') field.remove_prefix(1);
+  if (!field.empty() && field.front() == '+') field.remove_prefix(1);
   std::int32_t value = 0;
   const auto end = field.data() + field.size();
   const auto result = std::from_chars(field.data(), end, value);

@@ -34,6 +34,15 @@ TEST(ColaFields, WhatIsNoNumberEndsIt) {
   }
 }
 
+TEST(ColaFields, AfterOneThatIsNoneEveryKindReadsNothing) {
+  ColaFields fields("x +100");
+  fields.number();
+  EXPECT_EQ(fields.signed_number(), 0);
+  EXPECT_EQ(fields.real(), 0.0f);
+  EXPECT_EQ(fields.text(), "");
+  EXPECT_FALSE(fields.ok());
+}
+
 /// Five beams from -45 degrees in steps of a third: 500, 0, 1000, 3, 65535 mm; 15 turns a second;
 /// begun at 1,000,000 us and sent at 1,050,000 us of the device's clock.
 const std::string kHead = "sSN LMDscandata 1 1 89A27F 0 0 1A 1B F4240 100590 0 0 3F 0 0 5DC 21C 0";

@@ -12,6 +12,8 @@ namespace {
 /// A camera without a laser must not fill the memory.
 constexpr std::size_t kMaxImages = 64;
 constexpr std::size_t kMaxMotions = 1024;
+/// Nor must scans, whatever time the others say it is: at most so many wait.
+constexpr std::size_t kMaxScans = 256;
 /// An older motion says nothing of now.
 constexpr std::int64_t kMotionAgeMax_us = 200'000;
 
@@ -30,14 +32,25 @@ ScanImagePairer::ScanImagePairer(double tolerance_s, double wait_s, bool with_mo
       with_motion_(with_motion) {}
 
 std::vector<ScanImagePair> ScanImagePairer::add(laser::Scan scan) {
-  // A scan of a clock that was set back stays behind the ones before it.
+  std::vector<ScanImagePair> pairs;
+  if (scans_.is_clock_set_back(kScan, scan.utime)) {
+    // The ones before it are of another time: nothing that comes will decide them.
+    pairs = flush();
+    newest_scan_utime_ = timed_out_scan_utime_ = Queue::kNever;
+    images_.clear();
+    motions_.clear();
+  }
+  // A scan of a clock that was set back a little stays behind the ones before it.
   newest_scan_utime_ = std::max(newest_scan_utime_, scan.utime);
   scans_.push(kScan, newest_scan_utime_, std::move(scan));
-  return release();
+  for (ScanImagePair& pair : release()) pairs.push_back(std::move(pair));
+  while (scans_.size(kScan) > kMaxScans) pairs.push_back(pair_front(true));
+  return pairs;
 }
 
 std::vector<ScanImagePair> ScanImagePairer::add(vision::Image image) {
   const std::int64_t exposure_utime = image.utime - delay_us_;
+  if (scans_.is_clock_set_back(kImage, exposure_utime)) images_.clear();
   scans_.reach(kImage, exposure_utime);
   if (timed_out_scan_utime_ != Queue::kNever &&
       exposure_utime <= timed_out_scan_utime_ + tolerance_us_) {
@@ -54,6 +67,7 @@ std::vector<ScanImagePair> ScanImagePairer::add(vision::Image image) {
 
 std::vector<ScanImagePair> ScanImagePairer::add(const Motion& motion) {
   if (!with_motion_) return {};
+  if (scans_.is_clock_set_back(kMotion, motion.utime)) motions_.clear();
   scans_.reach(kMotion, motion.utime);
   const auto after =
       std::upper_bound(motions_.begin(), motions_.end(), motion.utime,

@@ -27,7 +27,8 @@ struct ScanImagePair {
 /// A scan is decided when a picture at or after it has come (and, with motions, a motion at or
 /// after that picture), or when a message later by more than the wait has. So the pairs do not
 /// depend on the order in which the channels arrive as long as none is delayed by more than the
-/// wait. Time is the messages' own.
+/// wait. Time is the messages' own. A channel whose time falls by more than a minute had its clock
+/// set back: its earlier messages are done with. What is kept is bounded.
 class ScanImagePairer {
  public:
   /// `with_motion`: pairs wait for motions too. `delay_s`: camera.delay_s.

@@ -10,6 +10,10 @@
 namespace orchard::mapping {
 namespace {
 
+/// Before the first pose and after the last, base is where they say for so long: a robot moves at
+/// most a tenth of a metre or two in it.
+constexpr std::int64_t kBeyondEnds_us = 100'000;
+
 bool is_before(const pose::PoseEstimate& pose, std::int64_t utime) { return pose.utime < utime; }
 
 double turn(double from_rad, double to_rad, double share) {
@@ -102,7 +106,7 @@ std::optional<pose::PoseEstimate> PoseTrack::at(std::int64_t utime) const {
     pose::PoseEstimate nearest = after == poses_.begin() ? poses_.front() : poses_.back();
     const std::int64_t away_us =
         nearest.utime > utime ? nearest.utime - utime : utime - nearest.utime;
-    if (away_us > gap_max_us_) return std::nullopt;
+    if (away_us > std::min(gap_max_us_, kBeyondEnds_us)) return std::nullopt;
     nearest.utime = utime;
     return nearest;
   }

@@ -28,8 +28,8 @@ class PoseTrack {
   /// the motion within a scan can be told from them. False before there are two.
   bool is_dense_at(std::int64_t utime, std::int64_t gap_max_us) const;
 
-  /// The pose at that time: interpolated, or the first or last one when no farther than the
-  /// largest gap. None inside a larger gap.
+  /// The pose at that time: interpolated, or the first or last one when that is at most 0.1 s away.
+  /// None inside a gap larger than the largest.
   std::optional<pose::PoseEstimate> at(std::int64_t utime) const;
 
   /// Corrects every pose before trajectory.utime: by what the trajectory says of its key times,

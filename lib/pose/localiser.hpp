@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "pose/measurement.hpp"
 #include "pose/pose_estimate.hpp"
@@ -22,6 +23,9 @@ class Localiser {
   /// The pose at the time of the last measurement that moved or corrected it; none while it is
   /// unknown. Every number in it is finite.
   virtual std::optional<PoseEstimate> estimate() const = 0;
+
+  /// Where base was before the pose became known, in order of time, once; all before estimate().
+  virtual std::vector<PoseEstimate> take_past() { return {}; }
 
   /// A new revision of the whole past, once, when it was corrected since the last call.
   virtual std::optional<Trajectory> take_correction() { return std::nullopt; }

@@ -32,10 +32,21 @@ class OrderedQueue {
 
   explicit OrderedQueue(const Rules& rules) : rules_(rules) { reached_.fill(kNever); }
 
+  /// A time so far before the last one of its kind is no late item: its clock was set back.
+  static constexpr std::int64_t kClockSet_us = 60'000'000;
+
+  /// Whether an item of that time shows that the clock behind its kind was set back.
+  bool is_clock_set_back(std::size_t kind, std::int64_t utime) const {
+    return reached_[kind] != kNever && reached_[kind] - utime > kClockSet_us;
+  }
+
   /// Something of this kind has arrived that is not queued.
   void reach(std::size_t kind, std::int64_t utime) {
-    reached_[kind] = std::max(reached_[kind], utime);
-    if (rules_[kind].tells_time) message_time_ = std::max(message_time_, utime);
+    const bool set_back = is_clock_set_back(kind, utime);
+    reached_[kind] = set_back ? utime : std::max(reached_[kind], utime);
+    if (!rules_[kind].tells_time) return;
+    if (set_back) message_time_ = newest_time();
+    message_time_ = std::max(message_time_, utime);
   }
   /// The newest time of a kind; kNever before its first.
   std::int64_t reached(std::size_t kind) const { return reached_[kind]; }
@@ -115,6 +126,14 @@ class OrderedQueue {
   }
 
  private:
+  std::int64_t newest_time() const {
+    std::int64_t newest = kNever;
+    for (std::size_t kind = 0; kind < kNumKinds; ++kind) {
+      if (rules_[kind].tells_time) newest = std::max(newest, reached_[kind]);
+    }
+    return newest;
+  }
+
   struct Entry {
     std::int64_t utime;
     Item item;

@@ -35,6 +35,10 @@ constexpr std::size_t kRemovedPerTile = 1000;
 constexpr std::size_t kRefreshMax = kLandmarksPerTile;
 constexpr double kFixSpacing_m = 0.5;
 
+/// How long DETECTIONS wait for the first POSE of all [s]: a receiver takes its time, and what was
+/// driven meanwhile is told once the pose is known.
+constexpr double kFirstPoseWait_s = 60.0;
+
 /// Over less than this, what base moves does not tell how fast.
 constexpr double kSweepMin_s = 0.005;
 
@@ -68,7 +72,7 @@ MapperNode::MapperNode(const io::Config& config)
 /// nothing of message time.
 MapperNode::Queue::Rules MapperNode::rules_of(const mapping::MapperConfig& config) {
   Queue::Rules rules;
-  rules[kPose].wait_us = microseconds(config.pose_wait_s);
+  rules[kPose].wait_us = microseconds(std::max(config.pose_wait_s, kFirstPoseWait_s));
   rules[kScan].wait_us = scan_wait_us(config.existence);
   rules[kScan].tells_time = false;
   return rules;
@@ -146,6 +150,12 @@ std::optional<std::size_t> MapperNode::blocker() const {
 }
 
 void MapperNode::release(const bus::Outbox& send) {
+  const std::int64_t pose_wait_us = microseconds(config_.pose_wait_s);
+  if (!has_pose_caught_up_ && queue_.reached(kPose) != Queue::kNever &&
+      queue_.message_time() - queue_.reached(kPose) <= pose_wait_us) {
+    has_pose_caught_up_ = true;
+    queue_.set_wait(kPose, pose_wait_us);
+  }
   while (!queue_.is_empty(kDetections) && !blocker()) {
     const std::int64_t utime = queue_.front_utime(kDetections);
     if (track_.covers(utime)) {

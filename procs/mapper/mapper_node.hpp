@@ -105,6 +105,7 @@ class MapperNode : public bus::Node {
   laser::LaserConfig laser_;
   laser::BlindSector blind_;
   std::int64_t last_kept_scan_utime_ = Queue::kNever;
+  bool has_pose_caught_up_ = false;
   bool is_scan_missing_ = false;  ///< DETECTIONS were used without theirs, and none has come since
   pose::TrajectoryCollector collector_;
   double moved_m_ = 0.0;         ///< by corrections since the map was rebuilt last

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/pose_node.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -46,11 +47,13 @@ std::optional<pose::Measurement> measurement_of(const bus::Message& input) {
 PoseNode::PoseNode(const io::Config& config)
     : waits_s_(pose::expected_measurements(config.pose)),
       queue_(rules_of(waits_s_)),
-      localiser_(pose::make_localiser(config.pose,
-                                      config.pose.mode == pose::PoseMode::kPriorMap
-                                          ? io::read_prior_map(config.pose.prior_map)
-                                          : std::vector<pose::PriorLandmark>{},
-                                      config.laser, config.detector.segmentation.blind_sector())) {}
+      make_localiser_([config, prior_map = config.pose.mode == pose::PoseMode::kPriorMap
+                                               ? io::read_prior_map(config.pose.prior_map)
+                                               : std::vector<pose::PriorLandmark>{}] {
+        return pose::make_localiser(config.pose, prior_map, config.laser,
+                                    config.detector.segmentation.blind_sector());
+      }),
+      localiser_(make_localiser_()) {}
 
 std::vector<bus::Channel> PoseNode::inputs() const {
   std::vector<bus::Channel> channels;
@@ -70,6 +73,17 @@ void PoseNode::handle(const bus::Message& input, const bus::Outbox& send) {
 void PoseNode::push(pose::Measurement measurement) {
   const std::size_t kind = measurement.index();
   const std::int64_t utime = pose::utime_of(measurement);
+  if (queue_.is_clock_set_back(kind, utime)) {
+    clock_utime_ = utime;
+    released_utime_ = last_utime_ = Queue::kNever;
+    while (queue_.pop_flushed()) ++num_late_;
+    localiser_ = make_localiser_();
+  } else if (clock_utime_ && utime > *clock_utime_ + Queue::kClockSet_us) {
+    ++num_late_;  // its clock is the one of before
+    return;
+  } else if (clock_utime_) {
+    clock_utime_ = std::max(*clock_utime_, utime);
+  }
   // Equal to the released time is late as well: its pose has been published.
   if (utime <= released_utime_ || utime < queue_.reached(kind)) {
     ++num_late_;
@@ -89,13 +103,20 @@ void PoseNode::use(const pose::Measurement& measurement, const bus::Outbox& send
   localiser_->add(measurement);
   // Before the pose of that time: poses from there on are published with the correction.
   send_correction(send);
+  for (pose::PoseEstimate& past : localiser_->take_past()) {
+    if (past.utime > last_utime_) send_pose(past, send);
+  }
   std::optional<pose::PoseEstimate> estimate = localiser_->estimate();
   // Measurements of one time make one pose.
   if (estimate && estimate->utime > last_utime_ && queue_.next_utime() != estimate->utime) {
-    last_utime_ = estimate->utime;
-    estimate->seq = next_seq_++;
-    send(*estimate);
+    send_pose(*estimate, send);
   }
+}
+
+void PoseNode::send_pose(pose::PoseEstimate& estimate, const bus::Outbox& send) {
+  last_utime_ = estimate.utime;
+  estimate.seq = next_seq_++;
+  send(estimate);
 }
 
 void PoseNode::send_correction(const bus::Outbox& send) {

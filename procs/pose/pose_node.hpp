@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 
 #include "bus/node/node.hpp"
 #include "io/config/config.hpp"
@@ -14,7 +16,7 @@
 namespace orchard::procs {
 
 /// Says where the robot is: one POSE per time of measurement, in order of time, and TRAJECTORY
-/// whenever the past was corrected.
+/// whenever the past was corrected. When a clock is set back by more than a minute, it begins anew.
 class PoseNode : public bus::Node {
  public:
   /// Throws io::FileError when mode prior_map has no map to go by.
@@ -31,6 +33,7 @@ class PoseNode : public bus::Node {
  private:
   void push(pose::Measurement measurement);
   void use(const pose::Measurement& measurement, const bus::Outbox& send);
+  void send_pose(pose::PoseEstimate& estimate, const bus::Outbox& send);
   void send_correction(const bus::Outbox& send);
 
   using Queue = timing::OrderedQueue<pose::Measurement, pose::kNumMeasurementKinds>;
@@ -39,6 +42,9 @@ class PoseNode : public bus::Node {
   Queue queue_;
   std::int64_t released_utime_ = Queue::kNever;  ///< of the last measurement that was used
   std::int64_t num_late_ = 0;
+  /// The newest time since a clock was set back: what is far beyond it is of the clock before.
+  std::optional<std::int64_t> clock_utime_;
+  std::function<std::unique_ptr<pose::Localiser>()> make_localiser_;
   std::unique_ptr<pose::Localiser> localiser_;
   std::int64_t last_utime_ = std::numeric_limits<std::int64_t>::min();  ///< of the last POSE
   std::int32_t next_seq_ = 0;

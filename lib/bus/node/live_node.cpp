@@ -175,13 +175,13 @@ std::string LiveNode::save_now(SaveKind kind) {
 }
 
 Status LiveNode::status() const {
-  const SequenceCounts& sequence = host_.sequence_counts();
+  const SequenceCounts sequence = host_.sequence_counts();
   const NodeCounts counts = node_.counts();
   Status status;
   status.num_good = host_.num_handled();
-  status.num_bad = bus_.counts().num_bad() + counts.num_unusable;
+  status.num_bad = bus_.counts().num_bad() + counts.num_unusable + sequence.num_leaps;
   status.num_lost = sequence.num_lost;
-  status.num_late = counts.num_late + sequence.num_backward;
+  status.num_late = counts.num_late + sequence.num_reordered;
   status.num_duplicate = sequence.num_duplicate;
   status.num_published = host_.num_published();
   status.text = waiting_text();

@@ -16,7 +16,21 @@ NodeHost::NodeHost(Node& node, Publish publish) : node_(node), publish_(std::mov
 }
 
 bool NodeHost::receive(const Message& input) {
-  if (!gate_.accept(channel_of(input), seq_of(input), utime_of(input))) return false;
+  const Channel channel = channel_of(input);
+  std::vector<Message>& held = held_[static_cast<std::size_t>(channel)];
+  const Verdict verdict = gate_.accept(channel, seq_of(input), utime_of(input));
+  if (verdict == Verdict::kHeld) {
+    held.push_back(input);
+    const std::size_t num_old = held.size() - static_cast<std::size_t>(gate_.num_held(channel));
+    held.erase(held.begin(), held.begin() + static_cast<std::ptrdiff_t>(num_old));
+    return false;
+  }
+  // Nodes are promised a rising seq.
+  if (verdict == Verdict::kDuplicate || verdict == Verdict::kReordered) return false;
+  if (verdict == Verdict::kBelieved) {
+    for (const Message& message : held) deliver(message);
+  }
+  held.clear();
   deliver(input);
   return true;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -27,7 +28,8 @@ class NodeHost {
 
   NodeHost(Node& node, Publish publish);
 
-  /// Live: hands the message over unless it is old. Returns whether it was handed over.
+  /// Live: hands the message over unless it is old, or keeps it aside until others agree with it
+  /// (SequenceGate). Returns whether any was handed over.
   bool receive(const Message& input);
 
   /// Replay, whose player has already decided what is new: hands the message over.
@@ -35,7 +37,8 @@ class NodeHost {
 
   void flush();
 
-  const SequenceCounts& sequence_counts() const { return gate_.counts(); }
+  SequenceCounts sequence_counts() const { return gate_.counts(); }
+  const SequenceCounts& sequence_counts(Channel channel) const { return gate_.counts(channel); }
   std::int64_t num_handled() const;
   std::int64_t num_published() const;
   bool seen(Channel channel) const {
@@ -51,7 +54,8 @@ class NodeHost {
   Publish publish_;
   Outbox outbox_;
   SequenceGate gate_;
-  TrafficCounts traffic_;  ///< its num_in and num_out
+  std::array<std::vector<Message>, kNumChannels> held_;  ///< as the gate says
+  TrafficCounts traffic_;                                ///< its num_in and num_out
 };
 
 }  // namespace orchard::bus

@@ -1,38 +1,206 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bus/node/sequence_gate.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
 namespace orchard::bus {
 namespace {
-constexpr int kNumBackwardToBelieve = 10;
+
+/// Messages of a channel that are remembered, to tell a duplicate and a gap: a minute of the
+/// fastest wheels.
+constexpr std::int32_t kHistory = 4096;
+
+/// How far from a missing message its neighbours are looked for.
+constexpr std::int32_t kNeighbours = 64;
+
+/// What came before the first message of a source may come this much later.
+constexpr std::int64_t kBeforeFirst_us = 1'000'000;
+
+/// A channel that was silent for so many messages of the others does not say what time it is.
+constexpr std::int64_t kTimeGoodFor = 1000;
+
+/// Two sources on one channel: one goes on within a few numbers while the other is far away.
+constexpr std::int32_t kNearSeq = 100;
+constexpr std::int32_t kFarSeq = 1000;
+
+/// A source that begins again so soon after it did, at a seq that is none to begin with, is rather
+/// two sources.
+constexpr std::int64_t kRestartsApart = 50;
+
+}  // namespace
+
+bool SequenceGate::follows(const Stamp& last, const Stamp& next) {
+  return next.seq > last.seq && next.seq - last.seq <= kLeap_seq && next.utime >= last.utime &&
+         next.utime - last.utime <= kLeap_us;
 }
 
-bool SequenceGate::accept(Channel channel, std::int32_t seq, std::int64_t utime) {
-  Last& last = last_[static_cast<std::size_t>(channel)];
+bool SequenceGate::others_are_at(Channel channel, std::int64_t utime) const {
+  for (std::size_t i = 0; i < last_.size(); ++i) {
+    const Last& other = last_[i];
+    if (i == index(channel) || !other.seen || num_accepted_ - other.order > kTimeGoodFor) continue;
+    if (std::abs(other.stamp.utime - utime) <= kLeap_us) return true;
+  }
+  return false;
+}
+
+bool SequenceGate::goes_on(Channel channel, const Stamp& next) const {
+  const Stamp& last = last_[index(channel)].stamp;
+  if (follows(last, next)) return true;
+  // After a long silence of this channel alone, the others know what time it is.
+  return next.seq > last.seq && next.seq - last.seq <= kLeap_seq && next.utime >= last.utime &&
+         others_are_at(channel, next.utime);
+}
+
+bool SequenceGate::is_other_source(const Last& last, const Stamp& next) const {
+  return last.before && follows(*last.before, next) && next.seq - last.before->seq <= kNearSeq &&
+         next.seq - last.stamp.seq > kFarSeq;
+}
+
+/// Whether the source sent it between two messages that have come, by number and by time.
+bool SequenceGate::fills_gap(const Last& last, const Stamp& late, bool& was_lost) const {
+  if (late.seq >= last.stamp.seq || last.stamp.seq - late.seq >= kHistory) return false;
+  const auto at = [&](std::int32_t seq) -> const Seen* {
+    if (seq < 0) return nullptr;
+    const Seen& seen = last.history[static_cast<std::size_t>(seq % kHistory)];
+    return seen.run == last.run && seen.stamp.seq == seq ? &seen : nullptr;
+  };
+  if (at(late.seq) != nullptr) return false;
+  const Seen* above = nullptr;
+  const Seen* below = nullptr;
+  for (std::int32_t i = 1; i <= kNeighbours && above == nullptr; ++i) above = at(late.seq + i);
+  for (std::int32_t i = 1; i <= kNeighbours && below == nullptr; ++i) below = at(late.seq - i);
+  if (above == nullptr || above->stamp.utime < late.utime) return false;
+  was_lost = late.seq > last.first_seq;
+  return below != nullptr ? below->stamp.utime <= late.utime
+                          : above->stamp.utime - late.utime <= kBeforeFirst_us;
+}
+
+Verdict SequenceGate::accept(Channel channel, std::int32_t seq, std::int64_t utime) {
+  Last& last = last_[index(channel)];
+  SequenceCounts& counts = counts_[index(channel)];
+  const Stamp stamp{seq, utime};
   if (!last.seen) {
-    last = {true, seq, utime, 0, 0};
-    return true;
+    return hold(channel, stamp, num_accepted_ == 0 || others_are_at(channel, utime));
   }
-  if (seq > last.seq && utime >= last.utime) {
-    counts_.num_lost += seq - last.seq - 1;
-    last = {true, seq, utime, 0, 0};
-    return true;
+  const Seen& same = last.history[static_cast<std::size_t>(std::max(seq, 0) % kHistory)];
+  if (same.run > 0 && same.stamp.seq == seq && same.stamp.utime == utime) {
+    ++counts.num_duplicate;
+    return Verdict::kDuplicate;
   }
-  if (seq <= last.seq && utime > last.utime) {
-    ++counts_.num_restarts;
-    last = {true, seq, utime, 0, 0};
-    return true;
+  if (is_other_source(last, stamp)) {
+    // The source that seemed to have begun again is a second one: the first goes on.
+    last.stamp = *std::exchange(last.before, std::nullopt);
+    last.contested = true;
+    ++counts.num_contests;
   }
-  if (seq <= last.seq) {
-    ++counts_.num_duplicate;
-    return false;
+  if (goes_on(channel, stamp)) {
+    drop_held(channel);
+    counts.num_lost += seq - last.stamp.seq - 1;
+    take(last, stamp);
+    return Verdict::kNew;
   }
-  ++counts_.num_backward;
-  last.num_backward = utime >= last.backward_utime ? last.num_backward + 1 : 1;
-  last.backward_utime = utime;
-  if (last.num_backward < kNumBackwardToBelieve) return false;
-  ++counts_.num_restarts;
-  last = {true, seq, utime, 0, 0};
-  return true;
+  bool was_lost = false;
+  if (utime <= last.stamp.utime && fills_gap(last, stamp, was_lost)) {
+    if (was_lost) --counts.num_lost;
+    ++counts.num_reordered;
+    remember(last, stamp);
+    return Verdict::kReordered;
+  }
+  const bool time_goes_on = utime > last.stamp.utime && utime - last.stamp.utime <= kLeap_us;
+  const bool time_is_known = std::abs(utime - last.stamp.utime) > kLeap_us &&
+                             others_are_at(channel, utime) &&
+                             !others_are_at(channel, last.stamp.utime);
+  if (!last.contested && time_goes_on && seq <= last.stamp.seq) {
+    drop_held(channel);
+    begin_again(channel, stamp);
+    return Verdict::kNew;
+  }
+  return hold(channel, stamp, !last.contested && time_is_known);
+}
+
+/// Keeps a message aside, with those that it agrees with, until they are enough or the other
+/// channels are at their time.
+Verdict SequenceGate::hold(Channel channel, const Stamp& stamp, bool is_time_known) {
+  Last& last = last_[index(channel)];
+  if (last.num_held > 0 && stamp.seq == last.held.seq && stamp.utime == last.held.utime) {
+    ++counts_[index(channel)].num_duplicate;
+    return Verdict::kDuplicate;
+  }
+  if (last.num_held > 0 && !follows(last.held, stamp)) drop_held(channel);
+  ++last.num_held;
+  if (last.seen && stamp.seq <= last.stamp.seq && stamp.utime <= last.stamp.utime &&
+      last.stamp.utime - stamp.utime <= kLeap_us) {
+    ++last.num_held_old;
+  }
+  if (last.contested) ++counts_[index(channel)].num_contests;
+  last.held = stamp;
+  if (last.num_held < kNumToBelieve && !is_time_known) return Verdict::kHeld;
+  const bool alone = last.num_held == 1;
+  last.num_held = last.num_held_old = 0;
+  begin_again(channel, stamp);
+  last.before.reset();
+  last.contested = false;
+  return alone ? Verdict::kNew : Verdict::kBelieved;
+}
+
+void SequenceGate::drop_held(Channel channel) {
+  Last& last = last_[index(channel)];
+  counts_[index(channel)].num_duplicate += last.num_held_old;
+  counts_[index(channel)].num_leaps += last.num_held - last.num_held_old;
+  last.num_held = last.num_held_old = 0;
+}
+
+void SequenceGate::take(Last& last, const Stamp& stamp) {
+  last.seen = true;
+  last.stamp = stamp;
+  last.order = ++num_accepted_;
+  remember(last, stamp);
+}
+
+void SequenceGate::remember(Last& last, const Stamp& stamp) {
+  if (last.history.empty()) last.history.resize(kHistory);
+  last.history[static_cast<std::size_t>(std::max(stamp.seq, 0) % kHistory)] = {stamp, last.run};
+}
+
+void SequenceGate::begin_again(Channel channel, const Stamp& stamp) {
+  Last& last = last_[index(channel)];
+  SequenceCounts& counts = counts_[index(channel)];
+  if (last.seen) {
+    ++counts.num_restarts;
+    const std::int64_t change_us = stamp.utime - last.stamp.utime;
+    if (std::abs(change_us) > kLeap_us) {
+      counts.clock_change_s = 1e-6 * static_cast<double>(change_us);
+    }
+    const bool soon = last.run > 1 && num_accepted_ - last.restart_order < kRestartsApart;
+    if (soon && stamp.seq > 0 && stamp.seq < last.stamp.seq + kNearSeq) ++counts.num_contests;
+    last.before = last.stamp;
+    last.restart_order = num_accepted_;
+  }
+  ++last.run;
+  last.first_seq = stamp.seq;
+  take(last, stamp);
+}
+
+void SequenceGate::finish() {
+  for (const ChannelInfo& channel : kChannels) drop_held(channel.channel);
+}
+
+SequenceCounts SequenceGate::counts() const {
+  SequenceCounts sum;
+  for (const SequenceCounts& counts : counts_) {
+    sum.num_lost += counts.num_lost;
+    sum.num_duplicate += counts.num_duplicate;
+    sum.num_reordered += counts.num_reordered;
+    sum.num_leaps += counts.num_leaps;
+    sum.num_restarts += counts.num_restarts;
+    sum.num_contests += counts.num_contests;
+    if (std::abs(counts.clock_change_s) > std::abs(sum.clock_change_s)) {
+      sum.clock_change_s = counts.clock_change_s;
+    }
+  }
+  return sum;
 }
 
 }  // namespace orchard::bus

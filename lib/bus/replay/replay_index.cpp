@@ -2,12 +2,16 @@
 #include "bus/replay/replay_index.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <map>
 #include <set>
 #include <tuple>
 #include <utility>
 
 #include "bus/node/sequence_gate.hpp"
 #include "io/file_error.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::bus {
 namespace {
@@ -18,7 +22,23 @@ std::string join(const std::set<std::string>& names) {
   return text;
 }
 
-void add_warnings(ReplayReport& report, const SequenceCounts& counts) {
+/// One sentence for what the gate noticed on one channel.
+void add_warnings(ReplayReport& report, Channel channel, const SequenceCounts& counts) {
+  const std::string name(info(channel).name);
+  if (counts.num_leaps > 0) {
+    report.warnings.push_back(std::to_string(counts.num_leaps) + " " + name +
+                              " leap in time or number, alone, and were left out");
+  }
+  if (counts.clock_change_s != 0.0) {
+    report.warnings.push_back("the clock behind " + name + " was set by " +
+                              fixed_text(counts.clock_change_s, 1) + " s");
+  }
+  if (counts.num_contests > 2) {
+    report.warnings.push_back("two sources send " + name + ", or one begins again and again");
+  }
+}
+
+void add_warnings(ReplayReport& report, const SequenceGate& gate) {
   if (!report.gaps.empty()) {
     std::uint64_t num_bytes = 0;
     for (const io::LogGap& gap : report.gaps) num_bytes += gap.size;
@@ -36,11 +56,71 @@ void add_warnings(ReplayReport& report, const SequenceCounts& counts) {
     report.warnings.push_back(std::to_string(report.num_seq_gaps) +
                               " messages are missing by their sequence numbers");
   }
-  if (counts.num_backward > 0) {
-    report.warnings.push_back(std::to_string(counts.num_backward) +
-                              " messages go back in time and were left out");
+  for (const ChannelInfo& channel : kChannels) {
+    add_warnings(report, channel.channel, gate.counts(channel.channel));
   }
 }
+
+/// What the gate let through so far, and what it keeps aside.
+class Gathered {
+ public:
+  explicit Gathered(std::vector<ReplayEntry>& entries) : entries_(entries) {}
+
+  void add(const ReplayEntry& entry) {
+    std::vector<ReplayEntry>& held = held_[static_cast<std::size_t>(entry.channel)];
+    const Verdict verdict = gate_.accept(entry.channel, entry.seq, entry.utime);
+    if (verdict == Verdict::kDuplicate) return;
+    if (verdict == Verdict::kHeld) {
+      held.push_back(entry);
+      const auto num_held = static_cast<std::size_t>(gate_.num_held(entry.channel));
+      held.erase(held.begin(), held.end() - static_cast<std::ptrdiff_t>(num_held));
+      return;
+    }
+    if (verdict == Verdict::kBelieved) {
+      for (const ReplayEntry& other : held) take(other);
+    }
+    if (verdict != Verdict::kReordered) held.clear();
+    take(entry);
+  }
+
+  /// A log's first message may be the one that leaps: runs too short to be believed that the
+  /// source's later time contradicts are left out. How many messages those were.
+  std::int64_t finish() {
+    gate_.finish();
+    std::map<Run, std::pair<int, std::int64_t>> runs;  // how many, and when
+    for (std::size_t i = 0; i < entries_.size(); ++i) {
+      auto& [num, utime] = runs[runs_[i]];
+      ++num;
+      utime = entries_[i].utime;
+    }
+    const auto contradicted = [&](const Run& run) {
+      const auto [num, utime] = runs.at(run);
+      const auto next = runs.find({run.first, run.second + 1});
+      return num < SequenceGate::kNumToBelieve && next != runs.end() &&
+             std::abs(next->second.second - utime) > SequenceGate::kLeap_us;
+    };
+    std::vector<ReplayEntry> kept;
+    for (std::size_t i = 0; i < entries_.size(); ++i) {
+      if (!contradicted(runs_[i])) kept.push_back(entries_[i]);
+    }
+    const auto num_left_out = static_cast<std::int64_t>(entries_.size() - kept.size());
+    entries_ = std::move(kept);
+    return num_left_out;
+  }
+
+  const SequenceGate& gate() const { return gate_; }
+
+ private:
+  using Run = std::pair<Channel, std::int32_t>;
+  void take(const ReplayEntry& entry) {
+    entries_.push_back(entry);
+    runs_.emplace_back(entry.channel, gate_.run(entry.channel));
+  }
+  std::vector<ReplayEntry>& entries_;
+  std::vector<Run> runs_;  ///< of each entry
+  SequenceGate gate_;
+  std::array<std::vector<ReplayEntry>, kNumChannels> held_;
+};
 
 /// Keeps what lies within the asked-for seconds after the first message.
 void cut(ReplayIndex& index, const ReplayOptions& options) {
@@ -61,7 +141,7 @@ ReplayIndex index_log(const io::LogPaths& logs, const ReplayOptions& options) {
   ReplayIndex index;
   ReplayReport& report = index.report;
   io::LogSeries reader(logs);
-  SequenceGate gate;
+  Gathered gathered(index.entries);
   std::set<std::string> other_channels;
   bool has_source = false;
   while (const std::optional<io::LogEvent> event = reader.next()) {
@@ -86,15 +166,14 @@ ReplayIndex index_log(const io::LogPaths& logs, const ReplayOptions& options) {
       continue;
     }
     const Message& message = std::get<Message>(decoded);
-    const std::int64_t utime = utime_of(message);
-    const std::int32_t seq = seq_of(message);
-    if (!gate.accept(*channel, seq, utime)) continue;
-    index.entries.push_back({utime, *channel, seq, event->offset});
+    gathered.add({utime_of(message), *channel, seq_of(message), event->offset});
   }
+  const std::int64_t num_contradicted = gathered.finish();
   report.num_events = reader.num_events();
   report.gaps = reader.gaps();
-  report.num_duplicates = gate.counts().num_duplicate;
-  report.num_seq_gaps = gate.counts().num_lost;
+  const SequenceCounts counts = gathered.gate().counts();
+  report.num_duplicates = counts.num_duplicate;
+  report.num_seq_gaps = counts.num_lost;
   if (report.num_events == 0) {
     throw io::FileError(log_path + ": no readable LCM event in it; is it an LCM log?");
   }
@@ -111,7 +190,12 @@ ReplayIndex index_log(const io::LogPaths& logs, const ReplayOptions& options) {
                         " bytes could not be read); \"orchard log repair\" keeps what is whole");
   }
   report.warnings = reader.notes();
-  add_warnings(report, gate.counts());
+  add_warnings(report, gathered.gate());
+  if (num_contradicted > 0) {
+    report.warnings.push_back(std::to_string(num_contradicted) +
+                              " messages at a source's beginning are of another time than it goes "
+                              "on with, and were left out");
+  }
   std::sort(index.entries.begin(), index.entries.end(),
             [](const ReplayEntry& a, const ReplayEntry& b) {
               return std::tie(a.utime, a.channel, a.seq, a.offset) <

@@ -4,6 +4,7 @@
 #include <mrpt/poses/CPosePDFGaussian.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <variant>
 
@@ -60,6 +61,33 @@ void PoseEstimator::add(const Odometry& odometry) {
     }
   }
   last_odometry_ = odometry;
+  if (!state_) {
+    const bool silent =
+        !unplaced_.empty() && (odometry.utime - unplaced_.back().utime) * kSecondsPerMicrosecond >
+                                  config_.odometry_gap_max_s;
+    if (silent) unplaced_.clear();
+    unplaced_.push_back(odometry);
+    while (odometry.utime - unplaced_.front().utime > kPastMax_us) unplaced_.pop_front();
+  }
+}
+
+/// From the pose that has just become known back along the wheels' way: an arc with both
+/// velocities turned round leads to where it began.
+void PoseEstimator::look_back() {
+  State state = *state_;
+  Odometry after = unplaced_.back();
+  bool is_near = (state.utime - after.utime) * kSecondsPerMicrosecond <= config_.odometry_gap_max_s;
+  for (auto odometry = unplaced_.rbegin(); is_near && odometry != unplaced_.rend(); ++odometry) {
+    const double dt_s = (state.utime - odometry->utime) * kSecondsPerMicrosecond;
+    move(state, -0.5 * (odometry->speed_mps + after.speed_mps),
+         -0.5 * (odometry->yaw_rate_radps + after.yaw_rate_radps), dt_s,
+         velocity_covariance(after));
+    state.utime = odometry->utime;
+    after = *odometry;
+    if (state.utime < state_->utime) past_.push_back(estimate_of(state));
+  }
+  std::reverse(past_.begin(), past_.end());
+  unplaced_.clear();
 }
 
 void PoseEstimator::add(const PoseFix& fix) {
@@ -68,7 +96,9 @@ void PoseEstimator::add(const PoseFix& fix) {
       config_.mode == PoseMode::kFixesAndOdometry && state_ && last_odometry_ &&
       (fix.utime - last_odometry_->utime) * kSecondsPerMicrosecond <= config_.odometry_gap_max_s;
   if (!dead_reckoned) {
+    const bool was_known = state_.has_value();
     start_at(fix, R);
+    if (!was_known && state_ && !unplaced_.empty()) look_back();
     return;
   }
   predict_to(fix.utime, last_odometry_->speed_mps, last_odometry_->yaw_rate_radps,
@@ -78,29 +108,38 @@ void PoseEstimator::add(const PoseFix& fix) {
 
 std::optional<PoseEstimate> PoseEstimator::estimate() const {
   if (!state_) return std::nullopt;
+  return estimate_of(*state_);
+}
+
+PoseEstimate PoseEstimator::estimate_of(const State& state) const {
   PoseEstimate pose;
-  pose.utime = state_->utime;
-  pose.x_m = state_->mean.x();
-  pose.y_m = state_->mean.y();
-  pose.yaw_rad = geometry::wrap_angle_rad(state_->mean.z());
-  const Eigen::Matrix3d& P = state_->covariance;
+  pose.utime = state.utime;
+  pose.x_m = state.mean.x();
+  pose.y_m = state.mean.y();
+  pose.yaw_rad = geometry::wrap_angle_rad(state.mean.z());
+  const Eigen::Matrix3d& P = state.covariance;
   pose.covariance = {P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2)};
   return pose;
 }
 
 void PoseEstimator::predict_to(std::int64_t utime, double speed_mps, double yaw_rate_radps,
                                const std::array<double, 3>& velocity_covariance) {
-  const double dt_s = (utime - state_->utime) * kSecondsPerMicrosecond;
+  move(*state_, speed_mps, yaw_rate_radps, (utime - state_->utime) * kSecondsPerMicrosecond,
+       velocity_covariance);
+  state_->utime = utime;
+}
+
+void PoseEstimator::move(State& state, double speed_mps, double yaw_rate_radps, double dt_s,
+                         const std::array<double, 3>& velocity_covariance) {
   Eigen::Matrix2d Q;
   Q << velocity_covariance[0], velocity_covariance[1], velocity_covariance[1],
       velocity_covariance[2];
   const Eigen::Matrix<double, 3, 2> J = arc_jacobian(speed_mps, yaw_rate_radps, dt_s);
-  CPosePDFGaussian T_map_base = gaussian(state_->mean, state_->covariance);
+  CPosePDFGaussian T_map_base = gaussian(state.mean, state.covariance);
   T_map_base += gaussian(arc_motion(speed_mps, yaw_rate_radps, dt_s), J * Q * J.transpose());
-  state_->utime = utime;
-  state_->mean = {T_map_base.mean.x(), T_map_base.mean.y(), T_map_base.mean.phi()};
+  state.mean = {T_map_base.mean.x(), T_map_base.mean.y(), T_map_base.mean.phi()};
   const Eigen::Matrix3d P = T_map_base.cov.asEigen();
-  state_->covariance = 0.5 * (P + P.transpose());
+  state.covariance = 0.5 * (P + P.transpose());
 }
 
 void PoseEstimator::start_at(const PoseFix& fix, const Eigen::Matrix3d& R) {

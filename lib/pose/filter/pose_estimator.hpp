@@ -3,7 +3,10 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <deque>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "pose/localiser.hpp"
 #include "pose/pose_config.hpp"
@@ -34,6 +37,12 @@ class PoseEstimator : public Localiser {
   /// The pose at the time of the last measurement; none while it is unknown.
   std::optional<PoseEstimate> estimate() const override;
 
+  /// The way to the first known pose, from the odometry that came before it, backwards: at most
+  /// kPastMax_us of it, without a silence.
+  std::vector<PoseEstimate> take_past() override { return std::exchange(past_, {}); }
+
+  static constexpr std::int64_t kPastMax_us = 60'000'000;
+
   std::int64_t num_gaps() const { return num_gaps_; }
 
  private:
@@ -45,7 +54,11 @@ class PoseEstimator : public Localiser {
 
   void predict_to(std::int64_t utime, double speed_mps, double yaw_rate_radps,
                   const std::array<double, 3>& velocity_covariance);
+  static void move(State& state, double speed_mps, double yaw_rate_radps, double dt_s,
+                   const std::array<double, 3>& velocity_covariance);
   void start_at(const PoseFix& fix, const Eigen::Matrix3d& R);
+  void look_back();
+  PoseEstimate estimate_of(const State& state) const;
   void correct(const PoseFix& fix, const Eigen::Matrix3d& R);
   Eigen::Matrix3d fix_covariance(const PoseFix& fix) const;
   std::array<double, 3> velocity_covariance(const Odometry& odometry) const;
@@ -54,6 +67,8 @@ class PoseEstimator : public Localiser {
   std::optional<State> state_;
   std::optional<Odometry> last_odometry_;
   std::optional<PoseFix> first_yawless_fix_;
+  std::deque<Odometry> unplaced_;  ///< came while the pose was unknown, without a silence
+  std::vector<PoseEstimate> past_;
   std::int64_t num_gaps_ = 0;
 };
 

@@ -91,6 +91,7 @@ TEST(MapperNode, WaitsForAPoseAndGivesUpByMessageTime) {
   MapperNode node(config);
   int num_tiles = 0;
   const bus::Outbox send = [&](const bus::Message&) { ++num_tiles; };
+  node.handle(pose_at(0, kStart_us - 100000), send);  // the first of all is waited for longer
   node.handle(scan_at(0, kStart_us), send);
   EXPECT_EQ(num_tiles, 0);
   EXPECT_NE(node.waiting_for().find("POSE"), std::string::npos);
@@ -103,6 +104,19 @@ TEST(MapperNode, WaitsForAPoseAndGivesUpByMessageTime) {
   EXPECT_TRUE(node.waiting_for().empty());
   node.handle(scan_at(2, kStart_us), send);
   EXPECT_EQ(node.counts().num_late, 2);
+}
+
+TEST(MapperNode, TheFirstPoseOfAllIsWaitedForAMinute) {
+  io::Config config;
+  config.mapper.pose_wait_s = 1.0;
+  config.mapper.existence.scan_wait_s = 0.0;
+  MapperNode node(config);
+  int num_tiles = 0;
+  const bus::Outbox send = [&](const bus::Message&) { ++num_tiles; };
+  for (int i = 0; i <= 700; ++i) node.handle(scan_at(i, kStart_us + 100000 * i), send);
+  EXPECT_EQ(node.counts().num_late, 100) << "of the first ten seconds of seventy";
+  for (int i = 0; i <= 700; ++i) node.handle(pose_at(i, kStart_us + 100000 * i), send);
+  EXPECT_EQ(num_tiles, 601);
 }
 
 /// The robot stands at the origin before four trees in an arc; somebody stands among them until

@@ -154,5 +154,25 @@ TEST(ScanImagePairer, ImagesWithoutScansDoNotFillTheMemory) {
   EXPECT_EQ(pairs[0].image, nullptr);  // those near it are long forgotten
 }
 
+TEST(ScanImagePairer, AScanOfTomorrowHoldsUpNothingOnceTheClockIsSetBack) {
+  constexpr std::int64_t kDay = 86'400'000'000;
+  ScanImagePairer pairer(0.06, 0.25);
+  pairer.add(scan_at(kDay));
+  std::size_t num_pairs = 0;
+  for (int i = 0; i < 100; ++i) {
+    num_pairs += pairer.add(scan_at(1'000'000 + i * 100'000)).size();
+    num_pairs += pairer.add(image_at(1'010'000 + i * 100'000)).size();
+  }
+  EXPECT_EQ(num_pairs, 101u);
+}
+
+TEST(ScanImagePairer, WhatWaitsIsBounded) {
+  // pictures of another clock: a scan waits for one of its time that never comes
+  ScanImagePairer pairer(0.06, 3600.0);
+  std::size_t num_pairs = 0;
+  for (int i = 0; i < 1000; ++i) num_pairs += pairer.add(scan_at(1'000'000 + i * 100'000)).size();
+  EXPECT_EQ(num_pairs, 1000u - 256u);
+}
+
 }  // namespace
 }  // namespace orchard::detection

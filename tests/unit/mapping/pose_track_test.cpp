@@ -40,10 +40,18 @@ TEST(PoseTrack, DoesNotCrossGaps) {
   track.add(pose_at(5000000, 1.0, 0.0));
   EXPECT_FALSE(track.at(2500000).has_value());
   EXPECT_TRUE(track.at(5000000).has_value());
-  EXPECT_TRUE(track.at(6500000).has_value());
-  EXPECT_FALSE(track.at(7500000).has_value());
   EXPECT_TRUE(track.covers(5000000));
   EXPECT_FALSE(track.covers(5000001));
+}
+
+TEST(PoseTrack, IsNotTakenBeyondItsEnds) {
+  PoseTrack track(2.0);
+  track.add(pose_at(1000000, 0.0, 0.0));
+  track.add(pose_at(2000000, 1.0, 0.0));
+  EXPECT_TRUE(track.at(2100000).has_value());
+  EXPECT_FALSE(track.at(2100001).has_value());
+  EXPECT_TRUE(track.at(900000).has_value());
+  EXPECT_FALSE(track.at(899999).has_value());
 }
 
 pose::Trajectory trajectory_of(std::int64_t utime, std::vector<pose::PoseEstimate> poses) {

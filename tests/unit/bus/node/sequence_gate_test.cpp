@@ -6,46 +6,152 @@
 namespace orchard::bus {
 namespace {
 
+constexpr std::int64_t kSecond = 1'000'000;
+constexpr std::int64_t kHour = 3600 * kSecond;
+constexpr std::int64_t kStart = 1'700'000'000 * kSecond;
+constexpr int kMany = SequenceGate::kNumToBelieve;
+
+/// Ten messages per second from `seq` on; how many were taken at once.
+int drive(SequenceGate& gate, Channel channel, std::int32_t seq, std::int64_t utime, int num) {
+  int num_new = 0;
+  for (int i = 0; i < num; ++i) {
+    num_new += gate.accept(channel, seq + i, utime + i * kSecond / 10) == Verdict::kNew ? 1 : 0;
+  }
+  return num_new;
+}
+
 TEST(SequenceGate, CountsWhatIsMissing) {
   SequenceGate gate;
-  EXPECT_TRUE(gate.accept(Channel::kScan, 10, 100));  // a late joiner has lost nothing
-  EXPECT_TRUE(gate.accept(Channel::kScan, 11, 200));
-  EXPECT_TRUE(gate.accept(Channel::kScan, 15, 300));
+  EXPECT_EQ(gate.accept(Channel::kScan, 10, 100), Verdict::kNew);  // a late joiner has lost nothing
+  EXPECT_EQ(gate.accept(Channel::kScan, 11, 200), Verdict::kNew);
+  EXPECT_EQ(gate.accept(Channel::kScan, 15, 300), Verdict::kNew);
   EXPECT_EQ(gate.counts().num_lost, 3);
 }
 
-TEST(SequenceGate, RefusesTheSameAndOlder) {
+TEST(SequenceGate, RefusesTheSameAgain) {
   SequenceGate gate;
-  EXPECT_TRUE(gate.accept(Channel::kScan, 10, 100));
-  EXPECT_FALSE(gate.accept(Channel::kScan, 10, 100));
-  EXPECT_FALSE(gate.accept(Channel::kScan, 9, 90));
-  EXPECT_EQ(gate.counts().num_duplicate, 2);
-  EXPECT_TRUE(gate.accept(Channel::kImage, 9, 90));  // each channel on its own
+  EXPECT_EQ(drive(gate, Channel::kScan, 0, kStart, 100), 100);
+  EXPECT_EQ(gate.accept(Channel::kScan, 99, kStart + 99 * kSecond / 10), Verdict::kDuplicate);
+  EXPECT_EQ(gate.accept(Channel::kScan, 3, kStart + 3 * kSecond / 10), Verdict::kDuplicate);
+  EXPECT_EQ(drive(gate, Channel::kScan, 50, kStart + 5 * kSecond, 50), 0) << "half of it again";
+  EXPECT_EQ(gate.counts().num_duplicate, 52);
+  EXPECT_EQ(gate.counts().num_lost, 0);
+  EXPECT_EQ(gate.accept(Channel::kImage, 9, kStart), Verdict::kNew);  // each channel on its own
 }
 
-TEST(SequenceGate, AcceptsARestartedSource) {
+TEST(SequenceGate, CountsAReorderedMessageOnce) {
   SequenceGate gate;
-  EXPECT_TRUE(gate.accept(Channel::kScan, 500, 100));
-  EXPECT_TRUE(gate.accept(Channel::kScan, 0, 5000));
-  EXPECT_TRUE(gate.accept(Channel::kScan, 1, 5100));
+  drive(gate, Channel::kScan, 0, kStart, 10);
+  EXPECT_EQ(gate.accept(Channel::kScan, 12, kStart + 12 * kSecond / 10), Verdict::kNew);
+  EXPECT_EQ(gate.counts().num_lost, 2);
+  EXPECT_EQ(gate.accept(Channel::kScan, 11, kStart + 11 * kSecond / 10), Verdict::kReordered);
+  EXPECT_EQ(gate.accept(Channel::kScan, 10, kStart + 10 * kSecond / 10), Verdict::kReordered);
+  EXPECT_EQ(gate.accept(Channel::kScan, 10, kStart + 10 * kSecond / 10), Verdict::kDuplicate);
+  EXPECT_EQ(gate.counts().num_lost, 0);
+  EXPECT_EQ(gate.counts().num_reordered, 2);
+  EXPECT_EQ(gate.counts().num_duplicate, 1);
+}
+
+TEST(SequenceGate, ABurstThatWasHeldUpFillsItsGap) {
+  SequenceGate gate;
+  drive(gate, Channel::kScan, 0, kStart, 10);
+  drive(gate, Channel::kScan, 30, kStart + 3 * kSecond, 10);
+  EXPECT_EQ(gate.counts().num_lost, 20);
+  for (int i = 10; i < 30; ++i) {
+    EXPECT_EQ(gate.accept(Channel::kScan, i, kStart + i * kSecond / 10), Verdict::kReordered);
+  }
+  EXPECT_EQ(gate.counts().num_lost, 0);
+  EXPECT_EQ(gate.counts().num_restarts, 0);
+}
+
+TEST(SequenceGate, AcceptsARestartedSourceAtOnce) {
+  SequenceGate gate;
+  EXPECT_EQ(gate.accept(Channel::kScan, 500, 100), Verdict::kNew);
+  EXPECT_EQ(gate.accept(Channel::kScan, 0, 5000), Verdict::kNew);
+  EXPECT_EQ(gate.accept(Channel::kScan, 1, 5100), Verdict::kNew);
   EXPECT_EQ(gate.counts().num_restarts, 1);
   EXPECT_EQ(gate.counts().num_lost, 0);
 }
 
 TEST(SequenceGate, SeveralMessagesMayHaveOneTime) {
   SequenceGate gate;
-  EXPECT_TRUE(gate.accept(Channel::kPose, 0, 100));
-  EXPECT_TRUE(gate.accept(Channel::kPose, 1, 100));
+  EXPECT_EQ(gate.accept(Channel::kPose, 0, 100), Verdict::kNew);
+  EXPECT_EQ(gate.accept(Channel::kPose, 1, 100), Verdict::kNew);
 }
 
-TEST(SequenceGate, OneTimeFromTheFutureDoesNotShutTheChannel) {
+TEST(SequenceGate, OneLeapOfTimeOrNumberIsNotBelieved) {
+  const std::int64_t far = 7'258'118'400 * kSecond - 1;
+  const std::pair<std::int32_t, std::int64_t> leaps[] = {
+      {INT32_MAX, far}, {100, far}, {100, kStart + 24 * kHour}, {INT32_MAX, kStart + 10 * kSecond},
+      {INT32_MAX, 0},   {0, 0}};
+  for (const auto& [seq, utime] : leaps) {
+    SequenceGate gate;
+    drive(gate, Channel::kScan, 0, kStart, 100);
+    EXPECT_EQ(gate.accept(Channel::kScan, seq, utime), Verdict::kHeld) << seq << " " << utime;
+    EXPECT_EQ(drive(gate, Channel::kScan, 100, kStart + 10 * kSecond, 100), 100);
+    EXPECT_EQ(gate.counts().num_leaps, 1) << seq << " " << utime;
+    EXPECT_EQ(gate.counts().num_lost, 0);
+    EXPECT_EQ(gate.counts().num_restarts, 0);
+  }
+}
+
+TEST(SequenceGate, ALeapIsBelievedWhenSeveralAgreeInEitherDirection) {
+  for (const std::int64_t leap : {-kHour, kHour}) {
+    SequenceGate gate;
+    drive(gate, Channel::kScan, 0, kStart, 100);
+    for (int i = 0; i < kMany - 1; ++i) {
+      EXPECT_EQ(gate.accept(Channel::kScan, i, kStart + leap + i), Verdict::kHeld);
+      EXPECT_EQ(gate.num_held(Channel::kScan), i + 1);
+    }
+    EXPECT_EQ(gate.accept(Channel::kScan, kMany, kStart + leap + kMany), Verdict::kBelieved);
+    EXPECT_EQ(drive(gate, Channel::kScan, kMany + 1, kStart + leap + kMany + 1, 50), 50);
+    EXPECT_EQ(gate.counts().num_restarts, 1);
+    EXPECT_EQ(gate.counts().num_leaps, 0) << "those that were held are used";
+    EXPECT_NEAR(gate.counts(Channel::kScan).clock_change_s, 1e-6 * static_cast<double>(leap), 11.0);
+  }
+}
+
+TEST(SequenceGate, ADuplicateAmongThoseThatAgreeDoesNotPutThemOff) {
   SequenceGate gate;
-  EXPECT_TRUE(gate.accept(Channel::kScan, 0, 100));
-  EXPECT_TRUE(gate.accept(Channel::kScan, 1, 7000000000000000));
-  int num_refused = 0;
-  for (int i = 2; i < 30; ++i) num_refused += gate.accept(Channel::kScan, i, 100 + i) ? 0 : 1;
-  EXPECT_EQ(num_refused, 9);
-  EXPECT_EQ(gate.counts().num_backward, 10);
+  drive(gate, Channel::kScan, 0, kStart, 100);
+  Verdict verdict = Verdict::kHeld;
+  for (int i = 0; i < kMany; ++i) {
+    verdict = gate.accept(Channel::kScan, i, kStart - kHour + i);
+    if (i < kMany - 1) {
+      EXPECT_EQ(gate.accept(Channel::kScan, i, kStart - kHour + i), Verdict::kDuplicate);
+    }
+  }
+  EXPECT_EQ(verdict, Verdict::kBelieved);
+}
+
+TEST(SequenceGate, OtherChannelsKnowWhatTimeItIs) {
+  SequenceGate gate;
+  drive(gate, Channel::kPoseFix, 0, kStart, 1);
+  drive(gate, Channel::kOdometry, 0, kStart, 6000);
+  EXPECT_EQ(gate.accept(Channel::kPoseFix, 1, kStart + 600 * kSecond), Verdict::kNew)
+      << "ten minutes after the last one, as the wheels say too";
+}
+
+TEST(SequenceGate, AFirstMessageOfTheFutureDoesNotShutTheOthersOut) {
+  SequenceGate gate;
+  EXPECT_EQ(gate.accept(Channel::kScan, 7, kStart + 24 * kHour), Verdict::kNew);
+  EXPECT_EQ(drive(gate, Channel::kOdometry, 0, kStart, 50), 50 - kMany);
+  EXPECT_EQ(drive(gate, Channel::kScan, 8, kStart + 5 * kSecond, 50), 50)
+      << "the wheels say what time it is";
+}
+
+TEST(SequenceGate, OfTwoSourcesTheFirstIsKept) {
+  SequenceGate gate;
+  drive(gate, Channel::kScan, 5000, kStart, 20);
+  int num_second = 0;
+  for (int i = 0; i < 100; ++i) {
+    const std::int64_t utime = kStart + (20 + i) * kSecond / 10;
+    EXPECT_EQ(gate.accept(Channel::kScan, 5020 + i, utime), Verdict::kNew);
+    num_second += gate.accept(Channel::kScan, i, utime + 30000) == Verdict::kNew ? 1 : 0;
+  }
+  EXPECT_EQ(num_second, 1) << "it might have been the first one, started again";
+  EXPECT_GT(gate.counts().num_contests, 50);
+  EXPECT_EQ(gate.counts().num_lost, 0);
 }
 
 }  // namespace

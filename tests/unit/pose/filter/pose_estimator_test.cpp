@@ -137,5 +137,43 @@ TEST(PoseEstimator, ALongSilenceForgetsThePoseUntilTheNextFix) {
   EXPECT_DOUBLE_EQ(estimator.estimate()->x_m, 5.0);
 }
 
+// On a circle of 2 m radius, whose centre is at (0, 2), the first fix comes after a quarter of it.
+TEST(PoseEstimator, TheFirstFixTellsTheWayThatLedToIt) {
+  PoseEstimator estimator(config_of(PoseMode::kFixesAndOdometry));
+  const double yaw_rate_radps = 0.5;
+  const std::int64_t period_us = 20'000;
+  const auto num = static_cast<int>(std::llround(0.5 * kPi / yaw_rate_radps / 0.02));
+  for (int i = 0; i <= num; ++i) estimator.add(odometry(i * period_us, 1.0, yaw_rate_radps));
+  EXPECT_FALSE(estimator.estimate());
+  EXPECT_TRUE(estimator.take_past().empty());
+  const double last_rad = yaw_rate_radps * 0.02 * num;
+  estimator.add(
+      fix(num * period_us, 2.0 * std::sin(last_rad), 2.0 - 2.0 * std::cos(last_rad), last_rad));
+  const std::vector<PoseEstimate> past = estimator.take_past();
+  ASSERT_EQ(past.size(), static_cast<std::size_t>(num));
+  for (int i = 0; i < num; ++i) {
+    const PoseEstimate& pose = past[static_cast<std::size_t>(i)];
+    const double turned_rad = yaw_rate_radps * 0.02 * i;
+    EXPECT_EQ(pose.utime, i * period_us);
+    EXPECT_NEAR(pose.x_m, 2.0 * std::sin(turned_rad), 1e-9);
+    EXPECT_NEAR(pose.y_m, 2.0 - 2.0 * std::cos(turned_rad), 1e-9);
+    EXPECT_NEAR(pose.yaw_rad, turned_rad, 1e-9);
+  }
+  EXPECT_GT(past.front().covariance[0], past.back().covariance[0]) << "the farther, the less sure";
+  EXPECT_TRUE(estimator.take_past().empty()) << "once";
+}
+
+TEST(PoseEstimator, TheWayBackEndsAtASilence) {
+  PoseEstimator estimator(config_of(PoseMode::kFixesAndOdometry));
+  estimator.add(odometry(0, 1.0, 0.0));
+  estimator.add(odometry(100'000'000, 1.0, 0.0));
+  estimator.add(odometry(100'100'000, 1.0, 0.0));
+  estimator.add(fix(100'100'000, 1.0, 0.0, 0.0));
+  const std::vector<PoseEstimate> past = estimator.take_past();
+  ASSERT_EQ(past.size(), 1u);
+  EXPECT_EQ(past[0].utime, 100'000'000);
+  EXPECT_NEAR(past[0].x_m, 0.9, 1e-9);
+}
+
 }  // namespace
 }  // namespace orchard::pose

@@ -3,6 +3,7 @@
 
 #include <lcm/lcm.h>
 #include <poll.h>
+#include <spdlog/spdlog.h>
 
 #include <cerrno>
 #include <exception>
@@ -12,6 +13,7 @@
 #include <utility>
 
 #include "bus/node/rejection_log.hpp"
+#include "bus/socket_guard.hpp"
 
 namespace orchard::bus {
 
@@ -28,6 +30,8 @@ struct Bus::Impl {
   };
 
   std::string url;
+  SocketGuard guard;  // made before LCM's sockets are
+  bool guarded = false;
   lcm_t* lcm = nullptr;
   std::vector<std::unique_ptr<Subscription>> subscriptions;
   std::function<void(Channel, const Rejection&)> rejection_handler;
@@ -38,6 +42,17 @@ struct Bus::Impl {
 
   ~Impl() {
     if (lcm != nullptr) lcm_destroy(lcm);
+  }
+
+  bool is_private() const { return url.compare(0, 7, "memq://") == 0; }
+
+  /// LCM opens its receiving socket with the first subscription, or when its file is asked for.
+  void put_on_guard() {
+    if (guarded || is_private()) return;
+    guarded = true;
+    if (guard.attach() == 0) {
+      spdlog::warn("no filter on the socket of {}: crafted datagrams can end this process", url);
+    }
   }
 
   /// C frames of LCM are below: nothing may be thrown through them.
@@ -77,8 +92,8 @@ struct Bus::Impl {
                      ": is there a multicast route and does the firewall let UDP through? "
                      "\"orchard doctor\" says what is missing");
     }
-    const bool is_private = url.compare(0, 7, "memq://") == 0;
-    lcm_subscription_set_queue_capacity(subscription, is_private ? 0 : capacity);
+    put_on_guard();
+    lcm_subscription_set_queue_capacity(subscription, is_private() ? 0 : capacity);
   }
 
   void refuse(Channel channel, const Rejection& rejection) {
@@ -171,7 +186,11 @@ bool Bus::publish(Channel channel, const std::vector<std::uint8_t>& bytes) {
 
 bool Bus::publish(const Message& message) { return publish(channel_of(message), encode(message)); }
 
-int Bus::fileno() const { return lcm_get_fileno(impl_->lcm); }
+int Bus::fileno() const {
+  const int fd = lcm_get_fileno(impl_->lcm);
+  impl_->put_on_guard();
+  return fd;
+}
 
 bool Bus::handle(int timeout_ms) {
   pollfd waiting{fileno(), POLLIN, 0};
@@ -188,6 +207,8 @@ bool Bus::handle(int timeout_ms) {
 }
 
 const BusCounts& Bus::counts() const { return impl_->counts; }
+
+std::int64_t Bus::num_dropped() const { return impl_->guard.num_dropped(); }
 
 const std::string& Bus::url() const { return impl_->url; }
 

@@ -81,6 +81,9 @@ class Bus {
   bool handle(int timeout_ms);
 
   const BusCounts& counts() const;
+  /// Datagrams that the kernel kept from this process: crafted to end it (SocketGuard), or more
+  /// than the receive buffer holds.
+  std::int64_t num_dropped() const;
   const std::string& url() const;
 
  private:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // hostile_sender PORT COUNT SEED: sends COUNT broken datagrams to LCM's multicast group: runts,
-// wrong magic, huge array counts, fragments that overlap or lie, random changes of valid messages.
+// wrong magic, huge array counts, fragments that overlap, lie or wrap, random changes of valid
+// messages.
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -54,6 +55,38 @@ Bytes fragment(std::mt19937& random, std::uint32_t number, const Bytes& payload)
   return bytes;
 }
 
+/// Two fragments of a message of 3000 bytes; the second's offset and length add up to less than
+/// its length in 32 bits. LCM 1.3.1 alone writes before the buffer (its pull request 628).
+Bytes wrapping_fragment(std::uint32_t number, bool first) {
+  Bytes bytes;
+  put_u32(bytes, 0x4c433033);
+  put_u32(bytes, 100000 + number);
+  put_u32(bytes, 3000);
+  put_u32(bytes, first ? 0 : 0xFFFFFFF0);
+  put_u16(bytes, first ? 0 : 1);
+  put_u16(bytes, 3);
+  if (first) {
+    const char channel[] = "SCAN";
+    bytes.insert(bytes.end(), channel, channel + sizeof(channel));
+  }
+  bytes.resize(bytes.size() + 900, 0x55);
+  return bytes;
+}
+
+/// A first fragment that ends within its name: LCM 1.3.1 reads on in what came before, and takes
+/// the length that is left for four gigabytes.
+Bytes nameless_fragment(std::uint32_t number) {
+  Bytes bytes;
+  put_u32(bytes, 0x4c433033);
+  put_u32(bytes, 200000 + number);
+  put_u32(bytes, 3000);
+  put_u32(bytes, 8);
+  put_u16(bytes, 0);
+  put_u16(bytes, 2);
+  for (const char c : {'S', 'C'}) bytes.push_back(static_cast<std::uint8_t>(c));
+  return bytes;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -69,7 +102,16 @@ int main(int argc, char** argv) {
     const std::string channel(bus::info(bus::channel_of(message)).name);
     Bytes payload = bus::encode(message);
     Bytes datagram;
-    switch (random() % 6) {
+    switch (random() % 9) {
+      case 6:
+        datagram = wrapping_fragment(static_cast<std::uint32_t>(i), true);
+        sendto(fd, datagram.data(), datagram.size(), 0, reinterpret_cast<const sockaddr*>(&to),
+               sizeof(to));
+        datagram = wrapping_fragment(static_cast<std::uint32_t>(i), false);
+        break;
+      case 7:
+        datagram = nameless_fragment(static_cast<std::uint32_t>(i));
+        break;
       case 0:  // a runt: shorter than its own header
         datagram.assign(random() % 12, static_cast<std::uint8_t>(random()));
         if (datagram.size() >= 4) std::memcpy(datagram.data(), "LC02", 4);
@@ -93,7 +135,7 @@ int main(int argc, char** argv) {
         }
         datagram = short_datagram(static_cast<std::uint32_t>(i), channel, payload);
         break;
-      default:  // cut
+      default:  // cut (twice as often)
         payload.resize(random() % payload.size());
         datagram = short_datagram(static_cast<std::uint32_t>(i), channel, payload);
     }

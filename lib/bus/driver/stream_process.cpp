@@ -99,6 +99,11 @@ std::unique_ptr<Driver> make_driver(const StreamDevice& device, const StreamOpti
   }
   if (options.emulate.empty()) {
     const std::string& where = options.device.empty() ? device.device : options.device;
+    if (where.empty()) {
+      throw std::invalid_argument(
+          "the rig names no device for this driver; set it in the section drivers or give "
+          "--device");
+    }
     return std::make_unique<StreamDriver>(device.make_protocol(), parse_port(where),
                                           options.raw_out);
   }

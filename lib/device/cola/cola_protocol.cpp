@@ -202,11 +202,11 @@ void ColaProtocol::host_clock_stepped(std::int64_t step_us) {
 std::string ColaProtocol::condition() const {
   if (!failure_.empty()) return failure_;
   if (!trouble_.empty()) return trouble_;
-  if (step_ == Step::kStream) {
-    return is_streaming_ ? std::string() : "waits for the scanner's first sweep";
+  if (num_asked_ > 1) {
+    return "waits for the scanner's answer to " +
+           std::string(kQuestions[static_cast<std::size_t>(step_)].command);
   }
-  return "waits for the scanner's answer to " +
-         std::string(kQuestions[static_cast<std::size_t>(step_)].command);
+  return is_streaming_ ? std::string() : "waits for the scanner's first sweep";
 }
 
 }  // namespace orchard::device

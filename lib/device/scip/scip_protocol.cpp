@@ -250,7 +250,7 @@ void ScipProtocol::host_clock_stepped(std::int64_t step_us) {
 std::string ScipProtocol::condition() const {
   if (!failure_.empty()) return failure_;
   if (!trouble_.empty()) return trouble_;
-  if (step_ != Step::kStream) return "waits for the scanner's answer to " + command_;
+  if (num_asked_ > 1) return "waits for the scanner's answer to " + command_;
   if (!is_streaming_) return "waits for the scanner's first sweep";
   return {};
 }

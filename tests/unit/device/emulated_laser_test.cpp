@@ -11,8 +11,10 @@
 #include <string>
 
 #include "device/cola/cola_protocol.hpp"
+#include "device/laser_protocol.hpp"
 #include "device/scip/scip_protocol.hpp"
 #include "simulation/device/cola_device.hpp"
+#include "simulation/device/emulated_laser.hpp"
 #include "simulation/device/scip_device.hpp"
 #include "unit/device/simulated_line.hpp"
 
@@ -240,6 +242,35 @@ void expect_every_sweep(const simulation::ColaDeviceModel& model, const laser::S
   EXPECT_GE(static_cast<int>(outcome.errors_us.size()), 397) << model.name;
   EXPECT_LT(worst(outcome.errors_us), 1500.0) << model.name;
   EXPECT_EQ(cola.counts().num_bad, 0) << model.name;
+}
+
+// What --emulate plays: a scanner that is like the scans of a log, whose beams may have no times.
+TEST(EmulatedLaser, IsLikeItsScansInEitherProtocol) {
+  for (const auto kind : {LaserProtocol::kScip, LaserProtocol::kColaA}) {
+    laser::Scan scan = hokuyo_geometry(1440, 0, 1080, 540, 100e3);
+    scan.range_min_m = 0.05;
+    scan.range_max_m = 20.0;
+    if (kind == LaserProtocol::kColaA) scan.beam_period_us = 0.0;
+    const auto device = simulation::make_emulated_laser(kind, kNoon - 1'000'000);
+    const auto protocol = make_laser_protocol(kind);
+    SimulatedLine line(*protocol, *device, kNoon, 1);
+    line.connect();  // before it has measured: it answers when it is asked again
+    int num_scans = 0;
+    for (int i = 0; i < 100; ++i) {
+      const std::int64_t utime = kNoon + i * 100'000;
+      line.run_until(utime);
+      device->measured(sweep_of(scan, utime, i));
+      for (const Measurement& m : protocol->take_measurements()) {
+        const auto& out = std::get<laser::Scan>(m);
+        const auto index =
+            static_cast<int>(std::lround(static_cast<double>(out.utime - kNoon) / 1e5));
+        EXPECT_EQ(out.ranges_m, sweep_of(scan, utime, index).ranges_m);
+        EXPECT_NEAR(out.beam_period_us, 100e3 / 1440, 1e-3);
+        ++num_scans;
+      }
+    }
+    EXPECT_GE(num_scans, 85);
+  }
 }
 
 TEST(EmulatedSick, EverySweepComesWithItsRangesBearingsAndTime) {

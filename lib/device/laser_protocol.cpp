@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "device/laser_protocol.hpp"
+
+#include <stdexcept>
+
+#include "device/cola/cola_protocol.hpp"
+#include "device/scip/scip_protocol.hpp"
+
+namespace orchard::device {
+
+std::unique_ptr<Protocol> make_laser_protocol(LaserProtocol protocol) {
+  switch (protocol) {
+    case LaserProtocol::kScip:
+      return std::make_unique<ScipProtocol>();
+    case LaserProtocol::kColaA:
+      return std::make_unique<ColaProtocol>();
+  }
+  throw std::invalid_argument("no such protocol of a scanner");
+}
+
+}  // namespace orchard::device

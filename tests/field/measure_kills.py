@@ -5,6 +5,7 @@ import json
 import os
 import re
 import shutil
+import signal
 import sqlite3
 import sys
 import time
@@ -83,7 +84,8 @@ def kills(bench, arguments):
         kept[name].kill()
         time.sleep(random.uniform(0.6, 1.4) * pause)
     time.sleep(3.0)
-    codes = {name: kept[name].stop() for name in ("driver", "detector", "pose", "mapper")}
+    kept["driver"].stop(signal.SIGKILL)
+    codes = {name: kept[name].stop() for name in NODES}
     listener.close()
     host.close()
     back = {name: [] for name in kept}
@@ -105,8 +107,8 @@ def kills(bench, arguments):
                      same == there == len(before_kill) > 0))
     found.append(Row("kills", f"map after {num} kills against the map without", str(difference),
                      "(what was measured meanwhile is missing)", None))
-    found.append(Row("kills", "exit codes at the end", str(sorted(set(codes.values()), key=str)), "",
-                     None))
+    found.append(Row("kills", "exit codes at the end", ", ".join(f"{n} {c}" for n, c in codes.items()), "0",
+                     set(codes.values()) == {0}))
     return found
 
 

@@ -131,10 +131,10 @@ class Supervised:
     def kill(self):
         self.program.process.kill()
 
-    def stop(self):
+    def stop(self, number=signal.SIGINT):
         self.stopping = True
         self.thread.join()
-        return self.program.stop()
+        return self.program.stop(number)
 
 
 def seeded(seed):

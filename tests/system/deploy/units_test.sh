@@ -11,8 +11,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cp -r "$units/." "$work"
 # the programs as they are here, not as a package would install them
-sed -i -e "s,^ExecStart=orchard-,ExecStart=$bin/orchard-," \
-  -e "s,^ExecStart=/usr/share/orchard-mapper/,ExecStart=$1/," "$work"/*.service
+sed -i "s,^ExecStart=orchard,ExecStart=$bin/orchard," "$work"/*.service
 export SYSTEMD_UNIT_PATH=$work:  # and then the system's own
 
 for file in "$work"/*.service "$work"/*.target; do

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What a stranger on the network can do to a robot that works."""
 import os
+import shutil
+import sys
 import time
 
 import wire
@@ -12,6 +14,8 @@ from programs import NODES, Program, seeded
 from table import Row
 
 GROWTH_most_mib = 64.0
+RECOVERY_s = 2.0  # after an attack what is real flows again
+WATCHED = ("DETECTIONS", "POSE")
 
 
 def sample_of(drive):
@@ -64,10 +68,23 @@ def rate(listener, channel, seconds):
 
 def hostile(bench, arguments):
     """Each attack by a stranger's host while a drive is mapped: who dies, freezes, grows."""
+    return attacked(bench, arguments, "hostile", guard=None)
+
+
+def hostile_guarded(bench, arguments):
+    """The same behind the rules of config/deploy/lcm-guard.nft: lcm-logger, too, goes on."""
+    if shutil.which("nft") is None:
+        return [Row("hostile_guarded", "nft is not installed", "not measured")]
+    return attacked(bench, arguments, "hostile_guarded", guard="config/deploy/lcm-guard.nft")
+
+
+def attacked(bench, arguments, name, guard):
     drive = Drive(bench, "config/orchard.yaml", arguments.seed)
     sample, random = sample_of(drive), seeded(arguments.seed)
     found = []
     with Network(["robot", "stranger"]) as network:
+        if guard:
+            network["robot"].run(["nft", "-f", os.path.abspath(guard)])
         listener = wire.Listener(network["robot"])
         sender = wire.Sender(network["stranger"])
         for attack in ATTACKS:
@@ -75,40 +92,41 @@ def hostile(bench, arguments):
                 continue
             victims = Victims(bench, network["robot"], drive, listener)
             time.sleep(3.0)
-            rates_before = {name: rate_of(listener, name) for name in ("DETECTIONS", "POSE")}
+            flows_before = {channel: rate(listener, channel, 1.0) for channel in WATCHED}
             before = victims.memory_mib()
             if attack is random_packets:
                 attack(sender, random, sample, arguments.num or (4000 if arguments.short else 100_000))
             else:
                 attack(sender, random, sample)
-            time.sleep(1.5)
+            time.sleep(RECOVERY_s)
             after = victims.memory_mib()
-            flows = {name: rate(listener, name, 1.5) for name in ("DETECTIONS", "POSE")}
+            flows = {channel: rate(listener, channel, 1.5) for channel in WATCHED}
             dead = victims.dead()
-            grown = {name: after[name] - before[name] for name in after
-                     if name not in dead and after[name] - before[name] > GROWTH_most_mib}
-            silent = [channel for channel, now in flows.items() if now < 0.5 * rates_before[channel]
-                      or now == 0]
+            grown = {n: after[n] - before[n] for n in after
+                     if n not in dead and after[n] - before[n] > GROWTH_most_mib}
+            silent = [channel for channel in WATCHED if flows[channel] < 0.5 * flows_before[channel]]
             codes = victims.stop(bench)
-            slow = [name for name, code in codes.items() if code == "hangs" and name not in dead]
-            ours = [name for name in dead if name != "lcm-logger"]
-            words = []
-            if dead:
-                words.append("dead: " + ", ".join(dead))
-            if silent and not ours:
-                words.append("no more: " + ", ".join(silent))
-            if grown:
-                words.append("grown: " + ", ".join(f"{n} by {g:.0f} MiB" for n, g in grown.items()))
-            if slow:
-                words.append("not stopped in 15 s: " + ", ".join(slow))
-            found.append(Row("hostile", attack.__doc__.split("\n")[0].rstrip("."),
-                             "; ".join(words) or "nobody dies, freezes or grows",
-                             "nobody of ours dies, freezes, grows",
-                             not (ours or silent or slow or set(grown) - {"lcm-logger"})))
-            print(f"field: hostile, {attack.__name__}: {found[-1].measured}", flush=True)
+            slow = [n for n, code in codes.items() if code == "hangs" and n not in dead]
+            row = judged(name, attack, dead, silent, grown, slow, bool(guard))
+            found.append(row)
+            print(f"field: {name}, {attack.__name__}: {row.measured}", file=sys.stderr, flush=True)
         listener.close()
     return found
 
 
-def rate_of(listener, channel):
-    return rate(listener, channel, 0.75)
+def judged(name, attack, dead, silent, grown, slow, with_logger):
+    """The row of an attack; lcm-logger counts only behind the guard."""
+    mine = [n for n in dead if with_logger or n != "lcm-logger"]
+    words = []
+    if dead:
+        words.append("dead: " + ", ".join(dead))
+    if silent and not [n for n in dead if n != "lcm-logger"]:
+        words.append("no more: " + ", ".join(silent))
+    if grown:
+        words.append("grown: " + ", ".join(f"{n} by {g:.0f} MiB" for n, g in grown.items()))
+    if slow:
+        words.append("not stopped in 15 s: " + ", ".join(slow))
+    large = [n for n in grown if with_logger or n != "lcm-logger"]
+    return Row(name, attack.__doc__.split("\n")[0].rstrip("."),
+               "; ".join(words) or "nobody dies, freezes or grows",
+               "nobody" if with_logger else "nobody of ours", not (mine or silent or large or slow))

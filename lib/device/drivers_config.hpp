@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "device/camera/camera_driver_config.hpp"
 #include "device/gnss/gnss_driver_config.hpp"
 #include "device/lines/odometry_driver_config.hpp"
 
@@ -30,6 +31,7 @@ void describe(Visitor& v, LaserDriverConfig& c) {
 /// The sensors of this machine and how they are reached. Section `drivers`.
 struct DriversConfig {
   LaserDriverConfig laser;
+  CameraDriverConfig camera;
   GnssDriverConfig gnss;
   OdometryDriverConfig odometry;
   ImuDriverConfig imu;
@@ -38,6 +40,7 @@ struct DriversConfig {
 template <class Visitor>
 void describe(Visitor& v, DriversConfig& c) {
   v.section("laser", c.laser, "orchard-laser-driver");
+  v.section("camera", c.camera, "orchard-camera-driver");
   v.section("gnss", c.gnss, "orchard-gnss-driver");
   v.section("odometry", c.odometry, "orchard-odometry-driver");
   v.section("imu", c.imu, "orchard-imu-driver");

@@ -101,8 +101,8 @@ std::unique_ptr<Driver> make_driver(const StreamDevice& device, const StreamOpti
     const std::string& where = options.device.empty() ? device.device : options.device;
     if (where.empty()) {
       throw std::invalid_argument(
-          "the rig names no device for this driver; set it in the section drivers or give "
-          "--device");
+          "no device is named: set it in the rig's section drivers or by --device; without one, "
+          "--emulate LOG plays it");
     }
     return std::make_unique<StreamDriver>(device.make_protocol(), parse_port(where),
                                           options.raw_out);

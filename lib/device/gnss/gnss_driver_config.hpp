@@ -13,7 +13,7 @@ enum class GnssStamp {
 
 /// The receiver of orchard-gnss-driver, behind gpsd. Section `drivers.gnss`.
 struct GnssDriverConfig {
-  std::string device = "tcp:127.0.0.1:2947";
+  std::string device;    ///< empty: no receiver
   std::string receiver;  ///< as gpsd names it; empty: the first that reports
   GnssStamp stamp = GnssStamp::kReceipt;
   double latency_s = 0.1;  ///< from the instant of a fix to its quickest arrival
@@ -21,7 +21,7 @@ struct GnssDriverConfig {
 
 template <class Visitor>
 void describe(Visitor& v, GnssDriverConfig& c) {
-  v.text("device", c.device, "where gpsd listens: tcp:HOST:PORT");
+  v.text("device", c.device, "where gpsd listens: tcp:127.0.0.1:2947; empty: no receiver");
   v.text("receiver", c.receiver, "as gpsd names it (/dev/ttyACM0); empty: the first that reports");
   v.choice("stamp", c.stamp, {"receipt", "fix_time"},
            "stamps from arrival less latency_s | the fix's own time, where the host keeps it, too");

@@ -8,7 +8,7 @@ namespace orchard::device {
 
 /// The wheels' controller of orchard-odometry-driver. Section `drivers.odometry`.
 struct OdometryDriverConfig {
-  std::string device = "serial:/dev/ttyACM0:115200";
+  std::string device;  ///< empty: no controller that sends lines
   /// What one tick of the left and of the right wheel is worth; negative for a wheel that counts
   /// backwards when the robot drives forward.
   std::array<double, 2> metres_per_tick{0.001, 0.001};
@@ -18,7 +18,7 @@ struct OdometryDriverConfig {
 
 template <class Visitor>
 void describe(Visitor& v, OdometryDriverConfig& c) {
-  v.text("device", c.device, "serial:/dev/ttyACM0:115200 or tcp:HOST:PORT");
+  v.text("device", c.device, "serial:/dev/ttyACM0:115200 or tcp:HOST:PORT; empty: none");
   v.numbers("metres_per_tick", c.metres_per_tick, -1, 1, "m",
             "T lines: left, right wheel; negative where a wheel counts backwards");
   v.number("wheel_distance_m", c.wheel_distance_m, 0.01, 10, "m",
@@ -29,13 +29,13 @@ void describe(Visitor& v, OdometryDriverConfig& c) {
 /// The inertial unit: of orchard-imu-driver, or on the same line as the wheels. Section
 /// `drivers.imu`.
 struct ImuDriverConfig {
-  std::string device = "serial:/dev/ttyACM1:115200";
+  std::string device;                              ///< empty: none, or on the wheels' line
   std::array<double, 3> mount_rad{0.0, 0.0, 0.0};  ///< roll, pitch, yaw of the unit in base
 };
 
 template <class Visitor>
 void describe(Visitor& v, ImuDriverConfig& c) {
-  v.text("device", c.device, "serial:/dev/ttyACM1:115200 or tcp:HOST:PORT");
+  v.text("device", c.device, "serial:/dev/ttyACM1:115200 or tcp:HOST:PORT; empty: none of its own");
   v.numbers("mount_rad", c.mount_rad, -6.2832, 6.2832, "rad",
             "I lines: roll, pitch, yaw of the unit's axes in base");
 }

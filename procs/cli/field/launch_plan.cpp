@@ -15,7 +15,14 @@ enum Stage { kDrivers, kDetector, kPose, kMapper, kRecorder };
 /// Drivers of the sensors that the rig names a device for.
 std::vector<std::string> drivers_of(const io::Config& config) {
   std::vector<std::string> names;
-  if (!config.drivers.laser.device.empty()) names.push_back("orchard-laser-driver");
+  const auto add = [&names](const std::string& device, const char* name) {
+    if (!device.empty()) names.push_back(name);
+  };
+  add(config.drivers.laser.device, "orchard-laser-driver");
+  add(config.drivers.camera.device, "orchard-camera-driver");
+  add(config.drivers.odometry.device, "orchard-odometry-driver");
+  add(config.drivers.imu.device, "orchard-imu-driver");
+  add(config.drivers.gnss.device, "orchard-gnss-driver");
   return names;
 }
 

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+namespace orchard::device {
+
+/// The camera of orchard-camera-driver; its pictures have the size of section `camera`. Section
+/// `drivers.camera`.
+struct CameraDriverConfig {
+  std::string device;     ///< empty: no camera
+  double rate_hz = 10.0;  ///< at most
+  int max_bytes = 60000;  ///< of a picture: one datagram
+};
+
+template <class Visitor>
+void describe(Visitor& v, CameraDriverConfig& c) {
+  v.text("device", c.device, "/dev/video0, pictures:FOLDER or video:FILE; empty: no camera");
+  v.number("rate_hz", c.rate_hz, 0.1, 120, "Hz", "pictures per second at most");
+  v.integer("max_bytes", c.max_bytes, 1000, 4000000, "bytes",
+            "a larger picture is compressed anew; above 60000 it needs several datagrams");
+}
+
+}  // namespace orchard::device

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "io/camera/camera_source.hpp"
+#include "io/camera/v4l2_calls.hpp"
+
+namespace orchard::io {
+
+/// What is asked of a camera.
+struct CameraMode {
+  int width_px = 320;
+  int height_px = 240;
+  double rate_hz = 10.0;
+};
+
+/// A camera of Linux (Video4Linux2, streaming from mapped buffers). Asks for the camera's own JPEG,
+/// else for uncompressed pixels. What cannot be opened, is pulled out or fails is opened again
+/// every half second.
+///
+/// A stamp is the driver's own (CLOCK_MONOTONIC, as the time of day): of the start of exposure
+/// where it says so (USB cameras do), else of the end of the frame; half the exposure time is added
+/// or taken off where exposure is manual and known. What stays is constant: `camera.delay_s`.
+class V4l2Camera : public CameraSource {
+ public:
+  V4l2Camera(std::string path, const CameraMode& mode,
+             std::unique_ptr<V4l2Calls> calls = make_v4l2_calls());
+  ~V4l2Camera() override;
+
+  int fileno() const override { return fileno_; }
+  Clock::time_point deadline() const override;
+  std::optional<device::CameraFrame> take() override;
+  std::string problem() const override { return problem_; }
+  void restart(const std::string& why) override;
+  bool ended() const override { return false; }
+  std::int64_t num_damaged() const override { return num_damaged_; }
+
+ private:
+  struct Buffer {
+    void* memory;
+    std::size_t size;
+  };
+  void open_when_due();
+  std::string open();
+  std::string choose_format();
+  std::string start_streaming();
+  void read_exposure();
+  void close();
+  int call(unsigned long request, void* argument);
+  std::string failed(const std::string& what, int code) const;
+
+  std::string path_;
+  CameraMode mode_;
+  std::unique_ptr<V4l2Calls> calls_;
+  int fileno_ = -1;
+  bool is_streaming_ = false;
+  std::vector<Buffer> buffers_;
+  device::PixelFormat format_ = device::PixelFormat::kJpeg;
+  int row_bytes_ = 0;
+  std::int64_t half_exposure_us_ = 0;
+  std::string problem_;
+  Clock::time_point next_attempt_ = Clock::now();
+  std::int64_t num_damaged_ = 0;
+};
+
+}  // namespace orchard::io

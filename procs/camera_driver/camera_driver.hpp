@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "bus/driver/driver.hpp"
+#include "device/camera/camera_driver_config.hpp"
+#include "device/camera/frame_watch.hpp"
+#include "device/camera/picture_limit.hpp"
+#include "io/camera/camera_source.hpp"
+#include "io/config/config.hpp"
+
+namespace orchard::procs {
+
+/// What orchard-camera-driver takes beyond the common options, as typed.
+struct CameraDriverOptions {
+  std::string device;      ///< instead of the configuration's
+  std::string emulate;     ///< a log whose pictures are played
+  std::string emulate_at;  ///< when its first event is played [us]
+};
+
+/// The pictures of a camera as IMAGE: not more of them than asked for, of the calibrated size, none
+/// above the limit of bytes. Says when the camera is gone, silent or frozen, and opens it anew.
+class CameraDriver : public bus::Driver {
+ public:
+  /// `width_px`, `height_px`: of the calibration.
+  CameraDriver(std::unique_ptr<io::CameraSource> source, const device::CameraDriverConfig& config,
+               int width_px, int height_px);
+
+  std::vector<pollfd> files() override;
+  Clock::time_point deadline() override;
+  void step(const bus::Outbox& send) override;
+  bool ended() const override { return source_->ended(); }
+  bus::DriverCondition condition() const override;
+
+ private:
+  void take(device::CameraFrame frame, const bus::Outbox& send);
+  void restart_when_silent();
+
+  std::unique_ptr<io::CameraSource> source_;
+  device::CameraDriverConfig config_;
+  int width_px_;
+  int height_px_;
+  device::PictureLimit limit_;
+  device::FrameWatch watch_;
+  Clock::time_point heard_ = Clock::now();
+  std::optional<std::int64_t> last_utime_;
+  std::int32_t next_seq_ = 0;
+  std::int64_t num_refused_ = 0;
+  std::string refusal_;  ///< of the last frame, if it became no picture
+};
+
+/// The driver that the options and the rig ask for. Throws io::FileError, std::invalid_argument.
+std::unique_ptr<CameraDriver> make_camera_driver(const CameraDriverOptions& options,
+                                                 const io::Config& config);
+
+}  // namespace orchard::procs

@@ -29,21 +29,26 @@ std::optional<Message> RawSource::next() {
 bool RawSource::feed() {
   const std::optional<io::RawEvent> event = reader_.next();
   if (!event) return false;
-  // A deadline that passed before these bytes came was kept live, too.
-  if (const auto due = protocol_->deadline(); due && *due <= event->utime) {
-    protocol_->expire(event->utime);
-  }
+  // Live, what has arrived is read before a deadline is looked at: a host that was held up finds
+  // both at once.
+  const auto keep_deadline = [&] {
+    const auto due = protocol_->deadline();
+    if (due && *due <= event->utime) protocol_->expire(event->utime);
+  };
   switch (event->kind) {
     case io::RawKind::kConnected:
+      keep_deadline();
       protocol_->connected(event->utime);
       break;
     case io::RawKind::kReceived:
       protocol_->receive(event->bytes, event->utime);
+      keep_deadline();
       break;
     case io::RawKind::kClockStepped:
       protocol_->host_clock_stepped(read_step(event->bytes));
       break;
     case io::RawKind::kSent:
+      keep_deadline();
       break;
   }
   protocol_->take_to_send();

@@ -57,12 +57,19 @@ class DrivenLaser {
     return true;
   }
 
-  void turn() {
-    std::vector<pollfd> files = driver_.files();
+  /// The host stands still for so long: what the scanner sends meanwhile waits.
+  void hold_up(std::chrono::milliseconds time) {
+    const Clock::time_point end = Clock::now() + time;
+    while (Clock::now() < end) turn(false);
+  }
+
+  void turn(bool with_driver = true) {
+    std::vector<pollfd> files;
+    if (with_driver) files = driver_.files();
     for (const pollfd& file : server_.files()) files.push_back(file);
     const auto begin = std::chrono::microseconds(begin_utime_ + next_ * kPeriod_us - server_.now());
-    const Clock::time_point due =
-        std::min({driver_.deadline(), server_.deadline(), Clock::now() + begin});
+    Clock::time_point due = std::min(server_.deadline(), Clock::now() + begin);
+    if (with_driver) due = std::min(due, driver_.deadline());
     const auto wait = std::chrono::ceil<std::chrono::milliseconds>(due - Clock::now()).count();
     poll(files.data(), files.size(), static_cast<int>(std::clamp<std::int64_t>(wait, 0, 100)));
     while (begin_utime_ + next_ * kPeriod_us <= server_.now()) {
@@ -75,6 +82,7 @@ class DrivenLaser {
       ++next_;
     }
     server_.step();
+    if (!with_driver) return;
     driver_.step([this](bus::Message message) {
       if (auto* scan = std::get_if<laser::Scan>(&message)) scans_.push_back(std::move(*scan));
     });

@@ -99,6 +99,12 @@ TEST(LaserDriver, RecordedBytesGiveTheSameScansAgain) {
     DrivenLaser laser(std::make_unique<device::ScipProtocol>(), hokuyo(), "tcp:127.0.0.1:0",
                       field_scanner(), raw);
     ASSERT_TRUE(laser.run_until([&] { return laser.scans().size() >= 20; }));
+    // The scanner's silence is over before the driver could notice it: it was not silent.
+    laser.hold_up(std::chrono::milliseconds(1500));
+    ASSERT_TRUE(laser.run_until([&] { return laser.scans().size() >= 90; }));
+    // Its reset is noticed, and it is started again.
+    laser.server().replace(hokuyo(0));
+    ASSERT_TRUE(laser.run_until([&] { return laser.scans().size() >= 110; }));
     live = laser.scans();
   }
   bus::RawSource source(std::make_unique<device::ScipProtocol>(), raw);

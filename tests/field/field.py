@@ -28,8 +28,8 @@ MEASUREMENTS = {
         measure_hostile.hostile_guarded,
         measure_clocks.clocks, measure_clocks.clock_offset, measure_strangers.twice,
         measure_strangers.same_folder, measure_strangers.old_types, measure_strangers.calibration,
-        measure_two_machines.two_machines, measure_laser.laser_unplug, measure_laser.laser_stamps,
-        measure_laser.laser_sums, measure_day.day)
+        measure_two_machines.two_machines, measure_laser.laser_unplug, measure_laser.laser_cable,
+        measure_laser.laser_stamps, measure_laser.laser_sums, measure_day.day)
 }
 
 

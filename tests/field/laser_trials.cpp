@@ -6,6 +6,8 @@
 //   stamps SECONDS LOAD SKEW_PPM   stamps less the truth, the clock wrapping in the middle, beside
 //                               LOAD processes that never rest
 //   sums NUM PERCENT SEED       sweeps of which some have a wrong sum, in simulated time
+//   serve WHERE                 an emulated scanner, until it is killed
+//   watch DEVICE                a driver, until it is killed: a line "scan SECONDS" for each scan
 //   bearings                    against the formula of the specification, every model
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -104,6 +106,22 @@ void spin_forever() {
       server.measured(scan);
     }
     server.step();
+  }
+}
+
+int watch(const std::string& where) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  bus::StreamDriver driver(std::make_unique<device::ScipProtocol>(), bus::parse_port(where));
+  while (true) {
+    std::vector<pollfd> files = driver.files();
+    const auto left =
+        std::chrono::ceil<std::chrono::milliseconds>(driver.deadline() - Clock::now()).count();
+    poll(files.data(), files.size(), static_cast<int>(std::clamp<std::int64_t>(left, 0, 100)));
+    driver.step([](const bus::Message&) {
+      const std::chrono::duration<double> now = Clock::now().time_since_epoch();
+      std::printf("scan %.4f\n", now.count());
+      std::fflush(stdout);
+    });
   }
 }
 
@@ -251,6 +269,11 @@ int main(int argc, char** argv) {
     return orchard::sums(std::atoi(argv[2]), std::atof(argv[3]),
                          static_cast<unsigned>(std::atoi(argv[4])));
   }
+  if (trial == "serve" && argc == 3) {
+    orchard::bus::DeviceServer server(orchard::hokuyo(60'000'000), argv[2]);
+    orchard::serve(server, server.now());
+  }
+  if (trial == "watch" && argc == 3) return orchard::watch(argv[2]);
   if (trial == "bearings") return orchard::bearings();
   std::fprintf(stderr, "laser_trials: see the head of laser_trials.cpp\n");
   return 2;

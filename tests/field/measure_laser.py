@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Measurements of a scanner's driver: cables pulled out, stamps under load, broken sums."""
 import os
+import random
 import subprocess
+import time
 
+from hosts import Network
+from programs import Program
 from table import Row
 
 
@@ -11,7 +15,8 @@ def trial(bench, *arguments):
     program = os.path.join(bench.build, "tests", "field", "laser_trials")
     done = subprocess.run([program, *map(str, arguments)], check=True, stdout=subprocess.PIPE,
                           stderr=subprocess.DEVNULL, text=True)
-    return {name: float(value) for name, value in (line.split() for line in done.stdout.splitlines())}
+    pairs = [line.split() for line in done.stdout.splitlines()]  # log lines have more words
+    return {pair[0]: float(pair[1]) for pair in pairs if len(pair) == 2}
 
 
 def laser_unplug(bench, arguments):
@@ -27,6 +32,51 @@ def laser_unplug(bench, arguments):
             "2 s; 0; 20 ms",
             got["worst_s"] <= 2.0 and got["wrong"] == 0 and got["worst_stamp_ms"] <= 20.0))
     return rows
+
+
+def scans(log):
+    """When scans came, by the clock that all hosts of a machine share."""
+    with open(log) as file:
+        return [float(line.split()[1]) for line in file if line.startswith("scan ")]
+
+
+def first_after(log, begin, seconds):
+    """How long after `begin` the first scan came."""
+    while time.monotonic() < begin + seconds:
+        found = next((t for t in scans(log) if t > begin), None)
+        if found is not None:
+            return found - begin
+        time.sleep(0.05)
+    return seconds
+
+
+def laser_cable(bench, arguments):
+    """The cable between a scanner's host and its driver's is cut and mended: nothing is said, it is silent."""
+    draw = random.Random(arguments.seed)
+    program = os.path.join(bench.build, "tests", "field", "laser_trials")
+    link = os.path.join(bench.build, "tests", "field", "impaired_link")
+    log = os.path.join(bench.work, "watch.log")
+    num = arguments.num or (2 if arguments.short else 20)
+    waits, lengths = [], []
+    with Network(["laser", "robot"], link, {"laser": {}}) as network:
+        server = Program(network["laser"], [program, "serve", "tcp:10.76.67.1:10940"],
+                         os.path.join(bench.work, "serve.log"))
+        driver = Program(network["robot"], [program, "watch", "tcp:10.76.67.1:10940"], log)
+        bench.running += [server, driver]
+        first_after(log, time.monotonic(), 20)
+        for _ in range(num):
+            network.links["laser"].cut()
+            lengths.append(draw.uniform(0.2, 12.0))
+            time.sleep(lengths[-1])
+            network.links["laser"].mend()
+            waits.append(first_after(log, time.monotonic() + 0.02, 20))
+            time.sleep(0.5)
+        alive = driver.alive()
+        driver.kill()
+        server.kill()
+    return [Row("laser_cable", f"cable cut {num} times for {min(lengths):.1f} to {max(lengths):.1f} s: scans again "
+                "after, at most (mean); the driver", f"{max(waits):.2f} s ({sum(waits) / num:.2f} s); "
+                f"{'runs on' if alive else 'ended'}", "2 s; runs on", max(waits) <= 2.0 and alive)]
 
 
 def laser_stamps(bench, arguments):

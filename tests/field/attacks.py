@@ -113,6 +113,14 @@ def random_packets(sender, random, sample, num=100_000):
     paced(sender, packets(), 100)
 
 
+def half_a_minute(sender, random, sample):
+    """One whole message of each kind from half a minute ahead."""
+    for channel, data in sample.items():
+        utime, seq = wire.stamp(data)
+        sender.send(channel, wire.restamped(data, utime + 30_000_000, seq + 1))
+        time.sleep(0.05)
+
+
 def far_future(sender, random, sample):
     """One whole message of each kind with the last time and number there are."""
     for channel, data in sample.items():
@@ -223,5 +231,5 @@ def flood(sender, random, sample):
 
 
 ATTACKS = (typed_bombs, runts, duplicate_fragments, false_sizes, nameless, late_sizes,
-           random_packets, foreign_config, not_numbers, turned_pose, million_points, tomorrow,
-           far_future, flood, offset_wrap)
+           random_packets, foreign_config, not_numbers, turned_pose, million_points, half_a_minute,
+           tomorrow, far_future, flood, offset_wrap)

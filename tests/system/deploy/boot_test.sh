@@ -30,7 +30,7 @@ all_run() {
 another() { [ "$(pid "$1")" -gt 0 ] && [ "$(pid "$1")" != "$2" ] && all_run; }
 step() { echo "ok: $1" >>/results/steps.txt; }
 for node in $nodes; do units="$units orchard-$node@tubes.service"; done
-systemctl enable -q $units && systemctl start $units
+systemctl enable -q orchard.target $units && systemctl start orchard.target
 wait_for 30 all_run && step "all run"
 old=$(pid detector); kill -KILL "$old"
 wait_for 20 another detector "$old" && step "killed and started again"

@@ -81,7 +81,7 @@ def two_machines(bench, arguments):
         def type_all(terminal, machine, seconds=20):
             for line in commands(PAGE, machine):
                 if "sim-driver" in line and arguments.short:
-                    line = line.replace("orchard-sim-driver", "orchard-sim-driver --speed 4")
+                    line = line.replace("orchard-sim-driver", "orchard-sim-driver --speed 2")
                 code = terminal.type(line, seconds)
                 # of that file the kernel lets no namespace change net.core.rmem_max
                 fails_here = "sysctl" in line and wanted_sysctls(terminal)

@@ -14,7 +14,7 @@ from measure_kills import feeder, wait_for_nodes
 from programs import NODES
 from table import Row
 
-TWICE = re.compile(r"second|two |other|another|twice|also|more than one|both", re.I)
+TWICE = re.compile(r"second one|two sources|twice|also|already|runs beside")
 
 
 def twice(bench, arguments):
@@ -25,7 +25,8 @@ def twice(bench, arguments):
         with Network(["one", "two"]) as network:
             listener = wire.Listener(network["one"])
             out = os.path.join(bench.work, "map")
-            shutil.rmtree(out, ignore_errors=True)
+            for folder in (out, out + "2"):
+                shutil.rmtree(folder, ignore_errors=True)
             bench.start_nodes(network["one"], drive.config, out)
             wait_for_nodes(listener)
             begin = time.monotonic() + 0.2

@@ -19,7 +19,8 @@ class Row:
 
     def line(self):
         cells = [f"`{self.name}`", self.what, self.measured, self.wanted, self.verdict()]
-        return "| " + " | ".join(str(cell).replace("|", "/") for cell in cells) + " |"
+        text = "| " + " | ".join(str(cell).replace("|", "/") for cell in cells) + " |"
+        return text.replace(os.getcwd() + "/", "")  # nothing of one machine
 
 
 def write(rows, order):

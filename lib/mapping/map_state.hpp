@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "mapping/candidate.hpp"
@@ -20,7 +22,8 @@ inline constexpr std::size_t kPositionSamplesMax = 512;
 
 /// The map while it is built: landmarks (id = index + 1), every observation, cached positions.
 struct MapState {
-  explicit MapState(const MapperConfig& mapper_config) : config(mapper_config) {}
+  MapState(const MapperConfig& mapper_config, std::shared_ptr<ChunkMemory> memory)
+      : config(mapper_config), observations(std::move(memory)) {}
 
   /// Adds a candidate of the last scan to a landmark.
   void add_observation(std::int32_t index, const Candidate& candidate);

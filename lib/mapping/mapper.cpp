@@ -48,8 +48,12 @@ void merge_changed(MapState& map, MapUpdate& update) {
 }  // namespace
 
 struct Mapper::Impl {
-  Impl(const MapperConfig& config, const Eigen::Vector2d& laser)
-      : p_base_laser(laser), existence(config.existence, laser), map(config) {}
+  Impl(const MapperConfig& config, const Eigen::Vector2d& laser,
+       const std::shared_ptr<ChunkMemory>& chunks)
+      : p_base_laser(laser),
+        memory(chunks),
+        existence(config.existence, laser),
+        map(config, chunks) {}
 
   /// Appends the index of each trunk that was stored as an observation to `stored`, in their order.
   MapUpdate update(const detection::Detections& detections, const pose::PoseEstimate& T_map_base,
@@ -57,12 +61,15 @@ struct Mapper::Impl {
                    std::vector<std::size_t>* stored = nullptr);
 
   Eigen::Vector2d p_base_laser;
+  std::shared_ptr<ChunkMemory> memory;
   ExistenceFilter existence;
   MapState map;
 };
 
-Mapper::Mapper(const MapperConfig& config, const Eigen::Vector2d& p_base_laser)
-    : impl_(std::make_unique<Impl>(config, p_base_laser)) {}
+Mapper::Mapper(const MapperConfig& config, const Eigen::Vector2d& p_base_laser,
+               std::shared_ptr<ChunkMemory> memory)
+    : impl_(std::make_unique<Impl>(config, p_base_laser,
+                                   memory ? std::move(memory) : std::make_shared<HeapMemory>())) {}
 Mapper::~Mapper() = default;
 Mapper::Mapper(Mapper&&) noexcept = default;
 Mapper& Mapper::operator=(Mapper&&) noexcept = default;
@@ -72,7 +79,7 @@ MapUpdate Mapper::Impl::update(const detection::Detections& detections,
                                std::shared_ptr<const FreeSpace> free_space,
                                std::vector<std::size_t>* stored) {
   const MapperConfig& config = map.config;
-  map.observations.add_scan(T_map_base, free_space);
+  map.observations.add_scan(T_map_base, free_space.get());
   std::vector<Candidate> candidates = compose(
       detections, T_map_base, map.observations.last_composition(), config.observation_range_max_m);
   pose::PoseEstimate T_map_base_aligned = T_map_base;
@@ -129,7 +136,7 @@ MapUpdate Mapper::rebuild(
     const std::function<pose::PoseEstimate(const pose::PoseEstimate&)>& corrected) {
   const MapState& was = impl_->map;
   const std::vector<std::int32_t> landmark_then = was.landmark_of_observation();
-  Impl now(was.config, impl_->p_base_laser);
+  Impl now(was.config, impl_->p_base_laser, impl_->memory);
   // Observations of a scan stand together before and after, but not in the same order.
   std::vector<std::int32_t> then_of;  // per observation of now: its landmark's index in was
   for (std::int32_t scan = 0; scan < was.observations.num_scans(); ++scan) {

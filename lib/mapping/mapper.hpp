@@ -12,6 +12,7 @@
 #include "mapping/landmark.hpp"
 #include "mapping/map_update.hpp"
 #include "mapping/mapper_config.hpp"
+#include "mapping/store/chunk_memory.hpp"
 #include "pose/pose_estimate.hpp"
 
 namespace orchard::mapping {
@@ -31,8 +32,10 @@ namespace orchard::mapping {
 /// log_odds_of_tree().
 class Mapper {
  public:
-  /// `p_base_laser`: where the laser sits in base; it tells what hides what.
-  explicit Mapper(const MapperConfig& config, const Eigen::Vector2d& p_base_laser = {0.0, 0.0});
+  /// `p_base_laser`: where the laser sits in base; it tells what hides what. `memory` holds the
+  /// observations; none: the heap.
+  explicit Mapper(const MapperConfig& config, const Eigen::Vector2d& p_base_laser = {0.0, 0.0},
+                  std::shared_ptr<ChunkMemory> memory = nullptr);
   ~Mapper();
   Mapper(Mapper&&) noexcept;
   Mapper& operator=(Mapper&&) noexcept;

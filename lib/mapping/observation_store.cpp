@@ -5,6 +5,29 @@
 #include <utility>
 
 namespace orchard::mapping {
+
+void ObservationStore::add_scan(const pose::PoseEstimate& T_map_base, const FreeSpace* free_space) {
+  Scan scan{T_map_base, PoseComposition(T_map_base), num_observations(), -1};
+  if (free_space != nullptr) {
+    scan.free_space = static_cast<std::int64_t>(beams_.size());
+    const std::vector<std::uint8_t> bytes = free_space->pack();
+    const auto size = static_cast<std::uint32_t>(bytes.size());
+    for (int i = 0; i < 4; ++i) beams_.push_back(static_cast<std::uint8_t>(size >> (8 * i)));
+    for (const std::uint8_t byte : bytes) beams_.push_back(byte);
+  }
+  scans_.push_back(scan);
+}
+
+std::shared_ptr<const FreeSpace> ObservationStore::free_space(std::int32_t scan) const {
+  if (at(scan).free_space < 0) return nullptr;
+  auto next = static_cast<std::size_t>(at(scan).free_space);
+  std::uint32_t size = 0;
+  for (int i = 0; i < 4; ++i) size |= std::uint32_t{beams_[next++]} << (8 * i);
+  std::vector<std::uint8_t> bytes(size);
+  for (std::uint8_t& byte : bytes) byte = beams_[next++];
+  return std::make_shared<FreeSpace>(FreeSpace::unpack(bytes));
+}
+
 std::int32_t ObservationStore::prepend(Observation observation, std::int32_t head) {
   observation.scan = last_scan();
   observation.previous = head;

@@ -12,6 +12,7 @@
 #include "mapping/observation.hpp"
 #include "mapping/pose_composition.hpp"
 #include "mapping/position_mode.hpp"
+#include "mapping/store/cold_array.hpp"
 #include "pose/pose_estimate.hpp"
 
 namespace orchard::mapping {
@@ -20,11 +21,11 @@ namespace orchard::mapping {
 /// where base was and the free-space evidence of its beams.
 class ObservationStore {
  public:
+  explicit ObservationStore(std::shared_ptr<ChunkMemory> memory = std::make_shared<HeapMemory>())
+      : scans_(memory), observations_(memory), beams_(memory) {}
+
   /// Starts the next scan; `free_space` may be none.
-  void add_scan(const pose::PoseEstimate& T_map_base, std::shared_ptr<const FreeSpace> free_space) {
-    scans_.push_back(
-        {T_map_base, PoseComposition(T_map_base), num_observations(), std::move(free_space)});
-  }
+  void add_scan(const pose::PoseEstimate& T_map_base, const FreeSpace* free_space);
 
   /// Index of the scan that was started last.
   std::int32_t last_scan() const { return static_cast<std::int32_t>(scans_.size()) - 1; }
@@ -36,9 +37,8 @@ class ObservationStore {
   /// T_map_base of a scan as it was given.
   const pose::PoseEstimate& pose(std::int32_t scan) const { return at(scan).T_map_base; }
 
-  const std::shared_ptr<const FreeSpace>& free_space(std::int32_t scan) const {
-    return at(scan).free_space;
-  }
+  /// None where none was given.
+  std::shared_ptr<const FreeSpace> free_space(std::int32_t scan) const;
 
   /// Observations of a scan: those from first_of(scan) up to first_of(scan + 1), not included.
   std::int32_t first_of(std::int32_t scan) const {
@@ -73,13 +73,14 @@ class ObservationStore {
   struct Scan {
     pose::PoseEstimate T_map_base;
     PoseComposition composition;
-    std::int32_t first = 0;  ///< of its observations
-    std::shared_ptr<const FreeSpace> free_space;
+    std::int32_t first = 0;        ///< of its observations
+    std::int64_t free_space = -1;  ///< index of its first byte in beams_, or -1
   };
   const Scan& at(std::int32_t scan) const { return scans_[static_cast<std::size_t>(scan)]; }
 
-  std::vector<Scan> scans_;
-  std::vector<Observation> observations_;
+  ColdArray<Scan> scans_;
+  ColdArray<Observation> observations_;
+  ColdArray<std::uint8_t> beams_;  ///< free space, packed
 };
 
 }  // namespace orchard::mapping

@@ -14,8 +14,6 @@ namespace {
 /// most a tenth of a metre or two in it.
 constexpr std::int64_t kBeyondEnds_us = 100'000;
 
-bool is_before(const pose::PoseEstimate& pose, std::int64_t utime) { return pose.utime < utime; }
-
 double turn(double from_rad, double to_rad, double share) {
   return geometry::wrap_angle_rad(from_rad + share * geometry::wrap_angle_rad(to_rad - from_rad));
 }
@@ -54,64 +52,98 @@ struct Correction {
 
 }  // namespace
 
+/// Index of the first pose at or after that time; their number where there is none. It is asked for
+/// the newest as a rule: the search begins there, and leaves old ones on the disk.
+std::size_t PoseTrack::first_from(std::int64_t utime) const {
+  std::size_t low = 0, high = poses_.size();
+  for (std::size_t back = 1; back <= poses_.size(); back *= 2) {
+    const std::size_t i = poses_.size() - back;
+    if (poses_[i].utime < utime) {
+      low = i + 1;
+      break;
+    }
+    high = i;
+  }
+  while (low < high) {
+    const std::size_t middle = low + (high - low) / 2;
+    if (poses_[middle].utime < utime) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  return low;
+}
+
 void PoseTrack::add(const pose::PoseEstimate& pose) {
-  const auto at = std::lower_bound(poses_.begin(), poses_.end(), pose.utime, is_before);
-  if (at != poses_.end() && at->utime == pose.utime) return;
-  poses_.insert(at, pose);
+  const std::size_t at = first_from(pose.utime);
+  if (at < poses_.size() && poses_[at].utime == pose.utime) return;
+  poses_.push_back(pose);
+  for (std::size_t i = poses_.size() - 1; i > at; --i) {
+    poses_[i] = poses_[i - 1];
+    poses_[i - 1] = pose;
+  }
+}
+
+std::vector<pose::PoseEstimate> PoseTrack::poses() const {
+  std::vector<pose::PoseEstimate> poses;
+  poses.reserve(poses_.size());
+  for (std::size_t i = 0; i < poses_.size(); ++i) poses.push_back(poses_[i]);
+  return poses;
 }
 
 bool PoseTrack::is_dense_at(std::int64_t utime, std::int64_t gap_max_us) const {
-  const auto after = std::upper_bound(
-      poses_.begin(), poses_.end(), utime,
-      [](std::int64_t t, const pose::PoseEstimate& pose) { return t < pose.utime; });
-  if (after - poses_.begin() < 2) return false;
-  return (after - 1)->utime - (after - 2)->utime <= gap_max_us;
+  std::size_t after = first_from(utime);
+  if (after < poses_.size() && poses_[after].utime == utime) ++after;
+  if (after < 2) return false;
+  return poses_[after - 1].utime - poses_[after - 2].utime <= gap_max_us;
 }
 
 double PoseTrack::correct(const pose::Trajectory& trajectory) {
-  const auto end = std::lower_bound(poses_.begin(), poses_.end(), trajectory.utime, is_before);
-  if (end == poses_.begin()) return 0.0;
+  const std::size_t end = first_from(trajectory.utime);
+  if (end == 0) return 0.0;
   std::vector<Correction> corrections;
   for (const pose::PoseEstimate& key : trajectory.poses) {
-    if (key.utime < poses_.front().utime || key.utime > (end - 1)->utime) continue;
+    if (key.utime < poses_[0].utime || key.utime > poses_[end - 1].utime) continue;
     if (const auto told = at(key.utime)) corrections.push_back({*told, key});
   }
   if (corrections.empty()) return 0.0;
   double moved_m = 0.0;
   std::size_t next = 0;  // the first key time after the pose
-  for (auto pose = poses_.begin(); pose != end; ++pose) {
-    while (next < corrections.size() && corrections[next].is.utime <= pose->utime) ++next;
-    const pose::PoseEstimate was = *pose;
+  for (std::size_t i = 0; i < end; ++i) {
+    pose::PoseEstimate& pose = poses_[i];
+    while (next < corrections.size() && corrections[next].is.utime <= pose.utime) ++next;
+    const pose::PoseEstimate was = pose;
     if (next == 0) {
-      *pose = corrections.front().apply(was);
+      pose = corrections.front().apply(was);
     } else if (next == corrections.size()) {
-      *pose = corrections.back().apply(was);
+      pose = corrections.back().apply(was);
     } else {
       const Correction& a = corrections[next - 1];
       const Correction& b = corrections[next];
-      *pose = between(a.apply(was), b.apply(was),
-                      static_cast<double>(was.utime - a.is.utime) /
-                          static_cast<double>(b.is.utime - a.is.utime));
+      pose = between(a.apply(was), b.apply(was),
+                     static_cast<double>(was.utime - a.is.utime) /
+                         static_cast<double>(b.is.utime - a.is.utime));
     }
-    moved_m = std::max(moved_m, std::hypot(pose->x_m - was.x_m, pose->y_m - was.y_m));
+    moved_m = std::max(moved_m, std::hypot(pose.x_m - was.x_m, pose.y_m - was.y_m));
   }
   return moved_m;
 }
 
 std::optional<pose::PoseEstimate> PoseTrack::at(std::int64_t utime) const {
   if (poses_.empty()) return std::nullopt;
-  const auto after = std::lower_bound(poses_.begin(), poses_.end(), utime, is_before);
-  if (after != poses_.end() && after->utime == utime) return *after;
-  if (after == poses_.begin() || after == poses_.end()) {
-    pose::PoseEstimate nearest = after == poses_.begin() ? poses_.front() : poses_.back();
+  const std::size_t after = first_from(utime);
+  if (after < poses_.size() && poses_[after].utime == utime) return poses_[after];
+  if (after == 0 || after == poses_.size()) {
+    pose::PoseEstimate nearest = after == 0 ? poses_[0] : poses_.back();
     const std::int64_t away_us =
         nearest.utime > utime ? nearest.utime - utime : utime - nearest.utime;
     if (away_us > std::min(gap_max_us_, kBeyondEnds_us)) return std::nullopt;
     nearest.utime = utime;
     return nearest;
   }
-  const pose::PoseEstimate& a = *(after - 1);
-  const pose::PoseEstimate& b = *after;
+  const pose::PoseEstimate& a = poses_[after - 1];
+  const pose::PoseEstimate& b = poses_[after];
   if (b.utime - a.utime > gap_max_us_) return std::nullopt;
   const double share =
       static_cast<double>(utime - a.utime) / static_cast<double>(b.utime - a.utime);

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
+#include "mapping/store/cold_array.hpp"
 #include "pose/pose_estimate.hpp"
 #include "pose/trajectory.hpp"
 
@@ -16,7 +19,10 @@ namespace orchard::mapping {
 /// mrpt::poses::CPose3DInterpolator, which carries no covariance, and association needs it.
 class PoseTrack {
  public:
-  explicit PoseTrack(double gap_max_s) : gap_max_us_(static_cast<std::int64_t>(gap_max_s * 1e6)) {}
+  /// `memory` holds the poses; none: the heap.
+  explicit PoseTrack(double gap_max_s, std::shared_ptr<ChunkMemory> memory = nullptr)
+      : gap_max_us_(static_cast<std::int64_t>(gap_max_s * 1e6)),
+        poses_(memory ? std::move(memory) : std::make_shared<HeapMemory>()) {}
 
   /// Takes a pose; one of a time already known replaces nothing and is left out.
   void add(const pose::PoseEstimate& pose);
@@ -38,11 +44,14 @@ class PoseTrack {
   /// moved [m].
   double correct(const pose::Trajectory& trajectory);
 
-  const std::vector<pose::PoseEstimate>& poses() const { return poses_; }
+  /// All of them, in order of utime.
+  std::vector<pose::PoseEstimate> poses() const;
 
  private:
+  std::size_t first_from(std::int64_t utime) const;
+
   std::int64_t gap_max_us_;
-  std::vector<pose::PoseEstimate> poses_;  ///< in order of utime
+  ColdArray<pose::PoseEstimate> poses_;  ///< in order of utime
 };
 
 }  // namespace orchard::mapping

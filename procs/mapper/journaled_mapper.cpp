@@ -43,7 +43,8 @@ JournaledMapper::JournaledMapper(const io::Config& config, std::int64_t config_h
     : config_(config),
       config_hash_(config_hash),
       place_(place),
-      mapper_(std::make_unique<MapperNode>(config)) {
+      memory_(std::make_shared<io::FileMemory>(place.folder())),
+      mapper_(std::make_unique<MapperNode>(config, memory_)) {
   go_on_or_begin();
 }
 
@@ -121,7 +122,7 @@ void JournaledMapper::handle(const bus::Message& input, const bus::Outbox& send)
     if (is_anew && !frame_is_given(config_.pose)) {
       if (before_new_map_) before_new_map_(*mapper_);
       journal_->commit();
-      mapper_ = std::make_unique<MapperNode>(config_);
+      mapper_ = std::make_unique<MapperNode>(config_, memory_);
       begin_new_map("orchard-pose began anew, with another origin");
     } else if (is_anew) {
       spdlog::info("orchard-pose began anew; its frame is given, and the map goes on");

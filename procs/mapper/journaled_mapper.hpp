@@ -12,6 +12,7 @@
 
 #include "bus/node/node.hpp"
 #include "io/config/config.hpp"
+#include "io/file_memory.hpp"
 #include "io/journal.hpp"
 #include "io/map/map_place.hpp"
 #include "mapper/mapper_node.hpp"
@@ -67,6 +68,7 @@ class JournaledMapper : public bus::Node {
   io::Config config_;
   std::int64_t config_hash_;
   io::MapPlace& place_;
+  std::shared_ptr<io::FileMemory> memory_;
   std::unique_ptr<MapperNode> mapper_;
   std::unique_ptr<io::Journal> journal_;
   std::function<void(const MapperNode&)> before_new_map_;

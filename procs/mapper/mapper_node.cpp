@@ -58,12 +58,13 @@ std::optional<std::int64_t> scan_wait_us(const mapping::ExistenceConfig& config)
 
 }  // namespace
 
-MapperNode::MapperNode(const io::Config& config)
+MapperNode::MapperNode(const io::Config& config,
+                       const std::shared_ptr<mapping::ChunkMemory>& memory)
     : config_(config.mapper),
       antenna_base_m_(config.pose.gnss.antenna_m[0], config.pose.gnss.antenna_m[1]),
       gnss_(config.pose.gnss),
-      mapper_(config.mapper, {config.laser.mount_x_m, config.laser.mount_y_m}),
-      track_(config.mapper.pose_gap_max_s),
+      mapper_(config.mapper, {config.laser.mount_x_m, config.laser.mount_y_m}, memory),
+      track_(config.mapper.pose_gap_max_s, memory),
       queue_(rules_of(config.mapper)),
       laser_(config.laser),
       blind_(config.detector.segmentation.blind_sector()) {}

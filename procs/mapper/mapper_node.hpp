@@ -39,7 +39,9 @@ namespace orchard::procs {
 /// GNSS says where on the earth the map lies: the corrected path is laid upon the fixes.
 class MapperNode : public bus::Node {
  public:
-  explicit MapperNode(const io::Config& config);
+  /// `memory` holds what a long drive leaves; none: the heap. It changes no output.
+  explicit MapperNode(const io::Config& config,
+                      const std::shared_ptr<mapping::ChunkMemory>& memory = nullptr);
 
   std::string_view name() const override { return "mapper"; }
   std::vector<bus::Channel> inputs() const override;

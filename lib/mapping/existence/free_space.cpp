@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <stdexcept>
 
 #include "geometry/angles.hpp"
 #include "geometry/pose2.hpp"
@@ -56,6 +58,46 @@ FreeSpace::FreeSpace(const laser::Scan& scan, const laser::LaserConfig& laser,
           std::min<std::uint8_t>(kFarthest, static_cast<std::uint8_t>(1.0 + range_m * per_m));
     }
   }
+}
+
+namespace {
+
+/// Calls visit(value) for everything of a FreeSpace but its codes.
+template <class... Values, class Visit>
+void visit_each(Visit&& visit, Values&... values) {
+  (visit(&values, sizeof(values)), ...);
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> FreeSpace::pack() const {
+  std::vector<std::uint8_t> bytes;
+  visit_each(
+      [&bytes](const void* value, std::size_t size) {
+        const auto* first = static_cast<const std::uint8_t*>(value);
+        bytes.insert(bytes.end(), first, first + size);
+      },
+      utime_, laser_, bearing_middle_rad_, bearing_step_rad_, beam_period_s_, reach_m_, sigmas_,
+      share_, no_return_m_, velocity_.x(), velocity_.y(), velocity_.z());
+  bytes.insert(bytes.end(), codes_.begin(), codes_.end());
+  return bytes;
+}
+
+FreeSpace FreeSpace::unpack(const std::vector<std::uint8_t>& bytes) {
+  FreeSpace free_space;
+  std::size_t next = 0;
+  visit_each(
+      [&](void* value, std::size_t size) {
+        if (next + size > bytes.size()) throw std::length_error("free space: too few bytes");
+        std::memcpy(value, bytes.data() + next, size);
+        next += size;
+      },
+      free_space.utime_, free_space.laser_, free_space.bearing_middle_rad_,
+      free_space.bearing_step_rad_, free_space.beam_period_s_, free_space.reach_m_,
+      free_space.sigmas_, free_space.share_, free_space.no_return_m_, free_space.velocity_.x(),
+      free_space.velocity_.y(), free_space.velocity_.z());
+  free_space.codes_.assign(bytes.begin() + static_cast<std::ptrdiff_t>(next), bytes.end());
+  return free_space;
 }
 
 /// A point of base in the laser's frame when that beam was sent.

@@ -49,21 +49,26 @@ class FreeSpace {
   /// to half the scanner's range: beyond it, dark bark gives none either.
   FreeSpaceAnswer at(const Eigen::Vector2d& p_base, double width_m, double sd_m) const;
 
+  /// All of it as bytes, for unpack() of the same program.
+  std::vector<std::uint8_t> pack() const;
+  static FreeSpace unpack(const std::vector<std::uint8_t>& bytes);
+
   std::size_t num_bytes() const { return sizeof(*this) + codes_.capacity(); }
 
  private:
+  FreeSpace() = default;
   Eigen::Vector2d in_laser(const Eigen::Vector2d& p_base, double beam) const;
   double beam_of(const Eigen::Vector2d& p_laser) const;
 
-  std::int64_t utime_;
+  std::int64_t utime_ = 0;
   laser::LaserConfig laser_;
-  double bearing_middle_rad_;
-  double bearing_step_rad_;
-  double beam_period_s_;
-  double reach_m_;
-  double sigmas_;
-  double share_;
-  double no_return_m_;  ///< up to which no return counts as going on
+  double bearing_middle_rad_ = 0.0;
+  double bearing_step_rad_ = 0.0;
+  double beam_period_s_ = 0.0;
+  double reach_m_ = 0.0;
+  double sigmas_ = 0.0;
+  double share_ = 0.0;
+  double no_return_m_ = 0.0;  ///< up to which no return counts as going on
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();
   std::vector<std::uint8_t> codes_;
 };

@@ -5,6 +5,7 @@
 #include <cinttypes>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <numeric>
 #include <optional>
 #include <string_view>
@@ -19,6 +20,7 @@
 #include "detector/detector_node.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
+#include "io/file_memory.hpp"
 #include "io/log/log_series.hpp"
 #include "io/log/log_writer.hpp"
 #include "io/map/map_folder.hpp"
@@ -35,7 +37,9 @@ using bus::ReplayReport;
 
 /// The three roles between a log and its map.
 struct Pipeline {
-  explicit Pipeline(const io::Config& config) : detector(config), pose(config), mapper(config) {}
+  /// What the mapper keeps of a long drive lies in a file in `folder`.
+  Pipeline(const io::Config& config, const std::string& folder)
+      : detector(config), pose(config), mapper(config, std::make_shared<io::FileMemory>(folder)) {}
   std::vector<bus::Node*> nodes() { return {&detector, &pose, &mapper}; }
 
   procs::DetectorNode detector;
@@ -171,7 +175,7 @@ int run_map(const MapOptions& options) {
     require_other_folder(options.out_folder, {options.previous_path});
   }
   make_folder(options.out_folder);
-  Pipeline pipeline(config);
+  Pipeline pipeline(config, options.out_folder);
   LongWork work("mapping", !options.quiet);  // from here on Ctrl-C takes back what was begun
   const std::string derived_path = options.out_folder + "/derived.lcm";
   std::optional<io::LogWriter> derived;

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+
+namespace orchard::mapping {
+
+/// Gives memory in chunks of one size, for what is written once and seldom read again.
+class ChunkMemory {
+ public:
+  static constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
+
+  virtual ~ChunkMemory() = default;
+
+  /// kChunkBytes, aligned for every type, of any content. Throws std::bad_alloc.
+  virtual void* take() = 0;
+  virtual void give_back(void* chunk) noexcept = 0;
+};
+
+/// The heap.
+class HeapMemory : public ChunkMemory {
+ public:
+  void* take() override { return ::operator new(kChunkBytes); }
+  void give_back(void* chunk) noexcept override { ::operator delete(chunk); }
+};
+
+}  // namespace orchard::mapping

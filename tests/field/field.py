@@ -24,7 +24,8 @@ MEASUREMENTS = {
     function.__name__: function for function in (
         measure_link.loss, measure_link.loss_default_kernel, measure_link.duplicates,
         measure_link.reorder, measure_link.link_down, measure_link.slow_link,
-        measure_kills.kills, measure_kills.kills_saving, measure_disk.disk_full, measure_hostile.hostile,
+        measure_kills.kills, measure_kills.kills_saving, measure_disk.disk_full,
+        measure_disk.rotation, measure_hostile.hostile,
         measure_hostile.hostile_guarded,
         measure_clocks.clocks, measure_clocks.clock_offset, measure_strangers.twice,
         measure_strangers.same_folder, measure_strangers.old_types, measure_strangers.calibration,

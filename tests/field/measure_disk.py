@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Measurements of a full disk: a small tmpfs that only the processes of a host see."""
 import os
+import shutil
 import subprocess
 import time
 
@@ -98,4 +99,42 @@ def disk_full(bench, arguments):
             f"{last} (before {good}); {code}", "not fewer; not 0", last >= good and code not in (0, "hangs")),
         Row("disk_full", "a folder that cannot be written, at the start: exit code", f"{early_code}", "1",
             early_code == 1),
+    ]
+
+
+def rotation(bench, arguments):
+    """orchard record with a limit: files of their size, no more than the limit in all, every one read."""
+    drive = Drive(bench, "config/orchard.yaml", arguments.seed)
+    bench.url = bench.url.replace("ttl=1", "ttl=0")
+    host = lone_host()
+    out = os.path.join(bench.work, "recordings")
+    shutil.rmtree(out, ignore_errors=True)
+    listener = wire.Listener(host)
+    words = [bench.binary("orchard"), "record", "--lcm-url", bench.url, "--out", out, "--split-mb", "1",
+             "--keep-gb", "0.005"]
+    recorder = Program(host, words, os.path.join(bench.work, "record.log"))
+    bench.running.append(recorder)
+    listener.wait(lambda s: s.name == "orchard-recorder", 10)
+    player = bench.start(host, "log-player", drive.log, "--config", drive.config, "--speed", "4")
+    most = 0
+    while player.alive():
+        most = max(most, sum(entry.stat().st_size for entry in os.scandir(out)))
+        time.sleep(0.1)
+    time.sleep(1.0)
+    code = recorder.stop()
+    files = sorted(os.scandir(out), key=lambda entry: entry.name)
+    largest = max(entry.stat().st_size for entry in files)
+    kept = [event for entry in files for event in wire.read_log(entry.path)]
+    sent = wire.per_channel(wire.read_log(drive.log))["SCAN"]
+    last = max((wire.stamp(data)[1] for _, channel, data in kept if channel == "SCAN"), default=-1)
+    numbers = sorted(wire.stamp(data)[1] for _, channel, data in kept if channel == "SCAN")
+    whole = numbers == list(range(numbers[0], numbers[-1] + 1)) if numbers else False
+    listener.close()
+    host.close()
+    return [
+        Row("rotation", "recording of 20 MB split at 1 MB, 5 MB kept and one file written: at most in all",
+            f"{most / 1e6:.1f} MB; the largest file {largest / 1e6:.2f} MB", "6 MB", most <= 6e6),
+        Row("rotation", "its last scan, gaps in what is kept, exit code",
+            f"{last + 1} of {sent}, {'none' if whole else 'some'}, {code}", "the newest, none, 0",
+            last + 1 == sent and whole and code == 0),
     ]

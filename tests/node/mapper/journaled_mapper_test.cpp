@@ -9,6 +9,7 @@
 #include <string>
 
 #include "io/map/map_csv.hpp"
+#include "node/mapper/row_drive.hpp"
 #include "unit/io/test_folder.hpp"
 
 namespace orchard::procs {
@@ -18,54 +19,6 @@ namespace fs = std::filesystem;
 using JournalReading = io::JournalReading;
 
 const bus::Outbox kNowhere = [](const bus::Message&) {};
-constexpr std::int64_t kStart_us = 1000000;
-
-/// At 10 Hz past a row with a tree every two metres; scans at 40 Hz.
-class Drive {
- public:
-  explicit Drive(bus::Node& mapper) : mapper_(mapper) {}
-  void step(int k, int pose_seq) {
-    const std::int64_t utime = kStart_us + 100000 * k;
-    for (int s = 0; s < 4; ++s) {
-      laser::Scan scan;
-      scan.utime = utime + 25000 * s;
-      scan.seq = 4 * k + s;
-      scan.bearing_min_rad = -1.5;
-      scan.bearing_step_rad = 0.01;
-      scan.range_min_m = 0.1;
-      scan.range_max_m = 30.0;
-      scan.ranges_m.assign(301, 4.0f + 0.1f * static_cast<float>(k % 3));
-      mapper_.handle(scan, kNowhere);
-    }
-    detection::Detections detections;
-    detections.utime = utime;
-    detections.seq = k;
-    const double x_m = 0.1 * k;
-    for (double tree_m = 2.0 * std::ceil(x_m / 2.0); tree_m < x_m + 6.0; tree_m += 2.0) {
-      detection::Detection d;
-      d.utime = utime;
-      d.centre_x_m = tree_m - x_m + 0.003 * (k % 5);
-      d.centre_y_m = 1.5 - 0.002 * (k % 7);
-      d.covariance = {1e-4, 0, 1e-4};
-      d.width_m = 0.1;
-      d.width_sd_m = 0.01;
-      d.label = k % 4 == 0 ? detection::Label::kObject : detection::Label::kTree;
-      d.roc_tree = 0.7f;
-      detections.trunks.push_back(d);
-    }
-    mapper_.handle(detections, kNowhere);
-    pose::PoseEstimate pose;
-    pose.utime = utime;
-    pose.seq = pose_seq;
-    pose.x_m = x_m;
-    pose.covariance = {1e-4, 0, 0, 1e-4, 0, 1e-6};
-    mapper_.handle(pose, kNowhere);
-  }
-
- private:
-  bus::Node& mapper_;
-};
-
 io::Config rig(pose::PoseMode mode = pose::PoseMode::kFixesAndOdometry) {
   io::Config config;
   config.pose.mode = mode;
@@ -80,12 +33,12 @@ struct Process {
       : place(folder), node(config, hash, place), drive(node) {}
   io::MapPlace place;
   JournaledMapper node;
-  Drive drive;
+  RowDrive drive;
 };
 
 TEST(JournaledMapper, KilledAnywhereItGoesOnAsIfItHadNotBeen) {
   MapperNode never_killed(rig());
-  Drive drive(never_killed);
+  RowDrive drive(never_killed);
   for (int k = 0; k < 200; ++k) drive.step(k, k);
   never_killed.flush(kNowhere);
 

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "bus/node/node.hpp"
+
+namespace orchard::procs {
+
+/// At 10 Hz past a row with a tree every two metres; scans at 40 Hz.
+class RowDrive {
+ public:
+  explicit RowDrive(bus::Node& mapper) : mapper_(mapper) {}
+  void step(int k, int pose_seq) {
+    const bus::Outbox nowhere = [](const bus::Message&) {};
+    const std::int64_t utime = 1000000 + 100000 * k;
+    for (int s = 0; s < 4; ++s) {
+      laser::Scan scan;
+      scan.utime = utime + 25000 * s;
+      scan.seq = 4 * k + s;
+      scan.bearing_min_rad = -1.5;
+      scan.bearing_step_rad = 0.01;
+      scan.range_min_m = 0.1;
+      scan.range_max_m = 30.0;
+      scan.ranges_m.assign(301, 4.0f + 0.1f * static_cast<float>(k % 3));
+      mapper_.handle(scan, nowhere);
+    }
+    detection::Detections detections;
+    detections.utime = utime;
+    detections.seq = k;
+    const double x_m = 0.1 * k;
+    for (double tree_m = 2.0 * std::ceil(x_m / 2.0); tree_m < x_m + 6.0; tree_m += 2.0) {
+      detection::Detection d;
+      d.utime = utime;
+      d.centre_x_m = tree_m - x_m + 0.003 * (k % 5);
+      d.centre_y_m = 1.5 - 0.002 * (k % 7);
+      d.covariance = {1e-4, 0, 1e-4};
+      d.width_m = 0.1;
+      d.width_sd_m = 0.01;
+      d.label = k % 4 == 0 ? detection::Label::kObject : detection::Label::kTree;
+      d.roc_tree = 0.7f;
+      detections.trunks.push_back(d);
+    }
+    mapper_.handle(detections, nowhere);
+    pose::PoseEstimate pose;
+    pose.utime = utime;
+    pose.seq = pose_seq;
+    pose.x_m = x_m;
+    pose.covariance = {1e-4, 0, 0, 1e-4, 0, 1e-6};
+    mapper_.handle(pose, nowhere);
+  }
+
+ private:
+  bus::Node& mapper_;
+};
+
+}  // namespace orchard::procs

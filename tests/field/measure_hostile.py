@@ -19,12 +19,12 @@ WATCHED = ("DETECTIONS", "POSE")
 
 
 def sample_of(drive):
-    """A message of each channel, from the middle of the drive."""
+    """A message of each channel, from about the time of the drive at which the attacks come."""
     events = wire.read_log(drive.log) + wire.read_log(os.path.join(drive.folder, "derived.lcm"))
     found = {}
     for channel in {channel for _, channel, _ in events}:
         of_it = [data for _, name, data in events if name == channel]
-        found[channel] = of_it[len(of_it) // 2]
+        found[channel] = of_it[len(of_it) // 20]
     return {name: data for name, data in found.items() if len(data) < 60000}
 
 

@@ -1,20 +1,22 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A day: many hours of simulated driving through the real processes, faster than the clock."""
+import heapq
 import os
 import shutil
 import struct
-import subprocess
 import sys
 import time
 
 import wire
 from drive import Drive
 from hosts import lone_host
-from programs import NODES
+from maps import rows
+from programs import NODES, Program
 from table import Row
 
 GAP_us = 3_000_000
 GROWTH_most_mib_per_h = 10.0
+MESSAGES_per_s = 3000  # to the live mapper: some 40 times real time
 
 
 def laser_rig(drive, path):
@@ -53,15 +55,28 @@ def bytes_of(path):
         return file.read()
 
 
-def day(bench, arguments):
-    """Hours of driving in lockstep through the processes: memory, descriptors, threads, and the same bytes again."""
-    hours = 0.1 if arguments.short else arguments.hours
-    drive = Drive(bench, "config/orchard.yaml", arguments.seed)
-    rig, log = os.path.join(bench.work, "laser.yaml"), os.path.join(bench.work, "day.lcm")
-    laser_rig(drive, rig)
-    num_laps, lap_h = day_log(drive, log, hours)
-    host = lone_host()
-    bench.url = bench.url.replace("ttl=1", "ttl=0")
+def watched(program, seconds, every=0.5):
+    """Samples of a program until it ends: memory of its own [MiB], descriptors, threads."""
+    samples, end = [], time.monotonic() + seconds
+    while program.alive() and time.monotonic() < end:
+        samples.append((program.own_memory_mib(), program.descriptors(), program.threads()))
+        time.sleep(every)
+    return samples
+
+
+def row_of(name, samples, driven_h):
+    """A row on a program: what it needs after a tenth of the day, and at its end."""
+    early, late = samples[len(samples) // 10], samples[-2 if len(samples) > 1 else -1]
+    growth = (late[0] - early[0]) / (0.9 * driven_h)
+    flat = abs(late[1] - early[1]) <= 1 and early[2] == late[2]
+    return Row("day", f"{name}: own memory after a tenth, at the end, per hour; descriptors, threads",
+               f"{early[0]:.0f}, {late[0]:.0f} MiB, {growth:.1f} MiB/h; "
+               f"{early[1]}, {early[2]} to {late[1]}, {late[2]}",
+               f"at most {GROWTH_most_mib_per_h:g} MiB/h; flat", growth <= GROWTH_most_mib_per_h and flat)
+
+
+def lockstep(bench, host, rig, log, driven_h):
+    """Rows on the processes in lockstep, the map's folder, seconds."""
     out = os.path.join(bench.work, "map")
     shutil.rmtree(out, ignore_errors=True)
     nodes = {name: bench.start(host, name, "--config", rig, "--lockstep",
@@ -69,45 +84,96 @@ def day(bench, arguments):
     begin = time.monotonic()
     player = bench.start(host, "log-player", log, "--config", rig, "--lockstep",
                          "--out", os.path.join(bench.work, "derived.lcm"))
-    samples, next_word = [], begin + 60
-    while True:
-        try:
-            code = player.process.wait(0.5)
-            break
-        except subprocess.TimeoutExpired:
-            pass
-        samples.append({name: (p.memory_mib(), p.descriptors(), p.threads())
-                        for name, p in {**nodes, "player": player}.items()})
+    samples = {name: [] for name in ("detector", "pose", "player")}
+    next_word = begin + 60
+    while player.alive():
+        for name in samples:
+            program = player if name == "player" else nodes[name]
+            samples[name].append((program.own_memory_mib(), program.descriptors(), program.threads()))
+        time.sleep(0.5)
         if time.monotonic() > next_word:
-            print(f"field: day, {time.monotonic() - begin:.0f} s; mapper {samples[-1]['mapper'][0]:.0f} MiB",
-                  file=sys.stderr, flush=True)
+            print(f"field: day, lockstep for {time.monotonic() - begin:.0f} s", file=sys.stderr, flush=True)
             next_word += 60
     took = time.monotonic() - begin
-    if code != 0:
+    if player.process.returncode != 0:
         raise RuntimeError("orchard-log-player: " + player.said())
-    codes = [nodes[name].stop() for name in NODES]
-    host.close()
-    os.remove(os.path.join(bench.work, "derived.lcm"))
+    codes = {nodes[name].stop() for name in NODES}
+    if codes != {0}:
+        raise RuntimeError(f"exit codes {codes}")
+    return [row_of(name, samples[name], driven_h) for name in samples], out, took
+
+
+def live_mapper(bench, host, rig, log, driven_h):
+    """Rows on a mapper that runs live through the day, is killed at its end and started again."""
+    out = os.path.join(bench.work, "live")
+    shutil.rmtree(out, ignore_errors=True)
+    mapper = bench.start(host, "mapper", "--config", rig, "--out", out)
+    listener, sender = wire.Listener(host), wire.Sender(host, ttl=0)
+    listener.wait(lambda s: s.name == "orchard-mapper", 20)
+    derived = (e for e in wire.each_event(os.path.join(bench.work, "derived.lcm"))
+               if e[1] in ("DETECTIONS", "POSE"))
+    sources = (e for e in wire.each_event(log) if e[1] in ("SCAN", "GNSS"))
+    samples, next_sample, num = [], 0.0, 0
+    begin = time.monotonic()
+    for _, channel, data in heapq.merge(derived, sources, key=lambda e: wire.stamp(e[2])[0]):
+        sender.send(channel, data)
+        num += 1
+        if num % 30 == 0:
+            wait = begin + num / MESSAGES_per_s - time.monotonic()
+            if wait > 0:
+                time.sleep(wait)
+            if time.monotonic() > next_sample:
+                next_sample = time.monotonic() + 0.5
+                samples.append((mapper.own_memory_mib(), mapper.descriptors(), mapper.threads()))
+    time.sleep(3.0)
+    before = rows(os.path.join(out, "map.csv"))
+    mapper.kill()
+    moment = time.monotonic()
+    mapper = bench.start(host, "mapper", "--config", rig, "--out", out)
+    back = None
+    while back is None and time.monotonic() < moment + 300:
+        time.sleep(0.02)
+        back = next((a for a, _ in listener.statuses("orchard-mapper", moment)), None)
+    listener.close()
+    code = mapper.stop(seconds=300)
+    after = rows(os.path.join(out, "map.csv"))
+    return [
+        row_of("mapper, live", samples, driven_h),
+        Row("day", "killed at its end and started again: back after; landmarks before, after; exit code",
+            f"{back - moment:.1f} s; {len(before)}, {len(after)}; {code}" if back else "not within 300 s",
+            "1 s; the same; 0",
+            back is not None and back - moment <= 1.0 and len(after) == len(before) and code == 0),
+    ]
+
+
+def day(bench, arguments):
+    """Hours of driving: memory, descriptors, threads, the same bytes again, a restart at the end."""
+    hours = 0.1 if arguments.short else arguments.hours
+    drive = Drive(bench, "config/orchard.yaml", arguments.seed)
+    rig, log = os.path.join(bench.work, "laser.yaml"), os.path.join(bench.work, "day.lcm")
+    laser_rig(drive, rig)
+    num_laps, lap_h = day_log(drive, log, hours)
     driven_h = num_laps * lap_h
-    early, late = samples[len(samples) // 10], samples[-2 if len(samples) > 1 else -1]
-    found = []
-    for name in (*NODES, "player"):
-        growth = (late[name][0] - early[name][0]) / (0.9 * driven_h)
-        flat = early[name][1:] == late[name][1:]
-        found.append(Row("day", f"{name}: memory after a tenth, at the end, per hour; descriptors, threads",
-                         f"{early[name][0]:.0f}, {late[name][0]:.0f} MiB, {growth:.1f} MiB/h; "
-                         f"{early[name][1]}, {early[name][2]} to {late[name][1]}, {late[name][2]}",
-                         f"at most {GROWTH_most_mib_per_h:g} MiB/h; flat",
-                         growth <= GROWTH_most_mib_per_h and flat))
-    again = []
+    host = lone_host()
+    bench.url = bench.url.replace("ttl=1", "ttl=0")
+    found, out, took = lockstep(bench, host, rig, log, driven_h)
+    found += live_mapper(bench, host, rig, log, driven_h)
+    os.remove(os.path.join(bench.work, "derived.lcm"))
+    maps = [bytes_of(os.path.join(out, "map.csv"))]
     for number in range(2):
         folder = os.path.join(bench.work, f"again-{number}")
-        bench.orchard("map", log, "--config", rig, "--out", folder, "--quiet", "--no-derived")
-        again.append(bytes_of(os.path.join(folder, "map.csv")))
-    same = bytes_of(os.path.join(out, "map.csv")) == again[0] == again[1]
-    found.append(Row("day", f"{driven_h:.1f} h of driving ({num_laps} laps): map of the processes and of two more "
-                     "replays in one process; exit codes", f"{'the same bytes' if same else 'different'}; {codes}",
-                     "the same bytes; 0", same and set(codes) == {0}))
-    found.append(Row("day", "and took", f"{took:.0f} s, {3600 * driven_h / took:.0f} times real time", "", None))
+        program = Program(host, [bench.binary("orchard"), "map", log, "--config", rig, "--out", folder,
+                                 "--quiet", "--no-derived"], os.path.join(bench.work, "map.log"))
+        bench.running.append(program)
+        samples = watched(program, 24 * 3600)
+        maps.append(bytes_of(os.path.join(folder, "map.csv")))
+        if number == 0:
+            found.append(row_of("orchard map", samples, driven_h))
+    host.close()
     os.remove(log)
+    same = maps[0] == maps[1] == maps[2]
+    found.append(Row("day", f"{driven_h:.1f} h of driving, {num_laps} laps of the drive without its camera: map in "
+                     "lockstep and twice in one process", "the same bytes" if same else "different",
+                     "the same bytes", same))
+    found.append(Row("day", "the lockstep took", f"{took:.0f} s, {3600 * driven_h / took:.0f} times real time"))
     return found

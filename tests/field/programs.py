@@ -43,6 +43,10 @@ class Program:
     def memory_mib(self):
         return self.number("VmRSS:") / 1024
 
+    def own_memory_mib(self):
+        """Without the pages of files, which the kernel takes back when it needs them."""
+        return (self.number("RssAnon:") + self.number("RssShmem:")) / 1024
+
     def threads(self):
         return self.number("Threads:")
 

@@ -150,6 +150,15 @@ def read_log(path):
     return events
 
 
+def each_event(path):
+    """The same as read_log(), one at a time: for logs larger than memory."""
+    with open(path, "rb") as file:
+        while len(head := file.read(28)) == 28:
+            _, _, utime, name, size = struct.unpack(">IqqII", head)
+            channel = file.read(name).decode("latin1")
+            yield utime, channel, file.read(size)
+
+
 def write_log(path, events):
     with open(path, "wb") as file:
         for number, (utime, channel, data) in enumerate(events):

@@ -9,6 +9,12 @@
 #include "text/number_text.hpp"
 
 namespace orchard::procs {
+namespace {
+
+/// In a row, from when on a camera is missed: two seconds at 10 Hz.
+constexpr std::int64_t kScansWithoutPicture = 20;
+
+}  // namespace
 
 DetectorNode::DetectorNode(const io::Config& config)
     : rig_(config.laser, config.camera, config.detector),
@@ -67,7 +73,21 @@ std::string DetectorNode::warning() const {
   if (const std::string odometry = odometry_warning(); !odometry.empty()) {
     text += (text.empty() ? "" : "; ") + odometry;
   }
+  if (const std::string picture = picture_warning(); !picture.empty()) {
+    text += (text.empty() ? "" : "; ") + picture;
+  }
   return text;
+}
+
+std::string DetectorNode::picture_warning() const {
+  const std::int64_t num_scans = num_pictures_ + num_without_picture_;
+  const bool is_wanting = ended_
+                              ? num_scans >= kScansWithoutPicture && num_pictures_ < num_scans / 2
+                              : num_since_picture_ >= kScansWithoutPicture;
+  if (!is_wanting) return {};
+  return "no IMAGE (from the camera) for " +
+         std::to_string(ended_ ? num_without_picture_ : num_since_picture_) + " of " +
+         std::to_string(num_scans) + " scans: what they saw is UNSEEN, neither tree nor object";
 }
 
 std::string DetectorNode::odometry_warning() const {
@@ -103,8 +123,12 @@ void DetectorNode::send_detections(const detection::ScanImagePair& pair, const b
   if (pair.image) {
     picture.emplace(*pair.image);
     ++num_pictures_;
+    num_since_picture_ = 0;
     last_without_motion_ = rig_.detector.use_odometry && !pair.motion;
     compare_edges(findings.laser, pair, *picture);
+  } else {
+    ++num_without_picture_;
+    ++num_since_picture_;
   }
   detection::DetectResult result = detection::judge_by_camera(
       std::move(findings.laser), picture ? &*picture : nullptr, rig_, pair.motion);

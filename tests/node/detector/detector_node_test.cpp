@@ -312,6 +312,33 @@ TEST(DetectorNode, GoesOnWithoutOdometryAndSaysSo) {
   EXPECT_NE(bench.node.warning().find(" of 13 pictures"), std::string::npos);
 }
 
+TEST(DetectorNode, SaysThatTheCameraIsSilent) {
+  Bench bench(io::Config{});
+  for (int i = 0; i < 12; ++i) {
+    bench.handle(scan(i));
+    bench.handle(picture(i));
+  }
+  for (int i = 12; i < 30; ++i) bench.handle(scan(i));
+  EXPECT_EQ(bench.node.warning(), "");  // not yet: pictures may be lost
+  for (int i = 30; i < 60; ++i) bench.handle(scan(i));
+  EXPECT_NE(bench.node.warning().find("no IMAGE"), std::string::npos);
+  EXPECT_NE(bench.node.warning().find("UNSEEN"), std::string::npos);
+  bench.handle(scan(60));
+  bench.handle(picture(60));
+  EXPECT_EQ(bench.node.warning(), "");  // it is back
+  bench.flush();
+  EXPECT_NE(bench.node.warning().find("48 of 61 scans"), std::string::npos);
+}
+
+TEST(DetectorNode, MissesNoCameraThatItHasNot) {
+  io::Config config;
+  config.camera.enabled = false;
+  Bench bench(config);
+  for (int i = 0; i < 60; ++i) bench.handle(scan(i));
+  bench.flush();
+  EXPECT_EQ(bench.node.warning(), "");
+}
+
 /// Half a minute of two tubes; `turned_rad`: how far the rig is wrong about where the camera looks.
 std::vector<Detections> watch(io::Config config, double turned_rad, std::string& warning) {
   config.camera.extrinsics.phi_rad[2] += turned_rad;

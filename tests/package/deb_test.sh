@@ -65,6 +65,7 @@ grep -q 'found 16 of 16' "$chroot/tmp/tables.txt" || fail "the map is not right"
 contents=$(dpkg-deb --contents "$deb")
 for file in share/man/man1/orchard-map.1.gz share/bash-completion/completions/orchard \
   share/orchard-mapper/lcmtypes/scan_t.lcm include/orchard/scan_t.hpp \
+  lib/systemd/system/orchard-mapper@.service lib/sysusers.d/orchard-mapper.conf \
   lib/python3/dist-packages/orchard/scan_t.py share/orchard-mapper/orchard_lcmtypes.jar; do
   # A minimal Debian may be told to leave manual pages out, so the package is asked, not the disk.
   grep -q "/usr/$file\$" <<<"$contents" || fail "$file is not in the package"

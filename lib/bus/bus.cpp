@@ -118,7 +118,7 @@ struct Bus::Impl {
     };
     const std::string name(info(channel).name);
     set_queue(lcm_subscribe(lcm, name.c_str(), &Impl::on_message, subscription.get()),
-              channel == Channel::kImage ? kImageQueue : kLargeQueue);
+              channel == Channel::kImage ? kImageQueue : kInputQueue);
     subscriptions.push_back(std::move(subscription));
   }
 };

@@ -50,7 +50,8 @@ class Bus {
   Bus& operator=(const Bus&) = delete;
 
   /// Longest queue of a subscription in messages; beyond it LCM drops what arrives.
-  static constexpr int kLargeQueue = 20000;
+  static constexpr int kLargeQueue = 20000;  ///< of a recorder
+  static constexpr int kInputQueue = 2000;
   static constexpr int kImageQueue = 64;
 
   /// Several subscriptions to a channel are handled in the order in which they were made. Throws

@@ -11,6 +11,7 @@
 #include "bus/driver/paced_source.hpp"
 #include "bus/node/stop_signal.hpp"
 #include "bus/replay/lockstep_player.hpp"
+#include "bus/replay/lockstep_url.hpp"
 #include "detector/detector_node.hpp"
 #include "io/log/log_writer.hpp"
 #include "io/progress_bar.hpp"
@@ -100,7 +101,7 @@ int play_in_lockstep(const PlayerOptions& options) {
   Sink sink(options);
   io::ProgressBar bar("replaying in lockstep");
   bus::StopSignal stop;
-  bus::Bus bus(options.rig.config().lcm.url);
+  bus::Bus bus(bus::lockstep_url(options.rig.config().lcm.url));
   bus::LockstepOptions lockstep;
   lockstep.replay = replay_options(options, sink, bar);
   lockstep.nodes = options.nodes;

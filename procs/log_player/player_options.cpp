@@ -100,9 +100,9 @@ std::optional<int> read_player_options(int argc, char** argv, PlayerOptions& opt
       ->delimiter(',')
       ->needs(speed);
   app.add_flag("--hold", options.process.hold, "paced: stay after the last message")->needs(speed);
-  app.add_option("--lcm-url", lcm_url, "LCM network, instead of the configuration's lcm.url")
-      ->option_text("URL")
-      ->envname("LCM_DEFAULT_URL");
+  app.add_option("--lcm-url", lcm_url,
+                 "LCM network (without: the rig's, then $LCM_DEFAULT_URL, then the default)")
+      ->option_text("URL");
   app.add_option("--log-level", log_level, "trace, debug, info, warning, error or off")
       ->option_text("LEVEL")
       ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}));
@@ -130,7 +130,7 @@ std::optional<int> read_player_options(int argc, char** argv, PlayerOptions& opt
   } else if (!bus::load_config(kName, config_path, options.rig)) {
     return bus::kExitInput;
   }
-  if (!lcm_url.empty()) options.rig.lcm().url = lcm_url;
+  bus::choose_url(lcm_url, !config_path.empty(), options.rig.lcm());
   if (print_config) {
     std::cout << options.rig.print(print_all ? io::PrintedKeys::kAll : io::PrintedKeys::kUser);
     return bus::kExitOk;

@@ -35,6 +35,7 @@ class JournaledMapper : public bus::Node {
 
   std::string_view name() const override { return mapper_->name(); }
   std::vector<bus::Channel> inputs() const override { return mapper_->inputs(); }
+  bus::InputNeed need_of(bus::Channel channel) const override { return mapper_->need_of(channel); }
   void handle(const bus::Message& input, const bus::Outbox& send) override;
   void flush(const bus::Outbox& send) override;
   bus::NodeCounts counts() const override { return mapper_->counts(); }

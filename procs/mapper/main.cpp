@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
       "while it runs. Started again with the same --out it goes on with the map there.";
   info.options.push_back(
       {"--out", "DIR", "folder of the map's files (none are saved without)", &folder});
+  info.alone = true;
   info.lockstep = &lockstep;
   orchard::io::RigFile rig;
   orchard::procs::MapperProcess mapper;

@@ -86,6 +86,12 @@ std::vector<bus::Channel> MapperNode::inputs() const {
   return channels;
 }
 
+/// There is a map without a receiver and without free-space evidence.
+bus::InputNeed MapperNode::need_of(bus::Channel channel) const {
+  const bool optional = channel == bus::Channel::kGnss || channel == bus::Channel::kScan;
+  return optional ? bus::InputNeed::kOptional : Node::need_of(channel);
+}
+
 void MapperNode::handle(const bus::Message& input, const bus::Outbox& send) {
   const std::int64_t utime = bus::utime_of(input);
   if (const auto* pose = std::get_if<pose::PoseEstimate>(&input)) {

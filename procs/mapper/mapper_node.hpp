@@ -45,6 +45,7 @@ class MapperNode : public bus::Node {
 
   std::string_view name() const override { return "mapper"; }
   std::vector<bus::Channel> inputs() const override;
+  bus::InputNeed need_of(bus::Channel channel) const override;
   void handle(const bus::Message& input, const bus::Outbox& send) override;
   void flush(const bus::Outbox& send) override;
   bus::NodeCounts counts() const override;

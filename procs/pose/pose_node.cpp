@@ -63,6 +63,15 @@ std::vector<bus::Channel> PoseNode::inputs() const {
   return channels;
 }
 
+/// A receiver and a unit help where they are; wheels, scans and trunks are what a mode goes by.
+bus::InputNeed PoseNode::need_of(bus::Channel channel) const {
+  if (channel == bus::Channel::kGnss || channel == bus::Channel::kImu) {
+    return bus::InputNeed::kOptional;
+  }
+  const bool only_fixes = channel == bus::Channel::kPoseFix && inputs().size() == 1;
+  return only_fixes ? bus::InputNeed::kRequired : Node::need_of(channel);
+}
+
 void PoseNode::handle(const bus::Message& input, const bus::Outbox& send) {
   if (std::optional<pose::Measurement> measurement = measurement_of(input)) {
     push(*std::move(measurement));

@@ -24,6 +24,7 @@ class PoseNode : public bus::Node {
 
   std::string_view name() const override { return "pose"; }
   std::vector<bus::Channel> inputs() const override;
+  bus::InputNeed need_of(bus::Channel channel) const override;
   void handle(const bus::Message& input, const bus::Outbox& send) override;
   void flush(const bus::Outbox& send) override;
   bus::NodeCounts counts() const override;

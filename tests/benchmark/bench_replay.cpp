@@ -20,6 +20,7 @@
 #include "bus/node/stop_signal.hpp"
 #include "bus/replay/in_process_replay.hpp"
 #include "bus/replay/lockstep_player.hpp"
+#include "bus/replay/lockstep_url.hpp"
 #include "bus/replay/replay_index.hpp"
 #include "detector/detector_node.hpp"
 #include "geometry/statistics.hpp"
@@ -188,7 +189,7 @@ void bench_lockstep(const FieldDrive& drive, const Replayed& expected,
   bool same = true;
   for (int i = 0; i < 5; ++i) {
     // A bus of its own each time, as each run of the player has.
-    bus::Bus player_bus(drive.config.lcm.url);
+    bus::Bus player_bus(bus::lockstep_url(drive.config.lcm.url));
     Fingerprint fingerprint;
     bus::LockstepOptions options;
     options.replay.on_derived = [&](bus::Channel channel, std::int64_t, const auto& bytes) {

@@ -62,7 +62,8 @@ void check(FieldCheck& c, const detection::Detections& detections) {
 }
 
 void check(FieldCheck& c, const pose::TrajectoryPage& page) {
-  c.field("page", page.page, 0, page.num_pages - 1);
+  // Wide: of a message that is all wrong, num_pages may be the least number there is.
+  c.field("page", page.page, 0, std::int64_t{page.num_pages} - 1);
   std::int64_t before = -1;
   for (const pose::PoseEstimate& pose : page.poses) {
     c.that(pose.utime > before, Reason::kInconsistent, "its poses are not in order of utime");

@@ -10,9 +10,6 @@
 namespace orchard::bus {
 namespace {
 
-/// Pictures that wait for a slow node; beyond it the oldest is dropped, since the newest matter.
-constexpr int kImagesWaiting = 4;
-
 /// Between two live saves of map.csv: what a killed process may lose.
 constexpr std::chrono::seconds kSavePeriod{1};
 
@@ -22,6 +19,17 @@ constexpr std::chrono::seconds kFullSavePeriod{30};
 
 /// How long a due save lets waiting messages go first.
 constexpr std::chrono::milliseconds kSaveDelayMost{100};
+
+/// After a stop: what was sent before still counts, and LCM's thread may not have read it all. So
+/// long it is taken in, and worked off.
+constexpr std::chrono::milliseconds kTakeInMost{500};
+constexpr std::chrono::milliseconds kWorkOffMost{1000};
+constexpr int kQuiet_ms = 30;
+
+/// How long one that may only run alone listens for another before it begins, and how long it
+/// gives way to one that was there before.
+constexpr std::chrono::milliseconds kLookAround{300};
+constexpr std::chrono::seconds kGiveWay{3};
 
 /// Messages taken from LCM before one is handed over, so that a flood cannot starve the node.
 constexpr int kDrainMost = 200;
@@ -56,7 +64,7 @@ const char* publisher_of(Channel channel) {
 }  // namespace
 
 LiveNode::LiveNode(Bus& bus, Node& node, const std::string& name, const io::EffectiveConfig& config,
-                   SaveHook save)
+                   SaveHook save, bool alone)
     : bus_(bus),
       node_(node),
       host_(node, [&bus](Output&& output) { bus.publish(output.channel, output.bytes); }),
@@ -64,36 +72,30 @@ LiveNode::LiveNode(Bus& bus, Node& node, const std::string& name, const io::Effe
       save_(std::move(save)),
       next_save_(Clock::now() + kSavePeriod),
       next_full_save_(Clock::now() + kFullSavePeriod),
-      start_(Clock::now()) {
+      start_(Clock::now()),
+      neighbours_(name, report_.host(), config.hash),
+      alone_(alone) {
   for (const Channel channel : node.inputs()) {
-    bus_.subscribe(channel, [this](const Message& message, Bytes) { take(message); });
+    bus_.subscribe(channel, [this](const Message& message, Bytes bytes) { take(message, bytes); });
   }
+  bus_.subscribe_status([this](const Status& status) {
+    // Who is new learns of this process at once, not within a second.
+    if (neighbours_.note(status, wall_utime(), Clock::now())) report_.hurry(true);
+  });
+  bus_.subscribe_config(
+      [this](const ConfigNotice& notice) { neighbours_.note(notice, Clock::now()); });
 }
 
 void LiveNode::run(StopSignal& stop) {
+  if (alone_) look_around(stop);
   while (!stop.raised()) {
-    if (report_.due()) {
-      log_missing_inputs();
-      report_.send(status());
-    }
     drain();
+    if (inputs_.update(Clock::now())) report_.hurry(false);
+    if (report_.due()) report();
     save_when_due();
-    if (inbox_.empty()) {
-      int timeout_ms = report_.ms_until_due();
-      if (save_ && changed_) {
-        const auto left = std::chrono::ceil<std::chrono::milliseconds>(next_save_ - Clock::now());
-        timeout_ms = std::clamp<int>(static_cast<int>(left.count()), 0, timeout_ms);
-      }
-      if (!stop.wait(bus_.fileno(), timeout_ms)) continue;
-      drain();
-    }
-    handle_oldest();
+    if (!handle_next()) wait(stop);
   }
-  // What was sent before the stop still counts, and LCM's thread may not have read it all.
-  const Clock::time_point end = Clock::now() + std::chrono::seconds(2);
-  while (Clock::now() < end && bus_.handle(30)) {
-  }
-  while (!inbox_.empty()) handle_oldest();
+  use_up();
   host_.flush();
   const std::string not_saved = save_now(SaveKind::kFinal);
   report_.send(status());
@@ -102,11 +104,70 @@ void LiveNode::run(StopSignal& stop) {
   if (!not_saved.empty()) throw std::runtime_error("the last save failed: " + not_saved);
 }
 
+/// Until a message comes, STATUS or a save is due, or an input has been silent for too long.
+void LiveNode::wait(StopSignal& stop) {
+  const Clock::time_point now = Clock::now();
+  int timeout_ms = std::min(report_.ms_until_due(), inputs_.ms_until_change(now));
+  if (const auto ms = inbox_.ms_until_next(now)) timeout_ms = std::min(timeout_ms, *ms);
+  if (save_ && changed_) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(next_save_ - now);
+    timeout_ms = std::clamp<int>(static_cast<int>(left.count()), 0, timeout_ms);
+  }
+  stop.wait(bus_.fileno(), timeout_ms);
+}
+
+void LiveNode::use_up() {
+  const Clock::time_point taken_in = Clock::now() + kTakeInMost;
+  while (Clock::now() < taken_in && bus_.handle(kQuiet_ms)) {
+  }
+  inbox_.release_all();
+  const Clock::time_point worked_off = Clock::now() + kWorkOffMost;
+  while (Clock::now() < worked_off && handle_next()) {
+  }
+  if (inbox_.size() > 0) spdlog::warn("{} messages were left unused at the stop", inbox_.size());
+}
+
+void LiveNode::look_around(StopSignal& stop) {
+  const Clock::time_point end = Clock::now() + kLookAround;
+  report_.send(status());  // whoever is there answers
+  while (!stop.raised() && Clock::now() < end) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
+    if (stop.wait(bus_.fileno(), static_cast<int>(left.count()))) drain();
+    refuse_to_be_second();
+  }
+}
+
+/// One that has run for a while goes on whatever is said: a STATUS may be a recorded one.
+void LiveNode::refuse_to_be_second() const {
+  const Clock::time_point now = Clock::now();
+  if (!alone_ || now - start_ > kGiveWay) return;
+  if (!neighbours_.twin_is_older(report_.num_sent(), now)) return;
+  throw std::runtime_error(neighbours_.twin(now) + " is on " + bus_.url() +
+                           " already: stop it first, or give this one an lcm.url of its own");
+}
+
+void LiveNode::report() {
+  refuse_to_be_second();
+  log_missing_inputs();
+  for (const Channel channel : node_.inputs()) {
+    inputs_.count(channel, host_.sequence_counts(channel), host_.num_used(channel));
+  }
+  if (const double step_s = neighbours_.check_clock(wall_utime(), Clock::now()); step_s != 0.0) {
+    spdlog::warn("the clock of this machine was set by {:+.1f} s", step_s);
+  }
+  const std::int64_t num_dropped = bus_.num_dropped() + inbox_.num_dropped();
+  num_dropped_lately_ = num_dropped - std::exchange(num_dropped_before_, num_dropped);
+  const std::int64_t num_published = host_.num_published();
+  outputs_flow_ = num_published > std::exchange(num_published_before_, num_published);
+  report_.send(status());
+  waited_for_before_ = node_.waiting_for();
+}
+
 void LiveNode::log_missing_inputs() {
   // To the log when it changes; STATUS repeats it every second.
   std::string missing;
   for (const Channel channel : node_.inputs()) {
-    if (host_.seen(channel)) continue;
+    if (host_.seen(channel) || node_.need_of(channel) != InputNeed::kRequired) continue;
     missing += (missing.empty() ? "" : ", ") + std::string(info(channel).name) + " (sent by " +
                publisher_of(channel) + ")";
   }
@@ -119,17 +180,11 @@ void LiveNode::log_missing_inputs() {
   }
 }
 
-void LiveNode::take(const Message& message) {
-  const bool is_image = channel_of(message) == Channel::kImage;
-  if (is_image && num_images_ >= kImagesWaiting) {
-    const auto oldest = std::find_if(inbox_.begin(), inbox_.end(), [](const auto& waiting) {
-      return channel_of(waiting.second) == Channel::kImage;
-    });
-    inbox_.erase(oldest);
-    --num_images_;
-  }
-  num_images_ += is_image ? 1 : 0;
-  inbox_.emplace_back(Clock::now(), message);
+void LiveNode::take(const Message& message, Bytes bytes) {
+  const Clock::time_point now = Clock::now();
+  const Channel channel = channel_of(message);
+  if (node_.need_of(channel) != InputNeed::kOccasional) inputs_.note(channel, now);
+  inbox_.add({now, message, bytes.size});
 }
 
 void LiveNode::drain() {
@@ -137,18 +192,17 @@ void LiveNode::drain() {
   }
 }
 
-void LiveNode::handle_oldest() {
-  if (inbox_.empty()) return;
-  const auto [arrival, message] = std::move(inbox_.front());
-  inbox_.pop_front();
-  if (channel_of(message) == Channel::kImage) --num_images_;
-  if (host_.receive(message)) changed_ = true;
-  report_.note_input(std::chrono::duration<double>(Clock::now() - arrival).count());
+bool LiveNode::handle_next() {
+  const auto arrival = inbox_.take(Clock::now());
+  if (!arrival) return false;
+  if (host_.receive(arrival->message)) changed_ = true;
+  report_.note_input(std::chrono::duration<double>(Clock::now() - arrival->time).count());
+  return true;
 }
 
 void LiveNode::save_when_due() {
   if (!save_ || !changed_) return;
-  const bool idle = inbox_.empty();
+  const bool idle = inbox_.size() == 0;
   const Clock::time_point now = Clock::now();
   if (now < (idle ? next_save_ : next_save_ + kSaveDelayMost)) return;
   next_save_ = now + kSavePeriod;
@@ -184,30 +238,66 @@ Status LiveNode::status() const {
   status.num_late = counts.num_late + sequence.num_reordered;
   status.num_duplicate = sequence.num_duplicate;
   status.num_published = host_.num_published();
-  status.text = waiting_text();
-  status.level = !status.text.empty() ? Level::kWaiting : Level::kOk;
-  if (const std::string warning = node_.warning(); !warning.empty()) {
-    status.level = Level::kWarning;
-    status.text = warning + (status.text.empty() ? "" : "; " + status.text);
+  const auto add = [&status](Level level, const std::string& text) {
+    if (text.empty()) return;
+    status.level = std::max(status.level, level);
+    status.text += (status.text.empty() ? "" : "; ") + text;
+  };
+  const Clock::time_point now = Clock::now();
+  if (const std::string twin = neighbours_.twin(now); !twin.empty()) {
+    add(Level::kError, twin + " runs beside this one (" + report_.host() + "): stop one of them");
+  }
+  add(Level::kWarning, node_.warning());
+  std::string inputs;
+  const Level inputs_level = say_inputs(inputs);
+  add(inputs_level, inputs);
+  add(Level::kWaiting, waiting_text());
+  add(Level::kWarning, neighbours_.text(now));
+  if (num_dropped_lately_ > 0) {
+    add(Level::kWarning, std::to_string(num_dropped_lately_) +
+                             " datagrams or messages dropped in the last second: crafted, or more "
+                             "than can be used");
   }
   if (bus_.counts().num_bad() > 0) {
-    if (status.level == Level::kOk) status.level = Level::kWarning;
-    status.text += status.text.empty() ? "refused" : "; refused";
+    std::string refused = "refused";
     for (std::size_t i = 0; i < kNumReasons; ++i) {
       if (const std::int64_t count = bus_.counts().num_rejected[i]) {
-        status.text +=
+        refused +=
             " " + std::string(to_string(static_cast<Reason>(i))) + "=" + std::to_string(count);
       }
     }
+    add(Level::kWarning, refused);
   }
   return status;
 }
 
+Level LiveNode::say_inputs(std::string& text) const {
+  Level level = Level::kOk;
+  const Clock::time_point now = Clock::now();
+  for (const Channel channel : node_.inputs()) {
+    std::string said = inputs_.text(channel, now);
+    if (said.empty()) continue;
+    if (inputs_.is_serious(channel)) level = Level::kWarning;
+    if (inputs_.has_two_sources(channel)) {
+      const std::string part =
+          info(channel).role == Role::kSource ? "driver" : std::string(publisher_of(channel));
+      const std::string who = neighbours_.named(part, now);
+      if (!who.empty()) said += " (" + who + ")";
+    } else if (inputs_.is_stale(channel)) {
+      said += " (sent by " + std::string(publisher_of(channel)) + ")";
+    }
+    text += (text.empty() ? "" : "; ") + said;
+  }
+  return level;
+}
+
+/// What waits as long as anything moves is no matter; what waits for the same for a second is.
 std::string LiveNode::waiting_text() const {
   std::string text = node_.waiting_for();
+  if (outputs_flow_ && text != waited_for_before_) text.clear();
   const auto elapsed = std::chrono::duration_cast<std::chrono::seconds>(Clock::now() - start_);
   for (const Channel channel : node_.inputs()) {
-    if (host_.seen(channel)) continue;
+    if (host_.seen(channel) || node_.need_of(channel) != InputNeed::kRequired) continue;
     text += (text.empty() ? "" : "; ") + std::string("no ") + std::string(info(channel).name) +
             " since the start " + std::to_string(elapsed.count()) + " s ago (sent by " +
             publisher_of(channel) + ")";

@@ -2,12 +2,13 @@
 #pragma once
 
 #include <chrono>
-#include <deque>
+#include <cstdint>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "bus/bus.hpp"
+#include "bus/node/inbox.hpp"
+#include "bus/node/input_watch.hpp"
+#include "bus/node/neighbours.hpp"
 #include "bus/node/node_host.hpp"
 #include "bus/node/process.hpp"
 #include "bus/node/process_report.hpp"
@@ -18,24 +19,32 @@ namespace orchard::bus {
 /// A node on the network: one thread, one event loop, until a signal ends it.
 class LiveNode {
  public:
+  /// `alone`: refuses to run where another of its name does already.
   LiveNode(Bus& bus, Node& node, const std::string& name, const io::EffectiveConfig& config,
-           SaveHook save);
+           SaveHook save, bool alone = false);
 
-  /// Runs until a stop is asked for, then takes in what has already arrived, flushes and saves.
-  /// Throws BusError, what the node throws, and std::runtime_error when that last save failed.
+  /// Runs until a stop is asked for, then takes in what has already arrived, as far as that goes in
+  /// a second, flushes and saves. Throws BusError, what the node throws, and std::runtime_error
+  /// when that last save failed or another of its name was there before.
   void run(StopSignal& stop);
 
  private:
   using Clock = std::chrono::steady_clock;
   void log_missing_inputs();
-  void take(const Message& message);
+  void take(const Message& message, Bytes bytes);
   void drain();
-  void handle_oldest();
+  bool handle_next();
+  void wait(StopSignal& stop);
+  void use_up();
+  void look_around(StopSignal& stop);
+  void refuse_to_be_second() const;
+  void report();
   void save_when_due();
   /// "", or what was thrown.
   std::string save_now(SaveKind kind);
   Status status() const;
   std::string waiting_text() const;
+  Level say_inputs(std::string& text) const;
 
   Bus& bus_;
   Node& node_;
@@ -46,8 +55,16 @@ class LiveNode {
   Clock::time_point next_full_save_;
   bool changed_ = false;
   Clock::time_point start_;
-  std::deque<std::pair<Clock::time_point, Message>> inbox_;
-  int num_images_ = 0;  ///< in the inbox
+  Inbox inbox_;
+  InputWatch inputs_;
+  Neighbours neighbours_;
+  bool alone_;
+  bool outputs_flow_ = true;  ///< some were sent in the last second, or nothing was asked for
+  std::int64_t num_published_before_ = 0;
+  std::int64_t num_dropped_before_ = 0;
+  std::int64_t num_dropped_lately_ = 0;
+  std::string waited_for_before_;
+  std::string logged_warning_;
   std::string logged_missing_;
 };
 

@@ -20,6 +20,13 @@ struct NodeCounts {
   std::int64_t num_unusable = 0;  ///< well-formed, but of no use (a picture that does not decode)
 };
 
+/// What it means for a node that an input does not come.
+enum class InputNeed {
+  kRequired,    ///< it can do nothing: it waits
+  kOptional,    ///< it works without; that one that came falls silent is said
+  kOccasional,  ///< it comes now and then, or never
+};
+
 /// One role of the system (detector, pose, mapper): a pure function of its configuration and the
 /// sequence of its inputs. The same object runs in the live process, in the players and in tests.
 class Node {
@@ -29,6 +36,13 @@ class Node {
   /// Short name: "detector", "pose", "mapper".
   virtual std::string_view name() const = 0;
   virtual std::vector<Channel> inputs() const = 0;
+
+  /// What an input is for, of inputs().
+  virtual InputNeed need_of(Channel channel) const {
+    const bool occasional = channel == Channel::kTrajectory || channel == Channel::kPoseFix ||
+                            channel == Channel::kAdaptation;
+    return occasional ? InputNeed::kOccasional : InputNeed::kRequired;
+  }
 
   /// Takes one input and sends what follows from it. Inputs of one channel come with rising seq
   /// (the host drops duplicates); between channels any order may occur and must not matter.

@@ -41,8 +41,9 @@ class NodeHost {
   const SequenceCounts& sequence_counts(Channel channel) const { return gate_.counts(channel); }
   std::int64_t num_handled() const;
   std::int64_t num_published() const;
-  bool seen(Channel channel) const {
-    return traffic_.num_in[static_cast<std::size_t>(channel)] > 0;
+  bool seen(Channel channel) const { return num_used(channel) > 0; }
+  std::int64_t num_used(Channel channel) const {
+    return traffic_.num_in[static_cast<std::size_t>(channel)];
   }
 
   /// All but what the bus refused before it came here.

@@ -15,6 +15,7 @@
 #include "bus/node/process_options.hpp"
 #include "bus/node/stop_signal.hpp"
 #include "bus/replay/lockstep_node.hpp"
+#include "bus/replay/lockstep_url.hpp"
 #include "io/file_error.hpp"
 
 namespace orchard::bus {
@@ -56,13 +57,14 @@ int run_node_process(int argc, char** argv, ProcessInfo info, io::ConfigFile& co
   }
   return guarded(info.name, [&] {
     StopSignal stop;
-    Bus bus(config.lcm().url);
-    log_start(config.lcm().url, options);
+    const std::string url = options.lockstep ? lockstep_url(config.lcm().url) : config.lcm().url;
+    Bus bus(url);
+    log_start(url, options);
     if (options.lockstep) {
       LockstepNode(bus, make_node, save).run(stop);
     } else {
       const std::unique_ptr<Node> node = make_node();
-      LiveNode(bus, *node, info.name, options.config, save).run(stop);
+      LiveNode(bus, *node, info.name, options.config, save, info.alone).run(stop);
     }
   });
 }

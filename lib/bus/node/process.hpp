@@ -32,6 +32,7 @@ struct ProcessInfo {
   std::vector<ExtraOption> options;
   /// Fills the configuration where no --config is given; empty: the built-in defaults stay.
   std::function<void()> load_default;
+  bool alone = false;        ///< refuses to run where another of its name does already
   bool* lockstep = nullptr;  ///< set when --lockstep is given
 };
 

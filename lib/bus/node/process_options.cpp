@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdlib>
 #include <iostream>
 
 namespace orchard::bus {
@@ -28,6 +29,21 @@ std::string full_name(const std::string& name) {
 }
 
 }  // namespace
+
+void choose_url(const std::string& lcm_url, bool has_rig, io::LcmConfig& lcm) {
+  const char* environment = std::getenv("LCM_DEFAULT_URL");
+  const char* why = "the default";
+  if (!lcm_url.empty()) {
+    lcm.url = lcm_url;
+    why = "--lcm-url";
+  } else if (has_rig) {
+    why = "the rig";
+  } else if (environment != nullptr && environment[0] != '\0') {
+    lcm.url = environment;
+    why = "LCM_DEFAULT_URL";
+  }
+  spdlog::debug("LCM: {} ({})", lcm.url, why);
+}
 
 std::string_view version() { return ORCHARD_VERSION; }
 
@@ -57,9 +73,9 @@ std::optional<int> read_options(int argc, char** argv, const ProcessInfo& info, 
                  info.load_default ? "the rig's YAML (without: that of the scene)"
                                    : "the rig's YAML (without: built-in defaults)")
       ->option_text("FILE");
-  app.add_option("--lcm-url", lcm_url, "LCM network, instead of the configuration's lcm.url")
-      ->option_text("URL")
-      ->envname("LCM_DEFAULT_URL");
+  app.add_option("--lcm-url", lcm_url,
+                 "LCM network (without: the rig's, then $LCM_DEFAULT_URL, then the default)")
+      ->option_text("URL");
   app.add_option("--log-level", log_level, "trace, debug, info, warning, error or off")
       ->option_text("LEVEL")
       ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}));
@@ -106,7 +122,7 @@ std::optional<int> read_options(int argc, char** argv, const ProcessInfo& info, 
   } else if (!load_config(info.name, config_path, config)) {
     return kExitInput;
   }
-  if (!lcm_url.empty()) config.lcm().url = lcm_url;
+  choose_url(lcm_url, !config_path.empty(), config.lcm());
   if (print_config) {
     std::cout << config.print(print_all ? io::PrintedKeys::kAll : io::PrintedKeys::kUser);
     return kExitOk;

@@ -28,6 +28,10 @@ struct ProcessOptions {
 /// Version of the software.
 std::string_view version();
 
+/// The LCM network: --lcm-url when given, else the rig's, else LCM_DEFAULT_URL, else the built-in
+/// one; logs which.
+void choose_url(const std::string& lcm_url, bool has_rig, io::LcmConfig& lcm);
+
 /// Loads the rig at `path` ("": the defaults stay), logs the reader's warnings and prints what is
 /// wrong with it; false when it was refused.
 bool load_config(const std::string& program, const std::string& path, io::ConfigFile& config);

@@ -11,10 +11,15 @@
 namespace orchard::bus {
 namespace {
 
-std::string host_name() {
+/// No sooner than this after the last: strangers must not make us talk.
+constexpr std::chrono::milliseconds kStatusApart{100};
+constexpr std::chrono::seconds kConfigApart{1};
+constexpr std::chrono::seconds kConfigPeriod{10};
+
+std::string host_and_process() {
   char name[256] = {};
-  if (gethostname(name, sizeof(name) - 1) != 0) return "unknown";
-  return name;
+  const bool known = gethostname(name, sizeof(name) - 1) == 0;
+  return (known ? std::string(name) : "unknown") + ":" + std::to_string(getpid());
 }
 
 }  // namespace
@@ -26,7 +31,7 @@ std::int64_t wall_utime() {
 }
 
 ProcessReport::ProcessReport(Bus& bus, std::string name, const io::EffectiveConfig& config)
-    : bus_(bus), name_(std::move(name)), host_(host_name()) {
+    : bus_(bus), name_(std::move(name)), host_(host_and_process()) {
   notice_.hash = config.hash;
   notice_.name = name_;
   notice_.version = std::string(version());
@@ -39,6 +44,14 @@ void ProcessReport::note_input(double latency_s) {
   ++num_inputs_;
   latency_sum_s_ += latency_s;
   latency_max_s_ = std::max(latency_max_s_, latency_s);
+}
+
+void ProcessReport::hurry(bool with_config) {
+  next_status_ = std::min(next_status_, last_status_ + kStatusApart);
+  if (!with_config) return;
+  const Clock::time_point last_config = next_config_ - kConfigPeriod;
+  next_config_ = std::min(next_config_, last_config + kConfigApart);
+  next_status_ = std::min(next_status_, std::max(next_config_, last_status_ + kStatusApart));
 }
 
 int ProcessReport::ms_until_due() const {
@@ -73,7 +86,7 @@ void ProcessReport::send(Status status) {
     notice_.utime = wall_utime();
     bus_.publish(Channel::kConfig, encode(notice_));
     ++notice_.seq;
-    next_config_ = now + std::chrono::seconds(10);
+    next_config_ = now + kConfigPeriod;
   }
 }
 

@@ -26,6 +26,16 @@ class ProcessReport {
   /// Something went wrong that people must see; stays until cleared with an empty text.
   void set_error(std::string text) { error_ = std::move(text); }
 
+  /// "robot:4711": the machine and the process, as STATUS says them.
+  const std::string& host() const { return host_; }
+
+  /// How many STATUS were sent.
+  std::int32_t num_sent() const { return status_seq_; }
+
+  /// STATUS and CONFIG are due now (somebody new is there to read them, or something changed),
+  /// unless they were sent a moment ago.
+  void hurry(bool with_config);
+
   bool due() const { return Clock::now() >= next_status_; }
   int ms_until_due() const;
 

@@ -130,6 +130,10 @@ Verdict SequenceGate::hold(Channel channel, const Stamp& stamp, bool is_time_kno
   }
   if (last.num_held > 0 && !follows(last.held, stamp)) drop_held(channel);
   ++last.num_held;
+  // Refused one by one, and yet they go on: somebody else sends them.
+  const bool goes_on_beside = last.num_held == 1 && last.rival && follows(*last.rival, stamp) &&
+                              stamp.seq - last.rival->seq <= kNearSeq;
+  if (goes_on_beside) ++counts_[index(channel)].num_contests;
   if (last.seen && stamp.seq <= last.stamp.seq && stamp.utime <= last.stamp.utime &&
       last.stamp.utime - stamp.utime <= kLeap_us) {
     ++last.num_held_old;
@@ -149,6 +153,7 @@ void SequenceGate::drop_held(Channel channel) {
   Last& last = last_[index(channel)];
   counts_[index(channel)].num_duplicate += last.num_held_old;
   counts_[index(channel)].num_leaps += last.num_held - last.num_held_old;
+  if (last.num_held > 0) last.rival = last.held;
   last.num_held = last.num_held_old = 0;
 }
 

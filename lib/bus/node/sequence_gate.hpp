@@ -78,8 +78,9 @@ class SequenceGate {
     std::int64_t restart_order = 0;
     bool contested = false;  ///< the source before a restart is there still
     int num_held = 0;
-    int num_held_old = 0;  ///< of those, the ones that look like duplicates
-    Stamp held;            ///< the newest of them
+    int num_held_old = 0;        ///< of those, the ones that look like duplicates
+    Stamp held;                  ///< the newest of them
+    std::optional<Stamp> rival;  ///< the newest that was held and refused
   };
 
   static std::size_t index(Channel channel) { return static_cast<std::size_t>(channel); }

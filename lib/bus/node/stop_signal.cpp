@@ -12,11 +12,21 @@
 namespace orchard::bus {
 namespace {
 
+bool is_ignored(int signal) {
+  struct sigaction action {};
+  return sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
+/// Also a terminal that was closed and a pipe that nobody reads: they end a process, but not
+/// without its last save. Whoever ignores them (nohup, systemd's IgnoreSIGPIPE) goes on.
 sigset_t stop_signals() {
   sigset_t set;
   sigemptyset(&set);
   sigaddset(&set, SIGINT);
   sigaddset(&set, SIGTERM);
+  for (const int signal : {SIGHUP, SIGPIPE}) {
+    if (!is_ignored(signal)) sigaddset(&set, signal);
+  }
   return set;
 }
 
@@ -33,6 +43,11 @@ StopSignal::StopSignal() {
 
 StopSignal::~StopSignal() {
   close(fileno_);
+  // One that came after the first, as each further line into a broken pipe brings one, is obeyed
+  // already: it must not end the process with another exit code.
+  if (raised_) {
+    for (const int stopping : {SIGHUP, SIGPIPE}) signal(stopping, SIG_IGN);
+  }
   const sigset_t set = stop_signals();
   pthread_sigmask(SIG_UNBLOCK, &set, nullptr);
 }

@@ -3,8 +3,8 @@
 
 namespace orchard::bus {
 
-/// SIGINT and SIGTERM as a readable file descriptor, so that they arrive in the event loop and
-/// nowhere else. Make it before the bus: LCM's thread inherits the blocked signals.
+/// SIGINT, SIGTERM, SIGHUP and SIGPIPE as a readable file descriptor, so that they arrive in the
+/// event loop and nowhere else. Make it before the bus: LCM's thread inherits the blocked signals.
 class StopSignal {
  public:
   /// Throws std::system_error.

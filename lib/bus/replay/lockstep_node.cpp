@@ -32,11 +32,8 @@ LockstepNode::LockstepNode(Bus& bus, MakeNode make_node, SaveHook save)
     bus_.subscribe(channel, [this](const Message& input, Bytes) { on_input(input); });
   }
   bus_.subscribe_replay([this](const ReplayMark& mark) { on_mark(mark); });
-  // Live, a message that is refused is dropped; here the map would silently miss it.
-  bus_.on_rejection([](Channel channel, const Rejection& rejection) {
-    throw std::runtime_error("lockstep: a " + std::string(info(channel).name) +
-                             " was refused: " + rejection.detail);
-  });
+  // What is refused is logged and not answered: the player sends its own again and, in the end,
+  // says who did not answer. A stranger's is nothing to either.
 }
 
 void LockstepNode::run(StopSignal& stop) {

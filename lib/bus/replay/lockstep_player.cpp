@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <map>
 #include <set>
 #include <tuple>
@@ -18,6 +19,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 struct Stopped {};
+
+/// Messages that may follow from one input and are kept until it is done: strangers must not fill
+/// the memory.
+constexpr std::size_t kOutputsMost = 100'000;
 
 /// One message as acknowledgements name it. For REPLAY, seq tells BEGIN and END apart.
 struct MessageId {
@@ -49,9 +54,9 @@ class Exchange {
                      [this](const Message& message, Bytes bytes) { on_output(message, bytes); });
     }
     bus_.subscribe_ack([this](const Ack& ack) { on_ack(ack); });
-    bus_.on_rejection([](Channel channel, const Rejection& rejection) {
-      throw std::runtime_error("lockstep: a " + std::string(info(channel).name) +
-                               " was refused: " + rejection.detail);
+    // A stranger's is nothing to this replay; a node's own is missed, and named with this.
+    bus_.on_rejection([this](Channel channel, const Rejection& rejection) {
+      last_refusal_ = std::string(info(channel).name) + ": " + rejection.detail;
     });
   }
 
@@ -127,6 +132,7 @@ class Exchange {
     waiting_.clear();
     acknowledged_.clear();
     announced_.clear();
+    promised_.clear();
     outputs_.clear();
     if (!expected.empty()) waiting_[id] = std::move(expected);
     // The last flush may save a large map, which takes its time.
@@ -139,9 +145,16 @@ class Exchange {
         // As long as something moves, a long chain of consequences is not sent again.
         if (wait(pause)) pause = Clock::now() + std::chrono::milliseconds(options_.timeout_ms);
       }
-      if (done()) return;
+      if (done()) return drop_strangers();
     }
     throw LockstepError(what_is_missing());
+  }
+
+  /// What no node says it sent does not belong to this replay.
+  void drop_strangers() {
+    for (auto output = outputs_.begin(); output != outputs_.end();) {
+      output = promised_.count(output->first) > 0 ? std::next(output) : outputs_.erase(output);
+    }
   }
 
   bool is_past(const MessageId& id) const {
@@ -165,6 +178,7 @@ class Exchange {
       text += "; " + std::string(info(id.channel).name) + " seq " + std::to_string(id.seq) +
               " was announced but not received";
     }
+    if (!last_refusal_.empty()) text += "; the last message refused was " + last_refusal_;
     return text + "; given up after sending it again and again";
   }
 
@@ -212,6 +226,7 @@ class Exchange {
     acknowledged_.insert({id, ack.node});
     for (const OutputId& output : ack.outputs) {
       const MessageId output_id{output.channel, output.seq};
+      promised_.insert(output_id);
       if (outputs_.count(output_id) == 0) announced_.insert(output_id);
       for (const Participant& p : participants_) {
         if (p.inputs.count(output.channel) > 0 && acknowledged_.count({output_id, p.number}) == 0) {
@@ -224,7 +239,8 @@ class Exchange {
   void on_output(const Message& message, Bytes bytes) {
     const MessageId id{channel_of(message), seq_of(message)};
     announced_.erase(id);
-    if (is_past(id)) return;  // sent again
+    if (is_past(id)) return;                      // sent again
+    if (outputs_.size() >= kOutputsMost) return;  // no input causes so many
     outputs_.emplace(
         id, Output{id.channel, id.seq, utime_of(message), {bytes.data, bytes.data + bytes.size}});
   }
@@ -238,7 +254,9 @@ class Exchange {
   std::map<MessageId, std::set<std::int8_t>> waiting_;
   std::set<std::pair<MessageId, std::int8_t>> acknowledged_;
   std::set<MessageId> announced_;
+  std::set<MessageId> promised_;  ///< by the acknowledgements of this message's consequences
   std::map<MessageId, Output> outputs_;
+  std::string last_refusal_;
   std::map<Channel, std::int32_t> past_;  ///< highest seq passed on
   std::int64_t num_resent_ = 0;
 };

@@ -42,8 +42,8 @@ struct LockstepReport {
 /// next. What is lost is sent again. Outputs go to options.replay.on_derived in the order in which
 /// replay_in_process gives them.
 ///
-/// Throws LockstepError for a node that stays silent or is missing, io::FileError for the log,
-/// std::runtime_error for an output that the guard refuses.
+/// Messages of strangers are left out. Throws LockstepError for a node that stays silent, is
+/// missing or sends what the guard refuses, and io::FileError for the log.
 LockstepReport replay_in_lockstep(const std::string& log_path, Bus& bus, StopSignal& stop,
                                   const LockstepOptions& options);
 

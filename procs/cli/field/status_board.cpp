@@ -2,6 +2,7 @@
 #include "cli/field/status_board.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 namespace orchard::cli {
 namespace {
@@ -9,12 +10,16 @@ namespace {
 /// STATUS messages whose delays are compared: the quickest tells the clock's offset best.
 constexpr std::size_t kNumOffsets = 8;
 
+/// STATUS comes once a second.
+constexpr std::int64_t kSilentAfter_us = 1'200'000;
+
 /// A process that was not heard of for so long is no longer shown.
 constexpr std::int64_t kForgetAfter_us = 60'000'000;
 
 }  // namespace
 
 void StatusBoard::note(const bus::Status& status, std::int64_t receipt_utime) {
+  forget_earlier(status, receipt_utime);
   const auto key = std::make_pair(status.host, status.name);
   const auto known = entries_.find(key);
   Entry& entry = entries_[key];
@@ -24,6 +29,18 @@ void StatusBoard::note(const bus::Status& status, std::int64_t receipt_utime) {
   entry.receipt_utime = receipt_utime;
   entry.offsets_us.push_back(status.utime - receipt_utime);
   if (entry.offsets_us.size() > kNumOffsets) entry.offsets_us.erase(entry.offsets_us.begin());
+}
+
+/// A process that was started again is the same to people, though its host says another number.
+void StatusBoard::forget_earlier(const bus::Status& status, std::int64_t receipt_utime) {
+  const auto machine = [](const std::string& host) { return host.substr(0, host.rfind(':')); };
+  for (auto entry = entries_.begin(); entry != entries_.end();) {
+    const bool same = entry->first.second == status.name &&
+                      machine(entry->first.first) == machine(status.host) &&
+                      entry->first.first != status.host;
+    const bool silent = receipt_utime - entry->second.receipt_utime > kSilentAfter_us;
+    entry = same && silent ? entries_.erase(entry) : std::next(entry);
+  }
 }
 
 std::vector<ProcessView> StatusBoard::processes(std::int64_t now_utime) const {

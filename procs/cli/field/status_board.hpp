@@ -36,6 +36,8 @@ class StatusBoard {
     std::int64_t num_new_lost = 0;
     std::vector<std::int64_t> offsets_us;  ///< STATUS utime less receipt, of the last few
   };
+  void forget_earlier(const bus::Status& status, std::int64_t receipt_utime);
+
   std::map<std::pair<std::string, std::string>, Entry> entries_;
 };
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A process with a fake node: --role detector|pose|mapper, --mute-after N to fall silent,
-// --full-disk to be unable to save.
+// --full-disk to be unable to save, --saved FILE to write one at each save; with FAKE_NODE_ALONE
+// in the environment a second one refuses to run.
 #include <unistd.h>
 
 #include <cstdlib>
+#include <fstream>
 #include <stdexcept>
 #include <utility>
 
@@ -42,15 +44,21 @@ int main(int argc, char** argv) {
   orchard::bus::ProcessInfo info;
   info.name = "orchard-fake";
   info.description = "A fake node for tests.";
+  info.alone = std::getenv("FAKE_NODE_ALONE") != nullptr;
   std::string full_disk;
+  std::string saved;
   info.options = {{"--role", "NAME", "which", &role},
                   {"--mute-after", "N", "inputs", &mute_after},
-                  {"--full-disk", "", "every save fails", &full_disk}};
+                  {"--full-disk", "", "every save fails", &full_disk},
+                  {"--saved", "FILE", "what a save writes", &saved}};
   const auto make_node = [&] {
     return std::make_unique<Mute>(orchard::bus::testing::make_fake_node(role),
                                   std::atoi(mute_after.c_str()));
   };
-  const auto save = [&](Node&, const orchard::bus::SaveRequest&) {
+  const auto save = [&](Node&, const orchard::bus::SaveRequest& request) {
+    if (!saved.empty() && request.kind == orchard::bus::SaveKind::kFinal) {
+      std::ofstream(saved) << "saved\n";
+    }
     if (!full_disk.empty()) throw std::runtime_error("map.csv: no space left on device");
   };
   orchard::io::RigFile rig;

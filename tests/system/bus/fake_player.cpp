@@ -5,6 +5,7 @@
 #include <exception>
 
 #include "bus/replay/lockstep_player.hpp"
+#include "bus/replay/lockstep_url.hpp"
 #include "io/log/log_writer.hpp"
 #include "node/bus/fake_log.hpp"
 #include "node/bus/fake_nodes.hpp"
@@ -29,7 +30,7 @@ int main(int argc, char** argv) {
       bus::replay_in_process(log, {&detector, &pose, &mapper}, replay);
     } else {
       bus::StopSignal stop;
-      bus::Bus bus(url);
+      bus::Bus bus(bus::lockstep_url(url));
       bus::LockstepOptions options;
       options.replay = replay;
       options.timeout_ms = 50;

@@ -36,7 +36,7 @@ echo "ok: player first"
 
 # The detector behind a link that loses every 29th datagram.
 other="udpm://239.255.76.67:7668?ttl=0&recv_buf_size=4194304"
-start "$work/bridge.out" "$bin/lossy_bridge" 7667 7668 29
+start "$work/bridge.out" "$bin/lossy_bridge" 17667 17668 29
 node detector "$other"; node pose "$url"; node mapper "$url"
 "$bin/fake_player" "$work/log" "$url" "$work/out" 100 | tee "$work/player.out"
 cmp "$work/expected" "$work/out" || fail "lossy link: derived.lcm differs"

@@ -41,14 +41,37 @@ expect_code 1 "$node" --lcm-url "udpm://1.2.3.4.5:1"
 expect_code 1 "$node" --lcm-url "file:///tmp/log"
 echo "ok: exit codes"
 
-for signal in INT TERM; do
-  start "$work/node.out" "$node" --role pose --lcm-url "$url"
+for signal in INT TERM HUP; do
+  start "$work/node.out" "$node" --role pose --lcm-url "$url" --saved "$work/saved.$signal"
   process=$started
   "$bin/status_watch" "$url" orchard-fake 0 >/dev/null || fail "no STATUS"
   kill -"$signal" "$process"
   code=0; wait "$process" || code=$?
   [ "$code" -eq 0 ] || { cat "$work/node.out" >&2; fail "SIG$signal gave exit code $code"; }
+  [ -e "$work/saved.$signal" ] || fail "SIG$signal: no last save"
 done
+# "| tee" with a tee that ends: the next line of the log finds nobody to read it.
+mkfifo "$work/pipe"
+cat "$work/pipe" >/dev/null &
+reader=$!
+children+=("$reader")
+"$node" --role pose --lcm-url "$url" --saved "$work/saved.PIPE" 2>"$work/pipe" &
+process=$!
+children+=("$process")
+"$bin/status_watch" "$url" orchard-fake 0 >/dev/null || fail "no STATUS"
+kill "$reader"; wait "$reader" || true
+"$bin/fake_driver" --speed 20 --lcm-url "$url" 2>/dev/null  # "all inputs have come"
+code=0; timeout 10 tail --pid="$process" -f /dev/null || fail "SIGPIPE: goes on"
+wait "$process" || code=$?
+[ "$code" -eq 0 ] || fail "SIGPIPE gave exit code $code"
+[ -e "$work/saved.PIPE" ] || fail "SIGPIPE: no last save"
+code=0
+start "$work/node.out" nohup "$node" --role pose --lcm-url "$url"
+process=$started
+"$bin/status_watch" "$url" orchard-fake 0 >/dev/null || fail "no STATUS"
+kill -HUP "$process"
+"$bin/status_watch" "$url" orchard-fake 0 >/dev/null || fail "nohup: SIGHUP ended it"
+kill -TERM "$process"; wait "$process" || fail "nohup: bad exit"
 echo "ok: signals"
 
 # A node says what it waits for and who should send it; a full disk is an ERROR, not an end.

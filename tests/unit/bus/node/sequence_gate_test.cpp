@@ -140,6 +140,16 @@ TEST(SequenceGate, AFirstMessageOfTheFutureDoesNotShutTheOthersOut) {
       << "the wheels say what time it is";
 }
 
+TEST(SequenceGate, ASourceThatPlaysTheSameLaterIsNoticed) {
+  SequenceGate gate;
+  drive(gate, Channel::kScan, 0, kStart, 30);
+  for (int i = 0; i < 30; ++i) {
+    gate.accept(Channel::kScan, 30 + i, kStart + (30 + i) * kSecond / 10);
+    gate.accept(Channel::kScan, 230 + i, kStart + (230 + i) * kSecond / 10);
+  }
+  EXPECT_GT(gate.counts().num_contests, 20);
+}
+
 TEST(SequenceGate, OfTwoSourcesTheFirstIsKept) {
   SequenceGate gate;
   drive(gate, Channel::kScan, 5000, kStart, 20);

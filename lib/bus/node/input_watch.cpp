@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bus/node/input_watch.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "text/number_text.hpp"
+
+namespace orchard::bus {
+namespace {
+
+using Seconds = std::chrono::duration<double>;
+
+/// A channel is stale after so many of its usual periods, and not before half a second: a busy
+/// machine may delay ten scans a second by a few of theirs.
+constexpr double kPeriodsSilent = 3.0;
+constexpr Seconds kSilentLeast{0.5};
+
+/// Gaps that must be known before a period is.
+constexpr std::size_t kGapsLeast = 2;
+
+constexpr std::size_t kSecondsCounted = 10;
+
+std::string share(const char* what, std::int64_t num, std::int64_t num_all) {
+  if (num <= 0) return {};
+  const double percent =
+      100.0 * static_cast<double>(num) / static_cast<double>(std::max(num, num_all));
+  return ", " + fixed_text(percent, 1) + " % " + what;
+}
+
+}  // namespace
+
+void InputWatch::note(Channel channel, Clock::time_point now) {
+  Input& input = inputs_[static_cast<std::size_t>(channel)];
+  if (input.last) input.gaps[input.num_gaps++ % input.gaps.size()] = now - *input.last;
+  input.last = now;
+}
+
+/// The median: one long silence does not make the next one usual.
+std::optional<Seconds> InputWatch::period(const Input& input) {
+  if (input.num_gaps < kGapsLeast) return std::nullopt;
+  auto gaps = input.gaps;
+  const std::size_t num = std::min(input.num_gaps, gaps.size());
+  const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(num / 2);
+  std::nth_element(gaps.begin(), middle, gaps.begin() + static_cast<std::ptrdiff_t>(num));
+  return *middle;
+}
+
+std::optional<InputWatch::Clock::time_point> InputWatch::stale_from(const Input& input) {
+  const std::optional<Seconds> usual = period(input);
+  if (!usual) return std::nullopt;
+  const Seconds silence = std::max(kSilentLeast, kPeriodsSilent * *usual);
+  return *input.last + std::chrono::duration_cast<Clock::duration>(silence);
+}
+
+bool InputWatch::update(Clock::time_point now) {
+  bool changed = false;
+  for (Input& input : inputs_) {
+    const auto from = stale_from(input);
+    const bool stale = from && now >= *from;
+    changed = changed || stale != input.stale;
+    input.stale = stale;
+  }
+  return changed;
+}
+
+int InputWatch::ms_until_change(Clock::time_point now) const {
+  std::int64_t ms = 1000;
+  for (const Input& input : inputs_) {
+    const auto from = stale_from(input);
+    if (!from || input.stale) continue;
+    ms = std::min(ms, std::chrono::ceil<std::chrono::milliseconds>(*from - now).count());
+  }
+  return static_cast<int>(std::max<std::int64_t>(ms, 0));
+}
+
+void InputWatch::count(Channel channel, const SequenceCounts& counts, std::int64_t num_used) {
+  std::deque<Totals>& seconds = inputs_[static_cast<std::size_t>(channel)].seconds;
+  seconds.push_back({counts, num_used});
+  if (seconds.size() > kSecondsCounted + 1) seconds.pop_front();
+}
+
+/// What was counted in the last ten seconds.
+SequenceCounts InputWatch::lately(const Input& input) {
+  if (input.seconds.size() < 2) return {};
+  const SequenceCounts& then = input.seconds.front().counts;
+  SequenceCounts counts = input.seconds.back().counts;
+  counts.num_lost -= then.num_lost;
+  counts.num_duplicate -= then.num_duplicate;
+  counts.num_reordered -= then.num_reordered;
+  counts.num_leaps -= then.num_leaps;
+  counts.num_restarts -= then.num_restarts;
+  counts.num_contests -= then.num_contests;
+  return counts;
+}
+
+bool InputWatch::is_serious(Channel channel) const {
+  const SequenceCounts counts = lately(at(channel));
+  return at(channel).stale || counts.num_lost > 0 || counts.num_leaps > 0 ||
+         has_two_sources(channel);
+}
+
+bool InputWatch::has_two_sources(Channel channel) const {
+  return lately(at(channel)).num_contests > 2;
+}
+
+std::string InputWatch::text(Channel channel, Clock::time_point now) const {
+  const Input& input = at(channel);
+  const std::string name(info(channel).name);
+  const SequenceCounts counts = lately(input);
+  const std::int64_t num_used =
+      input.seconds.size() > 1 ? input.seconds.back().num_used - input.seconds.front().num_used : 0;
+  const std::int64_t num_sent = num_used + counts.num_lost;
+  std::string shares = share("lost", counts.num_lost, num_sent) +
+                       share("late", counts.num_reordered, num_sent) +
+                       share("duplicate", counts.num_duplicate, num_sent);
+  if (counts.num_leaps > 0) {
+    shares += ", " + std::to_string(counts.num_leaps) + " refused: they leap in time or number";
+  }
+  if (counts.num_contests > 2) shares += ", from two sources";
+  if (counts.num_restarts > 0) {
+    shares += ", its source began again";
+    if (counts.clock_change_s != 0.0) {
+      shares += " and its clock was set by " + fixed_text(counts.clock_change_s, 1) + " s";
+    }
+  }
+  if (input.stale) {
+    return name + " is STALE: silent for " + fixed_text(Seconds(now - *input.last).count(), 1) +
+           " s (came every " + fixed_text(period(input)->count(), 2) + " s)" + shares;
+  }
+  return shares.empty() ? "" : name + " in the last 10 s: " + shares.substr(2);
+}
+
+}  // namespace orchard::bus

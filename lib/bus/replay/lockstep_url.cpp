@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bus/replay/lockstep_url.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <string_view>
+
+namespace orchard::bus {
+namespace {
+
+constexpr int kPortsApart = 10'000;
+constexpr int kPortMost = 65'535;
+
+/// Those of a URL that names none (LCM's own default).
+constexpr std::string_view kDefaultAddress = "239.255.76.67";
+constexpr int kDefaultPort = 7667;
+
+}  // namespace
+
+std::string lockstep_url(const std::string& lcm_url) {
+  constexpr std::string_view kScheme = "udpm://";
+  if (lcm_url.compare(0, kScheme.size(), kScheme) != 0) return lcm_url;
+  const std::size_t end = std::min(lcm_url.find('?'), lcm_url.size());
+  const std::string network = lcm_url.substr(kScheme.size(), end - kScheme.size());
+  const std::size_t colon = std::min(network.find(':'), network.size());
+  std::string address = network.substr(0, colon);
+  if (address.empty()) address = kDefaultAddress;
+  int port = kDefaultPort;
+  if (colon < network.size()) {
+    const char* text = network.data() + colon + 1;
+    const auto read = std::from_chars(text, network.data() + network.size(), port);
+    if (read.ec != std::errc()) return lcm_url;  // LCM says what is wrong with it
+  }
+  port += port + kPortsApart <= kPortMost ? kPortsApart : -kPortsApart;
+  return std::string(kScheme) + address + ":" + std::to_string(port) + lcm_url.substr(end);
+}
+
+}  // namespace orchard::bus

@@ -179,8 +179,10 @@ void add_overlay(CLI::App& app, Run& run) {
 }
 
 void add_lcm_url(CLI::App& command, std::string& url) {
-  url = io::LcmConfig().url;
-  command.add_option("--lcm-url", url, "LCM network")->type_name("URL")->capture_default_str();
+  command
+      .add_option("--lcm-url", url,
+                  "LCM network (without: the rig's, then $LCM_DEFAULT_URL, then the default)")
+      ->type_name("URL");
 }
 
 void add_echo(CLI::App& app, Run& run) {
@@ -198,6 +200,7 @@ void add_echo(CLI::App& app, Run& run) {
             ->check(CLI::NonNegativeNumber)
             ->type_name("N");
         add_lcm_url(command, o.lcm_url);
+        command.add_option("--config", o.config_path, "the rig's YAML")->type_name("FILE");
       });
 }
 
@@ -209,6 +212,7 @@ void add_doctor(CLI::App& app, Run& run) {
       "Exit code 1 when something keeps messages from flowing.\n",
       run_doctor, [](CLI::App& command, DoctorOptions& o) {
         add_lcm_url(command, o.lcm_url);
+        command.add_option("--config", o.config_path, "the rig's YAML")->type_name("FILE");
         command.add_flag("--json", o.json, "for programs");
       });
 }

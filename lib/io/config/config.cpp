@@ -2,7 +2,6 @@
 #include "io/config/config.hpp"
 
 #include <fstream>
-#include <sstream>
 #include <utility>
 
 #include "io/config/config_visitor.hpp"
@@ -12,6 +11,9 @@
 
 namespace orchard::io {
 namespace {
+
+/// A rig has some 10 kB. What is a thousand times that is another file, or one that never ends.
+constexpr std::size_t kConfigBytesMost = 1 << 20;
 
 /// Presents all sections of a configuration, which must outlive what is given.
 ConfigSchema schema_of(Config& c) {
@@ -37,11 +39,15 @@ LoadedConfig parse_config_with_warnings(const std::string& yaml, const std::stri
 
 LoadedConfig load_config_with_warnings(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf())) {
+  std::string text(kConfigBytesMost + 1, '\0');
+  if (!file || !file.read(text.data(), static_cast<std::streamsize>(text.size())).eof()) {
+    if (file.gcount() > static_cast<std::streamsize>(kConfigBytesMost)) {
+      throw ConfigError({path + ": is larger than any configuration (1 MiB); is it one?"});
+    }
     throw ConfigError({path + ": cannot be read; give an existing file with --config"});
   }
-  return parse_config_with_warnings(text.str(), path);
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  return parse_config_with_warnings(text, path);
 }
 
 Config parse_config(const std::string& yaml, const std::string& name) {
@@ -62,7 +68,12 @@ std::string effective_config(const Config& config) {
   return print_values(schema_of(copy));
 }
 
-std::int64_t config_hash(const Config& config) { return text_hash(effective_config(config)); }
+/// Which network the messages take says nothing of what is made of them.
+std::int64_t config_hash(const Config& config) {
+  Config copy = config;
+  copy.lcm = LcmConfig();
+  return text_hash(effective_config(copy));
+}
 
 std::vector<std::string> RigFile::load(const std::string& path) {
   LoadedConfig loaded = load_config_with_warnings(path);

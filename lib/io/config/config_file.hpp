@@ -23,7 +23,7 @@ void describe(Visitor& v, LcmConfig& c) {
 /// them.
 struct EffectiveConfig {
   std::string text;       ///< YAML without comments, which reads back as the same configuration
-  std::int64_t hash = 0;  ///< FNV-1a of the text
+  std::int64_t hash = 0;  ///< FNV-1a of the text with the default lcm.url
 };
 
 /// Which keys are printed.

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "text/printable_text.hpp"
+
 namespace orchard::cli {
 namespace {
 
@@ -13,13 +15,6 @@ constexpr const char* kRed = "\033[31m";
 constexpr const char* kYellow = "\033[33m";
 constexpr const char* kGreen = "\033[32m";
 constexpr const char* kPlain = "\033[0m";
-
-std::string printable(std::string text) {
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
-  }
-  return text;
-}
 
 std::string cut(std::string line, std::size_t width) {
   if (width > 0 && line.size() > width) line.resize(width);
@@ -39,7 +34,7 @@ const char* colour_of(const std::string& word) {
 
 /// What the counts and the clock say beyond the process's own words.
 std::string remarks(const ProcessView& process) {
-  std::string text = printable(process.status.text);
+  std::string text = printable_text(process.status.text);
   const auto add = [&text](const std::string& words) {
     text += (text.empty() ? "" : "; ") + words;
   };
@@ -85,8 +80,8 @@ std::string status_table(const std::vector<ProcessView>& processes, std::size_t 
   for (const ProcessView& process : processes) {
     const bus::Status& s = process.status;
     const std::string word = state_word(process);
-    std::snprintf(line, sizeof(line), "%-24.24s %-12.12s ", printable(s.name).c_str(),
-                  printable(s.host).c_str());
+    std::snprintf(line, sizeof(line), "%-24.24s %-12.12s ", printable_text(s.name).c_str(),
+                  printable_text(s.host).c_str());
     std::string row = line;
     char state[16];
     std::snprintf(state, sizeof(state), "%-8s", word.c_str());

@@ -7,6 +7,7 @@
 #include "bus/bus.hpp"
 #include "bus/node/process.hpp"
 #include "bus/node/stop_signal.hpp"
+#include "cli/field/field_url.hpp"
 #include "cli/logs/message_text.hpp"
 
 namespace orchard::cli {
@@ -22,9 +23,9 @@ std::string channel_names() {
   return names;
 }
 
-void echo(Channel channel, const EchoOptions& options) {
+void echo(Channel channel, const EchoOptions& options, const std::string& lcm_url) {
   bus::StopSignal stop;
-  bus::Bus bus(options.lcm_url);
+  bus::Bus bus(lcm_url);
   std::int64_t num_printed = 0;
   const auto print = [&](const auto& message) {
     std::printf("%s\n", message_text(message, options.json).c_str());
@@ -52,7 +53,7 @@ void echo(Channel channel, const EchoOptions& options) {
       bus.handle(0);
     } else if (num_printed == 0 && !stop.raised()) {
       std::fprintf(stderr, "orchard echo: nothing on %s yet (%s)\n",
-                   std::string(bus::info(channel).name).c_str(), options.lcm_url.c_str());
+                   std::string(bus::info(channel).name).c_str(), lcm_url.c_str());
     }
   }
 }
@@ -67,7 +68,7 @@ int run_echo(const EchoOptions& options) {
     return bus::kExitUsage;
   }
   try {
-    echo(*channel, options);
+    echo(*channel, options, field_url(options.lcm_url, options.config_path));
     return bus::kExitOk;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "orchard echo: %s\n", error.what());

@@ -7,10 +7,11 @@
 namespace orchard::cli {
 
 struct EchoOptions {
-  std::string channel;  ///< such as SCAN
-  std::string lcm_url;
-  bool json = false;       ///< one JSON object per line instead of words
-  std::int64_t count = 0;  ///< end after so many messages; 0: until Ctrl-C
+  std::string channel;      ///< such as SCAN
+  std::string lcm_url;      ///< empty: the rig's, LCM_DEFAULT_URL or the default
+  std::string config_path;  ///< of the rig; empty: none
+  bool json = false;        ///< one JSON object per line instead of words
+  std::int64_t count = 0;   ///< end after so many messages; 0: until Ctrl-C
 };
 
 /// Prints the messages of a channel, one line each, until stopped. Arrays longer than eight are

@@ -119,13 +119,14 @@ std::string words(const Json& value) {
 }
 
 std::string line(const Json& all, bool json) {
-  // Strings from the network may be no UTF-8.
-  if (json) return all.dump(-1, ' ', false, Json::error_handler_t::replace);
+  // Strings from the network may be no UTF-8, and may hold codes that steer a terminal: none of
+  // those is left in ASCII.
+  if (json) return all.dump(-1, ' ', true, Json::error_handler_t::replace);
   std::string text;
   for (const auto& [key, field] : all.items()) {
     const bool is_text = field.is_string();
     text += (text.empty() ? "" : " ") + key + "=" +
-            (is_text ? field.dump(-1, ' ', false, Json::error_handler_t::replace) : words(field));
+            (is_text ? field.dump(-1, ' ', true, Json::error_handler_t::replace) : words(field));
   }
   return text;
 }

@@ -4,19 +4,33 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
+#include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <vector>
 
 #include "bus/bus.hpp"
 #include "bus/node/process.hpp"
+#include "bus/node/process_report.hpp"
+#include "bus/socket_guard.hpp"
+#include "cli/field/field_url.hpp"
 #include "cli/rig/network_facts.hpp"
+#include "text/number_text.hpp"
+#include "text/printable_text.hpp"
 
 namespace orchard::cli {
 namespace {
 
 constexpr const char* kOpenFirewall = "sudo iptables -I INPUT -p udp -d 239.0.0.0/8 -j ACCEPT";
+/// STATUS takes its time on a busy machine: less is no sign of another clock.
+constexpr std::int64_t kSkew_us = 150'000;
+
+constexpr const char* kUntilBoot =
+    "until the next boot; config/deploy/60-orchard-lcm.conf in /etc/sysctl.d keeps it";
+constexpr const char* kLoadGuard = "sudo nft -f config/deploy/lcm-guard.nft";
+constexpr const char* kGuardNote =
+    "set the port and the robot's addresses in it first: SECURITY.md";
 constexpr const char* kFirewallNote =
     "lets UDP multicast through the firewall; with ufw: sudo ufw allow in proto udp to 239.0.0.0/8";
 
@@ -114,7 +128,7 @@ void check_interfaces(Findings& findings, const UdpmUrl& url) {
 }
 
 void check_buffers(Findings& findings, const UdpmUrl& url) {
-  const std::optional<std::int64_t> limit = receive_buffer_limit();
+  const std::optional<std::int64_t> limit = kernel_setting("net/core/rmem_max");
   if (!limit) {
     findings.add(Verdict::kWarn, "net.core.rmem_max cannot be read here");
     return;
@@ -124,15 +138,59 @@ void check_buffers(Findings& findings, const UdpmUrl& url) {
     findings.add(Verdict::kWarn,
                  "receive buffers are limited to " + std::to_string(*limit) + " bytes, wanted " +
                      std::to_string(wanted) + ": bursts of pictures may be lost",
-                 "sudo sysctl -w net.core.rmem_max=" + std::to_string(wanted),
-                 "until the next boot; a line net.core.rmem_max=" + std::to_string(wanted) +
-                     " in /etc/sysctl.d/60-lcm.conf keeps it");
+                 "sudo sysctl -w net.core.rmem_max=" + std::to_string(wanted), kUntilBoot);
   } else {
     findings.add(Verdict::kOk, "receive buffers may have " + std::to_string(*limit) + " bytes");
   }
   if (url.recv_buf_size == 0) {
     findings.add(Verdict::kWarn, "the URL asks for no receive buffer",
                  "add recv_buf_size=4194304 to lcm.url");
+  }
+}
+
+/// Between machines a picture travels in pieces: what is left of broken ones must not fill the
+/// memory for whole ones.
+void check_fragments(Findings& findings, const UdpmUrl& url) {
+  constexpr std::int64_t kTimeMost_s = 5;
+  constexpr std::int64_t kMemoryLeast_bytes = 16 << 20;
+  const auto time_s = kernel_setting("net/ipv4/ipfrag_time");
+  const auto memory = kernel_setting("net/ipv4/ipfrag_high_thresh");
+  if (!time_s || !memory) {
+    findings.add(Verdict::kWarn, "net.ipv4.ipfrag_time and ipfrag_high_thresh cannot be read here");
+    return;
+  }
+  const std::string text = "pieces of broken messages are kept for " + std::to_string(*time_s) +
+                           " s in " + std::to_string(*memory) + " bytes";
+  if (*time_s <= kTimeMost_s && *memory >= kMemoryLeast_bytes) {
+    findings.add(Verdict::kOk, text);
+  } else if (url.ttl == 0) {
+    findings.add(Verdict::kOk, text + "; on one machine no message is cut into pieces");
+  } else {
+    findings.add(Verdict::kWarn, text + ": when packets are lost, whole messages will be, too",
+                 "sudo sysctl -w net.ipv4.ipfrag_time=3 net.ipv4.ipfrag_high_thresh=33554432",
+                 kUntilBoot);
+  }
+}
+
+/// Crafted datagrams end LCM 1.3.1: ours filter their sockets, others need the firewall's help.
+void check_guard(Findings& findings, const UdpmUrl& url) {
+  if (bus::socket_filters_work()) {
+    findings.add(Verdict::kOk, "programs of Orchard Mapper drop datagrams that end LCM");
+  } else {
+    findings.add(Verdict::kWarn,
+                 "this kernel or container allows no socket filters: crafted datagrams can end "
+                 "every program here",
+                 kLoadGuard, kGuardNote);
+  }
+  const std::optional<bool> arrive = runts_arrive(url);
+  if (!arrive) {
+    findings.add(Verdict::kOk, "whether the firewall guards other LCM programs cannot be tried");
+  } else if (!*arrive) {
+    findings.add(Verdict::kOk, "the firewall guards lcm-logger and lcm-spy, too");
+  } else {
+    findings.add(url.ttl > 0 ? Verdict::kWarn : Verdict::kOk,
+                 "crafted datagrams can end lcm-logger and lcm-spy: the firewall lets them through",
+                 kLoadGuard, kGuardNote);
   }
 }
 
@@ -149,12 +207,16 @@ void check_traffic(Findings& findings, const std::string& lcm_url) {
   bus::Bus bus(lcm_url);
   const std::string own_name = "orchard-doctor";
   bool heard_self = false;
-  std::set<std::string> others;
+  std::map<std::string, std::int64_t> others;  // and how far their clocks are off [us]
   bus.subscribe_status([&](const bus::Status& status) {
     if (status.name == own_name) {
       heard_self = true;
     } else {
-      others.insert(status.name);
+      const std::int64_t offset_us = status.utime - bus::wall_utime();
+      std::int64_t& least_us =
+          others.emplace(printable_text(status.name + " on " + status.host), offset_us)
+              .first->second;
+      if (std::llabs(offset_us) < std::llabs(least_us)) least_us = offset_us;
     }
   });
   bus::Status probe;
@@ -177,9 +239,17 @@ void check_traffic(Findings& findings, const std::string& lcm_url) {
                  kOpenFirewall, kFirewallNote);
   }
   std::string names;
-  for (const std::string& name : others) names += (names.empty() ? "" : ", ") + name;
+  for (const auto& [name, offset_us] : others) names += (names.empty() ? "" : ", ") + name;
   findings.add(Verdict::kOk, others.empty() ? "no Orchard Mapper process is running on it"
                                             : "running on it: " + names);
+  for (const auto& [name, offset_us] : others) {
+    if (std::llabs(offset_us) < kSkew_us) continue;
+    findings.add(Verdict::kWarn,
+                 "the clock of " + name + " is " +
+                     fixed_text(1e-6 * static_cast<double>(std::llabs(offset_us)), 1) + " s " +
+                     (offset_us > 0 ? "ahead of" : "behind") + " this machine's",
+                 "sudo systemctl restart chrony", "one time for all machines: config/deploy");
+  }
   if (bus.counts().num_bad() > 0) {
     findings.add(Verdict::kWarn,
                  std::to_string(bus.counts().num_bad()) + " messages there are not ours or broken",
@@ -190,21 +260,24 @@ void check_traffic(Findings& findings, const std::string& lcm_url) {
 }  // namespace
 
 int run_doctor(const DoctorOptions& options) {
-  const std::optional<UdpmUrl> url = parse_udpm_url(options.lcm_url);
+  const std::string lcm_url = field_url(options.lcm_url, options.config_path);
+  const std::optional<UdpmUrl> url = parse_udpm_url(lcm_url);
   if (!url) {
     std::fprintf(stderr,
                  "orchard doctor: \"%s\" is no URL such as udpm://239.255.76.67:7667?ttl=0\n",
-                 options.lcm_url.c_str());
+                 printable_text(lcm_url).c_str());
     return bus::kExitUsage;
   }
-  if (!options.json) std::printf("LCM URL: %s\n", options.lcm_url.c_str());
+  if (!options.json) std::printf("LCM URL: %s\n", lcm_url.c_str());
   Findings findings(options.json);
   check_interfaces(findings, *url);
   check_buffers(findings, *url);
+  check_fragments(findings, *url);
   check_port(findings, *url);
   if (findings.worst() != Verdict::kFail) {
     try {
-      check_traffic(findings, options.lcm_url);
+      check_guard(findings, *url);
+      check_traffic(findings, lcm_url);
     } catch (const std::exception& error) {
       findings.add(Verdict::kFail, error.what(), kOpenFirewall, kFirewallNote);
     }
@@ -212,7 +285,7 @@ int run_doctor(const DoctorOptions& options) {
   constexpr const char* kResults[] = {"all is well", "usable, with warnings",
                                       "LCM cannot work yet"};
   if (options.json) {
-    std::fputs(findings.json(options.lcm_url).c_str(), stdout);
+    std::fputs(findings.json(lcm_url).c_str(), stdout);
   } else {
     std::printf("%s\n", kResults[static_cast<int>(findings.worst())]);
   }

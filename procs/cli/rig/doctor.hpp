@@ -6,7 +6,8 @@
 namespace orchard::cli {
 
 struct DoctorOptions {
-  std::string lcm_url;
+  std::string lcm_url;      ///< empty: the rig's, LCM_DEFAULT_URL or the default
+  std::string config_path;  ///< of the rig; empty: none
   bool json = false;
 };
 

@@ -33,8 +33,13 @@ std::vector<NetworkInterface> network_interfaces();
 /// The interface that datagrams to `address` leave by, or none when there is no route.
 std::optional<std::string> route_to(const std::string& address);
 
-/// net.core.rmem_max [bytes], or none where it cannot be read.
-std::optional<std::int64_t> receive_buffer_limit();
+/// A kernel setting by its path below /proc/sys ("net/core/rmem_max"); none where it cannot be
+/// read.
+std::optional<std::int64_t> kernel_setting(const std::string& name);
+
+/// Whether a datagram that is too short for LCM reaches a plain socket of this machine: with the
+/// guard of config/deploy it does not. None when that cannot be tried.
+std::optional<bool> runts_arrive(const UdpmUrl& url);
 
 /// How many sockets of any process are bound to the UDP port.
 int num_sockets_on_port(int port);

@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
 namespace orchard::io {
 namespace {
 
@@ -133,6 +136,30 @@ TEST(Config, AMissingFileIsNamed) {
   } catch (const ConfigError& error) {
     EXPECT_THAT(error.what(), HasSubstr("/nonexistent/rig.yaml"));
   }
+}
+
+TEST(Config, TheHashDoesNotDependOnTheNetwork) {
+  Config config;
+  config.lcm.url = "udpm://239.255.76.67:7700?ttl=1";
+  EXPECT_EQ(config_hash(config), config_hash(Config{}));
+}
+
+TEST(Config, AFileThatIsTooLargeForOneIsRefused) {
+  const std::string path = ::testing::TempDir() + "orchard_large.yaml";
+  std::ofstream(path) << std::string(1 << 20, '#');
+  EXPECT_NO_THROW(load_config(path)) << "a comment of 1 MiB";
+  std::ofstream(path) << std::string((1 << 20) + 1, '#');
+  for (const std::string& file : {path, std::string("/dev/zero")}) {
+    try {
+      load_config(file);
+      FAIL() << file;
+    } catch (const ConfigError& error) {
+      EXPECT_THAT(error.problems(), ElementsAre(HasSubstr("larger than any configuration")));
+    }
+  }
+  std::filesystem::remove(path);
+  EXPECT_THROW(load_config(path), ConfigError);
+  EXPECT_THROW(load_config(::testing::TempDir()), ConfigError) << "a folder";
 }
 
 }  // namespace

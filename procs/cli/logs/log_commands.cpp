@@ -72,6 +72,18 @@ void print_findings(const std::string& path, const LogSurvey& survey) {
                   " messages repeat an older seq (several senders, or a restart)\n",
                   path.c_str(), name.c_str(), channel.num_duplicates);
     }
+    if (channel.num_leaps > 0) {
+      std::printf("%s: %s: %" PRId64 " messages leap in time or number, alone\n", path.c_str(),
+                  name.c_str(), channel.num_leaps);
+    }
+    if (channel.clock_change_s != 0.0) {
+      std::printf("%s: %s: its clock was set by %.1f s\n", path.c_str(), name.c_str(),
+                  channel.clock_change_s);
+    }
+    if (channel.num_contests > 2) {
+      std::printf("%s: %s: two sources send it, or one begins again and again\n", path.c_str(),
+                  name.c_str());
+    }
   }
   if (!survey.knows_a_channel()) {
     std::printf("%s: no channel that Orchard Mapper knows\n", path.c_str());

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <variant>
 
+#include "bus/node/sequence_gate.hpp"
 #include "io/file_error.hpp"
 #include "io/progress_bar.hpp"
 
@@ -23,17 +24,8 @@ void count_refusal(const bus::Rejection& rejection, ChannelSurvey& survey) {
                          (rejection.detail.empty() ? "" : ": " + rejection.detail);
 }
 
-void count_seq(std::int32_t seq, bool first, ChannelSurvey& survey) {
-  if (!first && seq <= survey.last_seq) {
-    ++survey.num_duplicates;
-    return;
-  }
-  if (!first) survey.num_missing += std::int64_t{seq} - survey.last_seq - 1;
-  survey.last_seq = seq;
-}
-
-void count(const io::LogEvent& event, ChannelSurvey& survey) {
-  const bool first = survey.num_messages == survey.num_refused;  // the first good one
+void count(const io::LogEvent& event, bus::SequenceGate& gate, ChannelSurvey& survey) {
+  const bool first = survey.last_utime == 0;  // the first good one
   ++survey.num_messages;
   survey.num_bytes += static_cast<std::int64_t>(event.data.size());
   std::int64_t utime = event.timestamp_us;
@@ -46,7 +38,9 @@ void count(const io::LogEvent& event, ChannelSurvey& survey) {
     }
     const auto& message = std::get<bus::Message>(decoded);
     utime = bus::utime_of(message);
-    count_seq(bus::seq_of(message), first, survey);
+    const auto verdict =
+        gate.accept(*bus::find_channel(event.channel), bus::seq_of(message), utime);
+    if (verdict == bus::Verdict::kHeld) return;  // its time may be none
   }
   survey.first_utime = first ? utime : std::min(survey.first_utime, utime);
   survey.last_utime = first ? utime : std::max(survey.last_utime, utime);
@@ -71,16 +65,27 @@ LogSurvey survey_log(const io::LogPaths& logs) {
   const std::string path = logs.text();
   io::LogSeries reader(logs);
   LogSurvey survey;
+  bus::SequenceGate gate;
   survey.file_size = reader.file_size();
   io::ProgressBar bar("reading " + path);
   while (const auto event = reader.next()) {
-    count(*event, survey.channels[event->channel]);
+    count(*event, gate, survey.channels[event->channel]);
     if (survey.num_events == 0) survey.first_timestamp_us = event->timestamp_us;
     survey.last_timestamp_us = event->timestamp_us;
     ++survey.num_events;
     bar.update(reader.position(), reader.file_size());
   }
   bar.finish();
+  gate.finish();
+  for (auto& [name, channel] : survey.channels) {
+    if (!is_guarded(name)) continue;
+    const bus::SequenceCounts& counts = gate.counts(*bus::find_channel(name));
+    channel.num_duplicates = counts.num_duplicate;
+    channel.num_missing = counts.num_lost;
+    channel.num_leaps = counts.num_leaps;
+    channel.num_contests = counts.num_contests;
+    channel.clock_change_s = counts.clock_change_s;
+  }
   survey.gaps = reader.gaps();
   survey.notes = reader.notes();
   if (survey.num_events == 0) {

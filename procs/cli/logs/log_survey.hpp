@@ -17,11 +17,13 @@ struct ChannelSurvey {
   std::int64_t num_messages = 0;
   std::int64_t num_bytes = 0;
   std::int64_t num_refused = 0;     ///< by the guard; only on channels that we know
-  std::int64_t num_duplicates = 0;  ///< same or older seq
-  std::int64_t num_missing = 0;     ///< gaps in seq
-  std::int64_t first_utime = 0;     ///< of measurement; of receipt where we cannot decode
+  std::int64_t num_duplicates = 0;  ///< as SequenceGate counts these and the next
+  std::int64_t num_missing = 0;
+  std::int64_t num_leaps = 0;     ///< of another time or number than the rest, and alone
+  std::int64_t num_contests = 0;  ///< signs of a second source
+  double clock_change_s = 0.0;    ///< by how much its clock was set last
+  std::int64_t first_utime = 0;   ///< of measurement; of receipt where we cannot decode
   std::int64_t last_utime = 0;
-  std::int32_t last_seq = 0;
   std::array<std::int64_t, bus::kNumReasons> num_refused_by_reason{};
   std::string first_refusal;  ///< reason and detail of the first refused message
 };

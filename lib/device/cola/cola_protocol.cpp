@@ -161,7 +161,7 @@ void ColaProtocol::take_sweep(std::string_view telegram, std::int64_t host_utime
     ++counts_.num_bad;
     return;
   }
-  if (step_ == Step::kStart) step_ = Step::kStream;  // the first sweep overtook the answer
+  if (step_ == Step::kStart) ask(Step::kStream, host_utime);  // the sweep overtook the answer
   is_streaming_ = true;
   trouble_ = sweep->is_dirty ? "the scanner says that its front screen is dirty" : "";
   deadline_utime_ = host_utime + kMaxSilence_us;
@@ -202,7 +202,7 @@ void ColaProtocol::host_clock_stepped(std::int64_t step_us) {
 std::string ColaProtocol::condition() const {
   if (!failure_.empty()) return failure_;
   if (!trouble_.empty()) return trouble_;
-  if (num_asked_ > 1) {
+  if (step_ != Step::kStream && num_asked_ > 1) {
     return "waits for the scanner's answer to " +
            std::string(kQuestions[static_cast<std::size_t>(step_)].command);
   }

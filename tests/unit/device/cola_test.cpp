@@ -176,6 +176,19 @@ TEST(ColaProtocol, GoesOnWhereItMayNot) {
   EXPECT_EQ(sent(cola), "sEN LMDscandata 1");
 }
 
+TEST(ColaProtocol, ASweepThatOvertakesTheAnswerIsOne) {
+  ColaProtocol cola;
+  cola.connected(0);
+  for (const char* answer : {"sEA LMDscandata 0", "sFA 3", "sFA 3", "sFA 3"}) {
+    cola.receive(telegram(answer), 0);
+  }
+  cola.expire(*cola.deadline());
+  EXPECT_EQ(cola.condition(), "waits for the scanner's answer to sEN LMDscandata 1");
+  cola.receive(telegram(kHead + " 1 " + kDistances + " 0" + kTail), 1'000'000);
+  EXPECT_EQ(cola.take_measurements().size(), 1u);
+  EXPECT_EQ(cola.condition(), "");
+}
+
 TEST(ColaProtocol, ADeviceInTroubleSaysSo) {
   ColaProtocol cola;
   cola.connected(0);

@@ -103,15 +103,18 @@ double DeviceClock::arrived(std::uint32_t ticks, std::int64_t host_utime) {
   const double delay_us = static_cast<double>(host_utime - host_base_utime_) - x_us;
   keep({x_us, delay_us});
   fit();
-  if (reading_) learn_least_delay(x_us - reading_->device_us, delay_us);
+  if (reading_) learn_least_delay(x_us, delay_us);
   return device_us;
 }
 
-void DeviceClock::learn_least_delay(double since_us, double delay_us) {
+void DeviceClock::learn_least_delay(double x_us, double delay_us) {
   const double read_us = 0.5 * (reading_->lo_us + reading_->hi_us);
-  if (since_us < kLearn_us) soonest_us_ = std::min(soonest_us_, delay_us);
+  const double since_us = x_us - reading_->device_us;
+  // From the first arrival on, which may be seconds after the reading: a motor had to start.
+  if (!std::isfinite(soonest_us_)) learn_begin_us_ = x_us;
+  if (x_us - learn_begin_us_ < kLearn_us) soonest_us_ = std::min(soonest_us_, delay_us);
   double soonest_us = soonest_us_;
-  const double line_begins_us = samples_.front().device_us - reading_->device_us;
+  const double line_begins_us = samples_.front().device_us - learn_begin_us_;
   const double line_us = samples_.back().device_us - samples_.front().device_us;
   if (line_us >= kMinSpan_us) {
     if (since_us > kLearnByLine_us || line_begins_us > kLearn_us) return;

@@ -60,7 +60,7 @@ class DeviceClock {
   void fit();
   void fit_hull();
   bool is_bent() const;
-  void learn_least_delay(double since_us, double delay_us);
+  void learn_least_delay(double x_us, double delay_us);
   double least_recent(double span_us) const;
 
   double period_us_;
@@ -77,7 +77,8 @@ class DeviceClock {
   double least_delay_us_ = 0.0;
   double possible_delay_us_ = 0.0;
   std::optional<Reading> reading_;  ///< of this talk
-  double soonest_us_ = 0.0;         ///< least delay since the reading
+  double soonest_us_ = 0.0;         ///< least delay since the reading; infinite before an arrival
+  double learn_begin_us_ = 0.0;     ///< of the first arrival since the reading
   std::int64_t num_restarts_ = 0;
 };
 

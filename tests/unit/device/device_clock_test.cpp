@@ -107,6 +107,19 @@ TEST(DeviceClock, TheSkewOfTheClocksIsFound) {
   EXPECT_NEAR(clock.skew(), -100e-6, 20e-6);
 }
 
+// A motor that has to start lets the first sweep come five seconds after the clock was read.
+TEST(DeviceClock, TheFirstStampMayComeLongAfterTheClockWasRead) {
+  DeviceClock clock(24, 1000.0);
+  clock.set_least_delay(20e3);
+  const Device device{static_cast<double>(kNoon) - 3600e6, 50e-6};
+  std::mt19937 random(1);
+  const double read = read_clock(clock, device, static_cast<double>(kNoon), random);
+  for (double t = read + 5e6; t < read + 60e6; t += 25e3) {
+    const double device_us = clock.arrived(device.ticks(t), static_cast<std::int64_t>(t + 28e3));
+    EXPECT_NEAR(static_cast<double>(clock.host_utime(device_us)), t, 1500.0);
+  }
+}
+
 TEST(DeviceClock, ADeviceThatStartsAnewIsNoticedAndFollowed) {
   DeviceClock clock(24, 1000.0);
   clock.set_least_delay(3000.0);

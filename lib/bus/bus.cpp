@@ -116,7 +116,9 @@ struct Bus::Impl {
       handle(std::get<0>(decoded), bytes);
       return {};
     };
-    const std::string name(info(channel).name);
+    std::string name;  // a regular expression for LCM: the dot of "SCAN.rear" is meant as it is
+    for (const char c : info(channel).name)
+      name += c == '.' ? std::string("\\.") : std::string(1, c);
     set_queue(lcm_subscribe(lcm, name.c_str(), &Impl::on_message, subscription.get()),
               channel == Channel::kImage ? kImageQueue : kInputQueue);
     subscriptions.push_back(std::move(subscription));

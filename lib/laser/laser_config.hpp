@@ -21,6 +21,11 @@ struct LaserConfig {
   }
 };
 
+/// A second scanner, whose objects join those of the first in one map. Section `laser_rear`.
+struct RearLaserConfig : LaserConfig {
+  bool enabled = false;
+};
+
 template <class Visitor>
 void describe(Visitor& v, LaserConfig& c) {
   v.number("mount_x_m", c.mount_x_m, -10, 10, "m", "laser in base, forward");
@@ -30,6 +35,12 @@ void describe(Visitor& v, LaserConfig& c) {
   v.number("range_sd_fraction", c.range_sd_fraction, 0, 0.2, "1", "1-sigma per metre of range");
   v.expert().number("target_sd_fraction", c.target_sd_fraction, 0, 0.2, "1",
                     "1-sigma per metre of range of what all beams of an object share");
+}
+
+template <class Visitor>
+void describe(Visitor& v, RearLaserConfig& c) {
+  v.flag("enabled", c.enabled, "a second scanner sends SCAN.rear; its place and noise follow");
+  describe(v, static_cast<LaserConfig&>(c));
 }
 
 }  // namespace orchard::laser

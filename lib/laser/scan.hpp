@@ -33,4 +33,8 @@ struct Scan {
   }
 };
 
+/// A sweep of the second scanner, channel SCAN.rear: a type of its own, so that who asks for a Scan
+/// never takes one for the other.
+struct RearScan : Scan {};
+
 }  // namespace orchard::laser

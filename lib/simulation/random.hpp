@@ -41,6 +41,7 @@ enum class Stream : std::uint64_t {
   kImu,
   kImuRun,
   kVehicles,
+  kScanRear,
 };
 
 /// Seeded random numbers that are the same on every standard library.

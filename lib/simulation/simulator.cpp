@@ -17,11 +17,12 @@ namespace {
 
 constexpr double kSweepWay_m = 5.0;  ///< more than a robot moves while it scans
 
-enum Sensor : std::size_t { kScan, kImage, kOdometry, kGnss, kPoseFix, kImu };
+enum Sensor : std::size_t { kScan, kImage, kOdometry, kGnss, kPoseFix, kImu, kScanRear };
 
 Stream stream_of(std::size_t sensor) {
-  constexpr std::array<Stream, 6> kStreams{Stream::kScan, Stream::kImage,   Stream::kOdometry,
-                                           Stream::kGnss, Stream::kPoseFix, Stream::kImu};
+  constexpr std::array<Stream, 7> kStreams{Stream::kScan,    Stream::kImage,   Stream::kOdometry,
+                                           Stream::kGnss,    Stream::kPoseFix, Stream::kImu,
+                                           Stream::kScanRear};
   return kStreams[sensor];
 }
 
@@ -74,6 +75,7 @@ Simulator::Simulator(SceneKind kind, std::uint64_t seed, const RigConfig& rig)
     start_clock(kScan, rate_hz, 0.0);
     if (rig.camera.enabled) start_clock(kImage, rate_hz, 0.0);
     start_clock(kPoseFix, rate_hz, 0.0);
+    if (rig.laser_rear.enabled) start_clock(kScanRear, rate_hz, 0.0);
   } else {
     start_clock(kScan, config.scanner.rate_hz, 0.0);
     if (rig.camera.enabled) start_clock(kImage, config.image.rate_hz, config.image.offset_s);
@@ -81,6 +83,10 @@ Simulator::Simulator(SceneKind kind, std::uint64_t seed, const RigConfig& rig)
     start_clock(kGnss, config.motion.gnss_rate_hz, 0.0);
     start_clock(kPoseFix, config.orchard.fix_rate_hz, 0.0);
     start_clock(kImu, config.imu.rate_hz, 0.0);
+    if (rig.laser_rear.enabled) {
+      // Two scanners do not begin their sweeps together: a third of a turn apart, say.
+      start_clock(kScanRear, config.scanner.rate_hz, 1.0 / (3.0 * config.scanner.rate_hz));
+    }
   }
 }
 
@@ -158,9 +164,10 @@ std::vector<TruthObject> Simulator::truth() const {
 }
 
 /// T_map_laser during a scan: one pose while the robot stands, or one per beam.
-std::vector<Pose2> Simulator::laser_poses(std::int64_t utime) const {
+std::vector<Pose2> Simulator::laser_poses(std::int64_t utime,
+                                          const laser::LaserConfig& mount) const {
   const ScannerConfig& scanner = rig_.simulation.scanner;
-  const Pose2 T_base_laser{rig_.laser.mount_x_m, rig_.laser.mount_y_m, rig_.laser.mount_yaw_rad};
+  const Pose2 T_base_laser{mount.mount_x_m, mount.mount_y_m, mount.mount_yaw_rad};
   std::vector<Pose2> T_map_laser;
   if (scene_.stepped || scanner.beam_period_us <= 0.0) {
     T_map_laser.push_back(compose(pose_at(utime), T_base_laser));
@@ -172,6 +179,14 @@ std::vector<Pose2> Simulator::laser_poses(std::int64_t utime) const {
     }
   }
   return T_map_laser;
+}
+
+laser::Scan Simulator::take_scan(std::int64_t utime, std::int64_t index,
+                                 const laser::LaserConfig& mount, Random& random) const {
+  const std::vector<Pose2> T_map_laser = laser_poses(utime, mount);
+  return simulate_scan(world_in_reach(sweep_middle_s(utime), T_map_laser[T_map_laser.size() / 2]),
+                       T_map_laser, rig_.simulation.scanner, target_errors_, random,
+                       tilt_of(index));
 }
 
 std::optional<SensorMessage> Simulator::make(std::size_t sensor, std::int64_t index,
@@ -187,12 +202,10 @@ std::optional<SensorMessage> Simulator::make(std::size_t sensor, std::int64_t in
   const SimulationConfig& config = rig_.simulation;
   const Pose2 T_map_base = pose_at(utime);
   switch (sensor) {
-    case kScan: {
-      const std::vector<Pose2> T_map_laser = laser_poses(utime);
-      return stamped(
-          simulate_scan(world_in_reach(sweep_middle_s(utime), T_map_laser[T_map_laser.size() / 2]),
-                        T_map_laser, config.scanner, target_errors_, random, tilt_of(index)));
-    }
+    case kScan:
+      return stamped(take_scan(utime, index, rig_.laser, random));
+    case kScanRear:
+      return stamped(laser::RearScan{take_scan(utime, index, rig_.laser_rear, random)});
     case kImage:
       return stamped(take_picture(utime, random));
     case kOdometry: {
@@ -265,7 +278,7 @@ std::vector<TruePose> Simulator::true_poses() const {
 std::vector<TrueObservation> Simulator::true_observations(std::int64_t index) const {
   const std::int64_t utime = utime_of(kScan, index);
   const double middle_s = sweep_middle_s(utime);
-  const std::vector<Pose2> T_map_laser = laser_poses(utime);
+  const std::vector<Pose2> T_map_laser = laser_poses(utime, rig_.laser);
   const World world = world_in_reach(middle_s, T_map_laser[T_map_laser.size() / 2]);
   std::vector<TrueObservation> observations =
       observe_truth(world, truth_at(scene_, middle_s), T_map_laser, rig_.simulation.scanner,

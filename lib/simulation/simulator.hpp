@@ -23,8 +23,8 @@
 namespace orchard::simulation {
 
 /// What a simulated sensor says. The alternatives stand in the order of bus::Channel.
-using SensorMessage =
-    std::variant<laser::Scan, vision::Image, pose::Odometry, pose::Gnss, pose::PoseFix, pose::Imu>;
+using SensorMessage = std::variant<laser::Scan, vision::Image, pose::Odometry, pose::Gnss,
+                                   pose::PoseFix, pose::Imu, laser::RearScan>;
 
 /// Where simulated time begins: 2013-12-02 00:00 UTC, the day ACRA 2013 opened [us].
 inline constexpr std::int64_t kEpochUtime = 1385942400000000;
@@ -71,7 +71,9 @@ class Simulator {
   std::optional<std::size_t> next_sensor() const;
   std::optional<SensorMessage> make(std::size_t sensor, std::int64_t index, std::int32_t seq) const;
   double turn_slip_at(double time_s) const;
-  std::vector<Pose2> laser_poses(std::int64_t utime) const;
+  std::vector<Pose2> laser_poses(std::int64_t utime, const laser::LaserConfig& mount) const;
+  laser::Scan take_scan(std::int64_t utime, std::int64_t index, const laser::LaserConfig& mount,
+                        Random& random) const;
   double sweep_middle_s(std::int64_t utime) const;
   Tilt tilt_of(std::int64_t scan) const;
   World world_at_time(double time_s) const;

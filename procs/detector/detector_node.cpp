@@ -26,22 +26,34 @@ DetectorNode::DetectorNode(const io::Config& config)
   if (config.detector.adaptation.enabled && rig_.has_camera) {
     adaptation_.emplace(config.detector.adaptation, config.detector.width.mean_m);
   }
+  if (config.laser_rear.enabled) {
+    rear_rig_.emplace(config.laser_rear, config.camera, config.detector);
+    joiner_.emplace(config.laser, config.detector.image_wait_s);
+  }
 }
 
 std::vector<bus::Channel> DetectorNode::inputs() const {
-  if (!rig_.has_camera) return {bus::Channel::kScan};
-  if (!rig_.detector.use_odometry) return {bus::Channel::kScan, bus::Channel::kImage};
-  return {bus::Channel::kScan, bus::Channel::kImage, bus::Channel::kOdometry};
+  std::vector<bus::Channel> channels{bus::Channel::kScan};
+  if (rig_.has_camera) channels.push_back(bus::Channel::kImage);
+  if (rig_.has_camera && rig_.detector.use_odometry) channels.push_back(bus::Channel::kOdometry);
+  if (joiner_) channels.push_back(bus::Channel::kScanRear);
+  return channels;
 }
 
 void DetectorNode::handle(const bus::Message& input, const bus::Outbox& send) {
   std::vector<detection::ScanImagePair> pairs;
   if (const auto* scan = std::get_if<laser::Scan>(&input)) {
-    if (!rig_.has_camera) return send_result(detection::detect(*scan, nullptr, rig_), send);
+    if (!rig_.has_camera) {
+      return send_result(detection::detect(*scan, nullptr, rig_), detection::turn_us(*scan), send);
+    }
     findings_.push_back({detection::find_by_laser(*scan, rig_), width_model_});
     pairs = pairer_.add(*scan);
   } else if (const auto* image = std::get_if<vision::Image>(&input)) {
     if (rig_.has_camera) pairs = pairer_.add(*image);
+  } else if (const auto* rear = std::get_if<laser::RearScan>(&input)) {
+    if (!joiner_) return;
+    return send_views(joiner_->add_rear(detection::detect(*rear, nullptr, *rear_rig_).detections),
+                      send);
   } else if (const auto* odometry = std::get_if<pose::Odometry>(&input)) {
     pairs = pairer_.add(
         detection::Motion{odometry->utime, odometry->speed_mps, odometry->yaw_rate_radps});
@@ -51,6 +63,7 @@ void DetectorNode::handle(const bus::Message& input, const bus::Outbox& send) {
 
 void DetectorNode::flush(const bus::Outbox& send) {
   for (const auto& pair : pairer_.flush()) send_detections(pair, send);
+  if (joiner_) send_views(joiner_->flush(), send);
   ended_ = true;
 }
 
@@ -60,6 +73,10 @@ std::string DetectorNode::waiting_for() const {
   if (intensities_missing_) {
     return "SCAN waits for intensities: detector.segmentation.reflector needs them and the laser "
            "driver sends none; switch them on there or set reflector to ignored";
+  }
+  if (const auto view = joiner_ ? joiner_->waiting_utime() : std::nullopt) {
+    return "SCAN at " + fixed_text(static_cast<double>(*view) * 1e-6, 3) +
+           " s waits for SCAN.rear of that time or later (from the second laser driver)";
   }
   const auto utime = pairer_.waiting_scan_utime();
   if (!utime) return {};
@@ -134,7 +151,7 @@ void DetectorNode::send_detections(const detection::ScanImagePair& pair, const b
       std::move(findings.laser), picture ? &*picture : nullptr, rig_, pair.motion);
   const std::int64_t utime = result.detections.utime;
   const auto looks = std::move(result.looks);
-  send_result(std::move(result), send);
+  send_result(std::move(result), detection::turn_us(pair.scan), send);
   adapt(utime, looks, send);
 }
 
@@ -150,11 +167,19 @@ void DetectorNode::adapt(std::int64_t utime, const std::vector<detection::Adapta
   for (const auto& step : steps) send(step);
 }
 
-void DetectorNode::send_result(detection::DetectResult result, const bus::Outbox& send) {
+void DetectorNode::send_result(detection::DetectResult result, std::int64_t turn_us,
+                               const bus::Outbox& send) {
   if (result.image_unusable || result.intensities_missing) ++num_unusable_;
   intensities_missing_ = result.intensities_missing;
-  result.detections.seq = next_seq_++;
-  send(std::move(result.detections));
+  if (joiner_) return send_views(joiner_->add_front(std::move(result.detections), turn_us), send);
+  send_views({std::move(result.detections)}, send);
+}
+
+void DetectorNode::send_views(std::vector<detection::Detections> views, const bus::Outbox& send) {
+  for (detection::Detections& view : views) {
+    view.seq = next_seq_++;
+    send(std::move(view));
+  }
 }
 
 }  // namespace orchard::procs

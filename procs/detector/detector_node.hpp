@@ -8,6 +8,7 @@
 #include "detection/adaptation/adaptation.hpp"
 #include "detection/consistency_monitor.hpp"
 #include "detection/detect.hpp"
+#include "detection/rear_joiner.hpp"
 #include "detection/rig.hpp"
 #include "detection/scan_image_pairer.hpp"
 #include "io/config/config.hpp"
@@ -25,6 +26,7 @@ namespace orchard::procs {
 /// (detector.extrinsics_monitor). With detector.adaptation.enabled each scan is judged by the
 /// models that the scans before it have led to, whatever order the channels arrive in, and
 /// ADAPTATION says what became of them.
+/// With laser_rear.enabled what SCAN.rear shows joins what SCAN shows, in one message for both.
 class DetectorNode : public bus::Node {
  public:
   explicit DetectorNode(const io::Config& config);
@@ -50,9 +52,12 @@ class DetectorNode : public bus::Node {
                      vision::PictureReader& picture);
   std::string odometry_warning() const;
   std::string picture_warning() const;
-  void send_result(detection::DetectResult result, const bus::Outbox& send);
+  void send_result(detection::DetectResult result, std::int64_t turn_us, const bus::Outbox& send);
+  void send_views(std::vector<detection::Detections> views, const bus::Outbox& send);
 
   detection::Rig rig_;
+  std::optional<detection::Rig> rear_rig_;  ///< its camera sees nothing of it
+  std::optional<detection::RearJoiner> joiner_;
   detection::ScanImagePairer pairer_;
   std::deque<Findings> findings_;  ///< of the scans in pairer_, in its order
   std::optional<detection::Adaptation> adaptation_;

@@ -33,7 +33,8 @@ timing::OrderedQueue<pose::Measurement, kNumKinds>::Rules rules_of(
 std::optional<pose::Measurement> measurement_of(const bus::Message& input) {
   return std::visit(
       [](const auto& m) -> std::optional<pose::Measurement> {
-        if constexpr (std::is_constructible_v<pose::Measurement, decltype(m)>) {
+        constexpr bool kIsRear = std::is_same_v<std::decay_t<decltype(m)>, laser::RearScan>;
+        if constexpr (std::is_constructible_v<pose::Measurement, decltype(m)> && !kIsRear) {
           return pose::Measurement(m);
         } else {
           return std::nullopt;

@@ -43,7 +43,8 @@ std::unique_ptr<SimSource> make_sim_source(const SimDriverOptions& options,
   if (!kind) {
     throw std::invalid_argument("--scene " + options.scene + ": must be tubes or orchard");
   }
-  const simulation::RigConfig rig{config.laser, config.camera, config.simulation};
+  const simulation::RigConfig rig{config.laser, config.camera, config.simulation,
+                                  config.laser_rear};
   auto source = std::make_unique<SimSource>(*kind, parse_seed(options.seed), rig);
   if (!options.truth_path.empty()) {
     io::write_truth_csv(options.truth_path, source->simulator().truth());

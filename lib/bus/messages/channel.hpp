@@ -26,9 +26,10 @@ enum class Channel : std::int8_t {
   kAdaptation = 12,
   kImu = 13,
   kTrajectory = 14,
+  kScanRear = 15,
 };
 
-inline constexpr std::size_t kNumChannels = 15;
+inline constexpr std::size_t kNumChannels = 16;
 
 /// What a channel is for, and with that what a replay does with it.
 enum class Role {
@@ -61,6 +62,7 @@ inline constexpr std::array<ChannelInfo, kNumChannels> kChannels{{
     {Channel::kAdaptation, "ADAPTATION", "adaptation_t", Role::kDerived},
     {Channel::kImu, "IMU", "imu_t", Role::kSource},
     {Channel::kTrajectory, "TRAJECTORY", "trajectory_t", Role::kDerived},
+    {Channel::kScanRear, "SCAN.rear", "scan_t", Role::kSource},
 }};
 
 constexpr const ChannelInfo& info(Channel channel) {

@@ -17,9 +17,10 @@
 namespace orchard::bus {
 
 /// What a node reads and writes. The alternative decides the channel.
-using Message = std::variant<laser::Scan, vision::Image, pose::Odometry, pose::Gnss, pose::PoseFix,
-                             pose::PoseEstimate, detection::Detections, mapping::MapTile,
-                             detection::AdaptationStep, pose::Imu, pose::TrajectoryPage>;
+using Message =
+    std::variant<laser::Scan, vision::Image, pose::Odometry, pose::Gnss, pose::PoseFix,
+                 pose::PoseEstimate, detection::Detections, mapping::MapTile,
+                 detection::AdaptationStep, pose::Imu, pose::TrajectoryPage, laser::RearScan>;
 
 /// The channel of an alternative of Message: they stand in the order of Channel, the service
 /// channels left out.

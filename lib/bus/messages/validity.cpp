@@ -36,6 +36,10 @@ void check(FieldCheck& c, const laser::Scan& scan) {
   }
 }
 
+void check(FieldCheck& c, const laser::RearScan& scan) {
+  check(c, static_cast<const laser::Scan&>(scan));
+}
+
 void check(FieldCheck& c, const vision::Image& image) {
   const std::size_t num_pixels = static_cast<std::size_t>(image.width_px) * image.height_px;
   if (image.encoding == vision::Encoding::kBgr8) {

@@ -50,6 +50,7 @@ const WireFormat& format_of(Channel channel) {
       {adaptation_t::getHash(), kKiB},
       {imu_t::getHash(), kKiB},
       {trajectory_t::getHash(), 64 * kKiB},
+      {scan_t::getHash(), kMiB},
   }};
   return formats[static_cast<std::size_t>(channel)];
 }

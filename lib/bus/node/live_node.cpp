@@ -37,6 +37,7 @@ constexpr int kDrainMost = 200;
 const char* publisher_of(Channel channel) {
   switch (channel) {
     case Channel::kScan:
+    case Channel::kScanRear:
       return "a laser driver or orchard-sim-driver";
     case Channel::kImage:
       return "a camera driver or orchard-sim-driver";

@@ -23,6 +23,7 @@ namespace orchard::io {
 struct Config {
   LcmConfig lcm;
   laser::LaserConfig laser;
+  laser::RearLaserConfig laser_rear;
   geometry::CameraConfig camera;
   detection::DetectorConfig detector;
   pose::PoseConfig pose;

@@ -15,6 +15,7 @@ struct RigConfig {
   laser::LaserConfig laser;
   geometry::CameraConfig camera;
   SimulationConfig simulation;
+  laser::RearLaserConfig laser_rear;  ///< measures as the scanner does
 };
 
 /// The paper's simulated environment (Shalal et al. 2013, sections 3.4 and 6.1, figures 3, 11):

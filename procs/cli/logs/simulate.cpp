@@ -118,7 +118,8 @@ int run_simulate(const SimulateOptions& options) {
   const auto scene = simulation::find_scene(options.scene);
   if (!scene) throw io::FileError("there is no scene \"" + options.scene + "\"");
   const io::Config config = rig_of(options);
-  const simulation::RigConfig rig{config.laser, config.camera, config.simulation};
+  const simulation::RigConfig rig{config.laser, config.camera, config.simulation,
+                                  config.laser_rear};
   simulation::Simulator simulator(*scene, options.seed, rig);
   std::vector<simulation::TruePose> poses = simulator.true_poses();
   const Stretch stretch =

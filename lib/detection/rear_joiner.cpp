@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "detection/rear_joiner.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <utility>
+
+#include "geometry/angles.hpp"
+
+namespace orchard::detection {
+namespace {
+
+constexpr std::int64_t kUnknownTurn_us = 100'000;
+
+/// A tenth of a turn that clocks and a scanner's speed may be off.
+constexpr double kTurnMargin = 1.1;
+
+/// No robot maps trees faster: between the two looks at a trunk it has moved by less.
+constexpr double kSpeedMost_mps = 2.0;
+
+/// Sweeps of the second scanner that wait while the first is silent.
+constexpr std::size_t kRearWaitingMost = 50;
+
+/// Two trunks cannot stand in one another.
+bool is_same(const Detection& a, const Detection& b) {
+  const double apart_m = std::hypot(a.centre_x_m - b.centre_x_m, a.centre_y_m - b.centre_y_m);
+  const double moved_m = kSpeedMost_mps * 1e-6 * static_cast<double>(std::abs(a.utime - b.utime));
+  return apart_m < 0.5 * (a.width_m + b.width_m) + moved_m;
+}
+
+bool is_known_better(const Detection& a, const Detection& b) {
+  const bool a_judged = a.label != Label::kUnseen;
+  const bool b_judged = b.label != Label::kUnseen;
+  if (a_judged != b_judged) return a_judged;
+  return a.covariance[0] + a.covariance[2] < b.covariance[0] + b.covariance[2];
+}
+
+/// Range and bearing as a scanner at `mount` would have measured them.
+void give_polar(Detection& d, const laser::LaserConfig& mount) {
+  const double x_m = d.surface_x_m - mount.mount_x_m;
+  const double y_m = d.surface_y_m - mount.mount_y_m;
+  d.range_m = std::hypot(x_m, y_m);
+  d.bearing_rad = geometry::wrap_angle_rad(std::atan2(y_m, x_m) - mount.mount_yaw_rad);
+}
+
+}  // namespace
+
+std::int64_t turn_us(const laser::Scan& scan) {
+  if (scan.beam_period_us <= 0.0) return kUnknownTurn_us;
+  return std::llround(scan.beam_period_us * 2.0 * geometry::kPi / std::abs(scan.bearing_step_rad));
+}
+
+RearJoiner::RearJoiner(const laser::LaserConfig& mount, double wait_s)
+    : mount_(mount), queue_([wait_s] {
+        Queue::Rules rules;
+        rules[kRear].wait_us = std::llround(1e6 * wait_s);
+        return rules;
+      }()) {}
+
+std::vector<Detections> RearJoiner::add_front(Detections detections, std::int64_t turn_us) {
+  const std::int64_t utime = detections.utime;
+  queue_.push(kFront, utime, {std::move(detections), turn_us});
+  return release(false);
+}
+
+std::vector<Detections> RearJoiner::add_rear(Detections detections) {
+  const std::int64_t utime = detections.utime;
+  queue_.push(kRear, utime, {std::move(detections), 0});
+  if (queue_.size(kRear) > kRearWaitingMost) queue_.take(kRear);
+  return release(false);
+}
+
+std::vector<Detections> RearJoiner::flush() { return release(true); }
+
+std::optional<std::int64_t> RearJoiner::waiting_utime() const {
+  if (queue_.is_empty(kFront)) return std::nullopt;
+  return queue_.front_utime(kFront);
+}
+
+std::vector<Detections> RearJoiner::release(bool flushing) {
+  std::vector<Detections> decided;
+  while (!queue_.is_empty(kFront)) {
+    if (!flushing && queue_.blocker(queue_.front_utime(kFront))) break;
+    decided.push_back(decide_front());
+  }
+  return decided;
+}
+
+Detections RearJoiner::decide_front() {
+  Half front = queue_.take(kFront);
+  Detections view = std::move(front.detections);
+  while (!queue_.is_empty(kRear) && queue_.front_utime(kRear) < view.utime) queue_.take(kRear);
+  const auto end_us = view.utime + std::llround(kTurnMargin * static_cast<double>(front.turn_us));
+  if (queue_.is_empty(kRear) || queue_.front_utime(kRear) >= end_us) {
+    ++num_without_rear_;
+    return view;
+  }
+  const std::size_t num_front = view.trunks.size();
+  for (Detection& rear : queue_.take(kRear).detections.trunks) {
+    give_polar(rear, mount_);
+    const auto end = view.trunks.begin() + static_cast<std::ptrdiff_t>(num_front);
+    const auto same = std::find_if(view.trunks.begin(), end,
+                                   [&rear](const Detection& d) { return is_same(d, rear); });
+    if (same == end) {
+      view.trunks.push_back(rear);
+    } else if (is_known_better(rear, *same)) {
+      *same = rear;
+    }
+  }
+  std::stable_sort(
+      view.trunks.begin(), view.trunks.end(),
+      [](const Detection& a, const Detection& b) { return a.bearing_rad < b.bearing_rad; });
+  return view;
+}
+
+}  // namespace orchard::detection

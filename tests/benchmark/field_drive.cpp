@@ -26,7 +26,7 @@ FieldDrive simulate_field_drive(const std::string& folder, double duration_s, do
   drive.config_path = folder + "/rig.yaml";
   std::ofstream(drive.config_path) << io::print_config(drive.config);
 
-  const simulation::RigConfig rig{drive.config.laser, drive.config.camera, simulation};
+  const simulation::RigConfig rig{drive.config.laser, drive.config.camera, simulation, {}};
   simulation::Simulator simulator(simulation::SceneKind::kOrchard, 1, rig);
   drive.log_path = folder + "/drive.lcm";
   io::LogWriter writer(drive.log_path);

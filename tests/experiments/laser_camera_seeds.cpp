@@ -60,7 +60,7 @@ int main(int argc, char** argv) {
   const int num_views = std::atoi(argv[3]), num_scans = std::atoi(argv[4]);
   const bool edges = argc > 5 && std::string(argv[5]) == "edges";
   const io::Config config = io::load_config(ORCHARD_SOURCE_DIR "/config/tubes.yaml");
-  simulation::RigConfig rig{config.laser, config.camera, config.simulation};
+  simulation::RigConfig rig{config.laser, config.camera, config.simulation, {}};
   rig.simulation.board.num_poses = num_views;
   if (argc > 6)
     rig.simulation.board.handling = static_cast<simulation::BoardHandling>(std::atoi(argv[6]));

@@ -22,6 +22,8 @@ void add_live(CLI::App& app, Run& run) {
       app, run, "live", "Start all processes of this machine, watch them, stop all at Ctrl-C",
       "  orchard live my_robot.yaml --record out/recordings\n"
       "  orchard live config/orchard.yaml --sim orchard --seed 7     (without hardware)\n"
+      "  orchard live my_robot.yaml --emulate drive.lcm              (the drivers, without "
+      "devices)\n"
       "  orchard live my_robot.yaml --only drivers                   (on the sensors' machine)\n"
       "  orchard live my_robot.yaml --without drivers                (on the other one)\n"
       "A process that fails is started again. What each printed is in DIR/logs.\n",
@@ -39,6 +41,12 @@ void add_live(CLI::App& app, Run& run) {
             ->delimiter(',');
         command.add_option("--sim", o.scene, "simulated sensors in place of the rig's: this scene")
             ->check(CLI::IsMember({"tubes", "orchard"}));
+        command
+            .add_option(
+                "--emulate", o.played_log,
+                "devices that play this log, each in its own protocol, instead of the rig's")
+            ->type_name("LOG")
+            ->excludes("--sim");
         command.add_option("--seed", o.seed, "of the simulated scene")->capture_default_str();
         command.add_option("--speed", o.speed, "of the simulated drive, times real time")
             ->capture_default_str();

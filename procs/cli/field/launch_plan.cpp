@@ -2,15 +2,27 @@
 #include "cli/field/launch_plan.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <set>
+#include <utility>
 
+#include "bus/messages/channel.hpp"
 #include "cli/rig/suggestion.hpp"
 #include "io/file_error.hpp"
+#include "io/log/log_reader.hpp"
 
 namespace orchard::cli {
 namespace {
 
 enum Stage { kDrivers, kDetector, kPose, kMapper, kRecorder };
+
+constexpr std::pair<bus::Channel, const char*> kDriverOfChannel[] = {
+    {bus::Channel::kScan, "orchard-laser-driver"},
+    {bus::Channel::kImage, "orchard-camera-driver"},
+    {bus::Channel::kOdometry, "orchard-odometry-driver"},
+    {bus::Channel::kImu, "orchard-imu-driver"},
+    {bus::Channel::kGnss, "orchard-gnss-driver"},
+};
 
 /// Drivers of the sensors that the rig names a device for.
 std::vector<std::string> drivers_of(const io::Config& config) {
@@ -23,6 +35,22 @@ std::vector<std::string> drivers_of(const io::Config& config) {
   add(config.drivers.odometry.device, "orchard-odometry-driver");
   add(config.drivers.imu.device, "orchard-imu-driver");
   add(config.drivers.gnss.device, "orchard-gnss-driver");
+  return names;
+}
+
+/// Drivers of the sensors that a log holds messages of.
+std::set<std::string> drivers_played(const std::string& log_path) {
+  constexpr std::int64_t kSurvey_us = 20'000'000;  // every sensor speaks within that
+  std::set<std::string> names;
+  io::LogReader log(log_path);
+  std::optional<std::int64_t> end_utime;
+  while (const std::optional<io::LogEvent> event = log.next()) {
+    if (!end_utime) end_utime = event->timestamp_us + kSurvey_us;
+    if (event->timestamp_us > *end_utime) break;
+    for (const auto& [channel, name] : kDriverOfChannel) {
+      if (bus::find_channel(event->channel) == channel) names.emplace(name);
+    }
+  }
   return names;
 }
 
@@ -86,6 +114,11 @@ std::vector<ChildPlan> plan_launch(const LiveOptions& options, const io::Config&
     add("orchard-sim-driver", kDrivers,
         {"--scene", options.scene, "--seed", options.seed, "--speed", options.speed, "--hold",
          "--wait-for", listeners});
+  } else if (!options.played_log.empty()) {
+    for (const std::string& driver : drivers_played(options.played_log)) {
+      add(driver, kDrivers,
+          {"--emulate", options.played_log, "--emulate-at", std::to_string(options.play_utime)});
+    }
   } else {
     for (const std::string& driver : drivers_of(config)) add(driver, kDrivers);
   }

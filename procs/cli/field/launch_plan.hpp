@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,9 @@ struct LiveOptions {
   std::vector<std::string> without;
   std::string scene;  ///< orchard-sim-driver in place of the rig's drivers
   std::string seed = "1";
-  std::string speed = "1";  ///< of the simulated drive, times real time
+  std::string speed = "1";      ///< of the simulated drive, times real time
+  std::string played_log;       ///< what the devices of the drivers play, each in its own protocol
+  std::int64_t play_utime = 0;  ///< when its first event is played, by this host's clock [us]
 };
 
 /// The processes of one machine, in the order in which they are started. `program_folder`: where

@@ -30,6 +30,9 @@ namespace fs = std::filesystem;
 
 constexpr std::chrono::milliseconds kRedraw{500};
 
+/// Everyone listens by then.
+constexpr std::int64_t kPlayAfter_us = 3'000'000;
+
 /// How long a stage may take to stop; the mapper then writes its whole folder.
 constexpr std::chrono::seconds kStopMost{20};
 
@@ -147,6 +150,7 @@ int run_live(const LiveOptions& given) {
   LiveOptions options = given;
   const io::Config config = load_rig(options.config_path);
   if (options.out_folder.empty()) options.out_folder = "out/live/" + time_text();
+  options.play_utime = bus::wall_utime() + kPlayAfter_us;
   const std::vector<ChildPlan> plans = plan_launch(options, config, program_folder());
   std::error_code error;
   fs::create_directories(options.out_folder + "/logs", error);

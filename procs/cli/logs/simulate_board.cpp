@@ -19,7 +19,8 @@ namespace {
 
 simulation::BoardScene make_scene(const SimulateOptions& options, const io::Config& config) {
   try {
-    return simulation::BoardScene(options.seed, {config.laser, config.camera, config.simulation});
+    return simulation::BoardScene(options.seed,
+                                  {config.laser, config.camera, config.simulation, {}});
   } catch (const std::invalid_argument& error) {
     throw io::FileError(options.config_path + ": " + error.what());
   }

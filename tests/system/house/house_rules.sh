@@ -36,7 +36,7 @@ sources lib procs | grep -vE '^lib/bus/' | search '#include *[<"](lcm/|orchard/[
   violations "only lib/bus includes LCM and the generated types"
 
 # 3. one table of channel names
-names=$(sed -nE 's/^ *\{Channel::k[A-Za-z]+, "([A-Z_]+)".*/\1/p' lib/bus/messages/channel.hpp | paste -sd'|')
+names=$(sed -nE 's/^ *\{Channel::k[A-Za-z]+, "([A-Za-z_.]+)".*/\1/p' lib/bus/messages/channel.hpp | paste -sd'|')
 [ -n "$names" ] || { echo "VIOLATED: lib/bus/messages/channel.hpp holds no table of channels"; failed=1; }
 sources lib procs | grep -v '^lib/bus/messages/channel.hpp$' | search "\"(${names:-none})\"" |
   violations "no channel name outside lib/bus/messages/channel.hpp"

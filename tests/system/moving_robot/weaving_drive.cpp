@@ -45,7 +45,7 @@ DrivePath weaving_path(double length_m) {
 struct Bench {
   Bench(std::uint64_t seed_, const io::Config& config)
       : seed(seed_),
-        rig{config.laser, config.camera, config.simulation},
+        rig{config.laser, config.camera, config.simulation, {}},
         scene(simulation::make_orchard_scene(seed_, config.simulation.orchard)),
         renderer(rig),
         path(std::make_shared<DrivePath>(weaving_path(config.simulation.orchard.trees_per_row *

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "device/bot_core_config.hpp"
 #include "device/camera/camera_driver_config.hpp"
 #include "device/gnss/gnss_driver_config.hpp"
 #include "device/lines/odometry_driver_config.hpp"
@@ -35,6 +36,7 @@ struct DriversConfig {
   GnssDriverConfig gnss;
   OdometryDriverConfig odometry;
   ImuDriverConfig imu;
+  BotCoreConfig bot_core;
 };
 
 template <class Visitor>
@@ -44,6 +46,7 @@ void describe(Visitor& v, DriversConfig& c) {
   v.section("gnss", c.gnss, "orchard-gnss-driver");
   v.section("odometry", c.odometry, "orchard-odometry-driver");
   v.section("imu", c.imu, "orchard-imu-driver");
+  v.section("bot_core", c.bot_core, "orchard-bot-core-adapter");
 }
 
 }  // namespace orchard::device

@@ -62,14 +62,20 @@ void add_simulate(CLI::App& app, Run& run) {
 
 void add_import(CLI::App& app, Run& run) {
   add_command<ImportOptions>(
-      app, run, "import", "Turn a recording folder or an MRPT rawlog into a log",
+      app, run, "import", "Turn a recording folder, an MRPT rawlog or a libbot log into a log",
       "  orchard import recordings/drive_1 --out drive_1.lcm     (a folder with sensors.yaml)\n"
-      "  orchard import drive.rawlog --out drive.lcm\n",
+      "  orchard import drive.rawlog --out drive.lcm\n"
+      "  orchard import lcmlog-2026-05-04.00 --config rig.yaml --out drive.lcm   (libbot's "
+      "types)\n",
       run_import, [](CLI::App& command, ImportOptions& o) {
-        command.add_option("source", o.source_path, "recording folder or rawlog")
+        command
+            .add_option("source", o.source_path,
+                        "recording folder, rawlog, or LCM log of libbot's types")
             ->required()
-            ->type_name("FOLDER|RAWLOG");
+            ->type_name("FOLDER|RAWLOG|LOG");
         command.add_option("--out", o.out_path, "log to write")->required()->type_name("LOG");
+        command.add_option("--config", o.config_path, "rig whose drivers.bot_core names channels")
+            ->type_name("FILE");
       });
 }
 

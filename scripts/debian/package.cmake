@@ -10,6 +10,8 @@ foreach(page ${pages})
   get_filename_component(folder ${page} DIRECTORY)
   install(FILES ${page} DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder})
 endforeach()
+install(FILES scripts/examples/README.md scripts/examples/send.cpp scripts/examples/send.py
+        DESTINATION ${CMAKE_INSTALL_DOCDIR}/scripts/examples)
 install(FILES scripts/figures/demo_map.png DESTINATION ${CMAKE_INSTALL_DOCDIR}/scripts/figures)
 
 # ---- what Debian wants beside it ----

@@ -130,7 +130,9 @@ class FieldReader {
   template <class T>
   bool size_for(std::vector<T>& values, const char* count_name, std::size_t element_bytes) {
     if (rejection_) return false;
-    for (const auto& [name, count] : counts_) {
+    // The latest of that name: items of an array may have counts of their own.
+    for (auto entry = counts_.rbegin(); entry != counts_.rend(); ++entry) {
+      const auto& [name, count] = *entry;
       if (std::strcmp(name, count_name) != 0) continue;
       if (count > (size_ - position_) / element_bytes) {
         refuse(Reason::kBadCount,

@@ -148,9 +148,14 @@ void GpsdProtocol::take_fix(const GpsdFix& fix, std::int64_t host_utime) {
     why_no_fix_ = "the receiver has no fix yet" + std::string(gnss ? ": no time" : "");
     return;
   }
+  // gpsd reports as sentences come in: the one with the height follows.
+  if (fix.mode == 3 && !fix.altitude_m) {
+    if (fix_utime_ == 0) why_no_fix_ = "waits for a fix with its height";
+    return;
+  }
   fix_utime_ = host_utime;
   error_.clear();
-  // gpsd repeats a fix as its parts become known; the first has the position.
+  // gpsd repeats a fix as its parts become known.
   if (last_fix_time_us_ == fix.time_us) return;
   last_fix_time_us_ = fix.time_us;
   gnss->utime = stamp(*fix.time_us, host_utime);

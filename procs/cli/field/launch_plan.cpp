@@ -35,6 +35,7 @@ std::vector<std::string> drivers_of(const io::Config& config) {
   add(config.drivers.odometry.device, "orchard-odometry-driver");
   add(config.drivers.imu.device, "orchard-imu-driver");
   add(config.drivers.gnss.device, "orchard-gnss-driver");
+  add(config.drivers.bot_core.lcm_url, "orchard-bot-core-adapter");
   return names;
 }
 

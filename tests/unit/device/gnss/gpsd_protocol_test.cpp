@@ -110,17 +110,17 @@ TEST(GpsdProtocol, StampsByArrivalWithoutItsJitter) {
   GpsdProtocol protocol = connected(config);
   std::mt19937 random(5);
   std::vector<pose::Gnss> fixes;
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < 1500; ++i) {
     // True: 150 ms at least, up to 80 ms more.
     const auto late_us = static_cast<std::int64_t>(150'000 + random() % 80'000);
     protocol.receive(tpv(i), kHost_us + 200'000 * i + late_us);
     for (const pose::Gnss& fix : taken(protocol)) fixes.push_back(fix);
   }
-  ASSERT_EQ(fixes.size(), 300u);
+  ASSERT_EQ(fixes.size(), 1500u);
   for (std::size_t i = 100; i < fixes.size(); ++i) {
-    // The quickest of a few seconds: a small part of the 80 ms.
+    // A part of the 80 ms: five fixes a second do not hold many quick ones.
     const double expected_us = 2e5 * static_cast<double>(i);
-    EXPECT_NEAR(static_cast<double>(fixes[i].utime - kHost_us), expected_us, 15e3) << i;
+    EXPECT_NEAR(static_cast<double>(fixes[i].utime - kHost_us), expected_us, 30e3) << i;
   }
   EXPECT_EQ(protocol.counts().num_bad, 0);
 }
@@ -140,6 +140,20 @@ TEST(GpsdProtocol, ARepeatedFixIsOneMeasurement) {
   GpsdProtocol protocol = connected();
   protocol.receive(tpv(0) + tpv(0, ",\"status\":3") + tpv(1), kHost_us + 5);
   EXPECT_EQ(taken(protocol).size(), 2u);
+}
+
+// gpsd 3.22 reports a fix first by RMC, without height, and again by GGA.
+TEST(GpsdProtocol, AFixWaitsForItsHeight) {
+  GpsdProtocol protocol = connected();
+  std::string without = tpv(0);
+  without.replace(without.find(",\"altHAE\":51.5"), 14, "");
+  protocol.receive(without, kHost_us + 5);
+  EXPECT_TRUE(taken(protocol).empty());
+  EXPECT_EQ(protocol.condition(), "waits for a fix with its height");
+  protocol.receive(tpv(0), kHost_us + 9);
+  const auto fixes = taken(protocol);
+  ASSERT_EQ(fixes.size(), 1u);
+  EXPECT_EQ(fixes[0].altitude_m, 51.5);
 }
 
 TEST(GpsdProtocol, DeviationsOfAFloatSolutionAreNotThoseOfAFixedOne) {

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+namespace orchard::device {
+
+/// What libbot's pose_t becomes.
+enum class BotPoseAs {
+  kOdometry,  ///< velocities: the pose drifts, as that of wheels or of an estimator without a map
+  kPoseFix,   ///< external positions: motion capture, a total station, a map's localiser
+};
+
+/// A robot that speaks libbot's types. Section `drivers.bot_core`.
+struct BotCoreConfig {
+  std::string lcm_url;       ///< where it speaks; empty: it does not
+  std::string scan_channel;  ///< empty: the first that carries the type
+  std::string image_channel;
+  std::string pose_channel;
+  std::string gps_channel;
+  BotPoseAs pose_as = BotPoseAs::kOdometry;
+  double range_min_m = 0.05;
+  double range_max_m = 30.0;
+};
+
+template <class Visitor>
+void describe(Visitor& v, BotCoreConfig& c) {
+  v.text("lcm_url", c.lcm_url, "LCM network of a robot that speaks libbot's types; empty: none");
+  v.text("scan_channel", c.scan_channel, "its planar_lidar_t; empty: the first that carries one");
+  v.text("image_channel", c.image_channel, "its image_t");
+  v.text("pose_channel", c.pose_channel, "its pose_t");
+  v.text("gps_channel", c.gps_channel, "its gps_data_t");
+  v.choice("pose_as", c.pose_as, {"odometry", "pose_fix"},
+           "its pose_t becomes velocities | external positions");
+  v.number("range_min_m", c.range_min_m, 0, 10, "m", "planar_lidar_t does not say");
+  v.number("range_max_m", c.range_max_m, 0.1, 1000, "m", "planar_lidar_t does not say");
+  v.check(c.range_min_m < c.range_max_m, "range_min_m", "must be below range_max_m");
+}
+
+}  // namespace orchard::device

@@ -67,7 +67,8 @@ MapperNode::MapperNode(const io::Config& config,
       track_(config.mapper.pose_gap_max_s, memory),
       queue_(rules_of(config.mapper)),
       laser_(config.laser),
-      blind_(config.detector.segmentation.blind_sector()) {}
+      blind_(config.detector.segmentation.blind_sector()),
+      degradation_(config.camera.enabled) {}
 
 /// DETECTIONS wait for POSE and SCAN. GNSS and SCAN come on whatever the others do: they say
 /// nothing of message time.
@@ -93,6 +94,7 @@ bus::InputNeed MapperNode::need_of(bus::Channel channel) const {
 }
 
 void MapperNode::handle(const bus::Message& input, const bus::Outbox& send) {
+  is_flushed_ = false;
   const std::int64_t utime = bus::utime_of(input);
   if (const auto* pose = std::get_if<pose::PoseEstimate>(&input)) {
     track_.add(*pose);
@@ -135,6 +137,7 @@ void MapperNode::add_scan(const laser::Scan& scan) {
 
 void MapperNode::add_gnss(const pose::Gnss& gnss) {
   const auto fix = gnss_.add(gnss);
+  if (fix) degradation_.note_fix(gnss.utime);
   // A robot that stands tells nothing new, however long it stands.
   if (fix && (fixes_.empty() || (fix->p_enu_m - fixes_.back().p_enu_m).norm() > kFixSpacing_m)) {
     fixes_.push_back(*fix);
@@ -244,6 +247,7 @@ void MapperNode::rebuild_map(const bus::Outbox& send) {
 }
 
 void MapperNode::flush(const bus::Outbox& send) {
+  is_flushed_ = true;
   while (!queue_.is_empty(kDetections)) place_front(send);
   correct_up_to(std::numeric_limits<std::int64_t>::max(), send);
   if (moved_m_ > 0.0) rebuild_map(send);
@@ -262,6 +266,8 @@ void MapperNode::use(const detection::Detections& detections, const pose::PoseEs
                      const bus::Outbox& send) {
   const mapping::MapUpdate update = mapper_.update(detections, T_map_base, std::move(free_space));
   std::vector<std::int32_t> ids = update.changed_ids;
+  if (!ids.empty()) last_id_ = std::max(last_id_, ids.back());
+  degradation_.note_scan(detections.utime, detections.image_utime, last_id_);
   const std::vector<std::int32_t> refreshed = refresh_ids(detections.utime);
   ids.insert(ids.end(), refreshed.begin(), refreshed.end());
   std::sort(ids.begin(), ids.end());
@@ -304,11 +310,20 @@ std::optional<geometry::Georeference> MapperNode::georeference() const {
 }
 
 std::string MapperNode::warning() const {
+  std::string warning;
+  // While it runs only what is missing now; at the end whatever was.
+  if (is_flushed_) {
+    warning = degradation_.text();
+  } else if (degradation_.lacks_pictures_now()) {
+    warning =
+        "DETECTIONS come without pictures (IMAGE): what is mapped meanwhile is not classified";
+  }
   const auto place = fixes_.empty() ? std::nullopt : georeference();
-  if (!place || place->residual_rms_m <= geometry::kGeoreferenceResidualMax_m) return {};
-  return fmt::format(
-      "the satellite fixes lie {:.2f} m about the map that they place (more than {:.1f} m)",
-      place->residual_rms_m, geometry::kGeoreferenceResidualMax_m);
+  if (!place || place->residual_rms_m <= geometry::kGeoreferenceResidualMax_m) return warning;
+  return warning + (warning.empty() ? "" : "; ") +
+         fmt::format(
+             "the satellite fixes lie {:.2f} m about the map that they place (more than {:.1f} m)",
+             place->residual_rms_m, geometry::kGeoreferenceResidualMax_m);
 }
 
 bus::NodeCounts MapperNode::counts() const {
@@ -376,6 +391,7 @@ io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {
     mapping::number_landmarks(content.rows, content.landmarks);
   }
   content.georeference = georeference();
+  content.degraded = degradation_.stretches();
   content.tree_scatter_m = mapper_.tree_scatter_m();
   return content;
 }

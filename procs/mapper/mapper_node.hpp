@@ -11,6 +11,7 @@
 #include "bus/node/node.hpp"
 #include "io/config/config.hpp"
 #include "io/map/map_folder.hpp"
+#include "mapper/degradation.hpp"
 #include "mapping/mapper.hpp"
 #include "mapping/pose_track.hpp"
 #include "pose/filter/gnss_positions.hpp"
@@ -110,6 +111,9 @@ class MapperNode : public bus::Node {
   std::int64_t last_kept_scan_utime_ = Queue::kNever;
   bool has_pose_caught_up_ = false;
   bool is_scan_missing_ = false;  ///< DETECTIONS were used without theirs, and none has come since
+  Degradation degradation_;
+  std::int32_t last_id_ = 0;  ///< the highest that was given
+  bool is_flushed_ = false;
   pose::TrajectoryCollector collector_;
   double moved_m_ = 0.0;         ///< by corrections since the map was rebuilt last
   std::size_t num_rebuilt_ = 0;  ///< observations when that was

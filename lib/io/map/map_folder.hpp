@@ -28,6 +28,15 @@ struct MapSummary {
   std::vector<std::string> warnings;
 };
 
+/// A part of a drive that was mapped without something that the rig has.
+struct DegradedStretch {
+  std::string missing;  ///< the channel
+  std::int64_t first_utime = 0;
+  std::int64_t last_utime = 0;
+  std::int32_t first_id = 0;  ///< landmarks first seen then: from this id
+  std::int32_t last_id = 0;   ///< to this one; below first_id: none
+};
+
 struct MapFolderContent {
   std::vector<mapping::Landmark> landmarks;    ///< in order of id
   std::vector<pose::PoseEstimate> trajectory;  ///< in order of utime
@@ -39,6 +48,7 @@ struct MapFolderContent {
   std::optional<mapping::SensorView> view{};  ///< where the laser looks; `orchard compare` asks
   std::string ids_csv{};                      ///< of a merged map: ids.csv; empty: there is none
   std::optional<double> tree_scatter_m{};     ///< Mapper::tree_scatter_m() of what made it
+  std::vector<DegradedStretch> degraded{};    ///< in order of time
   std::int32_t next_id = 0;                   ///< no landmark of an earlier map had this or more
 };
 

@@ -101,6 +101,16 @@ std::string summary_json(const MapFolderContent& content) {
   json["next_id"] = next_id(content);
   if (content.view) json["view"] = view_json(*content.view);
   if (content.georeference) json["georeference"] = georeference_json(*content.georeference);
+  for (const DegradedStretch& stretch : content.degraded) {
+    Json entry{{"missing", stretch.missing},
+               {"first_utime_us", stretch.first_utime},
+               {"last_utime_us", stretch.last_utime}};
+    if (stretch.last_id >= stretch.first_id) {
+      entry["first_landmark"] = stretch.first_id;
+      entry["last_landmark"] = stretch.last_id;
+    }
+    json["degraded"].push_back(std::move(entry));
+  }
   json["counts"] = Json::object();
   for (const auto& [name, count] : summary.counts) json["counts"][name] = count;
   json["warnings"] = summary.warnings;

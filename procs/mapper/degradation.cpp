@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapper/degradation.hpp"
+
+#include <fmt/core.h>
+
+namespace orchard::procs {
+namespace {
+
+/// Shorter is no loss: pictures come slower than scans, and a fix once a second.
+constexpr std::int64_t kWithoutPicture_us = 3'000'000;
+constexpr std::int64_t kWithoutFix_us = 5'000'000;
+
+constexpr std::int64_t kIdPeriod_us = 1'000'000;
+
+/// Of a contact that comes and goes all day; further stretches become one.
+constexpr std::size_t kStretchesMax = 1000;
+
+void add(std::vector<std::pair<std::int64_t, std::int64_t>>& spans, std::int64_t from,
+         std::int64_t to) {
+  if (spans.size() < kStretchesMax) {
+    spans.emplace_back(from, to);
+  } else {
+    spans.back().second = to;
+  }
+}
+
+}  // namespace
+
+void Degradation::note_scan(std::int64_t utime, std::int64_t image_utime, std::int32_t last_id) {
+  if (!first_utime_) first_utime_ = last_picture_utime_ = utime;
+  last_utime_ = std::max(last_utime_, utime);
+  if (ids_.empty() || utime - ids_.back().first >= kIdPeriod_us) ids_.emplace_back(utime, last_id);
+  ids_.back().second = std::max(ids_.back().second, last_id);
+  if (image_utime != 0) {
+    last_picture_utime_ = utime;
+    is_open_ = false;
+  } else if (has_camera_ && utime - *last_picture_utime_ > kWithoutPicture_us) {
+    if (!is_open_) add(pictures_, *last_picture_utime_, utime);
+    is_open_ = true;
+    pictures_.back().second = utime;
+  }
+}
+
+void Degradation::note_fix(std::int64_t utime) {
+  if (!first_fix_utime_) first_fix_utime_ = utime;
+  if (last_fix_utime_ && utime - *last_fix_utime_ > kWithoutFix_us) {
+    add(fixes_, *last_fix_utime_, utime);
+  }
+  last_fix_utime_ = utime;
+}
+
+/// The highest id that was given up to that time.
+std::int32_t Degradation::id_at(std::int64_t utime) const {
+  const auto after =
+      std::upper_bound(ids_.begin(), ids_.end(), utime,
+                       [](std::int64_t time, const auto& entry) { return time < entry.first; });
+  return after == ids_.begin() ? 0 : (after - 1)->second;
+}
+
+std::vector<io::DegradedStretch> Degradation::stretches() const {
+  std::vector<io::DegradedStretch> all;
+  if (!first_utime_) return all;
+  const auto add_spans = [&](const char* missing, const std::vector<Span>& spans,
+                             std::int64_t least_us) {
+    for (Span span : spans) {
+      span.first = std::max(span.first, *first_utime_);
+      span.second = std::min(span.second, last_utime_);
+      if (span.second - span.first <= least_us) continue;
+      all.push_back({missing, span.first, span.second, id_at(span.first) + 1, id_at(span.second)});
+    }
+  };
+  add_spans("IMAGE", pictures_, kWithoutPicture_us);
+  if (first_fix_utime_) {
+    std::vector<Span> spans{{*first_utime_, *first_fix_utime_}};
+    spans.insert(spans.end(), fixes_.begin(), fixes_.end());
+    spans.emplace_back(*last_fix_utime_, last_utime_);
+    add_spans("GNSS", spans, kWithoutFix_us);
+  }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const auto& a, const auto& b) { return a.first_utime < b.first_utime; });
+  return all;
+}
+
+std::string Degradation::text() const {
+  std::string text;
+  for (const char* missing : {"IMAGE", "GNSS"}) {
+    int num = 0;
+    double sum_s = 0.0;
+    std::int64_t num_new = 0;
+    for (const io::DegradedStretch& stretch : stretches()) {
+      if (stretch.missing != missing) continue;
+      ++num;
+      sum_s += 1e-6 * static_cast<double>(stretch.last_utime - stretch.first_utime);
+      num_new += std::max(0, stretch.last_id - stretch.first_id + 1);
+    }
+    if (num == 0) continue;
+    text += fmt::format(
+        "{}no {} for {:.1f} s in {} stretch{} while the map went on; {} landmarks were first seen "
+        "then (summary.json: degraded)",
+        text.empty() ? "" : "; ", missing, sum_s, num, num == 1 ? "" : "es", num_new);
+  }
+  return text;
+}
+
+}  // namespace orchard::procs

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapper/degradation.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace orchard::procs {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+constexpr std::int64_t kSecond_us = 1'000'000;
+
+/// A minute of scans at 10 Hz, one new landmark a second; without pictures from 20 to 30 s.
+void drive(Degradation& degradation) {
+  for (int k = 0; k <= 600; ++k) {
+    const std::int64_t utime = kSecond_us + 100'000 * k;
+    const bool has_picture = k <= 200 || k > 300;
+    degradation.note_scan(utime, has_picture ? utime : 0, 1 + k / 10);
+  }
+}
+
+TEST(Degradation, AStretchWithoutPicturesIsToldWithItsLandmarks) {
+  Degradation degradation(true);
+  drive(degradation);
+  const auto stretches = degradation.stretches();
+  ASSERT_THAT(stretches, SizeIs(1));
+  EXPECT_EQ(stretches[0].missing, "IMAGE");
+  EXPECT_EQ(stretches[0].first_utime, 21 * kSecond_us);  // the last scan that had one
+  EXPECT_EQ(stretches[0].last_utime, 31 * kSecond_us);
+  EXPECT_EQ(stretches[0].first_id, 22);
+  EXPECT_EQ(stretches[0].last_id, 31);
+  EXPECT_THAT(degradation.text(), HasSubstr("no IMAGE for 10.0 s in 1 stretch while"));
+  EXPECT_THAT(degradation.text(), HasSubstr("10 landmarks were first seen then"));
+}
+
+TEST(Degradation, ARigWithoutACameraOrReceiverLacksNothing) {
+  Degradation degradation(false);
+  drive(degradation);
+  EXPECT_THAT(degradation.stretches(), SizeIs(0));
+  EXPECT_EQ(degradation.text(), "");
+}
+
+TEST(Degradation, PicturesNowAndThenAreEnough) {
+  Degradation degradation(true);
+  for (int k = 0; k < 600; ++k) {
+    degradation.note_scan(kSecond_us + 100'000 * k, k % 20 == 0 ? kSecond_us : 0, 1);
+  }
+  EXPECT_THAT(degradation.stretches(), SizeIs(0));
+}
+
+TEST(Degradation, FixesThatStopAreToldWhicheverChannelCameFirst) {
+  for (const bool fixes_first : {true, false}) {
+    Degradation degradation(false);
+    const auto fixes = [&] {
+      for (int k = 0; k <= 60; ++k) {  // none from 10 to 40 s, and none after 55 s
+        if ((k > 10 && k < 40) || k > 50) continue;
+        degradation.note_fix(kSecond_us + kSecond_us * k);
+      }
+    };
+    if (fixes_first) fixes();
+    drive(degradation);
+    if (!fixes_first) fixes();
+    const auto stretches = degradation.stretches();
+    ASSERT_THAT(stretches, SizeIs(2));
+    EXPECT_EQ(stretches[0].missing, "GNSS");
+    EXPECT_EQ(stretches[0].first_utime, 11 * kSecond_us);
+    EXPECT_EQ(stretches[0].last_utime, 41 * kSecond_us);
+    EXPECT_EQ(stretches[1].first_utime, 51 * kSecond_us);
+    EXPECT_EQ(stretches[1].last_utime, 61 * kSecond_us);
+  }
+}
+
+TEST(Degradation, WhatIsMissingNowIsKnownAtOnceAndOverWhenItIsBack) {
+  Degradation degradation(true);
+  degradation.note_scan(kSecond_us, kSecond_us, 1);
+  degradation.note_scan(3 * kSecond_us, 0, 1);
+  EXPECT_FALSE(degradation.lacks_pictures_now());
+  degradation.note_scan(5 * kSecond_us, 0, 1);
+  EXPECT_TRUE(degradation.lacks_pictures_now());
+  degradation.note_scan(6 * kSecond_us, 6 * kSecond_us, 1);
+  EXPECT_FALSE(degradation.lacks_pictures_now());
+}
+
+}  // namespace
+}  // namespace orchard::procs

@@ -6,14 +6,19 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <functional>
 #include <new>
+#include <system_error>
 
 namespace orchard::io {
 namespace {
 
 /// Chunks that stay in memory when the next one is given.
 constexpr std::size_t kWarm = 3;
+
+/// What is left of the disk for files that somebody reads.
+constexpr std::uintmax_t kLeft_bytes = 64u << 20;
 
 }  // namespace
 
@@ -34,6 +39,9 @@ void* FileMemory::map_next() noexcept {
     is_refused_ = fd_ < 0;
   }
   if (fd_ < 0) return nullptr;
+  std::error_code error;
+  const std::filesystem::space_info space = std::filesystem::space(folder_, error);
+  if (error || space.available < kLeft_bytes) return nullptr;
   const auto offset = static_cast<off_t>(file_bytes_);
   if (::posix_fallocate(fd_, offset, kChunkBytes) != 0) return nullptr;
   void* chunk = ::mmap(nullptr, kChunkBytes, PROT_READ | PROT_WRITE, MAP_SHARED, fd_, offset);

@@ -12,7 +12,7 @@
 namespace orchard::io {
 
 /// Chunks in a file without a name, which goes away with the process: only those given last stand
-/// in memory, the others come when they are asked for. Where the disk has no room for a chunk, it
+/// in memory, the others come when they are asked for. Where the disk has little room, a chunk
 /// is the heap's.
 class FileMemory : public mapping::ChunkMemory {
  public:

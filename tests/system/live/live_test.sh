@@ -20,7 +20,8 @@ begin() {  # begin OUT OPTION...
   live=$!
   children+=("$live")
 }
-is_over() { "$bin/orchard" status --once --config "$rig" | grep -q "the source has ended"; }
+# Its exit code is that somebody should look: the sensors are silent then.
+is_over() { grep -q "the source has ended" < <("$bin/orchard" status --once --config "$rig"); }
 stop() {
   kill -INT "$live"
   local code=0; wait "$live" || code=$?

@@ -116,7 +116,7 @@ struct Bus::Impl {
       handle(std::get<0>(decoded), bytes);
       return {};
     };
-    std::string name;  // a regular expression for LCM: the dot of "SCAN.rear" is meant as it is
+    std::string name;  // a regular expression for LCM: a dot is meant as it is
     for (const char c : info(channel).name)
       name += c == '.' ? std::string("\\.") : std::string(1, c);
     set_queue(lcm_subscribe(lcm, name.c_str(), &Impl::on_message, subscription.get()),

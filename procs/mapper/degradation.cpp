@@ -3,6 +3,8 @@
 
 #include <fmt/core.h>
 
+#include "bus/messages/channel.hpp"
+
 namespace orchard::procs {
 namespace {
 
@@ -23,6 +25,9 @@ void add(std::vector<std::pair<std::int64_t, std::int64_t>>& spans, std::int64_t
     spans.back().second = to;
   }
 }
+
+/// The name of a channel, which the table of channels ends in a zero.
+const char* name_of(bus::Channel channel) { return bus::info(channel).name.data(); }
 
 }  // namespace
 
@@ -69,12 +74,12 @@ std::vector<io::DegradedStretch> Degradation::stretches() const {
       all.push_back({missing, span.first, span.second, id_at(span.first) + 1, id_at(span.second)});
     }
   };
-  add_spans("IMAGE", pictures_, kWithoutPicture_us);
+  add_spans(name_of(bus::Channel::kImage), pictures_, kWithoutPicture_us);
   if (first_fix_utime_) {
     std::vector<Span> spans{{*first_utime_, *first_fix_utime_}};
     spans.insert(spans.end(), fixes_.begin(), fixes_.end());
     spans.emplace_back(*last_fix_utime_, last_utime_);
-    add_spans("GNSS", spans, kWithoutFix_us);
+    add_spans(name_of(bus::Channel::kGnss), spans, kWithoutFix_us);
   }
   std::stable_sort(all.begin(), all.end(),
                    [](const auto& a, const auto& b) { return a.first_utime < b.first_utime; });
@@ -83,7 +88,7 @@ std::vector<io::DegradedStretch> Degradation::stretches() const {
 
 std::string Degradation::text() const {
   std::string text;
-  for (const char* missing : {"IMAGE", "GNSS"}) {
+  for (const char* missing : {name_of(bus::Channel::kImage), name_of(bus::Channel::kGnss)}) {
     int num = 0;
     double sum_s = 0.0;
     std::int64_t num_new = 0;

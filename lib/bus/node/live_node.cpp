@@ -220,11 +220,14 @@ std::string LiveNode::save_now(SaveKind kind) {
   try {
     save_(node_, request);
     report_.set_error("");
+    is_save_failing_ = false;
     return {};
   } catch (const std::exception& error) {
     // A full disk must not end the mapping; the last good file stays.
     spdlog::error("not saved: {}", error.what());
     report_.set_error(std::string("not saved: ") + error.what());
+    if (!is_save_failing_) report_.hurry(false);
+    is_save_failing_ = true;
     return error.what();
   }
 }

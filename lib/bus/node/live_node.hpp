@@ -54,6 +54,7 @@ class LiveNode {
   Clock::time_point next_save_;
   Clock::time_point next_full_save_;
   bool changed_ = false;
+  bool is_save_failing_ = false;  ///< and STATUS has been told at once
   Clock::time_point start_;
   Inbox inbox_;
   InputWatch inputs_;

@@ -21,6 +21,7 @@ using JournalReading = io::JournalReading;
 const bus::Outbox kNowhere = [](const bus::Message&) {};
 io::Config rig(pose::PoseMode mode = pose::PoseMode::kFixesAndOdometry) {
   io::Config config;
+  config.camera.enabled = false;
   config.pose.mode = mode;
   return config;
 }

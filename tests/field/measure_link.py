@@ -104,7 +104,8 @@ def link_down(bench, arguments):
         for name in ("detector", "pose"):
             heard = listener.statuses("orchard-" + name, cut + 0.05)
             stale = next((a for a, s in heard if a < mended and s.level != 0), None)
-            back = next((a for a, s in heard if a > mended + 0.05 and s.level == 0), None)
+            # the share that was lost is told for 10 s more, as a warning
+            back = next((a for a, s in heard if a > mended + 0.05 and "STALE" not in s.text), None)
             told[name] = (stale and stale - cut, back and back - mended)
             told[name + " text"] = next((s.text for a, s in heard if s.level != 0), "")
 
@@ -115,7 +116,7 @@ def link_down(bench, arguments):
     found = []
     for name in ("detector", "pose"):
         stale, back = told.get(name, (None, None))
-        found.append(Row("link_down", f"{name}: says so after; is well again after",
+        found.append(Row("link_down", f"{name}: says so after; is no longer STALE after",
                          f"{seconds(stale)}; {seconds(back)}", "1 s; 2 s",
                          stale is not None and back is not None and stale <= 1.0 and back <= 2.0))
     before = {row["id"]: row for row in told.get("before", []) if row["class"] == "tree"}

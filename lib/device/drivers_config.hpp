@@ -32,6 +32,7 @@ void describe(Visitor& v, LaserDriverConfig& c) {
 /// The sensors of this machine and how they are reached. Section `drivers`.
 struct DriversConfig {
   LaserDriverConfig laser;
+  LaserDriverConfig laser_rear;
   CameraDriverConfig camera;
   GnssDriverConfig gnss;
   OdometryDriverConfig odometry;
@@ -42,6 +43,7 @@ struct DriversConfig {
 template <class Visitor>
 void describe(Visitor& v, DriversConfig& c) {
   v.section("laser", c.laser, "orchard-laser-driver");
+  v.section("laser_rear", c.laser_rear, "orchard-rear-laser-driver");
   v.section("camera", c.camera, "orchard-camera-driver");
   v.section("gnss", c.gnss, "orchard-gnss-driver");
   v.section("odometry", c.odometry, "orchard-odometry-driver");

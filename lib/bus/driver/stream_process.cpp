@@ -68,6 +68,28 @@ class EmulatedDriver : public Driver {
   StreamDriver driver_;
 };
 
+/// A scanner's driver whose scans are those of a robot's second scanner.
+class RearDriver : public Driver {
+ public:
+  explicit RearDriver(std::unique_ptr<Driver> driver) : driver_(std::move(driver)) {}
+
+  std::vector<pollfd> files() override { return driver_->files(); }
+  Clock::time_point deadline() override { return driver_->deadline(); }
+  void step(const Outbox& send) override {
+    driver_->step([&send](Message message) {
+      if (auto* scan = std::get_if<laser::Scan>(&message)) {
+        message = Message(laser::RearScan{std::move(*scan)});
+      }
+      send(std::move(message));
+    });
+  }
+  bool ended() const override { return driver_->ended(); }
+  DriverCondition condition() const override { return driver_->condition(); }
+
+ private:
+  std::unique_ptr<Driver> driver_;
+};
+
 /// A recording of raw bytes as a driver.
 class RawDriver : public Driver {
  public:
@@ -128,8 +150,12 @@ int run_stream_process(int argc, char** argv, ProcessInfo info, io::ConfigFile& 
        &options.emulate_at},
   };
   info.options.insert(info.options.end(), more.begin(), more.end());
-  return run_device_process(argc, argv, info, config,
-                            [&] { return make_driver(make_device(), options); });
+  return run_device_process(argc, argv, info, config, [&]() -> std::unique_ptr<Driver> {
+    const StreamDevice device = make_device();
+    std::unique_ptr<Driver> driver = make_driver(device, options);
+    if (!device.is_rear) return driver;
+    return std::make_unique<RearDriver>(std::move(driver));
+  });
 }
 
 }  // namespace orchard::bus

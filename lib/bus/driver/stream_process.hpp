@@ -16,7 +16,8 @@ namespace orchard::bus {
 /// A driver of a device that speaks in bytes, as a process makes it once the rig is loaded.
 struct StreamDevice {
   std::function<std::unique_ptr<device::Protocol>()> make_protocol;
-  std::string device;  ///< where it is, by the configuration
+  std::string device;    ///< where it is, by the configuration
+  bool is_rear = false;  ///< its scans are those of a robot's second scanner: SCAN.rear
 
   // What plays it, for people without the device: --emulate.
   std::function<std::unique_ptr<simulation::EmulatedDevice>()> make_emulated;

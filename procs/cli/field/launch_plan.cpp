@@ -18,6 +18,7 @@ enum Stage { kDrivers, kDetector, kPose, kMapper, kRecorder };
 
 constexpr std::pair<bus::Channel, const char*> kDriverOfChannel[] = {
     {bus::Channel::kScan, "orchard-laser-driver"},
+    {bus::Channel::kScanRear, "orchard-rear-laser-driver"},
     {bus::Channel::kImage, "orchard-camera-driver"},
     {bus::Channel::kOdometry, "orchard-odometry-driver"},
     {bus::Channel::kImu, "orchard-imu-driver"},
@@ -31,6 +32,7 @@ std::vector<std::string> drivers_of(const io::Config& config) {
     if (!device.empty()) names.push_back(name);
   };
   add(config.drivers.laser.device, "orchard-laser-driver");
+  add(config.drivers.laser_rear.device, "orchard-rear-laser-driver");
   add(config.drivers.camera.device, "orchard-camera-driver");
   add(config.drivers.odometry.device, "orchard-odometry-driver");
   add(config.drivers.imu.device, "orchard-imu-driver");

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "laser_driver/laser_device.hpp"
+
+#include "bus/node/process_report.hpp"
+#include "device/laser_protocol.hpp"
+#include "simulation/device/emulated_laser.hpp"
+
+namespace orchard::procs {
+
+bus::StreamDevice make_laser_device(const device::LaserDriverConfig& config, bus::Channel channel) {
+  bus::StreamDevice laser;
+  laser.device = config.device;
+  laser.make_protocol = [config] { return device::make_laser_protocol(config.protocol); };
+  laser.make_emulated = [config] {
+    return simulation::make_emulated_laser(config.protocol, bus::wall_utime() - 60'000'000);
+  };
+  laser.emulated_at = "tcp:127.0.0.1:0";
+  laser.channels = {channel};
+  laser.is_rear = channel == bus::Channel::kScanRear;
+  return laser;
+}
+
+}  // namespace orchard::procs

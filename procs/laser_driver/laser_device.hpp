@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "bus/driver/stream_process.hpp"
+#include "device/drivers_config.hpp"
+
+namespace orchard::procs {
+
+/// The scanner that a section of the rig's drivers names, as the first (SCAN) or the second of a
+/// robot (SCAN.rear).
+bus::StreamDevice make_laser_device(const device::LaserDriverConfig& config, bus::Channel channel);
+
+}  // namespace orchard::procs

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bus/driver/stream_process.hpp"
+#include "io/config/config.hpp"
+#include "laser_driver/laser_device.hpp"
+
+int main(int argc, char** argv) {
+  using namespace orchard;
+  bus::ProcessInfo info;
+  info.name = "orchard-rear-laser-driver";
+  info.description =
+      "Reads a robot's second laser scanner as orchard-laser-driver reads the first. Sends\n"
+      "SCAN.rear; the detector joins both (laser_rear.enabled). Configuration: drivers.laser_rear.";
+  io::RigFile rig;
+  return bus::run_stream_process(argc, argv, info, rig, [&rig] {
+    return procs::make_laser_device(rig.config().drivers.laser_rear, bus::Channel::kScanRear);
+  });
+}

@@ -62,6 +62,14 @@ std::int32_t Degradation::id_at(std::int64_t utime) const {
   return after == ids_.begin() ? 0 : (after - 1)->second;
 }
 
+/// Whether a scan was used after the one time and before the other.
+bool Degradation::has_scan_between(std::int64_t after_utime, std::int64_t before_utime) const {
+  const auto next =
+      std::upper_bound(ids_.begin(), ids_.end(), after_utime,
+                       [](std::int64_t time, const auto& entry) { return time < entry.first; });
+  return next != ids_.end() && next->first < before_utime;
+}
+
 std::vector<io::DegradedStretch> Degradation::stretches() const {
   std::vector<io::DegradedStretch> all;
   if (!first_utime_) return all;
@@ -70,7 +78,8 @@ std::vector<io::DegradedStretch> Degradation::stretches() const {
     for (Span span : spans) {
       span.first = std::max(span.first, *first_utime_);
       span.second = std::min(span.second, last_utime_);
-      if (span.second - span.first <= least_us) continue;
+      // A robot that pauses maps nothing, and so nothing without.
+      if (!has_scan_between(span.first + least_us, span.second)) continue;
       all.push_back({missing, span.first, span.second, id_at(span.first) + 1, id_at(span.second)});
     }
   };

@@ -38,6 +38,7 @@ class Degradation {
  private:
   using Span = std::pair<std::int64_t, std::int64_t>;
   std::int32_t id_at(std::int64_t utime) const;
+  bool has_scan_between(std::int64_t after_utime, std::int64_t before_utime) const;
 
   bool has_camera_;
   std::optional<std::int64_t> first_utime_;

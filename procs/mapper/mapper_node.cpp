@@ -180,7 +180,10 @@ void MapperNode::release(const bus::Outbox& send) {
 
 void MapperNode::place_front(const bus::Outbox& send) {
   const auto detections = std::get<detection::Detections>(queue_.take(kDetections));
-  correct_up_to(detections.utime, send);
+  // A correction within the sweep is taken first: the poses behind it are told with it, those
+  // before it are not, and between the two base would seem to have leapt.
+  const bool undoes = undoes_sweep(detections);
+  correct_up_to(undoes ? mapping::last_utime_of(detections) : detections.utime, send);
   last_used_utime_ = detections.utime;
   const auto pose = track_.at(detections.utime);
   if (!pose) {
@@ -188,7 +191,7 @@ void MapperNode::place_front(const bus::Outbox& send) {
     return;
   }
   auto free_space = free_space_of(detections, *pose);
-  if (undoes_sweep(detections)) {
+  if (undoes) {
     use(mapping::unswept(detections, track_, *pose), *pose, std::move(free_space), send);
   } else {
     use(detections, *pose, std::move(free_space), send);

@@ -138,7 +138,7 @@ class Subject {
 std::array<Run, 3> drive(const io::Config& config, std::uint64_t seed,
                          const detection::Light& drift) {
   simulation::Simulator simulator(simulation::SceneKind::kOrchard, seed,
-                                  {config.laser, config.camera, config.simulation});
+                                  {config.laser, config.camera, config.simulation, {}});
   Truth truth;
   for (std::int64_t i = 0; i < simulator.num_scans(); ++i) {
     truth[simulator.scan_utime(i)] = simulator.true_observations(i);

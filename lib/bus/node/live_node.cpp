@@ -196,7 +196,9 @@ void LiveNode::drain() {
 bool LiveNode::handle_next() {
   const auto arrival = inbox_.take(Clock::now());
   if (!arrival) return false;
-  if (host_.receive(arrival->message)) changed_ = true;
+  const auto arrival_us =
+      std::chrono::duration_cast<std::chrono::microseconds>(arrival->time.time_since_epoch());
+  if (host_.receive(arrival->message, arrival_us.count())) changed_ = true;
   report_.note_input(std::chrono::duration<double>(Clock::now() - arrival->time).count());
   return true;
 }

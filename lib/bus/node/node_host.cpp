@@ -15,10 +15,10 @@ NodeHost::NodeHost(Node& node, Publish publish) : node_(node), publish_(std::mov
   };
 }
 
-bool NodeHost::receive(const Message& input) {
+bool NodeHost::receive(const Message& input, std::optional<std::int64_t> arrival_us) {
   const Channel channel = channel_of(input);
   std::vector<Message>& held = held_[static_cast<std::size_t>(channel)];
-  const Verdict verdict = gate_.accept(channel, seq_of(input), utime_of(input));
+  const Verdict verdict = gate_.accept(channel, seq_of(input), utime_of(input), arrival_us);
   if (verdict == Verdict::kHeld) {
     held.push_back(input);
     const std::size_t num_old = held.size() - static_cast<std::size_t>(gate_.num_held(channel));

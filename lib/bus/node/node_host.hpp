@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "bus/node/node.hpp"
@@ -30,7 +31,8 @@ class NodeHost {
 
   /// Live: hands the message over unless it is old, or keeps it aside until others agree with it
   /// (SequenceGate). Returns whether any was handed over.
-  bool receive(const Message& input);
+  /// `arrival_us`: by the receiver's clock, for SequenceGate.
+  bool receive(const Message& input, std::optional<std::int64_t> arrival_us = std::nullopt);
 
   /// Replay, whose player has already decided what is new: hands the message over.
   void deliver(const Message& input);

@@ -18,6 +18,9 @@ constexpr std::int32_t kNeighbours = 64;
 /// What came before the first message of a source may come this much later.
 constexpr std::int64_t kBeforeFirst_us = 1'000'000;
 
+/// Longer than a robot pauses in a drive; what leaps farther needs others that agree.
+constexpr std::int64_t kPauseMost_us = std::int64_t{4} * 3600 * 1'000'000;
+
 /// A channel that was silent for so many messages of the others does not say what time it is.
 constexpr std::int64_t kTimeGoodFor = 1000;
 
@@ -36,6 +39,14 @@ bool SequenceGate::follows(const Stamp& last, const Stamp& next) {
          next.utime - last.utime <= kLeap_us;
 }
 
+/// Whether the source was silent for as long as it says.
+bool SequenceGate::is_pause(const Stamp& last, const Stamp& next) {
+  if (!last.arrival_us || !next.arrival_us) return false;
+  const std::int64_t passed_us = next.utime - last.utime;
+  return passed_us > 0 && passed_us <= kPauseMost_us &&
+         std::abs(*next.arrival_us - *last.arrival_us - passed_us) <= kLeap_us;
+}
+
 bool SequenceGate::others_are_at(Channel channel, std::int64_t utime) const {
   for (std::size_t i = 0; i < last_.size(); ++i) {
     const Last& other = last_[i];
@@ -48,9 +59,10 @@ bool SequenceGate::others_are_at(Channel channel, std::int64_t utime) const {
 bool SequenceGate::goes_on(Channel channel, const Stamp& next) const {
   const Stamp& last = last_[index(channel)].stamp;
   if (follows(last, next)) return true;
-  // After a long silence of this channel alone, the others know what time it is.
+  // After a long silence of this channel alone, the others know what time it is; after one of all,
+  // the clock of who receives them does.
   return next.seq > last.seq && next.seq - last.seq <= kLeap_seq && next.utime >= last.utime &&
-         others_are_at(channel, next.utime);
+         (others_are_at(channel, next.utime) || is_pause(last, next));
 }
 
 bool SequenceGate::is_other_source(const Last& last, const Stamp& next) const {
@@ -77,10 +89,11 @@ bool SequenceGate::fills_gap(const Last& last, const Stamp& late, bool& was_lost
                           : above->stamp.utime - late.utime <= kBeforeFirst_us;
 }
 
-Verdict SequenceGate::accept(Channel channel, std::int32_t seq, std::int64_t utime) {
+Verdict SequenceGate::accept(Channel channel, std::int32_t seq, std::int64_t utime,
+                             std::optional<std::int64_t> arrival_us) {
   Last& last = last_[index(channel)];
   SequenceCounts& counts = counts_[index(channel)];
-  const Stamp stamp{seq, utime};
+  const Stamp stamp{seq, utime, arrival_us};
   if (!last.seen) {
     return hold(channel, stamp, num_accepted_ == 0 || others_are_at(channel, utime));
   }
@@ -96,6 +109,14 @@ Verdict SequenceGate::accept(Channel channel, std::int32_t seq, std::int64_t uti
     ++counts.num_contests;
   }
   if (goes_on(channel, stamp)) {
+    const int num_right = last.num_held - last.num_held_old;
+    if (num_right > 0 && follows(last.held, stamp) && !follows(last.stamp, stamp)) {
+      // The others have come to the time of those that were kept aside: they were right.
+      counts.num_lost += std::max(0, seq - last.stamp.seq - 1 - last.num_held);
+      last.num_held = last.num_held_old = 0;
+      take(last, stamp);
+      return Verdict::kBelieved;
+    }
     drop_held(channel);
     counts.num_lost += seq - last.stamp.seq - 1;
     take(last, stamp);

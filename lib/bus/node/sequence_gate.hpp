@@ -36,14 +36,18 @@ enum class Verdict {
 /// New is a higher seq that is not earlier in time. A seq that falls while time goes on is a source
 /// that was started again. No single message is believed about more: a leap of more than a minute
 /// or of 100,000 in seq, or a time that goes back, is taken when kNumToBelieve messages in a row
-/// agree on it, or when the other channels are at that time already.
+/// agree on it, when the other channels are at that time already, or when as much time has passed
+/// where the messages arrive: a robot that pauses.
 class SequenceGate {
  public:
   static constexpr std::int64_t kLeap_us = 60'000'000;
   static constexpr std::int32_t kLeap_seq = 100'000;
   static constexpr int kNumToBelieve = 5;
 
-  Verdict accept(Channel channel, std::int32_t seq, std::int64_t utime);
+  /// `arrival_us`: when it arrived, by any one clock of the receiver [us] (in a log: when it was
+  /// recorded); none where that says nothing of the source's time.
+  Verdict accept(Channel channel, std::int32_t seq, std::int64_t utime,
+                 std::optional<std::int64_t> arrival_us = std::nullopt);
 
   /// How many of the newest messages of the channel wait for others to agree.
   int num_held(Channel channel) const { return last_[index(channel)].num_held; }
@@ -62,6 +66,7 @@ class SequenceGate {
   struct Stamp {
     std::int32_t seq = 0;
     std::int64_t utime = 0;
+    std::optional<std::int64_t> arrival_us;
   };
   struct Seen {
     Stamp stamp;
@@ -85,6 +90,7 @@ class SequenceGate {
 
   static std::size_t index(Channel channel) { return static_cast<std::size_t>(channel); }
   static bool follows(const Stamp& last, const Stamp& next);
+  static bool is_pause(const Stamp& last, const Stamp& next);
   bool others_are_at(Channel channel, std::int64_t utime) const;
   bool goes_on(Channel channel, const Stamp& next) const;
   bool is_other_source(const Last& last, const Stamp& next) const;

@@ -66,9 +66,10 @@ class Gathered {
  public:
   explicit Gathered(std::vector<ReplayEntry>& entries) : entries_(entries) {}
 
-  void add(const ReplayEntry& entry) {
+  /// `recorded_utime`: when the log says that it arrived [us].
+  void add(const ReplayEntry& entry, std::int64_t recorded_utime) {
     std::vector<ReplayEntry>& held = held_[static_cast<std::size_t>(entry.channel)];
-    const Verdict verdict = gate_.accept(entry.channel, entry.seq, entry.utime);
+    const Verdict verdict = gate_.accept(entry.channel, entry.seq, entry.utime, recorded_utime);
     if (verdict == Verdict::kDuplicate) return;
     if (verdict == Verdict::kHeld) {
       held.push_back(entry);
@@ -166,7 +167,8 @@ ReplayIndex index_log(const io::LogPaths& logs, const ReplayOptions& options) {
       continue;
     }
     const Message& message = std::get<Message>(decoded);
-    gathered.add({utime_of(message), *channel, seq_of(message), event->offset});
+    gathered.add({utime_of(message), *channel, seq_of(message), event->offset},
+                 event->timestamp_us);
   }
   const std::int64_t num_contradicted = gathered.finish();
   report.num_events = reader.num_events();

@@ -20,7 +20,7 @@ ConfigSchema schema_of(Config& c) {
   return [&c](ConfigVisitor& v) {
     v.section("lcm", c.lcm, "messages");
     v.section("laser", c.laser, "laser mount and noise");
-    v.section("laser_rear", c.laser_rear, "a second laser's mount and noise");
+    v.expert().section("laser_rear", c.laser_rear, "a second laser's mount and noise");
     v.section("camera", c.camera, "camera intrinsics and extrinsics");
     v.section("detector", c.detector, "scan and image to detections");
     v.section("pose", c.pose, "where the robot is");

@@ -38,8 +38,8 @@ void count(const io::LogEvent& event, bus::SequenceGate& gate, ChannelSurvey& su
     }
     const auto& message = std::get<bus::Message>(decoded);
     utime = bus::utime_of(message);
-    const auto verdict =
-        gate.accept(*bus::find_channel(event.channel), bus::seq_of(message), utime);
+    const auto verdict = gate.accept(*bus::find_channel(event.channel), bus::seq_of(message), utime,
+                                     event.timestamp_us);
     if (verdict == bus::Verdict::kHeld) return;  // its time may be none
   }
   survey.first_utime = first ? utime : std::min(survey.first_utime, utime);

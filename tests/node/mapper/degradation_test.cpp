@@ -42,6 +42,16 @@ TEST(Degradation, ARigWithoutACameraOrReceiverLacksNothing) {
   EXPECT_EQ(degradation.text(), "");
 }
 
+TEST(Degradation, ARobotThatPausesLacksNothing) {
+  Degradation degradation(false);
+  for (int k = 0; k < 60; ++k) {  // after each ten scans with their fixes it stands for ten minutes
+    const std::int64_t utime = kSecond_us + 1'000'000 * k + 600 * kSecond_us * (k / 10);
+    degradation.note_scan(utime, 0, k);
+    degradation.note_fix(utime);
+  }
+  EXPECT_THAT(degradation.stretches(), SizeIs(0));
+}
+
 TEST(Degradation, PicturesNowAndThenAreEnough) {
   Degradation degradation(true);
   for (int k = 0; k < 600; ++k) {

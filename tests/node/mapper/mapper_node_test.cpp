@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "bus/messages/codec.hpp"
+#include "geometry/angles.hpp"
 
 namespace orchard::procs {
 namespace {
@@ -316,6 +317,46 @@ TEST(MapperNode, WhenACorrectionArrivesBesideTheScansDoesNotMatter) {
     node.flush(send);
     if (round == 0) expected = out;
     EXPECT_EQ(out, expected) << "round " << round;
+  }
+}
+
+/// A robot that stands. While it sweeps, the whole past is found to be turned by a quarter: poses
+/// from then on are told so.
+TEST(MapperNode, ACorrectionInTheMiddleOfASweepTearsNothingApart) {
+  constexpr std::int64_t kCorrected_us = kStart_us + 205000;
+  const auto pose_of = [](int k, bool corrected) {
+    pose::PoseEstimate pose;
+    pose.utime = kStart_us + 10000 * k;
+    pose.seq = k;
+    pose.yaw_rad = corrected ? geometry::kPi / 2.0 : 0.0;
+    return pose;
+  };
+  io::Config config;
+  config.mapper.existence.scan_wait_s = 0.0;
+  MapperNode node{config};
+  const bus::Outbox send = [](const bus::Message&) {};
+  for (int k = 0; k < 40; ++k) {
+    if (kStart_us + 10000 * k > kCorrected_us && kStart_us + 10000 * (k - 1) < kCorrected_us) {
+      pose::Trajectory trajectory;
+      trajectory.utime = kCorrected_us;
+      trajectory.revision = 1;
+      for (int i = 0; i < k; i += 5) trajectory.poses.push_back(pose_of(i, true));
+      for (pose::TrajectoryPage& page : pose::paginate(trajectory)) node.handle(page, send);
+    }
+    node.handle(pose_of(k, kStart_us + 10000 * k > kCorrected_us), send);
+  }
+  detection::Detections sweep = scan_at(0, kStart_us + 200000);
+  for (std::size_t i = 0; i < sweep.trunks.size(); ++i) {
+    sweep.trunks[i].centre_x_m = 5.0 + 2.0 * static_cast<double>(i);
+    sweep.trunks[i].utime = sweep.utime + 20000 * static_cast<std::int64_t>(i);
+  }
+  node.handle(sweep, send);
+  node.flush(send);
+  const std::vector<mapping::Landmark> landmarks = node.landmarks();
+  ASSERT_EQ(landmarks.size(), 4u);
+  for (const mapping::Landmark& l : landmarks) {
+    EXPECT_NEAR(l.x_m, -1.0, 1e-6);
+    EXPECT_NEAR(l.y_m, 5.0 + 2.0 * (l.id - 1), 1e-6);
   }
 }
 

@@ -37,7 +37,7 @@ class Complaints {
 
 evaluation::MapEvaluation run_tube_scene(std::uint64_t seed, const io::Config& config) {
   simulation::Simulator simulator(simulation::SceneKind::kTubes, seed,
-                                  {config.laser, config.camera, config.simulation});
+                                  {config.laser, config.camera, config.simulation, {}});
   procs::DetectorNode detector(config);
   procs::PoseNode pose(config);
   procs::MapperNode mapper(config);

@@ -124,6 +124,42 @@ TEST(SequenceGate, ADuplicateAmongThoseThatAgreeDoesNotPutThemOff) {
   EXPECT_EQ(verdict, Verdict::kBelieved);
 }
 
+TEST(SequenceGate, ARobotThatPausesLosesNothing) {
+  SequenceGate gate;
+  const std::int64_t arrival = 5 * kHour;  // by another clock than the source's
+  EXPECT_EQ(gate.accept(Channel::kScan, 0, kStart, arrival), Verdict::kNew);
+  EXPECT_EQ(gate.accept(Channel::kGnss, 0, kStart, arrival), Verdict::kNew);
+  const std::int64_t pause = 25 * 60 * kSecond;
+  EXPECT_EQ(gate.accept(Channel::kScan, 1, kStart + pause, arrival + pause + kSecond),
+            Verdict::kNew);
+  EXPECT_EQ(gate.accept(Channel::kGnss, 1, kStart + pause, arrival + pause), Verdict::kNew);
+  // As much time by the source alone is a leap, and so is a day.
+  EXPECT_EQ(gate.accept(Channel::kImage, 0, kStart + pause, arrival + pause), Verdict::kNew);
+  EXPECT_EQ(gate.accept(Channel::kScan, 2, kStart + 2 * pause, arrival + pause + kSecond),
+            Verdict::kHeld);
+  EXPECT_EQ(gate.accept(Channel::kGnss, 2, kStart + 24 * kHour, arrival + 24 * kHour),
+            Verdict::kHeld);
+  EXPECT_EQ(gate.counts().num_lost, 0);
+  EXPECT_EQ(gate.counts().num_restarts, 0);
+  EXPECT_EQ(gate.counts().clock_change_s, 0.0);
+}
+
+TEST(SequenceGate, WhatWasKeptAsideIsUsedWhenAnotherChannelComesToItsTime) {
+  SequenceGate gate;
+  drive(gate, Channel::kScan, 0, kStart, 10);
+  drive(gate, Channel::kGnss, 0, kStart, 10);
+  for (int i = 0; i < kMany - 1; ++i) {
+    EXPECT_EQ(gate.accept(Channel::kScan, 10 + i, kStart + kHour + i * kSecond), Verdict::kHeld);
+    EXPECT_EQ(gate.accept(Channel::kGnss, 10 + i, kStart + kHour + i * kSecond), Verdict::kHeld);
+  }
+  const int last = 10 + kMany - 1;
+  const std::int64_t now = kStart + kHour + kMany * kSecond;
+  EXPECT_EQ(gate.accept(Channel::kScan, last, now), Verdict::kBelieved);
+  EXPECT_EQ(gate.accept(Channel::kGnss, last, now), Verdict::kBelieved);
+  EXPECT_EQ(gate.counts().num_leaps, 0);
+  EXPECT_EQ(gate.counts().num_lost, 0);
+}
+
 TEST(SequenceGate, OtherChannelsKnowWhatTimeItIs) {
   SequenceGate gate;
   drive(gate, Channel::kPoseFix, 0, kStart, 1);

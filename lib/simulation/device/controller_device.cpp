@@ -2,6 +2,7 @@
 #include "simulation/device/controller_device.hpp"
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <string>
 #include <variant>
@@ -13,8 +14,12 @@ constexpr std::size_t kMostUnsent_bytes = 4096;  // a small controller's buffer
 
 std::string text_of(const pose::Odometry& odometry) {
   std::array<char, 100> text{};
-  std::snprintf(text.data(), text.size(), "V %.9g %.9g", odometry.speed_mps,
-                odometry.yaw_rate_radps);
+  const int size = std::snprintf(text.data(), text.size(), "V %.9g %.9g", odometry.speed_mps,
+                                 odometry.yaw_rate_radps);
+  if (odometry.covariance[0] > 0.0 && odometry.covariance[2] > 0.0) {
+    std::snprintf(text.data() + size, text.size() - static_cast<std::size_t>(size), " %.9g %.9g",
+                  std::sqrt(odometry.covariance[0]), std::sqrt(odometry.covariance[2]));
+  }
   return text.data();
 }
 

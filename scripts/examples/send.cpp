@@ -15,7 +15,8 @@ int main() {
   if (!lcm.good()) return 1;
   const auto now_us = [] {
     return std::chrono::duration_cast<std::chrono::microseconds>(
-        std::chrono::system_clock::now().time_since_epoch()).count();
+               std::chrono::system_clock::now().time_since_epoch())
+        .count();
   };
   orchard::scan_t scan;  // a post of 10 cm, 2 m ahead; here the scanner's bytes would be read
   scan.seq = 0;

@@ -15,7 +15,8 @@ class ControllerDevice : public EmulatedDevice {
  public:
   explicit ControllerDevice(const EmulatedClock& clock) : clock_(clock) {}
 
-  void connected(std::int64_t) override { to_send_.clear(); }
+  /// An empty line first, as controllers print at their start: who listens skips what comes before.
+  void connected(std::int64_t) override { to_send_ = "\r\n"; }
   void receive(std::string_view, std::int64_t) override {}
   void measured(const device::Measurement& measurement) override;
   std::optional<std::int64_t> deadline() const override { return std::nullopt; }

@@ -18,6 +18,10 @@ constexpr std::int32_t kNeighbours = 64;
 /// What came before the first message of a source may come this much later.
 constexpr std::int64_t kBeforeFirst_us = 1'000'000;
 
+/// More than a link that catches up skips: a time that is farther ahead of the clock of who
+/// receives it than the one before was.
+constexpr std::int64_t kAhead_us = 2'000'000;
+
 /// Longer than a robot pauses in a drive; what leaps farther needs others that agree.
 constexpr std::int64_t kPauseMost_us = std::int64_t{4} * 3600 * 1'000'000;
 
@@ -47,6 +51,12 @@ bool SequenceGate::is_pause(const Stamp& last, const Stamp& next) {
          std::abs(*next.arrival_us - *last.arrival_us - passed_us) <= kLeap_us;
 }
 
+/// Whether its time has moved on by much more than the clock of who receives it.
+bool SequenceGate::runs_ahead(const Stamp& last, const Stamp& next) {
+  if (!last.arrival_us || !next.arrival_us) return false;
+  return next.utime - last.utime - (*next.arrival_us - *last.arrival_us) > kAhead_us;
+}
+
 bool SequenceGate::others_are_at(Channel channel, std::int64_t utime) const {
   for (std::size_t i = 0; i < last_.size(); ++i) {
     const Last& other = last_[i];
@@ -58,7 +68,7 @@ bool SequenceGate::others_are_at(Channel channel, std::int64_t utime) const {
 
 bool SequenceGate::goes_on(Channel channel, const Stamp& next) const {
   const Stamp& last = last_[index(channel)].stamp;
-  if (follows(last, next)) return true;
+  if (follows(last, next)) return !runs_ahead(last, next);
   // After a long silence of this channel alone, the others know what time it is; after one of all,
   // the clock of who receives them does.
   return next.seq > last.seq && next.seq - last.seq <= kLeap_seq && next.utime >= last.utime &&
@@ -163,6 +173,12 @@ Verdict SequenceGate::hold(Channel channel, const Stamp& stamp, bool is_time_kno
   last.held = stamp;
   if (last.num_held < kNumToBelieve && !is_time_known) return Verdict::kHeld;
   const bool alone = last.num_held == 1;
+  if (last.seen && follows(last.stamp, stamp)) {  // it ran ahead, and so does the source
+    counts_[index(channel)].num_lost += std::max(0, stamp.seq - last.stamp.seq - last.num_held);
+    last.num_held = last.num_held_old = 0;
+    take(last, stamp);
+    return alone ? Verdict::kNew : Verdict::kBelieved;
+  }
   last.num_held = last.num_held_old = 0;
   begin_again(channel, stamp);
   last.before.reset();

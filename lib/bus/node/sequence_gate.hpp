@@ -37,7 +37,8 @@ enum class Verdict {
 /// that was started again. No single message is believed about more: a leap of more than a minute
 /// or of 100,000 in seq, or a time that goes back, is taken when kNumToBelieve messages in a row
 /// agree on it, when the other channels are at that time already, or when as much time has passed
-/// where the messages arrive: a robot that pauses.
+/// where the messages arrive: a robot that pauses. Where arrivals are told, a leap of two seconds
+/// more than has passed there needs others that agree, too.
 class SequenceGate {
  public:
   static constexpr std::int64_t kLeap_us = 60'000'000;
@@ -91,6 +92,7 @@ class SequenceGate {
   static std::size_t index(Channel channel) { return static_cast<std::size_t>(channel); }
   static bool follows(const Stamp& last, const Stamp& next);
   static bool is_pause(const Stamp& last, const Stamp& next);
+  static bool runs_ahead(const Stamp& last, const Stamp& next);
   bool others_are_at(Channel channel, std::int64_t utime) const;
   bool goes_on(Channel channel, const Stamp& next) const;
   bool is_other_source(const Last& last, const Stamp& next) const;

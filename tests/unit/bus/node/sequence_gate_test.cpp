@@ -160,6 +160,40 @@ TEST(SequenceGate, WhatWasKeptAsideIsUsedWhenAnotherChannelComesToItsTime) {
   EXPECT_EQ(gate.counts().num_lost, 0);
 }
 
+TEST(SequenceGate, OneMessageOfHalfAMinuteAheadShutsNobodyOut) {
+  SequenceGate gate;
+  const auto accept = [&gate](std::int32_t seq, std::int64_t utime, std::int64_t arrival) {
+    return gate.accept(Channel::kScan, seq, kStart + utime, 7 * kHour + arrival);
+  };
+  EXPECT_EQ(accept(0, 0, 0), Verdict::kNew);
+  EXPECT_EQ(accept(1, kSecond / 10, kSecond / 10), Verdict::kNew);
+  EXPECT_EQ(accept(2, 30 * kSecond, kSecond / 5), Verdict::kHeld);
+  for (int i = 2; i < 20; ++i) {
+    EXPECT_EQ(accept(i, i * kSecond / 10, i * kSecond / 10), Verdict::kNew) << i;
+  }
+  EXPECT_EQ(gate.counts().num_leaps, 1);
+  EXPECT_EQ(gate.counts().num_lost, 0);
+}
+
+TEST(SequenceGate, ALinkThatSkipsSomeSecondsAndCatchesUpLosesOnlyThose) {
+  SequenceGate gate;
+  int num_used = 0;
+  const auto accept = [&](std::int32_t seq, std::int64_t arrival) {
+    const Verdict verdict = gate.accept(Channel::kScan, seq, kStart + seq * kSecond / 10, arrival);
+    if (verdict == Verdict::kNew) num_used += 1;
+    if (verdict == Verdict::kBelieved) num_used += kMany;
+  };
+  for (int i = 0; i < 100; ++i) accept(i, i * kSecond / 10);
+  // Held up for ten seconds; of what waited the middle is lost, the rest comes at once.
+  for (int i = 100; i < 120; ++i) accept(i, 20 * kSecond);
+  for (int i = 170; i < 200; ++i) accept(i, 20 * kSecond);
+  for (int i = 200; i < 300; ++i) accept(i, i * kSecond / 10);
+  EXPECT_EQ(num_used, 250);
+  EXPECT_EQ(gate.counts().num_lost, 50);
+  EXPECT_EQ(gate.counts().num_restarts, 0);
+  EXPECT_EQ(gate.counts().num_leaps, 0);
+}
+
 TEST(SequenceGate, OtherChannelsKnowWhatTimeItIs) {
   SequenceGate gate;
   drive(gate, Channel::kPoseFix, 0, kStart, 1);

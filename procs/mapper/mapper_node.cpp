@@ -108,7 +108,8 @@ void MapperNode::handle(const bus::Message& input, const bus::Outbox& send) {
   } else if (const auto* page = std::get_if<pose::TrajectoryPage>(&input)) {
     queue_.reach(kTrajectory, utime);
     if (auto trajectory = collector_.add(*page)) {
-      queue_.push(kTrajectory, trajectory->utime, *std::move(trajectory));
+      const std::int64_t corrected_utime = trajectory->utime;
+      queue_.push(kTrajectory, corrected_utime, *std::move(trajectory));
     }
   } else if (const auto* scan = std::get_if<laser::Scan>(&input)) {
     add_scan(*scan);
@@ -358,7 +359,7 @@ void MapperNode::send_tiles(std::int64_t utime, std::vector<mapping::Landmark> l
     tile.seq = next_seq_++;
     tile.num_landmarks_total = static_cast<std::int32_t>(mapper_.num_landmarks());
     for (; landmark < landmarks.size() && tile.landmarks.size() < kLandmarksPerTile; ++landmark) {
-      tile.landmarks.push_back(std::move(landmarks[landmark]));
+      tile.landmarks.push_back(landmarks[landmark]);
     }
     for (; removed < removed_ids.size() && tile.removed_ids.size() < kRemovedPerTile; ++removed) {
       tile.removed_ids.push_back(removed_ids[removed]);

@@ -30,7 +30,7 @@ std::string full_name(const std::string& name) {
 
 }  // namespace
 
-void choose_url(const std::string& lcm_url, bool has_rig, io::LcmConfig& lcm) {
+const char* choose_url(const std::string& lcm_url, bool has_rig, io::LcmConfig& lcm) {
   const char* environment = std::getenv("LCM_DEFAULT_URL");
   const char* why = "the default";
   if (!lcm_url.empty()) {
@@ -43,6 +43,7 @@ void choose_url(const std::string& lcm_url, bool has_rig, io::LcmConfig& lcm) {
     why = "LCM_DEFAULT_URL";
   }
   spdlog::debug("LCM: {} ({})", lcm.url, why);
+  return why;
 }
 
 std::string_view version() { return ORCHARD_VERSION; }

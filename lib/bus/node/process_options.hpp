@@ -29,8 +29,8 @@ struct ProcessOptions {
 std::string_view version();
 
 /// The LCM network: --lcm-url when given, else the rig's, else LCM_DEFAULT_URL, else the built-in
-/// one; logs which.
-void choose_url(const std::string& lcm_url, bool has_rig, io::LcmConfig& lcm);
+/// one. Returns which of them, in words.
+const char* choose_url(const std::string& lcm_url, bool has_rig, io::LcmConfig& lcm);
 
 /// Loads the rig at `path` ("": the defaults stay), logs the reader's warnings and prints what is
 /// wrong with it; false when it was refused.

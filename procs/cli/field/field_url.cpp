@@ -2,28 +2,19 @@
 #include "cli/field/field_url.hpp"
 
 #include <cstdio>
-#include <cstdlib>
 
+#include "bus/node/process_options.hpp"
 #include "cli/load_rig.hpp"
 
 namespace orchard::cli {
 
 std::string field_url(const std::string& lcm_url, const std::string& config_path) {
-  const char* environment = std::getenv("LCM_DEFAULT_URL");
-  std::string url = io::LcmConfig().url;
-  const char* why = "the default";
-  if (!lcm_url.empty()) {
-    url = lcm_url;
-    why = "--lcm-url";
-  } else if (!config_path.empty()) {
-    url = load_rig(config_path).lcm.url;
-    why = config_path.c_str();
-  } else if (environment != nullptr && environment[0] != '\0') {
-    url = environment;
-    why = "LCM_DEFAULT_URL";
-  }
-  std::fprintf(stderr, "LCM: %s (%s)\n", url.c_str(), why);
-  return url;
+  io::LcmConfig lcm;
+  const bool has_rig = !config_path.empty() && lcm_url.empty();
+  if (has_rig) lcm = load_rig(config_path).lcm;
+  const char* why = bus::choose_url(lcm_url, has_rig, lcm);
+  std::fprintf(stderr, "LCM: %s (%s)\n", lcm.url.c_str(), has_rig ? config_path.c_str() : why);
+  return lcm.url;
 }
 
 }  // namespace orchard::cli

@@ -16,7 +16,7 @@ constexpr std::int64_t kUnknownTurn_us = 100'000;
 /// A tenth of a turn that clocks and a scanner's speed may be off.
 constexpr double kTurnMargin = 1.1;
 
-/// No robot maps trees faster: between the two looks at a trunk it has moved by less.
+/// No robot maps trees faster: between two observations of a trunk it has moved by less.
 constexpr double kSpeedMost_mps = 2.0;
 
 /// Sweeps of the second scanner that wait while the first is silent.

@@ -18,16 +18,16 @@ NodeHost::NodeHost(Node& node, Publish publish) : node_(node), publish_(std::mov
 bool NodeHost::receive(const Message& input, std::optional<std::int64_t> arrival_us) {
   const Channel channel = channel_of(input);
   std::vector<Message>& held = held_[static_cast<std::size_t>(channel)];
-  const Verdict verdict = gate_.accept(channel, seq_of(input), utime_of(input), arrival_us);
-  if (verdict == Verdict::kHeld) {
+  const GateDecision decision = gate_.accept(channel, seq_of(input), utime_of(input), arrival_us);
+  if (decision == GateDecision::kHeld) {
     held.push_back(input);
     const std::size_t num_old = held.size() - static_cast<std::size_t>(gate_.num_held(channel));
     held.erase(held.begin(), held.begin() + static_cast<std::ptrdiff_t>(num_old));
     return false;
   }
   // Nodes are promised a rising seq.
-  if (verdict == Verdict::kDuplicate || verdict == Verdict::kReordered) return false;
-  if (verdict == Verdict::kBelieved) {
+  if (decision == GateDecision::kDuplicate || decision == GateDecision::kReordered) return false;
+  if (decision == GateDecision::kBelieved) {
     for (const Message& message : held) deliver(message);
   }
   held.clear();

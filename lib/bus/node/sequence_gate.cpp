@@ -99,8 +99,8 @@ bool SequenceGate::fills_gap(const Last& last, const Stamp& late, bool& was_lost
                           : above->stamp.utime - late.utime <= kBeforeFirst_us;
 }
 
-Verdict SequenceGate::accept(Channel channel, std::int32_t seq, std::int64_t utime,
-                             std::optional<std::int64_t> arrival_us) {
+GateDecision SequenceGate::accept(Channel channel, std::int32_t seq, std::int64_t utime,
+                                  std::optional<std::int64_t> arrival_us) {
   Last& last = last_[index(channel)];
   SequenceCounts& counts = counts_[index(channel)];
   const Stamp stamp{seq, utime, arrival_us};
@@ -110,7 +110,7 @@ Verdict SequenceGate::accept(Channel channel, std::int32_t seq, std::int64_t uti
   const Seen& same = last.history[static_cast<std::size_t>(std::max(seq, 0) % kHistory)];
   if (same.run > 0 && same.stamp.seq == seq && same.stamp.utime == utime) {
     ++counts.num_duplicate;
-    return Verdict::kDuplicate;
+    return GateDecision::kDuplicate;
   }
   if (is_other_source(last, stamp)) {
     // The source that seemed to have begun again is a second one: the first goes on.
@@ -125,19 +125,19 @@ Verdict SequenceGate::accept(Channel channel, std::int32_t seq, std::int64_t uti
       counts.num_lost += std::max(0, seq - last.stamp.seq - 1 - last.num_held);
       last.num_held = last.num_held_old = 0;
       take(last, stamp);
-      return Verdict::kBelieved;
+      return GateDecision::kBelieved;
     }
     drop_held(channel);
     counts.num_lost += seq - last.stamp.seq - 1;
     take(last, stamp);
-    return Verdict::kNew;
+    return GateDecision::kNew;
   }
   bool was_lost = false;
   if (utime <= last.stamp.utime && fills_gap(last, stamp, was_lost)) {
     if (was_lost) --counts.num_lost;
     ++counts.num_reordered;
     remember(last, stamp);
-    return Verdict::kReordered;
+    return GateDecision::kReordered;
   }
   const bool time_goes_on = utime > last.stamp.utime && utime - last.stamp.utime <= kLeap_us;
   const bool time_is_known = std::abs(utime - last.stamp.utime) > kLeap_us &&
@@ -146,18 +146,18 @@ Verdict SequenceGate::accept(Channel channel, std::int32_t seq, std::int64_t uti
   if (!last.contested && time_goes_on && seq <= last.stamp.seq) {
     drop_held(channel);
     begin_again(channel, stamp);
-    return Verdict::kNew;
+    return GateDecision::kNew;
   }
   return hold(channel, stamp, !last.contested && time_is_known);
 }
 
 /// Keeps a message aside, with those that it agrees with, until they are enough or the other
 /// channels are at their time.
-Verdict SequenceGate::hold(Channel channel, const Stamp& stamp, bool is_time_known) {
+GateDecision SequenceGate::hold(Channel channel, const Stamp& stamp, bool is_time_known) {
   Last& last = last_[index(channel)];
   if (last.num_held > 0 && stamp.seq == last.held.seq && stamp.utime == last.held.utime) {
     ++counts_[index(channel)].num_duplicate;
-    return Verdict::kDuplicate;
+    return GateDecision::kDuplicate;
   }
   if (last.num_held > 0 && !follows(last.held, stamp)) drop_held(channel);
   ++last.num_held;
@@ -171,19 +171,19 @@ Verdict SequenceGate::hold(Channel channel, const Stamp& stamp, bool is_time_kno
   }
   if (last.contested) ++counts_[index(channel)].num_contests;
   last.held = stamp;
-  if (last.num_held < kNumToBelieve && !is_time_known) return Verdict::kHeld;
+  if (last.num_held < kNumToBelieve && !is_time_known) return GateDecision::kHeld;
   const bool alone = last.num_held == 1;
   if (last.seen && follows(last.stamp, stamp)) {  // it ran ahead, and so does the source
     counts_[index(channel)].num_lost += std::max(0, stamp.seq - last.stamp.seq - last.num_held);
     last.num_held = last.num_held_old = 0;
     take(last, stamp);
-    return alone ? Verdict::kNew : Verdict::kBelieved;
+    return alone ? GateDecision::kNew : GateDecision::kBelieved;
   }
   last.num_held = last.num_held_old = 0;
   begin_again(channel, stamp);
   last.before.reset();
   last.contested = false;
-  return alone ? Verdict::kNew : Verdict::kBelieved;
+  return alone ? GateDecision::kNew : GateDecision::kBelieved;
 }
 
 void SequenceGate::drop_held(Channel channel) {

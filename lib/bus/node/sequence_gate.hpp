@@ -22,7 +22,7 @@ struct SequenceCounts {
 };
 
 /// What is to be done with a message.
-enum class Verdict {
+enum class GateDecision {
   kNew,        ///< it is used
   kReordered,  ///< it is used where order is made afterwards (a log), and comes too late live
   kDuplicate,  ///< it is dropped
@@ -47,8 +47,8 @@ class SequenceGate {
 
   /// `arrival_us`: when it arrived, by any one clock of the receiver [us] (in a log: when it was
   /// recorded); none where that says nothing of the source's time.
-  Verdict accept(Channel channel, std::int32_t seq, std::int64_t utime,
-                 std::optional<std::int64_t> arrival_us = std::nullopt);
+  GateDecision accept(Channel channel, std::int32_t seq, std::int64_t utime,
+                      std::optional<std::int64_t> arrival_us = std::nullopt);
 
   /// How many of the newest messages of the channel wait for others to agree.
   int num_held(Channel channel) const { return last_[index(channel)].num_held; }
@@ -97,7 +97,7 @@ class SequenceGate {
   bool goes_on(Channel channel, const Stamp& next) const;
   bool is_other_source(const Last& last, const Stamp& next) const;
   bool fills_gap(const Last& last, const Stamp& late, bool& was_lost) const;
-  Verdict hold(Channel channel, const Stamp& stamp, bool is_time_known);
+  GateDecision hold(Channel channel, const Stamp& stamp, bool is_time_known);
   void drop_held(Channel channel);
   void take(Last& last, const Stamp& stamp);
   void remember(Last& last, const Stamp& stamp);

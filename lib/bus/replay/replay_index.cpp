@@ -69,18 +69,19 @@ class Gathered {
   /// `recorded_utime`: when the log says that it arrived [us].
   void add(const ReplayEntry& entry, std::int64_t recorded_utime) {
     std::vector<ReplayEntry>& held = held_[static_cast<std::size_t>(entry.channel)];
-    const Verdict verdict = gate_.accept(entry.channel, entry.seq, entry.utime, recorded_utime);
-    if (verdict == Verdict::kDuplicate) return;
-    if (verdict == Verdict::kHeld) {
+    const GateDecision decision =
+        gate_.accept(entry.channel, entry.seq, entry.utime, recorded_utime);
+    if (decision == GateDecision::kDuplicate) return;
+    if (decision == GateDecision::kHeld) {
       held.push_back(entry);
       const auto num_held = static_cast<std::size_t>(gate_.num_held(entry.channel));
       held.erase(held.begin(), held.end() - static_cast<std::ptrdiff_t>(num_held));
       return;
     }
-    if (verdict == Verdict::kBelieved) {
+    if (decision == GateDecision::kBelieved) {
       for (const ReplayEntry& other : held) take(other);
     }
-    if (verdict != Verdict::kReordered) held.clear();
+    if (decision != GateDecision::kReordered) held.clear();
     take(entry);
   }
 

@@ -35,17 +35,14 @@ void StatusScreen::show(const StatusBoard& board, const std::string& headline,
 void StatusScreen::print_changes(const std::vector<ProcessView>& processes) {
   for (const ProcessView& process : processes) {
     // The numbers in the words change every second; what matters is which words they are.
-    std::string line = state_word(process);
-    std::string key = line;
+    std::string key = state_word(process);
     for (const char c : process.status.text) {
       if (c < '0' || c > '9') key += c;
     }
     std::string& said = said_[process.status.host + "/" + process.status.name];
     if (said == key) continue;
     said = key;
-    std::printf("%s", status_table({process}, 0, false)
-                          .substr(status_table({}, 0, false).find('\n') + 1)
-                          .c_str());
+    std::printf("%s", process_lines(process, 0, false).c_str());
   }
   std::fflush(stdout);
 }

@@ -77,24 +77,29 @@ std::string status_table(const std::vector<ProcessView>& processes, std::size_t 
   std::snprintf(line, sizeof(line), "%-24s %-12s %-8s %8s %10s %9s %7s %7s", "process", "host",
                 "state", "in Hz", "latency ms", "out", "lost", "refused");
   std::string text = cut(line, width) + "\n";
-  for (const ProcessView& process : processes) {
-    const bus::Status& s = process.status;
-    const std::string word = state_word(process);
-    std::snprintf(line, sizeof(line), "%-24.24s %-12.12s ", printable_text(s.name).c_str(),
-                  printable_text(s.host).c_str());
-    std::string row = line;
-    char state[16];
-    std::snprintf(state, sizeof(state), "%-8s", word.c_str());
-    std::snprintf(line, sizeof(line), " %8.1f %10.2f %9lld %7lld %7lld", process.input_hz,
-                  1e3 * s.latency_max_s, static_cast<long long>(s.num_published),
-                  static_cast<long long>(s.num_lost), static_cast<long long>(s.num_bad));
-    const std::string rest = cut(line, width > row.size() + 8 ? width - row.size() - 8 : width);
-    text += row + (colour ? colour_of(word) + std::string(state) + kPlain : state) + rest + "\n";
-    if (const std::string words = remarks(process); !words.empty()) {
-      text += cut("    " + words, width) + "\n";
-    }
-  }
+  for (const ProcessView& process : processes) text += process_lines(process, width, colour);
   if (processes.empty()) text += "nothing heard yet\n";
+  return text;
+}
+
+std::string process_lines(const ProcessView& process, std::size_t width, bool colour) {
+  const bus::Status& s = process.status;
+  const std::string word = state_word(process);
+  char line[512];
+  std::snprintf(line, sizeof(line), "%-24.24s %-12.12s ", printable_text(s.name).c_str(),
+                printable_text(s.host).c_str());
+  std::string row = line;
+  char state[16];
+  std::snprintf(state, sizeof(state), "%-8s", word.c_str());
+  std::snprintf(line, sizeof(line), " %8.1f %10.2f %9lld %7lld %7lld", process.input_hz,
+                1e3 * s.latency_max_s, static_cast<long long>(s.num_published),
+                static_cast<long long>(s.num_lost), static_cast<long long>(s.num_bad));
+  const std::string rest = cut(line, width > row.size() + 8 ? width - row.size() - 8 : width);
+  std::string text =
+      row + (colour ? colour_of(word) + std::string(state) + kPlain : state) + rest + "\n";
+  if (const std::string words = remarks(process); !words.empty()) {
+    text += cut("    " + words, width) + "\n";
+  }
   return text;
 }
 

@@ -20,6 +20,9 @@ bool needs_attention(const ProcessView& process);
 /// printed with its control characters replaced.
 std::string status_table(const std::vector<ProcessView>& processes, std::size_t width, bool colour);
 
+/// The lines of one process in that table.
+std::string process_lines(const ProcessView& process, std::size_t width, bool colour);
+
 /// The same for programs: one JSON object with a list.
 std::string status_json(const std::vector<ProcessView>& processes);
 

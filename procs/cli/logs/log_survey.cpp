@@ -38,9 +38,9 @@ void count(const io::LogEvent& event, bus::SequenceGate& gate, ChannelSurvey& su
     }
     const auto& message = std::get<bus::Message>(decoded);
     utime = bus::utime_of(message);
-    const auto verdict = gate.accept(*bus::find_channel(event.channel), bus::seq_of(message), utime,
-                                     event.timestamp_us);
-    if (verdict == bus::Verdict::kHeld) return;  // its time may be none
+    const auto decision = gate.accept(*bus::find_channel(event.channel), bus::seq_of(message),
+                                      utime, event.timestamp_us);
+    if (decision == bus::GateDecision::kHeld) return;  // its time may be none
   }
   survey.first_utime = first ? utime : std::min(survey.first_utime, utime);
   survey.last_utime = first ? utime : std::max(survey.last_utime, utime);

@@ -15,38 +15,41 @@ constexpr int kMany = SequenceGate::kNumToBelieve;
 int drive(SequenceGate& gate, Channel channel, std::int32_t seq, std::int64_t utime, int num) {
   int num_new = 0;
   for (int i = 0; i < num; ++i) {
-    num_new += gate.accept(channel, seq + i, utime + i * kSecond / 10) == Verdict::kNew ? 1 : 0;
+    num_new +=
+        gate.accept(channel, seq + i, utime + i * kSecond / 10) == GateDecision::kNew ? 1 : 0;
   }
   return num_new;
 }
 
 TEST(SequenceGate, CountsWhatIsMissing) {
   SequenceGate gate;
-  EXPECT_EQ(gate.accept(Channel::kScan, 10, 100), Verdict::kNew);  // a late joiner has lost nothing
-  EXPECT_EQ(gate.accept(Channel::kScan, 11, 200), Verdict::kNew);
-  EXPECT_EQ(gate.accept(Channel::kScan, 15, 300), Verdict::kNew);
+  EXPECT_EQ(gate.accept(Channel::kScan, 10, 100),
+            GateDecision::kNew);  // a late joiner has lost nothing
+  EXPECT_EQ(gate.accept(Channel::kScan, 11, 200), GateDecision::kNew);
+  EXPECT_EQ(gate.accept(Channel::kScan, 15, 300), GateDecision::kNew);
   EXPECT_EQ(gate.counts().num_lost, 3);
 }
 
 TEST(SequenceGate, RefusesTheSameAgain) {
   SequenceGate gate;
   EXPECT_EQ(drive(gate, Channel::kScan, 0, kStart, 100), 100);
-  EXPECT_EQ(gate.accept(Channel::kScan, 99, kStart + 99 * kSecond / 10), Verdict::kDuplicate);
-  EXPECT_EQ(gate.accept(Channel::kScan, 3, kStart + 3 * kSecond / 10), Verdict::kDuplicate);
+  EXPECT_EQ(gate.accept(Channel::kScan, 99, kStart + 99 * kSecond / 10), GateDecision::kDuplicate);
+  EXPECT_EQ(gate.accept(Channel::kScan, 3, kStart + 3 * kSecond / 10), GateDecision::kDuplicate);
   EXPECT_EQ(drive(gate, Channel::kScan, 50, kStart + 5 * kSecond, 50), 0) << "half of it again";
   EXPECT_EQ(gate.counts().num_duplicate, 52);
   EXPECT_EQ(gate.counts().num_lost, 0);
-  EXPECT_EQ(gate.accept(Channel::kImage, 9, kStart), Verdict::kNew);  // each channel on its own
+  EXPECT_EQ(gate.accept(Channel::kImage, 9, kStart),
+            GateDecision::kNew);  // each channel on its own
 }
 
 TEST(SequenceGate, CountsAReorderedMessageOnce) {
   SequenceGate gate;
   drive(gate, Channel::kScan, 0, kStart, 10);
-  EXPECT_EQ(gate.accept(Channel::kScan, 12, kStart + 12 * kSecond / 10), Verdict::kNew);
+  EXPECT_EQ(gate.accept(Channel::kScan, 12, kStart + 12 * kSecond / 10), GateDecision::kNew);
   EXPECT_EQ(gate.counts().num_lost, 2);
-  EXPECT_EQ(gate.accept(Channel::kScan, 11, kStart + 11 * kSecond / 10), Verdict::kReordered);
-  EXPECT_EQ(gate.accept(Channel::kScan, 10, kStart + 10 * kSecond / 10), Verdict::kReordered);
-  EXPECT_EQ(gate.accept(Channel::kScan, 10, kStart + 10 * kSecond / 10), Verdict::kDuplicate);
+  EXPECT_EQ(gate.accept(Channel::kScan, 11, kStart + 11 * kSecond / 10), GateDecision::kReordered);
+  EXPECT_EQ(gate.accept(Channel::kScan, 10, kStart + 10 * kSecond / 10), GateDecision::kReordered);
+  EXPECT_EQ(gate.accept(Channel::kScan, 10, kStart + 10 * kSecond / 10), GateDecision::kDuplicate);
   EXPECT_EQ(gate.counts().num_lost, 0);
   EXPECT_EQ(gate.counts().num_reordered, 2);
   EXPECT_EQ(gate.counts().num_duplicate, 1);
@@ -58,7 +61,7 @@ TEST(SequenceGate, ABurstThatWasHeldUpFillsItsGap) {
   drive(gate, Channel::kScan, 30, kStart + 3 * kSecond, 10);
   EXPECT_EQ(gate.counts().num_lost, 20);
   for (int i = 10; i < 30; ++i) {
-    EXPECT_EQ(gate.accept(Channel::kScan, i, kStart + i * kSecond / 10), Verdict::kReordered);
+    EXPECT_EQ(gate.accept(Channel::kScan, i, kStart + i * kSecond / 10), GateDecision::kReordered);
   }
   EXPECT_EQ(gate.counts().num_lost, 0);
   EXPECT_EQ(gate.counts().num_restarts, 0);
@@ -66,17 +69,17 @@ TEST(SequenceGate, ABurstThatWasHeldUpFillsItsGap) {
 
 TEST(SequenceGate, AcceptsARestartedSourceAtOnce) {
   SequenceGate gate;
-  EXPECT_EQ(gate.accept(Channel::kScan, 500, 100), Verdict::kNew);
-  EXPECT_EQ(gate.accept(Channel::kScan, 0, 5000), Verdict::kNew);
-  EXPECT_EQ(gate.accept(Channel::kScan, 1, 5100), Verdict::kNew);
+  EXPECT_EQ(gate.accept(Channel::kScan, 500, 100), GateDecision::kNew);
+  EXPECT_EQ(gate.accept(Channel::kScan, 0, 5000), GateDecision::kNew);
+  EXPECT_EQ(gate.accept(Channel::kScan, 1, 5100), GateDecision::kNew);
   EXPECT_EQ(gate.counts().num_restarts, 1);
   EXPECT_EQ(gate.counts().num_lost, 0);
 }
 
 TEST(SequenceGate, SeveralMessagesMayHaveOneTime) {
   SequenceGate gate;
-  EXPECT_EQ(gate.accept(Channel::kPose, 0, 100), Verdict::kNew);
-  EXPECT_EQ(gate.accept(Channel::kPose, 1, 100), Verdict::kNew);
+  EXPECT_EQ(gate.accept(Channel::kPose, 0, 100), GateDecision::kNew);
+  EXPECT_EQ(gate.accept(Channel::kPose, 1, 100), GateDecision::kNew);
 }
 
 TEST(SequenceGate, OneLeapOfTimeOrNumberIsNotBelieved) {
@@ -87,7 +90,7 @@ TEST(SequenceGate, OneLeapOfTimeOrNumberIsNotBelieved) {
   for (const auto& [seq, utime] : leaps) {
     SequenceGate gate;
     drive(gate, Channel::kScan, 0, kStart, 100);
-    EXPECT_EQ(gate.accept(Channel::kScan, seq, utime), Verdict::kHeld) << seq << " " << utime;
+    EXPECT_EQ(gate.accept(Channel::kScan, seq, utime), GateDecision::kHeld) << seq << " " << utime;
     EXPECT_EQ(drive(gate, Channel::kScan, 100, kStart + 10 * kSecond, 100), 100);
     EXPECT_EQ(gate.counts().num_leaps, 1) << seq << " " << utime;
     EXPECT_EQ(gate.counts().num_lost, 0);
@@ -100,10 +103,10 @@ TEST(SequenceGate, ALeapIsBelievedWhenSeveralAgreeInEitherDirection) {
     SequenceGate gate;
     drive(gate, Channel::kScan, 0, kStart, 100);
     for (int i = 0; i < kMany - 1; ++i) {
-      EXPECT_EQ(gate.accept(Channel::kScan, i, kStart + leap + i), Verdict::kHeld);
+      EXPECT_EQ(gate.accept(Channel::kScan, i, kStart + leap + i), GateDecision::kHeld);
       EXPECT_EQ(gate.num_held(Channel::kScan), i + 1);
     }
-    EXPECT_EQ(gate.accept(Channel::kScan, kMany, kStart + leap + kMany), Verdict::kBelieved);
+    EXPECT_EQ(gate.accept(Channel::kScan, kMany, kStart + leap + kMany), GateDecision::kBelieved);
     EXPECT_EQ(drive(gate, Channel::kScan, kMany + 1, kStart + leap + kMany + 1, 50), 50);
     EXPECT_EQ(gate.counts().num_restarts, 1);
     EXPECT_EQ(gate.counts().num_leaps, 0) << "those that were held are used";
@@ -114,31 +117,31 @@ TEST(SequenceGate, ALeapIsBelievedWhenSeveralAgreeInEitherDirection) {
 TEST(SequenceGate, ADuplicateAmongThoseThatAgreeDoesNotPutThemOff) {
   SequenceGate gate;
   drive(gate, Channel::kScan, 0, kStart, 100);
-  Verdict verdict = Verdict::kHeld;
+  GateDecision decision = GateDecision::kHeld;
   for (int i = 0; i < kMany; ++i) {
-    verdict = gate.accept(Channel::kScan, i, kStart - kHour + i);
+    decision = gate.accept(Channel::kScan, i, kStart - kHour + i);
     if (i < kMany - 1) {
-      EXPECT_EQ(gate.accept(Channel::kScan, i, kStart - kHour + i), Verdict::kDuplicate);
+      EXPECT_EQ(gate.accept(Channel::kScan, i, kStart - kHour + i), GateDecision::kDuplicate);
     }
   }
-  EXPECT_EQ(verdict, Verdict::kBelieved);
+  EXPECT_EQ(decision, GateDecision::kBelieved);
 }
 
 TEST(SequenceGate, ARobotThatPausesLosesNothing) {
   SequenceGate gate;
   const std::int64_t arrival = 5 * kHour;  // by another clock than the source's
-  EXPECT_EQ(gate.accept(Channel::kScan, 0, kStart, arrival), Verdict::kNew);
-  EXPECT_EQ(gate.accept(Channel::kGnss, 0, kStart, arrival), Verdict::kNew);
+  EXPECT_EQ(gate.accept(Channel::kScan, 0, kStart, arrival), GateDecision::kNew);
+  EXPECT_EQ(gate.accept(Channel::kGnss, 0, kStart, arrival), GateDecision::kNew);
   const std::int64_t pause = 25 * 60 * kSecond;
   EXPECT_EQ(gate.accept(Channel::kScan, 1, kStart + pause, arrival + pause + kSecond),
-            Verdict::kNew);
-  EXPECT_EQ(gate.accept(Channel::kGnss, 1, kStart + pause, arrival + pause), Verdict::kNew);
+            GateDecision::kNew);
+  EXPECT_EQ(gate.accept(Channel::kGnss, 1, kStart + pause, arrival + pause), GateDecision::kNew);
   // As much time by the source alone is a leap, and so is a day.
-  EXPECT_EQ(gate.accept(Channel::kImage, 0, kStart + pause, arrival + pause), Verdict::kNew);
+  EXPECT_EQ(gate.accept(Channel::kImage, 0, kStart + pause, arrival + pause), GateDecision::kNew);
   EXPECT_EQ(gate.accept(Channel::kScan, 2, kStart + 2 * pause, arrival + pause + kSecond),
-            Verdict::kHeld);
+            GateDecision::kHeld);
   EXPECT_EQ(gate.accept(Channel::kGnss, 2, kStart + 24 * kHour, arrival + 24 * kHour),
-            Verdict::kHeld);
+            GateDecision::kHeld);
   EXPECT_EQ(gate.counts().num_lost, 0);
   EXPECT_EQ(gate.counts().num_restarts, 0);
   EXPECT_EQ(gate.counts().clock_change_s, 0.0);
@@ -149,13 +152,15 @@ TEST(SequenceGate, WhatWasKeptAsideIsUsedWhenAnotherChannelComesToItsTime) {
   drive(gate, Channel::kScan, 0, kStart, 10);
   drive(gate, Channel::kGnss, 0, kStart, 10);
   for (int i = 0; i < kMany - 1; ++i) {
-    EXPECT_EQ(gate.accept(Channel::kScan, 10 + i, kStart + kHour + i * kSecond), Verdict::kHeld);
-    EXPECT_EQ(gate.accept(Channel::kGnss, 10 + i, kStart + kHour + i * kSecond), Verdict::kHeld);
+    EXPECT_EQ(gate.accept(Channel::kScan, 10 + i, kStart + kHour + i * kSecond),
+              GateDecision::kHeld);
+    EXPECT_EQ(gate.accept(Channel::kGnss, 10 + i, kStart + kHour + i * kSecond),
+              GateDecision::kHeld);
   }
   const int last = 10 + kMany - 1;
   const std::int64_t now = kStart + kHour + kMany * kSecond;
-  EXPECT_EQ(gate.accept(Channel::kScan, last, now), Verdict::kBelieved);
-  EXPECT_EQ(gate.accept(Channel::kGnss, last, now), Verdict::kBelieved);
+  EXPECT_EQ(gate.accept(Channel::kScan, last, now), GateDecision::kBelieved);
+  EXPECT_EQ(gate.accept(Channel::kGnss, last, now), GateDecision::kBelieved);
   EXPECT_EQ(gate.counts().num_leaps, 0);
   EXPECT_EQ(gate.counts().num_lost, 0);
 }
@@ -165,11 +170,11 @@ TEST(SequenceGate, OneMessageOfHalfAMinuteAheadShutsNobodyOut) {
   const auto accept = [&gate](std::int32_t seq, std::int64_t utime, std::int64_t arrival) {
     return gate.accept(Channel::kScan, seq, kStart + utime, 7 * kHour + arrival);
   };
-  EXPECT_EQ(accept(0, 0, 0), Verdict::kNew);
-  EXPECT_EQ(accept(1, kSecond / 10, kSecond / 10), Verdict::kNew);
-  EXPECT_EQ(accept(2, 30 * kSecond, kSecond / 5), Verdict::kHeld);
+  EXPECT_EQ(accept(0, 0, 0), GateDecision::kNew);
+  EXPECT_EQ(accept(1, kSecond / 10, kSecond / 10), GateDecision::kNew);
+  EXPECT_EQ(accept(2, 30 * kSecond, kSecond / 5), GateDecision::kHeld);
   for (int i = 2; i < 20; ++i) {
-    EXPECT_EQ(accept(i, i * kSecond / 10, i * kSecond / 10), Verdict::kNew) << i;
+    EXPECT_EQ(accept(i, i * kSecond / 10, i * kSecond / 10), GateDecision::kNew) << i;
   }
   EXPECT_EQ(gate.counts().num_leaps, 1);
   EXPECT_EQ(gate.counts().num_lost, 0);
@@ -179,9 +184,10 @@ TEST(SequenceGate, ALinkThatSkipsSomeSecondsAndCatchesUpLosesOnlyThose) {
   SequenceGate gate;
   int num_used = 0;
   const auto accept = [&](std::int32_t seq, std::int64_t arrival) {
-    const Verdict verdict = gate.accept(Channel::kScan, seq, kStart + seq * kSecond / 10, arrival);
-    if (verdict == Verdict::kNew) num_used += 1;
-    if (verdict == Verdict::kBelieved) num_used += kMany;
+    const GateDecision decision =
+        gate.accept(Channel::kScan, seq, kStart + seq * kSecond / 10, arrival);
+    if (decision == GateDecision::kNew) num_used += 1;
+    if (decision == GateDecision::kBelieved) num_used += kMany;
   };
   for (int i = 0; i < 100; ++i) accept(i, i * kSecond / 10);
   // Held up for ten seconds; of what waited the middle is lost, the rest comes at once.
@@ -198,13 +204,13 @@ TEST(SequenceGate, OtherChannelsKnowWhatTimeItIs) {
   SequenceGate gate;
   drive(gate, Channel::kPoseFix, 0, kStart, 1);
   drive(gate, Channel::kOdometry, 0, kStart, 6000);
-  EXPECT_EQ(gate.accept(Channel::kPoseFix, 1, kStart + 600 * kSecond), Verdict::kNew)
+  EXPECT_EQ(gate.accept(Channel::kPoseFix, 1, kStart + 600 * kSecond), GateDecision::kNew)
       << "ten minutes after the last one, as the wheels say too";
 }
 
 TEST(SequenceGate, AFirstMessageOfTheFutureDoesNotShutTheOthersOut) {
   SequenceGate gate;
-  EXPECT_EQ(gate.accept(Channel::kScan, 7, kStart + 24 * kHour), Verdict::kNew);
+  EXPECT_EQ(gate.accept(Channel::kScan, 7, kStart + 24 * kHour), GateDecision::kNew);
   EXPECT_EQ(drive(gate, Channel::kOdometry, 0, kStart, 50), 50 - kMany);
   EXPECT_EQ(drive(gate, Channel::kScan, 8, kStart + 5 * kSecond, 50), 50)
       << "the wheels say what time it is";
@@ -226,8 +232,8 @@ TEST(SequenceGate, OfTwoSourcesTheFirstIsKept) {
   int num_second = 0;
   for (int i = 0; i < 100; ++i) {
     const std::int64_t utime = kStart + (20 + i) * kSecond / 10;
-    EXPECT_EQ(gate.accept(Channel::kScan, 5020 + i, utime), Verdict::kNew);
-    num_second += gate.accept(Channel::kScan, i, utime + 30000) == Verdict::kNew ? 1 : 0;
+    EXPECT_EQ(gate.accept(Channel::kScan, 5020 + i, utime), GateDecision::kNew);
+    num_second += gate.accept(Channel::kScan, i, utime + 30000) == GateDecision::kNew ? 1 : 0;
   }
   EXPECT_EQ(num_second, 1) << "it might have been the first one, started again";
   EXPECT_GT(gate.counts().num_contests, 50);

@@ -42,6 +42,11 @@ enum class Stream : std::uint64_t {
   kImuRun,
   kVehicles,
   kScanRear,
+  kParkPath,
+  kParkScene,
+  kWheelBias,
+  kSurface,
+  kLoad,
 };
 
 /// Seeded random numbers that are the same on every standard library.

@@ -11,6 +11,7 @@
 #include "simulation/scene/moving_world.hpp"
 #include "simulation/scene/orchard_change.hpp"
 #include "simulation/scene/orchard_scene.hpp"
+#include "simulation/scene/park/park_scene.hpp"
 
 namespace orchard::simulation {
 namespace {
@@ -28,6 +29,7 @@ Stream stream_of(std::size_t sensor) {
 
 Scene make_scene(SceneKind kind, std::uint64_t seed, const RigConfig& rig) {
   if (kind == SceneKind::kTubes) return make_tube_scene(seed, rig);
+  if (kind == SceneKind::kPark) return make_park_scene(seed, rig.simulation.park);
   Scene scene = make_orchard_scene(seed, rig.simulation.orchard, rig.simulation.carry);
   add_clutter(seed, rig.simulation, scene);
   change_orchard(seed, rig.simulation.change, scene);
@@ -52,6 +54,7 @@ std::vector<double> target_errors(std::uint64_t seed, const Scene& scene,
 std::optional<SceneKind> find_scene(std::string_view name) {
   if (name == "tubes") return SceneKind::kTubes;
   if (name == "orchard") return SceneKind::kOrchard;
+  if (name == "park") return SceneKind::kPark;
   return std::nullopt;
 }
 
@@ -63,7 +66,8 @@ Simulator::Simulator(SceneKind kind, std::uint64_t seed, const RigConfig& rig)
       index_(scene_.world),
       renderer_(rig),
       receiver_(seed, rig.simulation),
-      inertial_unit_(seed, rig.simulation.imu, scene_.path.duration_s()) {
+      inertial_unit_(seed, rig.simulation.imu, scene_.path.duration_s()),
+      wheel_memory_(seed, rig.simulation.wheels, scene_.path.duration_s()) {
   if (rig.camera.enabled) renderer_.cast_shadows(scene_.world);
   target_errors_ = target_errors(seed, scene_, rig.simulation.scanner);
   Random wheels(seed, Stream::kOdometryRun);
@@ -212,9 +216,10 @@ std::optional<SensorMessage> Simulator::make(std::size_t sensor, std::int64_t in
       const bool carried = scene_.path.carried_at(time_s);
       if (config.wheels.outage.number_at(time_s) >= 0) return std::nullopt;
       if (carried && !config.carry.odometry) return std::nullopt;
-      return stamped(simulate_odometry(scene_.path, time_s, clocks_[kOdometry].period_s,
-                                       odometry_errors_, config.motion, config.wheels,
-                                       turn_slip_at(time_s), random));
+      return stamped(
+          simulate_odometry(scene_.path, time_s, clocks_[kOdometry].period_s,
+                            wheel_memory_.errors_at(odometry_errors_, time_s, T_map_base),
+                            config.motion, config.wheels, turn_slip_at(time_s), random));
     }
     case kGnss: {
       const auto fix = receiver_.fix(scene_.path, index, time_s);

@@ -18,6 +18,7 @@
 #include "simulation/sensor/laser_model.hpp"
 #include "simulation/sensor/motion_sensors.hpp"
 #include "simulation/sensor/satellite_receiver.hpp"
+#include "simulation/sensor/wheel_memory.hpp"
 #include "vision/image.hpp"
 
 namespace orchard::simulation {
@@ -29,7 +30,7 @@ using SensorMessage = std::variant<laser::Scan, vision::Image, pose::Odometry, p
 /// Where simulated time begins: 2013-12-02 00:00 UTC, the day ACRA 2013 opened [us].
 inline constexpr std::int64_t kEpochUtime = 1385942400000000;
 
-/// "tubes" or "orchard"; none for anything else.
+/// "tubes", "orchard" or "park"; none for anything else.
 std::optional<SceneKind> find_scene(std::string_view name);
 
 /// A robot that drives through a scene: its sensors' messages one by one in the order of
@@ -90,6 +91,7 @@ class Simulator {
   SatelliteReceiver receiver_;
   InertialUnit inertial_unit_;
   OdometryErrors odometry_errors_;
+  WheelMemory wheel_memory_;
   std::array<Clock, kNumSensors> clocks_{};
 };
 

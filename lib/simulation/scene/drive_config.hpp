@@ -29,9 +29,17 @@ void describe(Visitor& v, EpisodeConfig& c) {
 
 /// What wheel encoders get wrong beyond section motion. Section `simulation.wheels`.
 struct WheelsConfig {
-  double yaw_rate_scale_sd = 0.0;  ///< of the run's one error of the track width
-  double turn_slip_sd = 0.0;       ///< of the scale error of speed and yaw rate in each curve
-  EpisodeConfig outage;            ///< no ODOMETRY
+  double yaw_rate_scale_sd = 0.0;     ///< of the run's one error of the track width
+  double turn_slip_sd = 0.0;          ///< of the scale error of speed and yaw rate in each curve
+  EpisodeConfig outage;               ///< no ODOMETRY
+  double surface_slip_sd = 0.0;       ///< of the scale error of speed that belongs to the ground
+  double surface_turn_slip_sd = 0.0;  ///< the same of the yaw rate
+  double surface_m = 15.0;            ///< size of a patch of ground
+  double load_sd = 0.0;               ///< of the scale error of speed that belongs to the load
+  double load_every_s = 400.0;        ///< from one change of the load to the next
+  double bias_wander_sd_radps = 0.0;  ///< of the yaw rate's bias that comes and goes
+  double bias_wander_s = 60.0;        ///< time over which it does
+  bool states_covariance = true;      ///< else ODOMETRY claims nothing, as most robots' does
 };
 
 template <class Visitor>
@@ -40,6 +48,16 @@ void describe(Visitor& v, WheelsConfig& c) {
   v.number("turn_slip_sd", c.turn_slip_sd, 0, 0.5, "1",
            "scale error of speed and yaw rate in each curve");
   v.section("outage", c.outage, "no ODOMETRY");
+  v.number("surface_slip_sd", c.surface_slip_sd, 0, 0.5, "1",
+           "scale error of speed that belongs to the ground");
+  v.number("surface_turn_slip_sd", c.surface_turn_slip_sd, 0, 0.5, "1", "the same of the yaw rate");
+  v.number("surface_m", c.surface_m, 0.5, 1000, "m", "size of a patch of ground");
+  v.number("load_sd", c.load_sd, 0, 0.5, "1", "scale error of speed that changes with the load");
+  v.number("load_every_s", c.load_every_s, 1, 1e6, "s", "from one change of the load to the next");
+  v.number("bias_wander_sd_radps", c.bias_wander_sd_radps, 0, 1, "rad/s",
+           "bias of the yaw rate that comes and goes");
+  v.number("bias_wander_s", c.bias_wander_s, 1, 1e6, "s", "time over which it does");
+  v.flag("states_covariance", c.states_covariance, "ODOMETRY tells how sure it is");
 }
 
 /// Where the receiver's antenna is and what goes wrong with its fixes. Section `simulation.gnss`.

@@ -9,7 +9,7 @@
 
 namespace orchard::simulation {
 
-enum class SceneKind { kTubes, kOrchard };
+enum class SceneKind { kTubes, kOrchard, kPark };
 
 /// What a surface looks like.
 struct Appearance {

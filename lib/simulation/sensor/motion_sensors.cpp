@@ -51,6 +51,7 @@ pose::Odometry simulate_odometry(const DrivePath& path, double time_s, double pe
   odometry.yaw_rate_radps = yaw_rate_radps * (1.0 + errors.yaw_rate_scale) * (1.0 + slip) +
                             errors.yaw_rate_bias_radps +
                             random.normal(0.0, config.yaw_rate_sd_radps);
+  if (!wheels.states_covariance) return odometry;
   const double slip_sd = slip != 0.0 ? wheels.turn_slip_sd : 0.0;
   const auto squared = [](double value) { return value * value; };
   odometry.covariance = {

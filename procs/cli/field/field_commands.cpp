@@ -40,7 +40,7 @@ void add_live(CLI::App& app, Run& run) {
             ->type_name("NAMES")
             ->delimiter(',');
         command.add_option("--sim", o.scene, "simulated sensors in place of the rig's: this scene")
-            ->check(CLI::IsMember({"tubes", "orchard"}));
+            ->check(CLI::IsMember({"tubes", "orchard", "park"}));
         command
             .add_option(
                 "--emulate", o.played_log,

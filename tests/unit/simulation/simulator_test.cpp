@@ -192,6 +192,7 @@ TEST(Simulator, GnssIsWhereTheRobotIs) {
 TEST(Simulator, ScenesHaveNames) {
   EXPECT_EQ(find_scene("tubes"), SceneKind::kTubes);
   EXPECT_EQ(find_scene("orchard"), SceneKind::kOrchard);
+  EXPECT_EQ(find_scene("park"), SceneKind::kPark);
   EXPECT_FALSE(find_scene("forest"));
 }
 

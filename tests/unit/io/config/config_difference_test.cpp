@@ -43,7 +43,7 @@ TEST(ConfigDifferences, WhatIsNoYamlIsRefused) {
 }
 
 TEST(SceneRig, IsTheFileOfTheSceneAsItStands) {
-  for (const std::string scene : {"tubes", "orchard"}) {
+  for (const std::string scene : {"tubes", "orchard", "park"}) {
     EXPECT_EQ(effective_config(scene_rig(scene)),
               effective_config(load_config(ORCHARD_SOURCE_DIR "/config/" + scene + ".yaml")));
   }

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "simulation/scene/park/park_config.hpp"
+#include "simulation/scene/scene.hpp"
+
+namespace orchard::simulation {
+
+/// A park: trees of all widths in groups and alone, in no order, and bushes, all clear of the way
+/// of the car (make_park_path).
+Scene make_park_scene(std::uint64_t seed, const ParkConfig& config);
+
+}  // namespace orchard::simulation

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "evaluation/detection_report.hpp"
+#include "evaluation/error_summary_json.hpp"
 
 namespace orchard::evaluation {
 namespace {
@@ -18,10 +19,6 @@ ordered_json counts_json(const Counts& c) {
           {"num_wrong_on_object", c.num_wrong_on_object},
           {"num_unseen", c.num_unseen},
           {"num_not_detected", c.num_not_detected}};
-}
-
-ordered_json errors_json(const ErrorSummary& s) {
-  return {{"n", s.num}, {"mean_m", s.mean_m}, {"rms_m", s.rms_m}, {"max_m", s.max_m}};
 }
 
 ordered_json reliability_json(const Reliability& r) {

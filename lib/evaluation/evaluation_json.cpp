@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nlohmann/json.hpp>
 
+#include "detection/label_text.hpp"
+#include "evaluation/error_summary_json.hpp"
 #include "evaluation/paper_tables.hpp"
 
 namespace orchard::evaluation {
@@ -9,14 +11,9 @@ namespace {
 using detection::Label;
 using nlohmann::ordered_json;
 
-const char* class_name(Label label) {
-  constexpr std::array<const char*, 3> kNames{"unseen", "tree", "object"};
-  return kNames[static_cast<std::size_t>(label)];
-}
-
 ordered_json landmark_json(const mapping::Landmark& landmark) {
   return {{"id", landmark.id},
-          {"class", class_name(landmark.label)},
+          {"class", label_text(landmark.label)},
           {"x_m", landmark.x_m},
           {"y_m", landmark.y_m},
           {"n", landmark.num_observations},
@@ -27,7 +24,7 @@ ordered_json landmark_json(const mapping::Landmark& landmark) {
 }
 
 ordered_json object_json(const EvaluatedObject& object) {
-  ordered_json json{{"name", object.truth.name},       {"class", class_name(object.truth.label)},
+  ordered_json json{{"name", object.truth.name},       {"class", label_text(object.truth.label)},
                     {"x_m", object.truth.x_m},         {"y_m", object.truth.y_m},
                     {"width_m", object.truth.width_m}, {"found", object.landmark.has_value()}};
   if (object.landmark) {
@@ -39,18 +36,11 @@ ordered_json object_json(const EvaluatedObject& object) {
   return json;
 }
 
-ordered_json errors_json(const ErrorSummary& summary) {
-  return {{"n", summary.num},
-          {"mean_m", summary.mean_m},
-          {"rms_m", summary.rms_m},
-          {"max_m", summary.max_m}};
-}
-
 ordered_json confusion_json(const MapEvaluation& evaluation) {
   ordered_json json;
   for (const Label truth : {Label::kTree, Label::kObject}) {
     for (const Label found : {Label::kTree, Label::kObject, Label::kUnseen}) {
-      json[class_name(truth)][class_name(found)] =
+      json[label_text(truth)][label_text(found)] =
           evaluation.confusion[static_cast<std::size_t>(truth)][static_cast<std::size_t>(found)];
     }
   }

@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include "detection/label_text.hpp"
 #include "geometry/angles.hpp"
 #include "text/number_text.hpp"
 
@@ -12,18 +13,6 @@ namespace {
 using detection::Label;
 
 constexpr double kMmPerM = 1000.0;
-
-const char* class_name(Label label) {
-  switch (label) {
-    case Label::kTree:
-      return "tree";
-    case Label::kObject:
-      return "object";
-    case Label::kUnseen:
-      break;
-  }
-  return "unseen";
-}
 
 /// Three digits as in the paper's table 1; four for the small ones of its table 2.
 std::string roc_text(double roc) { return fixed_text(roc, roc < 0.1 ? 4 : 3); }
@@ -36,7 +25,7 @@ std::string row(const EvaluatedObject& object) {
       fmt::format("{:<8} {:4} {:>14} {:10.2f} {:10.2f} {:25.2f}", name, landmark.num_observations,
                   roc_text(landmark.roc_mean), kMmPerM * landmark.se_x_m, kMmPerM * landmark.se_y_m,
                   kMmPerM * object.error_m);
-  if (!object.right_class()) line += fmt::format("   mapped as {}", class_name(landmark.label));
+  if (!object.right_class()) line += fmt::format("   mapped as {}", label_text(landmark.label));
   return line + "\n";
 }
 
@@ -97,7 +86,7 @@ std::string evaluation_summary(const MapEvaluation& evaluation) {
   }
   for (const mapping::Landmark& landmark : evaluation.extra) {
     text += fmt::format("extra landmark {} ({}, seen {} times) at ({:.3f}, {:.3f}) m\n",
-                        landmark.id, class_name(landmark.label), landmark.num_observations,
+                        landmark.id, label_text(landmark.label), landmark.num_observations,
                         landmark.x_m, landmark.y_m);
   }
   return text;

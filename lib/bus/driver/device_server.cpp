@@ -23,7 +23,7 @@ namespace orchard::bus {
 namespace {
 
 /// What a line holds that nobody reads: more is lost, as in a device.
-constexpr std::size_t kUnsentMost_bytes = 64 * 1024;
+constexpr std::size_t kLineHolds_bytes = 64 * 1024;
 
 /// A terminal that nobody has open says so to every poll: it is looked at now and then instead.
 constexpr std::chrono::milliseconds kLook{10};
@@ -151,7 +151,7 @@ void DeviceServer::step() {
   device_->advance(now());
   const std::string bytes = device_->take_to_send();
   if (!has_client()) return;
-  if (unsent_.size() + bytes.size() <= kUnsentMost_bytes) unsent_ += bytes;
+  if (unsent_.size() + bytes.size() <= kLineHolds_bytes) unsent_ += bytes;
   write_line();
 }
 

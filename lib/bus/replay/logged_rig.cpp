@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bus/replay/logged_rig.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <variant>
 
@@ -13,12 +15,6 @@
 namespace orchard::bus {
 namespace {
 
-std::string join(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
@@ -26,8 +22,8 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
 [[noreturn]] void refuse_disagreement(const std::string& log_path, const LoggedRig& a,
                                       const LoggedRig& b,
                                       const std::vector<io::ConfigDifference>& differences) {
-  std::string text = log_path + " was recorded with different rigs (" + join(a.processes) + " -> " +
-                     join(b.processes) + "):";
+  std::string text = fmt::format("{} was recorded with different rigs ({} -> {}):", log_path,
+                                 fmt::join(a.processes, ", "), fmt::join(b.processes, ", "));
   for (const std::string& line : io::difference_lines(differences)) text += "\n  " + line;
   throw io::FileError(text + "\ngive one with --config FILE; `orchard log config " + log_path +
                       " --process " + b.processes.front() + "` prints the last one");
@@ -73,7 +69,8 @@ LoggedRig rig_of_log(const io::LogPaths& logs, const std::string& process) {
                        [&](const LoggedRig& rig) { return !contains(rig.processes, process); }),
         rigs.end());
     if (rigs.empty()) {
-      throw io::FileError(log_path + " holds no CONFIG of " + process + ", only of " + join(names));
+      throw io::FileError(fmt::format("{} holds no CONFIG of {}, only of {}", log_path, process,
+                                      fmt::join(names, ", ")));
     }
     return rigs.back();  // of a process that was restarted: what it ran with last
   }

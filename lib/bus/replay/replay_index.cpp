@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bus/replay/replay_index.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -15,12 +17,6 @@
 
 namespace orchard::bus {
 namespace {
-
-std::string join(const std::set<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
 
 /// One sentence for what the gate noticed on one channel.
 void add_warnings(ReplayReport& report, Channel channel, const SequenceCounts& counts) {
@@ -181,10 +177,9 @@ ReplayIndex index_log(const io::LogPaths& logs, const ReplayOptions& options) {
     throw io::FileError(log_path + ": no readable LCM event in it; is it an LCM log?");
   }
   if (!has_source) {
-    throw io::FileError(log_path +
-                        ": holds no channel to replay (SCAN, IMAGE, ODOMETRY, GNSS, "
-                        "POSE_FIX), only " +
-                        join(other_channels));
+    throw io::FileError(fmt::format(
+        "{}: holds no channel to replay (SCAN, IMAGE, ODOMETRY, GNSS, POSE_FIX), only {}", log_path,
+        fmt::join(other_channels, ", ")));
   }
   if (options.strict && !report.gaps.empty()) {
     throw io::FileError(log_path + ": damaged at offset " +

@@ -5,11 +5,13 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "detection/label_text.hpp"
 #include "geometry/angles.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
 #include "io/map/geopackage.hpp"
 #include "io/map/map_csv.hpp"
+#include "io/map/rounded.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::io {
@@ -36,10 +38,6 @@ const Landmark& known_as(const ComparisonContent& content, const MapChange& c) {
   const Landmark* a = of_a(content, c);
   const Landmark* b = of_b(content, c);
   return a != nullptr && (a->row != 0 || b == nullptr) ? *a : b != nullptr ? *b : *a;
-}
-
-std::string number_or_empty(std::int32_t number) {
-  return number == 0 ? std::string() : std::to_string(number);
 }
 
 std::string comparison_geopackage(const ComparisonContent& content) {
@@ -78,8 +76,6 @@ std::string comparison_geopackage(const ComparisonContent& content) {
   }
   return file.finish();
 }
-
-double rounded(double value, double scale = 1e4) { return std::round(value * scale) / scale; }
 
 }  // namespace
 

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "io/map/rounded.hpp"
+
 namespace orchard::io {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-double millimetres(double value_m) { return std::round(value_m * 1e3) / 1e3; }
 
 Json place(const Eigen::Vector2d& p) { return {millimetres(p.x()), millimetres(p.y())}; }
 

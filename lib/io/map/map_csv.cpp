@@ -4,7 +4,10 @@
 #include <limits>
 #include <set>
 
+#include "detection/label_text.hpp"
 #include "io/csv.hpp"
+#include "io/map/rounded.hpp"
+#include "io/sane_limits.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::io {
@@ -13,7 +16,6 @@ namespace {
 using detection::Label;
 using mapping::Landmark;
 
-constexpr double kMaxCoordinateM = 1e8;
 constexpr double kMaxSizeM = 1e6;
 constexpr std::int64_t kMaxInt = std::numeric_limits<std::int32_t>::max();
 
@@ -39,8 +41,8 @@ std::vector<Landmark> read_map(CsvReader csv) {
     landmark.id = static_cast<std::int32_t>(csv.integer_in(0, 0, kMaxInt));
     if (!ids.insert(landmark.id).second) csv.fail(0, "this id stands there twice");
     landmark.label = parse_label(csv, 1);
-    landmark.x_m = csv.number_in(2, -kMaxCoordinateM, kMaxCoordinateM);
-    landmark.y_m = csv.number_in(3, -kMaxCoordinateM, kMaxCoordinateM);
+    landmark.x_m = csv.number_in(2, -kMaxCoordinate_m, kMaxCoordinate_m);
+    landmark.y_m = csv.number_in(3, -kMaxCoordinate_m, kMaxCoordinate_m);
     landmark.num_observations = static_cast<std::int32_t>(csv.integer_in(4, 0, kMaxInt));
     landmark.roc_mean = csv.number_in(5, 0.0, 1.0);
     landmark.probability = csv.number_in(6, 0.0, 1.0);
@@ -54,23 +56,7 @@ std::vector<Landmark> read_map(CsvReader csv) {
   return landmarks;
 }
 
-std::string number_or_empty(std::int32_t number) {
-  return number == 0 ? std::string() : std::to_string(number);
-}
-
 }  // namespace
-
-const char* label_text(Label label) {
-  switch (label) {
-    case Label::kTree:
-      return "tree";
-    case Label::kObject:
-      return "object";
-    case Label::kUnseen:
-      break;
-  }
-  return "unseen";
-}
 
 std::string map_csv(const std::vector<Landmark>& landmarks) {
   std::string text = "id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,position\n";

@@ -19,7 +19,4 @@ std::vector<mapping::Landmark> read_map_csv(const std::string& path);
 /// The same from text; `name` stands for the file in messages.
 std::vector<mapping::Landmark> parse_map_csv(std::string_view text, const std::string& name);
 
-/// tree, object or unseen: a label as map files write it.
-const char* label_text(detection::Label label);
-
 }  // namespace orchard::io

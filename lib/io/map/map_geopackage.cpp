@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
+#include "detection/label_text.hpp"
 #include "io/map/geopackage.hpp"
-#include "io/map/map_csv.hpp"
 
 namespace orchard::io {
 namespace {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
+#include "io/map/rounded.hpp"
 #include "mapping/rows/navigation_graph.hpp"
 #include "text/number_text.hpp"
 
@@ -29,10 +30,6 @@ double path_length_m(const std::vector<pose::PoseEstimate>& path) {
 }
 
 /// As everything that is written here.
-double millimetres(double value_m) { return std::round(value_m * 1e3) / 1e3; }
-
-double rounded(double value, double scale) { return std::round(value * scale) / scale; }
-
 std::int32_t next_id(const MapFolderContent& content) {
   std::int32_t next = std::max(1, content.next_id);
   for (const mapping::Landmark& l : content.landmarks) next = std::max(next, l.id + 1);

@@ -4,13 +4,11 @@
 #include "geometry/angles.hpp"
 #include "io/atomic_file.hpp"
 #include "io/csv.hpp"
+#include "io/sane_limits.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::io {
 namespace {
-
-constexpr double kMaxCoordinateM = 1e8;
-constexpr double kMaxYawRad = 1e4;
 
 std::vector<pose::PoseEstimate> read_trajectory(CsvReader csv) {
   csv.expect_columns({"utime_us", "x_m", "y_m", "yaw_rad"});
@@ -22,9 +20,9 @@ std::vector<pose::PoseEstimate> read_trajectory(CsvReader csv) {
       csv.fail(0, "time must go up from line to line");
     }
     pose.seq = static_cast<std::int32_t>(trajectory.size());
-    pose.x_m = csv.number_in(1, -kMaxCoordinateM, kMaxCoordinateM);
-    pose.y_m = csv.number_in(2, -kMaxCoordinateM, kMaxCoordinateM);
-    pose.yaw_rad = geometry::wrap_angle_rad(csv.number_in(3, -kMaxYawRad, kMaxYawRad));
+    pose.x_m = csv.number_in(1, -kMaxCoordinate_m, kMaxCoordinate_m);
+    pose.y_m = csv.number_in(2, -kMaxCoordinate_m, kMaxCoordinate_m);
+    pose.yaw_rad = geometry::wrap_angle_rad(csv.number_in(3, -kMaxYaw_rad, kMaxYaw_rad));
     trajectory.push_back(pose);
   }
   return trajectory;

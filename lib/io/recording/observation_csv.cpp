@@ -8,6 +8,7 @@
 #include "io/atomic_file.hpp"
 #include "io/csv.hpp"
 #include "io/file_error.hpp"
+#include "io/sane_limits.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::io {
@@ -16,9 +17,6 @@ namespace {
 using detection::Label;
 using simulation::TrueObservation;
 
-constexpr double kMaxCoordinateM = 1e8;
-constexpr double kMaxWidthM = 1e3;
-constexpr double kMaxRangeM = 1e4;
 constexpr std::int64_t kMaxObject = 100000000;
 constexpr std::int64_t kMaxBeams = 1000000;
 
@@ -47,10 +45,10 @@ std::vector<TrueObservation> read_observations(CsvReader csv) {
     if (labels.emplace(o.object, o.label).first->second != o.label) {
       csv.fail(2, "is not the class that this object had before");
     }
-    o.x_m = csv.number_in(3, -kMaxCoordinateM, kMaxCoordinateM);
-    o.y_m = csv.number_in(4, -kMaxCoordinateM, kMaxCoordinateM);
-    o.width_m = csv.number_in(5, 0.0, kMaxWidthM);
-    o.range_m = csv.number_in(6, -kMaxWidthM, kMaxRangeM);
+    o.x_m = csv.number_in(3, -kMaxCoordinate_m, kMaxCoordinate_m);
+    o.y_m = csv.number_in(4, -kMaxCoordinate_m, kMaxCoordinate_m);
+    o.width_m = csv.number_in(5, 0.0, kMaxWidth_m);
+    o.range_m = csv.number_in(6, -kMaxWidth_m, kMaxRange_m);
     o.bearing_rad = csv.number_in(7, -2.0 * geometry::kPi, 2.0 * geometry::kPi);
     o.num_beams = static_cast<int>(csv.integer_in(8, 0, kMaxBeams));
     o.hidden_fraction = csv.number_in(9, 0.0, 1.0);

@@ -18,6 +18,7 @@
 #include "geometry/angles.hpp"
 #include "io/file_error.hpp"
 #include "io/recording/jpeg_file.hpp"
+#include "io/sane_limits.hpp"
 
 namespace orchard::io {
 namespace {
@@ -27,7 +28,6 @@ using namespace mrpt::obs;
 
 constexpr int kJpegQuality = 95;
 constexpr double kMaxTiltRad = 0.05;
-constexpr double kMaxRangeM = 1e4;
 
 /// MRPT counts 100 ns from the year 1601.
 std::optional<std::int64_t> utime_of(mrpt::system::TTimeStamp time) {
@@ -125,7 +125,7 @@ void RawlogCollector::add_scan(const CObservation2DRangeScan& source) {
     return ignore(name + " (not horizontal)");
   }
   if (num_beams < 2 || !(source.aperture > 0.0f) || !(source.aperture < 7.0f) ||
-      !(source.maxRange > 0.0f) || !(source.maxRange <= kMaxRangeM)) {
+      !(source.maxRange > 0.0f) || !(source.maxRange <= kMaxRange_m)) {
     return ignore(name + " (contradicts itself)");
   }
   if (!content_.laser_mount) content_.laser_mount = SensorMount{pose.x(), pose.y(), pose.yaw()};
@@ -139,7 +139,7 @@ void RawlogCollector::add_scan(const CObservation2DRangeScan& source) {
   scan.ranges_m.resize(num_beams, 0.0f);
   for (std::size_t i = 0; i < num_beams; ++i) {
     const float range_m = source.getScanRange(i);
-    const bool usable = source.getScanRangeValidity(i) && range_m > 0.0f && range_m < kMaxRangeM;
+    const bool usable = source.getScanRangeValidity(i) && range_m > 0.0f && range_m < kMaxRange_m;
     if (usable) scan.ranges_m[i] = range_m;
     if (source.hasIntensity()) {
       scan.intensities.push_back(static_cast<float>(source.getScanIntensity(i)));

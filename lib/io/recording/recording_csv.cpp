@@ -5,16 +5,14 @@
 
 #include "geometry/angles.hpp"
 #include "io/file_error.hpp"
+#include "io/sane_limits.hpp"
 
 namespace orchard::io {
 namespace {
 
-constexpr double kMaxRangeM = 1e4;
-constexpr double kMaxCoordinateM = 1e8;
 constexpr double kMaxIntensity = 1e9;
 constexpr double kMaxSpeedMps = 100.0;
 constexpr double kMaxYawRateRadps = 100.0;
-constexpr double kMaxYawRad = 1e4;
 constexpr std::int64_t kMaxUtime = std::int64_t{1} << 60;
 
 /// The first line must name utime_us and then as many columns as there are beams.
@@ -67,7 +65,7 @@ std::optional<laser::Scan> ScanCsv::next() {
   scan.range_max_m = laser_.range_max_m;
   scan.ranges_m.reserve(csv_.num_fields() - 1);
   for (std::size_t i = 1; i < csv_.num_fields(); ++i) {
-    scan.ranges_m.push_back(static_cast<float>(csv_.number_in(i, 0.0, kMaxRangeM)));
+    scan.ranges_m.push_back(static_cast<float>(csv_.number_in(i, 0.0, kMaxRange_m)));
   }
   if (intensities_) read_intensities(scan);
   return scan;
@@ -123,9 +121,9 @@ std::optional<pose::PoseFix> PoseFixCsv::next() {
   pose::PoseFix fix;
   fix.utime = utime_;
   fix.seq = seq_;
-  fix.x_m = csv_.number_in(1, -kMaxCoordinateM, kMaxCoordinateM);
-  fix.y_m = csv_.number_in(2, -kMaxCoordinateM, kMaxCoordinateM);
-  fix.yaw_rad = geometry::wrap_angle_rad(csv_.number_in(3, -kMaxYawRad, kMaxYawRad));
+  fix.x_m = csv_.number_in(1, -kMaxCoordinate_m, kMaxCoordinate_m);
+  fix.y_m = csv_.number_in(2, -kMaxCoordinate_m, kMaxCoordinate_m);
+  fix.yaw_rad = geometry::wrap_angle_rad(csv_.number_in(3, -kMaxYaw_rad, kMaxYaw_rad));
   return fix;
 }
 

@@ -7,12 +7,10 @@
 #include "geometry/angles.hpp"
 #include "io/csv.hpp"
 #include "io/file_error.hpp"
+#include "io/sane_limits.hpp"
 
 namespace orchard::io {
 namespace {
-
-constexpr double kMaxCoordinateM = 1e8;
-constexpr double kMaxYawRad = 1e4;
 
 std::optional<std::size_t> find_column(const CsvReader& csv, const char* name) {
   const auto& columns = csv.columns();
@@ -38,9 +36,10 @@ evaluation::Track read_track(CsvReader csv, const std::string& name) {
     if (!track.poses.empty() && pose.utime <= track.poses.back().utime) {
       csv.fail(*utime, "time must go up from line to line");
     }
-    pose.x_m = csv.number_in(*x, -kMaxCoordinateM, kMaxCoordinateM);
-    pose.y_m = csv.number_in(*y, -kMaxCoordinateM, kMaxCoordinateM);
-    if (yaw) pose.yaw_rad = geometry::wrap_angle_rad(csv.number_in(*yaw, -kMaxYawRad, kMaxYawRad));
+    pose.x_m = csv.number_in(*x, -kMaxCoordinate_m, kMaxCoordinate_m);
+    pose.y_m = csv.number_in(*y, -kMaxCoordinate_m, kMaxCoordinate_m);
+    if (yaw)
+      pose.yaw_rad = geometry::wrap_angle_rad(csv.number_in(*yaw, -kMaxYaw_rad, kMaxYaw_rad));
     track.poses.push_back(pose);
   }
   if (track.poses.empty()) throw FileError(name + ": holds no poses");

@@ -5,6 +5,7 @@
 #include "io/csv.hpp"
 #include "io/file_error.hpp"
 #include "io/map/trajectory_csv.hpp"
+#include "io/sane_limits.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::io {
@@ -12,9 +13,6 @@ namespace {
 
 using detection::Label;
 using simulation::TruthObject;
-
-constexpr double kMaxCoordinateM = 1e8;
-constexpr double kMaxWidthM = 1e3;
 
 std::vector<TruthObject> read_truth(CsvReader csv) {
   csv.expect_columns({"class", "x_m", "y_m", "width_m"});
@@ -32,9 +30,9 @@ std::vector<TruthObject> read_truth(CsvReader csv) {
     } else {
       csv.fail(0, "must be tree or object");
     }
-    object.x_m = csv.number_in(1, -kMaxCoordinateM, kMaxCoordinateM);
-    object.y_m = csv.number_in(2, -kMaxCoordinateM, kMaxCoordinateM);
-    object.width_m = csv.number_in(3, 0.0, kMaxWidthM);
+    object.x_m = csv.number_in(1, -kMaxCoordinate_m, kMaxCoordinate_m);
+    object.y_m = csv.number_in(2, -kMaxCoordinate_m, kMaxCoordinate_m);
+    object.width_m = csv.number_in(3, 0.0, kMaxWidth_m);
     truth.push_back(object);
   }
   return truth;

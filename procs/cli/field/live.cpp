@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -17,6 +16,7 @@
 #include "bus/node/process_report.hpp"
 #include "bus/node/stop_signal.hpp"
 #include "cli/field/field_url.hpp"
+#include "cli/field/start_time.hpp"
 #include "cli/field/status_board.hpp"
 #include "cli/field/status_screen.hpp"
 #include "cli/load_rig.hpp"
@@ -35,15 +35,6 @@ constexpr std::int64_t kPlayAfter_us = 3'000'000;
 
 /// How long a stage may take to stop; the mapper then writes its whole folder.
 constexpr std::chrono::seconds kStopMost{20};
-
-std::string time_text() {
-  const std::time_t now = std::time(nullptr);
-  std::tm local{};
-  localtime_r(&now, &local);
-  char text[32];
-  std::strftime(text, sizeof(text), "%Y%m%d-%H%M%S", &local);
-  return text;
-}
 
 /// The processes of this machine, with what happened to them last.
 class Launch {
@@ -149,7 +140,7 @@ std::string program_folder() {
 int run_live(const LiveOptions& given) {
   LiveOptions options = given;
   const io::Config config = load_rig(options.config_path);
-  if (options.out_folder.empty()) options.out_folder = "out/live/" + time_text();
+  if (options.out_folder.empty()) options.out_folder = "out/live/" + start_time_text();
   options.play_utime = bus::wall_utime() + kPlayAfter_us;
   const std::vector<ChildPlan> plans = plan_launch(options, config, program_folder());
   std::error_code error;

@@ -4,27 +4,18 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
-#include <ctime>
 
 #include "bus/bus.hpp"
 #include "bus/node/process.hpp"
 #include "bus/node/process_report.hpp"
 #include "bus/node/stop_signal.hpp"
 #include "cli/field/field_url.hpp"
+#include "cli/field/start_time.hpp"
 #include "io/config/config.hpp"
 #include "io/log/log_recorder.hpp"
 
 namespace orchard::cli {
 namespace {
-
-std::string time_text() {
-  const std::time_t now = std::time(nullptr);
-  std::tm local{};
-  localtime_r(&now, &local);
-  char text[32];
-  std::strftime(text, sizeof(text), "%Y%m%d-%H%M%S", &local);
-  return text;
-}
 
 bus::Status status_of(const io::LogRecorder& recorder) {
   bus::Status status;
@@ -53,7 +44,7 @@ int run_record(const RecordOptions& options) {
   limits.split_bytes = static_cast<std::int64_t>(1e6 * options.split_mb);
   limits.keep_bytes = static_cast<std::int64_t>(1e9 * options.keep_gb);
   limits.least_free_bytes = static_cast<std::int64_t>(1e9 * options.least_free_gb);
-  io::LogRecorder recorder(options.folder + "/" + options.name + "-" + time_text(), limits);
+  io::LogRecorder recorder(options.folder + "/" + options.name + "-" + start_time_text(), limits);
   spdlog::info("records to {}; Ctrl-C ends", recorder.path());
   bus::ProcessReport report(bus, "orchard-recorder", {});
   bus.subscribe_raw([&recorder](const std::string& channel, std::int64_t utime, bus::Bytes bytes) {

@@ -8,6 +8,7 @@
 #include "simulation/scene/clutter_config.hpp"
 #include "simulation/scene/drive_config.hpp"
 #include "simulation/scene/park/park_config.hpp"
+#include "simulation/scene/yard/yard_config.hpp"
 #include "simulation/sensor/light_config.hpp"
 
 namespace orchard::simulation {
@@ -227,6 +228,7 @@ struct SimulationConfig {
   TubesConfig tubes;
   OrchardConfig orchard;
   ParkConfig park;
+  YardConfig yard;
   ClutterConfig clutter;
   LightConfig light;
   CameraResponseConfig camera_response;
@@ -246,6 +248,7 @@ void describe(Visitor& v, SimulationConfig& c) {
   v.section("tubes", c.tubes, "scene tubes: the paper's simulated environment");
   v.section("orchard", c.orchard, "scene orchard");
   v.section("park", c.park, "scene park: trees in no order, driven through by a car");
+  v.section("yard", c.yard, "scene yard: a block, a shed, hedges, scattered trees");
   v.section("clutter", c.clutter, "what else stands and moves in scene orchard");
   v.section("light", c.light, "sun, sky and shadows in the pictures");
   v.section("camera_response", c.camera_response, "what the camera makes of that light");

@@ -12,6 +12,7 @@
 #include "simulation/scene/orchard_change.hpp"
 #include "simulation/scene/orchard_scene.hpp"
 #include "simulation/scene/park/park_scene.hpp"
+#include "simulation/scene/yard/yard_scene.hpp"
 
 namespace orchard::simulation {
 namespace {
@@ -30,6 +31,7 @@ Stream stream_of(std::size_t sensor) {
 Scene make_scene(SceneKind kind, std::uint64_t seed, const RigConfig& rig) {
   if (kind == SceneKind::kTubes) return make_tube_scene(seed, rig);
   if (kind == SceneKind::kPark) return make_park_scene(seed, rig.simulation.park);
+  if (kind == SceneKind::kYard) return make_yard_scene(seed, rig.simulation.yard);
   Scene scene = make_orchard_scene(seed, rig.simulation.orchard, rig.simulation.carry);
   add_clutter(seed, rig.simulation, scene);
   change_orchard(seed, rig.simulation.change, scene);
@@ -55,6 +57,7 @@ std::optional<SceneKind> find_scene(std::string_view name) {
   if (name == "tubes") return SceneKind::kTubes;
   if (name == "orchard") return SceneKind::kOrchard;
   if (name == "park") return SceneKind::kPark;
+  if (name == "yard") return SceneKind::kYard;
   return std::nullopt;
 }
 

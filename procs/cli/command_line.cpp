@@ -34,9 +34,9 @@ void add_simulate(CLI::App& app, Run& run) {
       run_simulate, [](CLI::App& command, SimulateOptions& o) {
         command
             .add_option("--scene", o.scene,
-                        "tubes (the paper's), orchard, park, or board (for calibrate laser-camera)")
+                        "tubes (the paper's), orchard, park, yard, or board (for calibrate laser-camera)")
             ->required()
-            ->check(CLI::IsMember({"tubes", "orchard", "park", "board"}));
+            ->check(CLI::IsMember({"tubes", "orchard", "park", "yard", "board"}));
         command.add_option("--seed", o.seed, "all noise and layout follow from it")
             ->capture_default_str();
         command.add_option("--out", o.out_path, "log to write")->required()->type_name("LOG");

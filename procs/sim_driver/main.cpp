@@ -12,7 +12,7 @@ int main(int argc, char** argv) {
   info.name = "orchard-sim-driver";
   info.description =
       "Drives a simulated robot and publishes what its sensors measure.\n"
-      "Sends SCAN, IMAGE and POSE_FIX; in scenes orchard and park ODOMETRY, GNSS and IMU too.";
+      "Sends SCAN, IMAGE and POSE_FIX; in the other scenes than tubes ODOMETRY, GNSS and IMU too.";
   info.options = {
       {"--scene", "NAME", "tubes (the paper's simulated environment) or orchard [tubes]",
        &options.scene},

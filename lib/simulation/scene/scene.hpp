@@ -9,7 +9,7 @@
 
 namespace orchard::simulation {
 
-enum class SceneKind { kTubes, kOrchard, kPark };
+enum class SceneKind { kTubes, kOrchard, kPark, kYard };
 
 /// What a surface looks like.
 struct Appearance {

@@ -9,7 +9,7 @@
 
 namespace orchard::cli {
 
-/// `orchard simulate --scene tubes|orchard|park --seed N --out LOG`.
+/// `orchard simulate --scene tubes|orchard|park|yard --seed N --out LOG`.
 struct SimulateOptions {
   std::string scene;
   std::uint64_t seed = 1;

@@ -193,6 +193,7 @@ TEST(Simulator, ScenesHaveNames) {
   EXPECT_EQ(find_scene("tubes"), SceneKind::kTubes);
   EXPECT_EQ(find_scene("orchard"), SceneKind::kOrchard);
   EXPECT_EQ(find_scene("park"), SceneKind::kPark);
+  EXPECT_EQ(find_scene("yard"), SceneKind::kYard);
   EXPECT_FALSE(find_scene("forest"));
 }
 

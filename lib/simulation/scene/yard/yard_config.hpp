@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+namespace orchard::simulation {
+
+/// A yard between blocks. Section `simulation.yard`.
+struct YardConfig {
+  double speed_mps = 1.0;
+  int num_trees = 45;               ///< scattered, beside those of the block
+  double hedge_roughness_m = 0.15;  ///< sd of a hedge's face about its line
+};
+
+template <class Visitor>
+void describe(Visitor& v, YardConfig& c) {
+  v.number("speed_mps", c.speed_mps, 0.05, 10, "m/s", "the robot's speed");
+  v.integer("num_trees", c.num_trees, 0, 1000, "trees", "scattered over the yard");
+  v.number("hedge_roughness_m", c.hedge_roughness_m, 0, 1, "m", "sd of a hedge's face");
+}
+
+}  // namespace orchard::simulation

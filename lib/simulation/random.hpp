@@ -47,6 +47,7 @@ enum class Stream : std::uint64_t {
   kWheelBias,
   kSurface,
   kLoad,
+  kGnssSky,
 };
 
 /// Seeded random numbers that are the same on every standard library.

@@ -60,6 +60,37 @@ void describe(Visitor& v, WheelsConfig& c) {
   v.flag("states_covariance", c.states_covariance, "ODOMETRY tells how sure it is");
 }
 
+/// What the sky does to a receiver as time goes on: errors with a memory, fixes in bursts. Section
+/// `simulation.gnss.sky`.
+struct SkyConfig {
+  double wander_sd_m = 0.0;         ///< of an error that changes slowly, per axis
+  double wander_time_s = 60.0;      ///< in which it forgets itself (to 1/e)
+  double gap_every_s = 0.0;         ///< mean time with fixes between two gaps; 0 = no gaps
+  double gap_min_s = 20.0;          ///< shortest gap; lengths are spread evenly in their logarithm
+  double gap_max_s = 180.0;         ///< longest gap
+  double burst_s = 0.0;             ///< mean length of a burst of fixes; 0 = no bursts
+  double pause_s = 0.0;             ///< mean length of the pause after it
+  double multipath_fraction = 0.0;  ///< of the time signals are reflected
+  double multipath_for_s = 8.0;     ///< mean time that a reflection lasts
+  double multipath_m = 10.0;        ///< mean length of its error, which stays as it is meanwhile
+};
+
+template <class Visitor>
+void describe(Visitor& v, SkyConfig& c) {
+  v.number("wander_sd_m", c.wander_sd_m, 0, 100, "m", "error that changes slowly, per axis");
+  v.number("wander_time_s", c.wander_time_s, 1, 1e5, "s", "in which it forgets itself");
+  v.number("gap_every_s", c.gap_every_s, 0, 1e5, "s", "mean from one gap to the next; 0 = none");
+  v.number("gap_min_s", c.gap_min_s, 0.1, 1e4, "s", "shortest gap");
+  v.number("gap_max_s", c.gap_max_s, 0.1, 1e4, "s", "longest gap");
+  v.number("burst_s", c.burst_s, 0, 1e4, "s", "mean length of a burst of fixes; 0 = no bursts");
+  v.number("pause_s", c.pause_s, 0, 1e4, "s", "mean length of the pause after a burst");
+  v.number("multipath_fraction", c.multipath_fraction, 0, 0.9, "1",
+           "of the time signals are reflected");
+  v.number("multipath_for_s", c.multipath_for_s, 0.1, 1e4, "s", "mean time a reflection lasts");
+  v.number("multipath_m", c.multipath_m, 0, 1000, "m", "mean length of its error");
+  v.check(c.gap_min_s <= c.gap_max_s, "gap_min_s", "must not be above gap_max_s");
+}
+
 /// Where the receiver's antenna is and what goes wrong with its fixes. Section `simulation.gnss`.
 struct ReceiverConfig {
   std::array<double, 2> antenna_m{0.0, 0.0};  ///< in base
@@ -71,6 +102,7 @@ struct ReceiverConfig {
   double jump_m = 30.0;                       ///< how far fixes are off during `jump`
   EpisodeConfig jump;
   EpisodeConfig freeze;  ///< the same position again and again
+  SkyConfig sky;
 };
 
 template <class Visitor>
@@ -86,6 +118,7 @@ void describe(Visitor& v, ReceiverConfig& c) {
   v.number("jump_m", c.jump_m, 0, 1e5, "m", "how far fixes are off during jump");
   v.section("jump", c.jump, "fixes are off, each time to another side");
   v.section("freeze", c.freeze, "the same position again and again");
+  v.section("sky", c.sky, "errors with a memory, fixes in bursts with gaps");
 }
 
 /// An inertial unit on base; the defaults are a small MEMS unit's. Section `simulation.imu`.

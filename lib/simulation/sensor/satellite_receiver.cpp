@@ -12,7 +12,11 @@
 namespace orchard::simulation {
 
 SatelliteReceiver::SatelliteReceiver(std::uint64_t seed, const SimulationConfig& config)
-    : seed_(seed), config_(config.gnss), motion_(config.motion), orchard_(config.orchard) {}
+    : seed_(seed),
+      config_(config.gnss),
+      motion_(config.motion),
+      orchard_(config.orchard),
+      sky_(seed, config.gnss.sky) {}
 
 bool SatelliteReceiver::under_canopy(double x_m, double y_m) const {
   if (config_.canopy_fraction <= 0.0) return false;
@@ -28,7 +32,7 @@ bool SatelliteReceiver::under_canopy(double x_m, double y_m) const {
 
 std::optional<pose::Gnss> SatelliteReceiver::fix(const DrivePath& path, std::int64_t index,
                                                  double time_s) const {
-  if (config_.outage.number_at(time_s) >= 0) return std::nullopt;
+  if (config_.outage.number_at(time_s) >= 0 || !sky_.is_open(time_s)) return std::nullopt;
   if (const int freeze = config_.freeze.number_at(time_s); freeze >= 0) {
     // the last fix before, noise and all
     const double rate_hz = motion_.gnss_rate_hz;
@@ -42,7 +46,8 @@ std::optional<pose::Gnss> SatelliteReceiver::fix(const DrivePath& path, std::int
   const Pose2 antenna = compose(T_map_base, {config_.antenna_m[0], config_.antenna_m[1], 0.0});
   double x_m = antenna.x_m, y_m = antenna.y_m;
   double sd_m = motion_.gnss_sd_m;
-  double stated_sd_m = config_.stated_sd_m > 0.0 ? config_.stated_sd_m : sd_m;
+  double stated_sd_m =
+      config_.stated_sd_m > 0.0 ? config_.stated_sd_m : std::hypot(sd_m, sky_.wander_sd_m());
   if (under_canopy(x_m, y_m)) {
     if (config_.canopy_sd_m <= 0.0) return std::nullopt;
     sd_m = stated_sd_m = config_.canopy_sd_m;
@@ -53,6 +58,9 @@ std::optional<pose::Gnss> SatelliteReceiver::fix(const DrivePath& path, std::int
     x_m += config_.jump_m * std::cos(towards_rad);
     y_m += config_.jump_m * std::sin(towards_rad);
   }
+  const Eigen::Vector2d sky_m = sky_.error_m(time_s);
+  x_m += sky_m.x();
+  y_m += sky_m.y();
   Random random(seed_, Stream::kGnss, static_cast<std::uint64_t>(index));
   return simulate_gnss(x_m, y_m, motion_.datum, sd_m, stated_sd_m, random);
 }

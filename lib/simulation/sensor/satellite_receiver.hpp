@@ -6,11 +6,12 @@
 
 #include "pose/measurements.hpp"
 #include "simulation/scene/drive_path.hpp"
+#include "simulation/sensor/receiver_sky.hpp"
 #include "simulation/simulation_config.hpp"
 
 namespace orchard::simulation {
 
-/// A satellite receiver on a robot in scene orchard, with all that section `simulation.gnss` says.
+/// A satellite receiver on a driving robot, with all that section `simulation.gnss` says.
 /// What a stretch of an alley hides it hides on every lap.
 class SatelliteReceiver {
  public:
@@ -28,6 +29,7 @@ class SatelliteReceiver {
   ReceiverConfig config_;
   MotionConfig motion_;
   OrchardConfig orchard_;
+  ReceiverSky sky_;
 };
 
 }  // namespace orchard::simulation

@@ -34,6 +34,8 @@ packages=(
   iproute2 util-linux
   # tests of several machines, clocks and supervisors
   python3 nftables libfaketime supervisor
+  # tests of the pages: a browser without a window, and what drives it
+  chromium chromium-driver
 )
 
 missing=()

@@ -8,6 +8,7 @@
 #include "io/file_error.hpp"
 #include "io/map/graph_json.hpp"
 #include "io/map/map_geopackage.hpp"
+#include "io/map/map_page.hpp"
 #include "io/map/summary_json.hpp"
 #include "io/map/trajectory_csv.hpp"
 #include "mapping/rows/navigation_graph.hpp"
@@ -35,6 +36,7 @@ void write_map_folder(const std::string& folder, const MapFolderContent& content
                              content.georeference));
   files.write((path / "map.svg").string(), figure(FigureFormat::kSvg));
   files.write((path / "map.png").string(), figure(FigureFormat::kPng));
+  files.write((path / "map.html").string(), map_page(content, graph));
   files.write((path / "trajectory.csv").string(), trajectory_csv(content.trajectory));
   for (std::size_t k = 0; k < content.more_trajectories.size(); ++k) {
     files.write((path / ("trajectory_" + std::to_string(k + 2) + ".csv")).string(),

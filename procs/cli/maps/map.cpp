@@ -123,7 +123,8 @@ void print_summary(const MapOptions& options, const ReplayReport& report,
   }
   std::printf(
       "written to %s: map.csv (table), map.gpkg (QGIS), map.svg and map.png (picture),\n"
-      "  trajectory.csv, graph.json (aisles, for planners), summary.json%s\n",
+      "  map.html (for a browser), trajectory.csv, graph.json (aisles, for planners), "
+      "summary.json%s\n",
       options.out_folder.c_str(),
       options.no_derived ? "" : ", derived.lcm (every message on the way)");
 }

@@ -66,7 +66,8 @@ class MapSaverTest : public ::testing::Test {
 };
 
 TEST_F(MapSaverTest, TheFirstSaveMakesAllFiles) {
-  for (const char* name : {"map.csv", "map.gpkg", "map.png", "map.svg", "trajectory.csv"}) {
+  for (const char* name :
+       {"map.csv", "map.gpkg", "map.png", "map.svg", "map.html", "trajectory.csv"}) {
     EXPECT_TRUE(exists(name)) << name;
   }
   const std::string summary = io::read_bytes(folder / "summary.json");

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/map/map_page.hpp"
+
+#include "view/map_data.hpp"
+#include "view/page.hpp"
+
+namespace orchard::io {
+
+std::string map_page(const MapFolderContent& content, const mapping::NavigationGraph& graph) {
+  view::MapData data;
+  data.title = content.summary.source.empty() ? "Orchard map" : content.summary.source;
+  data.version = content.summary.version;
+  data.first_utime = content.summary.first_utime;
+  data.last_utime = content.summary.last_utime;
+  data.warnings = content.summary.warnings;
+  data.landmarks = &content.landmarks;
+  data.rows = &content.rows;
+  data.graph = &graph;
+  data.paths.push_back(&content.trajectory);
+  for (const auto& trajectory : content.more_trajectories) data.paths.push_back(&trajectory);
+  data.georeference = content.georeference;
+  return view::page_html(data.title, view::map_data_json(data), view::PageSource::kFile);
+}
+
+}  // namespace orchard::io

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "view/map_data.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "text/number_text.hpp"
+#include "view/line_thinning.hpp"
+
+namespace orchard::view {
+namespace {
+
+using mapping::Landmark;
+
+int label_number(detection::Label label) {
+  switch (label) {
+    case detection::Label::kTree:
+      return 0;
+    case detection::Label::kObject:
+      return 1;
+    default:
+      return 2;
+  }
+}
+
+/// `"name":[...]` of what `text_of` says of each.
+template <typename Items, typename TextOf>
+std::string array_json(const Items& items, const TextOf& text_of) {
+  std::string text = "[";
+  for (const auto& item : items) {
+    if (text.size() > 1) text += ',';
+    text += text_of(item);
+  }
+  return text + "]";
+}
+
+std::string line_json(const std::vector<Eigen::Vector2d>& line) {
+  return array_json(line, [](const Eigen::Vector2d& p) {
+    return fixed_text(p.x(), 3) + "," + fixed_text(p.y(), 3);
+  });
+}
+
+std::string row_json(const mapping::Row& row) {
+  std::vector<Eigen::Vector2d> line;
+  std::vector<const mapping::RowPlace*> gaps;
+  for (const mapping::RowPlace& place : row.places) {
+    if (place.landmark_id != 0) {
+      line.push_back(place.p_map);
+    } else {
+      gaps.push_back(&place);
+    }
+  }
+  return "{\"number\":" + std::to_string(row.number) +
+         ",\"spacing\":" + fixed_text(row.spacing_m, 3) + ",\"line\":" + line_json(line) +
+         ",\"gaps\":" +
+         array_json(gaps,
+                    [](const mapping::RowPlace* gap) {
+                      return "[" + std::to_string(gap->position) + "," +
+                             fixed_text(gap->p_map.x(), 3) + "," + fixed_text(gap->p_map.y(), 3) +
+                             "]";
+                    }) +
+         "}";
+}
+
+std::string way_json(const mapping::NavigationEdge& way) {
+  const char* kind = way.kind == mapping::WayKind::kAlley ? "alley" : "headland";
+  return std::string("{\"kind\":\"") + kind + "\",\"width\":" + fixed_text(way.width_m, 3) +
+         ",\"line\":" + line_json(way.line_map) + "}";
+}
+
+std::string path_json(const std::vector<pose::PoseEstimate>* path) {
+  std::vector<Eigen::Vector2d> line;
+  line.reserve(path->size());
+  for (const pose::PoseEstimate& pose : *path) line.emplace_back(pose.x_m, pose.y_m);
+  return line_json(thinned_line(line, kPathTolerance_m));
+}
+
+std::string georeference_json(const geometry::Georeference& g) {
+  return "{\"latitude_deg\":" + fixed_text(g.latitude_deg, 8) +
+         ",\"longitude_deg\":" + fixed_text(g.longitude_deg, 8) +
+         ",\"yaw_rad\":" + fixed_text(g.yaw_rad, 6) +
+         ",\"residual_rms_m\":" + fixed_text(g.residual_rms_m, 3) + "}";
+}
+
+}  // namespace
+
+std::string json_text(const std::string& text) {
+  return nlohmann::json(text).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+}
+
+std::string landmark_columns_json(const std::vector<Landmark>& landmarks,
+                                  const std::optional<geometry::Georeference>& georeference) {
+  std::string text = "{";
+  const auto add = [&](const char* name, const auto& text_of) {
+    if (text.size() > 1) text += ",";
+    text += std::string("\"") + name + "\":" + array_json(landmarks, text_of);
+  };
+  const auto add_number = [&](const char* name, double Landmark::*value, int num_decimals) {
+    add(name, [=](const Landmark& l) { return fixed_text(l.*value, num_decimals); });
+  };
+  add("id", [](const Landmark& l) { return std::to_string(l.id); });
+  add("label", [](const Landmark& l) { return std::to_string(label_number(l.label)); });
+  add_number("x", &Landmark::x_m, 3);
+  add_number("y", &Landmark::y_m, 3);
+  add("n", [](const Landmark& l) { return std::to_string(l.num_observations); });
+  add_number("roc", &Landmark::roc_mean, 3);
+  add_number("probability", &Landmark::probability, 4);
+  add_number("se_x", &Landmark::se_x_m, 4);
+  add_number("se_y", &Landmark::se_y_m, 4);
+  add_number("width", &Landmark::width_m, 4);
+  add("row", [](const Landmark& l) { return std::to_string(l.row); });
+  add("position", [](const Landmark& l) { return std::to_string(l.position); });
+  if (georeference) {
+    const auto place = [&](const Landmark& l) {
+      return geometry::geodetic_of(*georeference, {l.x_m, l.y_m});
+    };
+    add("latitude", [&](const Landmark& l) { return fixed_text(place(l).latitude_deg, 7); });
+    add("longitude", [&](const Landmark& l) { return fixed_text(place(l).longitude_deg, 7); });
+  }
+  return text + "}";
+}
+
+std::string rows_and_ways_json(const std::vector<mapping::Row>& rows,
+                               const mapping::NavigationGraph& graph) {
+  return "\"rows\":" + array_json(rows, row_json) +
+         ",\"ways\":" + array_json(graph.edges, way_json);
+}
+
+std::string map_data_json(const MapData& map_data) {
+  std::string text = "{\"title\":" + json_text(map_data.title) +
+                     ",\"version\":" + json_text(map_data.version) +
+                     ",\"first_utime\":" + std::to_string(map_data.first_utime) +
+                     ",\"last_utime\":" + std::to_string(map_data.last_utime) +
+                     ",\"warnings\":" + array_json(map_data.warnings, json_text);
+  if (map_data.georeference) {
+    text += ",\n\"georeference\":" + georeference_json(*map_data.georeference);
+  }
+  text += ",\n\"landmarks\":" + landmark_columns_json(*map_data.landmarks, map_data.georeference) +
+          ",\n" + rows_and_ways_json(*map_data.rows, *map_data.graph) +
+          ",\n\"paths\":" + array_json(map_data.paths, path_json) + "}";
+  return text;
+}
+
+}  // namespace orchard::view

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "geometry/georeference.hpp"
+#include "mapping/landmark.hpp"
+#include "mapping/rows/navigation_graph.hpp"
+#include "mapping/rows/rows.hpp"
+#include "pose/pose_estimate.hpp"
+
+namespace orchard::view {
+
+/// A map as the page shows it.
+struct MapData {
+  std::string title;  ///< any text
+  std::string version;
+  std::int64_t first_utime = 0;
+  std::int64_t last_utime = 0;
+  std::vector<std::string> warnings;  ///< any text
+  const std::vector<mapping::Landmark>* landmarks = nullptr;
+  const std::vector<mapping::Row>* rows = nullptr;
+  const mapping::NavigationGraph* graph = nullptr;
+  std::vector<const std::vector<pose::PoseEstimate>*> paths;  ///< of each drive
+  std::optional<geometry::Georeference> georeference;
+};
+
+/// How far the path that the page draws may lie from the robot's [m]: under a pixel of a view 10 m
+/// wide. trajectory.csv has it all.
+inline constexpr double kPathTolerance_m = 0.01;
+
+/// The map as JSON in columns: {"title", "version", "first_utime", "last_utime", "warnings",
+/// "georeference", "landmarks": {"id": [...], "label": [0 tree, 1 object, 2 unseen], "x": [m],
+/// ...}, "rows": [{"number", "spacing", "line": [x, y, ...], "gaps": [[position, x, y], ...]}],
+/// "ways": [{"kind", "width", "line"}], "paths": [[x, y, ...]]}. All of `map_data` must be set but
+/// georeference. Equal maps give equal text; text from outside is made valid Unicode.
+std::string map_data_json(const MapData& map_data);
+
+/// The part {"rows", "ways"} of it alone, without braces.
+std::string rows_and_ways_json(const std::vector<mapping::Row>& rows,
+                               const mapping::NavigationGraph& graph);
+
+/// One array of the landmarks' columns, without georeference: {"id": [...], ...}.
+std::string landmark_columns_json(const std::vector<mapping::Landmark>& landmarks,
+                                  const std::optional<geometry::Georeference>& georeference);
+
+/// A text from outside as a JSON string in ASCII.
+std::string json_text(const std::string& text);
+
+}  // namespace orchard::view

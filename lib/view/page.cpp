@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "view/page.hpp"
+
+#include "view/page_parts.hpp"
+
+namespace orchard::view {
+namespace {
+
+std::string html_text(std::string_view text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (c == '&') {
+      escaped += "&amp;";
+    } else if (c == '<') {
+      escaped += "&lt;";
+    } else if (c == '>') {
+      escaped += "&gt;";
+    } else {
+      escaped += c;
+    }
+  }
+  return escaped;
+}
+
+/// JSON inside an element: no text of it may end that element. "<" stands in JSON only within
+/// strings, where its escape means the same.
+std::string json_in_html(std::string_view json) {
+  std::string escaped;
+  escaped.reserve(json.size());
+  for (const char c : json) {
+    if (c == '<') {
+      escaped += "\\u003c";
+    } else {
+      escaped += c;
+    }
+  }
+  return escaped;
+}
+
+}  // namespace
+
+std::string page_policy(PageSource source) {
+  const bool is_served = source == PageSource::kServer;
+  std::string policy = "default-src 'none'; script-src '" + std::string(kScriptSum) +
+                       "'; style-src '" + std::string(kStyleSum) + "'; img-src data:";
+  policy += is_served ? " 'self' blob:; connect-src 'self'" : "";
+  return policy + "; base-uri 'none'; form-action 'none'";
+}
+
+std::string page_html(std::string_view title, std::string_view data_json, PageSource source) {
+  std::string html;
+  html.reserve(kPage.size() + kStyle.size() + kScript.size() + data_json.size() + 1024);
+  std::string_view rest = kPage;
+  for (std::size_t begin = rest.find("{{"); begin != rest.npos; begin = rest.find("{{")) {
+    const std::size_t end = rest.find("}}", begin);
+    const std::string_view name = rest.substr(begin + 2, end - begin - 2);
+    html += rest.substr(0, begin);
+    if (name == "POLICY") html += page_policy(source);
+    if (name == "TITLE") html += html_text(title);
+    if (name == "STYLE") html += kStyle;
+    if (name == "SCRIPT") html += kScript;
+    if (name == "DATA") html += json_in_html(data_json);
+    rest.remove_prefix(end + 2);
+  }
+  return html.append(rest);
+}
+
+}  // namespace orchard::view

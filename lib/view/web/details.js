@@ -1,0 +1,95 @@
+// All that is known of what was clicked.
+
+function certaintyText(model, i) {
+  const { label, probability } = model.columns;
+  if (label[i] === kUnseen) return "no camera has seen it";
+  const sure = label[i] === kTree ? probability[i] : 1 - probability[i];
+  const percent = sure > 0.999 ? "over 99.9 %" : `${(100 * sure).toFixed(1)} %`;
+  return `${["sure", "likely", "unsure"][model.certainty(i)]}, ${percent}`;
+}
+
+function landmarkTitle(model, i) {
+  const { label, row, position, id } = model.columns;
+  if (position[i] > 0) return `Row ${row[i]}, tree ${position[i]}`;
+  if (row[i] > 0) return `Row ${row[i]}, no number`;
+  return `${kClassTitles[label[i]]} ${id[i]}`;
+}
+
+// Rows of the table: [what, value].
+function landmarkFacts(model, i) {
+  const c = model.columns;
+  const width = c.width[i];
+  const facts = [["Class", kClassTitles[c.label[i]]], ["Certainty", certaintyText(model, i)], ["Id", String(c.id[i])]];
+  if (width > 0) {
+    const name = c.label[i] === kTree ? "Trunk diameter" : "Width";
+    facts.push([name, `${(100 * width).toFixed(1)} cm`]);
+    if (c.label[i] === kTree) {
+      facts.push(["Girth", `${(100 * Math.PI * width).toFixed(1)} cm`]);
+      facts.push(["Trunk cross-section", `${(2500 * Math.PI * width * width).toFixed(1)} cm²`]);
+    }
+  }
+  facts.push(["Place x, y", `${c.x[i].toFixed(3)}, ${c.y[i].toFixed(3)} m`]);
+  if (c.se_x[i] > 0 || c.se_y[i] > 0) {
+    facts.push(["Standard error", `${(1000 * c.se_x[i]).toFixed(1)}, ${(1000 * c.se_y[i]).toFixed(1)} mm`]);
+  }
+  if (model.georeference && c.latitude.length > i) {
+    facts.push(["Latitude, longitude", `${c.latitude[i].toFixed(7)}, ${c.longitude[i].toFixed(7)}`]);
+  }
+  facts.push(["Seen", `${wholeNumber(c.n[i])} times`], ["Mean confidence", c.roc[i].toFixed(3)]);
+  return facts;
+}
+
+class Details {
+  // `select(index)` shows another one; `close()` none.
+  constructor(model, theme, select, close) {
+    this.model = model;
+    this.theme = theme;
+    this.select = select;
+    this.close = close;
+    this.box = byId("details");
+  }
+
+  hide() { this.box.hidden = true; }
+
+  showLandmark(i) {
+    const { model } = this;
+    const steps = [];
+    const { row, position } = model.columns;
+    if (position[i] > 0) {
+      for (const [words, way] of [["‹ before", -1], ["next ›", 1]]) {
+        const other = this.neighbour(row[i], position[i], way);
+        const button = element("button", { type: "button", textContent: words, disabled: other < 0 });
+        button.addEventListener("click", () => this.select(other));
+        steps.push(button);
+      }
+    }
+    this.show(landmarkTitle(model, i), this.theme.colourOfClass(model.columns.label[i]), landmarkFacts(model, i), steps);
+  }
+
+  showGap(row, gap) {
+    const facts = [["Class", "Gap: no tree stands here"], ["Place x, y", `${gap[1].toFixed(2)}, ${gap[2].toFixed(2)} m`]];
+    this.show(`Row ${row.number}, place ${gap[0]}`, this.theme.colours.gap, facts, []);
+  }
+
+  // The nearest tree of the row before or after, over gaps.
+  neighbour(row, position, way) {
+    for (let k = 1; k <= 1000; ++k) {
+      const i = this.model.at(row, position + way * k);
+      if (i >= 0) return i;
+    }
+    return -1;
+  }
+
+  show(title, colour, facts, steps) {
+    const close = element("button", { type: "button", className: "icon", title: "Close", textContent: "×" });
+    close.addEventListener("click", () => this.close());
+    const swatch = element("span", { className: "swatch" });
+    swatch.style.background = colour;
+    const table = element("table", {}, ...facts.map(([what, value]) =>
+      element("tr", {}, element("td", { textContent: what }), element("td", { textContent: value }))));
+    this.box.replaceChildren(
+      element("header", {}, swatch, element("div", {}, element("h2", { textContent: title })), close), table,
+      ...(steps.length > 0 ? [element("div", { className: "steps" }, ...steps)] : []));
+    this.box.hidden = false;
+  }
+}

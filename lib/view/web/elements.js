@@ -1,0 +1,12 @@
+// Elements of the page. Text from outside comes in as text only, never as markup.
+
+function element(name, properties, ...children) {
+  const made = document.createElement(name);
+  Object.assign(made, properties || {});
+  made.append(...children);
+  return made;
+}
+
+const byId = (id) => document.getElementById(id);
+
+const wholeNumber = (value) => value.toLocaleString("en");

@@ -1,0 +1,91 @@
+// Legend with a switch for each layer, the rows, notes.
+
+const kLayers = [
+  ["trees", "Trees", (c, t) => drawLandmark(c, kTree, 0, 13, 9, 6, t.colours.tree)],
+  ["objects", "Objects that are no trees", (c, t) => drawLandmark(c, kObject, 0, 13, 9, 6, t.colours.object)],
+  ["unseen", "Not judged yet", (c, t) => drawLandmark(c, kUnseen, 2, 13, 9, 6, t.colours.unseen)],
+  ["gaps", "Gaps in rows", (c, t) => drawGap(c, 13, 9, 6, t.colours.gap)],
+  ["rows", "Rows", (c, t) => drawKeyLine(c, t.colours.row, 2)],
+  ["ways", "Ways and their free width", (c, t) => drawKeyLine(c, t.colours.way, 9)],
+  ["paths", "The robot's path", (c, t) => drawKeyLine(c, t.colours.path, 2)],
+  ["labels", "Numbers", (c, t) => drawKeyText(c, t.colours.text)],
+];
+
+function drawKeyLine(context, colour, width) {
+  context.beginPath();
+  context.moveTo(2, 9); context.lineTo(24, 9);
+  context.strokeStyle = colour;
+  context.lineWidth = width;
+  context.stroke();
+}
+
+function drawKeyText(context, colour) {
+  context.font = "11px system-ui, sans-serif";
+  context.textAlign = "center";
+  context.textBaseline = "middle";
+  context.fillStyle = colour;
+  context.fillText("14", 13, 9);
+}
+
+function keyPicture(draw, theme) {
+  const ratio = window.devicePixelRatio || 1;
+  const canvas = element("canvas", { width: 26 * ratio, height: 18 * ratio });
+  const context = canvas.getContext("2d");
+  context.scale(ratio, ratio);
+  draw(context, theme);
+  return canvas;
+}
+
+function showLegend(theme, shown, changed) {
+  const lines = kLayers.map(([layer, words, draw]) => {
+    const box = element("input", { type: "checkbox", checked: shown[layer] });
+    box.dataset.layer = layer;
+    box.addEventListener("change", () => { shown[layer] = box.checked; changed(); });
+    return element("label", {}, keyPicture(draw, theme), element("span", { textContent: words }), box);
+  });
+  const sureness = keyPicture((c, t) => {
+    [0, 1, 2].forEach((certainty) => drawLandmark(c, kTree, certainty, 4 + 9 * certainty, 9, 3.6, t.colours.tree));
+  }, theme);
+  lines.push(element("label", { className: "key" }, sureness,
+    element("span", { textContent: "sure (90 %), likely (70 %), unsure" })));
+  byId("legend").replaceChildren(...lines);
+}
+
+// `show(row)` moves the view to a row.
+function showRows(model, show) {
+  const head = element("tr", {}, ...["Row", "Trees", "Gaps", "Every", "Trunk"].map((words) =>
+    element("th", { textContent: words })));
+  const widths = new Map();
+  for (let i = 0; i < model.count; ++i) {
+    const row = model.columns.row[i];
+    if (row === 0 || model.columns.label[i] !== kTree) continue;
+    if (!widths.has(row)) widths.set(row, []);
+    widths.get(row).push(model.columns.width[i]);
+  }
+  const lines = model.rows.map((row) => {
+    const button = element("button", { type: "button", textContent: `Row ${row.number}` });
+    button.addEventListener("click", () => show(row));
+    const trunk = widths.get(row.number) || [];
+    const mean = trunk.length > 0 ? trunk.reduce((sum, width) => sum + width, 0) / trunk.length : 0;
+    return element("tr", {}, element("td", {}, button), element("td", { textContent: wholeNumber(trunk.length) }),
+      element("td", { textContent: wholeNumber(row.gaps.length) }),
+      element("td", { textContent: `${row.spacing.toFixed(2)} m` }),
+      element("td", { textContent: mean > 0 ? `${(100 * mean).toFixed(1)} cm` : "" }));
+  });
+  byId("rows").replaceChildren(element("table", {}, head, ...lines));
+  byId("rows-box").hidden = model.rows.length === 0;
+}
+
+function showSummary(model, data) {
+  const counted = (number, one, many) => (number === 0 ? [] : [`${wholeNumber(number)}\u00a0${number === 1 ? one : many}`]);
+  const parts = [...counted(model.numberOf(kTree), "tree", "trees"), ...counted(model.numberOf(kObject), "object", "objects"),
+    ...counted(model.rows.length, "row", "rows"), ...counted(model.numGaps, "gap", "gaps")];
+  byId("summary").textContent = parts.join(" · ") || "Nothing is mapped yet";
+  byId("title").textContent = data.title || "Orchard map";
+  byId("notes").replaceChildren(...(data.warnings || []).map((words) => element("li", { textContent: words })));
+  byId("notes-box").hidden = (data.warnings || []).length === 0;
+  const made = [`Orchard Mapper ${data.version || ""}`.trim()];
+  // Logs may count from any start: only a date that can be one is shown.
+  if (data.last_utime > 946684800e6) made.push(new Date(data.last_utime / 1000).toISOString().slice(0, 16).replace("T", " ") + " UTC");
+  byId("about").textContent = made.join(" · ");
+}

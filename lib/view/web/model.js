@@ -1,0 +1,179 @@
+// What stands in the orchard, in columns: column[i] belongs to landmark i.
+
+const kTree = 0, kObject = 1, kUnseen = 2;
+const kClassNames = ["tree", "object", "unseen"];
+const kClassTitles = ["Tree", "Object", "Not judged yet"];
+
+// Sides of the index's cells: a few trees lie in each.
+const kCell_m = 8;
+
+class MapModel {
+  constructor(data) {
+    this.columns = {};
+    for (const name of MapModel.columnNames) this.columns[name] = [];
+    this.indexOfId = new Map();
+    this.rows = [];
+    this.ways = [];
+    this.paths = [];
+    this.revision = 0;
+    this.replace(data);
+  }
+
+  // Takes over a whole map as the program wrote it.
+  replace(data) {
+    for (const name of MapModel.columnNames) this.columns[name] = (data.landmarks[name] || []).slice();
+    this.indexOfId = new Map(this.columns.id.map((id, i) => [id, i]));
+    this.paths = data.paths || [];
+    this.georeference = data.georeference || null;
+    this.setRows(data.rows || [], data.ways || []);
+  }
+
+  setRows(rows, ways) {
+    this.rows = rows;
+    this.ways = ways;
+    this.touch();
+  }
+
+  // One landmark that is new or has changed; missing values stay as they were.
+  put(values) {
+    let i = this.indexOfId.get(values.id);
+    if (i === undefined) {
+      i = this.columns.id.length;
+      this.indexOfId.set(values.id, i);
+      for (const name of MapModel.columnNames) this.columns[name].push(0);
+    }
+    for (const name of MapModel.columnNames) {
+      if (values[name] !== undefined) this.columns[name][i] = values[name];
+    }
+    this.touch();
+  }
+
+  // The last one takes its place, so that columns have no holes.
+  remove(id) {
+    const i = this.indexOfId.get(id);
+    if (i === undefined) return;
+    const last = this.columns.id.length - 1;
+    for (const name of MapModel.columnNames) {
+      this.columns[name][i] = this.columns[name][last];
+      this.columns[name].pop();
+    }
+    this.indexOfId.delete(id);
+    if (i !== last) this.indexOfId.set(this.columns.id[i], i);
+    this.touch();
+  }
+
+  touch() {
+    this.revision += 1;
+    this.cells_ = null;
+    this.styles_ = null;
+    this.byPlace_ = null;
+    this.box_ = null;
+  }
+
+  get count() { return this.columns.id.length; }
+
+  numberOf(label) {
+    let number = 0;
+    for (const other of this.columns.label) number += other === label ? 1 : 0;
+    return number;
+  }
+
+  get numGaps() { return this.rows.reduce((sum, row) => sum + row.gaps.length, 0); }
+
+  // How sure the class is: 0 sure, 1 likely, 2 unsure.
+  certainty(i) {
+    const p = this.columns.probability[i];
+    const sure = this.columns.label[i] === kTree ? p : 1 - p;
+    return sure >= 0.9 ? 0 : sure >= 0.7 ? 1 : 2;
+  }
+
+  // Indices by class and certainty, so that each is drawn in one go: styles[3 * label + certainty].
+  get styles() {
+    if (!this.styles_) {
+      this.styles_ = Array.from({ length: 9 }, () => []);
+      for (let i = 0; i < this.count; ++i) {
+        const label = this.columns.label[i];
+        this.styles_[3 * label + (label === kUnseen ? 0 : this.certainty(i))].push(i);
+      }
+    }
+    return this.styles_;
+  }
+
+  // What encloses everything: [x least, y least, x most, y most], or null for an empty map.
+  get box() {
+    if (this.box_) return this.box_;
+    const box = [Infinity, Infinity, -Infinity, -Infinity];
+    const add = (x, y) => {
+      box[0] = Math.min(box[0], x); box[1] = Math.min(box[1], y);
+      box[2] = Math.max(box[2], x); box[3] = Math.max(box[3], y);
+    };
+    for (let i = 0; i < this.count; ++i) add(this.columns.x[i], this.columns.y[i]);
+    for (const path of this.paths) for (let k = 0; k + 1 < path.length; k += 2) add(path[k], path[k + 1]);
+    this.box_ = box[0] <= box[2] ? box : null;
+    return this.box_;
+  }
+
+  get cells() {
+    if (!this.cells_) {
+      this.cells_ = new Map();
+      for (let i = 0; i < this.count; ++i) {
+        const key = MapModel.cellKey(this.columns.x[i], this.columns.y[i]);
+        const cell = this.cells_.get(key);
+        if (cell) cell.push(i); else this.cells_.set(key, [i]);
+      }
+    }
+    return this.cells_;
+  }
+
+  static cellKey(x, y) {
+    return (Math.floor(x / kCell_m) + 1e6) * 4e6 + Math.floor(y / kCell_m) + 1e6;
+  }
+
+  // Indices in a box, or null where so many cells lie in it that looking at all is as quick.
+  inBox(box) {
+    const wide = (box[2] - box[0]) / kCell_m + 1, high = (box[3] - box[1]) / kCell_m + 1;
+    if (wide * high > this.cells.size) return null;
+    const found = [];
+    for (let x = box[0] - kCell_m; x < box[2] + kCell_m; x += kCell_m) {
+      for (let y = box[1] - kCell_m; y < box[3] + kCell_m; y += kCell_m) {
+        const cell = this.cells.get(MapModel.cellKey(x, y));
+        if (cell) for (const i of cell) found.push(i);
+      }
+    }
+    return found;
+  }
+
+  // The landmark nearest to a place, within a distance; -1 for none.
+  nearest(x, y, within_m) {
+    const near = this.inBox([x - within_m, y - within_m, x + within_m, y + within_m]);
+    let best = -1, least = within_m * within_m;
+    const look = (i) => {
+      const dx = this.columns.x[i] - x, dy = this.columns.y[i] - y;
+      if (dx * dx + dy * dy <= least) { least = dx * dx + dy * dy; best = i; }
+    };
+    if (near) near.forEach(look); else for (let i = 0; i < this.count; ++i) look(i);
+    return best;
+  }
+
+  // The tree with that row and number; -1 for none.
+  at(row, position) {
+    if (!this.byPlace_) {
+      this.byPlace_ = new Map();
+      for (let i = 0; i < this.count; ++i) {
+        if (this.columns.row[i] > 0) this.byPlace_.set(`${this.columns.row[i]}/${this.columns.position[i]}`, i);
+      }
+    }
+    const i = this.byPlace_.get(`${row}/${position}`);
+    return i === undefined ? -1 : i;
+  }
+
+  withId(id) {
+    const i = this.indexOfId.get(id);
+    return i === undefined ? -1 : i;
+  }
+
+  rowOfNumber(number) { return this.rows.find((row) => row.number === number) || null; }
+}
+
+MapModel.columnNames = ["id", "label", "x", "y", "n", "roc", "probability", "se_x", "se_y", "width", "row",
+  "position", "latitude", "longitude"];

@@ -1,0 +1,176 @@
+// Draws what does not move, from the ground up.
+
+// Up to so many landmarks in view, each is drawn as a shape of its own and may have its number.
+const kShapesMost = 4000;
+
+// Pixels per metre from which on things without a number of a row show their ids.
+const kScaleOfIds = 50;
+
+class SceneBrush {
+  constructor(context, view, ratio, painter) {
+    Object.assign(this, { context, view, ratio, model: painter.model, theme: painter.theme, shown: painter.shown,
+      dots: painter.dots });
+  }
+
+  paintGround() {
+    const { context, view, theme } = this;
+    context.fillStyle = theme.colours.ground;
+    context.fillRect(0, 0, view.width, view.height);
+    const step = niceLength_m(90 / view.scale);
+    const box = view.box();
+    context.beginPath();
+    for (let x = Math.ceil(box[0] / step) * step; x <= box[2]; x += step) {
+      const sx = Math.round(view.toScreenX(x)) + 0.5;
+      context.moveTo(sx, 0); context.lineTo(sx, view.height);
+    }
+    for (let y = Math.ceil(box[1] / step) * step; y <= box[3]; y += step) {
+      const sy = Math.round(view.toScreenY(y)) + 0.5;
+      context.moveTo(0, sy); context.lineTo(view.width, sy);
+    }
+    context.strokeStyle = theme.colours.grid;
+    context.lineWidth = 1;
+    context.stroke();
+  }
+
+  // A line [x, y, x, y ...] in metres onto the current path, without what would not be seen: steps of less than two
+  // pixels, and what lies beyond the edges.
+  addLine(line) {
+    const { context, view } = this;
+    let penX = NaN, penY = NaN, isBeyond = true;
+    for (let k = 0; k + 1 < line.length; k += 2) {
+      const sx = view.toScreenX(line[k]), sy = view.toScreenY(line[k + 1]);
+      const isLast = k + 3 >= line.length;
+      if (!isLast && Math.abs(sx - penX) < 2 && Math.abs(sy - penY) < 2) continue;
+      const misses = k > 0 && (Math.max(sx, penX) < 0 || Math.max(sy, penY) < 0 ||
+        Math.min(sx, penX) > view.width || Math.min(sy, penY) > view.height);
+      if (k > 0 && !misses) {
+        if (isBeyond) context.moveTo(penX, penY);
+        context.lineTo(sx, sy);
+      }
+      isBeyond = k === 0 || misses;
+      penX = sx; penY = sy;
+    }
+  }
+
+  paintWays() {
+    const { context, theme, view } = this;
+    context.lineCap = context.lineJoin = "round";
+    context.strokeStyle = theme.colours.way;
+    for (const way of this.model.ways) {
+      context.beginPath();
+      this.addLine(way.line);
+      context.lineWidth = Math.max(1, way.width * view.scale);
+      context.stroke();
+    }
+    context.lineCap = "butt";
+  }
+
+  paintRows() {
+    const { context, theme } = this;
+    context.beginPath();
+    for (const row of this.model.rows) this.addLine(row.line);
+    context.strokeStyle = theme.colours.row;
+    context.lineWidth = 1.5;
+    context.stroke();
+  }
+
+  paintPaths() {
+    const { context, theme } = this;
+    context.strokeStyle = theme.colours.path;
+    context.lineWidth = 1.6;
+    context.lineJoin = "round";
+    context.globalAlpha = 0.75;
+    for (const path of this.model.paths) {
+      context.beginPath();
+      this.addLine(path);
+      context.stroke();
+    }
+    context.globalAlpha = 1;
+  }
+
+  paintGaps() {
+    const { context, view, theme } = this;
+    const radius = Math.max(1.6, symbolRadius_px(view.scale));
+    const box = view.box(10);
+    for (const row of this.model.rows) {
+      for (const [, x, y] of row.gaps) {
+        if (x < box[0] || x > box[2] || y < box[1] || y > box[3]) continue;
+        drawGap(context, view.toScreenX(x), view.toScreenY(y), radius, theme.colours.gap);
+      }
+    }
+  }
+
+  isShown(label) {
+    return label === kTree ? this.shown.trees : label === kObject ? this.shown.objects : this.shown.unseen;
+  }
+
+  // Returns the indices in view, or null where there are too many for labels.
+  paintLandmarks() {
+    const { view, model } = this;
+    const found = model.inBox(view.box(30));
+    if ((found || model.columns.id).length > kShapesMost) {
+      this.paintDots();
+      return null;
+    }
+    const inView = found || Array.from(model.columns.id.keys());
+    const radius = symbolRadius_px(view.scale);
+    for (const i of inView) {
+      const label = model.columns.label[i];
+      if (!this.isShown(label)) continue;
+      drawLandmark(this.context, label, label === kUnseen ? 2 : model.certainty(i), view.toScreenX(model.columns.x[i]),
+        view.toScreenY(model.columns.y[i]), Math.max(radius, model.columns.width[i] * view.scale / 2),
+        this.theme.colourOfClass(label));
+    }
+    return inView;
+  }
+
+  paintDots() {
+    const groups = this.model.styles.map((indices, style) => ({ indices, label: Math.floor(style / 3),
+      colour: this.theme.colourOfClass(Math.floor(style / 3)), fade: kFadeOfCertainty[style % 3] }));
+    this.dots.paint(this.context, this.view, this.ratio, this.model.columns.x, this.model.columns.y,
+      groups.filter((group) => this.isShown(group.label)));
+  }
+
+  paintLabels(inView) {
+    const { context, view, theme, model } = this;
+    const placer = new LabelPlacer(context);
+    context.textAlign = "center";
+    context.textBaseline = "middle";
+    context.font = "600 12px system-ui, 'DejaVu Sans', sans-serif";
+    for (const row of model.rows) {
+      if (row.line.length < 4) continue;
+      this.writeRowName(placer, row);
+    }
+    if (!inView) return;
+    context.font = "11px system-ui, 'DejaVu Sans', sans-serif";
+    const radius = symbolRadius_px(view.scale);
+    const columns = model.columns;
+    const stepOfRow = new Map(model.rows.map((row) => [row.number, labelStep(row.spacing * view.scale)]));
+    // Numbers stand where the row's next tree does not.
+    const besideOfRow = new Map(model.rows.map((row) => [row.number, isUpright(row.line)]));
+    for (const i of inView) {
+      if (!this.isShown(columns.label[i])) continue;
+      const position = columns.position[i];
+      const step = position > 0 ? stepOfRow.get(columns.row[i]) || 1 : 1;
+      if (position > 0 && position % step !== 0) continue;
+      if (position === 0 && view.scale < kScaleOfIds) continue;
+      const text = position > 0 ? String(position) : `#${columns.id[i]}`;
+      const off = Math.max(radius, columns.width[i] * view.scale / 2) + 5;
+      const isBeside = besideOfRow.get(columns.row[i]) !== false;
+      placer.write(text, view.toScreenX(columns.x[i]) + (isBeside ? off + context.measureText(text).width / 2 : 0),
+        view.toScreenY(columns.y[i]) + (isBeside ? 0 : off + 5),
+        position > 0 ? theme.colours.text : theme.colours.soft, theme.colours.ground);
+    }
+  }
+
+  // The name stands before the row's first tree, in its line, and stays in view while the row does.
+  writeRowName(placer, row) {
+    const { view, theme } = this;
+    const ax = view.toScreenX(row.line[0]), ay = view.toScreenY(row.line[1]);
+    const bx = view.toScreenX(row.line[2]), by = view.toScreenY(row.line[3]);
+    const length = Math.hypot(bx - ax, by - ay) || 1;
+    const sx = ax - (bx - ax) / length * 24, sy = ay - (by - ay) / length * 24;
+    if (sx < -20 || sy < -20 || sx > view.width + 20 || sy > view.height + 20) return;
+    placer.write(String(row.number), sx, sy, theme.colours.ground, "", theme.colours.tree);
+  }
+}

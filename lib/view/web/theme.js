@@ -1,0 +1,28 @@
+// Colours: one set in the style sheet, read from there for the canvas.
+
+const kColourNames = ["ground", "grid", "text", "soft", "tree", "object", "unseen", "path", "gap", "way", "row",
+  "mark", "scan"];
+
+class Theme {
+  constructor(onChange) {
+    this.onChange = onChange;
+    this.prefersDark = matchMedia("(prefers-color-scheme: dark)");
+    this.prefersDark.addEventListener("change", () => this.apply(this.prefersDark.matches));
+    this.apply(this.prefersDark.matches);
+  }
+
+  apply(isDark) {
+    this.isDark = isDark;
+    document.documentElement.dataset.theme = isDark ? "dark" : "light";
+    const style = getComputedStyle(document.documentElement);
+    this.colours = {};
+    for (const name of kColourNames) this.colours[name] = style.getPropertyValue(`--${name}`).trim();
+    this.onChange();
+  }
+
+  toggle() { this.apply(!this.isDark); }
+
+  colourOfClass(label) {
+    return [this.colours.tree, this.colours.object, this.colours.unseen][label];
+  }
+}

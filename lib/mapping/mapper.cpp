@@ -10,6 +10,7 @@
 #include "mapping/association.hpp"
 #include "mapping/candidate.hpp"
 #include "mapping/existence/existence.hpp"
+#include "mapping/existence/seen_ground.hpp"
 #include "mapping/landmark_splitting.hpp"
 #include "mapping/map_state.hpp"
 #include "mapping/rows/id_keeping.hpp"
@@ -164,6 +165,16 @@ MapUpdate Mapper::rebuild(
   }
   *impl_ = std::move(now);
   return update;
+}
+
+std::function<bool(const Eigen::Vector2d&)> Mapper::seen_free() const {
+  const ObservationStore& scans = impl_->map.observations;
+  auto ground =
+      std::make_shared<SeenGround>([&scans](std::int32_t scan) { return scans.free_space(scan); });
+  for (std::int32_t scan = 0; scan < scans.num_scans(); ++scan) {
+    ground->add_scan(scan, scans.pose(scan));
+  }
+  return [ground](const Eigen::Vector2d& p_map) { return ground->is_free(p_map); };
 }
 
 std::size_t Mapper::num_observations() const {

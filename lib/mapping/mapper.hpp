@@ -52,6 +52,10 @@ class Mapper {
   MapUpdate rebuild(
       const std::function<pose::PoseEstimate(const pose::PoseEstimate& T_map_base)>& corrected);
 
+  /// Whether something saw a place of map free, or the robot drove over it, by the poses as they
+  /// are now. Asks this mapper: call it while the mapper lives and before the next update().
+  std::function<bool(const Eigen::Vector2d& p_map)> seen_free() const;
+
   /// Observations that rebuild() would go through.
   std::size_t num_observations() const;
 

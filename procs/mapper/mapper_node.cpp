@@ -49,9 +49,11 @@ double seconds(std::int64_t duration_us) { return 1e-6 * static_cast<double>(dur
 
 std::int64_t microseconds(double duration_s) { return static_cast<std::int64_t>(1e6 * duration_s); }
 
-/// How long DETECTIONS wait for their SCAN; none where SCAN is of no use.
-std::optional<std::int64_t> scan_wait_us(const mapping::ExistenceConfig& config) {
-  const std::int64_t wait_us = config.enabled ? microseconds(config.scan_wait_s) : 0;
+/// How long DETECTIONS wait for their SCAN, whose beams say what is gone and where ways are free;
+/// none where SCAN is of no use.
+std::optional<std::int64_t> scan_wait_us(const mapping::MapperConfig& config) {
+  const bool is_used = config.existence.enabled || config.rows.enabled;
+  const std::int64_t wait_us = is_used ? microseconds(config.existence.scan_wait_s) : 0;
   if (wait_us <= 0) return std::nullopt;
   return wait_us;
 }
@@ -75,7 +77,7 @@ MapperNode::MapperNode(const io::Config& config,
 MapperNode::Queue::Rules MapperNode::rules_of(const mapping::MapperConfig& config) {
   Queue::Rules rules;
   rules[kPose].wait_us = microseconds(std::max(config.pose_wait_s, kFirstPoseWait_s));
-  rules[kScan].wait_us = scan_wait_us(config.existence);
+  rules[kScan].wait_us = scan_wait_us(config);
   rules[kScan].tells_time = false;
   return rules;
 }
@@ -83,7 +85,7 @@ MapperNode::Queue::Rules MapperNode::rules_of(const mapping::MapperConfig& confi
 std::vector<bus::Channel> MapperNode::inputs() const {
   std::vector<bus::Channel> channels{bus::Channel::kPose, bus::Channel::kDetections,
                                      bus::Channel::kTrajectory, bus::Channel::kGnss};
-  if (scan_wait_us(config_.existence)) channels.push_back(bus::Channel::kScan);
+  if (scan_wait_us(config_)) channels.push_back(bus::Channel::kScan);
   return channels;
 }
 
@@ -128,7 +130,7 @@ bool MapperNode::keeps_beams_of(std::int64_t scan_utime) const {
 
 void MapperNode::add_scan(const laser::Scan& scan) {
   is_scan_missing_ = false;
-  queue_.set_wait(kScan, scan_wait_us(config_.existence));
+  queue_.set_wait(kScan, scan_wait_us(config_));
   queue_.reach(kScan, scan.utime);
   if (!keeps_beams_of(scan.utime)) return;
   last_kept_scan_utime_ = scan.utime;
@@ -201,7 +203,7 @@ void MapperNode::place_front(const bus::Outbox& send) {
 
 /// The free-space evidence of exactly that time, or none; older evidence is dropped.
 MapperNode::FreeSpacePtr MapperNode::take_free_space(std::int64_t utime) {
-  if (!scan_wait_us(config_.existence)) return nullptr;
+  if (!scan_wait_us(config_)) return nullptr;
   if (queue_.reached(kScan) < utime) {
     is_scan_missing_ = true;
     queue_.set_wait(kScan, std::nullopt);
@@ -394,6 +396,7 @@ io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {
     content.rows = mapping::find_rows(content.landmarks, config_.rows);
     mapping::number_landmarks(content.rows, content.landmarks);
   }
+  content.seen_free = mapper_.seen_free();
   content.georeference = georeference();
   content.degraded = degradation_.stretches();
   content.tree_scatter_m = mapper_.tree_scatter_m();

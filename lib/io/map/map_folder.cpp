@@ -25,7 +25,8 @@ void write_map_folder(const std::string& folder, const MapFolderContent& content
                     "; give another place for the map");
   }
   const fs::path path(folder);
-  const mapping::NavigationGraph graph = mapping::navigation_graph(content.landmarks, content.rows);
+  const mapping::NavigationGraph graph =
+      mapping::navigation_graph(content.landmarks, content.rows, content.seen_free);
   const auto figure = [&content, &graph](FigureFormat format) {
     return map_figure(content.landmarks, content.trajectory, content.rows, graph, format);
   };

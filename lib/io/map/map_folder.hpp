@@ -11,6 +11,7 @@
 #include "io/map/map_csv.hpp"
 #include "mapping/compare/visibility_grid.hpp"
 #include "mapping/landmark.hpp"
+#include "mapping/rows/free_corridor.hpp"
 #include "mapping/rows/rows.hpp"
 #include "pose/pose_estimate.hpp"
 
@@ -49,7 +50,9 @@ struct MapFolderContent {
   std::string ids_csv{};                      ///< of a merged map: ids.csv; empty: there is none
   std::optional<double> tree_scatter_m{};     ///< Mapper::tree_scatter_m() of what made it
   std::vector<DegradedStretch> degraded{};    ///< in order of time
-  std::int32_t next_id = 0;                   ///< no landmark of an earlier map had this or more
+  /// What was seen free, for graph.json; asked while the folder is written.
+  mapping::SeenFree seen_free{};
+  std::int32_t next_id = 0;  ///< no landmark of an earlier map had this or more
 };
 
 /// Writes map.csv, map.gpkg, map.svg, map.png, map.html, trajectory.csv (trajectory_2.csv ... for more

@@ -7,61 +7,20 @@
 #include <optional>
 
 #include "geometry/statistics.hpp"
-#include "mapping/compare/landmark_pairing.hpp"
 
 namespace orchard::mapping {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kStep_m = 1.0;        ///< between points of a centre line
+constexpr double kStep_m = 0.5;        ///< between points of a way
 constexpr double kWidestAlley = 2.5;   ///< of the usual distance of rows
 constexpr double kSideReach_m = 15.0;  ///< farther away no row stands beside another
-
-using Line = std::vector<Vector2d>;
-
-Vector2d right_of(const Vector2d& u) { return {u.y(), -u.x()}; }
 
 Line line_of(const Row& row) {
   Line line;
   for (const RowPlace& place : row.places) line.push_back(place.p_map);
   return line;
-}
-
-double length_m(const Line& line) {
-  double sum_m = 0.0;
-  for (std::size_t i = 1; i < line.size(); ++i) sum_m += (line[i] - line[i - 1]).norm();
-  return sum_m;
-}
-
-struct LinePoint {
-  Vector2d p{0, 0};
-  Vector2d along{1, 0};
-};
-
-/// Points along a line at even steps, its ends among them.
-std::vector<LinePoint> walked(const Line& line) {
-  std::vector<LinePoint> points;
-  const double whole_m = length_m(line);
-  if (line.size() < 2 || whole_m <= 0.0) return points;
-  const int num = std::max(1, static_cast<int>(std::ceil(whole_m / kStep_m)));
-  std::size_t segment = 1;
-  double before_m = 0.0;
-  for (int k = 0; k <= num; ++k) {
-    const double s_m = whole_m * k / num;
-    while (segment + 1 < line.size() &&
-           before_m + (line[segment] - line[segment - 1]).norm() < s_m) {
-      before_m += (line[segment] - line[segment - 1]).norm();
-      ++segment;
-    }
-    const Vector2d d = line[segment] - line[segment - 1];
-    const double share = d.norm() > 0.0 ? std::clamp((s_m - before_m) / d.norm(), 0.0, 1.0) : 0.0;
-    // the direction of a few steps, so that single trees out of line do not turn it
-    const std::size_t first = segment >= 2 ? segment - 2 : 0;
-    const std::size_t last = std::min(segment + 1, line.size() - 1);
-    points.push_back({line[segment - 1] + share * d, (line[last] - line[first]).normalized()});
-  }
-  return points;
 }
 
 /// How far to the right of a point a line crosses its normal.
@@ -104,44 +63,6 @@ int right_neighbour(const std::vector<std::vector<LinePoint>>& walks,
   return best;
 }
 
-/// Things in the map, and how near a way may come to them.
-struct Obstacles {
-  IndexedPoints places;
-  std::vector<double> radius_m;
-};
-
-Obstacles obstacles_of(const std::vector<Landmark>& landmarks) {
-  std::vector<Vector2d> places;
-  std::vector<double> radius_m;
-  for (const Landmark& l : landmarks) {
-    places.push_back({l.x_m, l.y_m});
-    radius_m.push_back(0.5 * l.width_m);
-  }
-  return {IndexedPoints(std::move(places)), std::move(radius_m)};
-}
-
-/// Free width across a way at one of its points, within `half_m` to each side at most.
-double free_width_m(const LinePoint& at, double half_m, const Obstacles& obstacles) {
-  double left_m = half_m, right_m = half_m;
-  for (const std::int32_t i : obstacles.places.within(at.p, half_m + kStep_m)) {
-    const auto k = static_cast<std::size_t>(i);
-    const Vector2d d = obstacles.places[k] - at.p;
-    if (std::abs(at.along.dot(d)) > 0.5 * kStep_m + obstacles.radius_m[k]) continue;
-    const double side_m = right_of(at.along).dot(d);
-    double& free_m = side_m > 0.0 ? right_m : left_m;
-    free_m = std::min(free_m, std::max(0.0, std::abs(side_m) - obstacles.radius_m[k]));
-  }
-  return left_m + right_m;
-}
-
-double narrowest_m(const Line& line, double half_m, const Obstacles& obstacles) {
-  double width_m = 2.0 * half_m;
-  for (const LinePoint& at : walked(line)) {
-    width_m = std::min(width_m, free_width_m(at, half_m, obstacles));
-  }
-  return width_m;
-}
-
 /// The longest run of points midway between a row and its neighbour, and their distance.
 struct Alley {
   std::size_t left = 0, right = 0;
@@ -177,7 +98,7 @@ Alley alley_between(const std::vector<LinePoint>& walk, const Line& right) {
 
 std::vector<Alley> alleys_of(const std::vector<Line>& lines) {
   std::vector<std::vector<LinePoint>> walks;
-  for (const Line& line : lines) walks.push_back(walked(line));
+  for (const Line& line : lines) walks.push_back(walked(line, kStep_m));
   std::vector<Alley> alleys;
   std::vector<double> distances_m;
   for (std::size_t r = 0; r < lines.size(); ++r) {
@@ -206,66 +127,112 @@ Line round_end(const Vector2d& from, const Vector2d& to, const Vector2d& row_end
   return {from, past, to};
 }
 
-}  // namespace
+/// The alley's middle and what lies before its beginning and beyond its end, up to half an alley.
+Guide guide_of(const Alley& alley) {
+  Guide guide;
+  guide.half_m = 0.5 * alley.distance_m;
+  guide.num_extra = static_cast<std::size_t>(std::lround(guide.half_m / kStep_m));
+  const auto extend = [&](const LinePoint& end, double outwards, std::size_t k) {
+    const double beyond_m =
+        outwards * guide.half_m * static_cast<double>(k) / static_cast<double>(guide.num_extra);
+    guide.stations.push_back({end.p + beyond_m * end.along, end.along});
+  };
+  for (std::size_t k = guide.num_extra; k > 0; --k) extend(alley.middle.front(), -1.0, k);
+  guide.stations.insert(guide.stations.end(), alley.middle.begin(), alley.middle.end());
+  for (std::size_t k = 1; k <= guide.num_extra; ++k) extend(alley.middle.back(), 1.0, k);
+  return guide;
+}
 
-NavigationGraph navigation_graph(const std::vector<Landmark>& landmarks,
-                                 const std::vector<Row>& rows) {
-  NavigationGraph graph;
-  std::vector<Line> lines;
-  for (const Row& row : rows) lines.push_back(line_of(row));
-  const Obstacles obstacles = obstacles_of(landmarks);
-  std::vector<Alley> alleys = alleys_of(lines);
-  const auto add_node = [&](const Vector2d& p) {
-    graph.nodes.push_back({static_cast<std::int32_t>(graph.nodes.size()) + 1, p});
-    return graph.nodes.back().id;
-  };
-  const auto node_at = [&](std::int32_t id) -> const Vector2d& {
-    return graph.nodes[static_cast<std::size_t>(id) - 1].p_map;
-  };
-  const auto add_edge = [&](NavigationEdge edge, double half_m) {
-    edge.id = static_cast<std::int32_t>(graph.edges.size()) + 1;
-    edge.length_m = length_m(edge.line_map);
-    edge.width_m = narrowest_m(edge.line_map, half_m, obstacles);
-    graph.edges.push_back(std::move(edge));
-  };
+class GraphBuilder {
+ public:
+  GraphBuilder(const std::vector<Landmark>& landmarks, const std::vector<Row>& rows,
+               const SeenFree& seen_free)
+      : rows_(rows), obstacles_(landmarks), seen_free_(seen_free) {
+    for (const Row& row : rows) lines_.push_back(line_of(row));
+  }
 
-  for (Alley& alley : alleys) {
-    const LinePoint &first = alley.middle.front(), &last = alley.middle.back();
-    const double beyond_m = 0.5 * alley.distance_m;
-    alley.from = add_node(first.p - beyond_m * first.along);
-    alley.to = add_node(last.p + beyond_m * last.along);
+  NavigationGraph build() {
+    std::vector<Alley> alleys = alleys_of(lines_);
+    alleys.erase(std::remove_if(alleys.begin(), alleys.end(),
+                                [this](Alley& alley) { return !add_alley(alley); }),
+                 alleys.end());
+    for (const Alley& alley : alleys) {
+      for (const Alley& next : alleys) {
+        if (next.left != alley.right) continue;
+        add_headland(alley, next, false);
+        add_headland(alley, next, true);
+      }
+    }
+    return std::move(graph_);
+  }
+
+ private:
+  std::int32_t add_node(const Vector2d& p) {
+    graph_.nodes.push_back({static_cast<std::int32_t>(graph_.nodes.size()) + 1, p});
+    return graph_.nodes.back().id;
+  }
+  const Vector2d& node_at(std::int32_t id) const {
+    return graph_.nodes[static_cast<std::size_t>(id) - 1].p_map;
+  }
+
+  void add_edge(NavigationEdge edge, Corridor corridor) {
+    edge.id = static_cast<std::int32_t>(graph_.edges.size()) + 1;
+    edge.length_m = length_m(corridor.line);
+    edge.width_m = corridor.width_m;
+    edge.line_map = std::move(corridor.line);
+    graph_.edges.push_back(std::move(edge));
+  }
+
+  /// False where there is no way through.
+  bool add_alley(Alley& alley) {
+    auto corridor = free_corridor(guide_of(alley), obstacles_, seen_free_);
+    if (!corridor) return false;
+    alley.from = add_node(corridor->line.front());
+    alley.to = add_node(corridor->line.back());
     NavigationEdge edge;
     edge.kind = WayKind::kAlley;
     edge.from = alley.from;
     edge.to = alley.to;
-    edge.row_left = rows[alley.left].number;
-    edge.row_right = rows[alley.right].number;
-    edge.line_map.push_back(node_at(alley.from));
-    for (const LinePoint& at : alley.middle) edge.line_map.push_back(at.p);
-    edge.line_map.push_back(node_at(alley.to));
-    add_edge(std::move(edge), 0.5 * alley.distance_m);
+    edge.row_left = rows_[alley.left].number;
+    edge.row_right = rows_[alley.right].number;
+    add_edge(std::move(edge), *std::move(corridor));
+    return true;
   }
-  for (const Alley& alley : alleys) {
-    for (const Alley& next : alleys) {
-      if (next.left != alley.right) continue;
-      const Line& row = lines[alley.right];
-      const double beyond_m = 0.25 * (alley.distance_m + next.distance_m);
-      for (const bool at_end : {false, true}) {
-        NavigationEdge edge;
-        edge.kind = WayKind::kHeadland;
-        edge.from = at_end ? alley.to : alley.from;
-        edge.to = at_end ? next.to : next.from;
-        edge.row_left = rows[alley.right].number;
-        const Vector2d outwards =
-            at_end ? Vector2d(row.back() - row[row.size() - 2]) : Vector2d(row.front() - row[1]);
-        edge.line_map =
-            round_end(node_at(edge.from), node_at(edge.to), at_end ? row.back() : row.front(),
-                      outwards.normalized(), beyond_m);
-        add_edge(std::move(edge), 2.0 * beyond_m);
-      }
+
+  void add_headland(const Alley& alley, const Alley& next, bool at_end) {
+    const Line& row = lines_[alley.right];
+    const double beyond_m = 0.25 * (alley.distance_m + next.distance_m);
+    NavigationEdge edge;
+    edge.kind = WayKind::kHeadland;
+    edge.from = at_end ? alley.to : alley.from;
+    edge.to = at_end ? next.to : next.from;
+    edge.row_left = rows_[alley.right].number;
+    const Vector2d outwards =
+        at_end ? Vector2d(row.back() - row[row.size() - 2]) : Vector2d(row.front() - row[1]);
+    Guide guide;
+    guide.stations =
+        walked(round_end(node_at(edge.from), node_at(edge.to), at_end ? row.back() : row.front(),
+                         outwards.normalized(), beyond_m),
+               kStep_m);
+    guide.half_m = beyond_m;
+    guide.pinned = true;
+    if (auto corridor = free_corridor(guide, obstacles_, seen_free_)) {
+      add_edge(std::move(edge), *std::move(corridor));
     }
   }
-  return graph;
+
+  const std::vector<Row>& rows_;
+  std::vector<Line> lines_;
+  Obstacles obstacles_;
+  const SeenFree& seen_free_;
+  NavigationGraph graph_;
+};
+
+}  // namespace
+
+NavigationGraph navigation_graph(const std::vector<Landmark>& landmarks,
+                                 const std::vector<Row>& rows, const SeenFree& seen_free) {
+  return GraphBuilder(landmarks, rows, seen_free).build();
 }
 
 RowSpacing row_spacing(const Row& row) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mapping/landmark.hpp"
+#include "mapping/rows/free_corridor.hpp"
 #include "mapping/rows/rows.hpp"
 
 namespace orchard::mapping {
@@ -26,7 +27,7 @@ struct NavigationEdge {
   std::int32_t row_left = 0;      ///< numbers of the rows beside an alley; of a headland: the row
   std::int32_t row_right = 0;     ///< that it goes round, and 0
   double length_m = 0.0;
-  double width_m = 0.0;  ///< free of everything in the map, at the narrowest
+  double width_m = 0.0;  ///< free of everything in the map and seen so, at the narrowest
   std::vector<Eigen::Vector2d> line_map;
 };
 
@@ -35,13 +36,14 @@ struct NavigationGraph {
   std::vector<NavigationEdge> edges;  ///< alleys from the left, then headlands
 };
 
-/// The ways between rows that stand beside each other, along the middle, and round their ends.
+/// The ways between rows that stand beside each other, and round their ends.
 ///
-/// Rows farther apart than 2.5 times the usual distance have no alley between them; outside of the
-/// outermost rows nothing is known to be free, so no way is made there. Headlands lie half an
-/// alley beyond the ends of the rows.
+/// Each is the line that keeps farthest from every landmark's rim and was seen free on both sides;
+/// where there is none at least 2 kHalfWayMin_m wide, no way is published. Rows farther apart than
+/// 2.5 times the usual distance have no alley between them; outside of the outermost rows nothing
+/// is known to be free. Alleys reach up to half an alley beyond the ends of the rows.
 NavigationGraph navigation_graph(const std::vector<Landmark>& landmarks,
-                                 const std::vector<Row>& rows);
+                                 const std::vector<Row>& rows, const SeenFree& seen_free = {});
 
 /// Distances between neighbouring trees of a row, places without one not counted [m].
 struct RowSpacing {

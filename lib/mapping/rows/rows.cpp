@@ -9,6 +9,7 @@
 #include "geometry/angles.hpp"
 #include "mapping/compare/landmark_pairing.hpp"
 #include "mapping/rows/row_chains.hpp"
+#include "mapping/rows/row_evidence.hpp"
 #include "mapping/rows/row_members.hpp"
 #include "mapping/rows/row_order.hpp"
 #include "mapping/rows/row_slots.hpp"
@@ -123,6 +124,7 @@ std::vector<Row> find_rows(const std::vector<Landmark>& landmarks, const RowsCon
   };
   lines.chains.erase(std::remove_if(lines.chains.begin(), lines.chains.end(), is_no_row),
                      lines.chains.end());
+  keep_planted(lines.p_map, lines.chains);
   if (lines.chains.empty()) return {};
   order_from_left(lines.p_map, lines.rows, lines.chains);
   if (config.numbering == RowNumbering::kOrigin) {

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <memory>
+#include <utility>
 
 #include "bus/node/process.hpp"
 #include "cli/load_rig.hpp"
@@ -14,6 +16,7 @@
 #include "io/file_error.hpp"
 #include "io/map/map_folder.hpp"
 #include "io/progress_bar.hpp"
+#include "mapping/compare/landmark_pairing.hpp"
 #include "mapping/compare/map_merging.hpp"
 
 namespace orchard::cli {
@@ -55,6 +58,17 @@ std::pair<std::size_t, mapping::MapAlignment> next_to_lay(const io::StoredMap& w
     }
   }
   throw io::FileError(reason);
+}
+
+/// Maps keep no beams: what lies beside a driven path, where nothing was mapped, was seen free.
+mapping::SeenFree beside_paths(const std::vector<std::vector<pose::PoseEstimate>>& trajectories) {
+  constexpr double kBeside_m = 1.0;
+  std::vector<Eigen::Vector2d> path;
+  for (const auto& trajectory : trajectories) {
+    for (const pose::PoseEstimate& pose : trajectory) path.push_back({pose.x_m, pose.y_m});
+  }
+  const auto points = std::make_shared<mapping::IndexedPoints>(std::move(path));
+  return [points](const Eigen::Vector2d& p) { return points->nearest(p, kBeside_m) >= 0; };
 }
 
 void number(const mapping::RowsConfig& config, io::MapFolderContent& content) {
@@ -133,6 +147,7 @@ int run_merge(const MergeOptions& options) {
     content.summary.counts.push_back({"map_" + std::to_string(k + 1) + "_landmarks",
                                       static_cast<std::int64_t>(maps[k].landmarks.size())});
   }
+  if (!whole.trajectories.empty()) content.seen_free = beside_paths(whole.trajectories);
   number(rows, content);
   io::write_map_folder(options.out_folder, content);
   std::printf("%zu landmarks from %zu maps, written to %s; ids.csv says which became which\n",

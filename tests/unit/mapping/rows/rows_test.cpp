@@ -352,6 +352,51 @@ TEST(Rows, OfTwoInOnePlaceTheSurerOneIsTheTree) {
   EXPECT_EQ(num_wrong(block, counted_along(block)), 0);
 }
 
+/// The number of rows among which none holds a landmark of id 5000 or more.
+int rows_without_clutter(const std::vector<Row>& rows) {
+  return static_cast<int>(std::count_if(rows.begin(), rows.end(), [](const Row& row) {
+    return std::none_of(row.places.begin(), row.places.end(),
+                        [](const RowPlace& place) { return place.landmark_id >= 5000; });
+  }));
+}
+
+TEST(Rows, WhatStandsInLineByChanceIsNoRow) {
+  for (std::uint64_t seed = 601; seed <= 640; ++seed) {
+    std::mt19937_64 random(seed);
+    const auto uniform = [&](double a, double b) {
+      return a + (b - a) * static_cast<double>(random() >> 11) * 0x1p-53;
+    };
+    Plan plan;
+    plan.num_rows = 5;
+    plan.num_places = 10;
+    plan.row_spacing_m = 4.3;
+    plan.tree_spacing_m = 3.2;
+    plan.heading_rad = 0.0;
+    plan.post_share = 0.0;
+    Planted block = plant(plan, random);
+    const auto add = [&](int id, double x_m, double y_m) {
+      Landmark l;
+      l.id = id;
+      l.label = Label::kTree;
+      l.x_m = x_m;
+      l.y_m = y_m;
+      block.landmarks.push_back(l);
+    };
+    // hedge pieces along the outermost row, half a pitch beyond it, at any distance of each other
+    double x_m = -16.0;
+    for (int k = 0; x_m < 16.0; ++k) {
+      add(5000 + k, x_m, 8.6 + uniform(2.0, 2.6));
+      x_m += uniform(0.7, 5.0);
+    }
+    // and a few as regular as trees, but where no row fits between two
+    for (int k = 0; k < 4; ++k) add(6000 + k, -6.0 + 3.2 * k + uniform(-0.2, 0.2), 2.0);
+    const std::vector<Row> rows = find_rows(block.landmarks, counted_along(block));
+    EXPECT_EQ(rows.size(), 5u) << "seed " << seed;
+    EXPECT_GE(rows_without_clutter(rows), 4)
+        << "one may pass for a row's missing tree, seed " << seed;
+  }
+}
+
 TEST(Rows, FindsNoneInTooLittle) {
   EXPECT_TRUE(find_rows({}, {}).empty());
   std::vector<Landmark> two(2);

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/existence/seen_ground.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "geometry/angles.hpp"
+#include "geometry/pose2.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+/// Width of a place that is asked for [m]: two beams and more cross it.
+constexpr double kSeenPlace_m = 0.2;
+/// What lies so near to where base was is driven over [m]: less than half of any vehicle's width.
+constexpr double kDriven_m = 0.25;
+/// Scans with an opinion that are enough.
+constexpr int kVotes = 8;
+constexpr int kReturnWeight = 3;
+/// A scan from nearer than this to the last, and turned less, is left out.
+constexpr double kMoved_m = 0.1;
+constexpr double kTurned_rad = 0.1;
+constexpr std::size_t kUnpackedMax = 512;
+
+}  // namespace
+
+void SeenGround::add_scan(std::int32_t scan, const pose::PoseEstimate& T_map_base) {
+  const Eigen::Vector3d pose(T_map_base.x_m, T_map_base.y_m, T_map_base.yaw_rad);
+  if (!scans_.empty()) {
+    const Eigen::Vector3d& last = scans_.back().x_y_yaw;
+    if ((pose - last).head<2>().norm() < kMoved_m &&
+        std::abs(geometry::wrap_angle_rad(pose.z() - last.z())) < kTurned_rad) {
+      return;
+    }
+  }
+  grid_.insert(static_cast<std::int32_t>(scans_.size()), pose.x(), pose.y());
+  scans_.push_back({scan, pose});
+}
+
+const FreeSpace* SeenGround::free_space(std::int32_t number) {
+  const auto known = unpacked_.find(number);
+  if (known != unpacked_.end()) return known->second.get();
+  if (unpacked_.size() >= kUnpackedMax) unpacked_.clear();
+  return unpacked_.emplace(number, free_space_of_(number)).first->second.get();
+}
+
+bool SeenGround::is_free(const Eigen::Vector2d& p_map) {
+  std::vector<std::pair<double, std::int32_t>> near;  // squared distance, index
+  grid_.near(p_map.x(), p_map.y(), kBeamReach_m, [&](std::int32_t i) {
+    const double square =
+        (scans_[static_cast<std::size_t>(i)].x_y_yaw.head<2>() - p_map).squaredNorm();
+    if (square <= kBeamReach_m * kBeamReach_m) near.emplace_back(square, i);
+  });
+  std::sort(near.begin(), near.end());
+  if (!near.empty() && near.front().first <= kDriven_m * kDriven_m) return true;
+  int num_passes = 0, num_returns = 0;
+  for (const auto& [square, i] : near) {
+    const Scan& scan = scans_[static_cast<std::size_t>(i)];
+    const FreeSpace* beams = free_space(scan.number);
+    if (beams == nullptr) continue;
+    const auto answer = beams->at(geometry::transform_back(scan.x_y_yaw, p_map), kSeenPlace_m, 0.0);
+    num_passes += answer.verdict == FreeSpaceVerdict::kPassesThrough;
+    num_returns += answer.verdict == FreeSpaceVerdict::kReturns;
+    if (num_passes + num_returns >= kVotes) break;
+  }
+  return num_passes > 0 && num_passes >= kReturnWeight * num_returns;
+}
+
+}  // namespace orchard::mapping

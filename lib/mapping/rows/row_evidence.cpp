@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/rows/row_evidence.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "geometry/statistics.hpp"
+#include "mapping/rows/row_slots.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+using Eigen::Vector2d;
+
+/// Standard deviation of a planted step, in spacings: trees lean, and are seen from their sides.
+constexpr double kStep_spacings = 0.12;
+/// Log odds of a single step without deviation: the density of a planted one, nine places in ten
+/// full, over that of things at random, one per spacing: ln(0.9 / (0.12 sqrt(2 pi))) + 1.
+constexpr double kExactStep = 2.1;
+/// What an empty place takes from them: ln(0.1) + 1.
+constexpr double kEmptyPlace = 1.3;
+/// However far off, a step costs no more: something else was taken for a tree.
+constexpr double kStepCostMost = 4.0;
+/// Spacings that differ by less are one.
+constexpr double kSameSpacing = 0.15;
+/// Log odds of a row: two good steps of the orchard's own spacing, or three of another.
+constexpr double kRowMin = 3.3;
+/// An end of a row is cut off where it speaks against the row by more than this.
+constexpr double kEndMin = 4.0;
+/// Rows with so many trees tell the orchard's spacing, where there are any.
+constexpr std::size_t kTelling = 5;
+/// Nearer to a surer row than this fraction of the rows' distance nothing is a row.
+constexpr double kNearest_pitches = 0.6;
+
+const Vector2d& at(const std::vector<Vector2d>& p_map, std::int32_t i) {
+  return p_map[static_cast<std::size_t>(i)];
+}
+
+std::vector<double> steps_of(const std::vector<Vector2d>& p_map, const RowChain& chain) {
+  std::vector<double> steps_m;
+  for (std::size_t i = 1; i < chain.size(); ++i) {
+    steps_m.push_back((at(p_map, chain[i]) - at(p_map, chain[i - 1])).norm());
+  }
+  return steps_m;
+}
+
+double orchard_spacing_m(const std::vector<Vector2d>& p_map, const std::vector<RowChain>& chains) {
+  for (const std::size_t telling : {kTelling, std::size_t{2}}) {
+    std::vector<double> spacings_m;  // one per step, so that long rows say more
+    for (const RowChain& chain : chains) {
+      if (chain.size() < telling) continue;
+      const double single_m = single_step_m(steps_of(p_map, chain));
+      spacings_m.insert(spacings_m.end(), chain.size() - 1, single_m);
+    }
+    if (!spacings_m.empty()) return geometry::median(std::move(spacings_m));
+  }
+  return 0.0;
+}
+
+/// Median distance of a chain's trees from another chain's line, of those beside it; none where
+/// fewer than two are.
+std::optional<double> beside_m(const std::vector<Vector2d>& p_map, const RowChain& chain,
+                               const RowChain& other) {
+  std::vector<double> distances_m;
+  for (const std::int32_t i : chain) {
+    std::optional<double> nearest_m;
+    for (std::size_t k = 1; k < other.size(); ++k) {
+      const Vector2d &a = at(p_map, other[k - 1]), d = at(p_map, other[k]) - a;
+      const double share = d.dot(at(p_map, i) - a) / std::max(1e-9, d.squaredNorm());
+      if (share < 0.0 || share > 1.0) continue;
+      const double distance_m = (a + share * d - at(p_map, i)).norm();
+      if (!nearest_m || distance_m < *nearest_m) nearest_m = distance_m;
+    }
+    if (nearest_m) distances_m.push_back(*nearest_m);
+  }
+  if (distances_m.size() < 2) return std::nullopt;
+  return geometry::median(std::move(distances_m));
+}
+
+/// How far apart rows are here: of the surer half of the chains the median distance to the nearest
+/// other one of them; 0 where none stand beside each other.
+double pitch_m(const std::vector<Vector2d>& p_map, const std::vector<RowChain>& chains,
+               const std::vector<double>& log_odds) {
+  const double surest = *std::max_element(log_odds.begin(), log_odds.end());
+  std::vector<double> pitches_m;
+  for (std::size_t a = 0; a < chains.size(); ++a) {
+    std::optional<double> nearest_m;
+    for (std::size_t b = 0; b < chains.size(); ++b) {
+      if (a == b || std::min(log_odds[a], log_odds[b]) < 0.5 * surest) continue;
+      const auto distance_m = beside_m(p_map, chains[a], chains[b]);
+      if (distance_m && (!nearest_m || *distance_m < *nearest_m)) nearest_m = distance_m;
+    }
+    if (nearest_m) pitches_m.push_back(*nearest_m);
+  }
+  return pitches_m.empty() ? 0.0 : geometry::median(std::move(pitches_m));
+}
+
+double step_log_odds(double spacings) {
+  const double places = std::max(1.0, std::round(spacings));
+  const double off = (spacings - places) / kStep_spacings;
+  return std::max(-kStepCostMost,
+                  kExactStep - 0.5 * off * off / places - kEmptyPlace * (places - 1.0));
+}
+
+}  // namespace
+
+RowEvidence row_evidence(const std::vector<Vector2d>& p_map, const RowChain& chain,
+                         double orchard_spacing_m) {
+  RowEvidence evidence;
+  evidence.last = chain.empty() ? 0 : chain.size() - 1;
+  if (chain.size() < 2) return evidence;
+  const std::vector<double> steps_m = steps_of(p_map, chain);
+  const double spacing_m = std::max(1e-3, single_step_m(steps_m));
+  // the run of steps with most evidence, and what lies before and behind it
+  double run = 0.0, before_run = 0.0, sum = 0.0, best = 0.0, before = 0.0, upto = 0.0;
+  std::size_t begin = 0, first = 0, last = 0;
+  for (std::size_t k = 0; k < steps_m.size(); ++k) {
+    const double step = step_log_odds(steps_m[k] / spacing_m);
+    if (run < 0.0) run = 0.0, begin = k, before_run = sum;
+    run += step;
+    sum += step;
+    if (run > best) best = run, first = begin, last = k + 1, before = before_run, upto = sum;
+  }
+  if (before < -kEndMin) evidence.first = first;
+  if (sum - upto < -kEndMin) evidence.last = last;
+  // a spacing of its own is known from one of its steps, which then says nothing more
+  const bool is_orchards = std::abs(spacing_m - orchard_spacing_m) <
+                           kSameSpacing * std::max(spacing_m, orchard_spacing_m);
+  evidence.log_odds = is_orchards ? best : best - kExactStep;
+  return evidence;
+}
+
+void keep_planted(const std::vector<Vector2d>& p_map, std::vector<RowChain>& chains) {
+  const double spacing_m = orchard_spacing_m(p_map, chains);
+  std::vector<RowChain> regular;
+  std::vector<double> log_odds;
+  for (RowChain& chain : chains) {
+    const RowEvidence evidence = row_evidence(p_map, chain, spacing_m);
+    if (evidence.log_odds < kRowMin) continue;
+    regular.emplace_back(chain.begin() + static_cast<std::ptrdiff_t>(evidence.first),
+                         chain.begin() + static_cast<std::ptrdiff_t>(evidence.last) + 1);
+    log_odds.push_back(evidence.log_odds);
+  }
+  chains.clear();
+  if (regular.empty()) return;
+  const double nearest_m = kNearest_pitches * pitch_m(p_map, regular, log_odds);
+  std::vector<std::size_t> by_odds(regular.size());
+  std::iota(by_odds.begin(), by_odds.end(), std::size_t{0});
+  std::stable_sort(by_odds.begin(), by_odds.end(),
+                   [&](std::size_t a, std::size_t b) { return log_odds[a] > log_odds[b]; });
+  std::vector<std::size_t> kept;
+  for (const std::size_t a : by_odds) {
+    const bool crowds = std::any_of(kept.begin(), kept.end(), [&](std::size_t b) {
+      const auto distance_m = beside_m(p_map, regular[a], regular[b]);
+      return distance_m && *distance_m < nearest_m;
+    });
+    if (!crowds) kept.push_back(a);
+  }
+  std::sort(kept.begin(), kept.end());
+  for (const std::size_t a : kept) chains.push_back(std::move(regular[a]));
+}
+
+}  // namespace orchard::mapping

@@ -215,6 +215,7 @@ TEST(MapperNode, ARigMayDoWithoutScans) {
   for (const bool enabled : {true, false}) {
     io::Config config;
     config.mapper.existence.enabled = enabled;
+    config.mapper.rows.enabled = enabled;  // whose ways ask for beams, too
     if (enabled) config.mapper.existence.scan_wait_s = 0.0;
     MapperNode node{config};
     const auto inputs = node.inputs();

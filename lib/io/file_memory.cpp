@@ -3,13 +3,19 @@
 
 #include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <functional>
 #include <new>
 #include <system_error>
+
+#include "io/file_error.hpp"
 
 namespace orchard::io {
 namespace {
@@ -20,34 +26,71 @@ constexpr std::size_t kWarm = 3;
 /// What is left of the disk for files that somebody reads.
 constexpr std::uintmax_t kLeft_bytes = 64u << 20;
 
+std::uint32_t crc_of(const void* chunk) {
+  return static_cast<std::uint32_t>(
+      ::crc32_z(0, static_cast<const Bytef*>(chunk), mapping::ChunkMemory::kChunkBytes));
+}
+
+bool is_before(const KeptChunk& chunk, std::uint32_t number) { return chunk.number < number; }
+
+bool contains(const std::vector<KeptChunk>& chunks, std::uint32_t number) {
+  const auto at = std::lower_bound(chunks.begin(), chunks.end(), number, is_before);
+  return at != chunks.end() && at->number == number;
+}
+
 }  // namespace
 
 FileMemory::~FileMemory() {
-  for (void* chunk : mapped_) ::munmap(chunk, kChunkBytes);
+  for (const Mapped& chunk : mapped_) ::munmap(chunk.first, kChunkBytes);
   if (fd_ >= 0) ::close(fd_);
 }
 
-bool FileMemory::is_of_file(void* chunk) const {
-  return std::binary_search(mapped_.begin(), mapped_.end(), chunk, std::less<>());
+const FileMemory::Mapped* FileMemory::mapped(const void* chunk) const {
+  const auto at = std::lower_bound(
+      mapped_.begin(), mapped_.end(), chunk,
+      [](const Mapped& one, const void* other) { return std::less<>()(one.first, other); });
+  return at != mapped_.end() && at->first == chunk ? &*at : nullptr;
+}
+
+bool FileMemory::open_file(bool anew) noexcept {
+  if (fd_ >= 0) return true;
+  if (is_refused_) return false;
+  if (name_.empty()) {
+    fd_ = ::open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  } else {
+    const std::string path = folder_ + "/" + name_;
+    fd_ = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | (anew ? O_CREAT | O_TRUNC : 0),
+                 0666);
+  }
+  is_refused_ = fd_ < 0;
+  return fd_ >= 0;
+}
+
+/// A chunk of the file, which is that long, at its place in memory; none where there is none left.
+void* FileMemory::map(std::uint32_t number) noexcept {
+  void* chunk = ::mmap(nullptr, kChunkBytes, PROT_READ | PROT_WRITE, MAP_SHARED, fd_,
+                       static_cast<off_t>(number) * static_cast<off_t>(kChunkBytes));
+  if (chunk == MAP_FAILED) return nullptr;
+  const Mapped entry{chunk, number};
+  mapped_.insert(std::upper_bound(mapped_.begin(), mapped_.end(), entry,
+                                  [](const Mapped& a, const Mapped& b) {
+                                    return std::less<>()(a.first, b.first);
+                                  }),
+                 entry);
+  return chunk;
 }
 
 /// The next part of the file; none where there is no room, which must show here and not when it is
 /// written to.
 void* FileMemory::map_next() noexcept {
-  if (fd_ < 0 && !is_refused_) {
-    fd_ = ::open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-    is_refused_ = fd_ < 0;
-  }
-  if (fd_ < 0) return nullptr;
+  if (!open_file(true)) return nullptr;
   std::error_code error;
   const std::filesystem::space_info space = std::filesystem::space(folder_, error);
   if (error || space.available < kLeft_bytes) return nullptr;
-  const auto offset = static_cast<off_t>(file_bytes_);
+  const auto offset = static_cast<off_t>(num_in_file_) * static_cast<off_t>(kChunkBytes);
   if (::posix_fallocate(fd_, offset, kChunkBytes) != 0) return nullptr;
-  void* chunk = ::mmap(nullptr, kChunkBytes, PROT_READ | PROT_WRITE, MAP_SHARED, fd_, offset);
-  if (chunk == MAP_FAILED) return nullptr;
-  file_bytes_ += kChunkBytes;
-  mapped_.insert(std::upper_bound(mapped_.begin(), mapped_.end(), chunk, std::less<>()), chunk);
+  void* chunk = map(num_in_file_);
+  if (chunk != nullptr) ++num_in_file_;
   return chunk;
 }
 
@@ -66,20 +109,85 @@ void* FileMemory::take() {
   // Whatever was read since the last time leaves memory, too; the file keeps it.
   warm_.push_back(chunk);
   if (warm_.size() > kWarm) warm_.pop_front();
-  for (void* other : mapped_) {
-    if (std::count(warm_.begin(), warm_.end(), other) == 0) {
-      ::madvise(other, kChunkBytes, MADV_DONTNEED);
-    }
+  for (const Mapped& other : mapped_) {
+    if (std::count(warm_.begin(), warm_.end(), other.first) == 0) cool_down(other.first);
   }
   return chunk;
 }
 
+void FileMemory::cool_down(void* chunk) { ::madvise(chunk, kChunkBytes, MADV_DONTNEED); }
+
 void FileMemory::give_back(void* chunk) noexcept {
-  if (!is_of_file(chunk)) {
+  const Mapped* at = mapped(chunk);
+  if (at == nullptr) {
     ::operator delete(chunk);
     return;
   }
-  unused_.push_back(chunk);
+  (contains(kept_, at->second) ? released_ : unused_).push_back(chunk);
+}
+
+std::int64_t FileMemory::keep(void* chunk) {
+  const Mapped* at = name_.empty() ? nullptr : mapped(chunk);
+  if (at == nullptr) return -1;
+  to_keep_.insert(at->second);
+  return at->second;
+}
+
+void* FileMemory::find(std::int64_t number) {
+  for (const Mapped& chunk : mapped_) {
+    if (chunk.second == number) return chunk.first;
+  }
+  return nullptr;
+}
+
+std::vector<KeptChunk> FileMemory::write_kept() {
+  std::vector<KeptChunk> now;
+  for (const Mapped& chunk : mapped_) {
+    if (to_keep_.count(chunk.second) == 0) continue;
+    const auto then = std::lower_bound(kept_.begin(), kept_.end(), chunk.second, is_before);
+    const bool is_known = then != kept_.end() && then->number == chunk.second;
+    now.push_back({chunk.second, is_known ? then->crc : crc_of(chunk.first)});
+  }
+  to_keep_.clear();
+  if (fd_ >= 0 && ::fdatasync(fd_) != 0) {
+    throw FileError(folder_ + "/" + name_ + ": cannot be synced to the disk (" +
+                    std::strerror(errno) + ")");
+  }
+  std::sort(now.begin(), now.end(),
+            [](const KeptChunk& a, const KeptChunk& b) { return a.number < b.number; });
+  written_ = now;
+  return now;
+}
+
+void FileMemory::release_others() {
+  kept_ = written_;
+  const auto is_free = [this](void* chunk) { return !contains(kept_, mapped(chunk)->second); };
+  for (void* chunk : released_) {
+    if (is_free(chunk)) unused_.push_back(chunk);
+  }
+  released_.erase(std::remove_if(released_.begin(), released_.end(), is_free), released_.end());
+}
+
+bool FileMemory::restore(const std::vector<KeptChunk>& chunks) {
+  if (chunks.empty()) return true;
+  struct stat status {};
+  if (!open_file(false) || ::fstat(fd_, &status) != 0 || !S_ISREG(status.st_mode)) return false;
+  const std::int64_t num_in_file = status.st_size / static_cast<std::int64_t>(kChunkBytes);
+  num_in_file_ = static_cast<std::uint32_t>(std::min<std::int64_t>(num_in_file, UINT32_MAX));
+  for (std::uint32_t number = 0; number < num_in_file_; ++number) {
+    void* chunk = map(number);
+    if (chunk == nullptr) return false;
+    const auto at = std::lower_bound(chunks.begin(), chunks.end(), number, is_before);
+    if (at == chunks.end() || at->number != number) {
+      unused_.push_back(chunk);
+      continue;
+    }
+    const bool is_whole = crc_of(chunk) == at->crc;
+    cool_down(chunk);
+    if (!is_whole) return false;
+  }
+  kept_ = written_ = chunks;
+  return chunks.back().number < num_in_file_;
 }
 
 }  // namespace orchard::io

@@ -122,7 +122,7 @@ bool is_zero_to_the_end(std::istream& file, std::uint64_t offset) {
 }  // namespace
 
 JournalReading read_journal(const std::string& path, std::int64_t identity,
-                            const JournalRecordHook& on_record) {
+                            const JournalRecordHook& on_record, std::uint64_t from_bytes) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return {};
   if (!std::filesystem::is_regular_file(path, error)) {
@@ -135,6 +135,10 @@ JournalReading read_journal(const std::string& path, std::int64_t identity,
   std::string header(kHeaderBytes, '\0');
   file.read(header.data(), kHeaderBytes);
   JournalReading reading = judge_header(header, identity);
+  if (reading.state == JournalReading::State::kWhole && from_bytes > kHeaderBytes) {
+    reading.num_good_bytes = std::min(from_bytes, file_size);
+    file.seekg(static_cast<std::streamoff>(reading.num_good_bytes));
+  }
   std::string block_header(kBlockHeaderBytes, '\0'), stored;
   while (reading.state == JournalReading::State::kWhole && reading.num_good_bytes < file_size) {
     const std::uint64_t offset = reading.num_good_bytes;
@@ -170,18 +174,14 @@ JournalReading read_journal(const std::string& path, std::int64_t identity,
 }
 
 Journal::Journal(std::string path, std::int64_t identity, std::uint64_t num_good_bytes)
-    : path_(std::move(path)), size_(num_good_bytes) {
+    : path_(std::move(path)), identity_(identity), size_(num_good_bytes) {
   fd_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   if (fd_ < 0) throw FileError(path_ + ": cannot be written (" + std::strerror(errno) + ")");
   try {
     if (::ftruncate(fd_, static_cast<off_t>(size_)) != 0 || ::lseek(fd_, 0, SEEK_END) < 0) {
       throw FileError(path_ + ": cannot be written (" + std::strerror(errno) + ")");
     }
-    if (size_ == 0) {
-      const std::string header = header_of(identity);
-      write_fully(fd_, path_, header.data(), header.size());
-      size_ = header.size();
-    }
+    if (size_ == 0) write_header();
   } catch (const FileError&) {
     ::close(fd_);
     throw;
@@ -190,6 +190,22 @@ Journal::Journal(std::string path, std::int64_t identity, std::uint64_t num_good
 
 Journal::~Journal() {
   if (fd_ >= 0) ::close(fd_);
+}
+
+void Journal::write_header() {
+  const std::string header = header_of(identity_);
+  if (::ftruncate(fd_, 0) != 0 || ::lseek(fd_, 0, SEEK_SET) < 0) {
+    throw FileError(path_ + ": cannot be written (" + std::strerror(errno) + ")");
+  }
+  write_fully(fd_, path_, header.data(), header.size());
+  size_ = header.size();
+}
+
+void Journal::begin_anew(std::int64_t identity) {
+  identity_ = identity;
+  size_ = 0;
+  waiting_.clear();
+  write_header();
 }
 
 void Journal::add(std::uint8_t kind, const void* bytes, std::size_t size) {
@@ -230,6 +246,7 @@ void Journal::write_block(const std::string& records) {
 
 void Journal::commit() {
   if (waiting_.empty()) return;
+  if (size_ == 0) write_header();  // there was no room for it
   while (!waiting_.empty()) {
     write_block(waiting_.front().records);
     waiting_.erase(waiting_.begin());

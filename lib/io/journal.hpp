@@ -28,11 +28,12 @@ struct JournalReading {
 /// Takes one record of a journal: its kind, and its bytes, which are gone after the call.
 using JournalRecordHook = std::function<void(std::uint8_t kind, std::string_view bytes)>;
 
-/// Reads a journal of that identity from its start; never more than one block in memory. Records of
+/// Reads a journal of that identity from its start, or from `from_bytes` on, which an earlier
+/// Journal::num_bytes() told; never more than one block in memory. Records of
 /// a journal that turns out kDamaged later have been handed over: whoever needs all or nothing
 /// reads twice, without a hook first. Throws FileError when it is there and cannot be read.
 JournalReading read_journal(const std::string& path, std::int64_t identity,
-                            const JournalRecordHook& on_record = {});
+                            const JournalRecordHook& on_record = {}, std::uint64_t from_bytes = 0);
 
 /// A file that records are appended to, in compressed blocks with a checksum each: what was
 /// committed outlives the process, and a block that was torn is left out.
@@ -57,9 +58,16 @@ class Journal {
   /// ends with its last whole block.
   void commit();
 
+  /// Drops all records, those that wait, too: the file goes on as a new one of that identity.
+  void begin_anew(std::int64_t identity);
+
+  /// Size of the file.
+  std::uint64_t num_bytes() const { return size_; }
+
   std::int64_t num_dropped() const { return num_dropped_; }
 
  private:
+  void write_header();
   void write_block(const std::string& records);
 
   struct Waiting {
@@ -67,6 +75,7 @@ class Journal {
     std::int64_t count = 0;
   };
   std::string path_;
+  std::int64_t identity_;
   int fd_ = -1;
   std::uint64_t size_ = 0;
   std::vector<Waiting> waiting_;  ///< the oldest first; the last one grows

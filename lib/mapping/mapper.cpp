@@ -226,6 +226,11 @@ std::optional<double> Mapper::tree_scatter_m() const {
   return geometry::median(std::move(medians_m));
 }
 
+void Mapper::persist(StateArchive& archive) {
+  MapState& map = impl_->map;
+  archive(impl_->existence, map.landmarks, map.observations, map.modes);
+}
+
 std::vector<Landmark> Mapper::landmarks(int min_observations) const {
   std::vector<Landmark> all;
   for (std::int32_t i = 0; i < impl_->map.landmarks.num_indices(); ++i) {

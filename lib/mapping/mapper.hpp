@@ -13,6 +13,7 @@
 #include "mapping/map_update.hpp"
 #include "mapping/mapper_config.hpp"
 #include "mapping/store/chunk_memory.hpp"
+#include "mapping/store/state_archive.hpp"
 #include "pose/pose_estimate.hpp"
 
 namespace orchard::mapping {
@@ -78,6 +79,9 @@ class Mapper {
   /// All landmarks with at least `min_observations`, in order of id, their positions of all that is
   /// known now.
   std::vector<Landmark> landmarks(int min_observations = 1) const;
+
+  /// Its state; the configuration is the maker's. Observations stay in `memory`.
+  void persist(StateArchive& archive);
 
  private:
   struct Impl;

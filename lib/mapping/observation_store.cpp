@@ -38,7 +38,7 @@ std::int32_t ObservationStore::prepend(Observation observation, std::int32_t hea
 
 void ObservationStore::add_unassociated(Observation observation) {
   prepend(observation, -1);
-  observations_.back().is_associated = false;
+  observations_.edit(observations_.size() - 1).is_associated = false;
 }
 
 std::int32_t ObservationStore::join(std::int32_t newer, std::int32_t older) {
@@ -46,7 +46,7 @@ std::int32_t ObservationStore::join(std::int32_t newer, std::int32_t older) {
   while (observations_[static_cast<std::size_t>(tail)].previous >= 0) {
     tail = observations_[static_cast<std::size_t>(tail)].previous;
   }
-  observations_[static_cast<std::size_t>(tail)].previous = older;
+  observations_.edit(static_cast<std::size_t>(tail)).previous = older;
   return newer;
 }
 
@@ -54,7 +54,7 @@ std::int32_t ObservationStore::relink(std::vector<std::int32_t> observations) {
   std::sort(observations.begin(), observations.end());
   std::int32_t head = -1;
   for (const std::int32_t k : observations) {
-    Observation& o = observations_[static_cast<std::size_t>(k)];
+    Observation& o = observations_.edit(static_cast<std::size_t>(k));
     o.previous = std::exchange(head, k);
     o.is_associated = true;
   }

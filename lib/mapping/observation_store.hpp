@@ -66,6 +66,8 @@ class ObservationStore {
   /// Where an observation lies in map by the pose of its scan.
   Eigen::Vector2d p_map(std::int32_t observation) const;
 
+  void persist(StateArchive& archive) { archive(scans_, observations_, beams_); }
+
   /// The first of a chain, `most` at most, composed with the poses as given.
   std::vector<WeightedPoint> newest(std::int32_t head, std::size_t most) const;
 

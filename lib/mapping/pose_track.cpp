@@ -80,8 +80,8 @@ void PoseTrack::add(const pose::PoseEstimate& pose) {
   if (at < poses_.size() && poses_[at].utime == pose.utime) return;
   poses_.push_back(pose);
   for (std::size_t i = poses_.size() - 1; i > at; --i) {
-    poses_[i] = poses_[i - 1];
-    poses_[i - 1] = pose;
+    poses_.edit(i) = pose::PoseEstimate(poses_[i - 1]);
+    poses_.edit(i - 1) = pose;
   }
 }
 
@@ -111,7 +111,7 @@ double PoseTrack::correct(const pose::Trajectory& trajectory) {
   double moved_m = 0.0;
   std::size_t next = 0;  // the first key time after the pose
   for (std::size_t i = 0; i < end; ++i) {
-    pose::PoseEstimate& pose = poses_[i];
+    pose::PoseEstimate& pose = poses_.edit(i);
     while (next < corrections.size() && corrections[next].is.utime <= pose.utime) ++next;
     const pose::PoseEstimate was = pose;
     if (next == 0) {

@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
+#include <exception>
 #include <utility>
 #include <variant>
 
@@ -22,6 +23,9 @@ constexpr std::uint64_t kReserved_bytes = 4u << 20;
 /// Earlier maps that STATUS names; all stand in the log.
 constexpr std::size_t kNotesMax = 10;
 
+const char* const kOtherConfiguration = "it was made with another configuration";
+const char* const kOtherProgram = "it was made by another version of this program";
+
 /// Whether the frame of the poses is the same after orchard-pose began anew: told from outside, and
 /// not where the robot happened to start.
 bool frame_is_given(const pose::PoseConfig& config) {
@@ -39,43 +43,95 @@ bool frame_is_given(const pose::PoseConfig& config) {
 }  // namespace
 
 JournaledMapper::JournaledMapper(const io::Config& config, std::int64_t config_hash,
-                                 io::MapPlace& place)
+                                 io::MapPlace& place, int snapshot_period)
     : config_(config),
       config_hash_(config_hash),
       place_(place),
-      memory_(std::make_shared<io::FileMemory>(place.folder())),
+      snapshot_period_(snapshot_period),
+      memory_(std::make_shared<io::FileMemory>(place.folder(), kChunksName)),
       mapper_(std::make_unique<MapperNode>(config, memory_)) {
-  go_on_or_begin();
+  const std::string why_not = go_on();
+  if (!why_not.empty()) begin_new_map(why_not);
 }
 
-void JournaledMapper::go_on_or_begin() {
-  const std::string path = place_.file(kJournalName);
-  const io::JournalReading reading = io::read_journal(path, config_hash_);
+/// Goes on with the map in the folder; why that cannot be, or "".
+std::string JournaledMapper::go_on() {
+  using State = io::SnapshotReading::State;
+  const io::SnapshotReading reading = io::read_snapshot(place_.file(kSnapshotName), config_hash_);
+  if (reading.state == State::kOtherMaker) return kOtherConfiguration;
+  if (reading.state == State::kDamaged) return "its snapshot is damaged, or another program's";
+  const bool has_snapshot = reading.state == State::kWhole;
+  if (has_snapshot) {
+    const std::string why_not = go_on_from(reading.snapshot);
+    if (!why_not.empty()) return why_not;
+  }
+  return go_on_with_journal(has_snapshot, reading.snapshot.journal_bytes);
+}
+
+std::string JournaledMapper::go_on_from(const io::Snapshot& snapshot) {
+  if (!memory_->restore(snapshot.chunks)) return std::string(kChunksName) + " is damaged";
+  try {
+    mapping::StateArchive archive(snapshot.state);
+    persist(archive);
+    if (archive.num_left() > 0) return kOtherProgram;
+  } catch (const std::exception&) {
+    return kOtherProgram;
+  }
+  journal_number_ = snapshot.journal_number;
+  num_rebuilt_ = mapper_->num_rebuilt();
+  return {};
+}
+
+/// The snapshot covers the first bytes of the journal of its number; where the process ended right
+/// after it was written, the journal of the next number has none yet or the first of its records.
+std::string JournaledMapper::go_on_with_journal(bool has_snapshot, std::uint64_t covered_bytes) {
   using State = io::JournalReading::State;
+  const std::string path = place_.file(kJournalName);
+  io::JournalReading reading = io::read_journal(path, journal_identity(), {}, covered_bytes);
+  if (has_snapshot && (reading.state == State::kOtherMaker || reading.state == State::kAbsent)) {
+    ++journal_number_;
+    covered_bytes = 0;
+    reading = io::read_journal(path, journal_identity());
+  }
   switch (reading.state) {
+    case State::kOtherMaker:
+      return kOtherConfiguration;
+    case State::kDamaged:
+      return "its journal is damaged: " + reading.reason;
+    case State::kAbsent:
+      if (!has_snapshot) return "it has no journal to go on from";
+      break;
     case State::kWhole:
       if (reading.num_torn_bytes > 0) {
         spdlog::warn("{}: {} bytes at its end are of a write that was cut off: left out", path,
                      reading.num_torn_bytes);
       }
-      replay();
-      journal_ = std::make_unique<io::Journal>(path, config_hash_, reading.num_good_bytes);
-      return;
-    case State::kAbsent:
-      return begin_new_map("it has no journal to go on from");
-    case State::kOtherMaker:
-      return begin_new_map("it was made with another configuration");
-    case State::kDamaged:
-      return begin_new_map("its journal is damaged: " + reading.reason);
+      replay(covered_bytes);
   }
+  journal_ = std::make_unique<io::Journal>(path, journal_identity(), reading.num_good_bytes);
+  if (has_snapshot || reading.num_records > 0) {
+    spdlog::info("goes on with the map in {}: {} landmarks; {} messages were taken in again",
+                 place_.folder(), mapper_->num_landmarks(), reading.num_records);
+  }
+  return {};
 }
 
-void JournaledMapper::replay() {
+/// Another journal must not pass for the one that a snapshot goes with.
+std::int64_t JournaledMapper::journal_identity() const {
+  return config_hash_ ^ static_cast<std::int64_t>(journal_number_ * 0x9E3779B97F4A7C15u);
+}
+
+void JournaledMapper::persist(mapping::StateArchive& archive) {
+  archive(last_pose_, num_taken_, *mapper_);
+  if (archive.is_reading()) num_replayed_ = num_taken_;
+}
+
+void JournaledMapper::replay(std::uint64_t from_bytes) {
   const std::string path = place_.file(kJournalName);
   const bus::Outbox nowhere = [](const bus::Message&) {};
-  std::int64_t num_records = 0, num_refused = 0;
-  io::read_journal(path, config_hash_, [&](std::uint8_t kind, std::string_view bytes) {
-    ++num_records;
+  std::int64_t num_refused = 0;
+  const auto take_in = [&](std::uint8_t kind, std::string_view bytes) {
+    ++num_since_snapshot_;
     if (kind == kFlushRecord) return mapper_->flush(nowhere);
     if (kind >= bus::kNumChannels ||
         bus::info(static_cast<bus::Channel>(kind)).role == bus::Role::kService) {
@@ -88,26 +144,33 @@ void JournaledMapper::replay() {
       ++num_refused;
       return;
     }
-    ++num_replayed_[kind];
+    ++num_taken_[kind];
     if (const auto* pose = std::get_if<pose::PoseEstimate>(message)) note_pose(*pose);
     mapper_->handle(*message, nowhere);
-  });
-  if (num_records == 0) return;
-  spdlog::info("goes on with the map in {}: {} landmarks from {} messages", place_.folder(),
-               mapper_->landmarks().size(), num_records - num_refused);
+  };
+  io::read_journal(path, journal_identity(), take_in, from_bytes);
+  num_replayed_ = num_taken_;
   if (num_refused > 0) spdlog::warn("{}: {} messages in it are refused", path, num_refused);
 }
 
 void JournaledMapper::begin_new_map(const std::string& why) {
-  const std::string aside = place_.set_aside({kJournalName});
+  journal_.reset();
+  const std::string aside = place_.set_aside({kJournalName, kSnapshotName, kChunksName});
   if (!aside.empty()) {
     std::string note = fmt::format("an earlier map in {} is not gone on with, as {}; it is in {}",
                                    place_.folder(), why, aside);
     spdlog::warn("{}", note);
     if (notes_.size() < kNotesMax) notes_.push_back(std::move(note));
   }
+  mapper_.reset();
+  memory_ = std::make_shared<io::FileMemory>(place_.folder(), kChunksName);
+  mapper_ = std::make_unique<MapperNode>(config_, memory_);
   num_replayed_.fill(0);
-  journal_ = std::make_unique<io::Journal>(place_.file(kJournalName), config_hash_, 0);
+  num_taken_.fill(0);
+  journal_number_ = 0;
+  num_since_snapshot_ = 0;
+  num_rebuilt_ = 0;
+  journal_ = std::make_unique<io::Journal>(place_.file(kJournalName), journal_identity(), 0);
 }
 
 void JournaledMapper::note_pose(const pose::PoseEstimate& pose) {
@@ -122,7 +185,6 @@ void JournaledMapper::handle(const bus::Message& input, const bus::Outbox& send)
     if (is_anew && !frame_is_given(config_.pose)) {
       if (before_new_map_) before_new_map_(*mapper_);
       journal_->commit();
-      mapper_ = std::make_unique<MapperNode>(config_, memory_);
       begin_new_map("orchard-pose began anew, with another origin");
     } else if (is_anew) {
       spdlog::info("orchard-pose began anew; its frame is given, and the map goes on");
@@ -131,6 +193,9 @@ void JournaledMapper::handle(const bus::Message& input, const bus::Outbox& send)
   }
   const std::vector<std::uint8_t> bytes = journal_bytes(input);
   journal_->add(static_cast<std::uint8_t>(bus::channel_of(input)), bytes.data(), bytes.size());
+  ++num_taken_[static_cast<std::size_t>(bus::channel_of(input))];
+  ++num_since_snapshot_;
+  is_flushed_ = false;
   mapper_->handle(input, send);
 }
 
@@ -146,6 +211,8 @@ std::vector<std::uint8_t> JournaledMapper::journal_bytes(const bus::Message& inp
 
 void JournaledMapper::flush(const bus::Outbox& send) {
   journal_->add(kFlushRecord, nullptr, 0);
+  ++num_since_snapshot_;
+  is_flushed_ = true;
   mapper_->flush(send);
 }
 
@@ -157,6 +224,37 @@ void JournaledMapper::commit() {
         place_.file(kJournalName), kReserved_bytes >> 20));
   }
   journal_->commit();
+  if (is_snapshot_due()) keep_snapshot();
+}
+
+/// At the end, after what takes long to do again, and now and then.
+bool JournaledMapper::is_snapshot_due() const {
+  if (num_since_snapshot_ == 0) return false;
+  return is_flushed_ || num_since_snapshot_ >= snapshot_period_ ||
+         mapper_->num_rebuilt() != num_rebuilt_;
+}
+
+/// Everything is in the journal: without a snapshot it only grows.
+void JournaledMapper::keep_snapshot() {
+  num_since_snapshot_ = 0;
+  num_rebuilt_ = mapper_->num_rebuilt();
+  try {
+    memory_->begin_keeping();
+    mapping::StateArchive archive;
+    persist(archive);
+    io::Snapshot snapshot;
+    snapshot.chunks = memory_->write_kept();
+    snapshot.journal_number = journal_number_;
+    snapshot.journal_bytes = journal_->num_bytes();
+    snapshot.state = archive.bytes();
+    io::write_snapshot(place_.file(kSnapshotName), config_hash_, snapshot);
+  } catch (const std::exception& error) {
+    spdlog::warn("{}: no snapshot ({}); the journal goes on", place_.folder(), error.what());
+    return;
+  }
+  memory_->release_others();
+  ++journal_number_;
+  journal_->begin_anew(journal_identity());
 }
 
 std::string JournaledMapper::warning() const {

@@ -15,23 +15,32 @@
 #include "io/file_memory.hpp"
 #include "io/journal.hpp"
 #include "io/map/map_place.hpp"
+#include "io/snapshot.hpp"
 #include "mapper/mapper_node.hpp"
 
 namespace orchard::procs {
 
-/// A mapper whose map outlives its process: it keeps a journal of its inputs beside the map and,
-/// made anew, takes them in again before anything else. The map is a function of its inputs, so it
-/// goes on as if nothing had happened, with every id.
+/// A mapper whose map outlives its process: it keeps snapshots of its state beside the map, and a
+/// journal of its inputs since the last one. Made anew, it takes in both before anything else. The
+/// map is a function of its inputs, so it goes on as if nothing had happened, with every id.
 ///
-/// A map that has no journal, one of another configuration or a damaged one is not gone on with: it
+/// A map that has neither, of another configuration or with a damaged file is not gone on with: it
 /// is set aside, and so is one whose frame ended because orchard-pose began anew in a mode that
 /// starts from its own origin. STATUS and summary.json say so.
 class JournaledMapper : public bus::Node {
  public:
   static constexpr const char* kJournalName = "mapper.journal";
+  static constexpr const char* kSnapshotName = "mapper.snapshot";
+  /// What a long drive leaves: of it the snapshot only has the places.
+  static constexpr const char* kChunksName = "mapper.chunks";
 
-  /// Takes in the journal in `place`, which must outlive this. Throws io::FileError.
-  JournaledMapper(const io::Config& config, std::int64_t config_hash, io::MapPlace& place);
+  /// Inputs since the last snapshot that make another one due: taking in a tenth of a second's
+  /// worth of them, or less than a second's in a large map.
+  static constexpr int kSnapshotPeriod = 3000;
+
+  /// Takes in what `place` holds, which must outlive this. Throws io::FileError.
+  JournaledMapper(const io::Config& config, std::int64_t config_hash, io::MapPlace& place,
+                  int snapshot_period = kSnapshotPeriod);
 
   std::string_view name() const override { return mapper_->name(); }
   std::vector<bus::Channel> inputs() const override { return mapper_->inputs(); }
@@ -42,8 +51,9 @@ class JournaledMapper : public bus::Node {
   std::string waiting_for() const override { return mapper_->waiting_for(); }
   std::string warning() const override;
 
-  /// Writes the inputs since the last time to the journal. Throws io::FileError when they cannot
-  /// be, and when it would take the last of the disk, which the map itself needs.
+  /// Writes the inputs since the last time to the journal, and a snapshot where one is due. Throws
+  /// io::FileError when the inputs cannot be written, and when it would take the last of the disk,
+  /// which the map itself needs.
   void commit();
 
   /// Called with the map that is about to be set aside, so that its files are its last state.
@@ -53,15 +63,21 @@ class JournaledMapper : public bus::Node {
 
   const MapperNode& mapper() const { return *mapper_; }
 
-  /// Inputs that were taken in from the journal, by channel.
+  /// Inputs that earlier processes took in, by channel.
   const std::array<std::int64_t, bus::kNumChannels>& num_replayed() const { return num_replayed_; }
 
   /// What happened to earlier maps, one sentence each.
   const std::vector<std::string>& notes() const { return notes_; }
 
  private:
-  void go_on_or_begin();
-  void replay();
+  std::string go_on();
+  std::string go_on_from(const io::Snapshot& snapshot);
+  std::string go_on_with_journal(bool has_snapshot, std::uint64_t covered_bytes);
+  void replay(std::uint64_t from_bytes);
+  void keep_snapshot();
+  bool is_snapshot_due() const;
+  void persist(mapping::StateArchive& archive);
+  std::int64_t journal_identity() const;
   void begin_new_map(const std::string& why);
   void note_pose(const pose::PoseEstimate& pose);
   std::vector<std::uint8_t> journal_bytes(const bus::Message& input) const;
@@ -69,11 +85,17 @@ class JournaledMapper : public bus::Node {
   io::Config config_;
   std::int64_t config_hash_;
   io::MapPlace& place_;
+  int snapshot_period_;
   std::shared_ptr<io::FileMemory> memory_;
   std::unique_ptr<MapperNode> mapper_;
   std::unique_ptr<io::Journal> journal_;
   std::function<void(const MapperNode&)> before_new_map_;
+  std::uint64_t journal_number_ = 0;
+  int num_since_snapshot_ = 0;
+  std::size_t num_rebuilt_ = 0;  ///< of the mapper at the last snapshot
+  bool is_flushed_ = false;      ///< nothing has come since
   std::array<std::int64_t, bus::kNumChannels> num_replayed_{};
+  std::array<std::int64_t, bus::kNumChannels> num_taken_{};  ///< by those and this one
   std::optional<pose::PoseEstimate> last_pose_;
   std::vector<std::string> notes_;
 };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapper/map_saver.hpp"
 
+#include <malloc.h>
+
 #include <filesystem>
 #include <tuple>
 #include <utility>
@@ -91,6 +93,10 @@ void MapSaver::save_folder(const MapperNode& mapper, const bus::TrafficCounts& t
   save_table(content.landmarks);
   io::write_map_folder(folder_, content);
   saved_table_ = io::map_csv(content.landmarks);
+  // The path of a long drive takes tens of megabytes while its files are made, which the allocator
+  // would keep.
+  content = {};
+  ::malloc_trim(0);
 }
 
 }  // namespace orchard::procs

@@ -68,6 +68,13 @@ class MapperNode : public bus::Node {
   /// Whether a SCAN of that time would be kept for its DETECTIONS; of others only the time counts.
   bool keeps_beams_of(std::int64_t scan_utime) const;
 
+  /// All that later outputs depend on; the configuration is the maker's. Throws std::exception when
+  /// the memory does not keep what a long drive leaves, or does not have it.
+  void persist(mapping::StateArchive& archive);
+
+  /// Grows with every rebuilding of the map, which takes long to do again.
+  std::size_t num_rebuilt() const { return num_rebuilt_; }
+
   /// All of them, however seldom seen.
   std::size_t num_landmarks() const { return mapper_.num_landmarks(); }
 

@@ -104,7 +104,7 @@ void MapPlace::remove_temporaries() {
     std::smatch part;
     if (!std::regex_match(name, part, kTemporary)) continue;
     const std::string target = part[1].str() + part[3].str();
-    if (target != "trial.csv" && !is_map_file(target)) continue;
+    if (target != "trial.csv" && target != "mapper.snapshot" && !is_map_file(target)) continue;
     const long pid = std::stol(part[2].str());
     // This process has made none yet: a number like its own was an earlier one's.
     if (pid != ::getpid() && is_alive(pid)) continue;

@@ -34,6 +34,11 @@ class ExistenceFilter {
   void update(const FreeSpace& free_space, const pose::PoseEstimate& T_map_base,
               LandmarkTable& landmarks, MapUpdate& update);
 
+  template <class Archive>
+  void persist(Archive& archive) {
+    archive(last_utime_);
+  }
+
  private:
   struct Evidence;
   Evidence evidence_of(const std::vector<std::int32_t>& changed_ids,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 namespace orchard::mapping {
 
@@ -15,6 +16,12 @@ class ChunkMemory {
   /// kChunkBytes, aligned for every type, of any content. Throws std::bad_alloc.
   virtual void* take() = 0;
   virtual void give_back(void* chunk) noexcept = 0;
+
+  /// A number by which find() gives the chunk again, also in a later process; negative for memory
+  /// that does not outlive this one. Whoever asks leaves the chunk as it is from then on.
+  virtual std::int64_t keep(void* /*chunk*/) { return -1; }
+  /// The chunk of that number; none where there is none.
+  virtual void* find(std::int64_t /*number*/) { return nullptr; }
 };
 
 /// The heap.

@@ -5,15 +5,18 @@
 #include <cstring>
 #include <memory>
 #include <new>
+#include <stdexcept>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "mapping/store/chunk_memory.hpp"
+#include "mapping/store/state_archive.hpp"
 
 namespace orchard::mapping {
 
-/// An array that grows at its end, in chunks that never move.
+/// An array that grows at its end, in chunks. A chunk that was kept stays as it was then: the first
+/// row of it that is edited moves its rows to another one.
 template <class Row>
 class ColdArray {
   static_assert(std::is_trivially_copyable_v<Row>);
@@ -24,12 +27,14 @@ class ColdArray {
   ColdArray(ColdArray&& other) noexcept
       : memory_(other.memory_),
         chunks_(std::exchange(other.chunks_, {})),
+        is_kept_(std::exchange(other.is_kept_, {})),
         size_(std::exchange(other.size_, 0)) {}
   ColdArray& operator=(ColdArray&& other) noexcept {
     if (this == &other) return *this;
     clear();
     memory_ = other.memory_;
     chunks_ = std::exchange(other.chunks_, {});
+    is_kept_ = std::exchange(other.is_kept_, {});
     size_ = std::exchange(other.size_, 0);
     return *this;
   }
@@ -37,14 +42,25 @@ class ColdArray {
   std::size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
   const Row& operator[](std::size_t i) const { return chunks_[i >> kShift][i & kMask]; }
-  Row& operator[](std::size_t i) { return chunks_[i >> kShift][i & kMask]; }
   const Row& back() const { return (*this)[size_ - 1]; }
-  Row& back() { return (*this)[size_ - 1]; }
+
+  /// A row that is to be changed. Rows of its chunk that were asked for before may have moved.
+  Row& edit(std::size_t i) {
+    const std::size_t chunk = i >> kShift;
+    if (is_kept_[chunk] != 0) thaw(chunk);
+    return chunks_[chunk][i & kMask];
+  }
 
   void push_back(const Row& row) {
     if (size_ >> kShift == chunks_.size()) {
       chunks_.reserve(chunks_.size() + 1);
+      is_kept_.reserve(chunks_.size() + 1);
       chunks_.push_back(static_cast<Row*>(memory_->take()));
+      is_kept_.push_back(0);
+    } else if (is_kept_.back() != 0) {
+      const Row copy = row;  // may be one of the chunk's own
+      thaw(chunks_.size() - 1);
+      return push_back(copy);
     }
     ::new (static_cast<void*>(&chunks_.back()[size_ & kMask])) Row(row);
     ++size_;
@@ -59,10 +75,45 @@ class ColdArray {
   void clear() {
     for (Row* chunk : chunks_) memory_->give_back(chunk);
     chunks_.clear();
+    is_kept_.clear();
     size_ = 0;
   }
 
+  /// Its chunks are kept, and only their numbers are written. Throws std::runtime_error when the
+  /// memory does not keep them, or does not have them.
+  void persist(StateArchive& archive) {
+    std::uint64_t size = size_;
+    std::uint32_t row_size = sizeof(Row);
+    archive(size, row_size);
+    if (archive.is_reading()) {
+      if (row_size != sizeof(Row)) throw std::length_error("state: of another program");
+      clear();
+    }
+    const std::size_t num_chunks = (static_cast<std::size_t>(size) + kMask) >> kShift;
+    for (std::size_t i = 0; i < num_chunks; ++i) {
+      std::int64_t number = archive.is_reading() ? -1 : memory_->keep(chunks_[i]);
+      archive(number);
+      if (archive.is_reading()) {
+        void* chunk = memory_->find(number);
+        if (chunk != nullptr) {
+          chunks_.push_back(static_cast<Row*>(chunk));
+          is_kept_.push_back(1);
+        }
+      }
+      if (number < 0 || chunks_.size() <= i) throw std::runtime_error("state: chunks not kept");
+    }
+    is_kept_.assign(chunks_.size(), 1);
+    size_ = static_cast<std::size_t>(size);
+  }
+
  private:
+  void thaw(std::size_t chunk) {
+    void* now = memory_->take();
+    std::memcpy(now, chunks_[chunk], (kMask + 1) * sizeof(Row));
+    memory_->give_back(std::exchange(chunks_[chunk], static_cast<Row*>(now)));
+    is_kept_[chunk] = 0;
+  }
+
   static constexpr std::size_t shift() {
     std::size_t shift = 0;
     while ((sizeof(Row) << (shift + 1)) <= ChunkMemory::kChunkBytes) ++shift;
@@ -73,6 +124,7 @@ class ColdArray {
 
   std::shared_ptr<ChunkMemory> memory_;
   std::vector<Row*> chunks_;
+  std::vector<char> is_kept_;  ///< of each chunk
   std::size_t size_ = 0;
 };
 

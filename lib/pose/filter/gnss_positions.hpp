@@ -17,6 +17,11 @@ struct GnssPosition {
   std::int64_t utime = 0;
   Eigen::Vector2d p_enu_m = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< [m2], never below its quality's
+
+  template <class Archive>
+  void persist(Archive& archive) {
+    archive(utime, p_enu_m, covariance);
+  }
 };
 
 /// Fixes in metres east and north of a datum.
@@ -37,6 +42,8 @@ class GnssPositions {
   /// Latitude [deg], longitude [deg], altitude [m]; none before the first usable fix of a
   /// receiver without a configured one.
   std::optional<std::array<double, 3>> datum() const;
+  /// Goes on with the datum of another one.
+  void set_datum(const std::array<double, 3>& datum);
 
  private:
   struct Impl;

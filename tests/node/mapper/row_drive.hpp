@@ -12,8 +12,8 @@ namespace orchard::procs {
 class RowDrive {
  public:
   explicit RowDrive(bus::Node& mapper) : mapper_(mapper) {}
-  void step(int k, int pose_seq) {
-    const bus::Outbox nowhere = [](const bus::Message&) {};
+  void step(
+      int k, int pose_seq, const bus::Outbox& to = [](const bus::Message&) {}) {
     const std::int64_t utime = 1000000 + 100000 * k;
     for (int s = 0; s < 4; ++s) {
       laser::Scan scan;
@@ -24,7 +24,7 @@ class RowDrive {
       scan.range_min_m = 0.1;
       scan.range_max_m = 30.0;
       scan.ranges_m.assign(301, 4.0f + 0.1f * static_cast<float>(k % 3));
-      mapper_.handle(scan, nowhere);
+      mapper_.handle(scan, to);
     }
     detection::Detections detections;
     detections.utime = utime;
@@ -42,13 +42,13 @@ class RowDrive {
       d.roc_tree = 0.7f;
       detections.trunks.push_back(d);
     }
-    mapper_.handle(detections, nowhere);
+    mapper_.handle(detections, to);
     pose::PoseEstimate pose;
     pose.utime = utime;
     pose.seq = pose_seq;
     pose.x_m = x_m;
     pose.covariance = {1e-4, 0, 0, 1e-4, 0, 1e-6};
-    mapper_.handle(pose, nowhere);
+    mapper_.handle(pose, to);
   }
 
  private:

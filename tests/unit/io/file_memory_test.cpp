@@ -46,6 +46,50 @@ TEST(FileMemory, KeepsWhatIsWrittenAndLittleInMemory) {
   EXPECT_EQ(memory.take(), chunks[3]) << "what was given back is used again";
 }
 
+TEST(FileMemory, ANamedFileIsGoneOnWithAsItWasKept) {
+  const TestFolder folder;
+  std::vector<KeptChunk> kept;
+  std::int64_t numbers[2];
+  {
+    FileMemory memory(folder.path(), "chunks");
+    void* chunks[3] = {memory.take(), memory.take(), memory.take()};
+    if (memory.num_on_heap() > 0) GTEST_SKIP() << "too little room";
+    for (int k = 0; k < 3; ++k) std::memset(chunks[k], 10 + k, kBytes);
+    memory.begin_keeping();
+    for (int k = 0; k < 2; ++k) numbers[k] = memory.keep(chunks[k]);
+    kept = memory.write_kept();
+    memory.release_others();
+    ASSERT_EQ(kept.size(), 2u);
+    // What was kept is not used again, what was not is.
+    memory.give_back(chunks[0]);
+    memory.give_back(chunks[2]);
+    EXPECT_EQ(memory.take(), chunks[2]);
+    EXPECT_NE(memory.take(), chunks[0]);
+  }
+  {
+    FileMemory memory(folder.path(), "chunks");
+    ASSERT_TRUE(memory.restore(kept));
+    for (int k = 0; k < 2; ++k) {
+      const auto* bytes = static_cast<const unsigned char*>(memory.find(numbers[k]));
+      ASSERT_NE(bytes, nullptr);
+      EXPECT_EQ(bytes[kBytes / 3], 10 + k);
+    }
+    EXPECT_EQ(memory.find(77), nullptr);
+    // The next time nothing is kept: all of it may be used again.
+    memory.give_back(memory.find(numbers[0]));
+    memory.begin_keeping();
+    EXPECT_TRUE(memory.write_kept().empty());
+    memory.release_others();
+    for (int k = 0; k < 3; ++k) memory.take();
+    EXPECT_EQ(std::filesystem::file_size(folder / "chunks"), 4 * kBytes);
+  }
+  FileMemory damaged(folder.path(), "chunks");
+  kept.front().crc ^= 1;
+  EXPECT_FALSE(damaged.restore(kept));
+  FileMemory absent(folder.path(), "other");
+  EXPECT_FALSE(absent.restore(kept));
+}
+
 TEST(FileMemory, WithoutAFileItIsTheHeap) {
   FileMemory memory("/proc/no/such/folder");
   void* chunk = memory.take();

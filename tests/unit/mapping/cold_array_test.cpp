@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <set>
+#include <stdexcept>
 #include <utility>
+#include <vector>
 
 namespace orchard::mapping {
 namespace {
@@ -43,7 +46,7 @@ TEST(ColdArray, HoldsItsRowsInChunksAndGivesThemBack) {
     }
     EXPECT_EQ(rows.size(), 1000u);
     EXPECT_EQ(memory->out.size(), 4u);  // 256 rows to a megabyte
-    rows[500].number = -1;
+    rows.edit(500).number = -1;
     for (int k = 0; k < 1000; ++k) {
       EXPECT_EQ(rows[static_cast<std::size_t>(k)].number, k == 500 ? -1 : 7 * k);
     }
@@ -56,6 +59,50 @@ TEST(ColdArray, HoldsItsRowsInChunksAndGivesThemBack) {
     EXPECT_EQ(memory->out.size(), 4u);
   }
   EXPECT_TRUE(memory->out.empty());
+}
+
+/// The heap, which keeps what it is asked to.
+class KeepingMemory : public HeapMemory {
+ public:
+  ~KeepingMemory() override {
+    for (void* chunk : kept) HeapMemory::give_back(chunk);
+  }
+  void give_back(void* chunk) noexcept override {
+    if (std::find(kept.begin(), kept.end(), chunk) == kept.end()) HeapMemory::give_back(chunk);
+  }
+  std::int64_t keep(void* chunk) override {
+    kept.push_back(chunk);
+    return static_cast<std::int64_t>(kept.size()) - 1;
+  }
+  void* find(std::int64_t number) override { return kept.at(static_cast<std::size_t>(number)); }
+  std::vector<void*> kept;
+};
+
+TEST(ColdArray, WhatWasKeptStaysWhenItIsChanged) {
+  const auto memory = std::make_shared<KeepingMemory>();
+  ColdArray<Row> rows(memory);
+  for (int k = 0; k < 300; ++k) rows.push_back({k, {}});
+  StateArchive written;
+  rows.persist(written);
+  rows.edit(3).number = -3;
+  rows.push_back(rows[299]);
+  EXPECT_EQ(rows[3].number, -3);
+  EXPECT_EQ(rows[4].number, 4);
+  EXPECT_EQ(rows[300].number, 299);
+  ColdArray<Row> then(memory);
+  StateArchive read(written.bytes());
+  then.persist(read);
+  EXPECT_EQ(read.num_left(), 0u);
+  ASSERT_EQ(then.size(), 300u);
+  EXPECT_EQ(then[3].number, 3) << "as it was kept";
+  EXPECT_EQ(then[299].number, 299);
+}
+
+TEST(ColdArray, AMemoryThatKeepsNothingSaysSo) {
+  ColdArray<Row> rows(std::make_shared<HeapMemory>());
+  rows.push_back({});
+  StateArchive state;
+  EXPECT_THROW(rows.persist(state), std::runtime_error);
 }
 
 }  // namespace

@@ -18,9 +18,16 @@ constexpr std::int32_t kNeighbours = 64;
 /// What came before the first message of a source may come this much later.
 constexpr std::int64_t kBeforeFirst_us = 1'000'000;
 
-/// More than a link that catches up skips: a time that is farther ahead of the clock of who
-/// receives it than the one before was.
-constexpr std::int64_t kAhead_us = 2'000'000;
+/// However slow a channel is, so much ahead of how it kept its time needs others that agree: more
+/// than a link that catches up skips.
+constexpr std::int64_t kAheadMost_us = 2'000'000;
+
+/// A number may go on so many times as fast as the channel's rate says: a source that was slow
+/// for long, and whose rate is known from that.
+constexpr std::int64_t kRateMost = 4;
+
+/// Of what was accepted last, so many steps tell how a channel keeps its time.
+constexpr std::size_t kStepsLeast = 7;
 
 /// Longer than a robot pauses in a drive; what leaps farther needs others that agree.
 constexpr std::int64_t kPauseMost_us = std::int64_t{4} * 3600 * 1'000'000;
@@ -51,10 +58,39 @@ bool SequenceGate::is_pause(const Stamp& last, const Stamp& next) {
          std::abs(*next.arrival_us - *last.arrival_us - passed_us) <= kLeap_us;
 }
 
-/// Whether its time has moved on by much more than the clock of who receives it.
-bool SequenceGate::runs_ahead(const Stamp& last, const Stamp& next) {
+void SequenceGate::Pace::note(const Stamp& before, const Stamp& stamp) {
+  if (!before.arrival_us || !stamp.arrival_us || stamp.seq <= before.seq) return;
+  const std::int64_t lead_us = stamp.utime - *stamp.arrival_us;
+  const bool is_clock_set =
+      num_ >= kStepsLeast && std::abs(lead_us - median(&Step::lead_us)) > kAheadMost_us;
+  if (is_clock_set) num_ = 0;
+  steps_[num_++ % kRecent] = {lead_us, (stamp.utime - before.utime) / (stamp.seq - before.seq)};
+}
+
+std::int64_t SequenceGate::Pace::median(std::int64_t Step::*of) const {
+  std::array<std::int64_t, kRecent> values{};
+  const auto end = values.begin() + static_cast<std::ptrdiff_t>(std::min(num_, kRecent));
+  std::transform(steps_.begin(), steps_.begin() + (end - values.begin()), values.begin(),
+                 [of](const Step& step) { return step.*of; });
+  const auto middle = values.begin() + (end - values.begin()) / 2;
+  std::nth_element(values.begin(), middle, end);
+  return *middle;
+}
+
+bool SequenceGate::Pace::is_early(const Stamp& last, const Stamp& next) const {
   if (!last.arrival_us || !next.arrival_us) return false;
-  return next.utime - last.utime - (*next.arrival_us - *last.arrival_us) > kAhead_us;
+  const std::int64_t lead_us = next.utime - *next.arrival_us;
+  if (num_ < kStepsLeast) return lead_us - (last.utime - *last.arrival_us) > kAheadMost_us;
+  const std::int64_t period_us = median(&Step::period_us);
+  const std::int64_t few_us =
+      period_us > 0 ? std::min(kNumToBelieve * period_us, kAheadMost_us) : kAheadMost_us;
+  return lead_us - median(&Step::lead_us) > few_us;
+}
+
+bool SequenceGate::Pace::skips(const Stamp& last, const Stamp& next) const {
+  if (num_ < kStepsLeast) return false;
+  const std::int64_t num_skipped = std::int64_t{next.seq} - last.seq - kNumToBelieve;
+  return num_skipped * median(&Step::period_us) > kRateMost * (next.utime - last.utime);
 }
 
 bool SequenceGate::others_are_at(Channel channel, std::int64_t utime) const {
@@ -68,7 +104,8 @@ bool SequenceGate::others_are_at(Channel channel, std::int64_t utime) const {
 
 bool SequenceGate::goes_on(Channel channel, const Stamp& next) const {
   const Stamp& last = last_[index(channel)].stamp;
-  if (follows(last, next)) return !runs_ahead(last, next);
+  const Pace& pace = last_[index(channel)].pace;
+  if (follows(last, next)) return !pace.is_early(last, next) && !pace.skips(last, next);
   // After a long silence of this channel alone, the others know what time it is; after one of all,
   // the clock of who receives them does.
   return next.seq > last.seq && next.seq - last.seq <= kLeap_seq && next.utime >= last.utime &&
@@ -120,8 +157,11 @@ GateDecision SequenceGate::accept(Channel channel, std::int32_t seq, std::int64_
   }
   if (goes_on(channel, stamp)) {
     const int num_right = last.num_held - last.num_held_old;
-    if (num_right > 0 && follows(last.held, stamp) && !follows(last.stamp, stamp)) {
-      // The others have come to the time of those that were kept aside: they were right.
+    const bool lies_between = follows(last.stamp, last.held_first);
+    if (num_right > 0 && follows(last.held, stamp) &&
+        (lies_between || !follows(last.stamp, stamp))) {
+      // The source, or the others, have come to the time of those that were kept aside: they were
+      // right.
       counts.num_lost += std::max(0, seq - last.stamp.seq - 1 - last.num_held);
       last.num_held = last.num_held_old = 0;
       take(last, stamp);
@@ -143,7 +183,8 @@ GateDecision SequenceGate::accept(Channel channel, std::int32_t seq, std::int64_
   const bool time_is_known = std::abs(utime - last.stamp.utime) > kLeap_us &&
                              others_are_at(channel, utime) &&
                              !others_are_at(channel, last.stamp.utime);
-  if (!last.contested && time_goes_on && seq <= last.stamp.seq) {
+  if (!last.contested && time_goes_on && seq <= last.stamp.seq && seq < kNearSeq &&
+      !last.pace.is_early(last.stamp, stamp)) {
     drop_held(channel);
     begin_again(channel, stamp);
     return GateDecision::kNew;
@@ -159,8 +200,16 @@ GateDecision SequenceGate::hold(Channel channel, const Stamp& stamp, bool is_tim
     ++counts_[index(channel)].num_duplicate;
     return GateDecision::kDuplicate;
   }
-  if (last.num_held > 0 && !follows(last.held, stamp)) drop_held(channel);
-  ++last.num_held;
+  if (last.num_held > 0 && !follows(last.held, stamp)) {
+    // Where some agree already, one that does not is refused, but not for ever.
+    if (last.num_held > 1 && ++last.num_against < kNumToBelieve) {
+      ++counts_[index(channel)].num_leaps;
+      return GateDecision::kDuplicate;
+    }
+    drop_held(channel);
+  }
+  last.num_against = 0;
+  if (++last.num_held == 1) last.held_first = stamp;
   // Refused one by one, and yet they go on: somebody else sends them.
   const bool goes_on_beside = last.num_held == 1 && last.rival && follows(*last.rival, stamp) &&
                               stamp.seq - last.rival->seq <= kNearSeq;
@@ -176,6 +225,7 @@ GateDecision SequenceGate::hold(Channel channel, const Stamp& stamp, bool is_tim
   if (last.seen && follows(last.stamp, stamp)) {  // it ran ahead, and so does the source
     counts_[index(channel)].num_lost += std::max(0, stamp.seq - last.stamp.seq - last.num_held);
     last.num_held = last.num_held_old = 0;
+    last.pace.forget();
     take(last, stamp);
     return alone ? GateDecision::kNew : GateDecision::kBelieved;
   }
@@ -195,6 +245,7 @@ void SequenceGate::drop_held(Channel channel) {
 }
 
 void SequenceGate::take(Last& last, const Stamp& stamp) {
+  if (last.seen) last.pace.note(last.stamp, stamp);
   last.seen = true;
   last.stamp = stamp;
   last.order = ++num_accepted_;

@@ -25,7 +25,7 @@ struct SequenceCounts {
 enum class GateDecision {
   kNew,        ///< it is used
   kReordered,  ///< it is used where order is made afterwards (a log), and comes too late live
-  kDuplicate,  ///< it is dropped
+  kDuplicate,  ///< it is dropped: it came before, or disagrees with those held
   kHeld,       ///< it leaps: it is kept aside, and so are those before it that num_held() counts
   kBelieved,   ///< it agrees with those held: they are used, in their order, and then it
 };
@@ -33,12 +33,16 @@ enum class GateDecision {
 /// Decides per channel whether a message is new. The same rule holds live, in the order of
 /// arrival, and for a log, in the order of the file: so both use the same messages.
 ///
-/// New is a higher seq that is not earlier in time. A seq that falls while time goes on is a source
-/// that was started again. No single message is believed about more: a leap of more than a minute
-/// or of 100,000 in seq, or a time that goes back, is taken when kNumToBelieve messages in a row
-/// agree on it, when the other channels are at that time already, or when as much time has passed
-/// where the messages arrive: a robot that pauses. Where arrivals are told, a leap of two seconds
-/// more than has passed there needs others that agree, too.
+/// New is a higher seq that is not earlier in time. A seq that falls to a beginning while time goes
+/// on is a source that was started again. No single message is believed about more: a leap of more
+/// than a minute or of 100,000 in seq, or a time that goes back, is taken when kNumToBelieve
+/// messages in a row agree on it, when the other channels are at that time already, or when as much
+/// time has passed where the messages arrive: a robot that pauses.
+///
+/// Where arrivals are told, so does one that comes earlier than its channel keeps its time: by as
+/// long as kNumToBelieve of its messages take, at most two seconds, after the median of the last
+/// ones, which none alone moves. So does one whose number goes on by more than its time does at the
+/// channel's own rate. What was kept aside and lies between two that are new was right.
 class SequenceGate {
  public:
   static constexpr std::int64_t kLeap_us = 60'000'000;
@@ -69,6 +73,27 @@ class SequenceGate {
     std::int64_t utime = 0;
     std::optional<std::int64_t> arrival_us;
   };
+  /// How a channel keeps its time, by what was accepted last.
+  class Pace {
+   public:
+    /// One that was accepted after `before`; both of one run.
+    void note(const Stamp& before, const Stamp& stamp);
+    void forget() { num_ = 0; }
+    /// Whether it comes so early that others must agree.
+    bool is_early(const Stamp& last, const Stamp& next) const;
+    /// The same of its number for its time.
+    bool skips(const Stamp& last, const Stamp& next) const;
+
+   private:
+    static constexpr std::size_t kRecent = 31;
+    struct Step {
+      std::int64_t lead_us = 0;    ///< time of measurement less that of arrival
+      std::int64_t period_us = 0;  ///< between two messages of the source
+    };
+    std::int64_t median(std::int64_t Step::*of) const;
+    std::array<Step, kRecent> steps_{};
+    std::size_t num_ = 0;  ///< ever since forget()
+  };
   struct Seen {
     Stamp stamp;
     std::int32_t run = 0;  ///< of which run of the source; 0: none was seen here
@@ -84,15 +109,17 @@ class SequenceGate {
     std::int64_t restart_order = 0;
     bool contested = false;  ///< the source before a restart is there still
     int num_held = 0;
+    int num_against = 0;         ///< that did not agree with them, since the last that did
     int num_held_old = 0;        ///< of those, the ones that look like duplicates
     Stamp held;                  ///< the newest of them
     std::optional<Stamp> rival;  ///< the newest that was held and refused
+    Stamp held_first;            ///< the oldest that is held
+    Pace pace;
   };
 
   static std::size_t index(Channel channel) { return static_cast<std::size_t>(channel); }
   static bool follows(const Stamp& last, const Stamp& next);
   static bool is_pause(const Stamp& last, const Stamp& next);
-  static bool runs_ahead(const Stamp& last, const Stamp& next);
   bool others_are_at(Channel channel, std::int64_t utime) const;
   bool goes_on(Channel channel, const Stamp& next) const;
   bool is_other_source(const Last& last, const Stamp& next) const;

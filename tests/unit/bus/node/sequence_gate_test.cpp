@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
+
 namespace orchard::bus {
 namespace {
 
@@ -197,6 +200,62 @@ TEST(SequenceGate, ALinkThatSkipsSomeSecondsAndCatchesUpLosesOnlyThose) {
   EXPECT_EQ(num_used, 250);
   EXPECT_EQ(gate.counts().num_lost, 50);
   EXPECT_EQ(gate.counts().num_restarts, 0);
+  EXPECT_EQ(gate.counts().num_leaps, 0);
+}
+
+TEST(SequenceGate, ManyForgedOnesHoldUpNoSourceForLong) {
+  // Real messages of which some bytes of time and number were changed, one for each real one: what
+  // stands near enough to be believed must not bring the next one nearer.
+  for (const std::int64_t period : {kSecond / 50, kSecond / 10, kSecond}) {
+    std::mt19937 random(7);
+    const auto below = [&](unsigned most) { return random() % most; };
+    SequenceGate gate;
+    std::int64_t longest = 0, last_used = kStart;
+    int num_used = 0, num_held = 0;
+    constexpr int kNum = 20000;
+    for (int i = 0; i < kNum; ++i) {
+      const std::int64_t utime = kStart + i * period;
+      const std::int64_t arrival = i * period + below(20'000);
+      const GateDecision decision = gate.accept(Channel::kScan, i, utime, arrival);
+      num_held = decision == GateDecision::kHeld ? num_held + 1 : num_held;
+      if (decision == GateDecision::kNew || decision == GateDecision::kBelieved) {
+        num_used += decision == GateDecision::kBelieved ? 1 + num_held : 1;
+        num_held = 0;
+        longest = std::max(longest, utime - last_used);
+        last_used = utime;
+      }
+      std::uint64_t forged_utime = static_cast<std::uint64_t>(utime);
+      std::uint32_t forged_seq = static_cast<std::uint32_t>(i);
+      for (unsigned k = 1 + below(4); k > 0; --k) {
+        const unsigned byte = below(12);
+        if (byte < 8) {
+          forged_utime = (forged_utime & ~(0xffull << (8 * byte))) | (below(256) + 0ull)
+                                                                         << (8 * byte);
+        } else {
+          forged_seq = (forged_seq & ~(0xffu << (8 * byte - 64))) | below(256) << (8 * byte - 64);
+        }
+      }
+      if (forged_seq > 0x7fffffff || forged_utime > 0x7fffffffffffffff) continue;
+      gate.accept(Channel::kScan, static_cast<std::int32_t>(forged_seq),
+                  static_cast<std::int64_t>(forged_utime), arrival + 1000);
+    }
+    EXPECT_GT(num_used, kNum * 97 / 100) << period;
+    EXPECT_LE(longest, std::max<std::int64_t>(3 * kMany * period, kSecond)) << period;
+  }
+}
+
+TEST(SequenceGate, OneThatComesEarlyIsUsedWithTheNext) {
+  SequenceGate gate;
+  int num_used = 0;
+  for (int i = 0; i < 100; ++i) {
+    // A link that holds all up by 0.3 s, but one; 50 messages a second.
+    const std::int64_t arrival = i * kSecond / 50 + (i == 60 ? 0 : 3 * kSecond / 10);
+    const GateDecision decision =
+        gate.accept(Channel::kOdometry, i, kStart + i * kSecond / 50, arrival);
+    if (decision == GateDecision::kNew) num_used += 1;
+    if (decision == GateDecision::kBelieved) num_used += 2;
+  }
+  EXPECT_EQ(num_used, 100);
   EXPECT_EQ(gate.counts().num_leaps, 0);
 }
 

@@ -32,11 +32,15 @@ LiveDriver::LiveDriver(Bus& bus, Driver& driver, const std::string& name,
       driver_(driver),
       options_(options),
       report_(bus, name, options.config),
+      neighbours_(name, report_.host(), options.config.hash),
       missing_(options.wait_for) {
-  if (missing_.empty()) return;
   bus_.subscribe_status([this](const Status& heard) {
     missing_.erase(std::remove(missing_.begin(), missing_.end(), heard.name), missing_.end());
+    // Who is new learns of this process at once, not within a second.
+    if (neighbours_.note(heard, wall_utime(), Clock::now())) report_.hurry(true);
   });
+  bus_.subscribe_config(
+      [this](const ConfigNotice& notice) { neighbours_.note(notice, Clock::now()); });
 }
 
 void LiveDriver::run(StopSignal& stop) {
@@ -81,7 +85,12 @@ bool LiveDriver::wait_for_others(StopSignal& stop) {
 }
 
 void LiveDriver::wait(std::vector<pollfd> files, Clock::time_point until, const StopSignal& stop) {
-  if (report_.due()) report_.send(status());
+  if (report_.due()) {
+    if (const double step_s = neighbours_.check_clock(wall_utime(), Clock::now()); step_s != 0.0) {
+      spdlog::warn("the clock of this machine was set by {:+.1f} s", step_s);
+    }
+    report_.send(status());
+  }
   const std::size_t lcm = files.size();
   files.push_back({bus_.fileno(), POLLIN, 0});
   files.push_back({stop.fileno(), POLLIN, 0});
@@ -129,6 +138,16 @@ Status LiveDriver::status() const {
     status.text = "waits for " + join(missing_);
   } else if (driver_.ended()) {
     status.text = "the source has ended";
+  }
+  const auto add = [&status](Level level, const std::string& text) {
+    if (text.empty()) return;
+    status.level = std::max(status.level, level);
+    status.text = text + (status.text.empty() ? "" : "; " + status.text);
+  };
+  const Clock::time_point now = Clock::now();
+  add(Level::kWarning, neighbours_.text(now));
+  if (const std::string twin = neighbours_.twin(now); !twin.empty()) {
+    add(Level::kError, twin + " runs beside this one (" + report_.host() + "): stop one of them");
   }
   if (bus_.counts().num_unsent > 0) status.level = std::max(status.level, Level::kWarning);
   return status;

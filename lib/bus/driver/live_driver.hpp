@@ -10,6 +10,7 @@
 
 #include "bus/bus.hpp"
 #include "bus/driver/driver.hpp"
+#include "bus/node/neighbours.hpp"
 #include "bus/node/process_options.hpp"
 #include "bus/node/process_report.hpp"
 #include "bus/node/stop_signal.hpp"
@@ -40,6 +41,7 @@ class LiveDriver {
   Driver& driver_;
   ProcessOptions options_;
   ProcessReport report_;
+  Neighbours neighbours_;
   std::vector<std::string> missing_;  ///< processes not heard of yet
   std::optional<double> duration_s_;
   std::optional<io::ProgressBar> bar_;

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "bus/node/sequence_gate.hpp"
+#include "bus/replay/arrival_delays.hpp"
 #include "io/file_error.hpp"
 #include "text/number_text.hpp"
 
@@ -103,6 +104,7 @@ class Gathered {
     }
     const auto num_left_out = static_cast<std::int64_t>(entries_.size() - kept.size());
     entries_ = std::move(kept);
+    runs_ = {};
     return num_left_out;
   }
 
@@ -140,6 +142,7 @@ ReplayIndex index_log(const io::LogPaths& logs, const ReplayOptions& options) {
   ReplayReport& report = index.report;
   io::LogSeries reader(logs);
   Gathered gathered(index.entries);
+  ArrivalDelays delays;
   std::set<std::string> other_channels;
   bool has_source = false;
   while (const std::optional<io::LogEvent> event = reader.next()) {
@@ -164,6 +167,7 @@ ReplayIndex index_log(const io::LogPaths& logs, const ReplayOptions& options) {
       continue;
     }
     const Message& message = std::get<Message>(decoded);
+    delays.add(*channel, utime_of(message), event->timestamp_us);
     gathered.add({utime_of(message), *channel, seq_of(message), event->offset},
                  event->timestamp_us);
   }
@@ -189,6 +193,7 @@ ReplayIndex index_log(const io::LogPaths& logs, const ReplayOptions& options) {
   }
   report.warnings = reader.notes();
   add_warnings(report, gathered.gate());
+  for (std::string& warning : delays.warnings()) report.warnings.push_back(std::move(warning));
   if (num_contradicted > 0) {
     report.warnings.push_back(std::to_string(num_contradicted) +
                               " messages at a source's beginning are of another time than it goes "

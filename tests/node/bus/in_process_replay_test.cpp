@@ -9,6 +9,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "bus/replay/replay_index.hpp"
 #include "io/file_error.hpp"
 #include "node/bus/fake_log.hpp"
 #include "node/bus/fake_nodes.hpp"
@@ -141,6 +142,31 @@ TEST_F(InProcessReplay, DamagedLogIsReplayedWithAWarningOrRefused) {
   EXPECT_EQ(report.gaps.size(), 1u);
   EXPECT_FALSE(report.warnings.empty());
   EXPECT_THROW(replay(path("log"), derived, true), io::FileError);
+}
+
+TEST_F(InProcessReplay, AClockThatDiffersFromTheOthersIsNamed) {
+  const auto warnings_of = [&](std::int64_t scan_ahead_us, std::int64_t latency_us) {
+    const std::string log = path("skewed.lcm");
+    io::LogWriter writer(log);
+    for (Message message : fake_drive(100)) {
+      const std::int64_t measured = utime_of(message);
+      const bool is_wheels = channel_of(message) == Channel::kOdometry;
+      if (auto* scan = std::get_if<laser::Scan>(&message)) scan->utime += scan_ahead_us;
+      if (auto* image = std::get_if<vision::Image>(&message)) image->utime += scan_ahead_us;
+      writer.write(measured + (is_wheels ? 1000 : latency_us), info(channel_of(message)).name,
+                   encode(message));
+    }
+    writer.close();
+    std::string all;
+    for (const std::string& warning : index_log(log, {}).report.warnings) all += warning;
+    return all;
+  };
+  EXPECT_EQ(warnings_of(0, 0), "");
+  EXPECT_EQ(warnings_of(0, 120'000), "") << "what a sweep and a picture take";
+  EXPECT_NE(warnings_of(200'000, 0).find("the clock behind SCAN, IMAGE is 0.20 s ahead"),
+            std::string::npos);
+  EXPECT_NE(warnings_of(-500'000, 0).find("its clock is behind"), std::string::npos);
+  EXPECT_NE(warnings_of(200'000, 80'000).find("ahead of that behind ODOMETRY"), std::string::npos);
 }
 
 TEST_F(InProcessReplay, SecondsAreCutOut) {

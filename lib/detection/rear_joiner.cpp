@@ -16,17 +16,25 @@ constexpr std::int64_t kUnknownTurn_us = 100'000;
 /// A tenth of a turn that clocks and a scanner's speed may be off.
 constexpr double kTurnMargin = 1.1;
 
-/// No robot maps trees faster: between two observations of a trunk it has moved by less.
+/// No robot maps trees faster: where the wheels do not say how far it moved between two
+/// observations of a trunk, it has moved by less.
 constexpr double kSpeedMost_mps = 2.0;
+
+/// An older motion says nothing of now.
+constexpr std::int64_t kMotionAgeMost_us = 200'000;
+constexpr std::size_t kMotionsMost = 1024;
 
 /// Sweeps of the second scanner that wait while the first is silent.
 constexpr std::size_t kRearWaitingMost = 50;
 
 /// Two trunks cannot stand in one another.
-bool is_same(const Detection& a, const Detection& b) {
-  const double apart_m = std::hypot(a.centre_x_m - b.centre_x_m, a.centre_y_m - b.centre_y_m);
-  const double moved_m = kSpeedMost_mps * 1e-6 * static_cast<double>(std::abs(a.utime - b.utime));
-  return apart_m < 0.5 * (a.width_m + b.width_m) + moved_m;
+bool is_same(const Detection& a, const Detection& b, const std::optional<Motion>& motion) {
+  const double since_s = 1e-6 * static_cast<double>(a.utime - b.utime);
+  PlanePoint b_then{b.centre_x_m, b.centre_y_m};  // in base as it was when `a` was seen
+  if (motion) b_then = after_motion(b_then, *motion, since_s);
+  const double apart_m = std::hypot(a.centre_x_m - b_then.x_m, a.centre_y_m - b_then.y_m);
+  const double unknown_m = motion ? 0.0 : kSpeedMost_mps * std::abs(since_s);
+  return apart_m < 0.5 * (a.width_m + b.width_m) + unknown_m;
 }
 
 bool is_known_better(const Detection& a, const Detection& b) {
@@ -51,10 +59,11 @@ std::int64_t turn_us(const laser::Scan& scan) {
   return std::llround(scan.beam_period_us * 2.0 * geometry::kPi / std::abs(scan.bearing_step_rad));
 }
 
-RearJoiner::RearJoiner(const laser::LaserConfig& mount, double wait_s)
-    : mount_(mount), queue_([wait_s] {
+RearJoiner::RearJoiner(const laser::LaserConfig& mount, double wait_s, bool with_motion)
+    : mount_(mount), queue_([wait_s, with_motion] {
         Queue::Rules rules;
         rules[kRear].wait_us = std::llround(1e6 * wait_s);
+        if (with_motion) rules[kMotion].wait_us = rules[kRear].wait_us;
         return rules;
       }()) {}
 
@@ -69,6 +78,29 @@ std::vector<Detections> RearJoiner::add_rear(Detections detections) {
   queue_.push(kRear, utime, {std::move(detections), 0});
   if (queue_.size(kRear) > kRearWaitingMost) queue_.take(kRear);
   return release(false);
+}
+
+std::vector<Detections> RearJoiner::add(const Motion& motion) {
+  if (queue_.is_clock_set_back(kMotion, motion.utime)) motions_.clear();
+  queue_.reach(kMotion, motion.utime);
+  const auto after =
+      std::upper_bound(motions_.begin(), motions_.end(), motion.utime,
+                       [](std::int64_t utime, const Motion& other) { return utime < other.utime; });
+  motions_.insert(after, motion);
+  std::vector<Detections> decided = release(false);
+  if (motions_.size() > kMotionsMost) motions_.pop_front();
+  return decided;
+}
+
+/// The newest motion up to a time: later ones may not have come yet.
+std::optional<Motion> RearJoiner::motion_at(std::int64_t utime) const {
+  const auto after =
+      std::upper_bound(motions_.begin(), motions_.end(), utime,
+                       [](std::int64_t time, const Motion& other) { return time < other.utime; });
+  if (after == motions_.begin()) return std::nullopt;
+  const Motion& motion = *(after - 1);
+  if (utime - motion.utime > kMotionAgeMost_us) return std::nullopt;
+  return motion;
 }
 
 std::vector<Detections> RearJoiner::flush() { return release(true); }
@@ -96,12 +128,13 @@ Detections RearJoiner::decide_front() {
     ++num_without_rear_;
     return view;
   }
+  const std::optional<Motion> motion = motion_at(view.utime);
   const std::size_t num_front = view.trunks.size();
   for (Detection& rear : queue_.take(kRear).detections.trunks) {
     give_polar(rear, mount_);
     const auto end = view.trunks.begin() + static_cast<std::ptrdiff_t>(num_front);
     const auto same = std::find_if(view.trunks.begin(), end,
-                                   [&rear](const Detection& d) { return is_same(d, rear); });
+                                   [&](const Detection& d) { return is_same(d, rear, motion); });
     if (same == end) {
       view.trunks.push_back(rear);
     } else if (is_known_better(rear, *same)) {

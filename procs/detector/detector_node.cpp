@@ -6,6 +6,7 @@
 
 #include "detection/edge_offset.hpp"
 #include "geometry/angles.hpp"
+#include "pose/make_localiser.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::procs {
@@ -13,6 +14,13 @@ namespace {
 
 /// In a row, from when on a camera is missed: two seconds at 10 Hz.
 constexpr std::int64_t kScansWithoutPicture = 20;
+
+/// Whether the rig's wheels are heard: by the detector itself, or by who tells its poses.
+bool has_wheels(const io::Config& config) {
+  const auto odometry = static_cast<std::size_t>(pose::MeasurementKind::kOdometry);
+  return config.detector.use_odometry ||
+         pose::expected_measurements(config.pose)[odometry].has_value();
+}
 
 }  // namespace
 
@@ -22,20 +30,23 @@ DetectorNode::DetectorNode(const io::Config& config)
               config.detector.use_odometry, config.camera.delay_s),
       monitor_(config.detector.extrinsics_monitor, config.camera.intrinsics.fc_px[0]),
       edge_reach_px_(config.camera.intrinsics.fc_px[0] *
-                     std::tan(detection::kSearchWindow_deg * geometry::kPi / 180.0)) {
+                     std::tan(detection::kSearchWindow_deg * geometry::kPi / 180.0)),
+      has_wheels_(has_wheels(config)) {
   if (config.detector.adaptation.enabled && rig_.has_camera) {
     adaptation_.emplace(config.detector.adaptation, config.detector.width.mean_m);
   }
   if (config.laser_rear.enabled) {
     rear_rig_.emplace(config.laser_rear, config.camera, config.detector);
-    joiner_.emplace(config.laser, config.detector.image_wait_s);
+    joiner_.emplace(config.laser, config.detector.image_wait_s, has_wheels_);
   }
 }
 
 std::vector<bus::Channel> DetectorNode::inputs() const {
   std::vector<bus::Channel> channels{bus::Channel::kScan};
   if (rig_.has_camera) channels.push_back(bus::Channel::kImage);
-  if (rig_.has_camera && rig_.detector.use_odometry) channels.push_back(bus::Channel::kOdometry);
+  if ((rig_.has_camera && rig_.detector.use_odometry) || (joiner_ && has_wheels_)) {
+    channels.push_back(bus::Channel::kOdometry);
+  }
   if (joiner_) channels.push_back(bus::Channel::kScanRear);
   return channels;
 }
@@ -55,8 +66,9 @@ void DetectorNode::handle(const bus::Message& input, const bus::Outbox& send) {
     return send_views(joiner_->add_rear(detection::detect(*rear, nullptr, *rear_rig_).detections),
                       send);
   } else if (const auto* odometry = std::get_if<pose::Odometry>(&input)) {
-    pairs = pairer_.add(
-        detection::Motion{odometry->utime, odometry->speed_mps, odometry->yaw_rate_radps});
+    const detection::Motion motion{odometry->utime, odometry->speed_mps, odometry->yaw_rate_radps};
+    if (joiner_ && has_wheels_) send_views(joiner_->add(motion), send);
+    pairs = pairer_.add(motion);
   }
   for (const auto& pair : pairs) send_detections(pair, send);
 }

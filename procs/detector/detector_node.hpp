@@ -26,7 +26,8 @@ namespace orchard::procs {
 /// (detector.extrinsics_monitor). With detector.adaptation.enabled each scan is judged by the
 /// models that the scans before it have led to, whatever order the channels arrive in, and
 /// ADAPTATION says what became of them.
-/// With laser_rear.enabled what SCAN.rear shows joins what SCAN shows, in one message for both.
+/// With laser_rear.enabled what SCAN.rear shows joins what SCAN shows, in one message for both; the
+/// wheels, where the rig has them, undo what it drove between the two.
 class DetectorNode : public bus::Node {
  public:
   explicit DetectorNode(const io::Config& config);
@@ -67,6 +68,7 @@ class DetectorNode : public bus::Node {
   bool intensities_missing_ = false;  ///< of the newest scan answered
   detection::ConsistencyMonitor monitor_;
   double edge_reach_px_;
+  bool has_wheels_;
   std::int64_t num_pictures_ = 0;         ///< that belonged to a scan
   std::int64_t num_without_picture_ = 0;  ///< scans that none belonged to
   std::int64_t num_since_picture_ = 0;    ///< of those, since the last that had one

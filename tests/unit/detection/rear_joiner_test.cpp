@@ -66,6 +66,28 @@ TEST(RearJoiner, WhatBothSeeCountsOnceAndTheCamerasWordStays) {
   EXPECT_EQ(views[0].trunks[1].utime, 0);
 }
 
+TEST(RearJoiner, TheWheelsTellWhetherItIsTheSameTrunk) {
+  // At 1.5 m/s and 0.4 rad/s; seen by the one at 0, by the other 80 ms later, 0.12 m farther on.
+  constexpr double kSpeed_mps = 1.5, kRate_radps = 0.4;
+  const double since_s = 0.08, turn_rad = kRate_radps * since_s,
+               radius_m = kSpeed_mps / kRate_radps;
+  const double way_x_m = radius_m * std::sin(turn_rad);
+  const double way_y_m = radius_m * (1.0 - std::cos(turn_rad));
+  const auto later = [&](double x_m, double y_m) {
+    const double dx_m = x_m - way_x_m, dy_m = y_m - way_y_m;
+    return trunk(80'000, std::cos(turn_rad) * dx_m + std::sin(turn_rad) * dy_m,
+                 -std::sin(turn_rad) * dx_m + std::cos(turn_rad) * dy_m);
+  };
+  RearJoiner joiner({}, 0.5, true);
+  joiner.add_front(view(0, {trunk(0, 0.0, 2.0), trunk(0, 0.3, -2.0)}), kTurn_us);
+  EXPECT_TRUE(joiner.add_rear(view(80'000, {later(0.0, 2.0), later(0.15, -2.0)})).empty())
+      << "the wheels have not been heard";
+  joiner.add({-20'000, kSpeed_mps, kRate_radps});
+  const auto views = joiner.add({30'000, 0.0, 0.0});
+  // Trunks of 0.1 m that stand 0.15 m apart are two, and so they are 0.12 m on.
+  EXPECT_EQ(views.at(0).trunks.size(), 3u);
+}
+
 TEST(RearJoiner, NeighboursStayTwo) {
   RearJoiner joiner({}, 0.5);
   joiner.add_front(view(0, {trunk(0, 0.0, 2.0)}), kTurn_us);

@@ -14,11 +14,17 @@ struct LaserConfig {
   double range_sd_fraction = 0.01;  ///< 1-sigma of one range per metre of range
   /// 1-sigma per metre of range of the error that all beams of one object share.
   double target_sd_fraction = 0.0;
+  /// A beam is a spot: what it half meets returns too. Its width where it leaves, and what it grows
+  /// by per metre of range.
+  double spot_m = 0.0;
+  double spot_rad = 0.0;
 
   /// 1-sigma of one range.
   double range_sd_at(double range_m) const {
     return std::hypot(range_sd_m, range_sd_fraction * range_m);
   }
+  /// What the spot adds to the width of what it meets.
+  double spot_at(double range_m) const { return spot_m + spot_rad * range_m; }
 };
 
 /// A second scanner, whose objects join those of the first in one map. Section `laser_rear`.
@@ -35,6 +41,11 @@ void describe(Visitor& v, LaserConfig& c) {
   v.number("range_sd_fraction", c.range_sd_fraction, 0, 0.2, "1", "1-sigma per metre of range");
   v.expert().number("target_sd_fraction", c.target_sd_fraction, 0, 0.2, "1",
                     "1-sigma per metre of range of what all beams of an object share");
+  v.number("spot_m", c.spot_m, 0, 0.2, "m",
+           "width of the beam as it leaves; data sheets give it, callipers show it as what is "
+           "measured too wide however near");
+  v.number("spot_rad", c.spot_rad, 0, 0.05, "rad",
+           "the beam's divergence; widths are less by it; `orchard calibrate trunks` measures it");
 }
 
 template <class Visitor>

@@ -19,6 +19,13 @@ constexpr std::size_t kFewestBeamsOfAShape = 5;
 /// Largest chi2 per degree of freedom of an accepted circle.
 constexpr double kWorstFit = 4.0;
 
+/// What is thinner than this share of a beam step is measured as this wide: a spot wider than the
+/// step leaves nothing else of a hair.
+constexpr double kThinnest_beams = 0.1;
+
+/// Half the angle that a circle may fill: the scanner is not inside it.
+constexpr double kWidest_rad = 0.45 * kPi;
+
 double square(double x) { return x * x; }
 
 /// The distance between two returns: Shalal et al. 2013, eq. 8 and figure 7, with the root that the
@@ -26,6 +33,13 @@ double square(double x) { return x * x; }
 double chord_m(double r1_m, double r2_m, double angle_rad) {
   const double square_m2 = r1_m * r1_m + r2_m * r2_m - 2.0 * r1_m * r2_m * std::cos(angle_rad);
   return std::sqrt(std::max(0.0, square_m2));
+}
+
+/// How far the near side of a circle is on average over the angle it fills, its centre 1 away;
+/// `sine` of half that angle. The root's mean is taken to the fourth power of the sine.
+double mean_range_of_circle(double sine) {
+  if (sine < 1e-6) return 1.0;
+  return sine / std::asin(sine) - 0.25 * kPi * sine * (1.0 - sine * sine / 24.0);
 }
 
 /// From an object's end to the next return beyond it.
@@ -138,7 +152,7 @@ Segment measure(const Scan& scan, const Beams& beams, const Candidate& candidate
                 const LaserConfig& laser, CandidateFitter& fit) {
   const double step_rad = beams.step_rad();
   const double span_beams = static_cast<double>(candidate.last - candidate.first);
-  const Sides sides = sides_of(beams, candidate, config);
+  const Sides sides = sides_of(beams, candidate, config, laser);
   Segment s;
   s.first_beam = beams.index(candidate.first);
   s.last_beam = beams.index(candidate.last);
@@ -162,13 +176,15 @@ Segment measure(const Scan& scan, const Beams& beams, const Candidate& candidate
   const double edge_beams_before =
       width.mode == WidthMode::kPaper ? 0.0 : sides.before.beyond_beams;
   const double edge_beams_after = width.mode == WidthMode::kPaper ? 0.0 : sides.after.beyond_beams;
-  // A circle of radius R at distance D fills the angle 2 asin(R / D), and its surface lies on
-  // average D - pi/4 R away over that angle.
-  const double filled_beams = span_beams + sides.before.beyond_beams + sides.after.beyond_beams;
-  const double half_angle_rad = std::min(0.5 * filled_beams * step_rad, 0.5 * kPi);
+  // A circle of radius R at distance D fills the angle 2 asin(R / D).
+  const double filled_beams =
+      std::max(span_beams + sides.before.beyond_beams + sides.after.beyond_beams, kThinnest_beams);
+  const double half_angle_rad = std::min(0.5 * filled_beams * step_rad, kWidest_rad);
   const double sine = std::sin(half_angle_rad);
-  const double radius_m = mean_m * sine / (1.0 - 0.25 * kPi * sine);
-  const double to_front_m = (1.0 - 0.25 * kPi) * radius_m;
+  const double mean_per_distance = mean_range_of_circle(sine);
+  const double centre_m = mean_m / mean_per_distance;
+  const double radius_m = centre_m * sine;
+  const double to_front_m = mean_m - (centre_m - radius_m);
   s.range_m = std::clamp(mean_m - to_front_m, nearest_m, farthest_m);
 
   const double paper_m = chord_m(s.start_range_m, s.end_range_m, span_beams * step_rad);
@@ -181,7 +197,12 @@ Segment measure(const Scan& scan, const Beams& beams, const Candidate& candidate
     s.width_m = slants ? std::max(2.0 * radius_m, paper_m + mean_m * step_rad) : 2.0 * radius_m;
   }
   const double sides_sd_beams = std::hypot(sides.before.sd_beams, sides.after.sd_beams);
-  s.width_sd_m = std::max(mean_m * step_rad * sides_sd_beams, 0.1 * width.sd_floor_m);
+  // an angle becomes a width by the range: its noise, and what all beams of the object share
+  const double range_sd =
+      std::hypot(laser.range_sd_at(mean_m) / (mean_m * std::sqrt(static_cast<double>(s.num_beams))),
+                 laser.target_sd_fraction);
+  s.width_sd_m = std::max(std::hypot(mean_m * step_rad * sides_sd_beams, s.width_m * range_sd),
+                          0.1 * width.sd_floor_m);
 
   const double first = static_cast<double>(s.first_beam);
   s.start_bearing_rad = scan.bearing_rad(first - edge_beams_before);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "laser/sides.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace orchard::laser {
@@ -9,7 +10,7 @@ namespace {
 const double kUniformSd = 1.0 / std::sqrt(12.0);
 
 Side side_at(const Beams& beams, std::ptrdiff_t end, std::ptrdiff_t outwards, bool touches,
-             const SegmentationConfig& config) {
+             const SegmentationConfig& config, const LaserConfig& laser) {
   Side side;
   if (touches) {
     side.sd_beams = 1.0;
@@ -20,11 +21,20 @@ Side side_at(const Beams& beams, std::ptrdiff_t end, std::ptrdiff_t outwards, bo
     return side;
   }
   const double range_m = beams.range_m(end);
+  const double spot_beams = laser.spot_at(range_m) / (range_m * beams.step_rad());
+  side.beyond_beams -= 0.5 * spot_beams;
   const auto nearer = [&](std::ptrdiff_t k) {
     const double outside_m = beams.range_around_m(end + k * outwards);
     return outside_m > 0.0 && outside_m < range_m - beams.jump_m(outside_m);
   };
   const double next_m = beams.range_around_m(end + outwards);
+  // A reading between it and the background: that beam's spot lies on both, its axis at the edge.
+  const double after_m = beams.range_around_m(end + 2 * outwards);
+  if (spot_beams > 0.0 && next_m > range_m && after_m > next_m + beams.jump_m(next_m)) {
+    side.beyond_beams = 1.0;
+    side.sd_beams = std::max(side.sd_beams, 0.25 * spot_beams);
+    return side;
+  }
   if (next_m > range_m + beams.jump_m(range_m)) return side;  // the background shows beside it
   // A beam between the two may belong to the nearer object.
   const std::ptrdiff_t first = nearer(1) ? 1 : 2;
@@ -48,9 +58,10 @@ Side side_at(const Beams& beams, std::ptrdiff_t end, std::ptrdiff_t outwards, bo
 
 }  // namespace
 
-Sides sides_of(const Beams& beams, const Candidate& candidate, const SegmentationConfig& config) {
-  Sides sides{side_at(beams, candidate.first, -1, candidate.touches_before, config),
-              side_at(beams, candidate.last, 1, candidate.touches_after, config)};
+Sides sides_of(const Beams& beams, const Candidate& candidate, const SegmentationConfig& config,
+               const LaserConfig& laser) {
+  Sides sides{side_at(beams, candidate.first, -1, candidate.touches_before, config, laser),
+              side_at(beams, candidate.last, 1, candidate.touches_after, config, laser)};
   sides.before.hidden = sides.before.hidden || candidate.hidden_before;
   sides.after.hidden = sides.after.hidden || candidate.hidden_after;
   return sides;

@@ -20,6 +20,7 @@ struct Landmark {
   double se_y_m = 0.0;
   std::array<double, 3> covariance{};  ///< of the position: xx xy yy [m2]
   double width_m = 0.0;
+  double width_sd_m = 0.0;    ///< standard error of it; 0 = unknown (not in MAP messages)
   double roc_mean = 0.0;      ///< mean roc_tree over its observations
   double probability = 0.0;   ///< that it is a tree
   std::int32_t row = 0;       ///< 0 = unknown

@@ -32,7 +32,24 @@ void merge_association_positions(LandmarkRecord& into, const LandmarkRecord& fro
   into.association_information = static_cast<float>(total);
 }
 
+/// What a look weighs whose width is a hint at most.
+constexpr double kHint = 0.01;
+constexpr double kWidthSdMin_m = 0.002;
+
+/// From one to the other of the two widths that a count of beams gives [m]: each side of a thing
+/// lies anywhere within one beam step, so that the variance is a sixth of its square.
+double beam_m(const detection::Detection& d) { return std::sqrt(6.0) * d.width_sd_m; }
+
 void merge_widths(LandmarkRecord& into, const LandmarkRecord& from) {
+  const double between_m = from.width_m - into.width_m;
+  into.width_chi2 += static_cast<float>(
+      from.width_chi2 +
+      between_m * between_m / (1.0 / into.width_information + 1.0 / from.width_information));
+  into.width_looks += from.width_looks;
+  if (from.last_scan > into.last_scan) {
+    into.width_x_base_m = from.width_x_base_m;
+    into.width_y_base_m = from.width_y_base_m;
+  }
   into.width_m = (into.width_m * into.width_information + from.width_m * from.width_information) /
                  (into.width_information + from.width_information);
   into.width_information += from.width_information;
@@ -81,10 +98,37 @@ void fuse_association_position(LandmarkRecord& r, const Eigen::Vector2d& p_align
   r.association_information = static_cast<float>(total);
 }
 
-void fuse_width(LandmarkRecord& r, double width_m, double width_sd_m) {
-  const double information = 1.0 / (width_sd_m * width_sd_m);
+void fuse_width(LandmarkRecord& r, const detection::Detection& d, int fewest_beams) {
+  const double sd_m = std::max(d.width_sd_m, kWidthSdMin_m);
+  double share = 1.0;
+  if (r.width_looks > 0.0f) {
+    const double moved_m =
+        std::hypot(d.centre_x_m - r.width_x_base_m, d.centre_y_m - r.width_y_base_m);
+    share = std::min(1.0, moved_m / std::max(beam_m(d), kWidthSdMin_m));
+  }
+  // the narrowest that always meets enough beams at this range, with one to spare
+  const double least_m =
+      d.num_beams > 0 ? d.width_m - (d.num_beams - fewest_beams - 1) * beam_m(d) : 0.0;
+  const double known_m = r.width_information > 0.0f ? r.width_m : d.width_m;
+  if (d.occlusion != 0 || known_m < least_m) {
+    share = std::min(share, kHint);
+  }
+  share = std::max(share, 1e-3 * kHint);
+  const double information = share / (sd_m * sd_m);
+  const double before_m = r.width_m;
   r.width_information += static_cast<float>(information);
-  r.width_m += static_cast<float>(information / r.width_information * (width_m - r.width_m));
+  r.width_m += static_cast<float>(information / r.width_information * (d.width_m - before_m));
+  r.width_chi2 += static_cast<float>(information * (d.width_m - before_m) *
+                                     (d.width_m - static_cast<double>(r.width_m)));
+  r.width_looks += static_cast<float>(share);
+  r.width_x_base_m = static_cast<float>(d.centre_x_m);
+  r.width_y_base_m = static_cast<float>(d.centre_y_m);
+}
+
+double width_sd_m(const LandmarkRecord& r) {
+  if (!(r.width_information > 0.0f)) return 0.0;
+  const double freedom = std::max(1.0, r.width_looks - 1.0);
+  return std::sqrt(std::max(1.0, r.width_chi2 / freedom) / r.width_information);
 }
 
 void accumulate(LandmarkRecord& r, const Eigen::Vector2d& p_map, double roc_tree, Label label,

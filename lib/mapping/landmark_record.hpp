@@ -9,9 +9,9 @@
 
 namespace orchard::mapping {
 
-/// What is kept per landmark: 96 bytes, whatever the number of its observations.
+/// What is kept per landmark: 112 bytes, whatever the number of its observations.
 ///
-/// The rest of a landmark's 156 bytes at a million of them is the grid's entry, and the quarter by
+/// The rest of a landmark's 176 bytes at a million of them is the grid's entry, and the quarter by
 /// which the table grows. Sums that a difference is taken of are doubles, all others floats.
 struct LandmarkRecord {
   double association_x_m = 0.0;  ///< mean of the aligned observations, which association uses
@@ -25,7 +25,11 @@ struct LandmarkRecord {
   float association_information = 0.0f;  ///< 1 / m2
   float scatter_m2 = 0.0f;               ///< of the aligned observations about it, per axis
   float width_m = 0.0f;
-  float width_information = 0.0f;      ///< 1 / m2
+  float width_information = 0.0f;  ///< 1 / m2
+  float width_chi2 = 0.0f;         ///< of the widths about their mean, by their own variances
+  float width_looks = 0.0f;        ///< how many widths that differ that mean is of
+  float width_x_base_m = 0.0f;     ///< where in base the last of them was seen
+  float width_y_base_m = 0.0f;
   float log_odds = 0.0f;               ///< of being a tree: sum of the evidence of its observations
   std::int32_t num_observations = 0;   ///< N of eq. 13
   std::int32_t num_all = 0;            ///< UNSEEN ones too
@@ -37,7 +41,7 @@ struct LandmarkRecord {
 
   Eigen::Vector2d association_position() const { return {association_x_m, association_y_m}; }
 };
-static_assert(sizeof(LandmarkRecord) == 96, "an orchard has a million of them");
+static_assert(sizeof(LandmarkRecord) == 112, "an orchard has a million of them");
 
 /// However many labels agree, a landmark can still be talked out of its class.
 inline constexpr double kLogOddsMax = 30.0;
@@ -51,8 +55,17 @@ double log_odds_max(const MapperConfig& config);
 void fuse_association_position(LandmarkRecord& record, const Eigen::Vector2d& p_aligned,
                                double variance_m2);
 
-/// Adds one measured width to the mean width, weighted by its variance.
-void fuse_width(LandmarkRecord& record, double width_m, double width_sd_m);
+/// Adds an observation's width to the mean width, weighted by its variance.
+///
+/// A width is a count of beams, so it errs anew only when the beams fall anew: from a place in base
+/// less than one beam away from the last, a look counts by that share. And where a thing as wide as
+/// the mean is not always met by more than `fewest_beams`, the looks that make it too narrow may be
+/// missing: the others, and those of which a side is hidden, count for next to nothing.
+void fuse_width(LandmarkRecord& record, const detection::Detection& d, int fewest_beams);
+
+/// Standard error of the mean width [m]: by the looks' own variances, or by how they scatter where
+/// that is more (trunks are not round). 0 for a record without a width.
+double width_sd_m(const LandmarkRecord& record);
 
 /// Adds one composed observation to the paper's statistics (Welford) and to the log odds.
 ///

@@ -10,7 +10,6 @@ namespace orchard::mapping {
 namespace {
 
 constexpr double kAssociationVarianceMin_m2 = 1e-6;
-constexpr double kWidthSdMin_m = 0.005;
 
 /// Adds one observation to a record; its aligned position and variance update the association
 /// position.
@@ -19,7 +18,7 @@ void add_to_record(LandmarkRecord& r, const detection::Detection& d, const Eigen
                    const MapperConfig& config) {
   fuse_association_position(r, p_aligned,
                             std::max(kAssociationVarianceMin_m2, aligned_variance_m2));
-  fuse_width(r, d.width_m, std::max(d.width_sd_m, kWidthSdMin_m));
+  fuse_width(r, d, config.fewest_beams);
   accumulate(r, p_map, d.roc_tree, d.label, evidence_of(d, config), log_odds_max(config));
   ++r.num_all;
 }
@@ -94,6 +93,7 @@ Landmark MapState::report(std::int32_t index, const PositionMode& mode) const {
   l.se_y_m = se_m.y();
   l.covariance = {mode.covariance(0, 0), mode.covariance(0, 1), mode.covariance(1, 1)};
   l.width_m = r.width_m;
+  l.width_sd_m = width_sd_m(r);
   l.roc_mean = r.roc_sum / r.num_observations;
   l.probability = probability_of_tree(r, config);
   return l;

@@ -34,6 +34,8 @@ struct MapperConfig {
   /// scan at its first beam's: a robot that is measured at stops does not move while it scans.
   double deskew_pose_gap_max_s = 0.25;
   int min_observations = 1;  ///< landmarks seen less often are left out of map files
+  /// No key of its own but detector.segmentation.min_beams: what fewer met was not handed over.
+  int fewest_beams = 1;
   ExistenceConfig existence;
   RowsConfig rows;
 };

@@ -22,6 +22,8 @@ struct Observation {
   float probability_tree = 0.0f;
   float probability_object = 0.0f;
   std::int8_t label = 0;       ///< detection::Label
+  std::int8_t occlusion = 0;   ///< bits of detection::Occlusion
+  std::uint8_t num_beams = 0;  ///< 255 for more
   bool is_associated = false;  ///< in a landmark's chain
 };
 

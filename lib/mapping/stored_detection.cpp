@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping/stored_detection.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace orchard::mapping {
@@ -22,6 +23,8 @@ Observation observation_of(const Candidate& candidate) {
   o.probability_tree = d.probability_tree;
   o.probability_object = d.probability_object;
   o.label = static_cast<std::int8_t>(d.label);
+  o.occlusion = d.occlusion;
+  o.num_beams = static_cast<std::uint8_t>(std::clamp(d.num_beams, 0, 255));
   return o;
 }
 
@@ -37,6 +40,8 @@ Detection detection_of(const Observation& o) {
   d.probability_tree = o.probability_tree;
   d.probability_object = o.probability_object;
   d.label = static_cast<detection::Label>(o.label);
+  d.occlusion = o.occlusion;
+  d.num_beams = o.num_beams;
   return d;
 }
 

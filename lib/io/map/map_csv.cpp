@@ -32,8 +32,12 @@ std::int32_t parse_number_or_empty(const CsvReader& csv, std::size_t field) {
 }
 
 std::vector<Landmark> read_map(CsvReader csv) {
-  csv.expect_columns({"id", "class", "x_m", "y_m", "n", "roc_mean", "probability", "se_x_m",
-                      "se_y_m", "width_m", "row", "position"});
+  std::vector<std::string> columns{"id",          "class",  "x_m",    "y_m",     "n",   "roc_mean",
+                                   "probability", "se_x_m", "se_y_m", "width_m", "row", "position"};
+  // maps of earlier releases end here
+  const bool has_width_sd = csv.columns().size() > columns.size();
+  if (has_width_sd) columns.push_back("width_sd_m");
+  csv.expect_columns(columns);
   std::vector<Landmark> landmarks;
   std::set<std::int32_t> ids;
   while (csv.next()) {
@@ -51,6 +55,7 @@ std::vector<Landmark> read_map(CsvReader csv) {
     landmark.width_m = csv.number_in(9, 0.0, kMaxSizeM);
     landmark.row = parse_number_or_empty(csv, 10);
     landmark.position = parse_number_or_empty(csv, 11);
+    if (has_width_sd) landmark.width_sd_m = csv.number_in(12, 0.0, kMaxSizeM);
     landmarks.push_back(landmark);
   }
   return landmarks;
@@ -59,14 +64,16 @@ std::vector<Landmark> read_map(CsvReader csv) {
 }  // namespace
 
 std::string map_csv(const std::vector<Landmark>& landmarks) {
-  std::string text = "id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,position\n";
+  std::string text =
+      "id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,position,"
+      "width_sd_m\n";
   for (const Landmark& l : landmarks) {
     text += std::to_string(l.id) + "," + label_text(l.label) + "," + fixed_text(l.x_m, 4) + "," +
             fixed_text(l.y_m, 4) + "," + std::to_string(l.num_observations) + "," +
             fixed_text(l.roc_mean, 4) + "," + fixed_text(l.probability, 4) + "," +
             fixed_text(l.se_x_m, 4) + "," + fixed_text(l.se_y_m, 4) + "," +
             fixed_text(l.width_m, 4) + "," + number_or_empty(l.row) + "," +
-            number_or_empty(l.position) + "\n";
+            number_or_empty(l.position) + "," + fixed_text(l.width_sd_m, 4) + "\n";
   }
   return text;
 }

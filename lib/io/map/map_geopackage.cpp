@@ -28,6 +28,7 @@ void write_landmarks(const std::vector<mapping::Landmark>& landmarks,
   }
   fields.push_back({"row", GeoType::kInteger});
   fields.push_back({"position", GeoType::kInteger});
+  fields.push_back({"width_sd_m", GeoType::kReal});
   if (georeference) {
     fields.push_back({"latitude_deg", GeoType::kReal});
     fields.push_back({"longitude_deg", GeoType::kReal});
@@ -46,7 +47,8 @@ void write_landmarks(const std::vector<mapping::Landmark>& landmarks,
                                  l.se_y_m,
                                  l.width_m,
                                  number_or_none(l.row),
-                                 number_or_none(l.position)};
+                                 number_or_none(l.position),
+                                 l.width_sd_m};
     if (georeference) {
       const geometry::Geodetic place = geometry::geodetic_of(*georeference, p_map);
       values.push_back(place.latitude_deg);

@@ -30,7 +30,7 @@ CandidateFitter::CandidateFitter(const Beams& beams, const SegmentationConfig& c
       last_known_(static_cast<std::size_t>(beams.size()), -1) {}
 
 const Arc& CandidateFitter::arc(const Candidate& candidate) {
-  arc_of(beams_, candidate, sides_of(beams_, candidate, config_), arc_);
+  arc_of(beams_, candidate, sides_of(beams_, candidate, config_, laser_), arc_);
   return arc_;
 }
 

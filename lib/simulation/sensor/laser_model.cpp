@@ -108,7 +108,8 @@ class RayFan {
     double half_rad = geometry::kPi;
     if (clear_m > 1e-3) {
       half_rad = std::asin(std::min(1.0, radius_m / distance_m)) + turned_rad_ +
-                 std::asin(std::min(1.0, moved_m_ / distance_m)) + 0.5 * scanner_.spot_rad;
+                 std::asin(std::min(1.0, moved_m_ / distance_m)) + 0.5 * scanner_.spot_rad +
+                 std::asin(std::min(1.0, 0.5 * scanner_.spot_m / distance_m));
     }
     const double bearing_rad = std::atan2(dy, dx) - middle_.yaw_rad;
     const double step = scanner_.bearing_step_rad;
@@ -130,11 +131,20 @@ class RayFan {
     return (beam - scanner_.num_beams / 2) * scanner_.beam_period_us * 1e-6;
   }
 
-  double angle_rad(const Pose2& pose, int beam, int ray) const {
+  /// A ray of a beam's spot: they leave side by side and part by the divergence.
+  struct Ray {
+    double dx = 1.0, dy = 0.0;    ///< direction in map
+    double x_m = 0.0, y_m = 0.0;  ///< where it leaves, in map
+  };
+
+  Ray ray_of(const Pose2& pose, int beam, int ray) const {
     const double axis_rad =
         pose.yaw_rad + scanner_.bearing_min_rad + beam * scanner_.bearing_step_rad;
     const double offset = num_rays_ == 1 ? 0.0 : (ray + 0.5) / num_rays_ - 0.5;
-    return axis_rad + offset * scanner_.spot_rad;
+    const double angle_rad = axis_rad + offset * scanner_.spot_rad;
+    const double aside_m = offset * scanner_.spot_m;
+    return {std::cos(angle_rad), std::sin(angle_rad), pose.x_m - aside_m * std::sin(axis_rad),
+            pose.y_m + aside_m * std::cos(axis_rad)};
   }
 
   const Pose2& pose_of(int beam) const { return poses_.size() == 1 ? poses_[0] : poses_[beam]; }
@@ -142,14 +152,14 @@ class RayFan {
 
   void cast(const Cylinder& cylinder, int beam) {
     const Pose2& pose = pose_of(beam);
-    double cx = cylinder.x_m - pose.x_m, cy = cylinder.y_m - pose.y_m;
+    double x_m = cylinder.x_m, y_m = cylinder.y_m;
     if (cylinder.velocity_x_mps != 0.0 || cylinder.velocity_y_mps != 0.0) {
-      cx += cylinder.velocity_x_mps * time_s(beam);
-      cy += cylinder.velocity_y_mps * time_s(beam);
+      x_m += cylinder.velocity_x_mps * time_s(beam);
+      y_m += cylinder.velocity_y_mps * time_s(beam);
     }
     for (int ray = 0; ray < num_rays_; ++ray) {
-      const double angle = angle_rad(pose, beam, ray);
-      const double dx = std::cos(angle), dy = std::sin(angle);
+      const Ray r = ray_of(pose, beam, ray);
+      const double dx = r.dx, dy = r.dy, cx = x_m - r.x_m, cy = y_m - r.y_m;
       const double range_m = ray_circle(dx, dy, cx, cy, cylinder.radius_m);
       Hit& hit = hit_of(beam, ray);
       if (!(range_m < hit.range_m)) continue;
@@ -162,9 +172,8 @@ class RayFan {
   void cast(const Box& box, int beam) {
     const Pose2& pose = pose_of(beam);
     for (int ray = 0; ray < num_rays_; ++ray) {
-      const double angle = angle_rad(pose, beam, ray);
-      const BoxHit entered =
-          ray_box(std::cos(angle), std::sin(angle), box.x_m - pose.x_m, box.y_m - pose.y_m, box);
+      const Ray r = ray_of(pose, beam, ray);
+      const BoxHit entered = ray_box(r.dx, r.dy, box.x_m - r.x_m, box.y_m - r.y_m, box);
       Hit& hit = hit_of(beam, ray);
       if (entered.range_m < hit.range_m) {
         hit = {entered.range_m, box.target, box.appearance.reflectivity * entered.cosine};
@@ -181,8 +190,9 @@ class RayFan {
   double turned_rad_ = 0.0;
 };
 
-/// What a spot reads: the surface that fills more than half of it, or something between the two.
-Hit read_spot(const Hit* rays, double mixed_draw, double mixed_probability) {
+/// What a spot reads: the surface nearest to the scanner that fills enough of it, or something
+/// between two.
+Hit read_spot(const Hit* rays, double mixed_draw, const ScannerConfig& scanner) {
   Hit nearest;
   for (int i = 0; i < kNumRays; ++i) {
     if (rays[i].range_m < nearest.range_m) nearest = rays[i];
@@ -203,17 +213,18 @@ Hit read_spot(const Hit* rays, double mixed_draw, double mixed_probability) {
       ++num_far;
     }
   }
-  constexpr int kMajority = kNumRays / 2 + 1;
+  const int fewest_rays =
+      std::max(1, static_cast<int>(std::ceil(scanner.return_fraction * kNumRays)));
   const bool split = num_far > 0 && num_near > kNumRays / 4 && num_far > kNumRays / 4;
-  if (split && mixed_draw < mixed_probability) {
+  if (split && mixed_draw < scanner.mixed_probability) {
     // a phase-shift scanner reads between two surfaces that share its spot
     return {(near_sum_m + far_sum_m) / (num_near + num_far), nearest.target,
             (near_strength + far_strength) / kNumRays};
   }
-  if (num_near >= kMajority) {
+  if (num_near >= fewest_rays) {
     return {near_sum_m / num_near, nearest.target, near_strength / kNumRays};
   }
-  if (num_far >= kMajority) return {far_sum_m / num_far, far_target, far_strength / kNumRays};
+  if (num_far >= fewest_rays) return {far_sum_m / num_far, far_target, far_strength / kNumRays};
   return {};
 }
 
@@ -302,7 +313,7 @@ laser::Scan simulate_scan(const World& world, const std::vector<Pose2>& T_map_la
     const double mixed_draw = random.uniform();
     const double dropout_draw = random.uniform();
     const double noise = random.normal();
-    Hit hit = read_spot(fan.beam(i), mixed_draw, scanner.mixed_probability);
+    Hit hit = read_spot(fan.beam(i), mixed_draw, scanner);
     const double ground_m = ground_range_m(scanner, tilt, i);
     if (ground_m < hit.range_m) hit = {ground_m, -1, kGroundStrength};
     if (hit.range_m == kNoHit || dropout_draw < scanner.dropout_probability) continue;

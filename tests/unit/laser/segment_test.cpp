@@ -69,6 +69,33 @@ TEST(Width, CompensatedIsUnbiasedForATrunk) {
   }
 }
 
+// A beam that is a spot returns as soon as any of it meets something: then a thing is met by as
+// many beams as one that is a spot wider.
+TEST(Width, OfSpotsIsLessByTheSpot) {
+  constexpr double kDiameter_m = 0.07, kStart_m = 0.008, kDivergence_rad = 0.004;
+  LaserConfig laser;
+  laser.spot_m = kStart_m;
+  laser.spot_rad = kDivergence_rad;
+  for (const double range_m : {1.0, 2.0, 3.0, 4.0}) {
+    const double spot_m = kStart_m + kDivergence_rad * range_m;
+    double sum_m = 0.0, line_sum_m = 0.0;
+    int n = 0;
+    for (double b = -1.5; b < 1.5; b += 0.0107) {
+      Scan scan = urg_scan();
+      const double radius_m = 0.5 * (kDiameter_m + spot_m);
+      cast(scan, {{range_m * std::cos(b), range_m * std::sin(b), radius_m}});
+      const auto segments = segment(scan, {}, {}, laser);
+      const auto as_lines = segment(scan, {}, {});
+      ASSERT_EQ(segments.size(), 1u);
+      sum_m += segments[0].width_m;
+      line_sum_m += as_lines[0].width_m;
+      ++n;
+    }
+    EXPECT_NEAR(sum_m / n, kDiameter_m, 0.03 * kDiameter_m) << range_m;
+    EXPECT_GT(line_sum_m / n, kDiameter_m + 0.8 * spot_m) << range_m;
+  }
+}
+
 TEST(Width, ThePaperLosesABeam) {
   EXPECT_NEAR(mean_width_m(0.090, 0.5, WidthMode::kPaper) / 0.090, 0.94, 0.03);
   EXPECT_NEAR(mean_width_m(0.090, 4.0, WidthMode::kPaper) / 0.090, 0.73, 0.04);

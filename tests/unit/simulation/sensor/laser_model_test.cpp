@@ -81,6 +81,27 @@ TEST(LaserModel, SpotsAddNothingToAnIsolatedCylinder) {
   }
 }
 
+TEST(LaserModel, SpotsThatReturnFromAnyPartMakeThingsASpotWider) {
+  Random random(3);
+  ScannerConfig scanner = perfect();
+  scanner.spot_m = 0.010;
+  scanner.spot_rad = 0.003;
+  scanner.return_fraction = 0.1;
+  for (const double range_m : {0.5, 1.0, 2.0, 4.0}) {
+    double sum = 0.0;
+    constexpr int kScans = 400;
+    for (int i = 0; i < kScans; ++i) {
+      const laser::Scan scan = simulate_trunk_scan(0.090, range_m, scanner, random);
+      sum += static_cast<double>(std::count_if(scan.ranges_m.begin(), scan.ranges_m.end(),
+                                               [](float r) { return r > 0.0f; }));
+    }
+    // eight ninths of the spot: rays at ninths of it, and one of nine is enough
+    const double centre_m = range_m + 0.045, spot_m = (0.010 + 0.003 * centre_m) * 8.0 / 9.0;
+    const double angle_rad = 2.0 * std::asin(0.045 / centre_m) + spot_m / centre_m;
+    EXPECT_NEAR(sum / kScans, angle_rad / scanner.bearing_step_rad, 0.15) << range_m;
+  }
+}
+
 TEST(LaserModel, NearerThingsHideFartherOnes) {
   World world = one_cylinder(2.0, 0.0, 0.05);
   world.cylinders.push_back(one_cylinder(3.0, 0.0, 0.30).cylinders[0]);

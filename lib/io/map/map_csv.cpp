@@ -55,7 +55,9 @@ std::vector<Landmark> read_map(CsvReader csv) {
     landmark.width_m = csv.number_in(9, 0.0, kMaxSizeM);
     landmark.row = parse_number_or_empty(csv, 10);
     landmark.position = parse_number_or_empty(csv, 11);
-    if (has_width_sd) landmark.width_sd_m = csv.number_in(12, 0.0, kMaxSizeM);
+    if (has_width_sd && !csv.text(12).empty()) {
+      landmark.width_sd_m = csv.number_in(12, 0.0, kMaxSizeM);
+    }
     landmarks.push_back(landmark);
   }
   return landmarks;
@@ -73,7 +75,8 @@ std::string map_csv(const std::vector<Landmark>& landmarks) {
             fixed_text(l.roc_mean, 4) + "," + fixed_text(l.probability, 4) + "," +
             fixed_text(l.se_x_m, 4) + "," + fixed_text(l.se_y_m, 4) + "," +
             fixed_text(l.width_m, 4) + "," + number_or_empty(l.row) + "," +
-            number_or_empty(l.position) + "," + fixed_text(l.width_sd_m, 4) + "\n";
+            number_or_empty(l.position) + "," +
+            (l.width_sd_m > 0.0 ? fixed_text(l.width_sd_m, 4) : std::string()) + "\n";
   }
   return text;
 }

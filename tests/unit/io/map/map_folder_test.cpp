@@ -76,13 +76,21 @@ TEST(MapFolder, EqualContentGivesEqualBytes) {
 
 TEST(MapCsv, HasItsFixedFormAndReadsBack) {
   const TestFolder folder;
-  const auto landmarks = make_content(8).landmarks;
+  auto landmarks = make_content(8).landmarks;
+  landmarks[0].width_sd_m = 0.0021;
   const std::string text = map_csv(landmarks);
   EXPECT_THAT(text, HasSubstr("id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,"
-                              "position\n1,tree,0.0000,0.0000,5,0.8700,0.9990,0.0050,0.0050,"
-                              "0.0900,,\n2,tree,0.9000,0.0000,6,"));
+                              "position,width_sd_m\n1,tree,0.0000,0.0000,5,0.8700,0.9990,0.0050,"
+                              "0.0050,0.0900,,,0.0021\n2,tree,0.9000,0.0000,6,"));
   write_bytes(folder / "map.csv", text);
   EXPECT_EQ(map_csv(read_map_csv(folder / "map.csv")), text);
+  // the maps of earlier releases have no width_sd_m
+  const auto old = parse_map_csv(
+      "id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,position\n"
+      "7,tree,1,2,5,0.9,0.99,0.01,0.01,0.09,3,4\n",
+      "old.csv");
+  EXPECT_EQ(old.at(0).position, 4);
+  EXPECT_EQ(old.at(0).width_sd_m, 0.0);
   EXPECT_THROW(parse_map_csv(text + text.substr(text.find('\n') + 1), "twice"), FileError);
   EXPECT_THROW(parse_map_csv("id,x\n1,2\n", "map.csv"), FileError);
 }

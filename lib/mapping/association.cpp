@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/extent.hpp"
+
 namespace orchard::mapping {
 namespace {
 
@@ -26,6 +28,7 @@ double width_term(const detection::Detection& d, const LandmarkRecord& r) {
 std::optional<double> cost_of(const Candidate& c, const LandmarkRecord& r,
                               const MapperConfig& config) {
   const detection::Detection& d = *c.detection;
+  if (r.is_clump && d.label == detection::Label::kTree) return std::nullopt;  // it stands in it
   const Eigen::Vector2d delta = c.p_aligned - r.association_position();
   if (delta.squaredNorm() > config.gate_m * config.gate_m) return std::nullopt;
   if (std::abs(d.width_m - r.width_m) > config.width_gate_m) return std::nullopt;
@@ -86,6 +89,16 @@ Association associate(const std::vector<Candidate>& candidates, const LandmarkTa
     taken.push_back(p.landmark);
     is_paired[p.candidate] = 1;
     association.pairs.push_back(p);
+  }
+  // Each scan sees a bush at other leaves.
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    if (association.is_explained[k]) continue;
+    const std::int32_t i = clump_around(landmarks, candidates[k]);
+    if (i < 0) continue;
+    association.is_explained[k] = 1;
+    if (std::find(taken.begin(), taken.end(), i) != taken.end()) continue;
+    taken.push_back(i);
+    association.pairs.push_back({0.0, i, k});
   }
   // What lies a little farther from a tree than chance allows, while the tree itself is not seen,
   // is the tree: half hidden, or seen from a pose that is off. A thing of its own would be seen

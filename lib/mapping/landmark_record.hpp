@@ -38,6 +38,7 @@ struct LandmarkRecord {
   float existence_log_odds = 0.0f;  ///< that it still stands there: ExistenceFilter
   bool is_seen = false;             ///< by the camera, or laser-only rig
   bool is_removed = false;
+  bool is_clump = false;  ///< parts that touch, none of them a tree: extent_radius_m()
 
   Eigen::Vector2d association_position() const { return {association_x_m, association_y_m}; }
 };

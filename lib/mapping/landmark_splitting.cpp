@@ -189,7 +189,7 @@ void split_landmarks(MapState& map, MapUpdate& update) {
   for (std::size_t k = 0; k < num_changed; ++k) {
     const std::int32_t index = update.changed_ids[k] - 1;
     const LandmarkRecord& r = map.landmarks[index];
-    if (r.is_removed || !is_review_due(r.num_all)) continue;
+    if (r.is_removed || r.is_clump || !is_review_due(r.num_all)) continue;
     const Window window = observations_around(map.observations, r.last_observation,
                                               r.association_position(), config.gate_m);
     const auto positions = two_positions(window, config.split_distance_m);

@@ -2,7 +2,10 @@
 #include "mapping/map_state.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
+
+#include "mapping/extent.hpp"
 
 #include "mapping/stored_detection.hpp"
 
@@ -87,13 +90,18 @@ Landmark MapState::report(std::int32_t index, const PositionMode& mode) const {
   l.id = index + 1;
   l.label = label_of(r, config);
   l.num_observations = r.num_observations;
-  l.x_m = mode.p_map.x();
-  l.y_m = mode.p_map.y();
+  const Eigen::Vector2d p_map = r.is_clump ? r.association_position() : mode.p_map;
+  l.x_m = p_map.x();
+  l.y_m = p_map.y();
   l.se_x_m = se_m.x();
   l.se_y_m = se_m.y();
   l.covariance = {mode.covariance(0, 0), mode.covariance(0, 1), mode.covariance(1, 1)};
   l.width_m = r.width_m;
   l.width_sd_m = width_sd_m(r);
+  if (r.is_clump) {
+    l.width_m = 2.0 * extent_radius_m(r);
+    l.width_sd_m = std::max(l.width_sd_m, l.width_m / std::sqrt(2.0 * r.num_all));
+  }
   l.roc_mean = r.roc_sum / r.num_observations;
   l.probability = probability_of_tree(r, config);
   return l;

@@ -2,6 +2,7 @@
 #include "mapping/mapper.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "mapping/candidate.hpp"
 #include "mapping/existence/existence.hpp"
 #include "mapping/existence/seen_ground.hpp"
+#include "mapping/extent.hpp"
 #include "mapping/landmark_splitting.hpp"
 #include "mapping/map_state.hpp"
 #include "mapping/rows/id_keeping.hpp"
@@ -33,9 +35,14 @@ void merge_changed(MapState& map, MapUpdate& update) {
   for (std::size_t k = 0; k < ids.size(); ++k) {  // grows: a merged landmark is looked at again
     const std::int32_t index = ids[k] - 1;
     if (landmarks[index].is_removed) continue;
-    const std::int32_t other = merge_partner(landmarks, index, map.config, are_two);
+    std::int32_t other = merge_partner(landmarks, index, map.config, are_two);
+    const bool is_clump = other < 0;
+    if (is_clump) other = touching_object(landmarks, index, map.config);
     if (other < 0) continue;
     map.merge(std::min(index, other), std::max(index, other));
+    if (is_clump) {
+      map.landmarks.change(std::min(index, other), [](LandmarkRecord& r) { r.is_clump = true; });
+    }
     update.removed_ids.push_back(std::max(index, other) + 1);
     ids.push_back(std::min(index, other) + 1);
   }
@@ -110,8 +117,10 @@ MapUpdate Mapper::Impl::update(const detection::Detections& detections,
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     const Candidate& c = candidates[k];
     if (is_paired[k]) continue;
-    if (association.is_explained[k]) {
-      // A secondary return of a known landmark, as far as poses are known now.
+    const double sd_m = std::sqrt(0.5 * c.aligned_covariance.trace());
+    if (association.is_explained[k] ||
+        existence.was_free_before(c.p_aligned, c.detection->width_m, sd_m)) {
+      // A secondary return of a known landmark, or what walks, as far as poses are known now.
       map.observations.add_unassociated(observation_of(c));
       note_stored(c);
     } else {
@@ -120,7 +129,7 @@ MapUpdate Mapper::Impl::update(const detection::Detections& detections,
   }
 
   // Optional stages: what is gone, and what is two.
-  if (free_space) existence.update(*free_space, T_map_base_aligned, map.landmarks, update);
+  if (free_space) existence.update(free_space, T_map_base_aligned, map.landmarks, update);
   split_landmarks(map, update);
 
   merge_changed(map, update);

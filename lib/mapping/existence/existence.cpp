@@ -25,7 +25,27 @@ constexpr double kBeamLogOddsMax = 8.0;
 /// Log odds of existence below which a landmark is dropped (12 %).
 constexpr double kLogOddsGone = -2.0;
 
+/// Scans that a new thing's place is looked up in: a minute's, at most.
+constexpr std::size_t kLooksBack = 240;
+
 using Eigen::Vector2d;
+
+const double kOfPassing = std::log(kPassRate / kPassRateGone);
+const double kOfReturn = std::log((1.0 - kPassRate) / (1.0 - kPassRateGone));
+
+/// Log odds that something stands at a place of which a scan says this.
+double log_odds_of(const FreeSpaceAnswer& answer) {
+  const double fraction = std::min(1.0, static_cast<double>(answer.num_across) / kFullBeams);
+  switch (answer.verdict) {
+    case FreeSpaceVerdict::kUnknown:
+      break;
+    case FreeSpaceVerdict::kReturns:
+      return kOfReturn;
+    case FreeSpaceVerdict::kPassesThrough:
+      return fraction * fraction * kOfPassing;
+  }
+  return 0.0;
+}
 
 /// The weight of a landmark in whether a scan's pose can be trusted is its number of observations,
 /// up to this.
@@ -34,6 +54,19 @@ constexpr int kPoseWeightMax = 100;
 int pose_weight(const LandmarkRecord& r) { return std::min(r.num_all, kPoseWeightMax); }
 
 }  // namespace
+
+bool ExistenceFilter::was_free_before(const Vector2d& p_map, double width_m, double sd_m) const {
+  double log_odds = kOfReturn;  // the observation itself
+  for (const Look& look : looks_) {
+    const Vector2d base_map(look.T_map_base.x_m, look.T_map_base.y_m);
+    if ((base_map - p_map).norm() > kBeamReach_m) continue;
+    const Vector2d p_base =
+        Eigen::Rotation2Dd(look.T_map_base.yaw_rad).inverse() * (p_map - base_map);
+    log_odds += log_odds_of(
+        look.free_space->at(p_base, width_m, std::hypot(sd_m, sd_at(look.T_map_base, p_map))));
+  }
+  return log_odds < kLogOddsGone;
+}
 
 /// What the beams of one scan say of each landmark in view.
 struct ExistenceFilter::Evidence {
@@ -49,14 +82,12 @@ ExistenceFilter::Evidence ExistenceFilter::evidence_of(const std::vector<std::in
                                                        const pose::PoseEstimate& T_map_base,
                                                        const FreeSpace& free_space,
                                                        const LandmarkTable& landmarks) const {
-  const double of_passing = std::log(kPassRate / kPassRateGone);
-  const double of_return = std::log((1.0 - kPassRate) / (1.0 - kPassRateGone));
   const Vector2d base_map(T_map_base.x_m, T_map_base.y_m);
   const Eigen::Rotation2Dd R_map_base(T_map_base.yaw_rad);
   const Vector2d laser_map = base_map + R_map_base * p_base_laser_;
   const std::int32_t scan = changed_ids.empty() ? -1 : landmarks[changed_ids.front() - 1].last_scan;
   Evidence all;
-  for (const std::int32_t id : changed_ids) all.of_landmarks.push_back({id - 1, of_return});
+  for (const std::int32_t id : changed_ids) all.of_landmarks.push_back({id - 1, kOfReturn});
   landmarks.near(laser_map, kBeamReach_m, [&](std::int32_t i, const LandmarkRecord& r) {
     if (r.last_scan == scan) {
       all.for_pose += pose_weight(r);
@@ -66,33 +97,27 @@ ExistenceFilter::Evidence ExistenceFilter::evidence_of(const std::vector<std::in
     const double sd_m = std::hypot(sd_at(T_map_base, p_map), std::sqrt(r.scatter_m2));
     const Vector2d p_base = R_map_base.inverse() * (p_map - base_map);
     const FreeSpaceAnswer answer = free_space.at(p_base, r.width_m, sd_m);
-    const double fraction = std::min(1.0, static_cast<double>(answer.num_across) / kFullBeams);
-    switch (answer.verdict) {
-      case FreeSpaceVerdict::kUnknown:
-        break;
-      case FreeSpaceVerdict::kReturns:
-        all.for_pose += pose_weight(r);
-        all.of_landmarks.push_back({i, of_return});
-        break;
-      case FreeSpaceVerdict::kPassesThrough:
-        all.against_pose += pose_weight(r);
-        all.of_landmarks.push_back({i, fraction * fraction * of_passing});
-        break;
-    }
+    if (answer.verdict == FreeSpaceVerdict::kUnknown) return;
+    const bool passes = answer.verdict == FreeSpaceVerdict::kPassesThrough;
+    (passes ? all.against_pose : all.for_pose) += pose_weight(r);
+    all.of_landmarks.push_back({i, log_odds_of(answer)});
   });
   return all;
 }
 
-void ExistenceFilter::update(const FreeSpace& free_space, const pose::PoseEstimate& T_map_base,
-                             LandmarkTable& landmarks, MapUpdate& update) {
+void ExistenceFilter::update(const std::shared_ptr<const FreeSpace>& free_space,
+                             const pose::PoseEstimate& T_map_base, LandmarkTable& landmarks,
+                             MapUpdate& update) {
   if (!config_.enabled) return;
   const auto period_us = static_cast<std::int64_t>(1e6 * config_.period_s);
   const std::int64_t since_us = last_utime_ ? T_map_base.utime - *last_utime_ : period_us;
   if (since_us >= 0 && since_us < period_us) return;
   last_utime_ = T_map_base.utime;
 
-  const Evidence all = evidence_of(update.changed_ids, T_map_base, free_space, landmarks);
+  const Evidence all = evidence_of(update.changed_ids, T_map_base, *free_space, landmarks);
   if (all.against_pose > all.for_pose) return;
+  looks_.push_back({T_map_base, free_space});
+  if (looks_.size() > kLooksBack) looks_.pop_front();
   std::vector<std::int32_t> gone;
   for (const Evidence::OfLandmark& evidence : all.of_landmarks) {
     landmarks.change(evidence.index, [&](LandmarkRecord& r) {

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <deque>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -31,8 +33,13 @@ class ExistenceFilter {
 
   /// Adds the evidence of the scan that was added to the landmarks last: `update` says which it
   /// observed. Removes landmarks that are gone, and says so in `update`.
-  void update(const FreeSpace& free_space, const pose::PoseEstimate& T_map_base,
-              LandmarkTable& landmarks, MapUpdate& update);
+  void update(const std::shared_ptr<const FreeSpace>& free_space,
+              const pose::PoseEstimate& T_map_base, LandmarkTable& landmarks, MapUpdate& update);
+
+  /// Whether a thing seen for the first time was not there before: the scans of the last while, the
+  /// one that shows it among them, saw its place free more often than not. What walks is at every
+  /// place for a moment only, also where no later scan looks.
+  bool was_free_before(const Eigen::Vector2d& p_map, double width_m, double sd_m) const;
 
   template <class Archive>
   void persist(Archive& archive) {
@@ -45,9 +52,16 @@ class ExistenceFilter {
                        const pose::PoseEstimate& T_map_base, const FreeSpace& free_space,
                        const LandmarkTable& landmarks) const;
 
+  /// A scan whose pose was trusted.
+  struct Look {
+    pose::PoseEstimate T_map_base;
+    std::shared_ptr<const FreeSpace> free_space;
+  };
+
   ExistenceConfig config_;
   Eigen::Vector2d p_base_laser_;
   std::optional<std::int64_t> last_utime_;  ///< of the last scan that counted
+  std::deque<Look> looks_;                  ///< the newest ones
 };
 
 }  // namespace orchard::mapping

@@ -7,6 +7,7 @@
 
 #include "geometry/angles.hpp"
 #include "simulation/random.hpp"
+#include "simulation/scene/leafy_bushes.hpp"
 
 namespace orchard::simulation {
 namespace {
@@ -31,6 +32,7 @@ class ClutterBuilder {
     for (Cylinder& c : scene_.world.cylinders) {
       if (scene_.truth[c.target].name[0] == 'S') c.sway_m = clutter_.bush_sway_m;
     }
+    if (clutter_.leaf_depth_m > 0.0) make_bushes_leafy(clutter_.leaf_depth_m, scene_);
     if (clutter_.post_materials) give_posts_materials();
     add_twins();
     add_trunk_posts();
@@ -287,22 +289,32 @@ class ClutterBuilder {
     }
   }
 
-  /// Passes 4 to 8 m ahead of where the robot is at some time, along the alley or across it.
+  /// Passes 4 to 8 m ahead of where the robot is at some time, along the alley or across it; or
+  /// walks the robot's way, beside it or behind; or stands until the robot is past.
   void add_person(int index) {
     Random random(seed_, Stream::kPeople, static_cast<std::uint64_t>(index));
     for (int attempt = 0; attempt < 200; ++attempt) {
       const double time_s = random.uniform(2.0, std::max(4.0, scene_.path.duration_s() - 4.0));
       const Pose2 robot = scene_.path.pose_at(time_s);
-      const double ahead_m = random.uniform(4.0, 8.0);
-      const bool crosses = random.uniform() < 0.5;
+      double ahead_m = random.uniform(4.0, 8.0);
+      bool crosses = random.uniform() < 0.5;
       const double side = random.uniform() < 0.5 ? -1.0 : 1.0;
-      const double beside_m = crosses ? 0.0 : side * random.uniform(0.9, 1.2);
+      double beside_m = crosses ? 0.0 : side * random.uniform(0.9, 1.2);
+      const int how = clutter_.people_around ? index % 3 : 0;
+      if (how > 0) {
+        crosses = false;
+        beside_m = side * random.uniform(1.0, 1.3);
+        ahead_m = how == 1 ? random.uniform(-3.0, 1.0) : -random.uniform(1.0, 4.0);
+      }
       const Pose2 meeting = compose(robot, {ahead_m, beside_m, 0.0});
       Person person;
       person.heading_rad =
           crosses ? (side > 0.0 ? 0.0 : geometry::kPi) : side * 0.5 * geometry::kPi;
       person.speed_mps = clutter_.person_speed_mps * random.uniform(0.8, 1.2);
-      const double walked_m = person.speed_mps * time_s;
+      if (how > 0) person.heading_rad = robot.yaw_rad;
+      if (how == 1) person.speed_mps = config_.orchard.speed_mps * random.uniform(0.9, 1.1);
+      if (how == 2) person.starts_s = time_s;
+      const double walked_m = person.speed_mps * (time_s - person.starts_s);
       person.x_m = meeting.x_m - walked_m * std::cos(person.heading_rad);
       person.y_m = meeting.y_m - walked_m * std::sin(person.heading_rad);
       person.clothes.hue_deg = random.uniform(0.0, 360.0);
@@ -334,8 +346,8 @@ class ClutterBuilder {
     }
     for (double t_s = 0.0; t_s < scene_.path.duration_s(); t_s += 0.25) {
       const Pose2 robot = scene_.path.pose_at(t_s);
-      const double x_m = person.x_m + c * person.speed_mps * t_s;
-      const double y_m = person.y_m + s * person.speed_mps * t_s;
+      const double walked_m = person.speed_mps * std::max(0.0, t_s - person.starts_s);
+      const double x_m = person.x_m + c * walked_m, y_m = person.y_m + s * walked_m;
       if (std::hypot(x_m - robot.x_m, y_m - robot.y_m) < 0.8) return false;
     }
     return true;

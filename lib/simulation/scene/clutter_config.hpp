@@ -12,12 +12,14 @@ struct ClutterConfig {
   double stake_fraction = 0.0;       ///< of the trees have a stake beside them
   double twin_fraction = 0.0;        ///< of the trees have a second stem that touches
   int num_crates = 0;
+  double leaf_depth_m = 0.0;    ///< mean depth to which beams go into bushes; 0 = into twigs
   double bush_sway_m = 0.0;     ///< amplitude with which a bush's twigs move
   double grass_per_tree = 0.0;  ///< mean number of stalks around a trunk that reach the scan plane
   double twigs_per_tree = 0.0;  ///< mean number of twigs that hang into the scan plane
   double sway_m = 0.0;          ///< amplitude with which stalks and twigs move in the wind
   int num_branches = 0;         ///< fallen branches at the height of the scan plane
   int num_people = 0;
+  bool people_around = false;  ///< some walk beside and behind the robot, or stand until it is past
   double person_speed_mps = 1.3;
   int num_vehicles = 0;
   double vehicle_speed_mps = 3.0;
@@ -36,6 +38,8 @@ void describe(Visitor& v, ClutterConfig& c) {
   v.number("stake_fraction", c.stake_fraction, 0, 1, "1", "trees with a stake beside them");
   v.number("twin_fraction", c.twin_fraction, 0, 1, "1", "trees with a second stem that touches");
   v.integer("num_crates", c.num_crates, 0, 1000, "1", "crates beside the rows");
+  v.number("leaf_depth_m", c.leaf_depth_m, 0, 2, "m",
+           "mean depth to which beams go into bushes, which then are leaves; 0 = twigs");
   v.number("bush_sway_m", c.bush_sway_m, 0, 0.2, "m", "amplitude of a bush's moving twigs");
   v.number("grass_per_tree", c.grass_per_tree, 0, 100, "1",
            "mean number of stalks near a trunk that reach the scan plane");
@@ -44,6 +48,8 @@ void describe(Visitor& v, ClutterConfig& c) {
   v.number("sway_m", c.sway_m, 0, 0.2, "m", "amplitude of stalks and twigs in the wind");
   v.integer("num_branches", c.num_branches, 0, 1000, "1", "fallen branches at scan height");
   v.integer("num_people", c.num_people, 0, 100, "1", "people who walk along and through the rows");
+  v.flag("people_around", c.people_around,
+         "two in three of them walk beside or behind the robot, or stand until it is past");
   v.number("person_speed_mps", c.person_speed_mps, 0.1, 3, "m/s", "how fast they walk");
   v.integer("num_vehicles", c.num_vehicles, 0, 100, "1",
             "vehicles that stand in an alley until the robot is near, then drive off ahead of it");

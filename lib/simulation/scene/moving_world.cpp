@@ -39,16 +39,18 @@ Cylinder part(double x_m, double y_m, double radius_m, double base_m, double top
 
 void add_person(const Person& person, double time_s, World& world) {
   const double c = std::cos(person.heading_rad), s = std::sin(person.heading_rad);
-  const double x_m = person.x_m + c * person.speed_mps * time_s;
-  const double y_m = person.y_m + s * person.speed_mps * time_s;
-  const double rate_radps = 2.0 * geometry::kPi * person.speed_mps / kStride_m;
+  const double walked_s = std::max(0.0, time_s - person.starts_s);
+  const double now_mps = time_s < person.starts_s ? 0.0 : person.speed_mps;
+  const double x_m = person.x_m + c * person.speed_mps * walked_s;
+  const double y_m = person.y_m + s * person.speed_mps * walked_s;
+  const double rate_radps = 2.0 * geometry::kPi * now_mps / kStride_m;
   for (const double side : {-1.0, 1.0}) {
-    const double ahead_m = side * kLegSwing_m * std::sin(rate_radps * time_s);
+    const double ahead_m = side * kLegSwing_m * std::sin(rate_radps * walked_s);
     const double beside_m = side * 0.5 * kLegApart_m;
     Cylinder leg = part(x_m + c * ahead_m - s * beside_m, y_m + s * ahead_m + c * beside_m,
                         kLegRadius_m, 0.0, kHip_m, person);
     const double speed_mps =
-        person.speed_mps + side * kLegSwing_m * rate_radps * std::cos(rate_radps * time_s);
+        now_mps + side * kLegSwing_m * rate_radps * std::cos(rate_radps * walked_s);
     leg.velocity_x_mps = c * speed_mps;
     leg.velocity_y_mps = s * speed_mps;
     world.cylinders.push_back(leg);
@@ -60,8 +62,8 @@ void add_person(const Person& person, double time_s, World& world) {
   head.appearance.saturation = 0.35;
   head.appearance.value = 0.6;
   for (Cylinder* upper : {&body, &head}) {
-    upper->velocity_x_mps = c * person.speed_mps;
-    upper->velocity_y_mps = s * person.speed_mps;
+    upper->velocity_x_mps = c * now_mps;
+    upper->velocity_y_mps = s * now_mps;
     world.cylinders.push_back(*upper);
   }
 }
@@ -157,10 +159,12 @@ std::vector<TruthObject> truth_at(const Scene& scene, double time_s) {
   std::vector<TruthObject> truth = scene.truth;
   for (const Person& person : scene.people) {
     TruthObject& thing = truth[static_cast<std::size_t>(person.target)];
-    thing.velocity_x_mps = person.speed_mps * std::cos(person.heading_rad);
-    thing.velocity_y_mps = person.speed_mps * std::sin(person.heading_rad);
-    thing.x_m = person.x_m + thing.velocity_x_mps * time_s;
-    thing.y_m = person.y_m + thing.velocity_y_mps * time_s;
+    const double walked_s = std::max(0.0, time_s - person.starts_s);
+    const double speed_mps = time_s < person.starts_s ? 0.0 : person.speed_mps;
+    thing.velocity_x_mps = speed_mps * std::cos(person.heading_rad);
+    thing.velocity_y_mps = speed_mps * std::sin(person.heading_rad);
+    thing.x_m = person.x_m + person.speed_mps * walked_s * std::cos(person.heading_rad);
+    thing.y_m = person.y_m + person.speed_mps * walked_s * std::sin(person.heading_rad);
   }
   for (const Vehicle& vehicle : scene.vehicles) {
     TruthObject& thing = truth[static_cast<std::size_t>(vehicle.target)];

@@ -34,6 +34,7 @@ struct Cylinder {
   double lean_x = 0.0;  ///< of its axis, metres per metre of height; x_m, y_m hold at scan height
   double lean_y = 0.0;
   double sway_m = 0.0;          ///< amplitude with which it moves about its place
+  double leaf_depth_m = 0.0;    ///< mean depth to which beams go into it; 0 = it is solid
   double velocity_x_mps = 0.0;  ///< while a scan is taken
   double velocity_y_mps = 0.0;
 };
@@ -61,10 +62,11 @@ struct Crown {
   Appearance appearance;
 };
 
-/// Somebody who walks straight on: two legs in the scan plane, a body above them.
+/// Somebody who stands, then walks straight on: two legs in the scan plane, a body above them.
 struct Person {
-  double x_m = 0.0;  ///< at time 0 of the run, map frame
+  double x_m = 0.0;  ///< until `starts_s`, map frame
   double y_m = 0.0;
+  double starts_s = 0.0;  ///< time of the run
   double heading_rad = 0.0;
   double speed_mps = 0.0;
   int target = 0;

@@ -64,10 +64,13 @@ BoxHit ray_box(double dx, double dy, double cx, double cy, const Box& box) {
 /// What every ray of every beam hits first.
 class RayFan {
  public:
-  RayFan(const std::vector<Pose2>& T_map_laser, const ScannerConfig& scanner, int num_rays)
+  /// `leaf_bits`: what is random about how far each beam goes into leaves.
+  RayFan(const std::vector<Pose2>& T_map_laser, const ScannerConfig& scanner, int num_rays,
+         std::uint64_t leaf_bits = 0)
       : poses_(T_map_laser),
         scanner_(scanner),
         num_rays_(num_rays),
+        leaf_bits_(leaf_bits),
         hits_(static_cast<std::size_t>(scanner.num_beams) * num_rays) {
     middle_ = poses_[poses_.size() / 2];
     for (const Pose2& pose : poses_) {
@@ -150,6 +153,14 @@ class RayFan {
   const Pose2& pose_of(int beam) const { return poses_.size() == 1 ? poses_[0] : poses_[beam]; }
   Hit& hit_of(int beam, int ray) { return hits_[static_cast<std::size_t>(beam) * num_rays_ + ray]; }
 
+  /// How far a beam goes into leaves: each meets others, so depths are exponential (Beer-Lambert).
+  double leaf_depth_m(const Cylinder& cylinder, int beam) const {
+    const auto which = static_cast<std::uint64_t>(cylinder.target) << 32;
+    const std::uint64_t bits = mix_bits(leaf_bits_ ^ which ^ static_cast<std::uint64_t>(beam));
+    const double uniform = static_cast<double>((bits >> 11) + 1) * 0x1p-53;
+    return -cylinder.leaf_depth_m * std::log(uniform);
+  }
+
   void cast(const Cylinder& cylinder, int beam) {
     const Pose2& pose = pose_of(beam);
     double x_m = cylinder.x_m, y_m = cylinder.y_m;
@@ -160,7 +171,12 @@ class RayFan {
     for (int ray = 0; ray < num_rays_; ++ray) {
       const Ray r = ray_of(pose, beam, ray);
       const double dx = r.dx, dy = r.dy, cx = x_m - r.x_m, cy = y_m - r.y_m;
-      const double range_m = ray_circle(dx, dy, cx, cy, cylinder.radius_m);
+      double range_m = ray_circle(dx, dy, cx, cy, cylinder.radius_m);
+      if (cylinder.leaf_depth_m > 0.0 && range_m != kNoHit) {
+        const double out_m = 2.0 * (cx * dx + cy * dy) - range_m;
+        range_m += leaf_depth_m(cylinder, beam);
+        if (range_m > out_m) continue;
+      }
       Hit& hit = hit_of(beam, ray);
       if (!(range_m < hit.range_m)) continue;
       const double cosine =
@@ -184,6 +200,7 @@ class RayFan {
   const std::vector<Pose2>& poses_;
   const ScannerConfig& scanner_;
   int num_rays_;
+  std::uint64_t leaf_bits_;
   std::vector<Hit> hits_;
   Pose2 middle_;
   double moved_m_ = 0.0;
@@ -300,7 +317,9 @@ laser::Scan simulate_scan(const World& world, const std::vector<Pose2>& T_map_la
       T_map_laser.size() != static_cast<std::size_t>(scanner.num_beams)) {
     throw std::invalid_argument("simulate_scan: wants one pose, or one per beam");
   }
-  RayFan fan(T_map_laser, scanner, kNumRays);
+  const bool leafy = std::any_of(world.cylinders.begin(), world.cylinders.end(),
+                                 [](const Cylinder& c) { return c.leaf_depth_m > 0.0; });
+  RayFan fan(T_map_laser, scanner, kNumRays, leafy ? random.bits() : 0);
   for (const Cylinder& cylinder : world.cylinders) fan.add(cylinder);
   for (const Box& box : world.boxes) fan.add(box);
 

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "mapping/candidate.hpp"
+#include "mapping/landmark_table.hpp"
+#include "mapping/mapper_config.hpp"
+
+namespace orchard::mapping {
+
+/// How far a landmark reaches from its position [m]: half its width; of a clump (a bush, which each
+/// scan sees at other leaves) what its observations cover, if that is more.
+double extent_radius_m(const LandmarkRecord& record);
+
+/// The landmark that is one clump with landmark `index`: neither is a tree, and nothing passes
+/// between their rims. Together they are no larger than a bush: a longer thing is many. -1 for
+/// none.
+std::int32_t touching_object(const LandmarkTable& landmarks, std::int32_t index,
+                             const MapperConfig& config);
+
+/// The clump that a candidate, which is no tree, is a part of; -1 for none.
+std::int32_t clump_around(const LandmarkTable& landmarks, const Candidate& candidate);
+
+}  // namespace orchard::mapping

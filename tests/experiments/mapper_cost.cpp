@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a live mapper costs as its drive goes on: gives one the SCAN and GNSS of a log and the
 // messages that `orchard map` made of it (derived.lcm), saving its journal once a second of message
-// time, and prints the memory by tenths of the drive, per hour and per kilometre, the size of the
-// journal, and how long a mapper that is started again takes to be where this one was.
+// time and the map's folder every half minute of it, and prints the memory by tenths of the drive,
+// per hour and per kilometre, what lies on the disk, how long a snapshot holds it up at most, and
+// how long one that is started again after a kill takes to be where this one was.
 //   mapper_cost LOG DERIVED CONFIG OUT
 #include <fmt/core.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -19,6 +21,7 @@
 #include "io/log/log_series.hpp"
 #include "io/map/map_csv.hpp"
 #include "mapper/journaled_mapper.hpp"
+#include "mapper/map_saver.hpp"
 
 namespace {
 
@@ -66,11 +69,13 @@ int main(int argc, char** argv) {
   std::vector<Memory> course;
   double hours = 0.0, km = 0.0;
   std::string table;
+  double longest_commit_s = 0.0;
   {
     orchard::io::MapPlace place(folder);
     orchard::procs::JournaledMapper mapper(config, 1, place);
     orchard::io::LogSeries logs(std::vector<std::string>{argv[1], argv[2]});
-    std::int64_t first_utime = 0, last_utime = 0, next_commit = 0;
+    orchard::procs::MapSaver saver(folder, 1);
+    std::int64_t first_utime = 0, last_utime = 0, next_commit = 0, next_save = 0;
     double x_m = 0.0, y_m = 0.0;
     const double begun_s = processor_s();
     std::int64_t num = 0;
@@ -93,8 +98,14 @@ int main(int argc, char** argv) {
       last_utime = std::max(last_utime, utime);
       mapper.handle(*message, nowhere);
       if (utime >= next_commit) {
+        const auto begun = std::chrono::steady_clock::now();
         mapper.commit();
+        longest_commit_s = std::max(longest_commit_s, seconds_since(begun));
         next_commit = utime + 1000000;
+      }
+      if (utime >= next_save) {
+        saver.save(mapper.mapper(), {orchard::bus::SaveKind::kFull, {}});
+        next_save = utime + 30000000;
       }
       if (++num % 20000 == 0) course.push_back(memory());
     }
@@ -102,7 +113,6 @@ int main(int argc, char** argv) {
     hours = 1e-6 * static_cast<double>(last_utime - first_utime) / 3600.0;
     fmt::print("{} messages of {:.2f} h and {:.2f} km in {:.1f} s of processor time\n", num, hours,
                km, processor_s() - begun_s);
-    mapper.flush(nowhere);
     mapper.commit();
     table = orchard::io::map_csv(mapper.mapper().landmarks());
   }
@@ -119,14 +129,20 @@ int main(int argc, char** argv) {
       "\nmemory beyond the first tenth: {:.1f} MB per hour, {:.1f} MB per km (with files {:.1f} MB "
       "per hour)\n",
       own_mb / (part * hours), own_mb / (part * km), all_mb / (part * hours));
-  const auto bytes =
-      std::filesystem::file_size(folder + "/" + orchard::procs::JournaledMapper::kJournalName);
-  fmt::print("journal: {:.1f} MB per hour\n", 1e-6 * static_cast<double>(bytes) / hours);
+  using orchard::procs::JournaledMapper;
+  const auto megabytes = [&folder](const char* name) {
+    return 1e-6 * static_cast<double>(std::filesystem::file_size(folder + "/" + name));
+  };
+  fmt::print("on the disk: journal {:.1f} MB, snapshot {:.1f} MB, chunks {:.1f} MB per hour\n",
+             megabytes(JournaledMapper::kJournalName), megabytes(JournaledMapper::kSnapshotName),
+             megabytes(JournaledMapper::kChunksName) / hours);
+  fmt::print("a commit takes {:.3f} s at most\n", longest_commit_s);
   const auto start = std::chrono::steady_clock::now();
   orchard::io::MapPlace place(folder);
-  const orchard::procs::JournaledMapper again(config, 1, place);
-  fmt::print("started again: {:.2f} s, {:.2f} s per hour of drive; the map is {}\n",
-             seconds_since(start), seconds_since(start) / hours,
+  const JournaledMapper again(config, 1, place);
+  const double again_s = seconds_since(start);
+  fmt::print("started again: {:.2f} s, {:.2f} s per hour of drive; the map is {}\n", again_s,
+             again_s / hours,
              orchard::io::map_csv(again.mapper().landmarks()) == table ? "the same" : "ANOTHER");
   return 0;
 }

@@ -19,6 +19,14 @@
 namespace orchard::bus {
 namespace {
 
+/// "IMAGE.left": a sensor of a kind that is known, under a name of its own.
+bool is_second_sensor(const std::string& channel) {
+  const std::size_t dot = channel.find('.');
+  if (dot == std::string::npos) return false;
+  const std::optional<Channel> kind = find_channel(channel.substr(0, dot));
+  return kind && info(*kind).role == Role::kSource;
+}
+
 /// One sentence for what the gate noticed on one channel.
 void add_warnings(ReplayReport& report, Channel channel, const SequenceCounts& counts) {
   const std::string name(info(channel).name);
@@ -144,11 +152,15 @@ ReplayIndex index_log(const io::LogPaths& logs, const ReplayOptions& options) {
   Gathered gathered(index.entries);
   ArrivalDelays delays;
   std::set<std::string> other_channels;
+  std::set<std::string> second_sensors;
   bool has_source = false;
   while (const std::optional<io::LogEvent> event = reader.next()) {
     const std::optional<Channel> channel = find_channel(event->channel);
     if (!channel) {
       ++report.num_unknown_channel;
+      if (is_second_sensor(event->channel) && second_sensors.size() < 20) {
+        second_sensors.insert(event->channel);
+      }
       if (other_channels.size() < 20) other_channels.insert(event->channel);
       continue;
     }
@@ -193,6 +205,11 @@ ReplayIndex index_log(const io::LogPaths& logs, const ReplayOptions& options) {
   }
   report.warnings = reader.notes();
   add_warnings(report, gathered.gate());
+  if (!second_sensors.empty()) {
+    report.warnings.push_back(fmt::format(
+        "{}: not used; only of {} a second sensor is ({})", fmt::join(second_sensors, ", "),
+        info(Channel::kScan).name, info(Channel::kScanRear).name));
+  }
   for (std::string& warning : delays.warnings()) report.warnings.push_back(std::move(warning));
   if (num_contradicted > 0) {
     report.warnings.push_back(std::to_string(num_contradicted) +

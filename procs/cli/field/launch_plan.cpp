@@ -16,28 +16,37 @@ namespace {
 
 enum Stage { kDrivers, kDetector, kPose, kMapper, kRecorder };
 
-constexpr std::pair<bus::Channel, const char*> kDriverOfChannel[] = {
-    {bus::Channel::kScan, "orchard-laser-driver"},
-    {bus::Channel::kScanRear, "orchard-rear-laser-driver"},
-    {bus::Channel::kImage, "orchard-camera-driver"},
-    {bus::Channel::kOdometry, "orchard-odometry-driver"},
-    {bus::Channel::kImu, "orchard-imu-driver"},
-    {bus::Channel::kGnss, "orchard-gnss-driver"},
+/// A driver, what it sends, and where its device is by the rig.
+struct KnownDriver {
+  const char* name;
+  std::optional<bus::Channel> channel;  ///< none: several, of other programs
+  const std::string& (*device)(const device::DriversConfig& drivers);
+};
+
+using Drivers = device::DriversConfig;
+const KnownDriver kDriversKnown[] = {
+    {"orchard-laser-driver", bus::Channel::kScan,
+     [](const Drivers& d) -> const std::string& { return d.laser.device; }},
+    {"orchard-rear-laser-driver", bus::Channel::kScanRear,
+     [](const Drivers& d) -> const std::string& { return d.laser_rear.device; }},
+    {"orchard-camera-driver", bus::Channel::kImage,
+     [](const Drivers& d) -> const std::string& { return d.camera.device; }},
+    {"orchard-odometry-driver", bus::Channel::kOdometry,
+     [](const Drivers& d) -> const std::string& { return d.odometry.device; }},
+    {"orchard-imu-driver", bus::Channel::kImu,
+     [](const Drivers& d) -> const std::string& { return d.imu.device; }},
+    {"orchard-gnss-driver", bus::Channel::kGnss,
+     [](const Drivers& d) -> const std::string& { return d.gnss.device; }},
+    {"orchard-bot-core-adapter", std::nullopt,
+     [](const Drivers& d) -> const std::string& { return d.bot_core.lcm_url; }},
 };
 
 /// Drivers of the sensors that the rig names a device for.
 std::vector<std::string> drivers_of(const io::Config& config) {
   std::vector<std::string> names;
-  const auto add = [&names](const std::string& device, const char* name) {
-    if (!device.empty()) names.push_back(name);
-  };
-  add(config.drivers.laser.device, "orchard-laser-driver");
-  add(config.drivers.laser_rear.device, "orchard-rear-laser-driver");
-  add(config.drivers.camera.device, "orchard-camera-driver");
-  add(config.drivers.odometry.device, "orchard-odometry-driver");
-  add(config.drivers.imu.device, "orchard-imu-driver");
-  add(config.drivers.gnss.device, "orchard-gnss-driver");
-  add(config.drivers.bot_core.lcm_url, "orchard-bot-core-adapter");
+  for (const KnownDriver& driver : kDriversKnown) {
+    if (!driver.device(config.drivers).empty()) names.emplace_back(driver.name);
+  }
   return names;
 }
 
@@ -50,8 +59,9 @@ std::set<std::string> drivers_played(const std::string& log_path) {
   while (const std::optional<io::LogEvent> event = log.next()) {
     if (!end_utime) end_utime = event->timestamp_us + kSurvey_us;
     if (event->timestamp_us > *end_utime) break;
-    for (const auto& [channel, name] : kDriverOfChannel) {
-      if (bus::find_channel(event->channel) == channel) names.emplace(name);
+    const std::optional<bus::Channel> channel = bus::find_channel(event->channel);
+    for (const KnownDriver& driver : kDriversKnown) {
+      if (channel && driver.channel == channel) names.emplace(driver.name);
     }
   }
   return names;

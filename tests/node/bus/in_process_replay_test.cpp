@@ -169,6 +169,20 @@ TEST_F(InProcessReplay, AClockThatDiffersFromTheOthersIsNamed) {
   EXPECT_NE(warnings_of(200'000, 80'000).find("ahead of that behind ODOMETRY"), std::string::npos);
 }
 
+TEST_F(InProcessReplay, ASecondSensorThatIsNotUsedIsNamed) {
+  const std::string log = path("second.lcm");
+  io::LogWriter writer(log);
+  for (const Message& message : fake_drive(10)) {
+    writer.write(utime_of(message), info(channel_of(message)).name, encode(message));
+    writer.write(utime_of(message), "IMAGE.left", encode(message));
+    writer.write(utime_of(message), "CAMERA.left", encode(message));
+  }
+  writer.close();
+  const ReplayReport report = index_log(log, {}).report;
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_EQ(report.warnings[0].rfind("IMAGE.left: not used", 0), 0u) << report.warnings[0];
+}
+
 TEST_F(InProcessReplay, SecondsAreCutOut) {
   write_log(path("log"), fake_drive(50));
   std::vector<Derived> derived;

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "bus/driver/stream_process.hpp"
+#include "device/drivers_config.hpp"
+
+namespace orchard::procs {
+
+/// A device that speaks text lines, at `address`; `channel`: what is played in its place.
+bus::StreamDevice make_controller_device(const device::DriversConfig& drivers,
+                                         const std::string& address, bus::Channel channel);
+
+}  // namespace orchard::procs

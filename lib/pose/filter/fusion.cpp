@@ -27,6 +27,18 @@ constexpr double kWarnSd_m = 0.5;
 /// Innovation gate of satellite fixes, in standard deviations.
 constexpr double kGnssGate_sigma = 4.0;
 
+/// Wheels may always be off by this fraction of the way: a position within it is never left out.
+constexpr double kWheelsOff = 0.1;
+
+/// The heading's doubt when they are [rad].
+constexpr double kWheelsOffYaw_rad = 0.5;
+
+/// A step between fixes tells of the receiver alone if it took no longer [s].
+constexpr double kStep_s = 2.0;
+
+/// A position variance of so many times what a fix claims is that of a gap.
+constexpr double kGapSure = 4.0;
+
 /// Fixes that were left out for so long and agree among themselves are used again [s].
 constexpr double kRevalidation_s = 20;
 
@@ -45,7 +57,9 @@ Fusion::Fusion(const PoseConfig& config)
       filter_(config.fusion),
       positions_(config.gnss),
       heading_start_(config.heading_baseline_m),
-      is_placed_(!config.fusion.use_gnss && !config.fusion.use_fixes) {}
+      is_placed_(!config.fusion.use_gnss && !config.fusion.use_fixes) {
+  if (!is_placed_) smoother_.emplace(config);
+}
 
 void Fusion::add(const Measurement& measurement) {
   const std::int64_t utime = utime_of(measurement);
@@ -75,6 +89,10 @@ void Fusion::add(const Odometry& odometry) {
             0.5 * (before.yaw_rate_radps + odometry.yaw_rate_radps));
   }
   odometry_ = odometry;
+  if (smoother_) {
+    smoother_->add(motion_heard(), filter_.mean().head<3>());
+    smoother_->look();
+  }
   const bool stands = std::abs(odometry.speed_mps) < kStandingSpeed_mps &&
                       std::abs(odometry.yaw_rate_radps) < kStandingYawRate_radps;
   if (stands && hears_gyro_at(odometry.utime)) {
@@ -103,19 +121,60 @@ void Fusion::add(const Gnss& gnss) {
   sight.p_map_m = position->p_enu_m;
   sight.covariance = position->covariance;
   sight.p_base_m = {config_.gnss.antenna_m[0], config_.gnss.antenna_m[1]};
+  sight.by_receiver = true;
   const Eigen::Vector2d antenna_m = filter_.p_map_m(sight.p_base_m);
-  if (last_fix_ && is_placed_) {
+  if (last_fix_ && is_placed_ && seconds(gnss.utime - last_fix_->utime) <= kStep_s) {
     monitor_.add_step_error((sight.p_map_m - last_fix_->p_map_m) -
                             (antenna_m - last_fix_->antenna_m));
   }
-  if (const auto scatter_m = monitor_.scatter_m();
-      scatter_m && square(*scatter_m) > 4.0 * sight.covariance.diagonal().maxCoeff()) {
-    sight.covariance = square(*scatter_m) * Eigen::Matrix2d::Identity();
+  weigh(sight);
+  if (odometry_) {
+    take_position(sight);
+    sight.covariance = position->covariance;  // the smoother makes up its own mind
+    smooth(sight);
+  }
+  last_fix_ = LastFix{gnss.utime, sight.p_map_m, filter_.p_map_m(sight.p_base_m)};
+}
+
+/// What of a fix's error is its own and what lasts, as the receiver's steps tell.
+void Fusion::weigh(PositionSight& sight) {
+  const double claimed = sight.covariance.diagonal().maxCoeff();
+  const std::optional<double> scatter_m = monitor_.scatter_m();
+  if (!scatter_m) {
+    filter_.set_receiver_variance(claimed);
+    return;
+  }
+  const double scatter = square(*scatter_m);
+  if (scatter > 4.0 * claimed) {
+    sight.covariance = scatter * Eigen::Matrix2d::Identity();
     note(fmt::format("GNSS scatters by {:.2f} m, more than it claims: believed that much less",
                      *scatter_m));
   }
-  if (odometry_) take_position(sight);
-  last_fix_ = LastFix{gnss.utime, sight.p_map_m, filter_.p_map_m(sight.p_base_m)};
+  // Steps know a scatter to a few tenths: only what is beyond twice its square is something else.
+  const double lasting = std::max(0.0, claimed - 2.0 * scatter);
+  sight.covariance *= 1.0 - lasting / claimed;
+  filter_.set_receiver_variance(lasting);
+}
+
+bool Fusion::is_left_out(const PositionSight& sight) {
+  if (filter_.distance2(sight) <= square(kGnssGate_sigma)) return false;
+  const double off_m = (sight.p_map_m - filter_.p_map_m(sight.p_base_m)).norm();
+  if (off_m > kWheelsOff * taken_travel_m_) {
+    if (!left_out_since_) left_out_since_ = *utime_;
+    const double since_s = seconds(*utime_ - *left_out_since_);
+    // Either these are reflected or those before: the longer stretch since the last gap is right.
+    const double borne_out_s = seconds(*left_out_since_ - borne_out_since_);
+    if (since_s < std::min(kRevalidation_s, borne_out_s)) {
+      ++num_left_out_;
+      left_out_most_m_ = std::max(left_out_most_m_, off_m);
+      left_out_most_s_ = std::max(left_out_most_s_, since_s);
+      note(fmt::format("GNSS is {:.1f} m from where the robot can be: left out", off_m));
+      return true;
+    }
+    filter_.forget_receiver_error();
+  }
+  filter_.doubt(square(off_m), square(kWheelsOffYaw_rad));
+  return false;
 }
 
 void Fusion::take_position(const PositionSight& sight) {
@@ -125,18 +184,14 @@ void Fusion::take_position(const PositionSight& sight) {
     if (frame) start(*frame);
     return;
   }
-  const Eigen::Vector2d off_m = sight.p_map_m - filter_.p_map_m(sight.p_base_m);
-  if (filter_.distance2(sight) > square(kGnssGate_sigma)) {
-    if (!left_out_since_) left_out_since_ = *utime_;
-    if (seconds(*utime_ - *left_out_since_) < kRevalidation_s) {
-      ++num_left_out_;
-      left_out_most_m_ = std::max(left_out_most_m_, off_m.norm());
-      note(fmt::format("GNSS is {:.1f} m from where the robot can be: left out", off_m.norm()));
-      return;
-    }
-    filter_.doubt(off_m.squaredNorm(), square(0.5));
-  }
+  if (is_left_out(sight)) return;
+  if (left_out_since_) borne_out_since_ = *left_out_since_;
+  const double known = 0.5 * filter_.covariance().topLeftCorner<2, 2>().trace();
+  const double claimed = sight.covariance.diagonal().maxCoeff() + filter_.receiver_variance();
+  // Behind a gap what was known before says little.
+  if (known > kGapSure * claimed) borne_out_since_ = *utime_;
   left_out_since_.reset();
+  taken_travel_m_ = 0.0;
   filter_.correct(sight);
 }
 
@@ -148,13 +203,53 @@ void Fusion::start(const LocalFrame& frame) {
       geometry::rotation(frame.x_y_yaw.z()) * (local.head<2>() - frame.centre_local_m);
   const Eigen::Vector2d by_yaw(-arm.y(), arm.x());
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  covariance.topLeftCorner<2, 2>() = frame.position_variance * Eigen::Matrix2d::Identity() +
-                                     frame.yaw_variance * by_yaw * by_yaw.transpose();
+  covariance.topLeftCorner<2, 2>() =
+      (frame.position_variance + filter_.receiver_variance()) * Eigen::Matrix2d::Identity() +
+      frame.yaw_variance * by_yaw * by_yaw.transpose();
   covariance.topRightCorner<2, 1>() = frame.yaw_variance * by_yaw;
   covariance.bottomLeftCorner<1, 2>() = covariance.topRightCorner<2, 1>().transpose();
   covariance(2, 2) = frame.yaw_variance;
-  filter_.place(in_map, covariance);
+  borne_out_since_ = *utime_;
+  place(in_map, covariance);
+  filter_.forget_receiver_error();
+}
+
+void Fusion::place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance) {
+  const Eigen::Vector3d local = filter_.mean().head<3>();
+  smoother_->place(geometry::compose(x_y_yaw, geometry::between(local, Eigen::Vector3d::Zero())));
+  filter_.place(x_y_yaw, covariance);
   is_placed_ = true;
+}
+
+void Fusion::smooth(const PositionSight& sight) {
+  AbsolutePosition position;
+  position.lever_base_m = sight.p_base_m;
+  position.p_map = sight.p_map_m;
+  position.covariance = sight.covariance;
+  position.by_receiver = sight.by_receiver;
+  smoother_->add(*utime_, position, filter_.mean().head<3>());
+}
+
+/// The wheels, with the gyro's yaw rate where it is heard.
+Odometry Fusion::motion_heard() const {
+  Odometry heard = *odometry_;
+  if (!hears_gyro_at(heard.utime)) return heard;
+  if (heard.covariance[0] <= 0.0)
+    heard.covariance[0] = square(config_.speed_sd_fraction * heard.speed_mps);
+  heard.yaw_rate_radps = imu_->angular_rate_radps[2];
+  heard.covariance[1] = 0.0;
+  heard.covariance[2] = imu_->angular_rate_variance > 0.0 ? imu_->angular_rate_variance
+                                                          : square(config_.fusion.gyro_sd_radps);
+  return heard;
+}
+
+std::optional<Trajectory> Fusion::take_correction() {
+  return smoother_ ? smoother_->take_correction() : std::nullopt;
+}
+
+void Fusion::finish() {
+  is_finished_ = true;
+  if (smoother_) smoother_->finish();
 }
 
 void Fusion::add(const PoseFix& fix) {
@@ -172,13 +267,13 @@ void Fusion::add(const PoseFix& fix) {
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
     covariance.topLeftCorner<2, 2>() = sight.covariance;
     covariance(2, 2) = yaw_variance;
-    filter_.place({fix.x_m, fix.y_m, fix.yaw_rad}, covariance);
-    is_placed_ = true;
+    place({fix.x_m, fix.y_m, fix.yaw_rad}, covariance);
     utime_ = fix.utime;
     return;
   }
   if (!odometry_) return;
   take_position(sight);
+  smooth(sight);
   if (is_placed_ && fix.has_yaw) filter_.correct_yaw(fix.yaw_rad, yaw_variance);
 }
 
@@ -239,6 +334,7 @@ void Fusion::move_to(std::int64_t utime, double speed_mps, double yaw_rate_radps
   }
   filter_.move(step);
   travel_m_ += std::abs(speed_mps) * step.dt_s;
+  taken_travel_m_ += std::abs(speed_mps) * step.dt_s;
   utime_ = utime;
 }
 
@@ -265,8 +361,8 @@ std::string Fusion::warning() const {
   if (is_finished_) {
     std::string all;
     if (num_left_out_ > 0) {
-      all += fmt::format("{} GNSS fixes left out, up to {:.1f} m off; ", num_left_out_,
-                         left_out_most_m_);
+      all += fmt::format("{} GNSS fixes left out, up to {:.1f} m off, for up to {:.1f} s; ",
+                         num_left_out_, left_out_most_m_, left_out_most_s_);
     }
     if (num_silences_ > 0) {
       all +=

@@ -8,6 +8,7 @@
 #include "pose/filter/gnss_monitor.hpp"
 #include "pose/filter/gnss_positions.hpp"
 #include "pose/filter/heading_start.hpp"
+#include "pose/filter/path_smoother.hpp"
 #include "pose/localiser.hpp"
 #include "pose/pose_config.hpp"
 
@@ -18,27 +19,35 @@ namespace orchard::pose {
 /// Map is the east-north plane of the GNSS datum; POSE_FIX must be in it too. Without GNSS and
 /// fixes the robot starts at the map's origin. With them there is no pose until the first fix with
 /// a heading, or until the path dead-reckoned so far fits the positions over heading_baseline_m.
-/// Positions that cannot be (a jump, a frozen receiver) are left out and named in warning(); a
-/// receiver that claims more than its steps bear out is believed that much less.
+/// Positions that cannot be (a jump, a frozen receiver) are left out and named in warning(). What a
+/// receiver's steps scatter is its noise: if that is more than it claims it is believed that much
+/// less, if less the rest is an error that lasts, so that a burst of fixes counts little more than
+/// one of them.
 class Fusion : public Localiser {
  public:
   explicit Fusion(const PoseConfig& config);
 
   void add(const Measurement& measurement) override;
   std::optional<PoseEstimate> estimate() const override;
-  void finish() override { is_finished_ = true; }
+  std::optional<Trajectory> take_correction() override;
+  void finish() override;
   std::string warning() const override;
 
   /// What was found of the sensors: scale error, turn per metre [1/m], gyro bias [rad/s].
-  Eigen::Vector3d sensor_errors() const { return filter_.mean().tail<3>(); }
+  Eigen::Vector3d sensor_errors() const { return filter_.mean().segment<3>(3); }
 
  private:
   void add(const Odometry& odometry);
   void add(const Imu& imu);
   void add(const Gnss& gnss);
   void add(const PoseFix& fix);
+  void weigh(PositionSight& sight);
   void take_position(const PositionSight& sight);
+  bool is_left_out(const PositionSight& sight);
   void start(const LocalFrame& T_map_local);
+  void place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance);
+  void smooth(const PositionSight& sight);
+  Odometry motion_heard() const;
   void move_to(std::int64_t utime, double speed_mps, double yaw_rate_radps);
   void move_to(std::int64_t utime);
   bool hears_gyro_at(std::int64_t utime) const;
@@ -50,12 +59,14 @@ class Fusion : public Localiser {
   GnssPositions positions_;
   GnssMonitor monitor_;
   HeadingStart heading_start_;
+  std::optional<PathSmoother> smoother_;  ///< where there are positions to smooth by
   bool is_placed_ = false;  ///< in map; before, the filter's frame starts where the robot did
   bool is_finished_ = false;
   std::optional<std::int64_t> utime_;  ///< of the filter
   std::optional<Odometry> odometry_;
   std::optional<Imu> imu_;
-  double travel_m_ = 0.0;  ///< since the last GNSS fix
+  double travel_m_ = 0.0;        ///< since the last GNSS fix
+  double taken_travel_m_ = 0.0;  ///< since the last position that was taken
 
   struct LastFix {
     std::int64_t utime;
@@ -64,8 +75,10 @@ class Fusion : public Localiser {
   };
   std::optional<LastFix> last_fix_;
   std::optional<std::int64_t> left_out_since_;
+  std::int64_t borne_out_since_ = 0;  ///< positions since then agree with the pose
   std::int64_t num_left_out_ = 0;
   double left_out_most_m_ = 0.0;
+  double left_out_most_s_ = 0.0;
   std::int64_t num_silences_ = 0;
   double silence_most_s_ = 0.0;
   std::string note_;  ///< of the last thing that was wrong

@@ -6,6 +6,7 @@
 
 #include "geometry/angles.hpp"
 #include "geometry/pose2.hpp"
+#include "pose/filter/gnss_config.hpp"
 
 namespace orchard::pose {
 namespace {
@@ -27,7 +28,27 @@ constexpr double kGyroWalk_radps_per_sqrt_s = 1e-5;
 /// densities.
 constexpr double kNoiseTime_s = 0.1;
 
-enum Index { kX = 0, kY = 1, kYaw = 2, kScale = 3, kCurvature = 4, kGyroBias = 5 };
+/// Wheels slip by a few parts in a hundred on grass and soil, as the ground is.
+constexpr double kSlipSd = 0.02;
+
+/// The same of a turn, where the wheels are dragged sideways.
+constexpr double kTurnSlipSd = 0.05;
+
+/// Travel over which the ground stays alike [m].
+constexpr double kSlipTravel_m = 10.0;
+
+enum Index {
+  kX = 0,
+  kY = 1,
+  kYaw = 2,
+  kScale = 3,
+  kCurvature = 4,
+  kGyroBias = 5,
+  kSlip = 6,
+  kTurnSlip = 7,
+  kReceiverEast = 8,
+  kReceiverNorth = 9
+};
 
 double square(double value) { return value * value; }
 
@@ -40,6 +61,8 @@ FusionFilter::FusionFilter(const FusionConfig& config) : config_(config) {
   covariance_(kScale, kScale) = square(config.speed_scale_sd);
   covariance_(kCurvature, kCurvature) = square(kCurvatureSd_per_m);
   covariance_(kGyroBias, kGyroBias) = square(kGyroBiasSd_radps);
+  covariance_(kSlip, kSlip) = square(kSlipSd);
+  covariance_(kTurnSlip, kTurnSlip) = square(kTurnSlipSd);
 }
 
 Eigen::Vector2d FusionFilter::p_map_m(const Eigen::Vector2d& p_base_m) const {
@@ -49,9 +72,11 @@ Eigen::Vector2d FusionFilter::p_map_m(const Eigen::Vector2d& p_base_m) const {
 void FusionFilter::move(const MotionStep& step) {
   const double dt_s = step.dt_s;
   const double wheels_m = step.speed_mps * dt_s;
-  const double length_m = (1.0 + mean_(kScale)) * wheels_m;
-  const double turn_rad = step.is_gyro ? (step.yaw_rate_radps - mean_(kGyroBias)) * dt_s
-                                       : step.yaw_rate_radps * dt_s + mean_(kCurvature) * length_m;
+  const double length_m = (1.0 + mean_(kScale) + mean_(kSlip)) * wheels_m;
+  const double measured_rad = step.yaw_rate_radps * dt_s;
+  const double turn_rad =
+      step.is_gyro ? measured_rad - mean_(kGyroBias) * dt_s
+                   : (1.0 + mean_(kTurnSlip)) * measured_rad + mean_(kCurvature) * length_m;
   // The chord of an arc points half the turn aside and is shorter by sinc of it: exact.
   const double heading_rad = mean_(kYaw) + 0.5 * turn_rad;
   const Eigen::Vector2d along(std::cos(heading_rad), std::sin(heading_rad));
@@ -61,13 +86,14 @@ void FusionFilter::move(const MotionStep& step) {
   mean_(kYaw) = geometry::wrap_angle_rad(mean_(kYaw) + turn_rad);
 
   Vector length_by = Vector::Zero();
-  length_by(kScale) = wheels_m;
+  length_by(kScale) = length_by(kSlip) = wheels_m;
   Vector turn_by = Vector::Zero();
   if (step.is_gyro) {
     turn_by(kGyroBias) = -dt_s;
   } else {
     turn_by(kCurvature) = length_m;
-    turn_by(kScale) = mean_(kCurvature) * wheels_m;
+    turn_by(kScale) = turn_by(kSlip) = mean_(kCurvature) * wheels_m;
+    turn_by(kTurnSlip) = measured_rad;
   }
   Vector heading_by = 0.5 * turn_by;
   heading_by(kYaw) += 1.0;
@@ -75,6 +101,15 @@ void FusionFilter::move(const MotionStep& step) {
   F.topRows<2>() +=
       chord * along * length_by.transpose() + length_m * chord * across * heading_by.transpose();
   F.row(kYaw) += turn_by.transpose();
+
+  // Errors that last for a while: what is left of them, and what is new (Ornstein, Uhlenbeck).
+  const double slip_kept = std::exp(-std::abs(wheels_m) / kSlipTravel_m);
+  const double receiver_kept = std::exp(-dt_s / kReceiverMemory_s);
+  Vector kept = Vector::Ones();
+  kept(kSlip) = kept(kTurnSlip) = slip_kept;
+  kept(kReceiverEast) = kept(kReceiverNorth) = receiver_kept;
+  mean_ = kept.cwiseProduct(mean_);
+  F = kept.asDiagonal() * F;
 
   Eigen::Matrix<double, kSize, 2> G = Eigen::Matrix<double, kSize, 2>::Zero();
   G.block<2, 1>(0, 0) = chord * along;
@@ -87,6 +122,12 @@ void FusionFilter::move(const MotionStep& step) {
   covariance_(kScale, kScale) += walk;
   covariance_(kCurvature, kCurvature) += walk;
   covariance_(kGyroBias, kGyroBias) += square(kGyroWalk_radps_per_sqrt_s) * dt_s;
+  const double slip_new = 1.0 - square(slip_kept);
+  covariance_(kSlip, kSlip) += slip_new * square(kSlipSd);
+  covariance_(kTurnSlip, kTurnSlip) += slip_new * square(kTurnSlipSd);
+  const double receiver_new = (1.0 - square(receiver_kept)) * receiver_variance_;
+  covariance_(kReceiverEast, kReceiverEast) += receiver_new;
+  covariance_(kReceiverNorth, kReceiverNorth) += receiver_new;
   covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();
 }
 
@@ -104,24 +145,37 @@ void FusionFilter::place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& 
   covariance_.topLeftCorner<3, 3>() = covariance;
 }
 
+void FusionFilter::forget_receiver_error() {
+  mean_.tail<2>().setZero();
+  covariance_.bottomRows<2>().setZero();
+  covariance_.rightCols<2>().setZero();
+  covariance_.bottomRightCorner<2, 2>() = receiver_variance_ * Eigen::Matrix2d::Identity();
+}
+
 Eigen::Matrix<double, 2, FusionFilter::kSize> FusionFilter::jacobian(
-    const Eigen::Vector2d& p_base_m) const {
+    const PositionSight& sight) const {
   Eigen::Matrix<double, 2, kSize> H = Eigen::Matrix<double, 2, kSize>::Zero();
   H(0, kX) = H(1, kY) = 1.0;
-  const Eigen::Vector2d arm = geometry::rotation(mean_(kYaw)) * p_base_m;
+  const Eigen::Vector2d arm = geometry::rotation(mean_(kYaw)) * sight.p_base_m;
   H.col(kYaw) = Eigen::Vector2d(-arm.y(), arm.x());
+  if (sight.by_receiver) H(0, kReceiverEast) = H(1, kReceiverNorth) = 1.0;
   return H;
 }
 
+Eigen::Vector2d FusionFilter::innovation(const PositionSight& sight) const {
+  const Eigen::Vector2d off_m = sight.p_map_m - p_map_m(sight.p_base_m);
+  return sight.by_receiver ? Eigen::Vector2d(off_m - mean_.tail<2>()) : off_m;
+}
+
 double FusionFilter::distance2(const PositionSight& sight) const {
-  const Eigen::Matrix<double, 2, kSize> H = jacobian(sight.p_base_m);
+  const Eigen::Matrix<double, 2, kSize> H = jacobian(sight);
   const Eigen::Matrix2d S = H * covariance_ * H.transpose() + sight.covariance;
-  const Eigen::Vector2d innovation = sight.p_map_m - p_map_m(sight.p_base_m);
-  return innovation.dot(S.inverse() * innovation);
+  const Eigen::Vector2d off_m = innovation(sight);
+  return off_m.dot(S.inverse() * off_m);
 }
 
 void FusionFilter::correct(const PositionSight& sight) {
-  apply<2>(sight.p_map_m - p_map_m(sight.p_base_m), jacobian(sight.p_base_m), sight.covariance);
+  apply<2>(innovation(sight), jacobian(sight), sight.covariance);
 }
 
 void FusionFilter::correct_yaw(double yaw_rad, double variance) {

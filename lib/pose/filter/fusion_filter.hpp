@@ -22,14 +22,16 @@ struct PositionSight {
   Eigen::Vector2d p_map_m = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
   Eigen::Vector2d p_base_m = Eigen::Vector2d::Zero();  ///< what in base is there: the antenna
+  bool by_receiver = false;  ///< by satellites: the receiver's slow error counts besides
 };
 
-/// An extended Kalman filter over where base is and what is wrong with its wheels and gyro:
-/// x, y, yaw in map; the wheels' scale error; their turn per metre (unequal wheels, a steering
-/// offset) [1/m]; the gyro's bias [rad/s].
+/// An extended Kalman filter over where base is and what is wrong with its sensors: x, y, yaw in
+/// map; the wheels' scale error; their turn per metre (unequal wheels, a steering offset) [1/m];
+/// the gyro's bias [rad/s]; the slip of this patch of ground, of the way and of the turn; the
+/// receiver's slow error to the east and north [m].
 class FusionFilter {
  public:
-  static constexpr int kSize = 6;
+  static constexpr int kSize = 10;
   using Vector = Eigen::Matrix<double, kSize, 1>;
   using Matrix = Eigen::Matrix<double, kSize, kSize>;
 
@@ -44,6 +46,14 @@ class FusionFilter {
 
   /// The motion of one step along an arc, its errors as constant over noise_time_s.
   void move(const MotionStep& step);
+
+  /// How large the receiver's slow error may be, per axis [m2]; 0 at first.
+  void set_receiver_variance(double variance) { receiver_variance_ = variance; }
+
+  double receiver_variance() const { return receiver_variance_; }
+
+  /// Nothing is known any more of the receiver's slow error.
+  void forget_receiver_error();
 
   /// Unheard motion: nothing moves, doubts grow by these variances [m2 per axis, rad2].
   void doubt(double position_variance, double yaw_variance);
@@ -64,9 +74,11 @@ class FusionFilter {
   template <int N>
   void apply(const Eigen::Matrix<double, N, 1>& innovation,
              const Eigen::Matrix<double, N, kSize>& H, const Eigen::Matrix<double, N, N>& R);
-  Eigen::Matrix<double, 2, kSize> jacobian(const Eigen::Vector2d& p_base_m) const;
+  Eigen::Matrix<double, 2, kSize> jacobian(const PositionSight& sight) const;
+  Eigen::Vector2d innovation(const PositionSight& sight) const;
 
   FusionConfig config_;
+  double receiver_variance_ = 0.0;
   Vector mean_ = Vector::Zero();
   Matrix covariance_ = Matrix::Zero();
 };

@@ -5,6 +5,10 @@
 
 namespace orchard::pose {
 
+/// In this time [s] a receiver's error changes to another (to 1/e): satellites, their orbits as
+/// told and the air between hardly change sooner, what reflects their signals does within minutes.
+inline constexpr double kReceiverMemory_s = 60.0;
+
 /// How satellite fixes are used. Section `pose.gnss`.
 struct GnssConfig {
   /// Geodetic position of map's origin, map x to the east. All 0: the first usable fix.

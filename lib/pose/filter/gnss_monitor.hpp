@@ -26,7 +26,7 @@ class GnssMonitor {
   std::optional<double> scatter_m() const;
 
  private:
-  static constexpr std::size_t kNumSteps = 15;
+  static constexpr std::size_t kNumSteps = 31;
 
   std::optional<Gnss> first_same_;          ///< of the fixes that are all the same
   double travel_m_ = 0.0;                   ///< since that one

@@ -11,6 +11,9 @@ namespace {
 constexpr std::size_t kPairsMost = 200;
 constexpr double kSpreadSigma = 6.0;
 
+/// A receiver's errors last: over so short a way there are no more than so many different ones.
+constexpr double kIndependentMost = 4.0;
+
 }  // namespace
 
 std::optional<LocalFrame> HeadingStart::add(const Eigen::Vector2d& p_local_m,
@@ -45,7 +48,7 @@ std::optional<LocalFrame> HeadingStart::add(const Eigen::Vector2d& p_local_m,
   }
   LocalFrame frame;
   frame.x_y_yaw = fit.T_a_b.vector();
-  frame.yaw_variance = believed / (n * fit.mean_square_b_m2);
+  frame.yaw_variance = believed / (std::min(n, kIndependentMost) * fit.mean_square_b_m2);
   frame.position_variance = believed / n;
   frame.centre_local_m = fit.mean_b;
   return frame;

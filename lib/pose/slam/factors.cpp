@@ -99,6 +99,55 @@ class AbsolutePositionFactor : public ceres::SizedCostFunction<2, 3> {
   Eigen::Matrix2d W_;
 };
 
+class ReceiverPositionFactor : public ceres::SizedCostFunction<2, 3, 2> {
+ public:
+  ReceiverPositionFactor(const AbsolutePosition& position, double noise)
+      : p_base_(transform(position.T_keyframe_then, position.lever_base_m)),
+        p_map_(position.p_map),
+        W_(whitening(Eigen::Matrix2d(noise * position.covariance))) {}
+
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override {
+    const Vector3Map T(parameters[0]);
+    const Eigen::Vector2d arm = rotation(T.z()) * p_base_;
+    Eigen::Map<Eigen::Vector2d>{residuals} =
+        W_ * (T.head<2>() + arm + Vector2Map(parameters[1]) - p_map_);
+    if (jacobians == nullptr) return true;
+    if (jacobians[0] != nullptr) {
+      RowMajor<2, 3> J{jacobians[0]};
+      J.leftCols<2>() = W_;
+      J.col(2) = W_ * turned(arm);
+    }
+    if (jacobians[1] != nullptr) RowMajor<2, 2>{jacobians[1]} = W_;
+    return true;
+  }
+
+ private:
+  Eigen::Vector2d p_base_;
+  Eigen::Vector2d p_map_;
+  Eigen::Matrix2d W_;
+};
+
+class ReceiverErrorFactor : public ceres::SizedCostFunction<2, 2, 2> {
+ public:
+  ReceiverErrorFactor(double kept, double sd_m) : kept_(kept), inverse_sd_(1.0 / sd_m) {}
+
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override {
+    Eigen::Map<Eigen::Vector2d>{residuals} =
+        inverse_sd_ * (Vector2Map(parameters[1]) - kept_ * Vector2Map(parameters[0]));
+    if (jacobians == nullptr) return true;
+    const Eigen::Matrix2d J = inverse_sd_ * Eigen::Matrix2d::Identity();
+    if (jacobians[0] != nullptr) RowMajor<2, 2>{jacobians[0]} = -kept_ * J;
+    if (jacobians[1] != nullptr) RowMajor<2, 2>{jacobians[1]} = J;
+    return true;
+  }
+
+ private:
+  double kept_;
+  double inverse_sd_;
+};
+
 class HeadingFactor : public ceres::SizedCostFunction<1, 3> {
  public:
   explicit HeadingFactor(const AbsolutePosition& position);
@@ -243,6 +292,16 @@ ceres::CostFunction* calibration_walk_factor(const Eigen::Vector3d& sd) {
 }
 ceres::CostFunction* absolute_position_factor(const AbsolutePosition& position) {
   return new AbsolutePositionFactor(position);
+}
+ceres::CostFunction* receiver_position_factor(const AbsolutePosition& position, double noise) {
+  return new ReceiverPositionFactor(position, noise);
+}
+ceres::CostFunction* receiver_error_factor(double kept, double sd_m) {
+  return new ReceiverErrorFactor(kept, sd_m);
+}
+ceres::CostFunction* receiver_error_prior_factor(double sd_m) {
+  return new LandmarkPriorFactor(Eigen::Vector2d::Zero(),
+                                 sd_m * sd_m * Eigen::Matrix2d::Identity());
 }
 ceres::CostFunction* heading_factor(const AbsolutePosition& position) {
   return new HeadingFactor(position);

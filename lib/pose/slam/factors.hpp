@@ -35,6 +35,16 @@ ceres::CostFunction* calibration_walk_factor(const Eigen::Vector3d& sd);
 /// Absolute position of a point on base: parameter pose.
 ceres::CostFunction* absolute_position_factor(const AbsolutePosition& position);
 
+/// The same by satellites, claims replaced by this noise: parameters pose, the receiver's error.
+ceres::CostFunction* receiver_position_factor(const AbsolutePosition& position, double noise);
+
+/// What is left of a receiver's error after a while: parameters error before, after; `kept` of it,
+/// standard deviation of what is new.
+ceres::CostFunction* receiver_error_factor(double kept, double sd_m);
+
+/// Prior on a receiver's error: parameter error.
+ceres::CostFunction* receiver_error_prior_factor(double sd_m);
+
 /// Absolute heading: parameter pose.
 ceres::CostFunction* heading_factor(const AbsolutePosition& position);
 

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/slam/georeference.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "geometry/pose2.hpp"
 #include "geometry/rigid_fit2.hpp"
+#include "geometry/statistics.hpp"
 
 namespace orchard::pose {
 using geometry::between;
@@ -19,36 +21,152 @@ namespace {
 
 constexpr std::size_t kNumPositionsMin = 4;
 
+/// Positions give a direction where they spread over so many standard deviations: a sixth of a
+/// radian, from which solves go on.
+constexpr double kSpreadSigma = 6.0;
+
+/// Fraction of the positions that must fit the path: now and then signals are reflected.
+constexpr double kFitLeast = 0.8;
+
+constexpr int kRounds = 5;
+
+/// Fixes of so long a time have one error of the receiver: short beside its memory [us].
+constexpr std::int64_t kReceiverErrorFor_us = 2'000'000;
+
+/// A step between fixes tells of the receiver alone if it took no longer [s].
+constexpr double kStep_s = 2.0;
+
+constexpr std::size_t kStepsLeast = 20;
+
+/// A fix farther from the path than this, by what it claims, has no say [sigma].
+constexpr double kLeftOut_sigma = 5.0;
+
+double per_axis(const AbsolutePosition& position) { return 0.5 * position.covariance.trace(); }
+
+/// Where the path has the point whose position was measured.
+Eigen::Vector2d p_by_path(const Keyframe& keyframe, const AbsolutePosition& position) {
+  return transform(compose(keyframe.T_map_base, position.T_keyframe_then), position.lever_base_m);
+}
+
 }  // namespace
 
 std::optional<Eigen::Vector3d> find_georeference(const SlamGraph& graph, double travel_m) {
   std::vector<Eigen::Vector2d> p_graph, p_map;
-  double sd_m = 0.0;
-  for (const Keyframe& k : graph.keyframes) {
-    for (const AbsolutePosition& position : k.positions) {
-      const Eigen::Vector3d T_graph_then = compose(k.T_map_base, position.T_keyframe_then);
-      if (position.has_yaw) {
-        Eigen::Vector3d T_map_then(0.0, 0.0, position.yaw_rad);
-        T_map_then.head<2>() = position.p_map - rotation(position.yaw_rad) * position.lever_base_m;
-        const Eigen::Vector3d back = between(T_graph_then, Eigen::Vector3d::Zero());
-        return compose(T_map_then, back);
+  double sd_m = 0.0, reach_m = 0.0;
+  const auto is_enough = [&] {
+    return p_graph.size() >= kNumPositionsMin && reach_m >= std::max(travel_m, kSpreadSigma * sd_m);
+  };
+  for (auto k = graph.keyframes.rbegin(); k != graph.keyframes.rend() && !is_enough(); ++k) {
+    for (auto position = k->positions.rbegin(); position != k->positions.rend(); ++position) {
+      if (position->has_yaw) {
+        const Eigen::Vector3d T_graph_then = compose(k->T_map_base, position->T_keyframe_then);
+        Eigen::Vector3d T_map_then(0.0, 0.0, position->yaw_rad);
+        T_map_then.head<2>() =
+            position->p_map - rotation(position->yaw_rad) * position->lever_base_m;
+        return compose(T_map_then, between(T_graph_then, Eigen::Vector3d::Zero()));
       }
-      p_graph.push_back(transform(T_graph_then, position.lever_base_m));
-      p_map.push_back(position.p_map);
-      sd_m = std::max(sd_m, std::sqrt(0.5 * position.covariance.trace()));
+      p_graph.push_back(p_by_path(*k, *position));
+      p_map.push_back(position->p_map);
+      sd_m = std::max(sd_m, std::sqrt(per_axis(*position)));
+      reach_m = std::max(reach_m, (p_graph.back() - p_graph.front()).norm());
     }
   }
-  if (p_graph.size() < kNumPositionsMin) return std::nullopt;
-  const geometry::RigidFit2 fit = geometry::fit_rigid(p_map, p_graph);
-  double reach_m = 0.0;
-  for (const Eigen::Vector2d& p : p_graph) reach_m = std::max(reach_m, (p - fit.mean_b).norm());
-  // The baseline must be long against the noise of the positions.
-  if (2.0 * reach_m < std::max(travel_m, 20.0 * sd_m)) return std::nullopt;
-  for (std::size_t i = 0; i < p_graph.size(); ++i) {
-    const double off_m = (transform(fit.T_a_b, p_graph[i]) - p_map[i]).norm();
-    if (off_m > 1.0 + 3.0 * sd_m) return std::nullopt;
+  if (!is_enough()) return std::nullopt;
+  const double off_most_m = 1.0 + 3.0 * sd_m;
+  std::vector<double> weights(p_graph.size(), 1.0);
+  geometry::RigidFit2 fit;
+  std::size_t num_fit = 0;
+  // The first fits with all; a few that do not belong then lose their say.
+  for (int round = 0; round < kRounds; ++round) {
+    fit = geometry::fit_rigid(p_map, p_graph, weights);
+    num_fit = 0;
+    for (std::size_t i = 0; i < p_graph.size(); ++i) {
+      const double off_m = (transform(fit.T_a_b, p_graph[i]) - p_map[i]).norm();
+      weights[i] = 1.0 / (1.0 + off_m * off_m / (off_most_m * off_most_m));
+      if (off_m <= off_most_m) ++num_fit;
+    }
+  }
+  if (static_cast<double>(num_fit) < kFitLeast * static_cast<double>(p_graph.size())) {
+    return std::nullopt;
   }
   return fit.T_a_b.vector();
+}
+
+void add_position(AbsolutePosition position, SlamGraph& graph) {
+  std::vector<ReceiverError>& errors = graph.receiver_errors;
+  if (position.by_receiver) {
+    if (errors.empty() || position.utime - errors.back().utime >= kReceiverErrorFor_us) {
+      ReceiverError fresh;
+      fresh.utime = position.utime;
+      fresh.claimed_variance = per_axis(position);
+      errors.push_back(fresh);
+    }
+    position.receiver_error = static_cast<int>(errors.size()) - 1;
+  }
+  graph.keyframes.back().positions.push_back(position);
+}
+
+ReceiverModel judge_receiver(const SlamGraph& graph) {
+  ReceiverModel model;
+  if (!graph.georeferenced) return model;
+  std::vector<double> steps2;
+  const AbsolutePosition* before = nullptr;
+  Eigen::Vector2d p_before = Eigen::Vector2d::Zero();
+  for (const Keyframe& k : graph.keyframes) {
+    for (const AbsolutePosition& position : k.positions) {
+      if (position.receiver_error < 0) continue;
+      const Eigen::Vector2d p = p_by_path(k, position);
+      if (before != nullptr &&
+          1e-6 * static_cast<double>(position.utime - before->utime) <= kStep_s) {
+        const Eigen::Vector2d off_m = (position.p_map - before->p_map) - (p - p_before);
+        steps2.push_back(off_m.squaredNorm() / (per_axis(position) + per_axis(*before)));
+      }
+      before = &position;
+      p_before = p;
+    }
+  }
+  if (steps2.size() < kStepsLeast) return model;
+  // Of errors without memory the square of a step is exponential: its median is ln 2 of its mean.
+  const double shown = geometry::median(steps2) / (2.0 * std::log(2.0));
+  if (shown > 4.0) {
+    model.noise = shown;
+  } else {
+    // Steps know a scatter to a few tenths: only what is beyond twice its square is something else.
+    model.lasting = std::max(0.0, 1.0 - 2.0 * shown);
+    model.noise = 1.0 - model.lasting;
+  }
+  return model;
+}
+
+FixesLeftOut fixes_left_out(const SlamGraph& graph) {
+  FixesLeftOut all;
+  std::int64_t since = 0;
+  bool goes_on = false;
+  for (const Keyframe& k : graph.keyframes) {
+    for (const AbsolutePosition& position : k.positions) {
+      if (position.receiver_error < 0) continue;
+      ++all.num_fixes;
+      const Eigen::Vector2d off_m = position.p_map - p_by_path(k, position);
+      const double variance = std::max(1.0, graph.receiver.noise) * per_axis(position);
+      if (off_m.squaredNorm() <= kLeftOut_sigma * kLeftOut_sigma * variance) {
+        goes_on = false;
+        continue;
+      }
+      ++all.num_left_out;
+      all.farthest_m = std::max(all.farthest_m, off_m.norm());
+      if (!goes_on) since = position.utime;
+      goes_on = true;
+      all.longest_s = std::max(all.longest_s, 1e-6 * static_cast<double>(position.utime - since));
+    }
+  }
+  return all;
+}
+
+std::string in_words(const FixesLeftOut& left_out) {
+  if (left_out.num_left_out == 0) return {};
+  return fmt::format("{} of {} GNSS fixes left out, up to {:.1f} m off, for up to {:.1f} s",
+                     left_out.num_left_out, left_out.num_fixes, left_out.farthest_m,
+                     left_out.longest_s);
 }
 
 void apply_georeference(const Eigen::Vector3d& T_map_graph, SlamGraph& graph) {

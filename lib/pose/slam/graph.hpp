@@ -24,6 +24,7 @@ struct SlamObservation {
 
 /// Position in map of a point fixed to base (a lever arm away), and perhaps base's heading.
 struct AbsolutePosition {
+  std::int64_t utime = 0;
   Eigen::Vector3d T_keyframe_then = Eigen::Vector3d::Zero();  ///< base at the time of measurement
   Eigen::Vector2d lever_base_m = Eigen::Vector2d::Zero();
   Eigen::Vector2d p_map = Eigen::Vector2d::Zero();
@@ -31,6 +32,21 @@ struct AbsolutePosition {
   bool has_yaw = false;
   double yaw_rad = 0.0;
   double yaw_sd_rad = 1.0;
+  bool by_receiver = false;  ///< satellites gave it: the receiver's error of the time counts
+  int receiver_error = -1;   ///< which of the graph's that is
+};
+
+/// What a satellite receiver is wrong by for a while, the same for all its fixes meanwhile.
+struct ReceiverError {
+  std::int64_t utime = 0;  ///< of the first of these fixes
+  Eigen::Vector2d p_m = Eigen::Vector2d::Zero();
+  double claimed_variance = 0.0;  ///< of those fixes, per axis [m2]
+};
+
+/// What of a receiver's claimed variance its fixes show.
+struct ReceiverModel {
+  double lasting = 0.0;  ///< fraction that is an error that lasts
+  double noise = 1.0;    ///< the noise of each fix, as a multiple of what is claimed
 };
 
 /// A pose of the robot that the graph keeps.
@@ -74,6 +90,8 @@ struct SlamGraph {
   std::vector<Keyframe> keyframes;
   std::vector<SlamLandmark> landmarks;
   std::vector<OdometryCalibration> calibrations;
+  std::vector<ReceiverError> receiver_errors;
+  ReceiverModel receiver;
   bool georeferenced = false;  ///< by absolute positions; else the first keyframe is the origin
 
   /// Adds one scan's observation of a landmark to those of a keyframe.

@@ -4,8 +4,10 @@
 #include <ceres/ceres.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "geometry/pose2.hpp"
+#include "pose/filter/gnss_config.hpp"
 #include "pose/slam/factors.hpp"
 
 namespace orchard::pose {
@@ -17,6 +19,9 @@ constexpr double kOutlier_sigma = 3.0;
 /// Random walk of the odometry calibration per kCalibrationTravel_m, as a fraction of its prior
 /// standard deviation.
 constexpr double kCalibrationWalkFraction = 0.1;
+
+/// However little of a receiver's errors lasts, a millimetre does [m].
+constexpr double kReceiverSdMin_m = 0.001;
 
 ceres::Problem::Options problem_options() {
   ceres::Problem::Options options;
@@ -38,6 +43,10 @@ OdometryCalibration& Unknowns::calibration(int index) {
   return calibrations_.try_emplace(index, graph_.calibrations[index]).first->second;
 }
 
+Eigen::Vector2d& Unknowns::receiver_error(int index) {
+  return receiver_errors_.try_emplace(index, graph_.receiver_errors[index].p_m).first->second;
+}
+
 void Unknowns::wrap_yaws() {
   for (auto& [k, pose] : poses_) pose.z() = geometry::wrap_angle_rad(pose.z());
 }
@@ -51,6 +60,7 @@ void Unknowns::write_to(SlamGraph& graph) const {
   for (const auto& [k, pose] : poses_) graph.keyframes[k].T_map_base = pose;
   for (const auto& [l, position] : positions_) graph.landmarks[l].p_map = position;
   for (const auto& [c, calibration] : calibrations_) graph.calibrations[c] = calibration;
+  for (const auto& [e, p_m] : receiver_errors_) graph.receiver_errors[e].p_m = p_m;
 }
 
 GraphProblem::GraphProblem(const SlamGraph& graph, Unknowns& unknowns, const SlamConfig& config,
@@ -80,11 +90,47 @@ void GraphProblem::add_observation(int keyframe, const SlamObservation& observat
 void GraphProblem::add_positions(int keyframe) {
   if (!graph_.georeferenced) return;
   for (const AbsolutePosition& p : graph_.keyframes[keyframe].positions) {
-    measurements_.push_back(
-        problem_.AddResidualBlock(absolute_position_factor(p), loss(), pose(keyframe)));
+    if (p.receiver_error >= 0) {
+      receiver_errors_.insert(p.receiver_error);
+      measurements_.push_back(problem_.AddResidualBlock(
+          receiver_position_factor(p, graph_.receiver.noise), loss(), pose(keyframe),
+          unknowns_.receiver_error(p.receiver_error).data()));
+    } else {
+      measurements_.push_back(
+          problem_.AddResidualBlock(absolute_position_factor(p), loss(), pose(keyframe)));
+    }
     if (!p.has_yaw) continue;
     measurements_.push_back(problem_.AddResidualBlock(heading_factor(p), loss(), pose(keyframe)));
   }
+}
+
+// Robustly: where signals begin or cease to be reflected the error leaps, once for all fixes.
+void GraphProblem::add_receiver_errors() {
+  int before = -1;
+  for (const int e : receiver_errors_) {
+    const ReceiverError& now = graph_.receiver_errors[e];
+    const double sd_m =
+        std::hypot(kReceiverSdMin_m, std::sqrt(graph_.receiver.lasting * now.claimed_variance));
+    double* const error = unknowns_.receiver_error(e).data();
+    if (before < 0) {
+      measurements_.push_back(
+          problem_.AddResidualBlock(receiver_error_prior_factor(sd_m), loss(), error));
+    } else {
+      const double dt_s =
+          1e-6 * static_cast<double>(now.utime - graph_.receiver_errors[before].utime);
+      const double kept = std::exp(-dt_s / kReceiverMemory_s);
+      measurements_.push_back(problem_.AddResidualBlock(
+          receiver_error_factor(kept, sd_m * std::sqrt(1.0 - kept * kept)), loss(),
+          unknowns_.receiver_error(before).data(), error));
+    }
+    before = e;
+  }
+}
+
+std::vector<double*> GraphProblem::receiver_errors() {
+  std::vector<double*> errors;
+  for (const int e : receiver_errors_) errors.push_back(unknowns_.receiver_error(e).data());
+  return errors;
 }
 
 void GraphProblem::add_landmark_prior(int landmark, const Eigen::Vector2d& p_map,

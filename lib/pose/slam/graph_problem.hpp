@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <map>
+#include <set>
 #include <vector>
 
 #include "pose/slam/graph.hpp"
@@ -23,6 +24,7 @@ class Unknowns {
   Eigen::Vector3d& pose(int keyframe);
   Eigen::Vector2d& position(int landmark);
   OdometryCalibration& calibration(int index);
+  Eigen::Vector2d& receiver_error(int index);
 
   /// Wraps yaws to (-pi, pi].
   void wrap_yaws();
@@ -34,6 +36,7 @@ class Unknowns {
   std::map<int, Eigen::Vector3d> poses_;
   std::map<int, Eigen::Vector2d> positions_;
   std::map<int, OdometryCalibration> calibrations_;
+  std::map<int, Eigen::Vector2d> receiver_errors_;
 };
 
 /// Nonlinear least squares over a working copy, with its blocks in the order in which factors are
@@ -47,6 +50,8 @@ class GraphProblem {
   void add_observation(int keyframe, const SlamObservation& observation);
   /// Nothing while the graph is not georeferenced.
   void add_positions(int keyframe);
+  /// How the receiver's errors of all positions that were added follow from one to the next.
+  void add_receiver_errors();
   void add_landmark_prior(int landmark, const Eigen::Vector2d& p_map,
                           const Eigen::Matrix2d& covariance);
   void add_calibration_prior(int index, const CalibrationPrior& prior);
@@ -63,6 +68,8 @@ class GraphProblem {
   double* pose(int keyframe) { return unknowns_.pose(keyframe).data(); }
   double* position(int landmark) { return unknowns_.position(landmark).data(); }
   double* calibration(int index) { return unknowns_.calibration(index).data(); }
+  /// The unknown errors of the receiver, in order of time.
+  std::vector<double*> receiver_errors();
 
  private:
   ceres::LossFunction* loss() const;
@@ -72,6 +79,7 @@ class GraphProblem {
   const SlamConfig& config_;
   bool robust_;
   ceres::Problem problem_;
+  std::set<int> receiver_errors_;                     ///< of the positions that were added
   std::vector<ceres::ResidualBlockId> measurements_;  ///< all factors but landmark priors
 };
 

@@ -30,6 +30,18 @@ void SlamLocaliser::add(const Measurement& measurement) {
   }
 }
 
+void SlamLocaliser::finish() {
+  slam_.finish();
+  left_out_ = fixes_left_out(slam_.graph());
+}
+
+std::string SlamLocaliser::warning() const {
+  std::string all = slam_.warning();
+  const std::string left_out = in_words(left_out_);
+  if (!all.empty() && !left_out.empty()) all += "; ";
+  return all + left_out;
+}
+
 void SlamLocaliser::add(const PoseFix& fix) {
   AbsolutePosition position;
   position.p_map = {fix.x_m, fix.y_m};
@@ -52,6 +64,7 @@ void SlamLocaliser::add(const Gnss& gnss) {
   position.lever_base_m = {config_.gnss.antenna_m[0], config_.gnss.antenna_m[1]};
   position.p_map = gnss_position->p_enu_m;
   position.covariance = gnss_position->covariance;
+  position.by_receiver = true;
   slam_.add_position(gnss.utime, position);
 }
 

@@ -7,6 +7,7 @@
 #include "pose/localiser.hpp"
 #include "pose/pose_config.hpp"
 #include "pose/scan_matching/scan_motion.hpp"
+#include "pose/slam/georeference.hpp"
 #include "pose/slam/trunk_slam.hpp"
 
 namespace orchard::pose {
@@ -22,8 +23,8 @@ class SlamLocaliser : public Localiser {
   void add(const Measurement& measurement) override;
   std::optional<PoseEstimate> estimate() const override { return slam_.estimate(); }
   std::optional<Trajectory> take_correction() override { return slam_.take_correction(); }
-  void finish() override { slam_.finish(); }
-  std::string warning() const override { return slam_.warning(); }
+  void finish() override;
+  std::string warning() const override;
 
  private:
   void add(const PoseFix& fix);
@@ -33,6 +34,7 @@ class SlamLocaliser : public Localiser {
   GnssPositions gnss_;
   std::optional<ScanMotion> scan_motion_;
   TrunkSlam slam_;
+  FixesLeftOut left_out_;  ///< known at the end
 };
 
 }  // namespace orchard::pose

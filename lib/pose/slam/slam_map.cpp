@@ -11,6 +11,7 @@
 #include "pose/slam/submaps.hpp"
 
 namespace orchard::pose {
+using geometry::compose;
 using geometry::rotation;
 using geometry::transform;
 
@@ -25,6 +26,14 @@ constexpr int kFineSolveKeyframes = 500;
 /// The same of the solve at the end of the drive, which nobody waits for.
 constexpr int kFinalSolveKeyframes = 5000;
 
+// The whole graph is solved for positions when it has grown by this fraction and so many
+// keyframes: a solve each time would cost with the square of the drive.
+constexpr double kPositionGrowth = 0.01;
+constexpr int kPositionKeyframes = 4;
+
+/// A position so far from where the path has it contradicts it [sigma].
+constexpr double kContradicts_sigma = 3.0;
+
 // Landmarks enter the local map somewhat before they come into view.
 constexpr double kLocalMapMargin_m = 3.0;
 
@@ -38,6 +47,12 @@ SlamMap::SlamMap(const SlamConfig& config)
 double SlamMap::local_sd_m() const {
   const Eigen::Matrix3d& P = graph.keyframes.back().local_covariance;
   return std::sqrt(std::max(P(0, 0), P(1, 1)));
+}
+
+bool SlamMap::is_tied_down() const {
+  return graph.georeferenced &&
+         std::any_of(graph.keyframes.begin() + session_start, graph.keyframes.end(),
+                     [](const Keyframe& k) { return !k.positions.empty(); });
 }
 
 void SlamMap::start_session() {
@@ -119,6 +134,28 @@ void SlamMap::rebuild_index() {
   for (int l = 0; l < static_cast<int>(graph.landmarks.size()); ++l) {
     if (graph.landmarks[l].alive) index.insert(l, graph.landmarks[l].p_map);
   }
+}
+
+void SlamMap::take_position() {
+  if (!graph.georeferenced) {
+    georeference();
+    return;
+  }
+  const double solve_at = num_solved * (1.0 + kPositionGrowth) + kPositionKeyframes;
+  if (static_cast<double>(graph.keyframes.size()) < solve_at) return;
+  if (tells_more(graph.keyframes.back().positions.back())) solve(SolveReason::kGrowth);
+}
+
+/// Whether a position is surer than the newest keyframe, or contradicts it.
+bool SlamMap::tells_more(const AbsolutePosition& position) const {
+  const Keyframe& now = graph.keyframes.back();
+  const Eigen::Matrix2d known = now.covariance.topLeftCorner<2, 2>();
+  if (known.trace() > position.covariance.trace()) return true;
+  const Eigen::Vector2d off_m =
+      position.p_map -
+      transform(compose(now.T_map_base, position.T_keyframe_then), position.lever_base_m);
+  const Eigen::Matrix2d S = known + position.covariance;
+  return off_m.dot(S.inverse() * off_m) > kContradicts_sigma * kContradicts_sigma;
 }
 
 void SlamMap::georeference() {

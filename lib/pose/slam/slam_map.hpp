@@ -31,6 +31,9 @@ class SlamMap {
   /// axis.
   double local_sd_m() const;
 
+  /// Whether positions place the present session, too.
+  bool is_tied_down() const;
+
   /// Starts a disconnected submap at the newest keyframe, until a loop closure joins it.
   void start_session();
 
@@ -44,8 +47,10 @@ class SlamMap {
   /// nothing changed but num_solved, if the solver found no solution.
   bool solve(SolveReason reason);
 
-  /// Moves the map to where absolute positions put it, once they tell its place and direction.
-  void georeference();
+  /// After a position was added to the newest keyframe: moves the map to where positions put it,
+  /// once they tell its place and direction; from then on solves the whole graph where the last one
+  /// says more than is known, as after a gap.
+  void take_position();
 
   SlamGraph graph;
   geometry::PointGrid index{4.0};  ///< of landmarks
@@ -57,6 +62,8 @@ class SlamMap {
   bool corrected = false;        ///< the past was corrected since it was last published
 
  private:
+  void georeference();
+  bool tells_more(const AbsolutePosition& position) const;
   void merge_duplicates();
   void rebuild_index();
 

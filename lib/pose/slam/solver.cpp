@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "geometry/pose2.hpp"
+#include "pose/slam/georeference.hpp"
 #include "pose/slam/graph_problem.hpp"
 #include "pose/slam/selected_inverse.hpp"
 
@@ -141,6 +142,7 @@ void add_window(const SlamGraph& graph, const Window& w, const CalibrationPrior&
       if (w.landmarks.count(o.landmark) != 0) problem.add_observation(k, o);
     }
   }
+  problem.add_receiver_errors();
   problem.fix_pose(w.fixed);
   for (const int l : w.landmarks) add_older_observations(graph, l, w.first, problem);
 }
@@ -153,7 +155,9 @@ WindowSolution window_covariances(const Window& w, GraphProblem& problem) {
   for (int c = w.first_calibration; c <= w.newest_calibration; ++c) {
     blocks.push_back(problem.calibration(c));
   }
-  const int num_rest = 3 * static_cast<int>(blocks.size());
+  const std::vector<double*> errors = problem.receiver_errors();
+  const int num_rest = static_cast<int>(3 * blocks.size() + 2 * errors.size());
+  blocks.insert(blocks.end(), errors.begin(), errors.end());
   for (const int l : w.landmarks) blocks.push_back(problem.position(l));
   const auto reduced = [&](bool with_landmark_priors) {
     return marginalise_landmarks(information(problem.jacobian(blocks, with_landmark_priors)),
@@ -187,6 +191,7 @@ void add_graph(const SlamGraph& graph, const CalibrationPrior& prior, GraphProbl
       if (is_constrained(graph.landmarks[o.landmark])) problem.add_observation(k, o);
     }
   }
+  problem.add_receiver_errors();
   if (!graph.georeferenced) problem.fix_pose(0);
 }
 
@@ -202,6 +207,7 @@ std::optional<Eigen::Matrix3d> write_covariances(GraphProblem& problem, SlamGrap
   for (int l = 0; l < static_cast<int>(graph.landmarks.size()); ++l) {
     if (is_constrained(graph.landmarks[l])) blocks.push_back(problem.position(l));
   }
+  for (double* error : problem.receiver_errors()) blocks.push_back(error);
   const ceres::CRSMatrix crs = problem.jacobian(blocks, true);
   const Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>> J(
       crs.num_rows, crs.num_cols, static_cast<int>(crs.values.size()), crs.rows.data(),
@@ -262,6 +268,7 @@ GraphSolution solve_graph(SlamGraph& graph, bool after_closure, const SlamConfig
     return solution;
   }
   const CalibrationPrior prior = CalibrationPrior::initial(config);
+  graph.receiver = judge_receiver(graph);
   Unknowns unknowns(graph);
   if (after_closure) {
     GraphProblem problem(graph, unknowns, config, false);

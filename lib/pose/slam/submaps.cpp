@@ -88,6 +88,7 @@ SubmapGraph submaps_of(const SlamGraph& graph, const SlamConfig& config) {
   SubmapGraph out;
   out.graph.calibrations = graph.calibrations;
   out.graph.georeferenced = graph.georeferenced;
+  out.graph.receiver_errors = graph.receiver_errors;
   out.graph.landmarks.resize(graph.landmarks.size());
   for (std::size_t l = 0; l < graph.landmarks.size(); ++l) {
     out.graph.landmarks[l].p_map = graph.landmarks[l].p_map;
@@ -160,6 +161,8 @@ void back_substitute(const SubmapGraph& solved, SlamGraph& graph) {
     keyframe.T_map_base = T;
   }
   graph.calibrations = solved.graph.calibrations;
+  graph.receiver_errors = solved.graph.receiver_errors;
+  graph.receiver = solved.graph.receiver;
   for (std::size_t l = 0; l < graph.landmarks.size(); ++l) {
     const std::size_t num_submaps = solved.graph.landmarks[l].keyframes.size();
     if (num_submaps >= 2) graph.landmarks[l].p_map = solved.graph.landmarks[l].p_map;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "geometry/pose2.hpp"
+#include "pose/slam/georeference.hpp"
 
 namespace orchard::pose {
 using geometry::between;
@@ -91,10 +92,14 @@ void TrunkSlam::add_position(std::int64_t utime, AbsolutePosition position) {
   }
   motion_.advance_to(utime);
   if (map_.empty() || wants_keyframe(kBlindFactor)) add_keyframe();
-  position.covariance += kPlacementSdMin_m * kPlacementSdMin_m * Eigen::Matrix2d::Identity();
+  // A receiver's is never below what its quality reaches.
+  if (!position.by_receiver) {
+    position.covariance += kPlacementSdMin_m * kPlacementSdMin_m * Eigen::Matrix2d::Identity();
+  }
+  position.utime = utime;
   position.T_keyframe_then = motion_.motion().delta_with(map_.newest_calibration());
-  map_.graph.keyframes.back().positions.push_back(position);
-  if (!map_.graph.georeferenced) map_.georeference();
+  pose::add_position(position, map_.graph);
+  map_.take_position();
 }
 
 bool TrunkSlam::wants_keyframe(double factor) const {
@@ -211,7 +216,7 @@ std::string TrunkSlam::warning() const {
   if (closer_.is_ambiguous()) {
     return "AMBIGUOUS: the trunks passed last fit the map in more than one way; no loop is closed";
   }
-  if (map_.session_start > 0) {
+  if (map_.session_start > 0 && !map_.is_tied_down()) {
     return "LOST: nothing in view fitted the map for too long; a map of its own until a loop "
            "closes";
   }

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/filter/path_smoother.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "geometry/pose2.hpp"
+#include "pose/slam/solver.hpp"
+
+namespace orchard::pose {
+namespace {
+
+/// Travel and turn from keyframe to keyframe: what lies between follows the wheels.
+constexpr double kKeyframeTravel_m = 3.0;
+constexpr double kKeyframeTurn_rad = 0.5;
+
+/// Travel over which the odometry calibration is taken as constant [m].
+constexpr double kCalibrationTravel_m = 10.0;
+
+/// Solved when the way has grown by this fraction: the cost per metre stays constant.
+constexpr double kGrowth = 0.1;
+constexpr int kKeyframesLeast = 20;
+
+/// So far without a position is a gap, and so far behind it both place and heading are known [m].
+constexpr double kGap_m = 20.0;
+
+/// Of a gyro's bias before it is estimated [rad/s]: that of MEMS gyros.
+constexpr double kGyroBiasSd_radps = 0.02;
+
+SlamConfig graph_config(const PoseConfig& config) {
+  SlamConfig graph = config.slam;
+  graph.speed_scale_sd = config.fusion.speed_scale_sd;
+  if (config.fusion.use_imu) {
+    graph.yaw_rate_bias_sd_radps = std::max(graph.yaw_rate_bias_sd_radps, kGyroBiasSd_radps);
+  }
+  return graph;
+}
+
+PoseEstimate pose_estimate(const Keyframe& k) {
+  PoseEstimate pose;
+  pose.utime = k.utime;
+  pose.x_m = k.T_map_base.x();
+  pose.y_m = k.T_map_base.y();
+  pose.yaw_rad = k.T_map_base.z();
+  const Eigen::Matrix3d& P = k.covariance;
+  pose.covariance = {P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2)};
+  return pose;
+}
+
+}  // namespace
+
+PathSmoother::PathSmoother(const PoseConfig& config)
+    : config_(graph_config(config)), motion_(config_) {
+  motion_.set_default_noise(config.speed_sd_fraction, config.yaw_rate_sd_radps);
+  graph_.calibrations.push_back(OdometryCalibration::Zero());
+}
+
+void PathSmoother::add_keyframe(const Eigen::Vector3d& T_map_base) {
+  Keyframe keyframe;
+  keyframe.utime = motion_.utime();
+  keyframe.T_map_base = T_map_base;
+  if (!graph_.keyframes.empty()) {
+    const Keyframe& before = graph_.keyframes.back();
+    keyframe.motion = motion_.motion();
+    keyframe.travel_m = before.travel_m + keyframe.motion.travel_m;
+    const auto interval = [](double travel_m) {
+      return static_cast<int>(travel_m / kCalibrationTravel_m);
+    };
+    if (interval(keyframe.travel_m) > interval(before.travel_m)) {
+      graph_.calibrations.push_back(OdometryCalibration(graph_.calibrations.back()));
+    }
+    keyframe.calibration = static_cast<int>(graph_.calibrations.size()) - 1;
+  }
+  graph_.keyframes.push_back(std::move(keyframe));
+  motion_.restart(graph_.calibrations.back());
+}
+
+void PathSmoother::follow(const Eigen::Vector3d& T_map_base) {
+  const RelativeMotion& moved = motion_.motion();
+  if (graph_.keyframes.empty() || moved.travel_m >= kKeyframeTravel_m ||
+      std::abs(moved.delta.z()) >= kKeyframeTurn_rad) {
+    add_keyframe(T_map_base);
+  }
+}
+
+void PathSmoother::add(const Odometry& odometry, const Eigen::Vector3d& T_map_base) {
+  motion_.add(odometry);
+  follow(T_map_base);
+}
+
+void PathSmoother::add(std::int64_t utime, AbsolutePosition position,
+                       const Eigen::Vector3d& T_map_base) {
+  if (!motion_.started()) return;
+  motion_.advance_to(utime);
+  follow(T_map_base);
+  const double travel_m = graph_.keyframes.back().travel_m + motion_.motion().travel_m;
+  if (travel_m - position_travel_m_ > kGap_m) due_travel_m_ = travel_m + kGap_m;
+  position_travel_m_ = travel_m;
+  position.utime = utime;
+  position.T_keyframe_then = motion_.motion().delta_with(graph_.calibrations.back());
+  add_position(position, graph_);
+}
+
+void PathSmoother::place(const Eigen::Vector3d& T_map_local) {
+  apply_georeference(T_map_local, graph_);
+}
+
+void PathSmoother::look() {
+  if (!graph_.georeferenced || graph_.keyframes.empty()) return;
+  const bool has_grown = static_cast<double>(graph_.keyframes.size()) >=
+                         num_solved_ * (1.0 + kGrowth) + kKeyframesLeast;
+  const bool is_due = due_travel_m_ && graph_.keyframes.back().travel_m >= *due_travel_m_;
+  if (has_grown || is_due) solve();
+}
+
+void PathSmoother::finish() {
+  if (!graph_.georeferenced || graph_.keyframes.empty()) return;
+  const Keyframe& last = graph_.keyframes.back();
+  if (motion_.utime() > last.utime) {
+    add_keyframe(geometry::compose(last.T_map_base,
+                                   motion_.motion().delta_with(graph_.calibrations.back())));
+  }
+  solve();
+}
+
+void PathSmoother::solve() {
+  num_solved_ = static_cast<int>(graph_.keyframes.size());
+  due_travel_m_.reset();
+  corrected_ = solve_graph(graph_, false, config_).solved || corrected_;
+}
+
+std::optional<Trajectory> PathSmoother::take_correction() {
+  if (!corrected_) return std::nullopt;
+  corrected_ = false;
+  Trajectory trajectory;
+  trajectory.utime = motion_.utime();
+  trajectory.revision = ++revision_;
+  trajectory.poses.reserve(graph_.keyframes.size());
+  for (const Keyframe& k : graph_.keyframes) trajectory.poses.push_back(pose_estimate(k));
+  return trajectory;
+}
+
+}  // namespace orchard::pose

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// For people: tests/experiments/satellites.sh. What a receiver that comes in bursts makes of the
+// path, seed by seed: mode fused run here, or a path that was made elsewhere (trajectory.csv).
+#include <GeographicLib/LocalCartesian.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/LU>
+
+#include "io/config/config.hpp"
+#include "pose/make_localiser.hpp"
+#include "simulation/simulator.hpp"
+
+namespace {
+
+using namespace orchard;
+
+constexpr double kGapLeast_s = 15.0;
+
+/// A fix is good where its error is one that its claim bears out.
+constexpr double kGood_sigma = 3.0;
+
+struct Gap {
+  double begin_s, end_s, way_m;
+};
+
+struct Errors {
+  double sum2 = 0.0, most_m = 0.0;
+  int num = 0;
+  void add(double error_m) {
+    sum2 += error_m * error_m;
+    most_m = std::max(most_m, error_m);
+    ++num;
+  }
+  double rms_m() const { return num > 0 ? std::sqrt(sum2 / num) : 0.0; }
+};
+
+struct PathPoint {
+  double time_s, x_m, y_m;
+};
+
+double seconds(std::int64_t utime) {
+  return 1e-6 * static_cast<double>(utime - simulation::kEpochUtime);
+}
+
+double nees2(const pose::PoseEstimate& pose, const simulation::Pose2& truth) {
+  const Eigen::Vector2d e(pose.x_m - truth.x_m, pose.y_m - truth.y_m);
+  Eigen::Matrix2d P;
+  P << pose.covariance[0], pose.covariance[1], pose.covariance[1], pose.covariance[3];
+  return e.dot(P.inverse() * e);
+}
+
+/// Errors outside of gaps, and in each as a share of the way driven in it.
+struct Judged {
+  Errors outside, inside;
+  double share_worst = 0.0;
+  int num_shares_good = 0;
+};
+
+Judged judge(const std::vector<PathPoint>& path, const std::vector<Gap>& gaps,
+             const simulation::Scene& scene) {
+  Judged judged;
+  std::vector<Errors> in_gap(gaps.size());
+  for (const PathPoint& p : path) {
+    const simulation::Pose2 truth = scene.path.pose_at(p.time_s);
+    const double error_m = std::hypot(p.x_m - truth.x_m, p.y_m - truth.y_m);
+    const auto gap = std::find_if(gaps.begin(), gaps.end(), [&](const Gap& g) {
+      return p.time_s > g.begin_s && p.time_s < g.end_s;
+    });
+    if (gap == gaps.end()) {
+      judged.outside.add(error_m);
+    } else {
+      judged.inside.add(error_m);
+      in_gap[static_cast<std::size_t>(gap - gaps.begin())].add(error_m);
+    }
+  }
+  for (std::size_t i = 0; i < gaps.size(); ++i) {
+    const double share = in_gap[i].rms_m() / std::max(gaps[i].way_m, 1.0);
+    judged.share_worst = std::max(judged.share_worst, share);
+    if (share <= 0.01) ++judged.num_shares_good;
+  }
+  return judged;
+}
+
+std::vector<PathPoint> read_path(const std::string& file) {
+  std::ifstream in(file);
+  std::vector<PathPoint> path;
+  std::string line;
+  std::getline(in, line);
+  while (std::getline(in, line)) {
+    long long utime = 0;
+    double x_m = 0.0, y_m = 0.0;
+    if (std::sscanf(line.c_str(), "%lld,%lf,%lf", &utime, &x_m, &y_m) == 3) {
+      path.push_back({seconds(utime), x_m, y_m});
+    }
+  }
+  return path;
+}
+
+void run(const io::Config& config, simulation::SceneKind kind, unsigned long seed,
+         const std::string& path_file) {
+  const simulation::RigConfig rig{config.laser, config.camera, config.simulation,
+                                  config.laser_rear};
+  simulation::Simulator simulator(kind, seed, rig);
+  const simulation::ReceiverSky sky(seed, config.simulation.gnss.sky);
+  const auto localiser = pose::make_localiser(config.pose, {}, config.laser, {});
+  const auto& datum = config.simulation.motion.datum;
+  const GeographicLib::LocalCartesian enu(datum[0], datum[1], datum[2]);
+  std::vector<PathPoint> live, smooth;
+  std::vector<Gap> gaps;
+  double last_fix_s = 0.0, left_out_since_s = -1.0, left_out_most_s = 0.0;
+  int num_fixes = 0, num_good_left_out = 0;
+  double nees_live = 0.0, nees_smooth = 0.0;
+  const auto add_gap = [&](double now_s) {
+    if (now_s - last_fix_s < kGapLeast_s) return;
+    double way_m = 0.0;
+    for (double t = last_fix_s; t < now_s; t += 0.5) {
+      const auto a = simulator.scene().path.pose_at(t);
+      const auto b = simulator.scene().path.pose_at(t + 0.5);
+      way_m += std::hypot(b.x_m - a.x_m, b.y_m - a.y_m);
+    }
+    gaps.push_back({last_fix_s, now_s + 1e-3, way_m});
+  };
+  const auto take_correction = [&] {
+    if (const auto trajectory = localiser->take_correction()) {
+      smooth.clear();
+      for (const auto& p : trajectory->poses) smooth.push_back({seconds(p.utime), p.x_m, p.y_m});
+      const auto& last = trajectory->poses.back();
+      nees_smooth = nees2(last, simulator.scene().path.pose_at(seconds(last.utime)));
+    }
+  };
+  while (const auto message = simulator.next()) {
+    if (const auto* odometry = std::get_if<pose::Odometry>(&*message)) {
+      if (path_file.empty()) localiser->add(*odometry);
+    } else if (const auto* gnss = std::get_if<pose::Gnss>(&*message)) {
+      const double now_s = seconds(gnss->utime);
+      const simulation::Pose2 truth = simulator.scene().path.pose_at(now_s);
+      add_gap(now_s);
+      last_fix_s = now_s;
+      ++num_fixes;
+      if (!path_file.empty()) continue;
+      const auto before = localiser->estimate();
+      localiser->add(*gnss);
+      const auto after = localiser->estimate();
+      double x_m = 0.0, y_m = 0.0, z_m = 0.0;
+      enu.Forward(gnss->latitude_deg, gnss->longitude_deg, gnss->altitude_m, x_m, y_m, z_m);
+      const auto& antenna = config.simulation.gnss.antenna_m;
+      const simulation::Pose2 at = compose(truth, {antenna[0], antenna[1], 0.0});
+      const bool good =
+          std::hypot(x_m - at.x_m, y_m - at.y_m) < kGood_sigma * std::sqrt(gnss->covariance[0]) &&
+          !sky.is_reflected(now_s);
+      // A fix that was taken makes the pose surer.
+      const bool taken = !before || !after || before->covariance != after->covariance;
+      if (taken || !good) {
+        if (taken) left_out_since_s = -1.0;
+      } else {
+        ++num_good_left_out;
+        if (left_out_since_s < 0.0) left_out_since_s = now_s;
+        left_out_most_s = std::max(left_out_most_s, now_s - left_out_since_s);
+      }
+    } else if (const auto* imu = std::get_if<pose::Imu>(&*message)) {
+      if (path_file.empty()) localiser->add(*imu);
+    } else {
+      continue;
+    }
+    if (!path_file.empty()) continue;
+    take_correction();
+    if (const auto estimate = localiser->estimate()) {
+      const double time_s = seconds(estimate->utime);
+      if (live.empty() || time_s > live.back().time_s) {
+        live.push_back({time_s, estimate->x_m, estimate->y_m});
+        nees_live = nees2(*estimate, simulator.scene().path.pose_at(time_s));
+      }
+    }
+  }
+  add_gap(simulator.scene().path.duration_s() + 1.0);
+  if (path_file.empty()) {
+    localiser->finish();
+    take_correction();
+  } else {
+    smooth = read_path(path_file);
+  }
+  const Judged now = judge(live, gaps, simulator.scene());
+  const Judged then = judge(smooth, gaps, simulator.scene());
+  std::printf(
+      "%4lu %5d %3zu  %7.3f %7.3f %7.3f  %7.3f %7.3f %7.3f  %5.2f %3d  %4d %5.1f  %6.2f %6.2f  "
+      "%s\n",
+      seed, num_fixes, gaps.size(), now.outside.rms_m(), now.outside.most_m, now.inside.rms_m(),
+      then.outside.rms_m(), then.outside.most_m, then.inside.rms_m(), 100.0 * then.share_worst,
+      then.num_shares_good, num_good_left_out, left_out_most_s, nees_live, nees_smooth,
+      localiser->warning().c_str());
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 5) {
+    std::fprintf(stderr, "usage: satellites RIG SCENE FIRST LAST [TRAJECTORY.CSV]\n");
+    return 2;
+  }
+  try {
+    const auto config = io::load_config(argv[1]);
+    const auto kind = simulation::find_scene(argv[2]);
+    if (!kind) return 2;
+    std::printf("%4s %5s %3s  %7s %7s %7s  %7s %7s %7s  %5s %3s  %4s %5s  %6s %6s\n", "seed",
+                "fixes", "gap", "now", "most", "in gap", "then", "most", "in gap", "way%", "<1%",
+                "good", "s", "NEES", "then");
+    for (unsigned long seed = std::strtoul(argv[3], nullptr, 10);
+         seed <= std::strtoul(argv[4], nullptr, 10); ++seed) {
+      run(config, *kind, seed, argc > 5 ? argv[5] : "");
+    }
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -12,7 +12,7 @@ namespace orchard::pose {
 namespace {
 
 /// Travel and turn from keyframe to keyframe: what lies between follows the wheels.
-constexpr double kKeyframeTravel_m = 3.0;
+constexpr double kKeyframeTravel_m = 1.5;
 constexpr double kKeyframeTurn_rad = 0.5;
 
 /// Travel over which the odometry calibration is taken as constant [m].

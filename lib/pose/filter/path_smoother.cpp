@@ -16,7 +16,7 @@ constexpr double kKeyframeTravel_m = 1.5;
 constexpr double kKeyframeTurn_rad = 0.5;
 
 /// Travel over which the odometry calibration is taken as constant [m].
-constexpr double kCalibrationTravel_m = 10.0;
+constexpr double kWheelErrorsTravel_m = 10.0;
 
 /// Solved when the way has grown by this fraction: the cost per metre stays constant.
 constexpr double kGrowth = 0.1;
@@ -65,7 +65,7 @@ void PathSmoother::add_keyframe(const Eigen::Vector3d& T_map_base) {
     keyframe.motion = motion_.motion();
     keyframe.travel_m = before.travel_m + keyframe.motion.travel_m;
     const auto interval = [](double travel_m) {
-      return static_cast<int>(travel_m / kCalibrationTravel_m);
+      return static_cast<int>(travel_m / kWheelErrorsTravel_m);
     };
     if (interval(keyframe.travel_m) > interval(before.travel_m)) {
       graph_.calibrations.push_back(OdometryCalibration(graph_.calibrations.back()));

@@ -26,6 +26,8 @@ packages=(
   libyaml-cpp-dev libgdal-dev zlib1g-dev nlohmann-json3-dev
   # command line, log, tests, benchmarks
   libcli11-dev libspdlog-dev libfmt-dev libgtest-dev libgmock-dev libbenchmark-dev
+  # the viewer's server
+  libcpp-httplib-dev
   # manual pages
   help2man
   # gpsfake, for the tests of the GNSS driver

@@ -82,6 +82,7 @@ LiveNode::LiveNode(Bus& bus, Node& node, const std::string& name, const io::Effe
   bus_.subscribe_status([this](const Status& status) {
     // Who is new learns of this process at once, not within a second.
     if (neighbours_.note(status, wall_utime(), Clock::now())) report_.hurry(true);
+    node_.overhear(status);
   });
   bus_.subscribe_config(
       [this](const ConfigNotice& notice) { neighbours_.note(notice, Clock::now()); });

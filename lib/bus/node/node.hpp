@@ -11,6 +11,8 @@
 
 namespace orchard::bus {
 
+struct Status;
+
 /// Where a node's outputs go, in the order in which it sends them.
 using Outbox = std::function<void(Message)>;
 
@@ -47,6 +49,9 @@ class Node {
   /// Takes one input and sends what follows from it. Inputs of one channel come with rising seq
   /// (the host drops duplicates); between channels any order may occur and must not matter.
   virtual void handle(const Message& input, const Outbox& send) = 0;
+
+  /// Live only: how a process said it is. For who shows that to people; no output may depend on it.
+  virtual void overhear(const Status& /*status*/) {}
 
   /// No input will follow: sends what was still waiting for one.
   virtual void flush(const Outbox& send) = 0;

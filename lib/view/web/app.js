@@ -67,9 +67,9 @@ class App {
   insets() {
     if (this.view.width <= 640) {
       const details = byId("details");
-      return { left: 16, right: 62, top: byId("head").offsetHeight + 40, bottom: details.hidden ? 50 : details.offsetHeight + 16 };
+      return { left: 16, right: 62, top: byId("head").offsetHeight + 40, bottom: Math.max(50, details.offsetHeight + 16, byId("live").offsetHeight + 16) };
     }
-    return { left: 350, right: byId("details").hidden ? 70 : 384, top: 30, bottom: 30 };
+    return { left: 350, right: byId("details").hidden && byId("live").hidden ? 70 : 384, top: 30, bottom: 30 };
   }
 
   fit() {

@@ -1,4 +1,6 @@
 // Begins.
 
-const app = new App(JSON.parse(byId("map-data").textContent));
+const data = JSON.parse(byId("map-data").textContent);
+const app = new App(data);
+if (data.mode === "live") app.live = new Live(app);
 globalThis.orchardApp = app; // for whoever looks into the page: tests, a console

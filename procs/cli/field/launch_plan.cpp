@@ -136,6 +136,12 @@ std::vector<ChildPlan> plan_launch(const LiveOptions& options, const io::Config&
     for (const std::string& driver : drivers_of(config)) add(driver, kDrivers);
   }
 
+  // Looks on only: nobody waits for it.
+  if (!options.viewer_address.empty()) {
+    add("orchard-viewer", kRecorder,
+        {"--listen", options.viewer_address, "--folder", options.out_folder});
+  }
+
   const std::set<std::string> only = named(options.only, plans);
   const std::set<std::string> without = named(options.without, plans);
   const auto is_left_out = [&](const ChildPlan& plan) {

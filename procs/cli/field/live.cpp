@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/field/live.hpp"
 
+#include <arpa/inet.h>
+#include <netinet/in.h>
 #include <poll.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -128,6 +131,27 @@ class Launch {
   std::string last_event_;
 };
 
+/// Where the viewer will serve its page: this host's first free port from that on. Known before it
+/// starts, so that it stays the same when it is started again.
+std::string viewer_address() {
+  constexpr int kFirstPort = 8420, kPorts = 100;
+  for (int port = kFirstPort; port < kFirstPort + kPorts; ++port) {
+    const int file = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    if (file < 0) return {};
+    const int yes = 1;  // as the viewer does: a port that was left a moment ago is free
+    setsockopt(file, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const bool is_free =
+        ::bind(file, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0;
+    close(file);
+    if (is_free) return "127.0.0.1:" + std::to_string(port);
+  }
+  return {};
+}
+
 std::string program_folder() {
   std::error_code error;
   const fs::path self = fs::read_symlink("/proc/self/exe", error);
@@ -142,6 +166,7 @@ int run_live(const LiveOptions& given) {
   const io::Config config = load_rig(options.config_path);
   if (options.out_folder.empty()) options.out_folder = "out/live/" + start_time_text();
   options.play_utime = bus::wall_utime() + kPlayAfter_us;
+  options.viewer_address = viewer_address();
   const std::vector<ChildPlan> plans = plan_launch(options, config, program_folder());
   std::error_code error;
   fs::create_directories(options.out_folder + "/logs", error);
@@ -160,6 +185,12 @@ int run_live(const LiveOptions& given) {
   std::fprintf(stderr,
                "orchard live: started %zu processes; map and logs in %s; Ctrl-C stops all\n",
                launch.size(), options.out_folder.c_str());
+  std::string watch_words;
+  if (std::any_of(plans.begin(), plans.end(),
+                  [](const ChildPlan& plan) { return plan.name == "orchard-viewer"; })) {
+    watch_words = "watch it at http://" + options.viewer_address + "/";
+    std::fprintf(stderr, "orchard live: %s\n", watch_words.c_str());
+  }
   if (StatusScreen::is_terminal()) std::printf("\033[2J");
   Clock::time_point next_draw = Clock::now();
   const auto draw = [&](const std::string& headline) {
@@ -169,7 +200,8 @@ int run_live(const LiveOptions& given) {
   };
   while (!stop.raised() && !launch.mistake()) {
     draw("orchard live " + options.config_path + ": map in " + options.out_folder +
-         "; Ctrl-C stops all\n" + launch.last_event());
+         "; Ctrl-C stops all\n" + (watch_words.empty() ? "" : watch_words + "\n") +
+         launch.last_event());
     std::vector<pollfd> files = launch.files();
     files.push_back({stop.fileno(), POLLIN, 0});
     files.push_back({bus.fileno(), POLLIN, 0});

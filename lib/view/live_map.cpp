@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "view/live_map.hpp"
+
+namespace orchard::view {
+
+using mapping::Landmark;
+
+namespace {
+
+/// Of the slow refresh most says nothing new.
+bool is_same(const Landmark& a, const Landmark& b) {
+  return a.id == b.id && a.label == b.label && a.num_observations == b.num_observations &&
+         a.x_m == b.x_m && a.y_m == b.y_m && a.width_m == b.width_m &&
+         a.probability == b.probability && a.row == b.row && a.position == b.position;
+}
+
+}  // namespace
+
+void LiveMap::touch(std::int32_t id, Entry& entry) {
+  id_of_revision_.erase(entry.revision);
+  entry.revision = ++revision_;
+  id_of_revision_[entry.revision] = id;
+}
+
+void LiveMap::take(const mapping::MapTile& tile) {
+  for (const Landmark& landmark : tile.landmarks) {
+    if (landmark.num_observations < min_observations_) continue;
+    Entry& entry = entries_[landmark.id];
+    Landmark now = landmark;
+    if (now.row == 0) {
+      now.row = entry.landmark.row;
+      now.position = entry.landmark.position;
+    }
+    if (!entry.is_removed && is_same(now, entry.landmark)) continue;
+    entry.landmark = now;
+    entry.is_removed = false;
+    touch(landmark.id, entry);
+  }
+  for (const std::int32_t id : tile.removed_ids) {
+    const auto found = entries_.find(id);
+    if (found == entries_.end() || found->second.is_removed) continue;
+    found->second.is_removed = true;
+    touch(id, found->second);
+  }
+}
+
+void LiveMap::number(const std::vector<Landmark>& numbered) {
+  for (const Landmark& landmark : numbered) {
+    const auto found = entries_.find(landmark.id);
+    if (found == entries_.end()) continue;
+    Landmark& kept = found->second.landmark;
+    if (kept.row == landmark.row && kept.position == landmark.position) continue;
+    kept.row = landmark.row;
+    kept.position = landmark.position;
+    touch(landmark.id, found->second);
+  }
+}
+
+LiveMap::Changes LiveMap::changes_since(std::int64_t revision, std::size_t num_most) const {
+  Changes changes;
+  changes.revision = revision;
+  std::size_t num_left = num_most;
+  for (auto at = id_of_revision_.upper_bound(revision); at != id_of_revision_.end() && num_left > 0;
+       ++at, --num_left) {
+    const Entry& entry = entries_.at(at->second);
+    if (entry.is_removed) {
+      changes.removed_ids.push_back(at->second);
+    } else {
+      changes.landmarks.push_back(entry.landmark);
+    }
+    changes.revision = at->first;
+  }
+  return changes;
+}
+
+std::vector<Landmark> LiveMap::landmarks() const {
+  std::vector<Landmark> landmarks;
+  for (const auto& [id, entry] : entries_) {
+    if (!entry.is_removed) landmarks.push_back(entry.landmark);
+  }
+  return landmarks;
+}
+
+}  // namespace orchard::view

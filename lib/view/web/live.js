@@ -1,0 +1,108 @@
+// A drive as it goes: what the viewer tells becomes part of the map.
+
+class Live {
+  constructor(app) {
+    this.app = app;
+    this.pose = null;
+    this.scan = [];
+    this.isMoved = false; // by hand: the view follows the growing map until then
+    this.panels = new LivePanels(byId("live"));
+    app.painter.overlays.push((...all) => this.paint(...all));
+    for (const name of ["pointerdown", "wheel", "keydown"]) {
+      app.canvas.addEventListener(name, () => { this.isMoved = true; });
+    }
+    byId("fit").addEventListener("click", () => { this.isMoved = false; });
+    this.listen();
+  }
+
+  listen() {
+    const source = new EventSource("api/stream");
+    source.onmessage = (message) => this.take(JSON.parse(message.data));
+    source.onerror = () => this.panels.showConnection(false);
+    source.onopen = () => this.panels.showConnection(true);
+  }
+
+  take(event) {
+    const { model } = this.app;
+    if (event.kind === "hello") {
+      model.replace({ landmarks: {}, paths: [[]] });
+    } else if (event.kind === "map") {
+      this.takeLandmarks(event);
+    } else if (event.kind === "rows") {
+      model.setRows(event.rows, event.ways);
+      this.isListDue = true;
+    } else if (event.kind === "path") {
+      model.paths[0] = event.is_new ? event.points : model.paths[0].concat(event.points);
+      model.touch();
+    } else if (event.kind === "pose") {
+      this.pose = event;
+    } else if (event.kind === "scan") {
+      this.scan = event.points;
+    } else if (event.kind === "look") {
+      this.panels.showLook(event, this.app.theme);
+    } else if (event.kind === "status") {
+      this.panels.showStatus(event);
+    }
+    this.showSoon();
+  }
+
+  takeLandmarks(event) {
+    const columns = event.landmarks;
+    columns.id.forEach((id, k) => {
+      const values = {};
+      for (const name of Object.keys(columns)) values[name] = columns[name][k];
+      this.app.model.put(values);
+    });
+    event.removed.forEach((id) => this.app.model.remove(id));
+    this.isListDue = true;
+  }
+
+  // At most once per picture on the screen; lists and numbers of the panel once a second.
+  showSoon() {
+    const { app } = this;
+    if (!this.isMoved && app.model.box) app.fit(); else app.redraw();
+    if (!this.isListDue || this.isListWaiting) return;
+    this.isListWaiting = true;
+    setTimeout(() => {
+      this.isListWaiting = this.isListDue = false;
+      showSummary(app.model, app.data);
+      showRows(app.model, (row) => app.showRow(row));
+      const i = app.selectedId === null ? -1 : app.model.withId(app.selectedId);
+      if (i >= 0) app.details.showLandmark(i);
+    }, 1000);
+  }
+
+  paint(context, view, theme) {
+    context.fillStyle = theme.colours.scan;
+    for (let k = 0; k + 1 < this.scan.length; k += 2) {
+      context.fillRect(view.toScreenX(this.scan[k]) - 1, view.toScreenY(this.scan[k + 1]) - 1, 2, 2);
+    }
+    if (this.pose) paintRobot(context, view, theme, this.pose);
+  }
+}
+
+// Where the robot is, where it looks, and the ellipse in which it is with 95 %.
+function paintRobot(context, view, theme, pose) {
+  const sx = view.toScreenX(pose.x), sy = view.toScreenY(pose.y);
+  const [xx, xy, yy] = pose.covariance;
+  const mean = (xx + yy) / 2, spread = Math.hypot((xx - yy) / 2, xy);
+  const axis = (variance) => 2.45 * Math.sqrt(Math.max(0, variance)) * view.scale;
+  context.beginPath();
+  context.ellipse(sx, sy, axis(mean + spread), axis(mean - spread), -0.5 * Math.atan2(2 * xy, xx - yy), 0, 2 * Math.PI);
+  context.globalAlpha = 0.2;
+  context.fillStyle = theme.colours.mark;
+  context.fill();
+  context.globalAlpha = 1;
+  context.save();
+  context.translate(sx, sy);
+  context.rotate(-pose.yaw);
+  context.beginPath();
+  context.moveTo(11, 0); context.lineTo(-8, 7); context.lineTo(-4, 0); context.lineTo(-8, -7);
+  context.closePath();
+  context.fillStyle = theme.colours.mark;
+  context.strokeStyle = theme.colours.ground;
+  context.lineWidth = 1.5;
+  context.fill();
+  context.stroke();
+  context.restore();
+}

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "view/live_state.hpp"
+
+namespace orchard::procs {
+
+/// The state of a live drive between the thread that hears of it and those that show it. Who writes
+/// never waits for who reads longer than a thousand landmarks take to copy.
+class LiveBox {
+ public:
+  explicit LiveBox(view::LiveState state) : state_(std::move(state)) {}
+
+  /// Hands a message over, of any kind that LiveState takes.
+  template <typename Message>
+  void take(const Message& message) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    state_.take(message);
+  }
+  void take_status(std::string event) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    state_.take_status(std::move(event));
+  }
+  /// Returns by how much the map's revision rose on account of it.
+  std::int64_t take_rows(const std::vector<mapping::Landmark>& numbered,
+                         std::string rows_and_ways) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const std::int64_t before = state_.map_revision();
+    state_.take_rows(numbered, std::move(rows_and_ways));
+    return state_.map_revision() - before;
+  }
+
+  std::vector<std::string> events_for(view::Seen& seen, bool& is_more) const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return state_.events_for(seen, is_more);
+  }
+  std::shared_ptr<const view::ShownPicture> picture() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return state_.picture();
+  }
+  std::int64_t map_revision() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return state_.map_revision();
+  }
+  std::vector<mapping::Landmark> landmarks() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return state_.landmarks();
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  view::LiveState state_;
+};
+
+}  // namespace orchard::procs

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "viewer/page_server.hpp"
+
+#include <httplib.h>
+#include <netinet/tcp.h>
+#include <sys/resource.h>
+
+#include <atomic>
+#include <chrono>
+#include <stdexcept>
+#include <thread>
+
+#include "view/map_data.hpp"
+#include "view/page.hpp"
+
+namespace orchard::procs {
+namespace {
+
+constexpr std::chrono::milliseconds kEventPeriod{150};  ///< a person sees no more
+constexpr std::chrono::seconds kAliveAfter{10};  ///< of silence a comment shows that it lives
+constexpr int kThreads = PageServer::kStreamsMost + 12;
+constexpr int kNextPorts = 20;
+
+/// What a client that does not read may leave unread in the kernel [bytes].
+constexpr int kSendBuffer = 256 * 1024;
+
+/// Connections at once, with those that wait: more are refused by the kernel.
+constexpr rlim_t kFilesMost = 512;
+
+void limit_files() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur <= kFilesMost) return;
+  limit.rlim_cur = kFilesMost;
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+/// The page before anything is known.
+std::string empty_page(const std::string& version) {
+  const std::vector<mapping::Landmark> landmarks;
+  const std::vector<mapping::Row> rows;
+  const mapping::NavigationGraph graph;
+  view::MapData data;
+  data.title = "Live";
+  data.version = version;
+  data.landmarks = &landmarks;
+  data.rows = &rows;
+  data.graph = &graph;
+  std::string json = view::map_data_json(data);
+  json.insert(1, "\"mode\":\"live\",");
+  return view::page_html("Orchard, live", json, view::PageSource::kServer);
+}
+
+std::string cookie_token(const httplib::Request& request) {
+  const std::string cookies = request.get_header_value("Cookie");
+  const std::string name = "orchard_token=";
+  const auto at = cookies.find(name);
+  if (at == std::string::npos) return {};
+  const auto end = cookies.find(';', at);
+  return cookies.substr(at + name.size(), end == std::string::npos ? end : end - at - name.size());
+}
+
+}  // namespace
+
+struct PageServer::Impl {
+  Impl(LiveBox& live_box, const PageServerOptions& given)
+      : box(live_box), options(given), page(empty_page(given.version)) {}
+
+  void set_up();
+  void bind();
+  httplib::Server::HandlerResponse admit(const httplib::Request& request,
+                                         httplib::Response& response) const;
+  void stream(httplib::Response& response);
+
+  LiveBox& box;
+  PageServerOptions options;
+  std::string page;
+  std::string url;
+  httplib::Server server;
+  std::atomic<bool> is_stopping{false};
+  std::atomic<int> num_streams{0};
+  std::thread thread;
+};
+
+httplib::Server::HandlerResponse PageServer::Impl::admit(const httplib::Request& request,
+                                                         httplib::Response& response) const {
+  using Handled = httplib::Server::HandlerResponse;
+  const auto refuse = [&](int status, const char* words) {
+    response.status = status;
+    response.set_content(words, "text/plain");
+    return Handled::Handled;
+  };
+  if (request.method != "GET" && request.method != "HEAD") {
+    return refuse(405, "This server is for looking on only.\n");
+  }
+  if (options.token.empty()) {
+    const bool is_ours =
+        is_own_host(request.get_header_value("Host"), options.address, options.port);
+    return is_ours ? Handled::Unhandled : refuse(403, "Ask for 127.0.0.1 by its number.\n");
+  }
+  const bool is_given = request.has_param("token");
+  const std::string token = is_given ? request.get_param_value("token") : cookie_token(request);
+  if (!is_same_secret(options.token, token)) {
+    return refuse(403, "Add ?token=... to the address, as the viewer was given it.\n");
+  }
+  if (is_given) {
+    response.set_header("Set-Cookie",
+                        "orchard_token=" + options.token + "; HttpOnly; SameSite=Strict; Path=/");
+  }
+  return Handled::Unhandled;
+}
+
+void PageServer::Impl::stream(httplib::Response& response) {
+  if (num_streams.fetch_add(1) >= kStreamsMost) {
+    --num_streams;
+    response.status = 503;
+    response.set_content("As many look on already as can.\n", "text/plain");
+    return;
+  }
+  struct Client {
+    view::Seen seen;
+    bool is_greeted = false;
+    std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
+  };
+  const auto client = std::make_shared<Client>();
+  response.set_header("Cache-Control", "no-store");
+  response.set_chunked_content_provider(
+      "text/event-stream",
+      [this, client](std::size_t, httplib::DataSink& sink) {
+        if (is_stopping) return false;
+        bool is_more = false;
+        std::string text;
+        // Who comes again, after a break, is told everything anew.
+        if (!client->is_greeted) text = "retry: 1000\ndata: {\"kind\":\"hello\"}\n\n";
+        client->is_greeted = true;
+        for (const std::string& event : box.events_for(client->seen, is_more)) {
+          text += "data: " + event + "\n\n";
+        }
+        const auto now = std::chrono::steady_clock::now();
+        if (text.empty() && now - client->last > kAliveAfter) text = ":\n\n";
+        if (!text.empty()) {
+          client->last = now;
+          if (!sink.write(text.data(), text.size())) return false;
+        }
+        if (!is_more) std::this_thread::sleep_for(kEventPeriod);
+        return true;
+      },
+      [this](bool) { --num_streams; });
+}
+
+void PageServer::Impl::set_up() {
+  server.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
+  server.set_payload_max_length(1024);
+  server.set_read_timeout(std::chrono::seconds(3));
+  server.set_write_timeout(std::chrono::seconds(3));
+  server.set_keep_alive_timeout(2);
+  server.set_socket_options([](socket_t socket) {
+    const int yes = 1;
+    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
+    setsockopt(socket, SOL_SOCKET, SO_SNDBUF, &kSendBuffer, sizeof(kSendBuffer));
+  });
+  server.set_default_headers({{"X-Content-Type-Options", "nosniff"},
+                              {"X-Frame-Options", "DENY"},
+                              {"Referrer-Policy", "no-referrer"},
+                              {"Cross-Origin-Resource-Policy", "same-origin"}});
+  server.set_pre_routing_handler(
+      [this](const auto& request, auto& response) { return admit(request, response); });
+  server.Get("/", [this](const httplib::Request&, httplib::Response& response) {
+    response.set_header("Content-Security-Policy",
+                        view::page_policy(view::PageSource::kServer) + "; frame-ancestors 'none'");
+    response.set_content(page, "text/html; charset=utf-8");
+  });
+  server.Get("/api/stream",
+             [this](const httplib::Request&, httplib::Response& response) { stream(response); });
+  server.Get("/api/picture", [this](const httplib::Request&, httplib::Response& response) {
+    response.set_header("Cache-Control", "no-store");
+    if (const auto picture = box.picture()) {
+      response.set_content(picture->bytes, picture->type);
+    } else {
+      response.status = 404;
+    }
+  });
+}
+
+void PageServer::Impl::bind() {
+  const int last = options.port + (options.may_move ? kNextPorts : 0);
+  while (!server.bind_to_port(options.address, options.port)) {
+    if (++options.port > last) {
+      throw std::runtime_error(options.address + ":" + std::to_string(last) +
+                               " cannot be listened at (taken, or not an address of this host); "
+                               "give another one with --listen");
+    }
+  }
+  const bool is_v6 = options.address.find(':') != std::string::npos;
+  url = "http://" + (is_v6 ? "[" + options.address + "]" : options.address) + ":" +
+        std::to_string(options.port) + "/";
+}
+
+PageServer::PageServer(LiveBox& box, const PageServerOptions& options)
+    : impl_(std::make_unique<Impl>(box, options)) {
+  if (options.token.empty() && !is_loopback(options.address)) {
+    throw std::runtime_error("--listen " + options.address +
+                             " lets other hosts look on: give a token with --token-file");
+  }
+  limit_files();
+  impl_->set_up();
+  impl_->bind();
+  impl_->thread = std::thread([this] { impl_->server.listen_after_bind(); });
+}
+
+PageServer::~PageServer() {
+  impl_->is_stopping = true;
+  while (!impl_->server.is_running()) std::this_thread::yield();
+  impl_->server.stop();
+  impl_->thread.join();
+}
+
+const std::string& PageServer::url() const { return impl_->url; }
+
+}  // namespace orchard::procs

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "viewer/row_survey.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "mapping/rows/navigation_graph.hpp"
+#include "mapping/rows/rows.hpp"
+#include "view/map_data.hpp"
+
+namespace orchard::procs {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::seconds kPeriodLeast{2};
+constexpr int kRestPerWork = 20;  ///< so that it takes a twentieth of a core at most
+
+}  // namespace
+
+RowSurvey::RowSurvey(LiveBox& box, const mapping::RowsConfig& config)
+    : box_(box), config_(config), thread_([this] { run(); }) {}
+
+RowSurvey::~RowSurvey() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    is_stopping_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+}
+
+void RowSurvey::run() {
+  std::int64_t surveyed = 0;
+  Clock::duration rest = kPeriodLeast;
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (!wake_.wait_for(lock, rest, [this] { return is_stopping_; })) {
+    const std::int64_t revision = box_.map_revision();
+    rest = kPeriodLeast;
+    if (revision == surveyed) continue;
+    lock.unlock();
+    const Clock::time_point begin = Clock::now();
+    std::vector<mapping::Landmark> landmarks = box_.landmarks();
+    const std::vector<mapping::Row> rows = mapping::find_rows(landmarks, config_);
+    mapping::number_landmarks(rows, landmarks);
+    const std::int64_t num_own = box_.take_rows(
+        landmarks, view::rows_and_ways_json(rows, mapping::navigation_graph(landmarks, rows)));
+    surveyed = revision + num_own;  // its own numbers are no news; what came meanwhile is
+    rest = std::max<Clock::duration>(kPeriodLeast, kRestPerWork * (Clock::now() - begin));
+    lock.lock();
+  }
+}
+
+}  // namespace orchard::procs

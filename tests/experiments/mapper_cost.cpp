@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a live mapper costs as its drive goes on: gives one the SCAN and GNSS of a log and the
 // messages that `orchard map` made of it (derived.lcm), saving its journal once a second of message
-// time and the map's folder every half minute of it, and prints the memory by tenths of the drive,
+// time and the map's folder every five minutes of it, and prints the memory by tenths of the drive,
 // per hour and per kilometre, what lies on the disk, how long a snapshot holds it up at most, and
 // how long one that is started again after a kill takes to be where this one was.
 //   mapper_cost LOG DERIVED CONFIG OUT
@@ -105,7 +105,7 @@ int main(int argc, char** argv) {
       }
       if (utime >= next_save) {
         saver.save(mapper.mapper(), {orchard::bus::SaveKind::kFull, {}});
-        next_save = utime + 30000000;
+        next_save = utime + 300000000;
       }
       if (++num % 20000 == 0) course.push_back(memory());
     }

@@ -135,4 +135,24 @@ void ExistenceFilter::update(const std::shared_ptr<const FreeSpace>& free_space,
   }
 }
 
+void ExistenceFilter::persist(StateArchive& archive) {
+  std::uint64_t num_looks = looks_.size();
+  archive(last_utime_, num_looks);
+  if (archive.is_reading()) {
+    looks_.clear();
+    for (; num_looks > 0; --num_looks) {
+      Look look;
+      std::vector<std::uint8_t> bytes;
+      archive(look.T_map_base, bytes);
+      look.free_space = std::make_shared<FreeSpace>(FreeSpace::unpack(bytes));
+      looks_.push_back(std::move(look));
+    }
+    return;
+  }
+  for (Look& look : looks_) {
+    std::vector<std::uint8_t> bytes = look.free_space->pack();
+    archive(look.T_map_base, bytes);
+  }
+}
+
 }  // namespace orchard::mapping

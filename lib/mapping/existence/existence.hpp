@@ -12,6 +12,7 @@
 #include "mapping/existence/free_space.hpp"
 #include "mapping/landmark_table.hpp"
 #include "mapping/map_update.hpp"
+#include "mapping/store/state_archive.hpp"
 #include "pose/pose_estimate.hpp"
 
 namespace orchard::mapping {
@@ -41,10 +42,7 @@ class ExistenceFilter {
   /// place for a moment only, also where no later scan looks.
   bool was_free_before(const Eigen::Vector2d& p_map, double width_m, double sd_m) const;
 
-  template <class Archive>
-  void persist(Archive& archive) {
-    archive(last_utime_);
-  }
+  void persist(StateArchive& archive);
 
  private:
   struct Evidence;

@@ -51,6 +51,35 @@ TEST(Mapper, ComposesAsEquations11And12) {
   EXPECT_NEAR(l.y_m, y_robot + r * std::cos(beta), 1e-6);
 }
 
+TEST(Mapper, ABushIsOneObjectWithItsExtent) {
+  // leaves anywhere in a disc of radius 0.4 m, three of them in each scan; a trunk 0.6 m beside it
+  std::mt19937_64 random(3);
+  const auto uniform = [&](double a, double b) {
+    return a + (b - a) * static_cast<double>(random() >> 11) * 0x1p-53;
+  };
+  Mapper mapper({});
+  for (int scan = 0; scan < 60; ++scan) {
+    std::vector<Detection> seen{seen_at(3.0, 1.6, Label::kTree)};
+    while (seen.size() < 4) {
+      const Eigen::Vector2d p(uniform(-0.4, 0.4), uniform(-0.4, 0.4));
+      if (p.norm() > 0.4) continue;
+      seen.push_back(seen_at(3.0 + p.x(), 1.0 + p.y(), Label::kObject, uniform(0.02, 0.2)));
+    }
+    mapper.update(scan_of(std::move(seen), 100000 * scan), {});
+  }
+  const std::vector<Landmark> all = mapper.landmarks();
+  ASSERT_EQ(all.size(), 2u);
+  const Landmark& tree = all[0].label == Label::kTree ? all[0] : all[1];
+  const Landmark& bush = all[0].label == Label::kTree ? all[1] : all[0];
+  EXPECT_EQ(tree.label, Label::kTree);
+  EXPECT_NEAR(tree.y_m, 1.6, 0.01);
+  EXPECT_NEAR(tree.width_m, 0.09, 0.01);
+  EXPECT_EQ(bush.label, Label::kObject);
+  EXPECT_NEAR(bush.x_m, 3.0, 0.1);
+  EXPECT_NEAR(bush.y_m, 1.0, 0.1);
+  EXPECT_NEAR(bush.width_m, 0.8, 0.2);
+}
+
 TEST(Mapper, StatisticsAreThePapers) {
   const double offsets[] = {0.011, -0.007, 0.002, 0.016, -0.013};
   Mapper mapper({});

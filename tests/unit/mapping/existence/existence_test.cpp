@@ -164,6 +164,22 @@ TEST(Existence, BeamsClearAWalkersWayWhileItWalks) {
   EXPECT_EQ(twice.landmarks(20).size(), 42u);
 }
 
+TEST(Existence, WhatWalksBesideTheRobotLeavesNothingThoughNoScanLooksThereAgain) {
+  // overtakes the robot slowly, one leg ahead of the other: no later scan looks behind
+  const auto things_at = [](double time_s) {
+    std::vector<Thing> things = two_rows();
+    const double x_m = -3.0 + 1.08 * time_s;
+    things.push_back({{x_m, -0.9}, 0.13});
+    things.push_back({{x_m + 0.25, -1.08}, 0.13});
+    return things;
+  };
+  EXPECT_GT(num_within(drive(1, things_at, Sees::kDetections), {-5, -1.6}, {45, 1.6}), 20);
+  const Mapper mapper = drive(1, things_at);
+  // its first seconds, where nothing had looked before; and its last
+  EXPECT_EQ(num_within(mapper, {2, -1.6}, {40, 1.6}), 0);
+  EXPECT_EQ(mapper.landmarks(20).size(), 42u);
+}
+
 TEST(Existence, BeamsClearTheWayOfAVehicleThatDroveAhead) {
   const auto things_at = [](double time_s) {
     std::vector<Thing> things = two_rows();

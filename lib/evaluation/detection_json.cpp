@@ -43,7 +43,7 @@ ordered_json slices_json(const std::vector<Slice>& slices) {
     json["name"] = slice.name;
     json["from_m"] = slice.from_m;
     json["to_m"] = slice.to_m;
-    json["centre_error"] = errors_json(slice.centre);
+    json["centre_error"] = errors_json<ordered_json>(slice.centre);
     list.push_back(std::move(json));
   }
   return list;
@@ -77,7 +77,7 @@ std::string detection_json(const DetectionEvaluation& e) {
   if (e.has_probability) json["probability"] = reliability_json(e.reliability);
   if (e.landmarks) {
     json["landmarks"] = counts_json(e.landmarks->counts);
-    json["landmarks"]["centre_error"] = errors_json(e.landmarks->trees);
+    json["landmarks"]["centre_error"] = errors_json<ordered_json>(e.landmarks->trees);
     json["landmarks"]["probability"] = reliability_json(e.landmarks->reliability);
   }
   return json.dump(2) + "\n";

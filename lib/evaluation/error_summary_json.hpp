@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <nlohmann/json.hpp>
-
 #include "evaluation/map_evaluation.hpp"
 
 namespace orchard::evaluation {
 
-/// How many errors, their mean, root mean square and largest [m].
-inline nlohmann::ordered_json errors_json(const ErrorSummary& summary) {
+/// How many errors, their mean, root mean square and largest [m], as an object of any JSON type.
+template <class Json>
+Json errors_json(const ErrorSummary& summary) {
   return {{"n", summary.num},
           {"mean_m", summary.mean_m},
           {"rms_m", summary.rms_m},

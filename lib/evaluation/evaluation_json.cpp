@@ -60,8 +60,8 @@ std::string evaluation_json(const MapEvaluation& evaluation) {
                     {"num_trees_missed", evaluation.num_trees_missed},
                     {"num_duplicates", evaluation.num_duplicates},
                     {"perfect", evaluation.perfect()},
-                    {"error_all", errors_json(evaluation.all)},
-                    {"error_trees", errors_json(evaluation.trees)},
+                    {"error_all", errors_json<ordered_json>(evaluation.all)},
+                    {"error_trees", errors_json<ordered_json>(evaluation.trees)},
                     {"roc_mean_trees", evaluation.roc_mean_trees},
                     {"se_x_mean_m", evaluation.se_x_mean_m},
                     {"se_y_mean_m", evaluation.se_y_mean_m},
@@ -69,7 +69,7 @@ std::string evaluation_json(const MapEvaluation& evaluation) {
   if (evaluation.unaligned) {
     const geometry::Pose2& t = evaluation.unaligned->T_truth_map;
     json["aligned_by"] = {{"x_m", t.x_m}, {"y_m", t.y_m}, {"yaw_rad", t.yaw_rad}};
-    json["error_trees_unaligned"] = errors_json(evaluation.unaligned->trees);
+    json["error_trees_unaligned"] = errors_json<ordered_json>(evaluation.unaligned->trees);
   }
   json["objects"] = ordered_json::array();
   for (const EvaluatedObject& object : evaluation.objects) {

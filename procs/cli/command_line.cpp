@@ -33,8 +33,9 @@ void add_simulate(CLI::App& app, Run& run) {
       "      --truth out/truth.csv --poses out/poses.csv --observations out/looks.csv\n",
       run_simulate, [](CLI::App& command, SimulateOptions& o) {
         command
-            .add_option("--scene", o.scene,
-                        "tubes (the paper's), orchard, park, yard, or board (for calibrate laser-camera)")
+            .add_option(
+                "--scene", o.scene,
+                "tubes (the paper's), orchard, park, yard, or board (for calibrate laser-camera)")
             ->required()
             ->check(CLI::IsMember({"tubes", "orchard", "park", "yard", "board"}));
         command.add_option("--seed", o.seed, "all noise and layout follow from it")

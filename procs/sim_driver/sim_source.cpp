@@ -41,7 +41,8 @@ std::unique_ptr<SimSource> make_sim_source(const SimDriverOptions& options,
                                            const io::Config& config) {
   const auto kind = simulation::find_scene(options.scene);
   if (!kind) {
-    throw std::invalid_argument("--scene " + options.scene + ": must be tubes, orchard, park or yard");
+    throw std::invalid_argument("--scene " + options.scene +
+                                ": must be tubes, orchard, park or yard");
   }
   const simulation::RigConfig rig{config.laser, config.camera, config.simulation,
                                   config.laser_rear};

@@ -33,6 +33,20 @@ ReflectorVerdict judge_by_reflector(const laser::Segment& segment, const laser::
                                              : ReflectorVerdict::kNoTree;
 }
 
+/// Whether an object is a trunk by the reflector it carries, however wide or hidden it is. A
+/// reflector blooms by a beam on either side; what is wider even so is a sheet of metal.
+bool stands_by_reflector(const laser::Segment& segment, const laser::Scan& scan,
+                         const DetectorConfig& config) {
+  if (config.segmentation.reflector != laser::ReflectorUse::kOnly || !segment.is_reflector) {
+    return false;
+  }
+  const double bloom_m = 2.0 * segment.range_m * std::abs(scan.bearing_step_rad);
+  const double least_m = segment.width_m - bloom_m;
+  return least_m <= config.width.mean_m ||
+         laser::roc_laser(least_m, segment.range_m, scan.bearing_step_rad, config.width) >=
+             config.roc_laser_threshold;
+}
+
 bool is_half_hidden(const laser::Segment& segment) {
   return segment.occluded_left || segment.occluded_right;
 }
@@ -181,9 +195,12 @@ LaserFindings find_by_laser(const laser::Scan& scan, const Rig& rig) {
   const auto segments = laser::segment(scan, config.segmentation, config.width, rig.laser);
   trunks.reserve(segments.size());
   for (const laser::Segment& segment : segments) {
-    const double roc_laser = roc_of_width(segment, scan.bearing_step_rad, config);
+    const bool stands = stands_by_reflector(segment, scan, config);
+    const double roc_laser = stands ? 1.0 : roc_of_width(segment, scan.bearing_step_rad, config);
     const ReflectorVerdict reflector = judge_by_reflector(segment, scan, config.segmentation);
-    LaserVerdict verdict = judge_by_laser(segment, roc_laser, scan.bearing_step_rad, config);
+    LaserVerdict verdict = stands
+                               ? LaserVerdict::kCandidate
+                               : judge_by_laser(segment, roc_laser, scan.bearing_step_rad, config);
     if (reflector == ReflectorVerdict::kNoTree) verdict = LaserVerdict::kObject;
     if (reflector == ReflectorVerdict::kUntold) verdict = LaserVerdict::kHidden;
     trunks.push_back(laser_detection(segment, scan, roc_laser, verdict, rig));

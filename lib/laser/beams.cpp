@@ -25,6 +25,7 @@ Beams::Beams(const Scan& scan, const SegmentationConfig& config)
   const double turn_rad = step_rad_ * static_cast<double>(size_);
   is_turn_ = size_ > 2 && std::abs(turn_rad - 2.0 * kPi) <= 1.5 * step_rad_;
   validate(scan);
+  if (config.reflector != ReflectorUse::kIgnored && scan.has_intensities()) find_bright(scan);
   if (merges_occluded()) remove_foreground_clutter();
   if (is_turn_) start_ = first_gap();
   find_directions();
@@ -63,11 +64,22 @@ void Beams::validate(const Scan& scan) {
   }
 }
 
+void Beams::find_bright(const Scan& scan) {
+  bright_.assign(ranges_m_.size(), 0);
+  for (std::size_t i = 0; i < ranges_m_.size(); ++i) {
+    // a comparison with NaN is false
+    if (!(ranges_m_[i] > 0.0f && scan.intensities[i] >= config_.reflectivity_min)) continue;
+    bright_[i] = 1;
+    has_bright_ = true;
+  }
+}
+
 void Beams::remove_foreground_clutter() {
   std::vector<std::size_t> fronts;
   for (std::size_t i = 1; i + 1 < ranges_m_.size(); ++i) {
     const float before_m = ranges_m_[i - 1], here_m = ranges_m_[i], after_m = ranges_m_[i + 1];
     if (before_m <= 0.0f || here_m <= 0.0f || after_m <= 0.0f) continue;
+    if (has_bright_ && bright_[i] != 0) continue;  // a thin pole that carries a reflector
     const double stands_out_m = kSurfaceNoiseFraction * jump_m(here_m);
     const float nearer_m = std::min(before_m, after_m);
     if (here_m < nearer_m - stands_out_m && std::abs(before_m - after_m) < stands_out_m &&

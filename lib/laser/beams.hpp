@@ -51,6 +51,9 @@ class Beams {
     if (!is_turn_ && (i < 0 || i >= size_)) return true;
     return blocked_[index(around(i))] != 0;
   }
+  /// Whether a beam met a reflector, where reflectors count.
+  bool bright(std::ptrdiff_t i) const { return has_bright_ && bright_[index(i)] != 0; }
+  bool has_bright() const { return has_bright_; }
   /// Whether objects that thin foreground clutter divides are merged again.
   bool merges_occluded() const { return config_.merge_occluded_beams > 0; }
   /// The range step that separates objects at a range.
@@ -66,6 +69,7 @@ class Beams {
     return i >= 0 && i < size_ ? i : (i + size_) % size_;  // dividing is slow, and rarely needed
   }
   void validate(const Scan& scan);
+  void find_bright(const Scan& scan);
   void find_directions();
   /// Discards a single beam on a thin object close in front of a surface, as if it had not
   /// returned.
@@ -79,6 +83,8 @@ class Beams {
   bool is_turn_ = false;
   std::vector<float> ranges_m_;
   std::vector<std::uint8_t> blocked_;
+  std::vector<std::uint8_t> bright_;
+  bool has_bright_ = false;
   std::vector<Direction> directions_;  ///< of whole steps
 };
 

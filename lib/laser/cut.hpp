@@ -22,6 +22,7 @@ struct Candidate {
   static constexpr int kMaxFronts = 3;
   std::array<Front, kMaxFronts> fronts;
   int num_fronts = 0;
+  bool is_bright = false;       ///< cut around a reflector
   bool touches_before = false;  ///< cut from what touches it there, not by a spike
   bool touches_after = false;
   bool hidden_before = false;  ///< goes on there behind what touches it

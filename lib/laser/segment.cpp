@@ -7,11 +7,15 @@
 #include "laser/beams.hpp"
 #include "laser/cut.hpp"
 #include "laser/measure.hpp"
+#include "laser/splitting/bright_cut.hpp"
 #include "laser/splitting/occlusion_merge.hpp"
 #include "laser/splitting/split_touching.hpp"
 
 namespace orchard::laser {
 namespace {
+
+/// Three standard deviations, as detector.roc_laser_threshold has by default.
+constexpr double kRocOfTrunks = 0.0111;
 
 /// Whether a single beam is a mixed pixel between the two surfaces beside it.
 bool is_mixed(const Beams& beams, const Candidate& candidate) {
@@ -36,10 +40,21 @@ std::vector<Segment> segment(const Scan& scan, const SegmentationConfig& segment
   merge_occluded(beams, segmentation, fit, candidates);
   for (Candidate& candidate : candidates) trim_border(beams, candidate);
   split_touching(beams, segmentation, laser, fit, candidates);
+  const auto measured = [&](const Candidate& candidate) {
+    return measure(scan, beams, candidate, segmentation, width, laser, fit);
+  };
+  if (beams.has_bright()) {
+    cut_at_bright(beams, candidates, [&](const Candidate& candidate) {
+      const Segment s = measured(candidate);
+      return roc_laser(s.width_m, s.range_m, scan.bearing_step_rad, width) >= kRocOfTrunks;
+    });
+  }
   for (const Candidate& candidate : candidates) {
-    if (candidate.num_beams < segmentation.min_beams) continue;
-    if (candidate.num_beams == 1 && is_mixed(beams, candidate)) continue;
-    const Segment s = measure(scan, beams, candidate, segmentation, width, laser, fit);
+    if (!candidate.is_bright) {
+      if (candidate.num_beams < segmentation.min_beams) continue;
+      if (candidate.num_beams == 1 && is_mixed(beams, candidate)) continue;
+    }
+    const Segment s = measured(candidate);
     if (s.width_m <= segmentation.width_max_m) segments.push_back(s);
   }
   std::sort(segments.begin(), segments.end(), [](const Segment& a, const Segment& b) {

@@ -13,6 +13,11 @@ constexpr double kTreeRateOfTrees = 0.8;
 /// Fraction of an object's observations that are labelled TREE.
 constexpr double kTreeRateOfObjects = 0.2;
 
+/// Fractions of looks in which a reflector flashes: tape is turned away or dirty in every other
+/// one, and hardly anything else is as bright.
+constexpr double kFlashRateOfTrees = 0.5;
+constexpr double kFlashRateOfObjects = 0.02;
+
 using detection::Label;
 
 /// One observation's probability counts between this and 1 minus it.
@@ -190,8 +195,8 @@ double evidence_of(const detection::Detection& observation, const MapperConfig& 
         std::clamp<double>(observation.probability_tree, kProbabilityMin, 1.0 - kProbabilityMin);
     return logit(p) - logit(config.evidence_base_rate);
   }
-  const double of_tree = kTreeRateOfTrees;
-  const double of_object = kTreeRateOfObjects;
+  const double of_tree = config.flash_tells ? kFlashRateOfTrees : kTreeRateOfTrees;
+  const double of_object = config.flash_tells ? kFlashRateOfObjects : kTreeRateOfObjects;
   switch (observation.label) {
     case Label::kTree:
       return std::log(of_tree / of_object);

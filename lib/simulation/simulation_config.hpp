@@ -30,6 +30,7 @@ struct ScannerConfig {
   double spot_rad = 0.004;              ///< angular width of the spot, which makes mixed pixels
   double spot_m = 0.0;                  ///< its width where it leaves
   double return_fraction = 0.5;         ///< of a spot on something from which it returns
+  double bloom_rad = 0.0;               ///< a reflector shines into beams this far beside it
   double mixed_probability = 0.5;       ///< that a spot split over two surfaces reads between them
   double dropout_probability = 0.0005;  ///< that a beam gets no return although it hits
   double beam_sd_m = 0.003;             ///< of each beam, constant part
@@ -57,6 +58,7 @@ void describe(Visitor& v, ScannerConfig& c) {
   v.number("spot_m", c.spot_m, 0, 0.2, "m", "width of the spot where it leaves");
   v.number("return_fraction", c.return_fraction, 0.01, 0.5, "1",
            "least part of a spot that returns: 0.5 as a line would, real scanners less");
+  v.number("bloom_rad", c.bloom_rad, 0, 0.05, "rad", "a reflector shines into beams beside it");
   v.number("mixed_probability", c.mixed_probability, 0, 1, "1",
            "that a spot split over two surfaces reads between them");
   v.number("dropout_probability", c.dropout_probability, 0, 1, "1", "that a hit gives no return");

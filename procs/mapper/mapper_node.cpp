@@ -58,9 +58,10 @@ std::optional<std::int64_t> scan_wait_us(const mapping::MapperConfig& config) {
   return wait_us;
 }
 
-mapping::MapperConfig with_fewest_beams(const io::Config& config) {
+mapping::MapperConfig with_detector(const io::Config& config) {
   mapping::MapperConfig mapper = config.mapper;
   mapper.fewest_beams = config.detector.segmentation.min_beams;
+  mapper.flash_tells = config.detector.segmentation.reflector == laser::ReflectorUse::kOnly;
   return mapper;
 }
 
@@ -71,7 +72,7 @@ MapperNode::MapperNode(const io::Config& config,
     : config_(config.mapper),
       antenna_base_m_(config.pose.gnss.antenna_m[0], config.pose.gnss.antenna_m[1]),
       gnss_(config.pose.gnss),
-      mapper_(with_fewest_beams(config), {config.laser.mount_x_m, config.laser.mount_y_m}, memory),
+      mapper_(with_detector(config), {config.laser.mount_x_m, config.laser.mount_y_m}, memory),
       track_(config.mapper.pose_gap_max_s, memory),
       queue_(rules_of(config.mapper)),
       laser_(config.laser),

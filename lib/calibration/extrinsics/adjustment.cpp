@@ -182,6 +182,7 @@ class Adjustment {
     ceres::Solve(options, &problem, &summary);
     if (!summary.IsSolutionUsable()) return false;
     if (!evaluate(problem, groups)) return false;
+    out_.scale = scale;
 
     const Eigen::Map<const Eigen::Vector3d> shift(mount.data()), turn(mount.data() + 3);
     out_.mount.delta_m += shift;
@@ -291,6 +292,7 @@ class Adjustment {
     const Eigen::MatrixXd Q =
         s.asDiagonal() * solver.solve(Eigen::MatrixXd::Identity(size, size)) * s.asDiagonal();
     out_.covariance = Q.topLeftCorner<kMountSize, kMountSize>();
+    out_.scale_sd = std::sqrt(std::max(0.0, Q(kMountSize, kMountSize)));
     if (!out_.covariance.allFinite()) return false;
 
     out_.views.assign(views_.size(), {});

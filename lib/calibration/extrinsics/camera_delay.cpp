@@ -168,8 +168,21 @@ DelayEstimate estimate_delay(const std::vector<DelayLook>& looks, const DelayOpt
     sum_px2 += r * r;
     if (std::abs(look.yaw_rate_radps) >= options.turning_radps) ++estimate.num_turning;
   }
-  if (!fit || estimate.num_looks < kAgreeingMin * estimate.num_all ||
+  if (!fit) {
+    throw std::runtime_error(fmt::format(
+        "{} looks cannot tell a delay from a camera that is turned: the robot turned to one side "
+        "at one rate; drive curves to both sides, faster and slower ones",
+        estimate.num_all));
+  }
+  if (estimate.num_looks >= kAgreeingMin * estimate.num_all &&
       estimate.num_turning < options.min_turning_looks) {
+    throw std::runtime_error(fmt::format(
+        "of the looks that agree with one delay only {} are of curves ({} are needed): those while "
+        "turning contradict one another; check that ODOMETRY's yaw rate has the right sign and "
+        "size, and that its clock is that of the laser",
+        estimate.num_turning, options.min_turning_looks));
+  }
+  if (estimate.num_looks < kAgreeingMin * estimate.num_all) {
     throw std::runtime_error(fmt::format(
         "only {} of {} looks agree with one delay ({:.0f} % are needed); check camera.phi_rad, "
         "camera.delta_m and laser.mount_* first (orchard calibrate laser-camera)",

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/extrinsics/import.hpp"
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
@@ -29,29 +32,46 @@ std::size_t find_name(const std::string& text, const std::string& name) {
   return std::string::npos;
 }
 
-struct Three {
-  std::array<double, 3> numbers{};
+template <std::size_t N>
+struct Numbers {
+  std::array<double, N> numbers{};
   std::size_t end = 0;
 };
 
-Three three_numbers(const std::string& text, const std::string& name) {
+template <std::size_t N>
+Numbers<N> numbers_after(const std::string& text, const std::string& name) {
   const std::size_t at = find_name(text, name);
   if (at == std::string::npos) {
     throw std::runtime_error("holds no \"" + name + " = [x y z]\"");
   }
-  Three three;
-  three.end = at;
-  for (double& number : three.numbers) {
-    const std::size_t begin = text.find_first_not_of(" \t\r\n[](),;", three.end);
+  Numbers<N> list;
+  list.end = at;
+  for (double& number : list.numbers) {
+    const std::size_t begin = text.find_first_not_of(" \t\r\n[](),;", list.end);
     const char* start = begin == std::string::npos ? nullptr : text.c_str() + begin;
     char* stop = nullptr;
     if (start) number = std::strtod(start, &stop);
     if (!start || stop == start || !std::isfinite(number)) {
-      throw std::runtime_error("has no three numbers after \"" + name + "\"");
+      throw std::runtime_error("has too few numbers after \"" + name + "\"");
     }
-    three.end = begin + static_cast<std::size_t>(stop - start);
+    list.end = begin + static_cast<std::size_t>(stop - start);
   }
-  return three;
+  return list;
+}
+
+/// Row by row; throws what is no rotation.
+Eigen::Matrix3d rotation_matrix(const std::string& text) {
+  constexpr double kOff = 1e-3;  // of numbers written with three places
+  const auto rows = numbers_after<9>(text, "r").numbers;
+  const Eigen::Matrix3d R =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());
+  if (!(R * R.transpose()).isIdentity(5.0 * kOff) || !(R.determinant() > 0.0)) {
+    throw std::runtime_error(
+        "has a matrix R that is no rotation (its rows must be unit vectors at "
+        "right angles, its determinant 1)");
+  }
+  const Eigen::Quaterniond nearest(R);
+  return nearest.normalized().toRotationMatrix();
 }
 
 AngleUnit stated_unit(const std::string& text, std::size_t from) {
@@ -69,16 +89,20 @@ AngleUnit stated_unit(const std::string& text, std::size_t from) {
 geometry::LaserCameraExtrinsics import_mount(const std::string& text, LaserAxes axes,
                                              AngleUnit unit) {
   const std::string small = lower(text);
-  const Three delta = three_numbers(small, "delta");
-  const Three phi = three_numbers(small, "phi");
-  if (unit == AngleUnit::kAsStated) unit = stated_unit(small, phi.end);
-  if (unit == AngleUnit::kAsStated) {
-    throw std::runtime_error("does not say whether phi is in deg or rad: say --angles deg or rad");
-  }
   geometry::LaserCameraExtrinsics extrinsics;
-  extrinsics.delta_m = delta.numbers;
-  const double scale = unit == AngleUnit::kDegrees ? geometry::kPi / 180.0 : 1.0;
-  for (std::size_t i = 0; i < 3; ++i) extrinsics.phi_rad[i] = scale * phi.numbers[i];
+  extrinsics.delta_m = numbers_after<3>(small, "delta").numbers;
+  if (find_name(small, "phi") == std::string::npos && find_name(small, "r") != std::string::npos) {
+    extrinsics.phi_rad = geometry::paper_angles_rad(rotation_matrix(small));
+  } else {
+    const auto phi = numbers_after<3>(small, "phi");
+    if (unit == AngleUnit::kAsStated) unit = stated_unit(small, phi.end);
+    if (unit == AngleUnit::kAsStated) {
+      throw std::runtime_error(
+          "does not say whether phi is in deg or rad: say --angles deg or rad");
+    }
+    const double scale = unit == AngleUnit::kDegrees ? geometry::kPi / 180.0 : 1.0;
+    for (std::size_t i = 0; i < 3; ++i) extrinsics.phi_rad[i] = scale * phi.numbers[i];
+  }
   Eigen::Matrix3d R = geometry::LaserToCamera(extrinsics).rotation();
   if (axes == LaserAxes::kToolbox) {
     Eigen::Matrix3d R_toolbox_ours;  // (x, y, z) = (left, up, forward) of (forward, left, up)

@@ -8,6 +8,7 @@
 
 #include "calibration/board/board_association.hpp"
 #include "geometry/angles.hpp"
+#include "text/number_text.hpp"
 
 namespace orchard::calibration {
 namespace {
@@ -85,6 +86,9 @@ class Calibration {
     const int wanted =
         std::max(options_.min_views,
                  static_cast<int>(std::ceil(options_.min_fitting_share * num_with_line)));
+    if (association.num_fitting < wanted && find_board_scale(views_, outline_, association)) {
+      return wrong_size();
+    }
     if (association.num_fitting < wanted) {
       return "no mount of the scanner puts one of its lines on the board in more than " +
              std::to_string(association.num_fitting) + " of " + std::to_string(num_with_line) +
@@ -100,6 +104,68 @@ class Calibration {
              " views): tilt the board more and to all sides";
     }
     return adjust(association);
+  }
+
+  /// How many times as large as stated the board is, by the ranges to it: all ranges are the
+  /// scanner's, all distances of the pictures the board's. Sets board_scale if it is another size.
+  bool find_board_scale(const std::vector<MountView>& views, const BoardOutline& outline,
+                        const Association& stated) {
+    // where no mount fits the size as stated, one that fits another size says where to begin
+    constexpr std::array<double, 11> kSizes{1.0, 0.9,  1.1,  0.85, 1.15, 0.8,
+                                            1.2, 0.75, 1.25, 0.95, 1.05};
+    const int enough = std::max(options_.min_views, static_cast<int>(views.size()) * 2 / 3);
+    double best_size = 1.0;
+    Association best = stated;
+    std::vector<MountView> best_views = views;
+    for (const double size : kSizes) {
+      if (best.num_fitting >= enough) break;
+      if (size == 1.0) continue;
+      std::vector<MountView> scaled = views;
+      for (MountView& view : scaled) {
+        view.board.t_camera_board_m *= size;
+        view.board.covariance.bottomRows<3>() *= size;
+        view.board.covariance.rightCols<3>() *= size;
+      }
+      const BoardOutline as_large{size * outline.x_min_m, size * outline.y_min_m,
+                                  size * outline.x_max_m, size * outline.y_max_m};
+      Association other = associate_board_lines(scaled, as_large);
+      if (other.num_fitting <= best.num_fitting) continue;
+      best = std::move(other);
+      best_views = std::move(scaled);
+      best_size = size;
+    }
+    std::vector<AdjustmentView> chosen;
+    for (std::size_t i = 0; i < best_views.size(); ++i) {
+      if (best.line_of_view[i] < 0) continue;
+      const auto line = static_cast<std::size_t>(best.line_of_view[i]);
+      chosen.push_back({best_views[i].board, best_views[i].lines[line], best_views[i].num_scans});
+    }
+    if (static_cast<int>(chosen.size()) < options_.min_views) return false;
+    RangeNoise any_size = options_.noise;
+    any_size.scale_sd_fraction = 0.5;
+    const auto adjusted = adjust_mount(chosen, best.mount, any_size, nullptr);
+    if (!adjusted || !(adjusted->scale < 0.5)) return false;
+    const auto num_agreeing = std::count_if(
+        adjusted->views.begin(), adjusted->views.end(),
+        [&](const auto& view) { return view.disagreement <= options_.disagreement_max; });
+    const double num_left_out =
+        static_cast<double>(chosen.size()) - static_cast<double>(num_agreeing);
+    if (num_left_out > options_.outlier_share_max * static_cast<double>(chosen.size()))
+      return false;
+    // ranges that are too long by a share mean a board that is larger by it
+    const double size = best_size / (1.0 - adjusted->scale);
+    const double sd = size * std::hypot(adjusted->scale_sd, options_.noise.scale_sd_fraction);
+    constexpr double kSure = 3.0;
+    if (std::abs(size - 1.0) < std::max(options_.board_scale_max, kSure * sd)) return false;
+    out_.board_scale = size;
+    out_.board_scale_sd = sd;
+    return true;
+  }
+
+  std::string wrong_size() const {
+    return "the ranges say that the board is " + fixed_text(100.0 * out_.board_scale, 1) +
+           " % of its stated size (standard deviation " +
+           fixed_text(100.0 * out_.board_scale_sd, 1) + " %)";
   }
 
   std::string adjust(const Association& association) {
@@ -135,12 +201,19 @@ class Calibration {
       const double left_out = static_cast<double>(num_first - used.size());
       if (left_out > options_.outlier_share_max * static_cast<double>(num_first) ||
           static_cast<int>(used.size()) < options_.min_views) {
+        if (find_board_scale(views_, outline_, association)) return wrong_size();
         return "the views contradict each other: " + std::to_string(num_first - used.size()) +
                " of " + std::to_string(num_first) +
                " are outliers; hold the board still, and check its square size and the camera's "
                "intrinsics";
       }
     }
+    Association kept = association;
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      if (out_.views[i].fate != Fate::kUsed) kept.line_of_view[i] = -1;
+    }
+    kept.num_fitting = static_cast<int>(views_.size());
+    if (find_board_scale(views_, outline_, kept)) return wrong_size();
     out_.num_used = static_cast<int>(used.size());
     out_.mount = adjustment->mount;
     out_.rms_m = adjustment->rms_m;

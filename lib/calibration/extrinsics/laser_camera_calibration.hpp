@@ -21,6 +21,7 @@ struct LaserCameraOptions {
   double turn_sd_max_rad = 0.0175;  ///< 1 degree
   double disagreement_max = 5.5;    ///< sigmas from which a view is an outlier
   double outlier_share_max = 0.34;  ///< more of them and nothing is believed
+  double board_scale_max = 0.02;    ///< a board that the ranges make this much larger is not it
   bool use_edges = false;           ///< the outline is measured: ends of lines lie on it
   RangeNoise noise;
 };
@@ -44,6 +45,9 @@ struct LaserCameraView {
 /// Where the laser is in the camera frame, or why that cannot be said.
 struct LaserCameraCalibration {
   std::string refusal;  ///< one sentence; empty: the rest may be used
+  /// Of a board whose size was stated wrongly, true over stated, by the ranges; 0 = none such.
+  double board_scale = 0.0;
+  double board_scale_sd = 0.0;
   Mount mount;
   geometry::LaserCameraExtrinsics extrinsics;  ///< the same as eqs. 1 and 2 have it
   /// Of (delta_m, turn about the camera's axes [rad]).

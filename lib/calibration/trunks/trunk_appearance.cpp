@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/trunks/trunk_appearance.hpp"
 
+#include <cmath>
 #include <cstddef>
 #include <utility>
 
 #include "calibration/trunks/roc_area.hpp"
 #include "geometry/statistics.hpp"
+#include "vision/appearance/appearance.hpp"
 
 namespace orchard::calibration {
 namespace {
@@ -18,6 +20,27 @@ std::vector<std::size_t> spread(const std::vector<std::size_t>& looks) {
   std::vector<std::size_t> some;
   for (std::size_t i = 0; i < kMaxLooks; ++i) some.push_back(looks[i * looks.size() / kMaxLooks]);
   return some;
+}
+
+/// Below this a window is no trunk, whatever the light.
+constexpr double kSurelyNone = 0.1;
+
+bool may_be_trunk(const ThingSeen& seen, const TrunkModel& model) {
+  return !seen.is_trunk && !model.is_picked &&
+         std::abs(seen.median_width_m - model.width_mean_m) <=
+             model.width_spread * model.width_mean_m;
+}
+
+double mean_confidence(const ThingSeen& seen, const std::vector<TrunkObservation>& looks,
+                       const vision::AppearanceConfig& config) {
+  double sum = 0.0, n = 0.0;
+  for (const std::size_t i : spread(seen.looks)) {
+    for (const WindowLook& window : looks[i].on) {
+      sum += vision::appearance_confidence(window.features, config);
+      n += 1.0;
+    }
+  }
+  return n > 0.0 ? sum / n : 1.0;
 }
 
 }  // namespace
@@ -35,8 +58,13 @@ TrunkAppearance learn_trunk_appearance(const std::vector<TrunkObservation>& look
     const double roc = vision::colour_confidence(window.hues, interval).roc;
     (is_trunk ? hue_trunk : hue_other).push_back(roc);
   };
+  std::vector<std::size_t> doubtful;
   for (std::size_t thing = 0; thing < model.things.size(); ++thing) {
     const ThingSeen& seen = model.things[thing];
+    if (may_be_trunk(seen, model)) {
+      doubtful.push_back(thing);
+      continue;
+    }
     for (const std::size_t i : spread(seen.looks)) {
       for (const auto& window : looks[i].on) take(window, seen.is_trunk, static_cast<int>(thing));
       if (!seen.is_trunk) continue;
@@ -45,6 +73,15 @@ TrunkAppearance learn_trunk_appearance(const std::vector<TrunkObservation>& look
   }
   TrunkAppearance appearance;
   appearance.fit = learn_appearance(samples);
+  const std::size_t num_sure = samples.size();
+  for (const std::size_t thing : doubtful) {
+    const ThingSeen& seen = model.things[thing];
+    if (mean_confidence(seen, looks, appearance.fit.config) > kSurelyNone) continue;
+    for (const std::size_t i : spread(seen.looks)) {
+      for (const auto& window : looks[i].on) take(window, false, static_cast<int>(thing));
+    }
+  }
+  if (samples.size() > num_sure) appearance.fit = learn_appearance(samples);
   appearance.hue_interval_area = roc_area(hue_trunk, hue_other);
   return appearance;
 }

@@ -17,7 +17,9 @@ struct TrunkAppearance {
 
 /// Learns the appearance of the model's trunks. Windows between their edges are positives;
 /// windows beside them at the same height, and windows on everything else that stands alone, are
-/// negatives. At most a dozen looks at each thing, spread evenly, so that none weighs too much.
+/// negatives. Where nobody picked the trunks, what is as wide as they are may be one in another
+/// light: it teaches only if what the rest teaches takes it for none. At most a dozen looks at each
+/// thing, spread evenly, so that none weighs too much.
 ///
 /// `looks` are those of estimate_trunk_model, `colour` what they were measured with. Throws
 /// std::runtime_error with one sentence when there are too few windows of a kind.

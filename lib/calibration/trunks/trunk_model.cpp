@@ -197,6 +197,7 @@ std::vector<std::size_t> picked_by_number(const std::vector<Thing>& things,
 std::vector<std::size_t> picked_by_place(const std::vector<Thing>& things,
                                          const std::vector<PickedPlace>& places, double gate_m) {
   std::vector<std::size_t> picked;
+  std::string unseen;
   for (const PickedPlace& place : places) {
     const auto before = picked.size();
     for (std::size_t i = 0; i < things.size(); ++i) {
@@ -207,10 +208,12 @@ std::vector<std::size_t> picked_by_place(const std::vector<Thing>& things,
       if (std::find(picked.begin(), picked.end(), i) == picked.end()) picked.push_back(i);
     }
     if (picked.size() == before) {
-      throw std::runtime_error("landmark " + std::to_string(place.id) + " of the map, at (" +
-                               fixed_text(place.x_m, 2) + ", " + fixed_text(place.y_m, 2) +
-                               ") m, was not seen in full; leave it out of --ids");
+      unseen += (unseen.empty() ? "landmark " : ", ") + std::to_string(place.id) + " at (" +
+                fixed_text(place.x_m, 2) + ", " + fixed_text(place.y_m, 2) + ") m";
     }
+  }
+  if (!unseen.empty()) {
+    throw std::runtime_error("of the map not seen in full: " + unseen + "; leave out of --ids");
   }
   return picked;
 }
@@ -230,24 +233,41 @@ std::vector<std::size_t> find_trunks(const std::vector<Thing>& things, bool has_
   return trunks;
 }
 
-void measure_width(const std::vector<TrunkObservation>& looks, std::vector<std::size_t>& used,
+/// Takes what the spot adds with range off the widths of all looks; none where it adds nothing.
+std::vector<double> widths_without_spot(const std::vector<TrunkObservation>& looks,
+                                        const TrunkModelOptions& options, TrunkModel& model) {
+  std::vector<SpotLook> of_trunks;
+  for (std::size_t thing = 0; thing < model.things.size(); ++thing) {
+    if (!model.things[thing].is_trunk) continue;
+    for (const std::size_t i : model.things[thing].looks) {
+      of_trunks.push_back(
+          {static_cast<int>(thing), looks[i].range_m, looks[i].beam_step_rad, looks[i].width_m});
+    }
+  }
+  model.spot = spot_growth(of_trunks, options.fewest_beams);
+  const double growth = model.spot && model.spot->significant() ? model.spot->divergence_rad : 0.0;
+  std::vector<double> all_m;
+  for (const TrunkObservation& look : looks) all_m.push_back(look.width_m - growth * look.range_m);
+  return all_m;
+}
+
+void measure_width(const std::vector<double>& all_m, std::vector<std::size_t>& used,
                    TrunkModel& model) {
   std::vector<double> widths_m, deviations_m;
-  for (const std::size_t i : used) widths_m.push_back(looks[i].width_m);
+  for (const std::size_t i : used) widths_m.push_back(all_m[i]);
   const double middle_m = geometry::midpoint_median(widths_m);
   for (const double width_m : widths_m) deviations_m.push_back(std::abs(width_m - middle_m));
   const double limit_m = std::max(
       kOutlier * geometry::kMadToSd * geometry::midpoint_median(deviations_m), 0.05 * middle_m);
-  used.erase(std::remove_if(
-                 used.begin(), used.end(),
-                 [&](std::size_t i) { return std::abs(looks[i].width_m - middle_m) > limit_m; }),
+  used.erase(std::remove_if(used.begin(), used.end(),
+                            [&](std::size_t i) { return std::abs(all_m[i] - middle_m) > limit_m; }),
              used.end());
   const auto n = static_cast<double>(used.size());
   double sum_m = 0.0, squares_m2 = 0.0;
-  for (const std::size_t i : used) sum_m += looks[i].width_m;
+  for (const std::size_t i : used) sum_m += all_m[i];
   model.width_mean_m = sum_m / n;
   for (const std::size_t i : used) {
-    const double deviation_m = looks[i].width_m - model.width_mean_m;
+    const double deviation_m = all_m[i] - model.width_mean_m;
     squares_m2 += deviation_m * deviation_m;
   }
   model.width_sd_m = n > 1.0 ? std::sqrt(squares_m2 / (n - 1.0)) : 0.0;
@@ -258,6 +278,8 @@ void measure_width(const std::vector<TrunkObservation>& looks, std::vector<std::
 TrunkModel estimate_trunk_model(const std::vector<TrunkObservation>& looks,
                                 const TrunkModelOptions& options) {
   TrunkModel model;
+  model.is_picked = !options.picked.empty() || !options.picked_places.empty();
+  model.width_spread = options.width_spread;
   model.has_hue = std::any_of(looks.begin(), looks.end(), [](const TrunkObservation& look) {
     return look.hues.num_coloured > 0;
   });
@@ -272,11 +294,12 @@ TrunkModel estimate_trunk_model(const std::vector<TrunkObservation>& looks,
     ++model.num_trunks;
     used.insert(used.end(), thing.seen.looks.begin(), thing.seen.looks.end());
   }
-  measure_width(looks, used, model);
+  const std::vector<double> all_m = widths_without_spot(looks, options, model);
+  measure_width(all_m, used, model);
   model.num_observations = static_cast<int>(used.size());
   std::vector<WidthLook> widths;
   for (const std::size_t i : used) {
-    widths.push_back({looks[i].range_m, looks[i].beam_step_rad, looks[i].width_m});
+    widths.push_back({looks[i].range_m, looks[i].beam_step_rad, all_m[i]});
   }
   model.width_by_range = width_by_range(std::move(widths));
   if (model.has_hue) {

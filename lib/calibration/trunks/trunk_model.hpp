@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "calibration/trunks/spot_growth.hpp"
 #include "calibration/trunks/trunk_observation.hpp"
 #include "calibration/trunks/width_by_range.hpp"
 
@@ -20,6 +22,7 @@ struct PickedPlace {
 struct TrunkModelOptions {
   int wanted_trunks = 20;        ///< fewer give a warning
   int min_observations = 3;      ///< of a thing that may be a trunk
+  int fewest_beams = 4;          ///< of a look, as they were gathered
   double gate_m = 0.3;           ///< farther looks are at another thing
   double width_spread = 0.25;    ///< trunks differ by at most this fraction from the typical one
   double hue_spread_deg = 20.0;  ///< and by at most this much in their dominant hue
@@ -49,9 +52,13 @@ struct TrunkModel {
   double width_mean_m = 0.0;
   double width_sd_m = 0.0;  ///< of single looks: the trunks' own scatter and the scanner's
   WidthByRange width_by_range;
+  /// Of the spot, beside what the rig takes off; where it is significant, widths are less by it.
+  std::optional<SpotGrowth> spot;
   bool has_hue = false;
   double hue_min_deg = 0.0;  ///< circular interval, may wrap through red
   double hue_max_deg = 0.0;
+  bool is_picked = false;      ///< somebody said which things are trunks
+  double width_spread = 0.25;  ///< as TrunkModelOptions has it
   int num_trunks = 0;
   int num_observations = 0;       ///< looks at them that were used
   std::vector<ThingSeen> things;  ///< all, in order of log and first sight

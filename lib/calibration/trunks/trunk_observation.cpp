@@ -9,6 +9,7 @@
 #include "detection/trunk_view.hpp"
 #include "laser/segment.hpp"
 #include "vision/appearance/appearance.hpp"
+#include "vision/appearance/exposure.hpp"
 #include "vision/decode.hpp"
 
 namespace orchard::calibration {
@@ -62,20 +63,26 @@ bool look(TrunkObservation& seen, const laser::Segment& segment, const vision::I
   const auto pixels = vision::decode(image, reading);
   if (!pixels) return false;
   const vision::ColourConfig& colour = rig.detector.colour;
-  const auto look_at = [&](const vision::PixelRect& rect) {
-    return WindowLook{vision::appearance_features(*pixels, rect),
-                      vision::hue_histogram(*pixels, rect, colour)};
+  std::vector<vision::PixelBlock> exposures;
+  for (const double exposure_ev : vision::kLearntExposures_ev) {
+    exposures.push_back(vision::exposed(*pixels, exposure_ev));
+  }
+  const auto look_at = [&](const vision::PixelRect& rect, std::vector<WindowLook>& looks) {
+    for (const vision::PixelBlock& block : exposures) {
+      looks.push_back(
+          {vision::appearance_features(block, rect), vision::hue_histogram(block, rect, colour)});
+    }
   };
   seen.hues = vision::hue_histogram(*pixels, view->centre, colour);
   seen.light = vision::window_light(*pixels, view->centre);
-  seen.on.push_back(look_at(window));
+  look_at(window, seen.on);
   for (const int side : {-1, 1}) {
     vision::PixelRect beside = window;
     beside.x_px += side * kWidthsOff * window.width_px;
     const bool free = std::all_of(taken.begin(), taken.end(), [&](const auto& other) {
       return vision::intersection(beside, other).empty();
     });
-    if (free && picture.contains(beside)) seen.beside.push_back(look_at(beside));
+    if (free && picture.contains(beside)) look_at(beside, seen.beside);
   }
   if (options.crops) seen.crop = cut(*pixels, crop);
   return true;

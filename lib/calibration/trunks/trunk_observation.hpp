@@ -32,7 +32,7 @@ struct TrunkObservation {
   double width_m = 0.0;       ///< as the rig's width mode measures it
   vision::HueHistogram hues;  ///< of its colour window; num_pixels is 0 without a camera
   std::optional<vision::WindowLight> light;  ///< of its colour window
-  std::vector<WindowLook> on;                ///< between its edges; one with a camera, or none
+  std::vector<WindowLook> on;                ///< between its edges, at every kLearntExposures_ev
   std::vector<WindowLook> beside;            ///< at the same height, off everything the laser sees
   vision::PixelBlock crop;                   ///< it and what is around it; empty unless asked for
 };

@@ -245,6 +245,27 @@ Hit read_spot(const Hit* rays, double mixed_draw, const ScannerConfig& scanner) 
   return {};
 }
 
+/// A hit from which on a thing shines back what beams beside it send.
+constexpr double kShines = 2.0;
+constexpr double kBloomShare = 0.5;  ///< of its strength that they get
+
+/// What beams near a reflector read: the reflector, unless they meet something nearer.
+void bloom(const ScannerConfig& scanner, std::vector<Hit>& hits) {
+  const auto reach = static_cast<int>(std::floor(scanner.bloom_rad / scanner.bearing_step_rad));
+  if (reach == 0) return;
+  const std::vector<Hit> sharp = hits;
+  for (int i = 0; i < scanner.num_beams; ++i) {
+    const Hit& from = sharp[static_cast<std::size_t>(i)];
+    if (from.range_m == kNoHit || from.strength < kShines) continue;
+    for (int k = std::max(0, i - reach); k <= std::min(scanner.num_beams - 1, i + reach); ++k) {
+      Hit& hit = hits[static_cast<std::size_t>(k)];
+      if (from.range_m >= hit.range_m) continue;
+      hit = from;
+      hit.strength *= kBloomShare;
+    }
+  }
+}
+
 constexpr double kGroundStrength = 0.05;  ///< grazing
 
 /// Where a beam of a tilted scan plane meets the level ground.
@@ -327,12 +348,19 @@ laser::Scan simulate_scan(const World& world, const std::vector<Pose2>& T_map_la
 
   laser::Scan scan = empty_scan(scanner);
   if (scanner.intensities) scan.intensities.assign(scan.ranges_m.size(), 0.0f);
+  std::vector<Hit> hits;
+  std::vector<std::array<double, 2>> draws;  // dropout and noise of each beam
   for (int i = 0; i < scanner.num_beams; ++i) {
     // drawn for every beam, hit or not: one target more leaves the others' noise as it was
     const double mixed_draw = random.uniform();
     const double dropout_draw = random.uniform();
-    const double noise = random.normal();
-    Hit hit = read_spot(fan.beam(i), mixed_draw, scanner);
+    draws.push_back({dropout_draw, random.normal()});
+    hits.push_back(read_spot(fan.beam(i), mixed_draw, scanner));
+  }
+  bloom(scanner, hits);
+  for (int i = 0; i < scanner.num_beams; ++i) {
+    const auto [dropout_draw, noise] = draws[static_cast<std::size_t>(i)];
+    Hit hit = hits[static_cast<std::size_t>(i)];
     const double ground_m = ground_range_m(scanner, tilt, i);
     if (ground_m < hit.range_m) hit = {ground_m, -1, kGroundStrength};
     if (hit.range_m == kNoHit || dropout_draw < scanner.dropout_probability) continue;

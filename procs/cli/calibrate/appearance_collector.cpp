@@ -5,6 +5,7 @@
 
 #include "detection/trunk_view.hpp"
 #include "vision/appearance/appearance.hpp"
+#include "vision/appearance/exposure.hpp"
 #include "vision/decode.hpp"
 
 namespace orchard::cli {
@@ -42,12 +43,15 @@ void AppearanceCollector::look(const detection::ScanImagePair& pair) {
   const auto pixels = vision::decode(*pair.image, detection::picture_of(rig_));
   if (!pixels) return;
   const auto to_exposure = detection::to_picture(findings, *pair.image, rig_, pair.motion);
-  for (const detection::Candidate& candidate : findings.candidates) {
-    const auto view = detection::view_of(candidate.segment, rig_, to_exposure);
-    if (!view) continue;
-    windows_.push_back(
-        {findings.detections.utime, candidate.index,
-         vision::appearance_features(*pixels, detection::trunk_window(*view, rig_))});
+  for (const double exposure_ev : vision::kLearntExposures_ev) {
+    const vision::PixelBlock exposed = vision::exposed(*pixels, exposure_ev);
+    for (const detection::Candidate& candidate : findings.candidates) {
+      const auto view = detection::view_of(candidate.segment, rig_, to_exposure);
+      if (!view) continue;
+      windows_.push_back(
+          {findings.detections.utime, candidate.index,
+           vision::appearance_features(exposed, detection::trunk_window(*view, rig_))});
+    }
   }
   messages_.push_back(std::move(findings.detections));
 }

@@ -238,6 +238,14 @@ int run_calibrate_laser_camera(const CalibrateLaserCameraOptions& options) {
   const auto result = calibration::calibrate_laser_camera(views, outline, rules);
   if (!result.refusal.empty()) {
     if (!o.quiet && has_outlier(result)) print_views(result, views, utimes);
+    if (result.board_scale > 0.0) {
+      throw io::FileError(
+          fmt::format("{}: {}; --square-m was {:.1f} mm, and {:.1f} mm would agree: measure ten "
+                      "squares in one, "
+                      "or camera.fc_px is wrong by as much",
+                      o.log_path, result.refusal, 1e3 * o.board.square_m,
+                      1e3 * o.board.square_m * result.board_scale));
+    }
     throw io::FileError(o.log_path + ": " + result.refusal);
   }
   const std::string contradiction =

@@ -18,6 +18,7 @@
 #include "io/file_error.hpp"
 #include "text/number_text.hpp"
 #include "vision/appearance/appearance.hpp"
+#include "vision/appearance/exposure.hpp"
 
 namespace orchard::cli {
 namespace {
@@ -35,9 +36,14 @@ struct Lessons {
 
 void learn_from(const PictureWindows& picture, const vision::ColourConfig& colour,
                 Lessons& lessons) {
+  for (const double exposure_ev : vision::kLearntExposures_ev) {
+    const vision::PixelBlock pixels = vision::exposed(picture.picture.pixels, exposure_ev);
+    for (const calibration::LabelledWindow& labelled : picture.windows) {
+      lessons.samples.push_back(
+          {vision::appearance_features(pixels, labelled.window), labelled.is_trunk, picture.group});
+    }
+  }
   for (const calibration::LabelledWindow& labelled : picture.windows) {
-    lessons.samples.push_back({vision::appearance_features(picture.picture.pixels, labelled.window),
-                               labelled.is_trunk, picture.group});
     if (labelled.is_trunk) {
       calibration::add(vision::hue_histogram(picture.picture.pixels, labelled.window, colour),
                        lessons.hues);

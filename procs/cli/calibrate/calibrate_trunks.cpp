@@ -90,6 +90,23 @@ void print_width_by_range(const calibration::WidthByRange& width) {
   }
 }
 
+void print_spot(const std::optional<calibration::SpotGrowth>& spot, double spot_rad) {
+  if (!spot) {
+    std::printf(
+        "too few trunks at different ranges to tell the beam's divergence: spot_rad stays\n");
+    return;
+  }
+  std::printf("widths grow by %.1f mm per metre of range, standard error %.1f: spot_rad %s\n",
+              1e3 * spot->divergence_rad, 1e3 * spot->se_rad,
+              spot->significant() ? fixed_text(spot_rad, 4).c_str() : "stays");
+}
+
+/// The divergence with which widths do not grow with range: at least none.
+double spot_rad_of(const calibration::TrunkModel& model, const io::Config& config) {
+  if (!model.spot || !model.spot->significant()) return config.laser.spot_rad;
+  return std::clamp(config.laser.spot_rad + model.spot->divergence_rad, 0.0, 0.05);
+}
+
 /// Where the landmarks with these ids stand in a first map.
 std::vector<calibration::PickedPlace> places_of(const CalibrateTrunksOptions& options) {
   namespace fs = std::filesystem;
@@ -98,14 +115,19 @@ std::vector<calibration::PickedPlace> places_of(const CalibrateTrunksOptions& op
                                : options.map_folder;
   const auto landmarks = io::read_map_csv(path);
   std::vector<calibration::PickedPlace> places;
+  std::string missing;
   for (const int id : parse_number_list(options.ids, "--ids")) {
     const auto found = std::find_if(landmarks.begin(), landmarks.end(),
                                     [id](const auto& landmark) { return landmark.id == id; });
     if (found == landmarks.end()) {
-      throw io::FileError(path + ": there is no landmark " + std::to_string(id) +
-                          " (its column id holds those there are)");
+      missing += (missing.empty() ? "" : ", ") + std::to_string(id);
+    } else {
+      places.push_back({id, found->x_m, found->y_m});
     }
-    places.push_back({id, found->x_m, found->y_m});
+  }
+  if (!missing.empty()) {
+    throw io::FileError(path + ": there is no landmark " + missing +
+                        " (its column id holds those there are)");
   }
   return places;
 }
@@ -193,6 +215,7 @@ int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
   if (!options.quiet) {
     print_table(model);
     print_width_by_range(model.width_by_range);
+    print_spot(model.spot, spot_rad_of(model, config));
   }
   for (const std::string& warning : model.warnings) {
     std::fprintf(stderr, "orchard calibrate: warning: %s\n", warning.c_str());
@@ -207,6 +230,9 @@ int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
   if (!options.trees.empty()) note += ", picked by number";
   if (!options.ids.empty()) note += ", picked by id";
   std::vector<io::ConfigValue> values = values_of(model);
+  if (model.spot && model.spot->significant()) {
+    values.push_back({"laser.spot_rad", fixed_text(spot_rad_of(model, config), 4)});
+  }
   if (model.has_hue) {
     if (const auto appearance = choose_appearance(looks, model, config, options, note)) {
       const auto more = appearance_values(*appearance);

@@ -293,6 +293,49 @@ TEST(RealScan, ReflectorsAreBright) {
   EXPECT_GT(found[1].intensity, 200.0);
 }
 
+TEST(RealScan, BrightBeamsStandByThemselves) {
+  // a pole of 7 cm with a reflector 4 cm before a wide board, nearer than what separates objects
+  SegmentationConfig config;
+  config.reflectivity_min = 1000.0;
+  WidthConfig poles;
+  poles.mean_m = 0.07;
+  for (const double range_m : {1.5, 3.0, 4.5}) {
+    const Disc pole{range_m, 0.0, 0.035};
+    const double board_m = range_m + 0.08;
+    const Things things{{pole}, {{board_m, -0.3, board_m, 0.3}}};
+    Scan scan = exact_scan(things, urg());
+    scan.intensities.assign(scan.ranges_m.size(), 200.0f);
+    for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+      const double bearing_rad = scan.bearing_rad(static_cast<double>(i));
+      if (test::hit_m({{pole}, {}}, bearing_rad) < 30.0) scan.intensities[i] = 3000.0f;
+    }
+    config.reflector = ReflectorUse::kIgnored;
+    for (const Segment& s : segment(scan, config, poles)) EXPECT_GT(s.width_m, 0.2) << range_m;
+    config.reflector = ReflectorUse::kOnly;
+    int num_bright = 0;
+    for (const Segment& s : segment(scan, config, poles)) {
+      if (!s.is_reflector) continue;
+      ++num_bright;
+      EXPECT_NEAR(s.bearing_rad, 0.0, 0.6 * urg().step_rad) << range_m;
+      EXPECT_NEAR(s.width_m, 0.07, 2.0 * range_m * urg().step_rad) << range_m;
+      EXPECT_NEAR(s.range_m, range_m - 0.035, 0.02) << range_m;
+    }
+    EXPECT_EQ(num_bright, 1) << range_m;
+  }
+  // a tag on a trunk is narrower than the trunk, which stays whole
+  Scan scan = exact_scan({{{2.0, 0.0, 0.06}}, {}}, urg());
+  scan.intensities.assign(scan.ranges_m.size(), 200.0f);
+  WidthConfig trunks;
+  trunks.mean_m = 0.12;
+  const auto whole = segment(scan, config, trunks);
+  ASSERT_EQ(whole.size(), 1u);
+  scan.intensities[whole[0].middle_beam] = 3000.0f;
+  const auto tagged = segment(scan, config, trunks);
+  ASSERT_EQ(tagged.size(), 1u);
+  EXPECT_TRUE(tagged[0].is_reflector);
+  EXPECT_EQ(tagged[0].width_m, whole[0].width_m);
+}
+
 TEST(RealScan, ThePapersWidthStaysThePapers) {
   // eq. 8 from the two end beams alone, whatever circles and sides say
   WidthConfig paper;

@@ -217,6 +217,18 @@ TEST(LandmarkRecord, OnceTheCameraLooksItsLooksAloneSpeak) {
   EXPECT_NEAR(probability_of_tree(merged, config), 0.2, 1e-6);
 }
 
+TEST(LandmarkRecord, AFlashOutweighsLooksWithoutOne) {
+  MapperConfig config;
+  config.flash_tells = true;
+  detection::Detection flash, dim;
+  flash.label = Label::kTree;
+  dim.label = Label::kObject;
+  EXPECT_GT(evidence_of(flash, config) + 4.0 * evidence_of(dim, config), 0.0);
+  EXPECT_LT(evidence_of(flash, config) + 40.0 * evidence_of(dim, config), 0.0);  // a stray gleam
+  config.flash_tells = false;
+  EXPECT_LT(evidence_of(flash, config) + 4.0 * evidence_of(dim, config), 0.0);
+}
+
 TEST(LandmarkWidth, IsTheMeanOfCountsAndItsStandardErrorHolds) {
   // a trunk of 3.3 beams is met by three or four: the mean is right, and as sure as it says
   constexpr double kBeam_m = 0.02, kWidth_m = 3.3 * kBeam_m;

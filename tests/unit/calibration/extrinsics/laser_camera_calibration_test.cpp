@@ -126,6 +126,24 @@ TEST(LaserCameraCalibration, ExactDataGiveTheExactMountAmongStandingClutter) {
   EXPECT_LT((T.rotation() - result.mount.R_camera_laser).norm(), 1e-9);
 }
 
+TEST(LaserCameraCalibration, AWrongSquareSizeIsRefusedAndTheTrueOneNamed) {
+  for (const double stated_of_true : {0.8, 0.85, 0.9, 0.95, 1.05, 1.1, 1.2}) {
+    // pictures tell the board's distance in its squares: all distances are as wrong as they are
+    auto views = careful_views(upright());
+    for (MountView& view : views) {
+      view.board.t_camera_board_m *= stated_of_true;
+      view.board.covariance.diagonal().tail<3>() *= stated_of_true * stated_of_true;
+    }
+    LaserCameraOptions options;
+    options.noise = {0.003, 0.003, 0.004, 0.002};
+    const BoardOutline stated{stated_of_true * kOutline.x_min_m, stated_of_true * kOutline.y_min_m,
+                              stated_of_true * kOutline.x_max_m, stated_of_true * kOutline.y_max_m};
+    const auto result = calibrate_laser_camera(views, stated, options);
+    EXPECT_THAT(result.refusal, HasSubstr("of its stated size")) << stated_of_true;
+    EXPECT_NEAR(result.board_scale * stated_of_true, 1.0, 0.02) << stated_of_true;
+  }
+}
+
 TEST(LaserCameraCalibration, AnUpsideDownOrPortraitCameraComesOutRight) {
   for (const double angle_deg : {180.0, 90.0, -90.0}) {
     const Mount truth = turned_about_view(upright(), angle_deg);
@@ -238,6 +256,14 @@ TEST(ImportMount, ReadsWhatTheToolboxPrints) {
   EXPECT_THROW(
       import_mount("delta = [0 0 0]\nphi = [0 0 3.14]", LaserAxes::kToolbox, AngleUnit::kAsStated),
       std::runtime_error);  // which unit?
+  // the same as a matrix, row by row, in our axes
+  const auto by_matrix = import_mount("Delta = 0 0 0\nR = [0 -1 0; 0 0 -1; 1 0 0]",
+                                      LaserAxes::kOrchard, AngleUnit::kAsStated);
+  EXPECT_LT((geometry::LaserToCamera(by_matrix)({2, 0, 0}) - Eigen::Vector3d(0, 0, 2)).norm(),
+            1e-9);
+  EXPECT_THROW(import_mount("delta = 0 0 0\nR = 1 0 0 0 1 0 0 0 2", LaserAxes::kOrchard,
+                            AngleUnit::kAsStated),
+               std::runtime_error);
   EXPECT_THROW(import_mount("delta = [0 0]\n", LaserAxes::kToolbox, AngleUnit::kRadians),
                std::runtime_error);
 }

@@ -98,6 +98,7 @@ class Calibration {
     }
     // five views fit some mount by chance; a rival must be as good as that and no better
     if (association.rival_fitting >= std::max(6, (9 * association.num_fitting + 9) / 10)) {
+      if (find_board_scale(views_, outline_, association)) return wrong_size();
       return "two different mounts of the scanner explain the views equally well (" +
              std::to_string(association.num_fitting) + " and " +
              std::to_string(association.rival_fitting) +

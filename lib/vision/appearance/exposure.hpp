@@ -8,9 +8,9 @@
 
 namespace orchard::vision {
 
-/// What a camera's control leaves between shade and sun, in steps that double the light: windows
-/// are learnt at all of these, whatever the exposure they were taken at.
-inline constexpr std::array kLearntExposures_ev{-2.0, -1.0, 0.0, 1.0, 2.0};
+/// What a camera's control leaves in the sun, in steps that double the light: windows are learnt at
+/// all of these. Too little light cancels, as clipping does not.
+inline constexpr std::array kLearntExposures_ev{0.0, 1.0, 2.0};
 
 /// A channel's values as they would have been with `gain` times the light: sRGB's curve undone,
 /// multiplied, clipped at white.

@@ -46,11 +46,16 @@ class Matcher {
         const double sd_m = std::hypot(points[p].width_sd_m, candidates[c].width_sd_m);
         if (std::abs(points[p].width_m - candidates[c].width_m) <=
                 config.gate_sigma * sd_m + config.width_gate_m &&
-            distance2(start, static_cast<int>(p), static_cast<int>(c)) <= kPreGate * gate2_) {
+            distance2(start, static_cast<int>(p), static_cast<int>(c)) <= kPreGate * gate2_ &&
+            (candidates[c].confirmed || apart_m(start, p, c) <= config.gate_m)) {
           allowed_[p].push_back(static_cast<int>(c));
         }
       }
     }
+  }
+
+  double apart_m(const Hypothesis& h, std::size_t point, std::size_t candidate) const {
+    return (candidates_[candidate].p_map - transform(h.T_map_base, points_[point].p_base)).norm();
   }
 
   /// Squared Mahalanobis distance of a pair, given a pose.

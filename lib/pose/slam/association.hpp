@@ -27,6 +27,7 @@ struct AssociationCandidate {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< against the map around it
   double width_m = 0.0;
   double width_sd_m = 0.1;
+  bool confirmed = true;  ///< else perhaps clutter, which may not move the pose
 };
 
 /// Which landmark each object of a scan is.

@@ -61,6 +61,7 @@ void SlamGraph::add_observation(int keyframe, int landmark, const Eigen::Vector2
   observation->information_m += information * p_base;
   observation->floor_sd_m = std::max(observation->floor_sd_m, floor_sd_m);
   ++observation->num_scans;
+  landmarks[landmark].seen_m = std::max(landmarks[landmark].seen_m, p_base.norm());
 }
 
 void SlamGraph::drop_rare_observations(double num_scans) {
@@ -116,6 +117,7 @@ void SlamGraph::merge(int landmark, int into) {
         (to.width_m * to.width_information + from.width_m * from.width_information) / information;
   }
   to.width_information = information;
+  to.seen_m = std::max(to.seen_m, from.seen_m);
   to.num_misses = std::min(to.num_misses, from.num_misses);
   to.confirmed = to.confirmed || from.confirmed;
   from.keyframes.clear();

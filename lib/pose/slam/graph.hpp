@@ -71,6 +71,7 @@ struct SlamLandmark {
   double width_m = 0.0;                                   ///< mean of its observations
   double width_information = 0.0;                         ///< sum of inverse variances
   std::vector<int> keyframes;                             ///< that observed it, ascending
+  double seen_m = 0.0;                                    ///< farthest that it was observed from
   int num_misses = 0;  ///< keyframes that should have observed it and did not
   bool alive = true;   ///< false: dropped, or merged into another
   bool confirmed = false;

@@ -16,10 +16,6 @@ namespace {
 /// Normalised residual from which on the robust loss of an observation is linear.
 constexpr double kOutlier_sigma = 3.0;
 
-/// Random walk of the odometry calibration per kCalibrationTravel_m, as a fraction of its prior
-/// standard deviation.
-constexpr double kCalibrationWalkFraction = 0.1;
-
 /// However little of a receiver's errors lasts, a millimetre does [m].
 constexpr double kReceiverSdMin_m = 0.001;
 
@@ -144,7 +140,7 @@ void GraphProblem::add_calibration_prior(int index, const CalibrationPrior& prio
 }
 
 void GraphProblem::add_calibration_walk(int index) {
-  const Eigen::Vector3d sd = kCalibrationWalkFraction * CalibrationPrior::initial_sd(config_);
+  const Eigen::Vector3d sd = CalibrationPrior::walk_sd(config_);
   measurements_.push_back(problem_.AddResidualBlock(calibration_walk_factor(sd), nullptr,
                                                     calibration(index - 1), calibration(index)));
 }

@@ -7,20 +7,20 @@
 namespace orchard::pose {
 namespace {
 
-/// Landmarks passed within so much travel of a tracked one are covisible with it [m].
-constexpr double kCovisibleTravel_m = 8.0;
+/// Landmarks passed within so much travel of a tracked one are covisible with it, in sight ranges.
+constexpr double kCovisibleTravel_ranges = 0.8;
 
-constexpr double kTrackedTravel_m = 3.0;  // observed within it is tracked now
+constexpr double kTrackedTravel_ranges = 0.3;  // observed within it is tracked now
 
 using Interval = std::pair<double, double>;  // of travel [m]
 
 /// Intervals of travel in which a landmark that is tracked now was observed, widened by a margin.
-std::vector<Interval> tracked_intervals(const SlamGraph& graph, int session_start,
-                                        double margin_m) {
+std::vector<Interval> tracked_intervals(const SlamGraph& graph, int session_start, double range_m) {
+  const double margin_m = kCovisibleTravel_ranges * range_m;
   const std::vector<Keyframe>& keyframes = graph.keyframes;
   std::vector<int> observed;
   for (int k = static_cast<int>(keyframes.size()) - 1; k >= session_start; --k) {
-    if (keyframes.back().travel_m - keyframes[k].travel_m > kTrackedTravel_m) break;
+    if (keyframes.back().travel_m - keyframes[k].travel_m > kTrackedTravel_ranges * range_m) break;
     for (const SlamObservation& s : keyframes[k].observations) observed.push_back(s.landmark);
   }
   std::sort(observed.begin(), observed.end());
@@ -59,18 +59,17 @@ bool observed_in(const SlamGraph& graph, const SlamLandmark& landmark,
 }  // namespace
 
 std::vector<int> local_map(const SlamGraph& graph, const geometry::PointGrid& index,
-                           int session_start, double radius_m) {
+                           int session_start, double range_m, double radius_m) {
   std::vector<int> found;
   if (graph.keyframes.empty()) return found;
   const Keyframe& now = graph.keyframes.back();
-  const std::vector<Interval> intervals =
-      tracked_intervals(graph, session_start, kCovisibleTravel_m);
+  const std::vector<Interval> intervals = tracked_intervals(graph, session_start, range_m);
   for (const int l : index.near(now.T_map_base.head<2>(), radius_m)) {
     const SlamLandmark& landmark = graph.landmarks[l];
     if (!landmark.alive || landmark.keyframes.empty()) continue;
     const int last = landmark.keyframes.back();
-    const bool recent =
-        last >= session_start && now.travel_m - graph.keyframes[last].travel_m <= kRecentTravel_m;
+    const bool recent = last >= session_start && now.travel_m - graph.keyframes[last].travel_m <=
+                                                     kRecentTravel_ranges * range_m;
     if (recent || (landmark.confirmed && observed_in(graph, landmark, intervals)))
       found.push_back(l);
   }

@@ -9,15 +9,16 @@
 
 namespace orchard::pose {
 
-/// Landmarks observed within so much travel are tracked [m].
-inline constexpr double kRecentTravel_m = 20.0;
+/// Landmarks observed within so much travel are tracked, in sight ranges: a landmark that is passed
+/// stays in view over twice the range.
+inline constexpr double kRecentTravel_ranges = 2.0;
 
 /// Landmarks whose position against the robot is known well enough to associate single observations
-/// with them, ascending: those observed within the last kRecentTravel_m of the session, and those
-/// covisible with what is tracked now (within kCovisibleTravel_m of path, on any pass). Landmarks
+/// with them, ascending: those observed within the last kRecentTravel_ranges of travel of the
+/// session, and those covisible with what is tracked now (passed beside it on any pass). Landmarks
 /// that are merely near by the map, after a long drift, are left to loop closure. `session_start`
-/// is the first keyframe of the session.
+/// is the first keyframe of the session, `range_m` how far landmarks are in sight.
 std::vector<int> local_map(const SlamGraph& graph, const geometry::PointGrid& index,
-                           int session_start, double radius_m);
+                           int session_start, double range_m, double radius_m);
 
 }  // namespace orchard::pose

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "geometry/pose2.hpp"
 
@@ -12,8 +13,9 @@ using geometry::transform_back;
 
 namespace {
 
-/// Length of the latest path whose landmarks are registered with older ones [m].
-constexpr double kClosureSubmap_m = 25.0;
+/// Length of the latest path whose landmarks are registered with older ones, in sight ranges: what
+/// was in sight on the way, and what came in sight meanwhile.
+constexpr double kClosureSubmap_ranges = 2.5;
 
 /// Travel between two searches for a loop closure [m].
 constexpr double kClosureEvery_m = 2.0;
@@ -28,10 +30,27 @@ constexpr double kRefutedDistance2 = 9.0;
 // Margins of the search radius, which is otherwise that of the pose's covariance.
 constexpr double kSearchSigmas = 4.0;
 constexpr double kSearchMargin_m = 1.0;
+// Places that landmarks were seen from are told so far apart, in sight ranges.
+constexpr double kPlaceCell_ranges = 0.2;
 
 ClosureLandmark closure_landmark(const SlamGraph& graph, int landmark) {
   const SlamLandmark& l = graph.landmarks[landmark];
-  return {landmark, l.p_map, l.width_m, l.width_sd_m()};
+  return {landmark, l.p_map, l.width_m, l.width_sd_m(), l.seen_m};
+}
+
+/// Where landmarks were observed from before, one place for each cell of the ground.
+std::vector<Eigen::Vector2d> places_of(const std::vector<int>& landmarks, const SlamGraph& graph,
+                                       double cell_m) {
+  std::set<std::pair<int, int>> known;
+  std::vector<Eigen::Vector2d> places;
+  for (const int l : landmarks) {
+    for (const int k : graph.landmarks[l].keyframes) {
+      const Eigen::Vector2d p = graph.keyframes[k].T_map_base.head<2>();
+      const auto cell = [&](double x_m) { return static_cast<int>(std::floor(x_m / cell_m)); };
+      if (known.emplace(cell(p.x()), cell(p.y())).second) places.push_back(p);
+    }
+  }
+  return places;
 }
 
 /// Inlier check: whether the observations of merged landmarks fit, now that all has been solved.
@@ -60,7 +79,7 @@ bool is_supported(const std::vector<std::pair<int, int>>& merged, const SlamGrap
 std::optional<ClosureQuery> LoopCloser::query(const SlamMap& map) const {
   const SlamGraph& graph = map.graph;
   const Keyframe& now = graph.keyframes.back();
-  const double path_m = kClosureSubmap_m;
+  const double path_m = kClosureSubmap_ranges * map.sight_m();
   const auto ago_m = [&](int k) { return now.travel_m - graph.keyframes[k].travel_m; };
   ClosureQuery query;
   query.pivot = now.T_map_base.head<2>();
@@ -80,10 +99,8 @@ std::optional<ClosureQuery> LoopCloser::query(const SlamMap& map) const {
   const auto min_trees = static_cast<std::size_t>(config_.closure_min_trees);
   if (num_anchors >= kNumAnchors || query.recent.size() < min_trees) return std::nullopt;
   const Eigen::Matrix3d& P = now.covariance;
-  const double radius_m =
-      std::min(kClosureSearchMax_m,
-               kSearchSigmas * std::sqrt(std::max(P(0, 0), P(1, 1))) + kSearchMargin_m) +
-      kSearchSigmas * std::sqrt(P(2, 2)) * path_m;
+  const double radius_m = kSearchSigmas * std::sqrt(std::max(P(0, 0), P(1, 1))) + kSearchMargin_m +
+                          kSearchSigmas * std::sqrt(P(2, 2)) * path_m;
   std::vector<int> old;
   for (const ClosureLandmark& r : query.recent) {
     for (const int l : map.index.near(r.p_map, radius_m)) {
@@ -100,7 +117,7 @@ std::optional<ClosureQuery> LoopCloser::query(const SlamMap& map) const {
   for (int k = map.newest(); k >= map.session_start && ago_m(k) <= path_m; --k) {
     query.path.push_back(graph.keyframes[k].T_map_base.head<2>());
   }
-  query.view_m = 0.5 * map.coverage.range_max_m();
+  query.old_path = places_of(old, graph, kPlaceCell_ranges * map.sight_m());
   return query;
 }
 

@@ -9,6 +9,7 @@
 
 #include "geometry/pose2.hpp"
 #include "geometry/rigid_fit2.hpp"
+#include "pose/slam/planting.hpp"
 
 namespace orchard::pose {
 using geometry::rotation;
@@ -21,11 +22,10 @@ constexpr double kPairTolerance_m = 0.35;  // of their distance, recent against 
 constexpr std::size_t kNumRefined = 30;    // hypotheses that are fitted
 constexpr int kNumRounds = 3;              // of fitting and matching
 constexpr double kPriorGate2 = 16.0;       // squared Mahalanobis distance from the pose's estimate
-constexpr double kPlantedSd_m = 0.2;       // irregularity of planting, of two rows together
 constexpr double kDistortion = 0.004;      // of the recent map, per metre from its middle
 constexpr double kMissOdds = 2.0;          // log-odds lost by a tree that only one side knows
 constexpr double kMatchedFraction = 0.7;   // of the trees in view at both times
-constexpr double kNeighbour_m = 3.5;       // a position so near to an old landmark was in view then
+constexpr double kSureFraction = 0.5;      // of the range it was ever seen from: surely in view
 constexpr double kCell_m = 0.25;           // hypotheses in one cell are one
 constexpr double kCell_rad = 0.02;
 
@@ -44,10 +44,14 @@ class Matcher {
     // not more certain than the local map
     P.diagonal() += Eigen::Vector3d(0.1 * 0.1, 0.1 * 0.1, 0.01 * 0.01);
     information_ = P.inverse();
-    radius_m_ = std::min(kClosureSearchMax_m, 4.0 * std::sqrt(std::max(P(0, 0), P(1, 1))) + 0.5);
+    prior_volume_ = 0.5 * std::log(P.determinant());
+    radius_m_ = 4.0 * std::sqrt(std::max(P(0, 0), P(1, 1))) + 0.5;
     yaw_max_rad_ = 4.0 * std::sqrt(P(2, 2));
     for (const ClosureLandmark& r : q_.recent) middle_ += r.p_map;
     if (!q_.recent.empty()) middle_ /= static_cast<double>(q_.recent.size());
+    std::vector<Eigen::Vector2d> trees;
+    for (const ClosureLandmark& o : q_.old) trees.push_back(o.p_map);
+    planted_m_ = planted_sd_m(trees);
   }
 
   Eigen::Vector2d apply(const Eigen::Vector3d& shift, const Eigen::Vector2d& p_map) const {
@@ -86,9 +90,7 @@ class Matcher {
           const Eigen::Vector2d from = 0.5 * (a.p_map + b.p_map);
           const Eigen::Vector2d to = 0.5 * (c.p_map + d.p_map);
           h.x_y_yaw.head<2>() += to - apply(h.x_y_yaw, from);
-          if (prior2(h.x_y_yaw) > kPriorGate2 || h.x_y_yaw.head<2>().norm() > kClosureSearchMax_m) {
-            continue;
-          }
+          if (prior2(h.x_y_yaw) > kPriorGate2) continue;
           const Eigen::Vector2d middle = apply(h.x_y_yaw, middle_);
           const auto cell = [](double value, double size) {
             return static_cast<int>(std::floor(value / size));
@@ -114,41 +116,58 @@ class Matcher {
     for (std::size_t r = 0; r < q_.recent.size(); ++r) {
       const Eigen::Vector2d p = apply(h.x_y_yaw, q_.recent[r].p_map);
       int nearest = -1;
-      double nearest_m = kNeighbour_m;
-      bool in_view = false;
+      double nearest_m = config_.closure_kernel_m;
       for (std::size_t o = 0; o < q_.old.size(); ++o) {
         ++num_operations_;
         const double apart_m = (q_.old[o].p_map - p).norm();
-        if (apart_m < kNeighbour_m) in_view = true;
-        if (taken[o] || apart_m >= nearest_m || !alike(q_.recent[r], q_.old[o])) continue;
+        if (taken[o] || apart_m > nearest_m || !alike(q_.recent[r], q_.old[o])) continue;
         nearest = static_cast<int>(o);
         nearest_m = apart_m;
       }
-      h.num_in_view += in_view;
-      if (nearest >= 0 && nearest_m <= config_.closure_kernel_m) {
+      if (nearest >= 0) {
+        ++h.num_in_view;
         const double far_m = (q_.recent[r].p_map - middle_).norm();
         const double s2 = sd_m * sd_m + std::pow(kDistortion * far_m, 2);
-        const double planted2 = s2 + kPlantedSd_m * kPlantedSd_m;
+        const double planted2 = s2 + planted_m_ * planted_m_;
         const double odds =
             std::log(planted2 / s2) - 0.5 * nearest_m * nearest_m * (1.0 / s2 - 1.0 / planted2);
         score += std::max(odds, -kMissOdds);
         h.old[r] = nearest;
         taken[nearest] = 1;
-      } else if (in_view) {
+      } else if (in_view(p, q_.recent[r], q_.old_path)) {
+        ++h.num_in_view;
         score -= kMissOdds;
       }
     }
     for (std::size_t o = 0; o < q_.old.size(); ++o) {
       if (taken[o]) continue;
-      const Eigen::Vector2d p = undo(h.x_y_yaw, q_.old[o].p_map);
-      for (const Eigen::Vector2d& place : q_.path) {
-        ++num_operations_;
-        if ((place - p).norm() > q_.view_m) continue;
-        score -= kMissOdds;
-        break;
-      }
+      if (in_view(undo(h.x_y_yaw, q_.old[o].p_map), q_.old[o], q_.path)) score -= kMissOdds;
     }
-    h.score = score;
+    h.score = score - (prior_volume_ - fitted_volume(h, sd_m));
+  }
+
+  /// Whether a landmark at p would surely have been seen from one of the places.
+  bool in_view(const Eigen::Vector2d& p, const ClosureLandmark& landmark,
+               const std::vector<Eigen::Vector2d>& places) {
+    const double view_m = kSureFraction * landmark.seen_m;
+    return std::any_of(places.begin(), places.end(), [&](const Eigen::Vector2d& place) {
+      ++num_operations_;
+      return (place - p).squaredNorm() <= view_m * view_m;
+    });
+  }
+
+  /// Logarithm of the standard deviations that the partners leave to the motion, multiplied.
+  /// Against the prior's it is what a search among so many motions costs: by chance some fit.
+  double fitted_volume(const Hypothesis& h, double sd_m) const {
+    double n = 0.0, arm2 = 0.0;
+    for (std::size_t r = 0; r < q_.recent.size(); ++r) {
+      if (h.old[r] < 0) continue;
+      n += 1.0;
+      arm2 += (q_.recent[r].p_map - middle_).squaredNorm();
+    }
+    const double volume = std::log(sd_m * sd_m / std::max(n, 1.0)) +
+                          0.5 * std::log(sd_m * sd_m / std::max(arm2, sd_m * sd_m));
+    return std::min(volume, prior_volume_);
   }
 
   /// The rigid motion that fits the partners best, by least squares.
@@ -198,6 +217,8 @@ class Matcher {
   Eigen::Matrix3d information_;
   Eigen::Vector2d middle_ = Eigen::Vector2d::Zero();
   double radius_m_ = 0.0;
+  double planted_m_ = 0.0;
+  double prior_volume_ = 0.0;
   double yaw_max_rad_ = 0.0;
   std::int64_t num_operations_ = 0;
 };
@@ -230,7 +251,7 @@ Closure find_closure(const ClosureQuery& query, const SlamConfig& config) {
     if (best.old[r] < 0) continue;
     closure.matches.emplace_back(query.recent[r].landmark, query.old[best.old[r]].landmark);
   }
-  if (closure.matches.size() < min_trees || best.score < config.closure_margin ||
+  if (closure.matches.size() < min_trees ||
       static_cast<double>(closure.matches.size()) < kMatchedFraction * best.num_in_view) {
     return closure;
   }
@@ -238,7 +259,7 @@ Closure find_closure(const ClosureQuery& query, const SlamConfig& config) {
       std::any_of(hypotheses.begin() + 1, hypotheses.end(), [&](const Hypothesis& other) {
         return other.score > best.score - config.closure_margin && matcher.differ(other, best);
       });
-  closure.found = !closure.ambiguous;
+  closure.found = !closure.ambiguous && best.score >= config.closure_margin;
   return closure;
 }
 

@@ -10,15 +10,13 @@
 
 namespace orchard::pose {
 
-/// Longest shift searched for [m].
-inline constexpr double kClosureSearchMax_m = 15.0;
-
 /// A landmark for loop closure.
 struct ClosureLandmark {
   int landmark = -1;
   Eigen::Vector2d p_map = Eigen::Vector2d::Zero();
   double width_m = 0.0;
   double width_sd_m = 0.1;
+  double seen_m = 0.0;  ///< farthest that it was observed from
 };
 
 /// Landmarks mapped on the last part of the path, and those mapped long before near there.
@@ -26,7 +24,7 @@ struct ClosureQuery {
   std::vector<ClosureLandmark> recent;
   std::vector<ClosureLandmark> old;
   std::vector<Eigen::Vector2d> path;                ///< its last part, in map
-  double view_m = 0.0;                              ///< objects nearer to the path were in view
+  std::vector<Eigen::Vector2d> old_path;            ///< places that old landmarks were seen from
   Eigen::Vector2d pivot = Eigen::Vector2d::Zero();  ///< the robot, in map
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of its pose against the old
 };
@@ -44,10 +42,11 @@ struct Closure {
 /// Registers the constellation of recent landmarks to old ones by the one rigid motion within the
 /// covariance of the pose.
 ///
-/// A matched tree counts in favour by the likelihood ratio of its residual against the irregularity
-/// of a planted row; a gap known to one side only counts against. Found if closure_min_trees match
-/// and the log-odds beat by closure_margin both the null hypothesis (another row, planted as
-/// regularly) and every other motion (the next tree, the next row).
+/// A matched tree counts in favour by the likelihood ratio of its residual against what another
+/// place of this map would leave (planted_sd_m of the old landmarks); a tree in view of both that
+/// only one side knows counts against. Found if closure_min_trees match
+/// and the log-odds beat by closure_margin both the null hypothesis (another place,
+/// planted as these are) and every other motion (the next tree, the next row).
 Closure find_closure(const ClosureQuery& query, const SlamConfig& config);
 
 }  // namespace orchard::pose

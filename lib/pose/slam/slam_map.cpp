@@ -55,15 +55,21 @@ bool SlamMap::is_tied_down() const {
                      [](const Keyframe& k) { return !k.positions.empty(); });
 }
 
+double SlamMap::sight_m() const {
+  return std::min(coverage.range_max_m(), config_.observation_range_max_m);
+}
+
+CalibrationPrior SlamMap::calibration_at(int interval) const {
+  return calibration.after(std::max(0, interval + 1 - num_calibrated), config_);
+}
+
 void SlamMap::start_session() {
   session_start = newest();
   graph.keyframes.back().local_covariance.setZero();
 }
 
 void SlamMap::refresh_local() {
-  const double radius_m =
-      std::min(coverage.range_max_m(), config_.observation_range_max_m) + kLocalMapMargin_m;
-  local = local_map(graph, index, session_start, radius_m);
+  local = local_map(graph, index, session_start, sight_m(), sight_m() + kLocalMapMargin_m);
 }
 
 int SlamMap::add_landmark(const ScanPoint& point) {
@@ -99,7 +105,10 @@ bool SlamMap::solve(SolveReason reason) {
   }
   if (!solution.solved) return false;
   const Eigen::Matrix3d P = solution.calibration_covariance.value_or(calibration.covariance);
-  if (P.allFinite()) calibration = {newest_calibration(), P};
+  if (P.allFinite()) {
+    calibration = {newest_calibration(), P};
+    num_calibrated = static_cast<int>(graph.calibrations.size());
+  }
   merge_duplicates();
   for (int l = 0; l < static_cast<int>(graph.landmarks.size()); ++l) {
     const std::size_t num_observed = graph.landmarks[l].keyframes.size();

@@ -34,6 +34,12 @@ class SlamMap {
   /// Whether positions place the present session, too.
   bool is_tied_down() const;
 
+  /// How far landmarks are in sight [m]: by what was seen.
+  double sight_m() const;
+
+  /// What is known of the odometry calibration in an interval of travel after the last solve.
+  CalibrationPrior calibration_at(int interval) const;
+
   /// Starts a disconnected submap at the newest keyframe, until a loop closure joins it.
   void start_session();
 
@@ -56,6 +62,7 @@ class SlamMap {
   geometry::PointGrid index{4.0};  ///< of landmarks
   SensorCoverage coverage;
   CalibrationPrior calibration;  ///< of the odometry, by all observations up to the last solve
+  int num_calibrated = 1;        ///< intervals of travel that it knows of
   std::vector<int> local;        ///< landmarks that the next scan may show
   int session_start = 0;         ///< first keyframe of the present session
   int num_solved = 0;            ///< keyframes at the last whole solve

@@ -41,6 +41,7 @@ AssociationCandidate candidate(const SlamGraph& graph, int landmark) {
   c.covariance = l.covariance();
   c.width_m = l.width_m;
   c.width_sd_m = l.width_sd_m();
+  c.confirmed = l.confirmed;
   return c;
 }
 
@@ -147,7 +148,8 @@ bool SlamTracker::correct_window(SlamMap& map) {
   // The keyframe before the window is fixed: at the earliest the one that the session began with.
   const int first = std::max(map.newest() - config_.window_keyframes, map.session_start + 1);
   if (first > map.newest()) return false;
-  const WindowSolution solution = solve_window(map.graph, first, map.calibration, config_);
+  const WindowSolution solution = solve_window(
+      map.graph, first, map.calibration_at(map.graph.keyframes[first].calibration), config_);
   num_operations_ += config_.window_keyframes;
   if (solution.solved) {
     Keyframe& now = map.graph.keyframes.back();
@@ -182,7 +184,8 @@ void SlamTracker::finish_keyframe(SlamMap& map) {
     const bool gone =
         landmark.num_misses >= kNumMissesMin && landmark.num_misses > kMissRatioMax * num_observed;
     const double since_m = now.travel_m - graph.keyframes[landmark.keyframes.back()].travel_m;
-    const bool transient = !landmark.confirmed && since_m > 0.5 * kRecentTravel_m;
+    const bool transient =
+        !landmark.confirmed && since_m > 0.5 * kRecentTravel_ranges * map.sight_m();
     if (gone || transient) graph.drop(l);
   }
 }

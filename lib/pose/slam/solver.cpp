@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 #include <Eigen/SparseCore>
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <vector>
 
@@ -29,6 +30,11 @@ constexpr double kWindowTolerance = 1e-4;  // fraction of the sum of squares tha
 constexpr int kGraphIterations = 30;
 constexpr int kClosureIterations = 10;
 constexpr double kGraphTolerance = 1e-6;
+// Travel over which wheels' errors change by as much as is known of them before anything is learnt
+// [m]: slip is the ground's and the curve's, tyres are warm or cold, loads come and go.
+constexpr double kCalibrationChange_m = 50.0;
+// The same of their bias, which is not the ground's.
+constexpr double kBiasChange_m = 500.0;
 
 /// A landmark with a single observation constrains nothing.
 bool is_constrained(const SlamLandmark& landmark) { return landmark.keyframes.size() >= 2; }
@@ -234,6 +240,23 @@ std::optional<Eigen::Matrix3d> write_covariances(GraphProblem& problem, SlamGrap
 
 Eigen::Vector3d CalibrationPrior::initial_sd(const SlamConfig& config) {
   return {config.speed_scale_sd, config.turn_scale_sd, config.yaw_rate_bias_sd_radps};
+}
+
+Eigen::Vector3d CalibrationPrior::walk_sd(const SlamConfig& config) {
+  Eigen::Vector3d sd = initial_sd(config);
+  sd.head<2>() *= std::sqrt(kCalibrationTravel_m / kCalibrationChange_m);
+  sd.z() *= std::sqrt(kCalibrationTravel_m / kBiasChange_m);
+  return sd;
+}
+
+CalibrationPrior CalibrationPrior::after(int num_intervals, const SlamConfig& config) const {
+  CalibrationPrior later = *this;
+  later.covariance.diagonal() += num_intervals * walk_sd(config).array().square().matrix();
+  const Eigen::Array3d initial = initial_sd(config).array().square();
+  const Eigen::Array3d grown = later.covariance.diagonal().array();
+  const Eigen::Vector3d kept = (initial / grown.max(initial)).sqrt().matrix();
+  later.covariance = kept.asDiagonal() * later.covariance * kept.asDiagonal();
+  return later;
 }
 
 CalibrationPrior CalibrationPrior::initial(const SlamConfig& config) {

@@ -9,6 +9,9 @@
 
 namespace orchard::pose {
 
+/// Travel over which the odometry calibration is taken as constant [m].
+inline constexpr double kCalibrationTravel_m = 10.0;
+
 /// The odometry calibration as known without the observations that are about to be used.
 struct CalibrationPrior {
   OdometryCalibration mean = OdometryCalibration::Zero();
@@ -17,6 +20,11 @@ struct CalibrationPrior {
   /// Standard deviations before anything is estimated.
   static Eigen::Vector3d initial_sd(const SlamConfig& config);
   static CalibrationPrior initial(const SlamConfig& config);
+  /// Of its change from one interval of travel to the next.
+  static Eigen::Vector3d walk_sd(const SlamConfig& config);
+
+  /// What is known of it so many intervals later; never less than at the start.
+  CalibrationPrior after(int num_intervals, const SlamConfig& config) const;
 };
 
 /// Covariances of the newest keyframe by a solved window.

@@ -18,9 +18,6 @@ namespace {
 /// A turn by so much makes a keyframe [rad]: the view changes as over half a metre of travel.
 constexpr double kKeyframeTurn_rad = 0.3;
 
-/// Travel over which the odometry calibration is taken as constant [m].
-constexpr double kCalibrationTravel_m = 50.0;
-
 /// Least standard deviation of a position fix [m], whatever it states.
 constexpr double kPlacementSdMin_m = 0.02;
 
@@ -65,8 +62,9 @@ void TrunkSlam::set_default_noise(double speed_sd_fraction, double yaw_rate_sd_r
 /// Of the motion since the keyframe, with the uncertainty of the odometry calibration.
 Eigen::Matrix3d TrunkSlam::motion_covariance() const {
   const RelativeMotion& m = motion_.motion();
-  return m.covariance +
-         m.calibration_jacobian * map_.calibration.covariance * m.calibration_jacobian.transpose();
+  const int interval = static_cast<int>(map_.graph.calibrations.size()) - 1;
+  return m.covariance + m.calibration_jacobian * map_.calibration_at(interval).covariance *
+                            m.calibration_jacobian.transpose();
 }
 
 void TrunkSlam::add(const Odometry& odometry) {

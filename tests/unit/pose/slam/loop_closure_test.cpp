@@ -47,12 +47,14 @@ struct Rows {
     for (double x_m = 15.0; x_m <= 29.0; x_m += 0.5) {
       query.path.push_back(moved_back({x_m, 2.0}));
     }
-    query.view_m = 2.8;
+    for (double x_m = 0.0; x_m <= 58.0; x_m += 1.0) {
+      for (const double y_m : {2.0, 6.0}) query.old_path.emplace_back(x_m, y_m);
+    }
     query.covariance = Eigen::Vector3d(1.5 * 1.5, 1.5 * 1.5, 0.06 * 0.06).asDiagonal();
   }
 
   static ClosureLandmark landmark(int id, const Eigen::Vector2d& p_map) {
-    return {id, p_map, 0.12, 0.01};
+    return {id, p_map, 0.12, 0.01, 5.6};
   }
   /// Where the drifted robot puts what stands there.
   Eigen::Vector2d moved_back(const Eigen::Vector2d& p) const {

@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// SLAM on trunks over many seeds without ray casting: what wheels with memory and a scanner say in
+// scene park, or in rows that are left, lost by some metres and entered again.
+//   slam_trials park|rows FIRST LAST [TRACE_PREFIX]
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "geometry/angles.hpp"
+#include "geometry/pose2.hpp"
+#include "geometry/rigid_fit2.hpp"
+#include "pose/slam/trunk_slam.hpp"
+#include "simulation/random.hpp"
+#include "simulation/scene/park/park_scene.hpp"
+#include "simulation/sensor/wheel_memory.hpp"
+#include "unit/pose/prior_map/noisy_trunk.hpp"
+
+namespace orchard {
+namespace {
+
+using simulation::Random;
+using simulation::Stream;
+
+constexpr std::int64_t kStart = 1'000'000;
+constexpr double kOdometryPeriod_s = 0.04;
+constexpr int kOdometryPerScan = 5;
+constexpr int kAspects = 12;  // sides of a trunk that is not round
+
+struct Tree {
+  Eigen::Vector2d p_map;
+  double width_m = 0.0;
+};
+
+struct World {
+  std::vector<Tree> trees;
+  simulation::DrivePath path;
+  double range_m = 40.0;
+  double half_angle_rad = 0.5 * geometry::kPi;
+  double beam_rad = 0.00872664626;
+  double range_sd_m = 0.02;
+  double laser_x_m = 3.0;
+  double out_of_round = 0.05;  // of a trunk's centre by its side, per width
+  double false_per_scan = 0.2;
+  simulation::MotionConfig motion;
+  simulation::WheelsConfig wheels;
+  double again_s = 1e9;  // when the same rows are entered again
+};
+
+World park(std::uint64_t seed) {
+  World world;
+  const simulation::Scene scene = simulation::make_park_scene(seed, {});
+  for (const simulation::TruthObject& thing : scene.truth) {
+    if (thing.label == detection::Label::kTree) {
+      world.trees.push_back({{thing.x_m, thing.y_m}, thing.width_m});
+    }
+  }
+  world.path = scene.path;
+  // as config/park.yaml
+  world.motion.speed_scale_sd = 0.03;
+  world.motion.speed_sd_mps = 0.05;
+  world.motion.yaw_rate_bias_sd_radps = 0.003;
+  world.motion.yaw_rate_sd_radps = 0.01;
+  world.wheels.yaw_rate_scale_sd = 0.03;
+  world.wheels.surface_slip_sd = 0.02;
+  world.wheels.surface_turn_slip_sd = 0.05;
+  world.wheels.load_sd = 0.01;
+  world.wheels.bias_wander_sd_radps = 0.003;
+  world.wheels.states_covariance = false;
+  return world;
+}
+
+/// Eight rows, every alley driven; home by a long way round where nothing stands, on which the
+/// wheels drift by metres; then some alleys again, from another one on.
+World rows(std::uint64_t seed) {
+  World world;
+  Random random(seed, Stream::kScene);
+  constexpr int kRows = 8, kTrees = 24;
+  constexpr double kRow_m = 4.0, kTree_m = 2.5;
+  for (int r = 0; r < kRows; ++r) {
+    for (int t = 0; t < kTrees; ++t) {
+      const bool missing = random.uniform() < 0.08;
+      const double dx_m = random.uniform(-0.15, 0.15), dy_m = random.uniform(-0.15, 0.15);
+      const double width_m = random.normal(0.125, 0.012);
+      if (!missing) {
+        world.trees.push_back({{t * kTree_m + dx_m + 5.0, (r - 0.5) * kRow_m + dy_m}, width_m});
+      }
+    }
+  }
+  world.path = simulation::DrivePath({0.0, 0.0, 0.0}, 1.0);
+  const double length_m = (kTrees - 1) * kTree_m + 10.0;
+  constexpr double kTurn_m = 5.0;
+  const auto alleys = [&](int num, double side) {
+    for (int a = 0; a < num; ++a) {
+      world.path.append(length_m, 0.0);
+      if (a + 1 == num) break;
+      world.path.append(0.5 * geometry::kPi * kRow_m, side * 2.0 / kRow_m);
+      side = -side;
+    }
+  };
+  const auto quarter = [&] { world.path.append(0.5 * geometry::kPi * kTurn_m, 1.0 / kTurn_m); };
+  alleys(kRows - 1, 1.0);
+  const double last_y_m = (kRows - 2) * kRow_m;
+  const double away_m = random.uniform(60.0, 120.0);
+  const double again_y_m = kRow_m * std::floor(random.uniform(0.0, kRows - 3.0));
+  world.path.append(20.0, 0.0);
+  quarter();
+  world.path.append(away_m, 0.0);
+  quarter();
+  world.path.append(length_m + 30.0, 0.0);
+  quarter();
+  world.path.append(last_y_m + away_m - again_y_m, 0.0);
+  quarter();
+  world.path.append(10.0, 0.0);
+  world.again_s = world.path.duration_s();
+  alleys(3, 1.0);
+  world.range_m = 10.0;
+  world.half_angle_rad = 2.09;
+  world.beam_rad = 0.00613592315;
+  world.range_sd_m = 0.01;
+  world.laser_x_m = 0.35;
+  world.motion.speed_scale_sd = 0.03;
+  world.motion.yaw_rate_sd_radps = 0.01;
+  world.wheels.yaw_rate_scale_sd = 0.03;
+  world.wheels.surface_slip_sd = 0.02;
+  world.wheels.surface_turn_slip_sd = 0.03;
+  world.wheels.bias_wander_sd_radps = 0.001;
+  world.wheels.states_covariance = false;
+  return world;
+}
+
+/// What a scan holds of the trees.
+detection::Detections look(const World& world, std::uint64_t seed, std::int64_t utime,
+                           const Eigen::Vector3d& T_map_base, Random& random) {
+  detection::Detections seen;
+  seen.utime = utime;
+  const Eigen::Vector3d T = geometry::compose(T_map_base, {world.laser_x_m, 0.0, 0.0});
+  struct InView {
+    std::size_t tree;
+    double range_m, bearing_rad, half_rad;
+  };
+  std::vector<InView> view;
+  for (std::size_t i = 0; i < world.trees.size(); ++i) {
+    const Eigen::Vector2d p = geometry::transform_back(T, world.trees[i].p_map);
+    const double range_m = p.norm();
+    if (range_m > world.range_m) continue;
+    const double bearing_rad = std::atan2(p.y(), p.x());
+    if (std::abs(bearing_rad) > world.half_angle_rad) continue;
+    view.push_back({i, range_m, bearing_rad, 0.5 * world.trees[i].width_m / range_m});
+  }
+  std::sort(view.begin(), view.end(),
+            [](const InView& a, const InView& b) { return a.range_m < b.range_m; });
+  for (std::size_t v = 0; v < view.size(); ++v) {
+    const InView& it = view[v];
+    double hidden = 0.0;
+    for (std::size_t n = 0; n < v; ++n) {
+      const double overlap =
+          std::min(it.bearing_rad + it.half_rad, view[n].bearing_rad + view[n].half_rad) -
+          std::max(it.bearing_rad - it.half_rad, view[n].bearing_rad - view[n].half_rad);
+      hidden = std::max(hidden, overlap / (2.0 * it.half_rad));
+    }
+    const double beams = 2.0 * it.half_rad / world.beam_rad;
+    // two beams at least
+    if (hidden > 0.3 || random.uniform() > beams - 1.0 || random.uniform() < 0.03) continue;
+    const Tree& tree = world.trees[it.tree];
+    const double aspect = geometry::wrap_angle_rad(T.z() + it.bearing_rad) + geometry::kPi;
+    const auto side = static_cast<std::uint64_t>(aspect / (2.0 * geometry::kPi) * kAspects);
+    Random shape(seed ^ 0x51ed27, Stream::kTargets, it.tree * kAspects + side);
+    const double off_m = world.out_of_round * tree.width_m;
+    const double radial_m = shape.normal(0.0, off_m), across_m = shape.normal(0.0, off_m);
+    detection::Detection trunk = pose::noisy_trunk(
+        {it.range_m + radial_m, it.bearing_rad + across_m / it.range_m, tree.width_m},
+        {world.range_sd_m, 0.3 * world.beam_rad, 0.01, 0.4 * world.beam_rad}, 0.02, random);
+    trunk.centre_x_m += world.laser_x_m;
+    trunk.utime = utime;
+    seen.trunks.push_back(trunk);
+  }
+  if (random.uniform() < world.false_per_scan) {
+    const double range_m = random.uniform(1.0, world.range_m);
+    const double bearing_rad = random.uniform(-world.half_angle_rad, world.half_angle_rad);
+    detection::Detection trunk =
+        pose::noisy_trunk({range_m, bearing_rad, 0.3}, {0.05, 0.01, 0.1, 0.0}, 0.02, random);
+    trunk.utime = utime;
+    seen.trunks.push_back(trunk);
+  }
+  return seen;
+}
+
+Eigen::Vector3d vector_of(const simulation::Pose2& pose) {
+  return {pose.x_m, pose.y_m, pose.yaw_rad};
+}
+
+struct Result {
+  double rmse_m = 0.0, end_m = 0.0, nees = 0.0, sd_m = 0.0;
+  int mixed = 0;
+  int closures = 0, refuted = 0, twice = 0, landmarks = 0, lost = 0, ambiguous = 0, scans = 0;
+  double mops = 0.0, drift_m = 0.0;
+  int closures_again = 0;
+};
+
+Result drive(const World& world, std::uint64_t seed, const std::string& dump) {
+  pose::SlamConfig config;
+  pose::TrunkSlam slam(config);
+  slam.set_default_noise(0.03, 0.02);
+  Random run(seed, Stream::kOdometryRun);
+  const auto errors = simulation::draw_odometry_errors(world.motion, world.wheels, run);
+  const simulation::WheelMemory memory(seed, world.wheels, world.path.duration_s());
+  const double duration_s = world.path.duration_s();
+  Result result;
+  FILE* trace = dump.empty() ? nullptr : std::fopen(dump.c_str(), "w");
+  int closures = 0;
+  double before_m = 0.0;
+  for (int step = 0; step * kOdometryPeriod_s < duration_s; ++step) {
+    const double t_s = step * kOdometryPeriod_s;
+    const auto utime = kStart + static_cast<std::int64_t>(std::llround(t_s * 1e6));
+    const simulation::Pose2 pose = world.path.pose_at(t_s);
+    Random noise(seed, Stream::kOdometry, static_cast<std::uint64_t>(step));
+    pose::Odometry odometry = simulation::simulate_odometry(world.path, t_s, kOdometryPeriod_s,
+                                                            memory.errors_at(errors, t_s, pose),
+                                                            world.motion, world.wheels, 0.0, noise);
+    odometry.utime = utime;
+    slam.add(odometry);
+    if (step % kOdometryPerScan != 0) continue;
+    Random scan(seed, Stream::kScan, static_cast<std::uint64_t>(step));
+    slam.add(look(world, seed, utime, vector_of(pose), scan));
+    ++result.scans;
+    const std::string warning = slam.warning();
+    result.lost += warning.rfind("LOST", 0) == 0;
+    result.ambiguous += warning.rfind("AMBIGUOUS", 0) == 0;
+    const auto estimate = slam.estimate();
+    if (!estimate) continue;
+    const double error_m = std::hypot(estimate->x_m - pose.x_m, estimate->y_m - pose.y_m);
+    if (slam.num_closures() != closures) {
+      closures = slam.num_closures();
+      if (trace)
+        std::fprintf(trace, "# closure at %.1f s: error %.2f -> %.2f m\n", t_s, before_m, error_m);
+    }
+    before_m = error_m;
+    if (t_s < world.again_s) {
+      result.drift_m = error_m;
+      result.closures_again = -slam.num_closures();
+    }
+    if (trace && step % 250 == 0) {
+      std::fprintf(trace,
+                   "%7.1f error %7.3f sd %7.3f %7.3f yaw %8.4f sd %8.4f landmarks %zu closures %d "
+                   "refuted %d %s\n",
+                   t_s, error_m, std::sqrt(estimate->covariance[0]),
+                   std::sqrt(estimate->covariance[3]),
+                   geometry::wrap_angle_rad(estimate->yaw_rad - pose.yaw_rad),
+                   std::sqrt(estimate->covariance[5]), slam.graph().landmarks.size(),
+                   slam.num_closures(), slam.num_refuted_closures(), warning.c_str());
+    }
+  }
+  slam.finish();
+  std::vector<Eigen::Vector2d> told, truth;
+  for (const pose::Keyframe& k : slam.graph().keyframes) {
+    const simulation::Pose2 pose = world.path.pose_at(static_cast<double>(k.utime - kStart) * 1e-6);
+    told.push_back(k.T_map_base.head<2>());
+    truth.emplace_back(pose.x_m, pose.y_m);
+  }
+  const geometry::RigidFit2 fit = geometry::fit_rigid(truth, told);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < told.size(); ++i) {
+    sum += (geometry::transform(fit.T_a_b, told[i]) - truth[i]).squaredNorm();
+  }
+  result.rmse_m = std::sqrt(sum / static_cast<double>(told.size()));
+  const auto estimate = slam.estimate();
+  const simulation::Pose2 end =
+      world.path.pose_at(static_cast<double>(estimate->utime - kStart) * 1e-6);
+  const auto& c = estimate->covariance;
+  Eigen::Matrix3d P;
+  P << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+  const Eigen::Vector3d e(estimate->x_m - end.x_m, estimate->y_m - end.y_m,
+                          geometry::wrap_angle_rad(estimate->yaw_rad - end.yaw_rad));
+  result.end_m = e.head<2>().norm();
+  result.nees = e.dot(P.inverse() * e);
+  result.sd_m = std::sqrt(c[0] + c[3]);
+  result.closures = slam.num_closures();
+  result.closures_again += result.closures;
+  result.refuted = slam.num_refuted_closures();
+  result.mops = static_cast<double>(slam.num_operations()) * 1e-6;
+  // trees that are more than one landmark
+  std::vector<int> times(world.trees.size(), 0);
+  for (const pose::SlamLandmark& l : slam.graph().landmarks) {
+    if (!l.alive || !l.confirmed) continue;
+    ++result.landmarks;
+    const Eigen::Vector2d p = geometry::transform(fit.T_a_b, l.p_map);
+    std::size_t nearest = 0;
+    for (std::size_t t = 0; t < world.trees.size(); ++t) {
+      if ((world.trees[t].p_map - p).norm() < (world.trees[nearest].p_map - p).norm()) nearest = t;
+    }
+    if ((world.trees[nearest].p_map - p).norm() < 1.5) ++times[nearest];
+  }
+  // landmarks that are more than one tree: what was observed of them lies apart in truth
+  std::vector<std::vector<Eigen::Vector2d>> places(slam.graph().landmarks.size());
+  for (const pose::Keyframe& k : slam.graph().keyframes) {
+    const Eigen::Vector3d T =
+        vector_of(world.path.pose_at(static_cast<double>(k.utime - kStart) * 1e-6));
+    for (const pose::SlamObservation& o : k.observations) {
+      places[static_cast<std::size_t>(o.landmark)].push_back(geometry::transform(T, o.position()));
+    }
+  }
+  for (const std::vector<Eigen::Vector2d>& seen : places) {
+    int far = 0;
+    for (const Eigen::Vector2d& p : seen) far += (p - seen[0]).norm() > 1.2;
+    result.mixed += far > 2;
+  }
+  for (const int n : times) result.twice += std::max(0, n - 1);
+  if (trace) std::fclose(trace);
+  return result;
+}
+
+}  // namespace
+}  // namespace orchard
+
+int main(int argc, char** argv) {
+  using namespace orchard;
+  if (argc < 4) {
+    std::fprintf(stderr, "slam_trials park|rows FIRST LAST [TRACE_PREFIX]\n");
+    return 2;
+  }
+  const std::string scene = argv[1];
+  std::printf("%4s %8s %8s %8s %8s %8s %5s %5s %5s %5s %5s %5s %8s %8s %5s\n", "seed", "rmse_m",
+              "end_m", "sd_m", "nees", "mixed", "close", "refut", "twice", "landm", "lost%",
+              "ambi%", "Mops", "drift_m", "again");
+  for (int seed = std::atoi(argv[2]); seed <= std::atoi(argv[3]); ++seed) {
+    const auto s = static_cast<std::uint64_t>(seed);
+    const World world = scene == "park" ? park(s) : rows(s);
+    const std::string dump = argc > 4 ? argv[4] + std::to_string(seed) : std::string();
+    const Result r = drive(world, s, dump);
+    std::printf("%4d %8.3f %8.3f %8.3f %8.2f %8d %5d %5d %5d %5d %5.1f %5.1f %8.1f %8.2f %5d\n",
+                seed, r.rmse_m, r.end_m, r.sd_m, r.nees, r.mixed, r.closures, r.refuted, r.twice,
+                r.landmarks, 100.0 * r.lost / r.scans, 100.0 * r.ambiguous / r.scans, r.mops,
+                r.drift_m, r.closures_again);
+    std::fflush(stdout);
+  }
+  return 0;
+}

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pose/measurement.hpp"
@@ -35,6 +37,9 @@ class Localiser {
 
   /// What is wrong in words for a person (LOST, AMBIGUOUS, a GNSS that jumps); empty if nothing.
   virtual std::string warning() const { return {}; }
+
+  /// What it did so far in named numbers, for people and programs that judge a drive afterwards.
+  virtual std::vector<std::pair<std::string, std::int64_t>> account() const { return {}; }
 };
 
 }  // namespace orchard::pose

@@ -6,6 +6,9 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "bus/node/node.hpp"
 #include "io/config/config.hpp"
@@ -30,6 +33,10 @@ class PoseNode : public bus::Node {
   bus::NodeCounts counts() const override;
   std::string waiting_for() const override;
   std::string warning() const override { return localiser_->warning(); }
+  /// What pose.mode did so far in named numbers.
+  std::vector<std::pair<std::string, std::int64_t>> account() const {
+    return localiser_->account();
+  }
 
  private:
   void push(pose::Measurement measurement);

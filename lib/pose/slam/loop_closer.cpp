@@ -132,6 +132,7 @@ void LoopCloser::look(SlamMap& map) {
   ambiguous_ = false;
   const std::optional<ClosureQuery> query = this->query(map);
   if (!query) return;
+  ++num_asked_;
   const Closure closure = find_closure(*query, config_);
   num_operations_ += closure.num_operations;
   ambiguous_ = closure.ambiguous;
@@ -144,6 +145,7 @@ void LoopCloser::look(SlamMap& map) {
   for (const auto& [recent, old] : closure.matches) map.graph.merge(recent, old);
   if (map.solve(SolveReason::kLoopClosure) && is_supported(closure.matches, map.graph)) {
     map.session_start = 0;
+    map.lost = false;
     ++num_closures_;
     return;
   }

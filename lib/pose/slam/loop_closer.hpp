@@ -26,6 +26,8 @@ class LoopCloser {
   /// Closures that stand, and those that were refuted.
   int num_closures() const { return num_closures_; }
   int num_refuted() const { return num_refuted_; }
+  /// Places where one was looked for, among older landmarks.
+  int num_asked() const { return num_asked_; }
   std::int64_t num_operations() const { return num_operations_; }
 
  private:
@@ -37,6 +39,7 @@ class LoopCloser {
   bool ambiguous_ = false;
   int num_closures_ = 0;
   int num_refuted_ = 0;
+  int num_asked_ = 0;
   std::int64_t num_operations_ = 0;
 };
 

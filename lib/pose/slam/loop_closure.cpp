@@ -44,7 +44,6 @@ class Matcher {
     // not more certain than the local map
     P.diagonal() += Eigen::Vector3d(0.1 * 0.1, 0.1 * 0.1, 0.01 * 0.01);
     information_ = P.inverse();
-    prior_volume_ = 0.5 * std::log(P.determinant());
     radius_m_ = 4.0 * std::sqrt(std::max(P(0, 0), P(1, 1))) + 0.5;
     yaw_max_rad_ = 4.0 * std::sqrt(P(2, 2));
     for (const ClosureLandmark& r : q_.recent) middle_ += r.p_map;
@@ -143,7 +142,7 @@ class Matcher {
       if (taken[o]) continue;
       if (in_view(undo(h.x_y_yaw, q_.old[o].p_map), q_.old[o], q_.path)) score -= kMissOdds;
     }
-    h.score = score - (prior_volume_ - fitted_volume(h, sd_m));
+    h.score = score;
   }
 
   /// Whether a landmark at p would surely have been seen from one of the places.
@@ -154,20 +153,6 @@ class Matcher {
       ++num_operations_;
       return (place - p).squaredNorm() <= view_m * view_m;
     });
-  }
-
-  /// Logarithm of the standard deviations that the partners leave to the motion, multiplied.
-  /// Against the prior's it is what a search among so many motions costs: by chance some fit.
-  double fitted_volume(const Hypothesis& h, double sd_m) const {
-    double n = 0.0, arm2 = 0.0;
-    for (std::size_t r = 0; r < q_.recent.size(); ++r) {
-      if (h.old[r] < 0) continue;
-      n += 1.0;
-      arm2 += (q_.recent[r].p_map - middle_).squaredNorm();
-    }
-    const double volume = std::log(sd_m * sd_m / std::max(n, 1.0)) +
-                          0.5 * std::log(sd_m * sd_m / std::max(arm2, sd_m * sd_m));
-    return std::min(volume, prior_volume_);
   }
 
   /// The rigid motion that fits the partners best, by least squares.
@@ -218,7 +203,6 @@ class Matcher {
   Eigen::Vector2d middle_ = Eigen::Vector2d::Zero();
   double radius_m_ = 0.0;
   double planted_m_ = 0.0;
-  double prior_volume_ = 0.0;
   double yaw_max_rad_ = 0.0;
   std::int64_t num_operations_ = 0;
 };

@@ -28,7 +28,7 @@ struct SlamConfig {
 
   double lost_sd_m = 0.8;  ///< less surely placed among its landmarks, a map of its own begins
 
-  int closure_min_trees = 3;      ///< pairs of landmarks that a loop closure needs
+  int closure_min_trees = 5;      ///< pairs of landmarks that a loop closure needs
   double closure_kernel_m = 0.4;  ///< landmarks farther apart after the best shift are no pair
   double closure_sd_m = 0.04;     ///< repeatability of a tree's position within a submap
   double closure_margin = 8.0;    ///< log likelihood by which it must beat any other shift

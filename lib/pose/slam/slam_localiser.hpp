@@ -25,6 +25,9 @@ class SlamLocaliser : public Localiser {
   std::optional<Trajectory> take_correction() override { return slam_.take_correction(); }
   void finish() override;
   std::string warning() const override;
+  std::vector<std::pair<std::string, std::int64_t>> account() const override {
+    return slam_.account();
+  }
 
  private:
   void add(const PoseFix& fix);

@@ -63,7 +63,8 @@ CalibrationPrior SlamMap::calibration_at(int interval) const {
   return calibration.after(std::max(0, interval + 1 - num_calibrated), config_);
 }
 
-void SlamMap::start_session() {
+void SlamMap::start_session(bool was_lost) {
+  lost = lost || was_lost;
   session_start = newest();
   graph.keyframes.back().local_covariance.setZero();
 }

@@ -41,7 +41,8 @@ class SlamMap {
   CalibrationPrior calibration_at(int interval) const;
 
   /// Starts a disconnected submap at the newest keyframe, until a loop closure joins it.
-  void start_session();
+  /// `was_lost`: known landmarks should have been in view; else there was nothing to go by.
+  void start_session(bool was_lost);
 
   /// Finds anew which landmarks the next scan may show.
   void refresh_local();
@@ -65,6 +66,7 @@ class SlamMap {
   int num_calibrated = 1;        ///< intervals of travel that it knows of
   std::vector<int> local;        ///< landmarks that the next scan may show
   int session_start = 0;         ///< first keyframe of the present session
+  bool lost = false;             ///< it began where known landmarks should have been in view
   int num_solved = 0;            ///< keyframes at the last whole solve
   bool corrected = false;        ///< the past was corrected since it was last published
 

@@ -86,15 +86,16 @@ Eigen::Matrix3d covariance_in_map(const SlamMap& map, int first, const Eigen::Ma
 
 }  // namespace
 
-void SlamTracker::start_session(SlamMap& map) {
-  map.start_session();
+void SlamTracker::start_session(SlamMap& map, bool was_lost) {
+  map.start_session(was_lost);
   num_ambiguous_ = num_contradicted_ = 0;
 }
 
 void SlamTracker::start_keyframe(SlamMap& map) {
   num_scans_ = 0;
-  if (map.local_sd_m() > config_.lost_sd_m || num_ambiguous_ >= kNumAmbiguousScans) {
-    start_session(map);
+  const bool too_ambiguous = num_ambiguous_ >= kNumAmbiguousScans;
+  if (map.local_sd_m() > config_.lost_sd_m || too_ambiguous) {
+    start_session(map, too_ambiguous || num_contradicted_ > 0);
   }
   map.refresh_local();
 }
@@ -129,7 +130,7 @@ void SlamTracker::match(const std::vector<ScanPoint>& points, SlamMap& map) {
   if (num_matched_ > 0) num_contradicted_ = 0;
   if (num_matched_ == 0 && !points.empty() && !found.ambiguous &&
       map.local_sd_m() > kNewSessionSd_m && is_elsewhere(map)) {
-    start_session(map);
+    start_session(map, num_contradicted_ >= kNumContradictedScans);
   }
   for (std::size_t p = 0; p < points.size(); ++p) {
     int l = found.landmark[p];

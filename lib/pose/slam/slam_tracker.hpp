@@ -37,7 +37,7 @@ class SlamTracker {
   std::int64_t num_operations() const { return num_operations_; }
 
  private:
-  void start_session(SlamMap& map);
+  void start_session(SlamMap& map, bool was_lost);
   bool is_elsewhere(const SlamMap& map);
 
   SlamConfig config_;

@@ -38,6 +38,8 @@ constexpr double kBlindFactor = 3.0;
 constexpr int kSolveKeyframesMin = 20;
 // Two landmarks at least give the velocity while no motion is measured.
 constexpr int kVelocityLandmarks = 2;
+// A tenth of the drive without knowing where is worth a word at its end.
+constexpr int kWorthSaying = 10;
 constexpr std::int64_t kScanOrder_us = 1'000'000;
 
 PoseEstimate pose_estimate(std::int64_t utime, const Eigen::Vector3d& T, const Eigen::Matrix3d& P) {
@@ -127,6 +129,7 @@ void TrunkSlam::add(const detection::Detections& seen) {
                               (1.0 + c[1]) * motion_.yaw_rate_radps() - c[2]};
   tracker_.match(scan_points(seen, state, config_), map_);
   if (added) correct();
+  watch(seen.utime);
 }
 
 void TrunkSlam::add_keyframe() {
@@ -174,7 +177,34 @@ void TrunkSlam::correct() {
   if (static_cast<double>(keyframes.size()) >= solve_at) map_.solve(SolveReason::kGrowth);
 }
 
+void TrunkSlam::watch(std::int64_t utime) {
+  if (scan_utime_ > 0 && utime > scan_utime_) {
+    const std::int64_t since_us = std::min(utime - scan_utime_, kScanOrder_us);
+    driven_us_ += since_us;
+    if (map_.lost) lost_us_ += since_us;
+    if (tracker_.is_ambiguous() || closer_.is_ambiguous()) ambiguous_us_ += since_us;
+  }
+  scan_utime_ = utime;
+}
+
+double TrunkSlam::end_sd_m() const {
+  const Eigen::Matrix3d& P = map_.graph.keyframes.back().covariance;
+  return std::sqrt(std::max(P(0, 0), P(1, 1)));
+}
+
+std::vector<std::pair<std::string, std::int64_t>> TrunkSlam::account() const {
+  constexpr std::int64_t kSecond_us = 1'000'000;
+  if (map_.empty()) return {};
+  return {{"loops_asked", closer_.num_asked()},
+          {"loops_closed", closer_.num_closures()},
+          {"loops_refused", closer_.num_refuted()},
+          {"lost_s", lost_us_ / kSecond_us},
+          {"ambiguous_s", ambiguous_us_ / kSecond_us},
+          {"end_sd_mm", std::llround(std::min(end_sd_m(), 1e6) * 1e3)}};
+}
+
 void TrunkSlam::finish() {
+  finished_ = true;
   if (map_.empty()) return;
   if (motion_.utime() > map_.graph.keyframes.back().utime) add_keyframe();
   map_.solve(SolveReason::kEndOfDrive);
@@ -214,9 +244,22 @@ std::string TrunkSlam::warning() const {
   if (closer_.is_ambiguous()) {
     return "AMBIGUOUS: the trunks passed last fit the map in more than one way; no loop is closed";
   }
-  if (map_.session_start > 0 && !map_.is_tied_down()) {
+  if (map_.lost && !map_.is_tied_down()) {
     return "LOST: nothing in view fitted the map for too long; a map of its own until a loop "
            "closes";
+  }
+  if (!finished_) return {};
+  if (kWorthSaying * (lost_us_ + ambiguous_us_) > driven_us_) {
+    return "LOST for " + std::to_string(lost_us_ / 1'000'000) + " s and AMBIGUOUS for " +
+           std::to_string(ambiguous_us_ / 1'000'000) + " s of " +
+           std::to_string(driven_us_ / 1'000'000) + " s: look at the map before it is used";
+  }
+  if (end_sd_m() > config_.lost_sd_m) {
+    return "at its end the drive is known to " + std::to_string(std::lround(end_sd_m() * 100)) +
+           " cm only (one sigma): " +
+           (closer_.num_closures() == 0 ? "no loop was closed"
+                                        : "too long after the last loop that was closed") +
+           "; pass again where trees are known";
   }
   return {};
 }

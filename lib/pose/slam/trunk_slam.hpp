@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "detection/detection.hpp"
 #include "pose/measurements.hpp"
@@ -46,6 +48,9 @@ class TrunkSlam {
   std::optional<PoseEstimate> estimate() const;
   std::optional<Trajectory> take_correction();
   std::string warning() const;
+  /// Loops asked for, closed and refused; seconds LOST and AMBIGUOUS; the newest position's
+  /// standard deviation [mm].
+  std::vector<std::pair<std::string, std::int64_t>> account() const;
 
   const SlamGraph& graph() const { return map_.graph; }
   /// Loop closures that stand, and those that the observations refuted once they were solved.
@@ -62,6 +67,8 @@ class TrunkSlam {
   void add_keyframe();
   void add_blind_keyframe();
   void correct();
+  void watch(std::int64_t utime);
+  double end_sd_m() const;
 
   SlamConfig config_;
   DeadReckoning motion_;  ///< since the newest keyframe
@@ -69,6 +76,11 @@ class TrunkSlam {
   SlamTracker tracker_;
   LoopCloser closer_;
   std::int32_t revision_ = 0;
+  std::int64_t scan_utime_ = 0;  ///< of the last scan
+  std::int64_t driven_us_ = 0;   ///< from scan to scan
+  std::int64_t lost_us_ = 0;
+  std::int64_t ambiguous_us_ = 0;
+  bool finished_ = false;
 };
 
 }  // namespace orchard::pose

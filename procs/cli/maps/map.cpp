@@ -71,6 +71,9 @@ void require_usable(const MapOptions& options, const std::string& rig_name,
   }
 }
 
+/// Before the names of what the pose's mode says of itself, among the counts.
+const std::string kPoseAccount = "pose_";
+
 std::uint64_t num_lost_bytes(const ReplayReport& report) {
   return std::accumulate(report.gaps.begin(), report.gaps.end(), std::uint64_t{0},
                          [](std::uint64_t sum, const io::LogGap& gap) { return sum + gap.size; });
@@ -86,6 +89,9 @@ std::vector<std::pair<std::string, std::int64_t>> counts_of(const ReplayReport& 
   const std::vector<bus::Node*> nodes = pipeline.nodes();
   const auto traffic = bus::named_counts(report, {nodes.begin(), nodes.end()});
   counts.insert(counts.end(), traffic.begin(), traffic.end());
+  for (const auto& [name, value] : pipeline.pose.account()) {
+    counts.emplace_back(kPoseAccount + name, value);
+  }
   return counts;
 }
 
@@ -110,13 +116,20 @@ void print_summary(const MapOptions& options, const ReplayReport& report,
     // Other programs' channels on the bus, and LCM's own, are nothing that was lost.
     // Ids kept of an earlier map are none either.
     const bool is_loss = name != "events" && name != "unknown_channel" &&
-                         name.rfind("in_", 0) != 0 && name.rfind("out_", 0) != 0 &&
-                         name.find("_ids") == std::string::npos;
+                         name.rfind("in_", 0) != 0 && name.rfind(kPoseAccount, 0) != 0 &&
+                         name.rfind("out_", 0) != 0 && name.find("_ids") == std::string::npos;
     if (is_loss && value > 0) {
       losses += (losses.empty() ? "" : ", ") + name + " " + std::to_string(value);
     }
   }
   std::printf("losses: %s\n", losses.empty() ? "none" : losses.c_str());
+  std::string account;
+  for (const auto& [name, value] : content.summary.counts) {
+    if (name.rfind(kPoseAccount, 0) != 0) continue;
+    account += (account.empty() ? "" : ", ") + name.substr(kPoseAccount.size()) + " " +
+               std::to_string(value);
+  }
+  if (!account.empty()) std::printf("pose: %s\n", account.c_str());
   if (kept) {
     std::printf("ids of %s: %d kept, %d gone, %d new\n", options.previous_path.c_str(),
                 kept->num_found, kept->num_gone, kept->num_new);

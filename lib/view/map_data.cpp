@@ -107,6 +107,7 @@ std::string landmark_columns_json(const std::vector<Landmark>& landmarks,
   add_number("se_x", &Landmark::se_x_m, 4);
   add_number("se_y", &Landmark::se_y_m, 4);
   add_number("width", &Landmark::width_m, 4);
+  add_number("width_sd", &Landmark::width_sd_m, 4);
   add("row", [](const Landmark& l) { return std::to_string(l.row); });
   add("position", [](const Landmark& l) { return std::to_string(l.position); });
   if (georeference) {

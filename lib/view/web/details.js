@@ -22,7 +22,8 @@ function landmarkFacts(model, i) {
   const facts = [["Class", kClassTitles[c.label[i]]], ["Certainty", certaintyText(model, i)], ["Id", String(c.id[i])]];
   if (width > 0) {
     const name = c.label[i] === kTree ? "Trunk diameter" : "Width";
-    facts.push([name, `${(100 * width).toFixed(1)} cm`]);
+    const error = c.width_sd[i] > 0 ? ` ± ${(100 * c.width_sd[i]).toFixed(1)}` : "";
+    facts.push([name, `${(100 * width).toFixed(1)} cm${error}`]);
     if (c.label[i] === kTree) {
       facts.push(["Girth", `${(100 * Math.PI * width).toFixed(1)} cm`]);
       facts.push(["Trunk cross-section", `${(2500 * Math.PI * width * width).toFixed(1)} cm²`]);

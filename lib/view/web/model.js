@@ -175,5 +175,5 @@ class MapModel {
   rowOfNumber(number) { return this.rows.find((row) => row.number === number) || null; }
 }
 
-MapModel.columnNames = ["id", "label", "x", "y", "n", "roc", "probability", "se_x", "se_y", "width", "row",
+MapModel.columnNames = ["id", "label", "x", "y", "n", "roc", "probability", "se_x", "se_y", "width", "width_sd", "row",
   "position", "latitude", "longitude"];

@@ -20,6 +20,7 @@ mapping::Landmark make_landmark(std::int32_t id, detection::Label label, double 
   l.se_x_m = 0.0049;
   l.se_y_m = 0.0051;
   l.width_m = 0.123;
+  l.width_sd_m = 0.004;
   l.roc_mean = 0.87;
   l.probability = 0.9991;
   l.row = 2;
@@ -61,6 +62,7 @@ TEST(MapData, HasEveryLandmarkInColumns) {
   EXPECT_EQ(columns["label"], json({0, 1, 2}));
   EXPECT_NEAR(columns["x"][0].get<double>(), 1.2345, 0.0006);
   EXPECT_EQ(columns["y"][2], 1e4);
+  EXPECT_NEAR(columns["width_sd"][1].get<double>(), 0.004, 1e-4);
   EXPECT_EQ(columns["position"], json({3, 3, 3}));
   EXPECT_NEAR(columns["width"][1].get<double>(), 0.123, 1e-4);
   for (const auto& [name, column] : columns.items()) EXPECT_EQ(column.size(), 3u) << name;

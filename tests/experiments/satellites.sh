@@ -19,12 +19,12 @@ sed -e "s/^  mode: slam\$/  mode: $mode\\
 ${use}  gnss:\\
     datum: [-27.6040, 151.9320, 690.0]/" \
   -e 's/^    gnss_rate_hz: 0$/    gnss_rate_hz: 5.0\
-    gnss_sd_m: 0.3/' -e "${SED:-}" "${RIG:-config/park.yaml}" >"$rig"
+    gnss_sd_m: 0.5/' -e "${SED:-}" "${RIG:-config/park.yaml}" >"$rig"
 cat >>"$rig" <<EOF
 
   gnss:
     sky:
-      wander_sd_m: 2.5
+      wander_sd_m: 1.7
       gap_every_s: 40.0
       burst_s: 8.0
       pause_s: 3.0

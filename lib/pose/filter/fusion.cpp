@@ -39,9 +39,6 @@ constexpr double kStep_s = 2.0;
 /// A position variance of so many times what a fix claims is that of a gap.
 constexpr double kGapSure = 4.0;
 
-/// Signals are reflected for so long, on average: from seconds to tens of them [s].
-constexpr double kReflection_s = 10.0;
-
 /// Fixes that were left out for so long and agree among themselves are used again [s].
 constexpr double kRevalidation_s = 20;
 
@@ -165,22 +162,12 @@ bool Fusion::is_left_out(const PositionSight& sight) {
   if (off_m > kWheelsOff * taken_travel_m_) {
     if (!left_out_since_) left_out_since_ = *utime_;
     const double since_s = seconds(*utime_ - *left_out_since_);
-    // Either these are reflected or those before: by how long each have been there, and by how well
-    // each fit what was known before the last gap.
-    double patience_s = seconds(*left_out_since_ - borne_out_since_);
-    if (before_gap_) {
-      const double distance2 = before_gap_->filter.distance2(sight);
-      patience_s += 0.5 * kReflection_s * (distance2 - before_gap_->distance2);
-    }
+    // Either these are reflected or those before: the longer stretch since the last gap is right.
+    const double patience_s = seconds(*left_out_since_ - borne_out_since_);
     if (since_s < std::min(kRevalidation_s, patience_s)) {
       note(fmt::format("GNSS is {:.1f} m from where the robot can be: left out for {:.1f} s", off_m,
                        since_s));
       return true;
-    }
-    if (before_gap_) {
-      before_gap_->distance2 = before_gap_->filter.distance2(sight);
-      filter_ = before_gap_->filter;
-      return false;
     }
     filter_.forget_receiver_error();
   }
@@ -200,12 +187,7 @@ void Fusion::take_position(const PositionSight& sight) {
   const double known = 0.5 * filter_.covariance().topLeftCorner<2, 2>().trace();
   const double claimed = sight.covariance.diagonal().maxCoeff() + filter_.receiver_variance();
   // Behind a gap what was known before says little.
-  if (known > kGapSure * claimed) {
-    if (!left_out_since_) before_gap_ = BeforeGap{filter_, filter_.distance2(sight)};
-    borne_out_since_ = *utime_;
-  } else if (seconds(*utime_ - borne_out_since_) > kRevalidation_s) {
-    before_gap_.reset();
-  }
+  if (known > kGapSure * claimed) borne_out_since_ = *utime_;
   left_out_since_.reset();
   taken_travel_m_ = 0.0;
   filter_.correct(sight);
@@ -301,11 +283,6 @@ double Fusion::silence_s(std::int64_t utime) const {
   return odometry_ ? seconds(utime - odometry_->utime) : 0.0;
 }
 
-void Fusion::move(const MotionStep& step) {
-  filter_.move(step);
-  if (before_gap_) before_gap_->filter.move(step);
-}
-
 void Fusion::move_to(std::int64_t utime) {
   if (!odometry_) {
     if (!utime_) utime_ = utime;
@@ -321,14 +298,13 @@ void Fusion::move_to(std::int64_t utime) {
   const double grown = square(silent_s) - square(before_s);
   const double yaw_variance = hears_gyro_at(utime) ? 0.0 : square(kSilenceYawRateSd_radps) * grown;
   filter_.doubt(square(kSilenceSpeedSd_mps) * grown, yaw_variance);
-  if (before_gap_) before_gap_->filter.doubt(square(kSilenceSpeedSd_mps) * grown, yaw_variance);
   if (hears_gyro_at(utime)) {
     MotionStep turn;
     turn.dt_s = seconds(utime - *utime_);
     turn.yaw_rate_radps = imu_->angular_rate_radps[2];
     turn.yaw_rate_sd_radps = config_.fusion.gyro_sd_radps;
     turn.is_gyro = true;
-    move(turn);
+    filter_.move(turn);
   }
   note(fmt::format("no ODOMETRY for {:.1f} s: what the robot does meanwhile is unknown", silent_s));
   utime_ = utime;
@@ -354,7 +330,7 @@ void Fusion::move_to(std::int64_t utime, double speed_mps, double yaw_rate_radps
     step.yaw_rate_sd_radps =
         states_covariance ? std::sqrt(covariance[2]) : config_.yaw_rate_sd_radps;
   }
-  move(step);
+  filter_.move(step);
   travel_m_ += std::abs(speed_mps) * step.dt_s;
   taken_travel_m_ += std::abs(speed_mps) * step.dt_s;
   utime_ = utime;

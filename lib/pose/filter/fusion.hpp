@@ -50,7 +50,6 @@ class Fusion : public Localiser {
   Odometry motion_heard() const;
   void move_to(std::int64_t utime, double speed_mps, double yaw_rate_radps);
   void move_to(std::int64_t utime);
-  void move(const MotionStep& step);
   bool hears_gyro_at(std::int64_t utime) const;
   double silence_s(std::int64_t utime) const;
   void note(std::string text);
@@ -75,14 +74,6 @@ class Fusion : public Localiser {
     Eigen::Vector2d antenna_m;  ///< by the filter, when the fix had been taken
   };
   std::optional<LastFix> last_fix_;
-
-  /// What was known without the fixes since the last gap, dead-reckoned on: of fixes that
-  /// contradict each other it tells the better ones.
-  struct BeforeGap {
-    FusionFilter filter;
-    double distance2;  ///< of the fix behind the gap that the pose now goes by
-  };
-  std::optional<BeforeGap> before_gap_;
   std::optional<std::int64_t> left_out_since_;
   std::int64_t borne_out_since_ = 0;  ///< positions since then agree with the pose
   std::int64_t num_frozen_ = 0;

@@ -167,15 +167,23 @@ Eigen::Vector2d FusionFilter::innovation(const PositionSight& sight) const {
   return sight.by_receiver ? Eigen::Vector2d(off_m - mean_.tail<2>()) : off_m;
 }
 
+/// Of a sight, with what a straight line leaves of an arc: a heading unsure by a over a way of
+/// length L puts base up to L a^2 / 2 from where the filter's ellipse has it (mean square of that:
+/// 3/4 L^2 var(a)^2). L is what the position changes with the heading.
+Eigen::Matrix2d FusionFilter::noise(const PositionSight& sight) const {
+  const double bent2 = 0.75 * covariance_.block<2, 1>(kX, kYaw).squaredNorm();
+  return sight.covariance + bent2 * Eigen::Matrix2d::Identity();
+}
+
 double FusionFilter::distance2(const PositionSight& sight) const {
   const Eigen::Matrix<double, 2, kSize> H = jacobian(sight);
-  const Eigen::Matrix2d S = H * covariance_ * H.transpose() + sight.covariance;
+  const Eigen::Matrix2d S = H * covariance_ * H.transpose() + noise(sight);
   const Eigen::Vector2d off_m = innovation(sight);
   return off_m.dot(S.inverse() * off_m);
 }
 
 void FusionFilter::correct(const PositionSight& sight) {
-  apply<2>(innovation(sight), jacobian(sight), sight.covariance);
+  apply<2>(innovation(sight), jacobian(sight), noise(sight));
 }
 
 void FusionFilter::correct_yaw(double yaw_rad, double variance) {

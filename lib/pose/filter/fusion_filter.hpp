@@ -76,6 +76,7 @@ class FusionFilter {
              const Eigen::Matrix<double, N, kSize>& H, const Eigen::Matrix<double, N, N>& R);
   Eigen::Matrix<double, 2, kSize> jacobian(const PositionSight& sight) const;
   Eigen::Vector2d innovation(const PositionSight& sight) const;
+  Eigen::Matrix2d noise(const PositionSight& sight) const;
 
   FusionConfig config_;
   double receiver_variance_ = 0.0;

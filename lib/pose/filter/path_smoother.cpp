@@ -22,6 +22,9 @@ constexpr double kWheelErrorsTravel_m = 10.0;
 constexpr double kGrowth = 0.1;
 constexpr int kKeyframesLeast = 20;
 
+/// A way that leaves out more of the positions than this fraction is not believed.
+constexpr double kLeftOutMost = 0.2;
+
 /// So far without a position is a gap, and so far behind it both place and heading are known [m].
 constexpr double kGap_m = 20.0;
 
@@ -127,7 +130,14 @@ void PathSmoother::finish() {
 void PathSmoother::solve() {
   num_solved_ = static_cast<int>(graph_.keyframes.size());
   due_travel_m_.reset();
-  corrected_ = solve_graph(graph_, false, config_).solved || corrected_;
+  SlamGraph before = graph_;
+  if (!solve_graph(graph_, false, config_).solved) return;
+  const FixesLeftOut out = left_out();
+  if (out.num_left_out > kLeftOutMost * out.num_fixes) {
+    graph_ = std::move(before);  // a way that most positions contradict is none
+    return;
+  }
+  corrected_ = true;
 }
 
 std::optional<Trajectory> PathSmoother::take_correction() {

@@ -10,8 +10,7 @@
 
 namespace orchard::pose {
 
-std::unique_ptr<Localiser> make_localiser(const PoseConfig& config,
-                                          const std::vector<PriorLandmark>& prior_landmarks,
+std::unique_ptr<Localiser> make_localiser(const PoseConfig& config, const EarlierMap& earlier,
                                           const laser::LaserConfig& laser,
                                           const laser::BlindSector& blind) {
   switch (config.mode) {
@@ -20,7 +19,7 @@ std::unique_ptr<Localiser> make_localiser(const PoseConfig& config,
     case PoseMode::kFused:
       return std::make_unique<Fusion>(config);
     case PoseMode::kPriorMap:
-      return std::make_unique<PriorMapLocaliser>(config, prior_landmarks);
+      return std::make_unique<PriorMapLocaliser>(config, earlier, laser, blind);
     case PoseMode::kSlam:
       return std::make_unique<SlamLocaliser>(config, laser, blind);
     case PoseMode::kOdometry:
@@ -52,7 +51,9 @@ MeasurementWaits expected_measurements(const PoseConfig& config) {
       expect(MeasurementKind::kOdometry, config.reorder_window_s);
       break;
     case PoseMode::kPriorMap:
-      expect(MeasurementKind::kOdometry, config.reorder_window_s);
+      expect(config.motion == MotionSource::kScans ? MeasurementKind::kScan
+                                                   : MeasurementKind::kOdometry,
+             config.reorder_window_s);
       expect(MeasurementKind::kDetections, config.slam.detections_wait_s);
       break;
     case PoseMode::kOdometry:

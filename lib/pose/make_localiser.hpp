@@ -13,11 +13,10 @@
 
 namespace orchard::pose {
 
-/// The localiser of `config.mode`. Mode prior_map needs the landmarks of that map, which are not
+/// The localiser of `config.mode`. Mode prior_map needs that map, which is not
 /// read here; throws std::invalid_argument when they do not determine a pose. Modes that read scans
 /// need the laser's pose on the robot and the sector in which it sees the robot itself.
-std::unique_ptr<Localiser> make_localiser(const PoseConfig& config,
-                                          const std::vector<PriorLandmark>& prior_landmarks = {},
+std::unique_ptr<Localiser> make_localiser(const PoseConfig& config, const EarlierMap& earlier = {},
                                           const laser::LaserConfig& laser = {},
                                           const laser::BlindSector& blind = {});
 

@@ -29,7 +29,7 @@ enum class MotionSource {
 /// How base is placed in map. Section `pose`.
 struct PoseConfig {
   PoseMode mode = PoseMode::kFixesAndOdometry;
-  MotionSource motion = MotionSource::kWheels;  ///< of mode odometry
+  MotionSource motion = MotionSource::kWheels;  ///< modes odometry, slam, prior_map
   double reorder_window_s = 0.02;   ///< of message time: how far channels may lag each other
   double fix_position_sd_m = 0.01;  ///< used when a fix states no covariance
   double fix_yaw_sd_rad = 0.01;
@@ -50,7 +50,7 @@ void describe(Visitor& v, PoseConfig& c) {
            {"fixes", "fixes_and_odometry", "odometry", "stationary", "fused", "prior_map", "slam"},
            "where poses come from");
   v.choice("motion", c.motion, {"wheels", "scans"},
-           "modes odometry and slam: the robot's motion from ODOMETRY | from the scans themselves");
+           "modes odometry, slam, prior_map: motion from ODOMETRY | from the scans");
   v.expert().number("reorder_window_s", c.reorder_window_s, 0, 10, "s",
                     "message time that one channel may lag another");
   v.number("fix_position_sd_m", c.fix_position_sd_m, 1e-6, 100, "m",

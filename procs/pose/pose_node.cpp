@@ -50,7 +50,7 @@ PoseNode::PoseNode(const io::Config& config)
       queue_(rules_of(waits_s_)),
       make_localiser_([config, prior_map = config.pose.mode == pose::PoseMode::kPriorMap
                                                ? io::read_prior_map(config.pose.prior_map)
-                                               : std::vector<pose::PriorLandmark>{}] {
+                                               : pose::EarlierMap{}] {
         return pose::make_localiser(config.pose, prior_map, config.laser,
                                     config.detector.segmentation.blind_sector());
       }),

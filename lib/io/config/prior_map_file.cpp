@@ -1,28 +1,74 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/config/prior_map_file.hpp"
 
+#include <cmath>
 #include <filesystem>
 
+#include "geometry/pose2.hpp"
 #include "io/file_error.hpp"
 #include "io/map/map_csv.hpp"
+#include "io/map/stored_map.hpp"
+#include "mapping/compare/coverage.hpp"
 
 namespace orchard::io {
 
-std::vector<pose::PriorLandmark> read_prior_map(const pose::PriorMapConfig& config) {
+namespace {
+
+/// Sightings of one pass are alike: as many standard errors as these are one of the position.
+constexpr double kStandardErrors = 2.0;
+
+constexpr double kPathStep_m = 0.5;
+
+std::vector<Eigen::Vector2d> laser_path(const StoredMap& map) {
+  std::vector<Eigen::Vector2d> path_m;
+  for (const std::vector<pose::PoseEstimate>& drive : map.trajectories) {
+    bool is_first = true;
+    for (const pose::PoseEstimate& pose : drive) {
+      const Eigen::Vector2d p =
+          geometry::transform(Eigen::Vector3d(pose.x_m, pose.y_m, pose.yaw_rad),
+                              Eigen::Vector2d(map.view.mount_x_m, map.view.mount_y_m));
+      if (!is_first && (p - path_m.back()).norm() < kPathStep_m) continue;
+      path_m.push_back(p);
+      is_first = false;
+    }
+  }
+  return path_m;
+}
+
+/// Throws when nobody can find a place by these.
+void require_places(const std::string& name, const std::vector<pose::PriorLandmark>& landmarks) {
+  const std::string problem = pose::problem_with(landmarks);
+  if (problem.empty()) return;
+  throw FileError(name + " (pose.prior_map.map_file) is no map to find a place in: it " + problem);
+}
+
+}  // namespace
+
+pose::EarlierMap read_prior_map(const pose::PriorMapConfig& config) {
   std::string path = config.map_file;
   std::error_code unknown;
-  if (std::filesystem::is_directory(path, unknown)) path += "/map.csv";
-  std::vector<pose::PriorLandmark> landmarks;
+  const bool is_folder = std::filesystem::is_directory(path, unknown);
+  if (is_folder) path += "/map.csv";
+  pose::EarlierMap earlier;
+  std::vector<mapping::Landmark> used;
   for (const mapping::Landmark& l : read_map_csv(path)) {
     if (l.num_observations < config.min_observations) continue;
-    landmarks.push_back({{l.x_m, l.y_m}, l.width_m, static_cast<double>(l.num_observations)});
+    pose::PriorLandmark landmark;
+    landmark.p_map = {l.x_m, l.y_m};
+    landmark.width_m = l.width_m;
+    landmark.weight = l.num_observations;
+    landmark.sd_m = kStandardErrors * std::hypot(l.se_x_m, l.se_y_m) / std::sqrt(2.0);
+    earlier.landmarks.push_back(landmark);
+    used.push_back(l);
   }
-  const std::string problem = pose::problem_with(landmarks);
-  if (!problem.empty()) {
-    throw FileError(path + " (pose.prior_map.map_file) is no map to find a place in: it " +
-                    problem);
-  }
-  return landmarks;
+  require_places(path, earlier.landmarks);
+  if (!is_folder) return earlier;
+  const StoredMap map = read_stored_map(config.map_file);
+  const mapping::DetectionMap view(map.landmarks, map.trajectories, map.view);
+  for (std::size_t i = 0; i < used.size(); ++i) earlier.landmarks[i].rate = view.rate(used[i]);
+  earlier.path_m = laser_path(map);
+  earlier.reach_m = map.view.reach_m;
+  return earlier;
 }
 
 }  // namespace orchard::io

@@ -6,6 +6,7 @@
 
 #include "geometry/statistics.hpp"
 #include "mapping/compare/landmark_pairing.hpp"
+#include "pose/repeat_model.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -13,6 +14,9 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr std::size_t kNumRanges = VisibilityGrid::kRangeEnds_m.size();
+/// A quarter of the trees is seen better.
+constexpr double kSeenWell = 0.75;
+
 using Rates = std::array<double, kNumRanges>;
 
 /// Rates that are not negative and explain the observations per second of looking best; what the
@@ -63,12 +67,21 @@ DetectionMap::DetectionMap(const std::vector<Landmark>& landmarks,
     shares.push_back(share);
     per_second.push_back(l.num_observations / total_s);
   }
+  for (const Landmark& l : landmarks) {
+    const double n = std::max(1, l.num_observations);
+    num_mapped_min_ = &l == &landmarks.front() ? n : std::min(num_mapped_min_, n);
+  }
   rate_per_s_ = fit_rates(shares, per_second);
   std::vector<double> deviations;
   for (const Landmark& l : landmarks) {
     const double expected = expected_observations({l.x_m, l.y_m});
     if (l.label == detection::Label::kObject || expected < 3.0) continue;
     deviations.push_back(l.num_observations / expected - 1.0);
+  }
+  std::vector<double> visibilities = deviations;
+  for (double& v : visibilities) v += 1.0;
+  if (!visibilities.empty()) {
+    clear_visibility_ = std::max(1e-3, geometry::quantile(std::move(visibilities), kSeenWell));
   }
   // trees differ at least by half, whatever a small map says
   const double spread = deviations.empty() ? 1.0 : geometry::robust_sd(std::move(deviations));
@@ -87,6 +100,18 @@ double DetectionMap::visibility(const Landmark& landmark) const {
   const double expected = expected_observations({landmark.x_m, landmark.y_m});
   if (expected <= 0.0) return 1.0;
   return std::clamp(landmark.num_observations / expected, 0.1, 1.0);
+}
+
+double DetectionMap::rate(const Landmark& landmark) const {
+  const double chances = clear_visibility_ * expected_observations({landmark.x_m, landmark.y_m});
+  if (chances <= 0.0) return 1.0;
+  return pose::detection_rate(landmark.num_observations, chances);
+}
+
+double DetectionMap::probability_mapped(const Vector2d& p_map, double rate) const {
+  if (!is_known_) return 1.0;
+  const double chances = clear_visibility_ * expected_observations(p_map);
+  return chances <= 0.0 ? 0.0 : pose::probability_seen_again(rate, num_mapped_min_ / chances);
 }
 
 double DetectionMap::probability_missed(const Vector2d& p_map, double visibility) const {

@@ -27,6 +27,14 @@ class DetectionMap {
   /// Relative detection rate of a landmark of this map, 1 for an ordinary tree; within [0.1, 1].
   double visibility(const Landmark& landmark) const;
 
+  /// Fraction of its chances at which a landmark of this map was seen, in (0, 1]; 1 for what is
+  /// seen as often as the trees that are seen well, and where nothing is known.
+  double rate(const Landmark& landmark) const;
+
+  /// Probability that this drive maps an object there that another one saw at `rate` of its
+  /// chances, if it stands there still; 1 when nothing is known.
+  double probability_mapped(const Eigen::Vector2d& p_map, double rate) const;
+
   /// Probability that an object there of that visibility would have been missed, in [0, 1]; 1 when
   /// nothing is known. The number of observations is negative binomial, as overdispersed as in this
   /// map.
@@ -36,7 +44,9 @@ class DetectionMap {
   bool is_known_ = false;
   std::vector<VisibilityGrid> raster_;  ///< one, or none
   std::array<double, VisibilityGrid::kRangeEnds_m.size()> rate_per_s_{};
-  double shape_ = 1.0;  ///< of the negative binomial
+  double clear_visibility_ = 1.0;  ///< of trees that are seen well, against the usual one
+  double num_mapped_min_ = 1.0;    ///< observations of what was seen least
+  double shape_ = 1.0;             ///< of the negative binomial
 };
 
 }  // namespace orchard::mapping

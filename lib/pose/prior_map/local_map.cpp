@@ -162,6 +162,8 @@ void LocalTrunkMap::correct(int trunk, const Sighting& sighting) {
   const Eigen::Matrix2d S =
       J * PHt.topRows<3>() - PHt.middleRows<2>(at) + R * sighting.covariance * R.transpose();
   const Eigen::MatrixXd K = PHt * S.inverse();
+  entries_[static_cast<std::size_t>(trunk)].excess_m2 +=
+      0.5 * ((p_seen - x_.segment<2>(at)).squaredNorm() - S.trace());
   x_ -= K * (p_seen - x_.segment<2>(at));
   x_(2) = geometry::wrap_angle_rad(x_(2));
   P_ -= K * PHt.transpose();
@@ -176,6 +178,10 @@ void LocalTrunkMap::correct(int trunk, const Sighting& sighting) {
     const double sd_m = std::max(sighting.width_sd_m, config_.width_sd_m);
     entry.width_sum += sighting.width_m / (sd_m * sd_m);
     entry.width_weight += 1.0 / (sd_m * sd_m);
+    entry.width_sum_m += sighting.width_m;
+    entry.width_sum_m2 += sighting.width_m * sighting.width_m;
+    entry.width_noise_m2 += sd_m * sd_m;
+    ++entry.num_widths;
   }
 }
 
@@ -245,7 +251,7 @@ void LocalTrunkMap::anchor() {
   pose_covariance_.setZero();
 }
 
-std::vector<LocalTrunkMap::Trunk> LocalTrunkMap::trunks() const {
+std::vector<LocalTrunkMap::Trunk> LocalTrunkMap::trunks(double clump_reach_m) const {
   std::vector<Trunk> trunks;
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     const Entry& entry = entries_[i];
@@ -256,10 +262,23 @@ std::vector<LocalTrunkMap::Trunk> LocalTrunkMap::trunks() const {
     trunk.covariance = P_.block<2, 2>(at, at);
     if (entry.width_weight > 0.0) {
       trunk.width_m = entry.width_sum / entry.width_weight;
-      trunk.width_sd_m = std::sqrt(1.0 / entry.width_weight);
+      // what the widths scatter beyond what they state is how the thing looks from its sides
+      const double n = entry.num_widths;
+      const double mean_m = entry.width_sum_m / n;
+      const double excess_m2 = entry.width_sum_m2 / n - mean_m * mean_m - entry.width_noise_m2 / n;
+      trunk.width_sd_m = std::sqrt(1.0 / entry.width_weight + std::max(0.0, excess_m2));
     }
     trunk.last_travel_m = entry.last_travel_m;
+    trunk.num_seen = entry.num_seen;
+    trunk.num_expected = entry.num_expected;
+    trunk.sd_m = std::sqrt(std::max(0.0, entry.excess_m2 / std::max(1, entry.num_seen - 1)));
     trunks.push_back(trunk);
+  }
+  for (Trunk& trunk : trunks) {
+    trunk.num_near =
+        static_cast<int>(std::count_if(trunks.begin(), trunks.end(), [&](const Trunk& other) {
+          return &other != &trunk && (other.p_local - trunk.p_local).norm() < clump_reach_m;
+        }));
   }
   std::stable_sort(trunks.begin(), trunks.end(), [](const Trunk& a, const Trunk& b) {
     return a.last_travel_m > b.last_travel_m;

@@ -22,6 +22,11 @@ class LocalTrunkMap {
     double width_m = 0.0;                                  ///< 0 = unknown
     double width_sd_m = 0.0;
     double last_travel_m = 0.0;  ///< of base when it was last seen
+    int num_seen = 0;
+    int num_expected = 0;  ///< scans that saw it or should have
+    int num_near = 0;      ///< other trunks within the reach that was asked for
+    double sd_m = 0.0;     ///< of its position by itself: how its sightings scatter beyond
+                           ///< what they state, as each side of a bush shows another middle
   };
 
   /// A place from which was looked.
@@ -46,7 +51,8 @@ class LocalTrunkMap {
   void anchor();
 
   /// The trunks that were seen often enough to be there, the one seen last first.
-  std::vector<Trunk> trunks() const;
+  /// Parts of one clump stand within `clump_reach_m`.
+  std::vector<Trunk> trunks(double clump_reach_m = 0.0) const;
   const std::deque<View>& views() const { return views_; }
   const Eigen::Vector3d& T_local_base() const { return T_local_base_; }
   const Eigen::Matrix3d& pose_covariance() const { return pose_covariance_; }
@@ -67,6 +73,11 @@ class LocalTrunkMap {
     int num_expected = 0;  ///< scans that saw it or should have
     int num_missed_in_a_row = 0;
     double last_travel_m = 0.0;
+    double excess_m2 = 0.0;  ///< of squared innovations over their covariance, summed, per axis
+    double width_sum_m = 0.0;
+    double width_sum_m2 = 0.0;
+    double width_noise_m2 = 0.0;
+    int num_widths = 0;
     double width_sum = 0.0;  ///< weighted by inverse variance
     double width_weight = 0.0;
   };

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "geometry/statistics.hpp"
+#include "pose/repeat_model.hpp"
 
 namespace orchard::pose {
 namespace {
@@ -21,6 +22,9 @@ constexpr double kOneTrunkM = 0.4;
 constexpr double kMaxTrunkM = 3.0;
 constexpr double kMaxSpacingM = 50.0;
 constexpr double kMinSpacingM = 0.05;
+
+/// Fraction of a visit's looks from which on a thing is a trunk to it (LocalTrunkMap).
+constexpr double kSeenMostly = 0.5;
 
 /// Neighbours of one landmark that make pairs with it: bounds what a dense map costs.
 constexpr std::size_t kMaxNeighbours = 60;
@@ -102,12 +106,16 @@ std::vector<PriorLandmark> without_doubles(const std::vector<PriorLandmark>& lan
       one.width_m += share * (here.width_m - one.width_m);
     }
     one.weight += here.weight;
+    one.sd_m = std::max(one.sd_m, here.sd_m);
+    one.rate = std::max(one.rate, here.rate);
   }
   return merged;
 }
 
-PriorMap::PriorMap(std::vector<PriorLandmark> landmarks, double pair_max_m)
-    : landmarks_(std::move(landmarks)) {
+PriorMap::PriorMap(EarlierMap earlier, double pair_max_m)
+    : landmarks_(std::move(earlier.landmarks)),
+      path_m_(std::move(earlier.path_m)),
+      reach_m_(earlier.reach_m) {
   // A cell gives back what was put in last first: in rising order of index, then.
   for (auto i = static_cast<std::int32_t>(landmarks_.size()) - 1; i >= 0; --i) {
     grid_.insert(i, (*this)[i].p_map);
@@ -142,7 +150,30 @@ PriorMap::PriorMap(std::vector<PriorLandmark> landmarks, double pair_max_m)
     width_sd_m_ = std::sqrt(std::max(0.0, sum_m2 / num_widths - mean_m * mean_m));
   }
   if (landmarks_.size() > 1) spacing_m_ = median_spacing_m(landmarks_);
+
+  for (std::int32_t i = 0; i < static_cast<std::int32_t>(landmarks_.size()); ++i) {
+    int num_others = 0;
+    near((*this)[i].p_map, clump_reach_m(), [&](std::int32_t j) {
+      num_others += j != i && ((*this)[j].p_map - (*this)[i].p_map).norm() < clump_reach_m();
+    });
+    repeat_.push_back((1.0 - kChangeFraction) * probability_same_part(num_others) *
+                      probability_seen_again((*this)[i].rate, kSeenMostly));
+  }
+  for (std::size_t i = path_m_.size(); i-- > 0;) {
+    path_grid_.insert(static_cast<std::int32_t>(i), path_m_[i]);
+  }
 }
+
+bool PriorMap::was_looked_at(const Eigen::Vector2d& p_map) const {
+  if (path_m_.empty()) return true;
+  bool is_near = false;
+  path_grid_.near(p_map.x(), p_map.y(), reach_m_, [&](std::int32_t i) {
+    is_near = is_near || (path_m_[static_cast<std::size_t>(i)] - p_map).norm() < reach_m_;
+  });
+  return is_near;
+}
+
+double PriorMap::clump_reach_m() const { return pose::clump_reach_m(spacing_m_); }
 
 std::pair<std::size_t, std::size_t> PriorMap::pairs_at(double least_m, double most_m) const {
   const auto below = [](const Pair& pair, double distance_m) {

@@ -12,11 +12,26 @@
 
 namespace orchard::pose {
 
+/// Prior fraction of the trees that is gone, and that is new, between two days.
+inline constexpr double kChangeFraction = 0.05;
+
 /// A landmark of an earlier day's map.
 struct PriorLandmark {
   Eigen::Vector2d p_map = Eigen::Vector2d::Zero();  ///< [m]
   double width_m = 0.0;                             ///< 0 = unknown
   double weight = 1.0;                              ///< against its doubles: how often it was seen
+  double sd_m = 0.0;  ///< of its position by itself, beyond what all landmarks err by
+  double rate = 1.0;  ///< fraction of its chances at which the earlier drive saw it
+};
+
+/// What an earlier day left: a map, and where it was looked.
+struct EarlierMap {
+  EarlierMap() = default;
+  EarlierMap(std::vector<PriorLandmark> all) : landmarks(std::move(all)) {}
+
+  std::vector<PriorLandmark> landmarks;
+  std::vector<Eigen::Vector2d> path_m;  ///< of its laser, every half metre or so; none: not known
+  double reach_m = 0.0;                 ///< of the laser there
 };
 
 /// Why no robot can find its place by these landmarks (too few, not in metres, not finite), in
@@ -36,7 +51,7 @@ class PriorMap {
     std::int32_t first, second;  ///< first < second
   };
 
-  PriorMap(std::vector<PriorLandmark> landmarks, double pair_max_m);
+  PriorMap(EarlierMap earlier, double pair_max_m);
 
   std::size_t size() const { return landmarks_.size(); }
   const PriorLandmark& operator[](std::int32_t i) const {
@@ -54,6 +69,15 @@ class PriorMap {
   std::pair<std::size_t, std::size_t> pairs_at(double least_m, double most_m) const;
   const std::vector<Pair>& pairs() const { return pairs_; }
 
+  /// Probability that another visit that looks at a landmark finds it where it stands.
+  double repeat(std::int32_t i) const { return repeat_[static_cast<std::size_t>(i)]; }
+
+  /// Whether the earlier drive looked there; true where its path is not known.
+  bool was_looked_at(const Eigen::Vector2d& p_map) const;
+
+  /// How near two things are parts of one clump [m].
+  double clump_reach_m() const;
+
   /// Standard deviation of the widths of the landmarks that have one [m].
   double width_sd_m() const { return width_sd_m_; }
   /// Median distance to the nearest landmark [m].
@@ -63,6 +87,10 @@ class PriorMap {
   std::vector<PriorLandmark> landmarks_;
   geometry::PointGrid grid_{1.0};
   std::vector<Pair> pairs_;  ///< by distance
+  std::vector<double> repeat_;
+  std::vector<Eigen::Vector2d> path_m_;
+  geometry::PointGrid path_grid_{2.0};
+  double reach_m_ = 0.0;
   double width_sd_m_ = 0.0;
   double spacing_m_ = 0.0;
 };

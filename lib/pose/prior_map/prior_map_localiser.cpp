@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/prior_map/prior_map_localiser.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -9,6 +8,7 @@
 #include <variant>
 
 #include "geometry/pose2.hpp"
+#include "pose/prior_map/decision.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::pose {
@@ -17,29 +17,6 @@ using geometry::compose_covariance;
 
 namespace {
 
-/// Travel between two searches, and between two checks of a position that was found [m].
-constexpr double kSearchEvery_m = 1.0;
-
-/// Constellations of fewer trunks repeat in an orchard and are not searched for.
-constexpr int kTrunksMin = 6;
-
-/// Hypotheses scored at each scan: bounds its cost.
-constexpr int kHypothesesPerScan = 400;
-
-/// Natural log odds of one position against all others together at which it is accepted (1 in
-/// 8,000).
-constexpr double kLogOddsMin = 9.0;
-
-/// Natural log likelihood ratio against another orchard of such rows at which a position is
-/// accepted.
-constexpr double kLogFitMin = 0.0;
-
-/// When fewer of the expected trees are observed, the position is given up.
-constexpr double kLostFraction = 0.5;
-
-/// A position with a larger standard deviation is lost [m]; see also kLostSpacings.
-constexpr double kLostSd_m = 1.0;
-
 constexpr double kSecondsPerMicrosecond = 1e-6;
 
 /// What base may do while nothing measures its motion.
@@ -47,28 +24,12 @@ constexpr double kSilentSpeedSdMps = 0.5;
 constexpr double kSilentYawRateSdRadps = 0.3;
 constexpr double kMaxStepS = 1e6;  ///< keeps every number finite across any jump of time
 
-constexpr int kJudgedTrees = 4;  ///< fewer say nothing of the place
-
 /// A trunk that the local map knows this badly against base says nothing of the place.
 constexpr double kBentSdM = 0.25;
-
-/// Checks in a row that speak against a place.
-constexpr int kContradictions = 2;
-
-/// A place dead-reckoned to more than this share of the trees' spacing may be a tree off.
-constexpr double kLostSpacings = 0.3;
 
 std::string place_text(const Place& place) {
   return "(" + fixed_text(place.T_map_base.x(), 1) + ", " + fixed_text(place.T_map_base.y(), 1) +
          ") m";
-}
-
-double largest_sd_m(const Eigen::Matrix3d& P) {
-  const Eigen::Matrix2d xy = P.topLeftCorner<2, 2>();
-  return std::sqrt(
-      std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(xy, Eigen::EigenvaluesOnly)
-                        .eigenvalues()
-                        .maxCoeff()));
 }
 
 bool is_sound(const Odometry& o) {
@@ -77,27 +38,36 @@ bool is_sound(const Odometry& o) {
          std::isfinite(o.covariance[2]);
 }
 
-std::vector<PriorLandmark> checked(const std::vector<PriorLandmark>& landmarks) {
-  const std::string problem = problem_with(landmarks);
+EarlierMap checked(EarlierMap earlier) {
+  const std::string problem = problem_with(earlier.landmarks);
   if (!problem.empty()) throw std::invalid_argument("the prior map " + problem);
-  return without_doubles(landmarks);
+  earlier.landmarks = without_doubles(earlier.landmarks);
+  return earlier;
 }
 
 }  // namespace
 
-PriorMapLocaliser::PriorMapLocaliser(const PoseConfig& config,
-                                     const std::vector<PriorLandmark>& landmarks)
+PriorMapLocaliser::PriorMapLocaliser(const PoseConfig& config, const EarlierMap& earlier,
+                                     const laser::LaserConfig& mount,
+                                     const laser::BlindSector& blind)
     : pose_config_(config),
       config_(config.prior_map),
-      map_(checked(landmarks), kHypothesisPairMax_m),
+      map_(checked(earlier), kHypothesisPairMax_m),
       field_(config_.detection_range_m),
       local_(config_),
       tracker_(map_, config_) {
+  if (config.motion == MotionSource::kScans) {
+    scan_motion_.emplace(config.scan_motion, mount, blind);
+  }
   state_ = "LOST: no trunk was seen yet";
 }
 
 void PriorMapLocaliser::add(const Measurement& measurement) {
-  if (const auto* odometry = std::get_if<Odometry>(&measurement)) add(*odometry);
+  if (scan_motion_) {
+    if (const auto* scan = std::get_if<laser::Scan>(&measurement)) add(*scan);
+  } else if (const auto* odometry = std::get_if<Odometry>(&measurement)) {
+    add(*odometry);
+  }
   if (const auto* seen = std::get_if<detection::Detections>(&measurement)) add(*seen);
 }
 
@@ -111,12 +81,43 @@ void PriorMapLocaliser::add(const Odometry& odometry) {
   last_odometry_ = odometry;
 }
 
+void PriorMapLocaliser::add(const laser::Scan& scan) {
+  const std::optional<MeasuredMotion> motion = scan_motion_->add(scan);
+  if (!motion) {
+    if (!utime_) begin_at(scan.utime);
+    return;
+  }
+  utime_ = motion->utime_to;
+  last_motion_ = *motion;
+  num_unreliable_ = motion->reliable ? 0 : num_unreliable_ + 1;
+  move(motion->T_from_to, motion->covariance);
+}
+
+void PriorMapLocaliser::move(const Eigen::Vector3d& T_base_next,
+                             const Eigen::Matrix3d& covariance) {
+  const double travel_m = T_base_next.head<2>().norm();
+  local_.move(T_base_next, covariance, travel_m);
+  if (since_suspicion_) since_suspicion_->move(T_base_next, covariance, travel_m);
+  if (tracking_) tracker_.move(T_base_next, covariance);
+}
+
 void PriorMapLocaliser::add(const detection::Detections& seen) {
   if (utime_ && seen.utime < *utime_) return;
   begin_at(seen.utime);
-  advance_to(seen.utime);
-  const double speed_mps = last_odometry_ ? last_odometry_->speed_mps : 0.0;
-  const double yaw_rate_radps = last_odometry_ ? last_odometry_->yaw_rate_radps : 0.0;
+  double speed_mps = 0.0, yaw_rate_radps = 0.0;
+  if (scan_motion_) {
+    // what a scan shows is told with the scan's own time: base is where the scan has put it
+    const double dt_s = static_cast<double>(last_motion_.utime_to - last_motion_.utime_from) *
+                        kSecondsPerMicrosecond;
+    if (dt_s > 0.0) {
+      speed_mps = last_motion_.T_from_to.x() / dt_s;
+      yaw_rate_radps = last_motion_.T_from_to.z() / dt_s;
+    }
+  } else {
+    advance_to(seen.utime);
+    if (last_odometry_) speed_mps = last_odometry_->speed_mps;
+    if (last_odometry_) yaw_rate_radps = last_odometry_->yaw_rate_radps;
+  }
   const std::vector<Sighting> sightings =
       sightings_at_scan(seen, speed_mps, yaw_rate_radps, config_);
   field_.learn(sightings);
@@ -183,20 +184,6 @@ std::array<double, 3> PriorMapLocaliser::covariance_of(const Odometry& odometry)
           pose_config_.yaw_rate_sd_radps * pose_config_.yaw_rate_sd_radps};
 }
 
-void PriorMapLocaliser::suspect(const std::vector<Sighting>& sightings) {
-  if (since_suspicion_) since_suspicion_->observe(sightings, field_);
-  const bool anew = since_suspicion_ ? since_suspicion_->surprised() : local_.surprised();
-  if (!anew) {
-    // by then local_ knows nothing older either
-    if (local_.travel_m() - suspected_travel_m_ > config_.window_m) since_suspicion_.reset();
-    return;
-  }
-  suspected_travel_m_ = local_.travel_m();
-  since_suspicion_ = local_;
-  since_suspicion_->clear();
-  since_suspicion_->observe(sightings, field_);
-}
-
 void PriorMapLocaliser::begin_anew() {
   if (since_suspicion_) {
     local_ = *std::move(since_suspicion_);
@@ -212,7 +199,7 @@ void PriorMapLocaliser::begin_anew() {
 }
 
 LocalEvidence PriorMapLocaliser::evidence(const LocalTrunkMap& local) const {
-  LocalEvidence evidence{local.trunks(), local.views(), field_};
+  LocalEvidence evidence{local.trunks(map_.clump_reach_m()), local.views(), field_};
   // What lies beyond a headland turn by wheels that are not known yet may be bent away from base.
   const auto bent = std::find_if(evidence.trunks.begin(), evidence.trunks.end(),
                                  [](const LocalTrunkMap::Trunk& trunk) {
@@ -225,72 +212,6 @@ LocalEvidence PriorMapLocaliser::evidence(const LocalTrunkMap& local) const {
     evidence.views.pop_front();
   }
   return evidence;
-}
-
-void PriorMapLocaliser::track(const std::vector<Sighting>& sightings) {
-  watch_.add(tracker_.correct(sightings, field_).expected);
-  if (local_.broken()) {
-    lose("what was seen just now has gone, though the wheels did not say so", true);
-    return;
-  }
-  const double sd_m = largest_sd_m(tracker_.covariance());
-  if (sd_m > std::min(kLostSd_m, kLostSpacings * map_.spacing_m())) {
-    lose("no tree was recognised for so long that the last place is known to " +
-             fixed_text(sd_m, 1) + " m only",
-         false);
-    return;
-  }
-  const TreeWatch::Count trees = watch_.count();
-  const bool trees_gone =
-      trees.num_trees >= kJudgedTrees && trees.num_there < kLostFraction * trees.num_trees;
-  if (trees_gone || local_.travel_m() - checked_travel_m_ >= kSearchEvery_m) {
-    check_place(trees_gone, trees);
-  }
-}
-
-std::optional<Place> PriorMapLocaliser::here(const PlaceScorer& scorer) const {
-  Place here;
-  here.T_map_base = tracker_.T_map_base();
-  here.covariance = tracker_.covariance();
-  std::optional<Place> place = scorer.fit(here, scorer.order_from(Eigen::Vector2d::Zero()));
-  if (place) scorer.count_missing(*place);
-  return place;
-}
-
-void PriorMapLocaliser::check_place(bool trees_gone, const TreeWatch::Count& trees) {
-  local_.anchor();
-  checked_travel_m_ = local_.travel_m();
-  const auto num_enough = static_cast<std::size_t>(kTrunksMin);
-  const PlaceScorer scorer(map_, config_, evidence(local_));
-  const bool enough = scorer.evidence().trunks.size() >= num_enough;
-  bool contradicted_since = false;
-  if (since_suspicion_) {
-    since_suspicion_->anchor();
-    const PlaceScorer since(map_, config_, evidence(*since_suspicion_));
-    if (since.evidence().trunks.size() >= num_enough) {
-      const std::optional<Place> place = here(since);
-      contradicted_since = !place || place->score < -kLostLogFit;
-      if (place && place->score > kLostLogFit) since_suspicion_.reset();
-    }
-  }
-  if (!enough && !trees_gone && !contradicted_since) return;
-  const std::optional<Place> place = here(scorer);
-  // where many trees were felled the trunks of the way there still speak for the place
-  const bool supported = enough && place && place->score >= -kLostLogFit && !contradicted_since;
-  num_contradictions_ = supported ? 0 : num_contradictions_ + 1;
-  if (trees_gone && !supported) {
-    lose("of the " + std::to_string(trees.num_trees) +
-             " trees that should be seen at the last place only " +
-             std::to_string(trees.num_there) + " are",
-         true);
-  } else if (num_contradictions_ >= kContradictions) {
-    const double since_m =
-        contradicted_since ? local_.travel_m() - suspected_travel_m_ : config_.window_m;
-    lose("the trunks of the last " + fixed_text(since_m, 0) +
-             " m speak against the place that was taken" +
-             (contradicted_since ? ": the robot may have been carried before them" : ""),
-         true);
-  }
 }
 
 void PriorMapLocaliser::search() {
@@ -373,6 +294,10 @@ std::optional<PoseEstimate> PriorMapLocaliser::estimate() const {
 
 std::string PriorMapLocaliser::warning() const {
   if (!tracking_) return state_;
+  if (num_unreliable_ > 0) {
+    return "the last " + std::to_string(num_unreliable_) +
+           " scans do not tell how the robot moved: motion is guessed between trees";
+  }
   if (last_odometry_ && silence_s() > pose_config_.odometry_gap_max_s) {
     return "no ODOMETRY for " + fixed_text(silence_s(), 1) + " s: motion is guessed between scans";
   }

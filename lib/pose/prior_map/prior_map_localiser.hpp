@@ -13,6 +13,7 @@
 #include "pose/prior_map/prior_map.hpp"
 #include "pose/prior_map/search.hpp"
 #include "pose/prior_map/tracker.hpp"
+#include "pose/scan_matching/scan_motion.hpp"
 
 namespace orchard::pose {
 
@@ -22,11 +23,13 @@ namespace orchard::pose {
 /// and takes a place only when that is likelier than all others together by kLogOddsMin;
 /// warning() says LOST (nothing fits) or AMBIGUOUS (several do) until then. With a place it gives
 /// poses, and loses it when the trees that should be seen are not, or when the local trunks speak
-/// against it. Uses Odometry and Detections.
+/// against it. Uses Detections and Odometry, or scans in its stead (motion: scans).
 class PriorMapLocaliser : public Localiser {
  public:
   /// Throws std::invalid_argument with a sentence when nobody can find a place by the landmarks.
-  PriorMapLocaliser(const PoseConfig& config, const std::vector<PriorLandmark>& landmarks);
+  /// `mount` and `blind` are of use with motion: scans alone.
+  PriorMapLocaliser(const PoseConfig& config, const EarlierMap& earlier,
+                    const laser::LaserConfig& mount = {}, const laser::BlindSector& blind = {});
   PriorMapLocaliser(const PriorMapLocaliser&) = delete;
   PriorMapLocaliser& operator=(const PriorMapLocaliser&) = delete;
 
@@ -39,7 +42,9 @@ class PriorMapLocaliser : public Localiser {
 
  private:
   void add(const Odometry& odometry);
+  void add(const laser::Scan& scan);
   void add(const detection::Detections& seen);
+  void move(const Eigen::Vector3d& T_base_next, const Eigen::Matrix3d& covariance);
   void begin_at(std::int64_t utime);
   void advance_to(std::int64_t utime, double speed_mps, double yaw_rate_radps,
                   const std::array<double, 3>& covariance);
@@ -48,14 +53,17 @@ class PriorMapLocaliser : public Localiser {
   double silence_s() const;
 
   void track(const std::vector<Sighting>& sightings);
-  void check_place(bool trees_gone, const TreeWatch::Count& trees);
+  void check_place(const TreeWatch::Count& trees);
+  void seek_rival(const LocalTrunkMap& local);
+  bool has_rival(const SearchResult& result) const;
   void search();
   void judge(const SearchResult& result);
   void lose(const std::string& why, bool forget_trunks);
   void suspect(const std::vector<Sighting>& sightings);
   void begin_anew();
   LocalEvidence evidence(const LocalTrunkMap& local) const;
-  std::optional<Place> here(const PlaceScorer& scorer) const;
+  LocalEvidence evidence_around(const LocalTrunkMap& local) const;
+  Place here(const PlaceScorer& scorer) const;
 
   PoseConfig pose_config_;
   PriorMapConfig config_;
@@ -66,10 +74,14 @@ class PriorMapLocaliser : public Localiser {
   std::optional<LocalTrunkMap> since_suspicion_;
   double suspected_travel_m_ = 0.0;
   PriorMapTracker tracker_;
-  std::optional<PriorMapSearch> search_;
+  std::optional<PriorMapSearch> search_;  ///< for a place, or for a rival of the one that is held
+  Place held_;                            ///< when the search for a rival began
 
   std::optional<std::int64_t> utime_;
   std::optional<Odometry> last_odometry_;
+  std::optional<ScanMotion> scan_motion_;  ///< in the stead of odometry
+  MeasuredMotion last_motion_;             ///< of the last scan
+  int num_unreliable_ = 0;                 ///< scans in a row that do not tell the motion
   bool tracking_ = false;
   TreeWatch watch_;
   int num_contradictions_ = 0;

@@ -9,6 +9,7 @@
 
 #include "geometry/pose2.hpp"
 #include "geometry/statistics.hpp"
+#include "pose/repeat_model.hpp"
 
 namespace orchard::pose {
 using geometry::compose;
@@ -16,9 +17,6 @@ using geometry::rotation;
 using geometry::transform_back;
 
 namespace {
-
-/// Fraction of the trees that is gone, and that is new, between two days.
-constexpr double kChangeFraction = 0.05;
 
 constexpr double kGate = geometry::kChiSquare2_997;
 constexpr double kGateM = 0.6;
@@ -31,8 +29,12 @@ constexpr double kLatticeDensity = 3.0;
 constexpr double kBendSdM = 0.015;
 constexpr double kBendSdRad = 0.003;
 
-/// A place is given up when this many more trunks are new there than matched.
-constexpr int kGivenUpAt = 3;
+/// A map holds what was seen at more than this fraction of its chances, or thereabouts.
+constexpr double kMappedRate = 0.1;
+
+/// What is left of a trunk's probability to be in the map where the earlier drive did not look: its
+/// field of view is known about only.
+constexpr double kUnseenFraction = 0.1;
 
 constexpr double kLeastWidthEvidence = -2.0;  ///< a trunk may have grown or been measured badly
 
@@ -47,14 +49,13 @@ PlaceScorer::PlaceScorer(const PriorMap& map, const PriorMapConfig& config, Loca
       evidence_(std::move(evidence)),
       position_variance_(config.landmark_sd_m * config.landmark_sd_m +
                          config.observation_sd_m * config.observation_sd_m),
-      change_cost_(-std::log(kChangeFraction)),
       gate_radius_m_(std::min(kGateM, 0.45 * map.spacing_m())) {}
 
-std::optional<Place> PlaceScorer::fit(const Place& start, const std::vector<int>& order) const {
+std::optional<Place> PlaceScorer::fit(const Place& start, const std::vector<int>& order,
+                                      double score_min) const {
   Place place = start;
   Eigen::Vector3d& T = place.T_map_base;
   Eigen::Matrix3d& P = place.covariance;
-  const double log_kept = std::log(1.0 - kChangeFraction);
   const Eigen::Vector2d* before = nullptr;
   for (const int k : order) {
     const LocalTrunkMap::Trunk& trunk = evidence_.trunks[static_cast<std::size_t>(k)];
@@ -71,48 +72,57 @@ std::optional<Place> PlaceScorer::fit(const Place& start, const std::vector<int>
     Eigen::Matrix<double, 2, 3> J;
     J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
     const Eigen::Matrix<double, 3, 2> PJt = P * J.transpose();
-    const Eigen::Matrix2d S = J * PJt + position_variance_ * Eigen::Matrix2d::Identity();
-    const Eigen::Matrix2d S_inverse = S.inverse();
-    const double radius_m = std::min(gate_radius_m_, std::sqrt(kGate * S.trace()));
+    const Eigen::Matrix2d S_all =
+        J * PJt + (position_variance_ + trunk.sd_m * trunk.sd_m) * Eigen::Matrix2d::Identity();
     std::int32_t best = -1;
-    double best_d2 = kGate;
+    double best_density = 0.0;
     Eigen::Vector2d best_r = Eigen::Vector2d::Zero();
-    map_.near(p_map, radius_m, [&](std::int32_t i) {
+    Eigen::Matrix2d best_S_inverse = Eigen::Matrix2d::Zero();
+    map_.near(p_map, gate_radius_m_, [&](std::int32_t i) {
       const Eigen::Vector2d r = map_[i].p_map - p_map;
       if (r.squaredNorm() > gate_radius_m_ * gate_radius_m_) return;
+      const Eigen::Matrix2d S = S_all + map_[i].sd_m * map_[i].sd_m * Eigen::Matrix2d::Identity();
+      const Eigen::Matrix2d S_inverse = S.inverse();
       const double d2 = r.dot(S_inverse * r);
-      const bool free =
-          std::find(place.matched.begin(), place.matched.end(), i) == place.matched.end();
-      if (d2 < best_d2 && free) {
-        best = i;
-        best_d2 = d2;
-        best_r = r;
-      }
+      if (d2 > kGate) return;
+      if (std::find(place.matched.begin(), place.matched.end(), i) != place.matched.end()) return;
+      const double density =
+          std::exp(-0.5 * d2) * std::sqrt(S_inverse.determinant()) / (2.0 * geometry::kPi);
+      if (density <= best_density) return;
+      best = i;
+      best_density = density;
+      best_r = r;
+      best_S_inverse = S_inverse;
     });
 
-    double gain = -change_cost_;
+    // a repeat of the landmark, or something that the map does not hold, against any trunk of rows
+    double repeated = repeat(trunk);
+    if (best < 0 && !map_.was_looked_at(p_map)) repeated *= kUnseenFraction;
+    const double as_new = 1.0 - repeated;
+    double as_landmark = 0.0;
     if (best >= 0) {
-      const double density =
-          std::exp(-0.5 * best_d2) * std::sqrt(S_inverse.determinant()) / (2.0 * geometry::kPi);
-      const double match_gain =
-          log_kept + std::log(density / kLatticeDensity) + width_evidence(trunk, map_[best]);
-      if (match_gain > -2.0 * change_cost_) {
-        gain = match_gain;
-        place.matched.push_back(best);
-        const Eigen::Matrix<double, 3, 2> K = PJt * S_inverse;
-        T += K * best_r;
-        P -= K * PJt.transpose();
-      } else {
-        best = -1;
-      }
+      as_landmark =
+          repeated * best_density / kLatticeDensity * std::exp(width_evidence(trunk, map_[best]));
     }
-    place.num_new += best < 0;
-    place.score += gain;
-    if (place.num_new - static_cast<int>(place.matched.size()) >= kGivenUpAt) return std::nullopt;
+    if (as_landmark > as_new) {
+      place.matched.push_back(best);
+      const Eigen::Matrix<double, 3, 2> K = PJt * best_S_inverse;
+      T += K * best_r;
+      P -= K * PJt.transpose();
+    } else {
+      ++place.num_new;
+    }
+    place.score += std::log(as_new + as_landmark);
+    if (place.score < score_min) return std::nullopt;
   }
   T.z() = geometry::wrap_angle_rad(T.z());
   P = (0.5 * (P + P.transpose())).eval();
   return place;
+}
+
+double PlaceScorer::repeat(const LocalTrunkMap::Trunk& trunk) const {
+  return (1.0 - kChangeFraction) * probability_same_part(trunk.num_near) *
+         probability_seen_again(detection_rate(trunk.num_seen, trunk.num_expected), kMappedRate);
 }
 
 void PlaceScorer::count_missing(Place& place) const {
@@ -130,10 +140,17 @@ void PlaceScorer::count_missing(Place& place) const {
     while (end < nearby.size() && nearby[end] == nearby[begin]) ++end;
     const bool matched =
         std::find(place.matched.begin(), place.matched.end(), nearby[begin]) != place.matched.end();
-    if (matched || end - begin < kMissingViews) continue;
+    if (matched || end - begin < kMissingViews || stands_near(place, nearby[begin])) continue;
     ++place.num_missing;
-    place.score -= change_cost_;
+    place.score += std::log(1.0 - map_.repeat(nearby[begin]));
   }
+}
+
+bool PlaceScorer::stands_near(const Place& place, std::int32_t landmark) const {
+  const Eigen::Vector2d p = transform_back(place.T_map_base, map_[landmark].p_map);
+  return std::any_of(evidence_.trunks.begin(), evidence_.trunks.end(), [&](const auto& trunk) {
+    return (trunk.p_local - p).norm() < map_.clump_reach_m();
+  });
 }
 
 double PlaceScorer::width_evidence(const LocalTrunkMap::Trunk& trunk,

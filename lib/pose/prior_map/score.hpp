@@ -41,8 +41,9 @@ class PlaceScorer {
 
   /// Matches the evidence's trunks in this order, beginning from a place with its covariance; each
   /// match makes the place surer for the next one, while the local map may bend on the way. None
-  /// when the first trunks already speak against it. Missing trunks are not counted.
-  std::optional<Place> fit(const Place& start, const std::vector<int>& order) const;
+  /// once the score has fallen below `score_min`. Missing trunks are not counted.
+  std::optional<Place> fit(const Place& start, const std::vector<int>& order,
+                           double score_min = -1e300) const;
 
   /// Counts the landmarks that should have been seen from there and were not.
   void count_missing(Place& place) const;
@@ -53,14 +54,17 @@ class PlaceScorer {
   /// The order of all trunks by distance from a point of the local frame.
   std::vector<int> order_from(const Eigen::Vector2d& p_local) const;
 
-  double change_cost() const { return change_cost_; }
-
  private:
+  /// Whether some trunk is within a clump's reach of a landmark: another part of what stands there.
+  bool stands_near(const Place& place, std::int32_t landmark) const;
+
+  /// Probability that the map holds a trunk, where the earlier drive looked.
+  double repeat(const LocalTrunkMap::Trunk& trunk) const;
+
   const PriorMap& map_;
   PriorMapConfig config_;
   LocalEvidence evidence_;
   double position_variance_;  ///< of a trunk against its landmark [m2]
-  double change_cost_;
   double gate_radius_m_;
 };
 

@@ -23,6 +23,10 @@ constexpr double kToleranceSigma = 3.0;
 constexpr double kSamePlaceM = 0.5;
 constexpr double kSamePlaceRad = 0.2;
 
+/// A place whose score has fallen so low is given up: by Ville's inequality the likelihood ratio of
+/// the true place falls below e^-12 at some trunk once in 160,000 searches.
+constexpr double kGivenUpScore = -12.0;
+
 constexpr double kKeptBelowBest = 30.0;  ///< a place whose score is lower says nothing any more
 constexpr std::size_t kMaxPlaces = 200;
 
@@ -126,7 +130,7 @@ void PriorMapSearch::try_hypothesis(const Seed& seed, std::int32_t first, std::i
                 scorer_.width_evidence(a, map_[first]) + scorer_.width_evidence(b, map_[second]);
   start.matched = {first, second};
 
-  std::optional<Place> place = scorer_.fit(start, seed.order);
+  std::optional<Place> place = scorer_.fit(start, seed.order, kGivenUpScore);
   if (!place) return;
   const double best = places_.empty() ? -kKeptBelowBest : places_.front().score;
   if (place->score < best - kKeptBelowBest) return;
@@ -157,17 +161,15 @@ SearchResult PriorMapSearch::result() const {
   SearchResult result;
   result.places = places_;
   if (places_.empty()) return result;
-  double rivals = 0.0;
+  // what was given up may still be as likely as it was then
+  double rivals = std::exp(kGivenUpScore - places_.front().score);
   for (std::size_t i = 1; i < places_.size(); ++i) {
     rivals += std::exp(places_[i].score - places_.front().score);
   }
-  result.log_odds = places_.size() > 1 ? -std::log(rivals) : kKeptBelowBest;
-  // a map of many places fits anything somewhere a little: each tree, two headings
+  result.log_odds = std::min(kKeptBelowBest, -std::log(rivals));
+  // a map of many places fits anything somewhere a little, but then somewhere else about as well
   const double score = places_.front().score;
-  result.log_fit = score - std::log(2.0 * static_cast<double>(map_.size()));
-  if (score >= -kLostLogFit) {
-    result.log_fit = std::max(result.log_fit, score + result.log_odds - kScoreAndLeadElsewhere);
-  }
+  result.log_fit = score + result.log_odds - kScoreAndLeadElsewhere;
 
   // once more from the oldest trunk to the newest: where the local map bends, base is at its end
   std::vector<int> order(scorer_.evidence().trunks.size());

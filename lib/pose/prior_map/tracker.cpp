@@ -31,6 +31,9 @@ constexpr double kWidthSlackM = 0.15;
 /// weigh as one.
 constexpr double kSightingsPerTree = 10.0;
 
+/// A landmark that another visit finds less surely is not expected to be seen.
+constexpr double kSureRepeat = 0.5;
+
 /// Of a turn from one alley to the next, which is half a circle.
 constexpr double kTurnTravelM = 6.0;
 constexpr double kTurnS = 6.0;
@@ -114,6 +117,17 @@ void PriorMapTracker::move(const WheelStep& step) {
   x_.head<3>() = compose(T, delta);
 }
 
+void PriorMapTracker::move(const Eigen::Vector3d& T_base_next, const Eigen::Matrix3d& covariance) {
+  const Eigen::Vector3d T = x_.head<3>();
+  const Eigen::Matrix3d G = compose_jacobian_second(T);
+  Covariance F = Covariance::Identity();
+  F.topLeftCorner<3, 3>() = compose_jacobian_first(T, T_base_next);
+  P_ = (F * P_ * F.transpose()).eval();
+  P_.topLeftCorner<3, 3>() += G * covariance * G.transpose();
+  P_ = (0.5 * (P_ + P_.transpose())).eval();
+  x_.head<3>() = compose(T, T_base_next);
+}
+
 Eigen::Matrix<double, 2, 6> PriorMapTracker::jacobian(const Sighting& sighting) const {
   const Eigen::Vector2d arm = rotation(x_(2)) * sighting.p_base;
   Eigen::Matrix<double, 2, 6> H = Eigen::Matrix<double, 2, 6>::Zero();
@@ -130,15 +144,14 @@ PriorMapTracker::Match PriorMapTracker::best_match(const Sighting& sighting,
   const double map_variance = config_.landmark_sd_m * config_.landmark_sd_m;
   const Eigen::Matrix2d S = H * P_ * H.transpose() + R * sighting.covariance * R.transpose() +
                             map_variance * Eigen::Matrix2d::Identity();
-  const Eigen::Matrix2d S_inverse = S.inverse();
   const Eigen::Vector2d p_map = transform(x_.head<3>(), sighting.p_base);
-  const double radius_m = std::min(kGateM, std::sqrt((kGate + kRivalGap) * S.trace()));
   Match best;
   double second_d2 = kGate + kRivalGap;
   best.d2 = second_d2;
-  map_.near(p_map, radius_m, [&](std::int32_t i) {
+  map_.near(p_map, kGateM, [&](std::int32_t i) {
     const Eigen::Vector2d r = map_[i].p_map - p_map;
-    const double d2 = r.dot(S_inverse * r);
+    const double own_variance = map_[i].sd_m * map_[i].sd_m;
+    const double d2 = r.dot((S + own_variance * Eigen::Matrix2d::Identity()).inverse() * r);
     const double width_m = map_[i].width_m;
     const bool other_size =
         sighting.width_m > 0.0 && width_m > 0.0 &&
@@ -156,15 +169,17 @@ PriorMapTracker::Match PriorMapTracker::best_match(const Sighting& sighting,
   return best;
 }
 
-void PriorMapTracker::update(const Sighting& sighting, const Eigen::Vector2d& innovation) {
+void PriorMapTracker::update(const Sighting& sighting, const Match& match) {
   const Eigen::Matrix<double, 2, 6> H = jacobian(sighting);
   const Eigen::Matrix2d R = rotation(x_(2));
-  const double map_variance = config_.landmark_sd_m * config_.landmark_sd_m * kSightingsPerTree;
+  const double own_sd_m = map_[match.landmark].sd_m;
+  const double map_variance =
+      (config_.landmark_sd_m * config_.landmark_sd_m + own_sd_m * own_sd_m) * kSightingsPerTree;
   const Eigen::Matrix2d N =
       R * sighting.covariance * R.transpose() + map_variance * Eigen::Matrix2d::Identity();
   const Eigen::Matrix<double, 6, 2> PHt = P_ * H.transpose();
   const Eigen::Matrix<double, 6, 2> K = PHt * (H * PHt + N).inverse();
-  x_ += K * innovation;
+  x_ += K * match.innovation;
   x_(2) = geometry::wrap_angle_rad(x_(2));
   // Joseph's form keeps the covariance positive whatever the gain's rounding.
   const Covariance A = Covariance::Identity() - K * H;
@@ -186,7 +201,7 @@ PriorMapTracker::Matching PriorMapTracker::correct(const std::vector<Sighting>& 
   for (const auto& [d2, sighting] : by_distance) {
     const Match match = best_match(*sighting, taken);
     if (match.landmark < 0) continue;
-    update(*sighting, match.innovation);
+    update(*sighting, match);
     taken.push_back(match.landmark);
     ++matching.num_matched;
   }
@@ -195,7 +210,7 @@ PriorMapTracker::Matching PriorMapTracker::correct(const std::vector<Sighting>& 
   const Eigen::Vector3d T = x_.head<3>();
   map_.near(T.head<2>(), field.range_m(), [&](std::int32_t i) {
     const Eigen::Vector2d p_base = transform_back(T, map_[i].p_map);
-    if (!field.covers(p_base) || occlusion.hides(p_base)) return;
+    if (map_.repeat(i) < kSureRepeat || !field.covers(p_base) || occlusion.hides(p_base)) return;
     matching.expected.push_back({i, std::find(taken.begin(), taken.end(), i) != taken.end()});
   });
   return matching;

@@ -37,6 +37,8 @@ class PriorMapTracker {
   void start(const Eigen::Vector3d& T_map_base, const Eigen::Matrix3d& covariance);
 
   void move(const WheelStep& step);
+  /// A motion of base that was measured otherwise than by wheels.
+  void move(const Eigen::Vector3d& T_base_next, const Eigen::Matrix3d& covariance);
   Matching correct(const std::vector<Sighting>& sightings, const SightField& field);
 
   Eigen::Vector3d T_map_base() const { return x_.head<3>(); }
@@ -59,7 +61,7 @@ class PriorMapTracker {
   };
   Eigen::Matrix3d noise(const WheelStep& step) const;
   Match best_match(const Sighting& sighting, const std::vector<std::int32_t>& taken) const;
-  void update(const Sighting& sighting, const Eigen::Vector2d& innovation);
+  void update(const Sighting& sighting, const Match& match);
   Eigen::Matrix<double, 2, 6> jacobian(const Sighting& sighting) const;
 
   const PriorMap& map_;

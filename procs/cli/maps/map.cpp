@@ -16,6 +16,7 @@
 #include "bus/replay/in_process_replay.hpp"
 #include "cli/long_work.hpp"
 #include "cli/maps/map_laying.hpp"
+#include "cli/maps/no_pose.hpp"
 #include "cli/maps/scan_timer.hpp"
 #include "detector/detector_node.hpp"
 #include "io/config/config.hpp"
@@ -57,17 +58,24 @@ std::int64_t num_out(const ReplayReport& report, Channel channel) {
 }
 
 /// An empty map must not pass for a result: says what the log lacks.
-void require_usable(const MapOptions& options, const std::string& rig_name,
-                    const ReplayReport& report) {
+void require_usable(const MapOptions& options, const pose::PoseConfig& config,
+                    const bus::Node& pose_node, const ReplayReport& report) {
   if (num_in(report, Channel::kScan) == 0) {
     throw io::FileError(logs_of(options).text() + " holds no usable " +
                         std::string(bus::info(Channel::kScan).name) +
                         " message; a map needs the laser's scans (see `orchard log info`)");
   }
   if (num_out(report, Channel::kPose) == 0) {
-    throw io::FileError(logs_of(options).text() + " does not say where the robot was as " +
-                        rig_name +
-                        " asks (pose.mode); see which channels it has with `orchard log info`");
+    std::vector<Channel> missing;
+    for (const Channel channel : pose_node.inputs()) {
+      const bool is_needed =
+          pose_node.need_of(channel) == bus::InputNeed::kRequired || channel == Channel::kPoseFix;
+      if (is_needed && num_in(report, channel) + num_out(report, channel) == 0) {
+        missing.push_back(channel);
+      }
+    }
+    throw io::FileError(logs_of(options).text() + " " +
+                        no_pose_text(config, missing, pose_node.warning()));
   }
 }
 
@@ -215,7 +223,7 @@ int run_map(const MapOptions& options) {
   for (const std::string& warning : warnings) {
     std::fprintf(stderr, "orchard map: warning: %s\n", warning.c_str());
   }
-  require_usable(options, rig.name, report);
+  require_usable(options, config.pose, pipeline.pose, report);
 
   io::MapSummary summary;
   summary.source = logs_of(options).names();

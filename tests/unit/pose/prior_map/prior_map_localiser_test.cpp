@@ -5,11 +5,14 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 #include <string>
 
 #include "geometry/angles.hpp"
+#include "geometry/pose2.hpp"
 #include "pose/make_localiser.hpp"
 #include "unit/pose/prior_map/prior_world.hpp"
+#include "unit/pose/scan_matching/cast_world.hpp"
 
 namespace orchard::pose {
 namespace {
@@ -272,6 +275,58 @@ TEST(PriorMapLocaliser, TheSameInputGivesTheSameBits) {
 TEST(PriorMapLocaliser, RefusesAMapThatNobodyCanGoBy) {
   EXPECT_THROW(PriorMapLocaliser(config_of(), {}), std::invalid_argument);
   EXPECT_THROW(make_localiser(config_of()), std::invalid_argument);
+}
+
+/// What a detector would make of a scan at T_map_base: every trunk within 6 m.
+detection::Detections trunks_seen(const CastWorld& world, std::int64_t utime,
+                                  const Eigen::Vector3d& T_map_base) {
+  detection::Detections seen;
+  seen.utime = utime;
+  for (const CastWorld::Circle& trunk : world.circles) {
+    const Eigen::Vector2d p_base = geometry::transform_back(T_map_base, trunk.centre);
+    if (p_base.norm() > 6.0) continue;
+    detection::Detection d;
+    d.utime = utime;
+    d.centre_x_m = p_base.x();
+    d.centre_y_m = p_base.y();
+    d.width_m = 2.0 * trunk.radius_m;
+    d.width_sd_m = 0.01;
+    d.covariance = {1e-4, 0.0, 1e-4};
+    seen.trunks.push_back(d);
+  }
+  return seen;
+}
+
+TEST(PriorMapLocaliser, FindsAndFollowsByScansInsteadOfWheels) {
+  const PriorWorld world = prior_world(21);
+  CastWorld cast;
+  for (const PriorLandmark& tree : world.trees) {
+    cast.circles.push_back({tree.p_map, 0.5 * tree.width_m});
+  }
+  PoseConfig config = config_of();
+  config.motion = MotionSource::kScans;
+  PriorMapLocaliser localiser(config, mapped(world, 21));
+  const std::vector<Eigen::Vector3d> way = way_through(world);
+  std::mt19937 noise(21);
+  int num_poses = 0;
+  double worst_m = 0.0;
+  const std::size_t step = 12;  // a scan every 0.24 m
+  for (std::size_t i = 0; i < 200; ++i) {
+    // stretched time: ten seconds from scan to scan
+    const auto utime = static_cast<std::int64_t>(i) * 10'000'000;
+    const Eigen::Vector3d& T = way[500 + step * i];
+    localiser.add(Measurement(Odometry{}));  // of no use here
+    localiser.add(Measurement(cast.scan(utime, T, &noise, 0.01)));
+    localiser.add(Measurement(trunks_seen(cast, utime, T)));
+    const std::optional<PoseEstimate> pose = localiser.estimate();
+    if (!pose) continue;
+    ++num_poses;
+    EXPECT_EQ(pose->utime, utime);
+    worst_m = std::max(worst_m, std::hypot(pose->x_m - T.x(), pose->y_m - T.y()));
+  }
+  EXPECT_GT(num_poses, 120);
+  EXPECT_LT(worst_m, 0.15);
+  EXPECT_EQ(localiser.num_lost(), 0);
 }
 
 }  // namespace

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The part of PriorMapLocaliser that holds a place and gives it up.
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/pose2.hpp"
+#include "pose/prior_map/decision.hpp"
+#include "pose/prior_map/prior_map_localiser.hpp"
+#include "text/number_text.hpp"
+
+namespace orchard::pose {
+namespace {
+
+/// A rival stands elsewhere, not a little beside.
+constexpr double kElsewhere_m = 1.0;
+constexpr double kElsewhere_rad = 0.3;
+
+double largest_sd_m(const Eigen::Matrix3d& P) {
+  const Eigen::Matrix2d xy = P.topLeftCorner<2, 2>();
+  return std::sqrt(
+      std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(xy, Eigen::EigenvaluesOnly)
+                        .eigenvalues()
+                        .maxCoeff()));
+}
+
+}  // namespace
+
+void PriorMapLocaliser::suspect(const std::vector<Sighting>& sightings) {
+  if (since_suspicion_) since_suspicion_->observe(sightings, field_);
+  const bool anew = since_suspicion_ ? since_suspicion_->surprised() : local_.surprised();
+  if (!anew) {
+    // by then local_ knows nothing older either
+    if (local_.travel_m() - suspected_travel_m_ > config_.window_m) since_suspicion_.reset();
+    return;
+  }
+  suspected_travel_m_ = local_.travel_m();
+  since_suspicion_ = local_;
+  since_suspicion_->clear();
+  since_suspicion_->observe(sightings, field_);
+}
+
+/// What stands around base now: the place is known, and a local map bends on its way.
+LocalEvidence PriorMapLocaliser::evidence_around(const LocalTrunkMap& local) const {
+  LocalEvidence around = evidence(local);
+  const double reach_m = kAroundRanges * config_.detection_range_m;
+  const auto is_far = [&](const LocalTrunkMap::Trunk& trunk) {
+    return trunk.p_local.norm() > reach_m || local.travel_m() - trunk.last_travel_m > reach_m;
+  };
+  around.trunks.erase(std::remove_if(around.trunks.begin(), around.trunks.end(), is_far),
+                      around.trunks.end());
+  while (!around.views.empty() && local.travel_m() - around.views.front().travel_m > reach_m) {
+    around.views.pop_front();
+  }
+  return around;
+}
+
+void PriorMapLocaliser::track(const std::vector<Sighting>& sightings) {
+  watch_.add(tracker_.correct(sightings, field_).expected);
+  const TreeWatch::Count trees = watch_.count();
+  const bool judged = trees.num_trees >= kJudgedTrees;
+  const bool trees_gone = judged && trees.num_there < kLostFraction * trees.num_trees;
+  if (local_.broken()) {
+    // Scans measure also how a robot is carried, or say that they cannot.
+    if (!scan_motion_ || trees_gone) {
+      lose("what was seen just now has gone, though the wheels did not say so", true);
+      return;
+    }
+    begin_anew();
+  }
+  const double sd_m = largest_sd_m(tracker_.covariance());
+  if (sd_m > std::min(kLostSd_m, kLostSpacings * map_.spacing_m())) {
+    lose("no tree was recognised for so long that the last place is known to " +
+             fixed_text(sd_m, 1) + " m only",
+         false);
+    return;
+  }
+  if (search_ && search_->step(kHypothesesPerScan)) {
+    const bool is_rivalled = has_rival(search_->result());
+    search_.reset();
+    if (is_rivalled) {
+      lose("the trunks around fit another place much better: the robot may have been carried",
+           true);
+      return;
+    }
+  }
+  if (trees_gone || local_.travel_m() - checked_travel_m_ >= kSearchEvery_m) check_place(trees);
+}
+
+Place PriorMapLocaliser::here(const PlaceScorer& scorer) const {
+  Place here;
+  here.T_map_base = tracker_.T_map_base();
+  here.covariance = tracker_.covariance();
+  Place place = *scorer.fit(here, scorer.order_from(Eigen::Vector2d::Zero()));
+  scorer.count_missing(place);
+  return place;
+}
+
+bool PriorMapLocaliser::has_rival(const SearchResult& result) const {
+  if (result.places.empty() || result.log_fit < kLogFitMin) return false;
+  const Place& best = result.places.front();
+  const Eigen::Vector3d apart = best.T_map_base - held_.T_map_base;
+  const bool is_elsewhere = apart.head<2>().norm() > kElsewhere_m ||
+                            std::abs(geometry::wrap_angle_rad(apart.z())) > kElsewhere_rad;
+  return is_elsewhere && best.score > held_.score + kLogOddsMin;
+}
+
+void PriorMapLocaliser::seek_rival(const LocalTrunkMap& local) {
+  LocalEvidence all = evidence(local);
+  if (search_ || all.trunks.size() < static_cast<std::size_t>(kTrunksMin)) return;
+  held_ = here(PlaceScorer(map_, config_, all));
+  search_.emplace(map_, config_, std::move(all));
+}
+
+void PriorMapLocaliser::check_place(const TreeWatch::Count& trees) {
+  local_.anchor();
+  checked_travel_m_ = local_.travel_m();
+  const auto num_enough = static_cast<std::size_t>(kTrunksMin);
+  LocalEvidence around = evidence_around(local_);
+  if (around.trunks.size() < num_enough) around = evidence(local_);
+  const PlaceScorer scorer(map_, config_, std::move(around));
+  const bool enough = scorer.evidence().trunks.size() >= num_enough;
+  const bool judged = trees.num_trees >= kJudgedTrees;
+  const bool trees_gone = judged && trees.num_there < kLostFraction * trees.num_trees;
+  const bool trees_there = judged && trees.num_there >= kThereFraction * trees.num_trees;
+  bool contradicted_since = false;
+  if (since_suspicion_) {
+    since_suspicion_->anchor();
+    const PlaceScorer since(map_, config_, evidence_around(*since_suspicion_));
+    if (since.evidence().trunks.size() >= num_enough) {
+      const double score = here(since).score;
+      contradicted_since = score < -kLostLogFit;
+      if (score > kLostLogFit) since_suspicion_.reset();
+    }
+  }
+  if (!enough && !trees_gone && !contradicted_since) return;
+  // where many trees were felled the trunks of the way there still speak for the place
+  const bool supported = enough && here(scorer).score >= -kLostLogFit && !contradicted_since;
+  num_contradictions_ = supported ? 0 : num_contradictions_ + 1;
+  if (trees_gone && !supported) {
+    lose("of the " + std::to_string(trees.num_trees) +
+             " trees that should be seen at the last place only " +
+             std::to_string(trees.num_there) + " are",
+         true);
+  } else if (num_contradictions_ < kContradictions) {
+    return;
+  } else if (trees_there || scan_motion_) {
+    seek_rival(contradicted_since ? *since_suspicion_ : local_);
+  } else {
+    const double since_m =
+        contradicted_since ? local_.travel_m() - suspected_travel_m_ : config_.window_m;
+    lose("the trunks of the last " + fixed_text(since_m, 0) +
+             " m speak against the place that was taken" +
+             (contradicted_since ? ": the robot may have been carried before them" : ""),
+         true);
+  }
+}
+
+}  // namespace orchard::pose

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/maps/no_pose.hpp"
+
+#include <algorithm>
+
+namespace orchard::cli {
+namespace {
+
+using pose::PoseMode;
+
+const char* mode_text(PoseMode mode) {
+  switch (mode) {
+    case PoseMode::kFixes:
+      return "fixes";
+    case PoseMode::kFixesAndOdometry:
+      return "fixes_and_odometry";
+    case PoseMode::kOdometry:
+      return "odometry";
+    case PoseMode::kStationary:
+      return "stationary";
+    case PoseMode::kFused:
+      return "fused";
+    case PoseMode::kPriorMap:
+      return "prior_map";
+    case PoseMode::kSlam:
+      break;
+  }
+  return "slam";
+}
+
+bool can_read_scans(PoseMode mode) {
+  return mode == PoseMode::kOdometry || mode == PoseMode::kSlam || mode == PoseMode::kPriorMap;
+}
+
+}  // namespace
+
+std::string no_pose_text(const pose::PoseConfig& config, const std::vector<bus::Channel>& missing,
+                         const std::string& state) {
+  std::string text = "gave no pose: pose.mode is " + std::string(mode_text(config.mode));
+  std::string channels;
+  for (const bus::Channel channel : missing) {
+    channels += (channels.empty() ? "" : ", ") + std::string(bus::info(channel).name);
+  }
+  if (!channels.empty()) text += " and needs " + channels + ", of which there is none";
+  const bool no_wheels =
+      std::find(missing.begin(), missing.end(), bus::Channel::kOdometry) != missing.end();
+  if (no_wheels && can_read_scans(config.mode)) {
+    text += " (pose.motion: scans reads the motion from the scans instead)";
+  }
+  if (!state.empty()) text += "; it says: " + state;
+  if (channels.empty() && state.empty()) text += ", whose inputs it holds but which fit nowhere";
+  return text + "; see which channels there are with `orchard log info`, and set pose.mode";
+}
+
+}  // namespace orchard::cli

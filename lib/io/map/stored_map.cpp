@@ -103,6 +103,10 @@ void take_summary(const std::filesystem::path& path, StoredMap& map) {
     map.view.mount_x_m = number_in(view, "mount_x_m", -100.0, 100.0, name);
     map.view.mount_y_m = number_in(view, "mount_y_m", -100.0, 100.0, name);
     map.view.mount_yaw_rad = number_in(view, "mount_yaw_rad", -7.0, 7.0, name);
+    if (view.contains("min_observations")) {
+      map.view.min_observations =
+          static_cast<int>(number_in(view, "min_observations", 1, 1e6, name));
+    }
   }
   if (json.contains("georeference") && json["georeference"].is_object()) {
     const Json& g = json["georeference"];

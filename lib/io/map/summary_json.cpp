@@ -42,7 +42,8 @@ Json view_json(const mapping::SensorView& view) {
           {"bearing_max_rad", rounded(view.bearing_max_rad, 1e6)},
           {"mount_x_m", millimetres(view.mount_x_m)},
           {"mount_y_m", millimetres(view.mount_y_m)},
-          {"mount_yaw_rad", rounded(view.mount_yaw_rad, 1e6)}};
+          {"mount_yaw_rad", rounded(view.mount_yaw_rad, 1e6)},
+          {"min_observations", view.min_observations}};
 }
 
 Json georeference_json(const geometry::Georeference& g) {

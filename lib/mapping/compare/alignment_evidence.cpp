@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "geometry/angles.hpp"
 #include "geometry/statistics.hpp"
@@ -15,7 +14,6 @@ using Eigen::Vector2d;
 
 constexpr double kChangedFraction = 0.05;  ///< prior fraction of trees between two drives
 constexpr double kOutlierFraction = 0.05;  ///< of pairs that are worse than the noise
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 double normal_density(double deviation, double sd) {
   const double u = deviation / sd;
@@ -94,8 +92,9 @@ AlignmentEvidence evidence_of(const AlignmentTrunks& a, const AlignmentTrunks& b
                               const AlignmentCandidate& candidate, const PairNoise& noise,
                               const PairNoise& null) {
   AlignmentEvidence evidence;
-  evidence.of_a.assign(a.places.size(), kNone);
-  evidence.of_b.assign(b.places.size(), kNone);
+  evidence.of_a.assign(a.places.size(), 0.0);
+  evidence.of_b.assign(b.places.size(), 0.0);
+  std::vector<bool> a_is_paired(a.places.size(), false), b_is_paired(b.places.size(), false);
   const double anywhere = 1.0 / (geometry::kPi * noise.gate_m * noise.gate_m);
   const auto any_width = [&](std::size_t j) {
     return 0.9 * normal_density(b.width_m[j] - noise.width_mean_m, noise.width_spread_m) + 0.1;
@@ -111,7 +110,8 @@ AlignmentEvidence evidence_of(const AlignmentTrunks& a, const AlignmentTrunks& b
                          normal_density(pair.residual_m.y(), noise.position_sd_m);
     const double width =
         normal_density(b.width_m[j] - a.width_m[i] - noise.width_offset_m, noise.width_sd_m);
-    evidence.of_a[i] = 0.0;
+    a_is_paired[i] = b_is_paired[j] = true;
+    evidence.num_judged_b += 1.0;
     evidence.of_b[j] =
         std::log((1.0 - kChangedFraction) * ((1.0 - kOutlierFraction) * place * width +
                                              kOutlierFraction * anywhere * any_width(j))) -
@@ -119,14 +119,17 @@ AlignmentEvidence evidence_of(const AlignmentTrunks& a, const AlignmentTrunks& b
   }
   const geometry::Pose2 T_b_a = inverse(candidate.T_a_b);
   for (std::size_t i = 0; i < a.places.size(); ++i) {
-    if (std::isnan(evidence.of_a[i]) && b.is_looked_at(transform(T_b_a, a.places[i]))) {
-      evidence.of_a[i] = std::log(kChangedFraction);
-    }
+    if (a_is_paired[i]) continue;
+    const double missed = b.missed(transform(T_b_a, a.places[i]), *a.landmarks[i]);
+    evidence.of_a[i] = std::log(kChangedFraction + (1.0 - kChangedFraction) * missed);
   }
   for (std::size_t j = 0; j < b.places.size(); ++j) {
-    if (std::isnan(evidence.of_b[j]) && a.is_looked_at(transform(candidate.T_a_b, b.places[j]))) {
-      evidence.of_b[j] = std::log(kChangedFraction * anywhere * any_width(j)) - of_null;
-    }
+    if (b_is_paired[j]) continue;
+    const double missed = a.missed(transform(candidate.T_a_b, b.places[j]), *b.landmarks[j]);
+    evidence.num_judged_b += 1.0 - missed;
+    // a new one, or one that was missed: of that its place and width tell as much as under the null
+    evidence.of_b[j] = std::log(
+        kChangedFraction * anywhere * any_width(j) * std::exp(-of_null) * (1.0 - missed) + missed);
   }
   return evidence;
 }
@@ -134,32 +137,18 @@ AlignmentEvidence evidence_of(const AlignmentTrunks& a, const AlignmentTrunks& b
 EvidenceDifference difference(const AlignmentEvidence& first, const AlignmentEvidence& second) {
   std::vector<double> differences;
   const auto collect = [&](const std::vector<double>& x, const std::vector<double>& y) {
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      if (std::isnan(x[i]) && std::isnan(y[i])) continue;
-      differences.push_back((std::isnan(x[i]) ? 0.0 : x[i]) - (std::isnan(y[i]) ? 0.0 : y[i]));
-    }
+    for (std::size_t i = 0; i < x.size(); ++i) differences.push_back(x[i] - y[i]);
   };
   collect(first.of_b, second.of_b);
   collect(first.of_a, second.of_a);
   return sum_of(differences);
 }
 
-EvidenceDifference detail(const AlignmentEvidence& evidence) {
-  std::vector<double> values;
-  for (const double v : evidence.of_b) {
-    if (!std::isnan(v)) values.push_back(v);
-  }
-  return sum_of(values);
-}
-
-std::size_t num_judged_b(const AlignmentEvidence& evidence) {
-  return static_cast<std::size_t>(std::count_if(evidence.of_b.begin(), evidence.of_b.end(),
-                                                [](double v) { return !std::isnan(v); }));
-}
+EvidenceDifference detail(const AlignmentEvidence& evidence) { return sum_of(evidence.of_b); }
 
 double fraction_explained(const AlignmentEvidence& evidence, std::size_t num_pairs) {
-  const std::size_t num_judged = num_judged_b(evidence);
-  return num_judged == 0 ? 0.0 : static_cast<double>(num_pairs) / static_cast<double>(num_judged);
+  return evidence.num_judged_b <= 0.0 ? 0.0
+                                      : static_cast<double>(num_pairs) / evidence.num_judged_b;
 }
 
 }  // namespace orchard::mapping

@@ -12,15 +12,18 @@ namespace orchard::mapping {
 struct AlignmentTrunks {
   IndexedPoints places;
   std::vector<double> width_m;
-  /// Whether a trunk at a position (in this map's frame) would have been observed.
-  std::function<bool(const Eigen::Vector2d&)> is_looked_at;
+  std::vector<const Landmark*> landmarks;
+  /// Probability that a trunk of the other map, which stands at a position in this one's frame, is
+  /// not in this one: each by its own repeat rate.
+  std::function<double(const Eigen::Vector2d&, const Landmark& of_other)> missed;
 };
 
 /// Log-likelihood ratio of each trunk, an alignment hypothesis against the null hypothesis (other
-/// trunks, planted alike); NaN for a trunk outside the other drive's field of view.
+/// trunks, planted alike); 0 for a trunk that the other drive would not have mapped.
 struct AlignmentEvidence {
   std::vector<double> of_a;
   std::vector<double> of_b;
+  double num_judged_b = 0.0;  ///< trunks of b that the first drive is expected to have mapped
 };
 
 /// Differences of the pairs of one trunk between the two maps.
@@ -54,16 +57,13 @@ struct EvidenceDifference {
   double sigmas = 0.0;  ///< Vuong's statistic
 };
 
-/// Log-odds of hypothesis 1 against 2; trunks outside either field of view get the null likelihood.
+/// Log-odds of hypothesis 1 against 2; trunks that would be missed get the null likelihood.
 EvidenceDifference difference(const AlignmentEvidence& first, const AlignmentEvidence& second);
 
 /// Log-odds of a hypothesis against the null hypothesis, by positions and widths of b alone.
 EvidenceDifference detail(const AlignmentEvidence& evidence);
 
-/// Number of trunks of b within the field of view of the first drive.
-std::size_t num_judged_b(const AlignmentEvidence& evidence);
-
-/// Fraction of these that are paired.
+/// Fraction of b's trunks that the first drive is expected to have mapped that are paired.
 double fraction_explained(const AlignmentEvidence& evidence, std::size_t num_pairs);
 
 }  // namespace orchard::mapping

@@ -39,7 +39,8 @@ double change_of_width(double change_m, double scale_m) {
 
 ChangePosterior change_posterior(const PairObservation& pair, const PairScatter& scatter) {
   const double position_sd_m = pair.noise_factor * scatter.position_sd_m;
-  const double width_sd_m = pair.noise_factor * scatter.width_sd_m;
+  const double width_sd_m =
+      pair.width_sd_m > 0.0 ? pair.width_sd_m : pair.noise_factor * scatter.width_sd_m;
   const double width_outliers =
       pair.both_trees ? scatter.width_outliers_of_trees : scatter.width_outliers_of_others;
   const double position_outliers =
@@ -64,17 +65,20 @@ ChangePosterior change_posterior(const PairObservation& pair, const PairScatter&
       kChangedFraction * there * change_of_width(pair.width_change_m, kGrowthScale_m);
   posterior.moved = kChangedFraction * as_wide_as_all /
                     (geometry::kPi * scatter.moved_max_m * scatter.moved_max_m);
-  const double new_per_m2 = kChangedFraction / (2.0 * scatter.spacing_m * scatter.spacing_m);
-  posterior.replaced = kChangedFraction * new_per_m2 *
-                       normal(pair.width_b_m - scatter.width_mean_m, scatter.width_spread_m);
+  const double others_per_m2 = 1.0 / (2.0 * scatter.spacing_m * scatter.spacing_m);
+  const double another =
+      others_per_m2 * normal(pair.width_b_m - scatter.width_mean_m, scatter.width_spread_m);
+  posterior.replaced = kChangedFraction * kChangedFraction * another;
+  posterior.not_repeated = still * still * pair.not_repeated * another;
   const double sum = posterior.unchanged + posterior.changed_with_all + posterior.width_changed +
-                     posterior.moved + posterior.replaced;
-  if (!(sum > 1e-200)) return {0.0, 0.0, 0.0, 0.0, 1.0};  // like nothing that is known
+                     posterior.moved + posterior.replaced + posterior.not_repeated;
+  if (!(sum > 1e-200)) return {0.0, 0.0, 0.0, 0.0, 1.0, 0.0};  // like nothing that is known
   posterior.unchanged /= sum;
   posterior.changed_with_all /= sum;
   posterior.width_changed /= sum;
   posterior.moved /= sum;
   posterior.replaced /= sum;
+  posterior.not_repeated /= sum;
   return posterior;
 }
 

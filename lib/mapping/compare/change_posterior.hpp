@@ -27,6 +27,8 @@ struct PairObservation {
   double width_b_m = 0.0;
   double width_change_m = 0.0;
   double noise_factor = 1.0;  ///< of position and width: larger for few observations
+  double width_sd_m = 0.0;    ///< of the change of width; 0: by noise_factor
+  double not_repeated = 0.0;  ///< that both stand still and each was missed by the other drive
   bool both_trees = true;
 };
 
@@ -36,7 +38,8 @@ struct ChangePosterior {
   double changed_with_all = 0.0;  ///< same position, width changed as that of all trees
   double moved = 0.0;
   double width_changed = 0.0;
-  double replaced = 0.0;  ///< it is gone, and the later one is new
+  double replaced = 0.0;      ///< it is gone, and the later one is new
+  double not_repeated = 0.0;  ///< two things, each of which one drive only has seen
 };
 
 /// By Bayes' rule: the prior of each change is one tree in twenty; unchanged objects scatter as

@@ -67,10 +67,7 @@ DetectionMap::DetectionMap(const std::vector<Landmark>& landmarks,
     shares.push_back(share);
     per_second.push_back(l.num_observations / total_s);
   }
-  for (const Landmark& l : landmarks) {
-    const double n = std::max(1, l.num_observations);
-    num_mapped_min_ = &l == &landmarks.front() ? n : std::min(num_mapped_min_, n);
-  }
+  num_mapped_min_ = view.min_observations;
   rate_per_s_ = fit_rates(shares, per_second);
   std::vector<double> deviations;
   for (const Landmark& l : landmarks) {
@@ -112,6 +109,12 @@ double DetectionMap::probability_mapped(const Vector2d& p_map, double rate) cons
   if (!is_known_) return 1.0;
   const double chances = clear_visibility_ * expected_observations(p_map);
   return chances <= 0.0 ? 0.0 : pose::probability_seen_again(rate, num_mapped_min_ / chances);
+}
+
+double DetectionMap::probability_missed(const Vector2d& p_map, const DetectionMap& other,
+                                        const Landmark& of_other) const {
+  const double observed = 1.0 - probability_missed(p_map, other.visibility(of_other));
+  return 1.0 - observed * probability_mapped(p_map, other.rate(of_other));
 }
 
 double DetectionMap::probability_missed(const Vector2d& p_map, double visibility) const {

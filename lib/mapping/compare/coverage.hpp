@@ -35,6 +35,12 @@ class DetectionMap {
   /// chances, if it stands there still; 1 when nothing is known.
   double probability_mapped(const Eigen::Vector2d& p_map, double rate) const;
 
+  /// Probability that a thing of another map, whose place in this one is `p_map`, stands there
+  /// still and is not in this map: hidden, out of reach, or shown at some visits only. 1 when
+  /// nothing is known.
+  double probability_missed(const Eigen::Vector2d& p_map, const DetectionMap& other,
+                            const Landmark& of_other) const;
+
   /// Probability that an object there of that visibility would have been missed, in [0, 1]; 1 when
   /// nothing is known. The number of observations is negative binomial, as overdispersed as in this
   /// map.
@@ -45,7 +51,7 @@ class DetectionMap {
   std::vector<VisibilityGrid> raster_;  ///< one, or none
   std::array<double, VisibilityGrid::kRangeEnds_m.size()> rate_per_s_{};
   double clear_visibility_ = 1.0;  ///< of trees that are seen well, against the usual one
-  double num_mapped_min_ = 1.0;    ///< observations of what was seen least
+  double num_mapped_min_ = 1.0;    ///< observations of what is in the map, at least
   double shape_ = 1.0;             ///< of the negative binomial
 };
 

@@ -21,7 +21,6 @@ constexpr double kSigmasNeeded = 3.0;
 constexpr double kRivalPairsFraction = 0.2;  ///< of the most pairs: fewer are no rival
 constexpr double kExplainedFraction = 0.5;   ///< of the trunks that both drives could see
 constexpr double kChanceAllowed = 0.01;
-constexpr double kMissedMax = 0.05;  ///< probability that a tree is missed where the drive observed
 constexpr std::size_t kFewTrees = 10;
 constexpr double kSharedFrame = 0.45;  ///< of a tree spacing: no other tree is so near
 
@@ -49,23 +48,25 @@ bool is_surrounded(const IndexedPoints& points, const Vector2d& p) {
 }
 
 Selection select(const std::vector<Landmark>& landmarks, bool with_objects,
-                 const DetectionMap& view) {
-  Selection s{{}, {IndexedPoints({}), {}, {}}};
+                 const DetectionMap& view, const DetectionMap& of_other) {
+  Selection s{{}, {IndexedPoints({}), {}, {}, {}}};
   std::vector<Vector2d> places;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     if (!with_objects && landmarks[i].label == detection::Label::kObject) continue;
     s.index.push_back(static_cast<std::int32_t>(i));
     places.push_back({landmarks[i].x_m, landmarks[i].y_m});
     s.trunks.width_m.push_back(landmarks[i].width_m);
+    s.trunks.landmarks.push_back(&landmarks[i]);
   }
   s.trunks.places = IndexedPoints(places);
   if (view.is_known()) {
-    s.trunks.is_looked_at = [&view](const Vector2d& p) {
-      return view.probability_missed(p) < kMissedMax;
+    s.trunks.missed = [&view, &of_other](const Vector2d& p, const Landmark& l) {
+      return view.probability_missed(p, of_other, l);
     };
   } else {
-    s.trunks.is_looked_at = [points = IndexedPoints(std::move(places))](const Vector2d& p) {
-      return is_surrounded(points, p);
+    s.trunks.missed = [points = IndexedPoints(std::move(places))](const Vector2d& p,
+                                                                  const Landmark&) {
+      return is_surrounded(points, p) ? 0.0 : 1.0;
     };
   }
   return s;
@@ -85,7 +86,7 @@ double log_chance(double count, double mean) {
 }
 
 /// Expected number of points of b that find a partner under any alignment.
-double expected_by_chance(const IndexedPoints& a, std::size_t num_b, double gate_m) {
+double expected_by_chance(const IndexedPoints& a, double num_b, double gate_m) {
   double x0 = 1e300, x1 = -1e300, y0 = 1e300, y1 = -1e300;
   for (const Vector2d& p : a.points()) {
     x0 = std::min(x0, p.x()), x1 = std::max(x1, p.x());
@@ -93,7 +94,7 @@ double expected_by_chance(const IndexedPoints& a, std::size_t num_b, double gate
   }
   const double area_m2 = (x1 - x0 + 2.0) * (y1 - y0 + 2.0);
   const double share = geometry::kPi * gate_m * gate_m * static_cast<double>(a.size()) / area_m2;
-  return std::min(0.9, share) * static_cast<double>(num_b);
+  return std::min(0.9, share) * num_b;
 }
 
 Eigen::Matrix3d covariance_of(const IndexedPoints& b, const MapAlignment& alignment) {
@@ -141,8 +142,8 @@ class MapAligner {
              const MapAlignmentConfig& config)
       : config_(config),
         with_objects_(std::min(num_not_objects(a), num_not_objects(b)) < kFewTrees),
-        a_(select(a, with_objects_, view_a)),
-        b_(select(b, with_objects_, view_b)),
+        a_(select(a, with_objects_, view_a, view_b)),
+        b_(select(b, with_objects_, view_b, view_a)),
         spacing_m_(
             std::min(typical_spacing_m(a_.trunks.places), typical_spacing_m(b_.trunks.places))) {
     search_.any_place = config.any_place;
@@ -248,7 +249,7 @@ class MapAligner {
     const auto num_pairs = static_cast<double>(alignment.pairs.size());
     const double log_p =
         log_chance(num_pairs - 2.0,
-                   expected_by_chance(a_.trunks.places, num_judged_b(evidence), search_.gate_m)) +
+                   expected_by_chance(a_.trunks.places, evidence.num_judged_b, search_.gate_m)) +
         std::log(std::max(1.0, num_tried));
     const double fraction = fraction_explained(evidence, alignment.pairs.size());
     if (log_p > std::log(kChanceAllowed)) {

@@ -14,10 +14,24 @@ namespace {
 using detection::Label;
 using Eigen::Vector2d;
 
-constexpr double kOneObject_m = 0.25;    ///< nearer landmarks may be one object
 constexpr double kCertaintyMax = 0.995;  ///< some moved farther than the search radius
 constexpr double kMissedIfAssumed = 0.005;
 constexpr double kNearestOther = 0.9;  ///< of a tree spacing: what is farther away is another tree
+
+/// Of a normal cloud in the plane 95 % lie within so many standard deviations of its middle.
+constexpr double kCloudSigmas = 2.448;
+
+/// How far a landmark's observations lie about it: their standard deviation per axis.
+double cloud_sd_m(const Landmark& l) {
+  return std::sqrt(0.5 * std::max(1, l.num_observations)) * std::hypot(l.se_x_m, l.se_y_m);
+}
+
+/// How far apart parts of one thing may stand in two maps: the one, with half its width, among the
+/// observations of the other. A trunk is as wide as it is, and the suckers of one stump scatter
+/// over it, cut anew into landmarks by each drive.
+double one_thing_m(const Landmark& a, const Landmark& b) {
+  return 0.5 * (a.width_m + b.width_m) + kCloudSigmas * std::max(cloud_sd_m(a), cloud_sd_m(b));
+}
 
 std::vector<Vector2d> places_of(const std::vector<Landmark>& landmarks) {
   std::vector<Vector2d> places;
@@ -88,6 +102,34 @@ WidthChange width_change_of(const std::vector<Landmark>& a, const std::vector<La
   return change;
 }
 
+/// How far widths of one trunk in two maps differ by noise, as the maps themselves know it.
+struct WidthNoise {
+  double scale = 0.0;  ///< of the maps' standard errors, by the pairs of trees; 0: not known
+
+  /// Standard deviation of the change of one pair; 0 where a map does not know its own.
+  double sd_m(const Landmark& a, const Landmark& b) const {
+    const bool is_known = a.width_sd_m > 0.0 && b.width_sd_m > 0.0;
+    return is_known ? scale * std::hypot(a.width_sd_m, b.width_sd_m) : 0.0;
+  }
+};
+
+/// What a trunk's sides differ by is in neither map's standard errors: they are scaled so that the
+/// pairs of trees differ as they do.
+WidthNoise width_noise_of(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
+                          const std::vector<LandmarkPair>& pairs, double common_m) {
+  constexpr std::size_t kMinTrees = 5;
+  std::vector<double> deviations;
+  for (const LandmarkPair& pair : pairs) {
+    const Landmark& l = a[static_cast<std::size_t>(pair.a)];
+    const Landmark& m = b[static_cast<std::size_t>(pair.b)];
+    const double sd_m = WidthNoise{1.0}.sd_m(l, m);
+    if (are_trees(l, m) && sd_m > 0.0)
+      deviations.push_back((m.width_m - l.width_m - common_m) / sd_m);
+  }
+  if (deviations.size() < kMinTrees) return {};
+  return {std::max(1.0, geometry::robust_sd(std::move(deviations)))};
+}
+
 /// Scatter of the pairs of two maps after non-rigid residual removal.
 PairScatter scatter_of(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
                        const std::vector<LandmarkPair>& pairs, const WidthChange& width_change,
@@ -154,6 +196,7 @@ class MapComparer {
     pairs_ = pair_landmarks(a_.places, b_.places, geometry::Pose2{}, gate_m_);
     typical_variance_ = typical_variance(a, b, pairs_);
     width_change_ = width_change_of(a, b, pairs_);
+    width_noise_ = width_noise_of(a, b, pairs_, width_change_.common_m);
     scatter_ = scatter_of(a, b, pairs_, width_change_, typical_variance_);
     scatter_.spacing_m = std::max(spacing_m, gate_m_);
     scatter_.moved_max_m = std::min(config.moved_max_m, kNearestOther * scatter_.spacing_m);
@@ -206,10 +249,10 @@ class MapComparer {
     };
     std::vector<Offer> offers;
     for (std::size_t i = 0; i < a_.landmarks.size(); ++i) {
-      if (!is_left(a_, i) || a_.in_clump[i]) continue;
+      if (!is_left(a_, i) || a_.in_clump[i] || is_part_of_some(a_, i, b_)) continue;
       for (const std::int32_t near : b_.places.within(a_.places[i], scatter_.moved_max_m)) {
         const auto j = static_cast<std::size_t>(near);
-        if (!is_left(b_, j) || b_.in_clump[j]) continue;
+        if (!is_left(b_, j) || b_.in_clump[j] || is_part_of_some(b_, j, a_)) continue;
         const double moved = change_posterior(observation_of(i, j), scatter_).moved;
         if (moved > kProbabilityMin) offers.push_back({moved, i, j});
       }
@@ -235,6 +278,8 @@ class MapComparer {
     pair.width_b_m = m.width_m;
     pair.width_change_m = m.width_m - l.width_m;
     pair.noise_factor = noise_factor(l, m, typical_variance_);
+    pair.width_sd_m = width_noise_.sd_m(l, m);
+    pair.not_repeated = missed_by(b_, a_, i) * missed_by(a_, b_, j);
     pair.both_trees = are_trees(l, m);
     return pair;
   }
@@ -246,10 +291,12 @@ class MapComparer {
     const ChangePosterior posterior = change_posterior(pair, scatter_);
     const bool is_far =
         pair.distance_m >= config_.moved_min_m &&
+        pair.distance_m > one_thing_m(a_.landmarks[i], b_.landmarks[j]) &&
         pair.distance_m >= config_.sigmas_min * pair.noise_factor * scatter_.position_sd_m;
     const bool in_clump = a_.in_clump[i] || b_.in_clump[j];
-    if (is_far && !in_clump && posterior.replaced > 0.5) {
-      limit_not_moved(i, j, posterior.replaced);
+    const double are_two = posterior.replaced + posterior.not_repeated;
+    if (is_far && !in_clump && are_two > 0.5) {
+      limit_not_moved(i, j, are_two);
       return false;
     }
     a_.is_paired[i] = b_.is_paired[j] = true;
@@ -259,7 +306,8 @@ class MapComparer {
     c.p_a = b_.places[j];
     c.moved_m = pair.distance_m;
     c.width_change_m = pair.width_change_m;
-    c.width_change_se_m = pair.noise_factor * scatter_.width_sd_m;
+    c.width_change_se_m =
+        pair.width_sd_m > 0.0 ? pair.width_sd_m : pair.noise_factor * scatter_.width_sd_m;
     const double change_m = std::abs(c.width_change_m);
     const bool is_wide =
         change_m >= config_.width_change_min_m &&
@@ -281,26 +329,40 @@ class MapComparer {
     return true;
   }
 
+  /// Whether the other map has something of which a landmark may be a part: then nothing is
+  /// missing.
+  bool is_part_of_some(const Side& there, std::size_t i, const Side& other) const {
+    const Landmark& l = there.landmarks[i];
+    const auto near = other.places.within(there.places[i], std::max(config_.moved_max_m, gate_m_));
+    return std::any_of(near.begin(), near.end(), [&](std::int32_t k) {
+      const auto j = static_cast<std::size_t>(k);
+      const double distance_m = (other.places[j] - there.places[i]).norm();
+      const double clump_m = there.in_clump[i] ? config_.clump.reach_m : 0.0;
+      return distance_m <= std::max(clump_m, one_thing_m(l, other.landmarks[j]));
+    });
+  }
+
+  /// Probability that the other drive does not map a thing that stands there still.
+  double missed_by(const Side& other, const Side& there, std::size_t i) const {
+    if (config_.assume_seen) return kMissedIfAssumed;
+    return other.view.probability_missed(transform(other.T_map_a, there.places[i]), there.view,
+                                         there.landmarks[i]);
+  }
+
   /// Of what one map has and the other has not: whether the other drive looked there.
   void add_absent(const Side& there, const Side& other, Change change) {
-    const double same_m = std::min(kOneObject_m, gate_m_);
     for (std::size_t i = 0; i < there.landmarks.size(); ++i) {
       if (!is_left(there, i)) continue;
       MapChange c;
       (change == Change::kMissing ? c.a : c.b) = static_cast<std::int32_t>(i);
       c.p_a = there.places[i];
-      // One thing may stand in a map as two; where the other map has something, nothing is missing.
-      if (other.places.nearest(c.p_a, there.in_clump[i] ? config_.clump.reach_m : same_m) >= 0) {
+      if (is_part_of_some(there, i, other)) {
         c.confidence = 0.5;
         comparison_.changes.push_back(c);
         continue;
       }
-      const Landmark& l = there.landmarks[i];
-      const double missed = config_.assume_seen
-                                ? kMissedIfAssumed
-                                : other.view.probability_missed(transform(other.T_map_a, c.p_a),
-                                                                there.view.visibility(l));
-      const double absent = confidence_of_absence(missed, existence(l));
+      const double absent =
+          confidence_of_absence(missed_by(other, there, i), existence(there.landmarks[i]));
       const bool is_sure = absent >= config_.confidence_min;
       c.change = is_sure ? change : Change::kNotSeen;
       c.confidence = is_sure ? absent * there.not_moved[i] : 1.0 - absent;
@@ -314,6 +376,7 @@ class MapComparer {
   std::vector<LandmarkPair> pairs_;
   double typical_variance_ = 1.0;
   WidthChange width_change_;
+  WidthNoise width_noise_;
   PairScatter scatter_;
   MapComparison comparison_;
 };

@@ -20,6 +20,7 @@ struct SensorView {
   double mount_x_m = 0.0;  ///< of the laser in base
   double mount_y_m = 0.0;
   double mount_yaw_rad = 0.0;
+  int min_observations = 1;  ///< what the drive saw less often is not in its map
 };
 
 /// For how long each cell of half a metre was in view of a drive, by distance.

@@ -165,6 +165,7 @@ mapping::SensorView view_of(const io::Config& config, const io::LogPaths& logs) 
   mapping::SensorView view;
   view.reach_m =
       std::min(config.detector.segmentation.range_max_m, config.mapper.observation_range_max_m);
+  view.min_observations = config.mapper.min_observations;
   view.mount_x_m = config.laser.mount_x_m;
   view.mount_y_m = config.laser.mount_y_m;
   view.mount_yaw_rad = config.laser.mount_yaw_rad;

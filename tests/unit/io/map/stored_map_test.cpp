@@ -95,6 +95,7 @@ TEST(StoredMap, ReadsBackWhatAFolderSays) {
   view.bearing_min_rad = -2.0;
   view.bearing_max_rad = 1.5;
   view.mount_x_m = 0.35;
+  view.min_observations = 5;
   content.view = view;
   content.next_id = 77;
   content.georeference = geometry::Georeference{-27.604, 151.932, 690.0, 10.0, -3.0, 0.4, 0.12};
@@ -107,6 +108,7 @@ TEST(StoredMap, ReadsBackWhatAFolderSays) {
   EXPECT_NEAR(map.view.reach_m, 5.5, 1e-9);
   EXPECT_NEAR(map.view.bearing_min_rad, -2.0, 1e-6);
   EXPECT_NEAR(map.view.mount_x_m, 0.35, 1e-9);
+  EXPECT_EQ(map.view.min_observations, 5);
   ASSERT_TRUE(map.georeference.has_value());
   EXPECT_NEAR(map.georeference->latitude_deg, -27.604, 1e-9);
   EXPECT_NEAR(map.georeference->yaw_rad, 0.4, 1e-9);

@@ -278,6 +278,67 @@ TEST(MapComparison, ABushIsNotTheTreesThatItsPartsPassFor) {
   EXPECT_EQ(num_of_new, 2) << "its parts that pass for trees";
 }
 
+TEST(MapComparison, SuckersThatOneVisitSeesAreNoChange) {
+  Dice dice(51);
+  Block block = plant_block(dice, 6, 15);
+  Drive drive;
+  drive.last_alley = 6;
+  drive.along_max_m = 31.0;
+  DrivenMap a = drive_through(block, drive, dice);
+  DrivenMap b = drive_through(block, drive, dice);
+  for (DrivenMap* map : {&a, &b}) {
+    for (int i = 0; i < 12; ++i) {  // each visit has its own, seen at a tenth of their chances
+      const Landmark& tree = map->landmarks[static_cast<std::size_t>(5 * i + 3)];
+      Landmark l = tree;
+      l.id = 1000 + i;
+      l.x_m += map == &a ? 0.9 : -0.9;
+      l.width_m = 0.06;
+      l.num_observations = 12;
+      map->landmarks.push_back(l);
+      map->tree_of.push_back(-1);
+    }
+  }
+  for (const MapComparison& comparison : {compare(a, b), compare(b, a)}) {
+    EXPECT_EQ(comparison.count(Change::kMissing), 0);
+    EXPECT_EQ(comparison.count(Change::kNew), 0);
+    EXPECT_EQ(comparison.count(Change::kMoved), 0);
+  }
+}
+
+TEST(MapComparison, AStumpThatEachVisitCutsAnewIsNoChange) {
+  Dice dice(52);
+  Block block = plant_block(dice, 6, 15);
+  Drive drive;
+  drive.last_alley = 6;
+  drive.along_max_m = 31.0;
+  DrivenMap a = drive_through(block, drive, dice);
+  DrivenMap b = drive_through(block, drive, dice);
+  // one landmark, whose observations scatter by 0.48 m, or four
+  Landmark whole = a.landmarks[20];
+  whole.id = 900;
+  whole.y_m += 1.6;
+  whole.num_observations = 144;
+  whole.se_x_m = whole.se_y_m = 0.04;
+  a.landmarks.push_back(whole);
+  a.tree_of.push_back(-1);
+  const Vector2d offsets[] = {{0.1, 0.5}, {-0.6, -0.1}, {0.5, -0.4}, {-0.1, -0.9}};
+  for (int part = 0; part < 4; ++part) {
+    Landmark l = whole;
+    l.id = 901 + part;
+    l.x_m += offsets[part].x();
+    l.y_m += offsets[part].y();
+    l.num_observations = 36;
+    l.se_x_m = l.se_y_m = 0.02;
+    b.landmarks.push_back(l);
+    b.tree_of.push_back(-1);
+  }
+  for (const MapComparison& comparison : {compare(a, b), compare(b, a)}) {
+    EXPECT_EQ(comparison.count(Change::kMissing), 0);
+    EXPECT_EQ(comparison.count(Change::kNew), 0);
+    EXPECT_EQ(comparison.count(Change::kMoved), 0);
+  }
+}
+
 TEST(DetectionMap, HiddenAndFarPlacesAreNotLookedAt) {
   std::vector<Landmark> landmarks;
   std::vector<pose::PoseEstimate> path;
@@ -304,6 +365,10 @@ TEST(DetectionMap, HiddenAndFarPlacesAreNotLookedAt) {
   EXPECT_LT(seen.probability_missed({10.5, 2.0}), 0.01);
   EXPECT_EQ(seen.probability_missed({10.5, 12.0}), 1.0) << "beyond reach";
   EXPECT_EQ(seen.probability_missed({10.5, -30.0}), 1.0);
+  EXPECT_GT(seen.probability_mapped({10.5, 2.0}, 0.9), 0.99);
+  SensorView strict = view;  // a map without what was seen less than 90 times
+  strict.min_observations = 90;
+  EXPECT_LT(DetectionMap(landmarks, {path}, strict).probability_mapped({10.5, 2.0}, 0.5), 0.5);
   const VisibilityGrid grid(landmarks, {path}, view);
   const auto seconds_near = [&](const Vector2d& p) {
     const VisibilityGrid::Seconds seconds = grid.at(p);

@@ -68,7 +68,7 @@ TEST_F(MapCommand, WhatIsSaidToBeWrittenIsThere) {
     EXPECT_TRUE(exists(path("map/") + file)) << file;
     EXPECT_THAT(result.out, HasSubstr(file));
   }
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(path("map")), {}), 8);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(path("map")), {}), 9);
 }
 
 TEST_F(MapCommand, TheMessagesOnTheWayCanBeLeftOut) {

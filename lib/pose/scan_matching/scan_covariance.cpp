@@ -21,6 +21,9 @@ constexpr double kUnknownShiftSd_m = 0.5;
 /// The same of its turn [rad].
 constexpr double kUnknownTurnSd_rad = 0.3;
 
+/// Of the variance of an expectation that is left along a direction of which a fit tells nothing.
+constexpr double kUntoldShare = 0.25;
+
 /// The scan is moved by so many kernels to each side: exp(-0.5 * 1.5^2) = 0.32 is left of the fit
 /// of points that tell of it.
 constexpr double kProbeKernels = 1.5;
@@ -48,6 +51,23 @@ Eigen::Matrix3d unknown_motion() {
                          kUnknownShiftSd_m * kUnknownShiftSd_m,
                          kUnknownTurnSd_rad * kUnknownTurnSd_rad)
       .asDiagonal();
+}
+
+Eigen::Vector3d place_of(const ScanMatch& match, const Eigen::Matrix3d& covariance,
+                         const Eigen::Vector3d& T_map_expected) {
+  const Eigen::Vector2d apart = (match.T_map_base - T_map_expected).head<2>();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
+  axes.computeDirect(Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()));
+  // the turn is what the search found it to be: an expectation of it may be far off
+  Eigen::Vector3d place = match.T_map_base;
+  for (int axis = 0; axis < 2; ++axis) {
+    const double untold = axes.eigenvalues()(axis) / (kUnknownShiftSd_m * kUnknownShiftSd_m);
+    const Eigen::Vector2d direction = axes.eigenvectors().col(axis);
+    const bool has_slid = std::abs(apart.dot(direction)) > kUnknownShiftSd_m;
+    if (!has_slid || !(untold > kUntoldShare)) continue;
+    place.head<2>() -= apart.dot(direction) * direction;
+  }
+  return place.allFinite() ? place : match.T_map_base;
 }
 
 Eigen::Matrix3d covariance_of(const ScanMatcher& matcher, const std::vector<SurfacePoint>& points,

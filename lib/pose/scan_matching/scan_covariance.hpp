@@ -16,6 +16,11 @@ namespace orchard::pose {
 Eigen::Matrix3d covariance_of(const ScanMatcher& matcher, const std::vector<SurfacePoint>& points,
                               const ScanMatch& match);
 
+/// The place of a fit, but where the scan does not tell (along a hedge the fit slides) the expected
+/// one (solution remapping: Zhang, Kaess, Singh 2016).
+Eigen::Vector3d place_of(const ScanMatch& match, const Eigen::Matrix3d& covariance,
+                         const Eigen::Vector3d& T_map_expected);
+
 /// The covariance of a motion of which nothing is known but what was expected.
 Eigen::Matrix3d unknown_motion();
 

@@ -32,6 +32,9 @@ constexpr int kIterationsMax = 25;
 /// Fraction of good fits below which the neighbourhood is searched for a better pose.
 constexpr double kScoreGood = 0.75;
 
+/// Below this nothing fits: the robot turned on the spot, and every turn is tried.
+constexpr double kScoreNone = 0.35;
+
 /// By which a pose found by search must fit better than the expected one, which has the prior on
 /// its side.
 constexpr double kScoreAdvantage = 0.05;
@@ -151,13 +154,14 @@ ScanMatch ScanMatcher::refined(const std::vector<SurfacePoint>& points,
 }
 
 ScanMatch ScanMatcher::searched(const std::vector<SurfacePoint>& points,
-                                const Eigen::Vector3d& centre, const ScanMatch& found) const {
+                                const Eigen::Vector3d& centre, double turn_rad,
+                                const ScanMatch& found) const {
   const std::vector<SurfacePoint> some = every_nth(points, kSearchPoints);
   double farthest_m = 0.0;
   for (const SurfacePoint& point : some) farthest_m = std::max(farthest_m, point.p.norm());
   const FitRaster raster(map_, centre.head<2>(), farthest_m + config_.search_shift_m,
                          kSearchKernel_m);
-  const int turns = static_cast<int>(std::ceil(config_.search_turn_rad / kSearchTurnStep_rad));
+  const int turns = static_cast<int>(std::ceil(turn_rad / kSearchTurnStep_rad));
   const int shifts = static_cast<int>(std::ceil(config_.search_shift_m / kSearchShiftStep_m));
   std::vector<Place> places;
   std::vector<Eigen::Vector2d> arms_map(some.size());
@@ -206,7 +210,9 @@ ScanMatch ScanMatcher::match(const std::vector<SurfacePoint>& points,
   }
   const ScanMatch match = refined(points, *start);
   if (match.score >= kScoreGood) return match;
-  return searched(points, guesses.front(), match);
+  const ScanMatch nearby = searched(points, guesses.front(), config_.search_turn_rad, match);
+  if (nearby.score >= kScoreNone || config_.search_turn_rad >= geometry::kPi) return nearby;
+  return searched(points, guesses.front(), geometry::kPi, nearby);
 }
 
 }  // namespace orchard::pose

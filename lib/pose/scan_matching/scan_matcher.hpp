@@ -36,6 +36,9 @@ class ScanMatcher {
   ScanMatch match(const std::vector<SurfacePoint>& points,
                   const std::vector<Eigen::Vector3d>& guesses) const;
 
+  /// The fit that a guess leads to, without a search.
+  ScanMatch refined(const std::vector<SurfacePoint>& points, const Eigen::Vector3d& guess) const;
+
   /// How well the points fit at a place: the mean over them of exp(-d^2 / 2 kernel^2).
   double score(const std::vector<SurfacePoint>& points, const Eigen::Vector3d& T_map_base,
                double kernel_m) const;
@@ -43,9 +46,8 @@ class ScanMatcher {
  private:
   void iterate(const std::vector<SurfacePoint>& points, double pair_m, double kernel_m,
                ScanMatch& match) const;
-  ScanMatch refined(const std::vector<SurfacePoint>& points, const Eigen::Vector3d& guess) const;
   ScanMatch searched(const std::vector<SurfacePoint>& points, const Eigen::Vector3d& centre,
-                     const ScanMatch& found) const;
+                     double turn_rad, const ScanMatch& found) const;
 
   const PointMap& map_;
   const ScanMotionConfig& config_;

@@ -81,11 +81,12 @@ std::optional<MeasuredMotion> ScanMotion::add(const laser::Scan& scan) {
       match = matcher.match(few, {match.T_map_base});
     }
     motion.matched = match.matched;
-    T_map_base = match.T_map_base;
+    const Eigen::Matrix3d P_map = covariance_of(matcher, few, match);
+    T_map_base = place_of(match, P_map, guesses.front());
     // of base's own axes at the scan before
     Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
     R.topLeftCorner<2, 2>() = rotation(-T_map_base_.z());
-    motion.covariance = R * covariance_of(matcher, few, match) * R.transpose();
+    motion.covariance = R * P_map * R.transpose();
     motion.reliable = match.score >= kScoreReliable && is_sure(motion.covariance);
   }
   motion.T_from_to = between(T_map_base_, T_map_base);

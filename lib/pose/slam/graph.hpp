@@ -86,6 +86,14 @@ struct SlamLandmark {
   void add_width(double observed_m, double sd_m);
 };
 
+/// Where one keyframe stands seen from another, by their scans.
+struct RelativePose {
+  int from = 0;
+  int to = 0;  ///< the later one
+  Eigen::Vector3d T_from_to = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of T_from_to
+};
+
 /// Poses, landmarks and the measurements between them. Indices are stable: nothing is renumbered.
 struct SlamGraph {
   std::vector<Keyframe> keyframes;
@@ -93,6 +101,7 @@ struct SlamGraph {
   std::vector<OdometryCalibration> calibrations;
   std::vector<ReceiverError> receiver_errors;
   ReceiverModel receiver;
+  std::vector<RelativePose> relative_poses;  ///< ascending by `to`
   bool georeferenced = false;  ///< by absolute positions; else the first keyframe is the origin
 
   /// Adds one scan's observation of a landmark to those of a keyframe.

@@ -78,6 +78,15 @@ void GraphProblem::add_motion(int keyframe, const Eigen::Matrix3d& covariance) {
                                                     calibration(k.calibration)));
 }
 
+void GraphProblem::add_relative_pose(const RelativePose& relative, bool is_own) {
+  RelativeMotion motion;
+  motion.delta = relative.T_from_to;
+  const ceres::ResidualBlockId id = problem_.AddResidualBlock(
+      motion_factor(motion, relative.covariance), loss(), pose(relative.from), pose(relative.to),
+      calibration(graph_.keyframes[relative.to].calibration));
+  if (is_own) measurements_.push_back(id);
+}
+
 void GraphProblem::add_observation(int keyframe, const SlamObservation& observation) {
   measurements_.push_back(problem_.AddResidualBlock(
       observation_factor(observation), loss(), pose(keyframe), position(observation.landmark)));

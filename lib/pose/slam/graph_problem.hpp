@@ -47,6 +47,8 @@ class GraphProblem {
   GraphProblem(const SlamGraph& graph, Unknowns& unknowns, const SlamConfig& config, bool robust);
 
   void add_motion(int keyframe, const Eigen::Matrix3d& covariance);
+  /// `is_own`: by the problem's own measurements, not by what lies outside it.
+  void add_relative_pose(const RelativePose& relative, bool is_own);
   void add_observation(int keyframe, const SlamObservation& observation);
   /// Nothing while the graph is not georeferenced.
   void add_positions(int keyframe);

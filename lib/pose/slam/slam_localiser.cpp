@@ -8,7 +8,11 @@ namespace orchard::pose {
 
 SlamLocaliser::SlamLocaliser(const PoseConfig& config, const laser::LaserConfig& mount,
                              const laser::BlindSector& blind)
-    : config_(config), gnss_(config.gnss), slam_(config.slam) {
+    : config_(config),
+      mount_(mount),
+      blind_(blind),
+      gnss_(config.gnss),
+      slam_(config.slam, config.scan_motion, mount) {
   if (config.motion == MotionSource::kScans) scan_motion_.emplace(config.scan_motion, mount, blind);
   slam_.set_default_noise(config.speed_sd_fraction, config.yaw_rate_sd_radps);
 }
@@ -18,11 +22,18 @@ void SlamLocaliser::add(const Measurement& measurement) {
     if (!scan_motion_) slam_.add(*odometry);
   } else if (const auto* scan = std::get_if<laser::Scan>(&measurement)) {
     if (!scan_motion_) return;
+    scan_ = *scan;
     if (const auto motion = scan_motion_->add(*scan)) {
       slam_.add_motion(motion->utime_to, motion->T_from_to, motion->covariance);
     }
   } else if (const auto* seen = std::get_if<detection::Detections>(&measurement)) {
-    slam_.add(*seen);
+    TrunkSlam::ScanSource source;
+    if (scan_ && scan_->utime == seen->utime) {
+      source = [this](const Eigen::Vector3d& velocity) {
+        return surface_points(*scan_, mount_, blind_, velocity, config_.scan_motion);
+      };
+    }
+    slam_.add(*seen, source);
   } else if (const auto* fix = std::get_if<PoseFix>(&measurement)) {
     if (config_.slam.use_fixes) add(*fix);
   } else if (const auto* gnss = std::get_if<Gnss>(&measurement)) {

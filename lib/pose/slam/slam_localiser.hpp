@@ -34,7 +34,10 @@ class SlamLocaliser : public Localiser {
   void add(const Gnss& gnss);
 
   PoseConfig config_;
+  laser::LaserConfig mount_;
+  laser::BlindSector blind_;
   GnssPositions gnss_;
+  std::optional<laser::Scan> scan_;  ///< the newest, if the motion is by scans
   std::optional<ScanMotion> scan_motion_;
   TrunkSlam slam_;
   FixesLeftOut left_out_;  ///< known at the end

@@ -81,6 +81,13 @@ Eigen::Matrix3d covariance_in_map(const SlamMap& map, int first, const Eigen::Ma
                                                  back * now.local_covariance * back.transpose());
     if (P.allFinite() && size(P) < size(best)) best = P;
   }
+  for (auto r = graph.relative_poses.rbegin();
+       r != graph.relative_poses.rend() && r->to == map.newest(); ++r) {
+    const Keyframe& then = graph.keyframes[r->from];
+    const Eigen::Matrix3d P = compose_covariance(
+        then.T_map_base, then.covariance, between(then.T_map_base, now.T_map_base), r->covariance);
+    if (P.allFinite() && size(P) < size(best)) best = P;
+  }
   return best;
 }
 

@@ -150,6 +150,11 @@ void add_window(const SlamGraph& graph, const Window& w, const CalibrationPrior&
   }
   problem.add_receiver_errors();
   problem.fix_pose(w.fixed);
+  const std::vector<RelativePose>& relative = graph.relative_poses;
+  for (auto r = relative.rbegin(); r != relative.rend() && r->to >= w.first; ++r) {
+    problem.add_relative_pose(*r, r->from >= w.fixed);
+    if (r->from < w.fixed) problem.fix_pose(r->from);
+  }
   for (const int l : w.landmarks) add_older_observations(graph, l, w.first, problem);
 }
 
@@ -198,6 +203,7 @@ void add_graph(const SlamGraph& graph, const CalibrationPrior& prior, GraphProbl
     }
   }
   problem.add_receiver_errors();
+  for (const RelativePose& r : graph.relative_poses) problem.add_relative_pose(r, true);
   if (!graph.georeferenced) problem.fix_pose(0);
 }
 

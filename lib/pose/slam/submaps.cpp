@@ -74,6 +74,27 @@ void add_observation(const SlamObservation& seen, const Eigen::Vector3d& T_subma
   sum.num_scans += seen.num_scans;
 }
 
+/// What scans say of two keyframes, of their submaps; within a submap it is rigid anyway.
+void add_relative_poses(const SlamGraph& graph, SubmapGraph& out) {
+  for (const RelativePose& r : graph.relative_poses) {
+    RelativePose s;
+    s.from = out.submap_of[static_cast<std::size_t>(r.from)];
+    s.to = out.submap_of[static_cast<std::size_t>(r.to)];
+    if (s.from == s.to) continue;
+    const auto in_submap = [&](int k, int submap) {
+      return between(graph.keyframes[static_cast<std::size_t>(out.keyframes[submap])].T_map_base,
+                     graph.keyframes[static_cast<std::size_t>(k)].T_map_base);
+    };
+    const Eigen::Vector3d T_s_from = in_submap(r.from, s.from);
+    const Eigen::Vector3d T_to_s = geometry::inverse(in_submap(r.to, s.to));
+    s.T_from_to = compose(compose(T_s_from, r.T_from_to), T_to_s);
+    const Eigen::Matrix3d F =
+        compose_jacobian_second(T_s_from) * compose_jacobian_first(r.T_from_to, T_to_s);
+    s.covariance = F * r.covariance * F.transpose();
+    out.graph.relative_poses.push_back(s);
+  }
+}
+
 /// Pose T of a submap that is moved from `was` to `now`.
 Eigen::Vector3d moved(const Eigen::Vector3d& T, const Eigen::Vector3d& was,
                       const Eigen::Vector3d& now) {
@@ -129,6 +150,7 @@ SubmapGraph submaps_of(const SlamGraph& graph, const SlamConfig& config) {
     out.graph.keyframes.push_back(std::move(submap));
     before = middle;
   }
+  add_relative_poses(graph, out);
   return out;
 }
 

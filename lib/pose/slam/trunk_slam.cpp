@@ -54,8 +54,14 @@ PoseEstimate pose_estimate(std::int64_t utime, const Eigen::Vector3d& T, const E
 
 }  // namespace
 
-TrunkSlam::TrunkSlam(const SlamConfig& config)
-    : config_(config), motion_(config), map_(config), tracker_(config), closer_(config) {}
+TrunkSlam::TrunkSlam(const SlamConfig& config, const ScanMotionConfig& scans,
+                     const laser::LaserConfig& mount)
+    : config_(config),
+      motion_(config),
+      map_(config),
+      tracker_(config),
+      closer_(config),
+      scan_closer_(scans, mount) {}
 
 void TrunkSlam::set_default_noise(double speed_sd_fraction, double yaw_rate_sd_radps) {
   motion_.set_default_noise(speed_sd_fraction, yaw_rate_sd_radps);
@@ -115,7 +121,7 @@ bool TrunkSlam::wants_keyframe(double factor) const {
          (unsure && (m.travel_m > kMovingTravel_m || blind));
 }
 
-void TrunkSlam::add(const detection::Detections& seen) {
+void TrunkSlam::add(const detection::Detections& seen, const ScanSource& scan) {
   if (motion_.started() && seen.utime < motion_.utime() &&
       motion_.utime() - seen.utime > kScanOrder_us) {
     return;  // from another time: the queue before us lets none through
@@ -123,12 +129,15 @@ void TrunkSlam::add(const detection::Detections& seen) {
   motion_.advance_to(seen.utime);
   const bool added = map_.empty() || wants_keyframe(1.0);
   if (added) add_keyframe();
+  const bool has_scan = added && scan;
+  if (has_scan) scan_closer_.keep(scan(velocity()), map_);
   const OdometryCalibration& c = map_.newest_calibration();
   const ScanMotionState state{motion_.motion().delta_with(c), motion_covariance(),
                               (1.0 + c[0]) * motion_.speed_mps(),
                               (1.0 + c[1]) * motion_.yaw_rate_radps() - c[2]};
   tracker_.match(scan_points(seen, state, config_), map_);
   if (added) correct();
+  if (has_scan && scan_closer_.look(map_)) tracker_.correct_window(map_);
   watch(seen.utime);
 }
 
@@ -196,8 +205,8 @@ std::vector<std::pair<std::string, std::int64_t>> TrunkSlam::account() const {
   constexpr std::int64_t kSecond_us = 1'000'000;
   if (map_.empty()) return {};
   return {{"loops_asked", closer_.num_asked()},
-          {"loops_closed", closer_.num_closures()},
-          {"loops_refused", closer_.num_refuted()},
+          {"loops_closed", num_closures()},
+          {"loops_refused", num_refuted_closures()},
           {"lost_s", lost_us_ / kSecond_us},
           {"ambiguous_s", ambiguous_us_ / kSecond_us},
           {"end_sd_mm", std::llround(std::min(end_sd_m(), 1e6) * 1e3)}};
@@ -208,6 +217,7 @@ void TrunkSlam::finish() {
   if (map_.empty()) return;
   if (motion_.utime() > map_.graph.keyframes.back().utime) add_keyframe();
   map_.solve(SolveReason::kEndOfDrive);
+  if (scan_closer_.drop_contradicted(map_)) map_.solve(SolveReason::kEndOfDrive);
 }
 
 std::optional<PoseEstimate> TrunkSlam::estimate() const {
@@ -257,8 +267,8 @@ std::string TrunkSlam::warning() const {
   if (end_sd_m() > config_.lost_sd_m) {
     return "at its end the drive is known to " + std::to_string(std::lround(end_sd_m() * 100)) +
            " cm only (one sigma): " +
-           (closer_.num_closures() == 0 ? "no loop was closed"
-                                        : "too long after the last loop that was closed") +
+           (num_closures() == 0 ? "no loop was closed"
+                                : "too long after the last loop that was closed") +
            "; pass again where trees are known";
   }
   return {};

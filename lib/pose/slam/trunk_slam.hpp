@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "pose/slam/slam_config.hpp"
 #include "pose/slam/slam_map.hpp"
 #include "pose/slam/slam_tracker.hpp"
+#include "pose/submap/scan_closer.hpp"
 #include "pose/trajectory.hpp"
 
 namespace orchard::pose {
@@ -28,7 +30,8 @@ namespace orchard::pose {
 /// of their sequence.
 class TrunkSlam {
  public:
-  explicit TrunkSlam(const SlamConfig& config);
+  explicit TrunkSlam(const SlamConfig& config, const ScanMotionConfig& scans = {},
+                     const laser::LaserConfig& mount = {});
 
   /// Used for odometry that states no covariance.
   void set_default_noise(double speed_sd_fraction, double yaw_rate_sd_radps);
@@ -37,7 +40,10 @@ class TrunkSlam {
   /// The motion T_before_now from the last measured time to `utime`, where no wheels measure it.
   void add_motion(std::int64_t utime, const Eigen::Vector3d& T_before_now,
                   const Eigen::Matrix3d& covariance);
-  void add(const detection::Detections& seen);
+  /// What the same scan showed besides, made from base's motion per second (x, y, yaw in base)
+  /// where it is wanted: the believable returns [m, base].
+  using ScanSource = std::function<std::vector<SurfacePoint>(const Eigen::Vector3d& velocity)>;
+  void add(const detection::Detections& seen, const ScanSource& scan = {});
   /// An absolute position of base, or of a point on it, in map; T_keyframe_then is filled in here.
   /// Until such positions have georeferenced the map, its origin is the first pose.
   void add_position(std::int64_t utime, AbsolutePosition position);
@@ -54,8 +60,8 @@ class TrunkSlam {
 
   const SlamGraph& graph() const { return map_.graph; }
   /// Loop closures that stand, and those that the observations refuted once they were solved.
-  int num_closures() const { return closer_.num_closures(); }
-  int num_refuted_closures() const { return closer_.num_refuted(); }
+  int num_closures() const { return closer_.num_closures() + scan_closer_.num_closures(); }
+  int num_refuted_closures() const { return closer_.num_refuted() + scan_closer_.num_refuted(); }
   /// Work done so far, in pairs tried and factors solved: the cost of a scan without a clock.
   std::int64_t num_operations() const {
     return tracker_.num_operations() + closer_.num_operations();
@@ -64,6 +70,7 @@ class TrunkSlam {
  private:
   Eigen::Matrix3d motion_covariance() const;
   bool wants_keyframe(double factor) const;
+  Eigen::Vector3d velocity() const { return {motion_.speed_mps(), 0.0, motion_.yaw_rate_radps()}; }
   void add_keyframe();
   void add_blind_keyframe();
   void correct();
@@ -75,6 +82,7 @@ class TrunkSlam {
   SlamMap map_;
   SlamTracker tracker_;
   LoopCloser closer_;
+  ScanCloser scan_closer_;
   std::int32_t revision_ = 0;
   std::int64_t scan_utime_ = 0;  ///< of the last scan
   std::int64_t driven_us_ = 0;   ///< from scan to scan

@@ -19,10 +19,11 @@ constexpr int kRows = 6;  ///< along map y; the first alley driven is map x = 0
 constexpr int kTreesPerRow = 20;
 constexpr double kRowsBegin_m = 10.0;
 constexpr double kMissingFraction = 0.1;
-constexpr double kTwigSpacing_m = 0.22;  ///< along a hedge
-constexpr double kHedgeSway_m = 0.01;
-constexpr double kCurveRadius_m = 3.0;
-constexpr double kClear_m = 2.5;  ///< from the way to a scattered tree or a crate
+constexpr double kTwigSpacing_m = 0.15;  ///< along a hedge
+constexpr double kHedgeDepth_m = 0.5;    ///< beams end anywhere in it
+constexpr double kHedgeSway_m = 0.03;
+constexpr double kCurveRadius_m = 1.2;  ///< a metre of way turns half the view away
+constexpr double kClear_m = 2.5;        ///< from the way to a scattered tree or a crate
 
 using Places = std::vector<Eigen::Vector2d>;
 
@@ -186,11 +187,12 @@ class YardBuilder {
     double face_m = 0.0;
     for (double s_m = 0.0; s_m < length_m; s_m += kTwigSpacing_m) {
       face_m = 0.7 * face_m + place_.normal(0.0, 0.7 * config_.hedge_roughness_m);
-      const Eigen::Vector2d p = from + s_m * along + face_m * across;
+      const double depth_m = face_m + place_.uniform(-0.5, 0.5) * kHedgeDepth_m;
+      const Eigen::Vector2d p = from + s_m * along + depth_m * across;
       Cylinder bunch;
       bunch.x_m = p.x();
       bunch.y_m = p.y();
-      bunch.radius_m = place_.uniform(0.08, 0.2);
+      bunch.radius_m = place_.uniform(0.04, 0.12);
       bunch.height_m = 1.8;
       bunch.target = -1;
       bunch.sway_m = kHedgeSway_m;

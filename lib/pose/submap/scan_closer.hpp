@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "laser/laser_config.hpp"
+#include "pose/scan_matching/point_map.hpp"
+#include "pose/scan_matching/scan_motion_config.hpp"
+#include "pose/slam/slam_map.hpp"
+#include "pose/submap/kept_scans.hpp"
+
+namespace orchard::pose {
+
+/// What scans add to the graph where trunks do not hold the robot: the last stretch of the path
+/// against what was seen there long ago.
+class ScanCloser {
+ public:
+  ScanCloser(const ScanMotionConfig& config, const laser::LaserConfig& mount);
+
+  /// Keeps the returns [m, base] of the newest keyframe's scan.
+  void keep(const std::vector<SurfacePoint>& points, const SlamMap& map);
+
+  /// Looks for a closure at the newest keyframe, as often and as wide as its covariance asks for.
+  /// True if the graph has a new factor.
+  bool look(SlamMap& map);
+
+  /// Drops the closures that the finished graph contradicts; true if there were any.
+  bool drop_contradicted(SlamMap& map);
+
+  bool is_ambiguous() const { return ambiguous_; }
+  int num_asked() const { return num_asked_; }
+  int num_closures() const { return num_closures_; }
+  int num_refuted() const { return num_refuted_; }
+  std::int64_t num_operations() const { return num_operations_; }
+
+ private:
+  std::optional<RelativePose> find(const SlamMap& map);
+  std::optional<RelativePose> verified(const SlamMap& map, const Eigen::Vector3d& T_map_base,
+                                       const std::vector<int>& recent, const std::vector<int>& old);
+  int best_witness(const SlamMap& map, const Eigen::Vector3d& T_map_base,
+                   const std::vector<SurfacePoint>& points, const std::vector<int>& old);
+  void refill(const SlamMap& map, const std::vector<int>& keyframes);
+
+  ScanMotionConfig config_;
+  laser::LaserConfig mount_;
+  KeptScans scans_;
+  PointMap points_;
+  double filling_ = 0.0;      ///< of points_: what was inserted before is not found
+  double asked_m_ = 0.0;      ///< travel when a closure was last looked for
+  int solved_keyframes_ = 0;  ///< when the graph was last solved for one
+  bool ambiguous_ = false;
+  int num_asked_ = 0;
+  int num_closures_ = 0;
+  int num_refuted_ = 0;
+  std::int64_t num_operations_ = 0;
+};
+
+}  // namespace orchard::pose

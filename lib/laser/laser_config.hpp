@@ -41,11 +41,13 @@ void describe(Visitor& v, LaserConfig& c) {
   v.number("range_sd_fraction", c.range_sd_fraction, 0, 0.2, "1", "1-sigma per metre of range");
   v.expert().number("target_sd_fraction", c.target_sd_fraction, 0, 0.2, "1",
                     "1-sigma per metre of range of what all beams of an object share");
-  v.number("spot_m", c.spot_m, 0, 0.2, "m",
-           "width of the beam as it leaves; data sheets give it, callipers show it as what is "
-           "measured too wide however near");
-  v.number("spot_rad", c.spot_rad, 0, 0.05, "rad",
-           "the beam's divergence; widths are less by it; `orchard calibrate trunks` measures it");
+  v.expert().number(
+      "spot_m", c.spot_m, 0, 0.2, "m",
+      "width of the beam as it leaves; data sheets give it, callipers show it as what is "
+      "measured too wide however near");
+  v.expert().number(
+      "spot_rad", c.spot_rad, 0, 0.05, "rad",
+      "the beam's divergence; widths are less by it; `orchard calibrate trunks` measures it");
 }
 
 template <class Visitor>

@@ -2,7 +2,9 @@
 #include "bus/node/sequence_gate.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 namespace orchard::bus {
@@ -43,6 +45,26 @@ constexpr std::int32_t kFarSeq = 1000;
 /// two sources.
 constexpr std::int64_t kRestartsApart = 50;
 
+/// The lead that the next message should have: the two clocks need not run at one rate, as when a
+/// simulation is played fast, so what the older half of the steps was behind the newer one is gone
+/// on with. `steps` is a ring to which `num` were written.
+template <class Steps>
+std::int64_t expected_lead_us(const Steps& steps, std::size_t num) {
+  const std::size_t half = std::min(num, steps.size()) / 2;
+  const auto median_from = [&](std::size_t newest) {
+    std::array<std::int64_t, std::tuple_size_v<Steps>> leads_us{};
+    for (std::size_t i = 0; i < half; ++i) {
+      leads_us[i] = steps[(num - 1 - newest - i) % steps.size()].lead_us;
+    }
+    const auto begin = leads_us.begin(), middle = begin + static_cast<std::ptrdiff_t>(half / 2);
+    std::nth_element(begin, middle, begin + static_cast<std::ptrdiff_t>(half));
+    return *middle;
+  };
+  const std::int64_t newer_us = median_from(0), older_us = median_from(half);
+  const auto halves = static_cast<std::int64_t>(half);
+  return newer_us + (newer_us - older_us) * (halves + 1) / (2 * halves);
+}
+
 }  // namespace
 
 bool SequenceGate::follows(const Stamp& last, const Stamp& next) {
@@ -62,7 +84,7 @@ void SequenceGate::Pace::note(const Stamp& before, const Stamp& stamp) {
   if (!before.arrival_us || !stamp.arrival_us || stamp.seq <= before.seq) return;
   const std::int64_t lead_us = stamp.utime - *stamp.arrival_us;
   const bool is_clock_set =
-      num_ >= kStepsLeast && std::abs(lead_us - median(&Step::lead_us)) > kAheadMost_us;
+      num_ >= kStepsLeast && std::abs(lead_us - expected_lead_us(steps_, num_)) > kAheadMost_us;
   if (is_clock_set) num_ = 0;
   steps_[num_++ % kRecent] = {lead_us, (stamp.utime - before.utime) / (stamp.seq - before.seq)};
 }
@@ -84,7 +106,7 @@ bool SequenceGate::Pace::is_early(const Stamp& last, const Stamp& next) const {
   const std::int64_t period_us = median(&Step::period_us);
   const std::int64_t few_us =
       period_us > 0 ? std::min(kNumToBelieve * period_us, kAheadMost_us) : kAheadMost_us;
-  return lead_us - median(&Step::lead_us) > few_us;
+  return lead_us - expected_lead_us(steps_, num_) > few_us;
 }
 
 bool SequenceGate::Pace::skips(const Stamp& last, const Stamp& next) const {

@@ -40,9 +40,10 @@ enum class GateDecision {
 /// time has passed where the messages arrive: a robot that pauses.
 ///
 /// Where arrivals are told, so does one that comes earlier than its channel keeps its time: by as
-/// long as kNumToBelieve of its messages take, at most two seconds, after the median of the last
-/// ones, which none alone moves. So does one whose number goes on by more than its time does at the
-/// channel's own rate. What was kept aside and lies between two that are new was right.
+/// long as kNumToBelieve of its messages take, at most two seconds, after what the medians of the
+/// last ones let expect, which none alone moves. So does one whose number goes on by more than its
+/// time does at the channel's own rate. What was kept aside and lies between two that are new was
+/// right.
 class SequenceGate {
  public:
   static constexpr std::int64_t kLeap_us = 60'000'000;

@@ -150,6 +150,17 @@ TEST(SequenceGate, ARobotThatPausesLosesNothing) {
   EXPECT_EQ(gate.counts().clock_change_s, 0.0);
 }
 
+TEST(SequenceGate, ASourceWhoseTimeRunsThreeTimesAsFastLosesNothing) {
+  for (const std::int64_t period_us : {kSecond / 50, kSecond / 10, kSecond}) {
+    SequenceGate gate;
+    for (int k = 0; k < 200; ++k) {
+      EXPECT_EQ(gate.accept(Channel::kScan, k, kStart + k * period_us, k * period_us / 3),
+                GateDecision::kNew)
+          << k << " of a period of " << period_us << " us";
+    }
+  }
+}
+
 TEST(SequenceGate, WhatWasKeptAsideIsUsedWhenAnotherChannelComesToItsTime) {
   SequenceGate gate;
   drive(gate, Channel::kScan, 0, kStart, 10);

@@ -9,7 +9,7 @@
 #include "geometry/angles.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
-#include "io/map/geopackage.hpp"
+#include "io/gis/geopackage.hpp"
 #include "io/map/map_csv.hpp"
 #include "io/map/rounded.hpp"
 #include "text/number_text.hpp"

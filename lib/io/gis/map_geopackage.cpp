@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/map/map_geopackage.hpp"
+#include "io/gis/map_geopackage.hpp"
 
 #include <algorithm>
 
 #include "detection/label_text.hpp"
-#include "io/map/geopackage.hpp"
+#include "io/gis/geopackage.hpp"
 
 namespace orchard::io {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/map/geopackage.hpp"
+#include "io/gis/geopackage.hpp"
 
 #include <cpl_conv.h>
 #include <cpl_error.h>

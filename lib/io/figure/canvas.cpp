@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <map>
 
+#include "io/figure/drawn_text.hpp"
 #include "io/file_error.hpp"
 
 namespace orchard::io {
@@ -36,13 +37,6 @@ struct FontOptions {
 
 bool is_drawable(PixelPoint p) {
   return std::abs(p.x) < kCoordinateMaxPx && std::abs(p.y) < kCoordinateMaxPx;  // false for NaN
-}
-
-std::string ascii(std::string text) {
-  for (char& c : text) {
-    if (c < ' ' || c > '~') c = '?';
-  }
-  return text;
 }
 
 cairo_font_weight_t weight_of(bool is_bold) {
@@ -114,7 +108,7 @@ double text_width_px(const std::string& text, double size_px, bool is_bold) {
       cairo_toy_font_face_create(kFont, CAIRO_FONT_SLANT_NORMAL, weight_of(is_bold));
   cairo_scaled_font_t* scaled = cairo_scaled_font_create(face, &size, &identity, font.options);
   cairo_text_extents_t extents{};
-  cairo_scaled_font_text_extents(scaled, ascii(text).c_str(), &extents);
+  cairo_scaled_font_text_extents(scaled, drawn_text(text).c_str(), &extents);
   cairo_scaled_font_destroy(scaled);
   cairo_font_face_destroy(face);
   return extents.x_advance;
@@ -230,7 +224,7 @@ void Canvas::circle(PixelPoint centre, double radius, Colour fill, Colour stroke
 void Canvas::text(PixelPoint position, const std::string& text, const TextStyle& style) {
   if (!is_drawable(position)) return;
   cairo_t* cairo = page_->cairo;
-  const std::string drawn = ascii(text);
+  const std::string drawn = drawn_text(text);
   const double share = style.anchor == TextAnchor::kStart    ? 0.0
                        : style.anchor == TextAnchor::kMiddle ? 0.5
                                                              : 1.0;
@@ -281,6 +275,19 @@ void Canvas::image(const PixelBox& box, const std::vector<std::uint8_t>& bgr, in
   cairo_fill(cairo);
   cairo_restore(cairo);
   cairo_surface_destroy(picture);
+}
+
+void Canvas::set_day(const std::string& day) {
+  if (page_->format != FigureFormat::kPdf || day.empty()) return;
+  cairo_pdf_surface_set_metadata(page_->surface, CAIRO_PDF_METADATA_CREATE_DATE,
+                                 (day + "T00:00:00Z").c_str());
+}
+
+void Canvas::next_page() {
+  if (page_->format != FigureFormat::kPdf) throw FileError("only a PDF has several pages");
+  cairo_show_page(page_->cairo);
+  page_->set(kWhite);
+  cairo_paint(page_->cairo);
 }
 
 std::string Canvas::finish() {

@@ -62,11 +62,17 @@ class Canvas {
   void rectangle(const PixelBox& box, std::optional<Colour> fill, std::optional<Colour> stroke,
                  double width = 1.0);
   void circle(PixelPoint centre, double radius, Colour fill, Colour stroke);
-  /// `position` is on the text's base line. What is not printable ASCII is drawn as '?'.
+  /// `position` is on the text's base line. What drawn_text() does not keep is drawn as '?'.
   void text(PixelPoint position, const std::string& text, const TextStyle& style);
   /// A picture stretched over the box without smoothing. `bgr`: rows of three bytes a pixel.
   void image(const PixelBox& box, const std::vector<std::uint8_t>& bgr, int width_px,
              int height_px);
+
+  /// The day that a PDF says it was made on, "2026-11-22"; empty: the same one in every PDF.
+  void set_day(const std::string& day);
+
+  /// What is drawn from now on stands on a new page. Throws FileError where there is only one.
+  void next_page();
 
   /// The finished file; nothing can be drawn afterwards. Throws FileError.
   std::string finish();

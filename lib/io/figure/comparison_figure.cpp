@@ -128,7 +128,7 @@ std::string comparison_figure(const ComparisonContent& content, FigureFormat for
   for (const MapChange& c : changes) {
     if (is_quiet(c.change)) continue;
     draw_label(frame.at(c.p_a.x(), c.p_a.y()), kSignPx, caption(content, c), 11.0, kBlack,
-               placement, canvas);
+               placement, &canvas);
   }
   return canvas.finish();
 }

@@ -75,14 +75,16 @@ std::optional<PixelPoint> LabelPlacement::place(PixelPoint sign, double sign_rad
   return {};
 }
 
-void draw_label(PixelPoint sign, double sign_radius_px, const std::string& text, double text_px,
-                Colour colour, LabelPlacement& placement, Canvas& canvas) {
+bool draw_label(PixelPoint sign, double sign_radius_px, const std::string& text, double text_px,
+                Colour colour, LabelPlacement& placement, Canvas* canvas) {
   const double width_px = text_width_px(text, text_px), height_px = kCapHeight * text_px;
   const auto centre = placement.place(sign, sign_radius_px, width_px, height_px);
-  if (!centre) return;
+  if (!centre) return false;
+  if (canvas == nullptr) return true;
   const double x = centre->x - 0.5 * width_px, y = centre->y + 0.5 * height_px;
-  canvas.rectangle({x - 1.0, y - height_px - 1.0, x + width_px + 1.0, y + 1.0}, kWhite, {});
-  canvas.text({x, y}, text, {text_px, colour});
+  canvas->rectangle({x - 1.0, y - height_px - 1.0, x + width_px + 1.0, y + 1.0}, kWhite, {});
+  canvas->text({x, y}, text, {text_px, colour});
+  return true;
 }
 
 }  // namespace orchard::io

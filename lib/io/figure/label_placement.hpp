@@ -30,8 +30,9 @@ class LabelPlacement {
   std::vector<bool> taken_;  ///< by cell, row after row
 };
 
-/// Draws a text on white beside a sign, where there is room for it.
-void draw_label(PixelPoint sign, double sign_radius_px, const std::string& text, double text_px,
-                Colour colour, LabelPlacement& placement, Canvas& canvas);
+/// Draws a text on white beside a sign, where there is room for it; whether there was. Without a
+/// canvas it only takes the room.
+bool draw_label(PixelPoint sign, double sign_radius_px, const std::string& text, double text_px,
+                Colour colour, LabelPlacement& placement, Canvas* canvas);
 
 }  // namespace orchard::io

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/figure/map_figure.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "io/figure/label_placement.hpp"
-#include "io/figure/map_frame.hpp"
 
 namespace orchard::io {
 namespace {
@@ -33,14 +34,25 @@ Style style_of(Label label) {
 
 /// Sizes by how many landmarks share the page.
 struct Sizes {
-  explicit Sizes(std::size_t num_landmarks) {
+  Sizes(std::size_t num_landmarks, bool is_print) {
     if (num_landmarks <= 100) return;
     radius_px = 3.0;
-    text_px = 10.0;
+    text_px = is_print ? 8.0 : 10.0;
   }
   double radius_px = 6.0;  ///< at least
   double text_px = 14.0;
 };
+
+/// A3, lying or upright as the map does.
+PlotSizeMax print_size(const std::vector<Eigen::Vector2d>& points_map) {
+  constexpr double kLong_px = 1480.0, kShort_px = 960.0;
+  Eigen::AlignedBox2d extent;
+  for (const Eigen::Vector2d& p : points_map) {
+    if (p.allFinite()) extent.extend(p);
+  }
+  const bool is_wide = extent.isEmpty() || extent.sizes().x() > extent.sizes().y();
+  return is_wide ? PlotSizeMax{kLong_px, kShort_px} : PlotSizeMax{kShort_px, kLong_px - 60.0};
+}
 
 void draw_row_lines(const MapFrame& frame, const std::vector<mapping::Row>& rows, Canvas& canvas) {
   for (const mapping::Row& row : rows) {
@@ -79,30 +91,36 @@ void draw_row_numbers(const MapFrame& frame, const std::vector<mapping::Row>& ro
     const double dx = first.x - second.x, dy = first.y - second.y;
     const double share = kOut_px / std::max(1e-9, std::hypot(dx, dy));
     draw_label({first.x + share * dx, first.y + share * dy}, 0.0, "R" + std::to_string(row.number),
-               kAxisTextPx, kRowText, placement, canvas);
+               kAxisTextPx, kRowText, placement, &canvas);
   }
 }
 
-/// How many zeros a number ends with: 20 tells more about a place in a crowd than 17.
-int roundness(std::int32_t id) {
-  int zeros = 0;
-  for (; id != 0 && id % 10 == 0; id /= 10) ++zeros;
-  return zeros;
+/// Every how manieth number finds a free place beside its sign, by and large.
+constexpr std::array<std::int32_t, 12> kSteps{1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000};
+constexpr double kPlacedFraction = 0.8;
+
+/// The labels of the numbers that the step divides, and whether nearly all of them were placed.
+bool draw_every(std::int32_t step, const MapFrame& frame, const std::vector<Landmark>& landmarks,
+                const Sizes& sizes, LabelPlacement placement, Canvas* canvas) {
+  int num_wanted = 0, num_placed = 0;
+  for (const Landmark& l : landmarks) {
+    if (l.label == Label::kUnseen || l.id % step != 0) continue;
+    ++num_wanted;
+    num_placed +=
+        draw_label(frame.at(l.x_m, l.y_m), radius_px(frame, l, sizes), std::to_string(l.id),
+                   sizes.text_px, style_of(l.label).stroke, placement, canvas);
+  }
+  return num_placed >= kPlacedFraction * num_wanted;
 }
 
 void draw_numbers(const MapFrame& frame, const std::vector<Landmark>& landmarks, const Sizes& sizes,
-                  LabelPlacement& placement, Canvas& canvas) {
-  std::vector<const Landmark*> order;
-  for (const Landmark& l : landmarks) {
-    if (l.label != Label::kUnseen) order.push_back(&l);
+                  const LabelPlacement& placement, Canvas& canvas) {
+  std::size_t i = 0;
+  while (i + 1 < kSteps.size() &&
+         !draw_every(kSteps[i], frame, landmarks, sizes, placement, nullptr)) {
+    ++i;
   }
-  std::stable_sort(order.begin(), order.end(), [](const Landmark* a, const Landmark* b) {
-    return roundness(a->id) > roundness(b->id);
-  });
-  for (const Landmark* l : order) {
-    draw_label(frame.at(l->x_m, l->y_m), radius_px(frame, *l, sizes), std::to_string(l->id),
-               sizes.text_px, style_of(l->label).stroke, placement, canvas);
-  }
+  draw_every(kSteps[i], frame, landmarks, sizes, placement, &canvas);
 }
 
 std::vector<LegendItem> legend_of(const std::vector<Landmark>& landmarks, bool has_ways) {
@@ -127,7 +145,7 @@ std::vector<LegendItem> legend_of(const std::vector<Landmark>& landmarks, bool h
 std::string map_figure(const std::vector<Landmark>& landmarks,
                        const std::vector<pose::PoseEstimate>& trajectory,
                        const std::vector<mapping::Row>& rows, const mapping::NavigationGraph& graph,
-                       FigureFormat format) {
+                       FigureFormat format, const MapHeading& heading) {
   std::vector<Eigen::Vector2d> points;
   for (const Landmark& l : landmarks) points.push_back({l.x_m, l.y_m});
   for (const pose::PoseEstimate& p : trajectory) points.push_back({p.x_m, p.y_m});
@@ -135,9 +153,12 @@ std::string map_figure(const std::vector<Landmark>& landmarks,
   for (const mapping::NavigationEdge& edge : graph.edges) {
     points.insert(points.end(), edge.line_map.begin(), edge.line_map.end());
   }
-  const MapFrame frame(points, legend_of(landmarks, !graph.edges.empty()));
-  const Sizes sizes(landmarks.size());
+  const bool is_print = format == FigureFormat::kPdf;
+  const MapFrame frame(points, legend_of(landmarks, !graph.edges.empty()), heading,
+                       is_print ? print_size(points) : PlotSizeMax{});
+  const Sizes sizes(landmarks.size(), is_print);
   Canvas canvas(format, frame.width_px(), frame.height_px());
+  canvas.set_day(heading.day);
   frame.draw(canvas);
   draw_graph(frame, graph, canvas);
   draw_row_lines(frame, rows, canvas);

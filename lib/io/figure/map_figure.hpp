@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "io/figure/canvas.hpp"
+#include "io/figure/map_frame.hpp"
 #include "mapping/landmark.hpp"
 #include "mapping/rows/navigation_graph.hpp"
 #include "mapping/rows/rows.hpp"
@@ -15,11 +16,11 @@ namespace orchard::io {
 /// Draws the paper's figure 11 (Shalal et al. 2013): trees green and objects red with their
 /// numbers (ids), unseen ones grey, the robot's path, the rows with their numbers, the ways between
 /// and round them, axes in metres of equal scale. Circles have the true width, but a least size.
-/// Labels do not overlap: where there are too many, round numbers come first and those that find no
-/// free place are left out. Returns the file.
+/// Labels do not overlap: where there are too many, only every 2nd, 5th, 10th ... number stands. A
+/// PDF is as large as A3, for more of them. Returns the file.
 std::string map_figure(const std::vector<mapping::Landmark>& landmarks,
                        const std::vector<pose::PoseEstimate>& trajectory,
                        const std::vector<mapping::Row>& rows, const mapping::NavigationGraph& graph,
-                       FigureFormat format);
+                       FigureFormat format, const MapHeading& heading = {});
 
 }  // namespace orchard::io

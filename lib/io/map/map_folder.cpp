@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "geometry/angles.hpp"
 #include "io/atomic_file.hpp"
 #include "io/figure/map_figure.hpp"
 #include "io/file_error.hpp"
@@ -12,8 +13,20 @@
 #include "io/map/summary_json.hpp"
 #include "io/map/trajectory_csv.hpp"
 #include "mapping/rows/navigation_graph.hpp"
+#include "text/date_text.hpp"
 
 namespace orchard::io {
+namespace {
+
+MapHeading heading_of(const MapFolderContent& content) {
+  MapHeading heading;
+  heading.title = content.summary.source.empty() ? "Orchard map" : content.summary.source;
+  heading.day = date_text(content.summary.first_utime);
+  if (content.georeference) heading.north_rad = 0.5 * geometry::kPi - content.georeference->yaw_rad;
+  return heading;
+}
+
+}  // namespace
 
 void write_map_folder(const std::string& folder, const MapFolderContent& content) {
   namespace fs = std::filesystem;
@@ -27,8 +40,8 @@ void write_map_folder(const std::string& folder, const MapFolderContent& content
   const fs::path path(folder);
   const mapping::NavigationGraph graph =
       mapping::navigation_graph(content.landmarks, content.rows, content.seen_free);
-  const auto figure = [&content, &graph](FigureFormat format) {
-    return map_figure(content.landmarks, content.trajectory, content.rows, graph, format);
+  const auto figure = [&content, &graph, heading = heading_of(content)](FigureFormat format) {
+    return map_figure(content.landmarks, content.trajectory, content.rows, graph, format, heading);
   };
   FileReplacement files;
   files.write((path / "map.csv").string(), map_csv(content.landmarks));
@@ -37,6 +50,7 @@ void write_map_folder(const std::string& folder, const MapFolderContent& content
                              content.georeference));
   files.write((path / "map.svg").string(), figure(FigureFormat::kSvg));
   files.write((path / "map.png").string(), figure(FigureFormat::kPng));
+  files.write((path / "map.pdf").string(), figure(FigureFormat::kPdf));
   files.write((path / "map.html").string(), map_page(content, graph));
   files.write((path / "trajectory.csv").string(), trajectory_csv(content.trajectory));
   for (std::size_t k = 0; k < content.more_trajectories.size(); ++k) {

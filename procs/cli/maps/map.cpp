@@ -143,7 +143,7 @@ void print_summary(const MapOptions& options, const ReplayReport& report,
                 kept->num_found, kept->num_gone, kept->num_new);
   }
   std::printf(
-      "written to %s: map.csv (table), map.gpkg (QGIS), map.svg and map.png (picture),\n"
+      "written to %s: map.csv (table), map.gpkg (QGIS), map.svg, map.png, map.pdf (picture),\n"
       "  map.html (for a browser), trajectory.csv, graph.json (aisles, for planners), "
       "summary.json%s\n",
       options.out_folder.c_str(),

@@ -22,7 +22,7 @@ class MapCommand : public CliTest {};
 TEST_F(MapCommand, WritesTheWholeFolderAndSaysWhatItFound) {
   const Result result = map(log());
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  for (const char* file : {"map.csv", "map.gpkg", "map.svg", "map.png", "map.html",
+  for (const char* file : {"map.csv", "map.gpkg", "map.svg", "map.png", "map.pdf", "map.html",
                            "trajectory.csv", "summary.json", "derived.lcm"}) {
     EXPECT_TRUE(exists(path("map/") + file)) << file;
   }
@@ -63,7 +63,7 @@ TEST_F(MapCommand, PiecesOfALogAreMappedAsTheLogWas) {
 
 TEST_F(MapCommand, WhatIsSaidToBeWrittenIsThere) {
   const Result result = map(log());
-  for (const char* file : {"map.csv", "map.gpkg", "map.svg", "map.png", "map.html",
+  for (const char* file : {"map.csv", "map.gpkg", "map.svg", "map.png", "map.pdf", "map.html",
                            "trajectory.csv", "graph.json", "summary.json", "derived.lcm"}) {
     EXPECT_TRUE(exists(path("map/") + file)) << file;
     EXPECT_THAT(result.out, HasSubstr(file));

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
 #include "unit/io/figure/picture.hpp"
 
@@ -156,6 +157,41 @@ TEST(MapFigure, OfManyLandmarksRoundNumbersStayAndAllFormatsAreWritten) {
   const cv::Mat page = picture_of(crowd);
   expect_whole(page);
   EXPECT_EQ(map_figure(crowd, {}, {}, {}, FigureFormat::kPdf).substr(0, 4), "%PDF");
+}
+
+TEST(MapFigure, NorthPointsAsTheMapLiesAndOnlyWhereItIsKnown) {
+  // What stands in the page's upper right corner, where there is no title and no day.
+  const auto arrow_box = [](std::optional<double> north_rad) {
+    MapHeading heading;
+    heading.north_rad = north_rad;
+    const cv::Mat page =
+        decoded(map_figure(rectangle_of_four(), {}, {}, {}, FigureFormat::kPng, heading));
+    expect_whole(page);
+    cv::Mat ink;
+    const int height = north_rad ? 60 : 44;  // the plot begins below
+    cv::inRange(page(cv::Rect(page.cols - 56, 0, 56, height)), cv::Scalar(0, 0, 0),
+                cv::Scalar(120, 120, 120), ink);
+    return cv::boundingRect(ink);
+  };
+  EXPECT_TRUE(arrow_box(std::nullopt).empty());
+  const cv::Rect up = arrow_box(0.5 * M_PI), right = arrow_box(0.0), left = arrow_box(M_PI);
+  EXPECT_GT(up.height, 1.5 * up.width);
+  EXPECT_GT(right.width, 1.5 * right.height);
+  EXPECT_GT(right.x + right.width, left.x + left.width + 5) << "the letter stands at the tip";
+}
+
+TEST(MapFigure, TitleAndDayStandAboveTheLegendHoweverLongTheyAre) {
+  MapHeading heading;
+  heading.title = std::string(300, 'W') + "\xC3\xB1 <&>";
+  heading.day = "2013-06-05";
+  for (const auto format : {FigureFormat::kPng, FigureFormat::kPdf, FigureFormat::kSvg}) {
+    const std::string file = map_figure(rectangle_of_four(), {}, {}, {}, format, heading);
+    EXPECT_EQ(file, map_figure(rectangle_of_four(), {}, {}, {}, format, heading));
+    if (format == FigureFormat::kPng) expect_whole(decoded(file));
+    EXPECT_EQ(file.find("20130605000000Z") != file.npos, format == FigureFormat::kPdf);
+  }
+  EXPECT_GT(decoded(map_figure(rectangle_of_four(), {}, {}, {}, FigureFormat::kPng, heading)).rows,
+            picture_of(rectangle_of_four()).rows + 20);
 }
 
 TEST(MapFigure, AnEmptyMapAndOneOfNothingFiniteAreDrawn) {

@@ -1,0 +1,359 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/corrections/apply_corrections.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+
+#include "detection/label_text.hpp"
+#include "mapping/compare/landmark_pairing.hpp"
+#include "mapping/compare/map_merging.hpp"
+#include "text/number_text.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+using detection::Label;
+using Eigen::Vector2d;
+using Outcome = CorrectionOutcome;
+
+double reach_of(const std::vector<Landmark>& landmarks) {
+  std::vector<Vector2d> places;
+  for (const Landmark& l : landmarks) places.push_back({l.x_m, l.y_m});
+  return std::clamp(0.35 * typical_spacing_m(IndexedPoints(std::move(places))), 0.1, 0.5);
+}
+
+Vector2d place_of(const Landmark& l) { return {l.x_m, l.y_m}; }
+
+bool is_alike(const CorrectionTarget& target, const Landmark& l) {
+  if (l.label != target.label) return false;
+  if (l.width_m <= 0.0 || target.width_m <= 0.0) return true;
+  const double ratio = l.width_m / target.width_m;
+  return ratio <= kLikeWidth && ratio >= 1.0 / kLikeWidth;
+}
+
+/// What one hand did to one map, correction by correction.
+class Applier {
+ public:
+  Applier(const std::vector<Landmark>& landmarks, std::int32_t next_id)
+      : reach_m_(reach_of(landmarks)), next_id_(std::max(1, next_id)) {
+    for (const Landmark& l : landmarks) {
+      put(l);
+      if (l.row != 0) rows_.insert(l.row);
+    }
+  }
+
+  CorrectionResult apply(const Correction& c) {
+    result_ = {c.number, Outcome::kApplied, {}};
+    if (c.new_id != 0) next_id_ = std::max(next_id_, c.new_id + 1);
+    switch (c.kind) {
+      case CorrectionKind::kDelete:
+        if (const auto id = find_or_gone(c.targets.at(0))) landmarks_.erase(*id);
+        break;
+      case CorrectionKind::kAdd:
+        add(c);
+        break;
+      case CorrectionKind::kMove:
+        if (Landmark* l = find(c.targets.at(0))) move(*l, c.places_map.at(0));
+        break;
+      case CorrectionKind::kClass:
+        if (Landmark* l = find(c.targets.at(0))) set_class(c.label, *l);
+        break;
+      case CorrectionKind::kMerge:
+        merge(c);
+        break;
+      case CorrectionKind::kSplit:
+        split(c);
+        break;
+      case CorrectionKind::kRowName:
+        name_row(c);
+        break;
+      case CorrectionKind::kRenumber:
+        renumber(c);
+        break;
+      case CorrectionKind::kNote:
+        if (const Landmark* l = find(c.targets.at(0))) notes_[l->id].push_back(c.note);
+        break;
+      case CorrectionKind::kUndo:
+      case CorrectionKind::kRedo:
+        break;
+    }
+    return result_;
+  }
+
+  /// Places that an undone correction gave: later ones may speak of them.
+  void remember(const Correction& c) {
+    if (c.new_id != 0) next_id_ = std::max(next_id_, c.new_id + 1);
+    if (c.targets.empty() || c.places_map.empty()) return;
+    places_[c.targets.front().id].push_back(c.places_map.front());
+  }
+
+  CorrectedMap finish() {
+    CorrectedMap map;
+    for (const auto& [id, l] : landmarks_) map.landmarks.push_back(l);
+    for (const auto& [id, texts] : notes_) {
+      if (landmarks_.count(id) != 0) map.notes[id] = texts;
+    }
+    map.row_names = row_names_;
+    map.next_id = next_id_;
+    return map;
+  }
+
+ private:
+  void put(const Landmark& l) {
+    landmarks_[l.id] = l;
+    places_[l.id].push_back(place_of(l));
+    next_id_ = std::max(next_id_, l.id < INT32_MAX ? l.id + 1 : l.id);
+  }
+
+  void move(Landmark& l, const Vector2d& p) {
+    l.x_m = p.x(), l.y_m = p.y();
+    l.se_x_m = l.se_y_m = 0.0;
+    places_[l.id].push_back(p);
+  }
+
+  Landmark* conflict(std::string reason) {
+    result_.outcome = Outcome::kConflict;
+    result_.reason = std::move(reason);
+    return nullptr;
+  }
+
+  /// The nearest landmark within reach that `accepts` it; nullptr: none.
+  template <class Accepts>
+  Landmark* nearest(const Vector2d& p, const Accepts& accepts) {
+    Landmark* best = nullptr;
+    double best_m = reach_m_;
+    for (auto& [id, l] : landmarks_) {
+      const double away_m = (place_of(l) - p).norm();
+      if (away_m > best_m || !accepts(l)) continue;
+      best = &l, best_m = away_m;
+    }
+    return best;
+  }
+  Landmark* nearest(const Vector2d& p) {
+    return nearest(p, [](const Landmark&) { return true; });
+  }
+
+  std::int32_t known_as(std::int32_t id) const {
+    const auto found = other_id_.find(id);
+    return found == other_id_.end() ? id : found->second;
+  }
+
+  Landmark* by_id(const CorrectionTarget& target) {
+    const auto found = landmarks_.find(known_as(target.id));
+    if (found == landmarks_.end()) return nullptr;
+    const std::vector<Vector2d>& places = places_[found->first];
+    const bool is_near = std::any_of(places.begin(), places.end(), [&](const Vector2d& p) {
+      return (p - target.p_map).norm() <= reach_m_;
+    });
+    return is_near ? &found->second : nullptr;
+  }
+
+  Landmark* by_place(const CorrectionTarget& target) {
+    Landmark* l = nearest(target.p_map, [&](const Landmark& x) { return is_alike(target, x); });
+    if (l == nullptr) return nullptr;
+    result_.outcome = Outcome::kByPlace;
+    result_.reason =
+        std::to_string(l->id) + " stands where " + std::to_string(target.id) + " stood";
+    other_id_[target.id] = l->id;
+    return l;
+  }
+
+  /// What else there is to say when a target was not found.
+  std::string lost(const CorrectionTarget& target) {
+    const std::string name = std::to_string(target.id);
+    const auto found = landmarks_.find(known_as(target.id));
+    if (found != landmarks_.end()) {
+      return name + " stands " + fixed_text((place_of(found->second) - target.p_map).norm(), 2) +
+             " m from where it was corrected";
+    }
+    const Landmark* l = nearest(target.p_map);
+    if (l == nullptr) return name + " is gone, and nothing stands there";
+    return name + " is gone; " + std::to_string(l->id) + ", " + label_text(l->label) + " " +
+           fixed_text(l->width_m, 2) + " m wide, stands there now";
+  }
+
+  Landmark* find(const CorrectionTarget& target) {
+    if (Landmark* l = by_id(target)) return l;
+    if (Landmark* l = by_place(target)) return l;
+    return conflict(lost(target));
+  }
+
+  /// The id to delete; none where nothing stands (then it is satisfied) or another thing does.
+  std::optional<std::int32_t> find_or_gone(const CorrectionTarget& target) {
+    const bool is_gone =
+        landmarks_.count(known_as(target.id)) == 0 && nearest(target.p_map) == nullptr;
+    if (is_gone) {
+      result_ = {result_.number, Outcome::kSatisfied,
+                 "the map has nothing there, " + std::to_string(target.id) + " is gone"};
+      return std::nullopt;
+    }
+    const Landmark* l = find(target);
+    return l ? std::optional<std::int32_t>(l->id) : std::nullopt;
+  }
+
+  /// An id for a new thing: its own, or the next one where another thing has it.
+  std::int32_t free_id(std::int32_t wanted) {
+    if (landmarks_.count(wanted) == 0) return wanted;
+    const std::int32_t id = next_id_;
+    other_id_[wanted] = id;
+    result_ = {result_.number, Outcome::kByPlace,
+               std::to_string(wanted) + " is another thing now, this one is " + std::to_string(id)};
+    return id;
+  }
+
+  void set_class(Label label, Landmark& l) {
+    l.label = label;
+    if (label == Label::kTree) l.probability = 1.0;
+    if (label == Label::kObject) l.probability = 0.0;
+    if (label != Label::kTree) l.row = l.position = 0;
+  }
+
+  void add(const Correction& c) {
+    const Vector2d& p = c.places_map.at(0);
+    if (const Landmark* l = nearest(p)) {
+      if (l->label != c.label) {
+        conflict(std::to_string(l->id) + ", " + label_text(l->label) + ", stands there already");
+        return;
+      }
+      if (l->id != c.new_id) other_id_[c.new_id] = l->id;
+      result_ = {c.number, Outcome::kSatisfied, "the map has it, as " + std::to_string(l->id)};
+      return;
+    }
+    Landmark l;
+    l.id = free_id(c.new_id);
+    set_class(c.label, l);
+    l.width_m = c.width_m;
+    l.x_m = p.x(), l.y_m = p.y();
+    put(l);
+  }
+
+  void merge(const Correction& c) {
+    std::vector<Landmark*> parts;
+    std::string gone;
+    for (const CorrectionTarget& target : c.targets) {
+      Landmark* l = find(target);
+      if (l == nullptr) {
+        gone = result_.reason;
+      } else if (std::find(parts.begin(), parts.end(), l) == parts.end()) {
+        parts.push_back(l);
+      }
+    }
+    if (parts.empty()) return;  // the conflict is that of the last
+    if (parts.size() == 1) {
+      result_ = {c.number, Outcome::kSatisfied,
+                 "the map has one thing there, " + std::to_string(parts[0]->id)};
+      return;
+    }
+    if (result_.outcome == Outcome::kConflict) {
+      result_ = {c.number, Outcome::kByPlace, "without one of them: " + gone};
+    }
+    Landmark whole = *parts[0];
+    for (std::size_t i = 1; i < parts.size(); ++i) {
+      Landmark part = *parts[i];
+      if (part.width_m <= 0.0) part.width_m = whole.width_m;
+      if (whole.width_m <= 0.0) whole.width_m = part.width_m;
+      whole = united(whole, part);
+      if (whole.row == 0) whole.row = part.row, whole.position = part.position;
+      for (const std::string& text : notes_[part.id]) notes_[whole.id].push_back(text);
+      notes_.erase(part.id);
+      other_id_[part.id] = whole.id;
+      landmarks_.erase(part.id);
+    }
+    whole.x_m = c.places_map.at(0).x(), whole.y_m = c.places_map.at(0).y();
+    places_[whole.id].push_back(c.places_map.at(0));
+    landmarks_[whole.id] = whole;
+  }
+
+  void split(const Correction& c) {
+    const CorrectionTarget& target = c.targets.at(0);
+    const Landmark* first = nearest(c.places_map.at(0));
+    const Landmark* second = nearest(c.places_map.at(1));
+    if (first != nullptr && second != nullptr && first != second) {
+      if (second->id != c.new_id) other_id_[c.new_id] = second->id;
+      if (landmarks_.count(target.id) == 0) other_id_[target.id] = first->id;
+      result_ = {c.number, Outcome::kSatisfied,
+                 "the map has two things there, " + std::to_string(first->id) + " and " +
+                     std::to_string(second->id)};
+      return;
+    }
+    Landmark* l = find(target);
+    if (l == nullptr) return;
+    l->width_m = l->width_sd_m = 0.0;  // that of both together says nothing of one
+    l->num_observations = (l->num_observations + 1) / 2;
+    Landmark other = *l;
+    move(*l, c.places_map.at(0));
+    other.id = free_id(c.new_id);
+    other.row = other.position = 0;
+    other.x_m = c.places_map.at(1).x(), other.y_m = c.places_map.at(1).y();
+    other.se_x_m = other.se_y_m = 0.0;
+    put(other);
+  }
+
+  void name_row(const Correction& c) {
+    if (rows_.count(c.row) == 0) {
+      conflict("there is no row " + std::to_string(c.row));
+      return;
+    }
+    for (const auto& [row, name] : row_names_) {
+      if (row == c.row || name != c.name) continue;
+      conflict("row " + std::to_string(row) + " is called \"" + c.name + "\" already");
+      return;
+    }
+    row_names_[c.row] = c.name;
+  }
+
+  void renumber(const Correction& c) {
+    Landmark* l = find(c.targets.at(0));
+    if (l == nullptr) return;
+    for (const auto& [id, other] : landmarks_) {
+      if (&other == l || c.position == 0) continue;
+      if (other.row != c.row || other.position != c.position) continue;
+      conflict("row " + std::to_string(c.row) + " tree " + std::to_string(c.position) + " is " +
+               std::to_string(id));
+      return;
+    }
+    l->row = c.row, l->position = c.position;
+    rows_.insert(c.row);
+  }
+
+  double reach_m_;
+  std::int32_t next_id_;
+  std::map<std::int32_t, Landmark> landmarks_;
+  std::map<std::int32_t, std::vector<Vector2d>> places_;  ///< all that a landmark has had
+  std::map<std::int32_t, std::int32_t> other_id_;         ///< what a correction calls a landmark
+  std::map<std::int32_t, std::string> row_names_;
+  std::map<std::int32_t, std::vector<std::string>> notes_;
+  std::set<std::int32_t> rows_;
+  CorrectionResult result_;
+};
+
+}  // namespace
+
+int CorrectedMap::count(CorrectionOutcome outcome) const {
+  return static_cast<int>(std::count_if(
+      results.begin(), results.end(),
+      [outcome](const CorrectionResult& result) { return result.outcome == outcome; }));
+}
+
+CorrectedMap apply_corrections(const std::vector<Landmark>& landmarks, std::int32_t next_id,
+                               const std::vector<Correction>& corrections) {
+  Applier applier(landmarks, next_id);
+  const std::vector<bool> holds = corrections_that_hold(corrections);
+  std::vector<CorrectionResult> results;
+  for (std::size_t i = 0; i < corrections.size(); ++i) {
+    const Correction& c = corrections[i];
+    const bool is_step = c.kind == CorrectionKind::kUndo || c.kind == CorrectionKind::kRedo;
+    if (holds[i] || is_step) {
+      results.push_back(applier.apply(c));
+    } else {
+      applier.remember(c);
+      results.push_back({c.number, Outcome::kUndone, {}});
+    }
+  }
+  CorrectedMap map = applier.finish();
+  map.results = std::move(results);
+  return map;
+}
+
+}  // namespace orchard::mapping

@@ -177,7 +177,7 @@ class Remapping {
           if (tree_of_id_.at(mapped.id) != tree) continue;
           const Vector2d p = Vector2d(mapped.x_m, mapped.y_m) +
                              geometry::rotation(drive_.T_map_block) * Vector2d(0.2, 0.1);
-          is_so = is_so && (Vector2d(l->x_m, l->y_m) - p).norm() < 0.15;
+          is_so = is_so && (Vector2d(l->x_m, l->y_m) - p).norm() < 0.2;
         }
         break;
       default:

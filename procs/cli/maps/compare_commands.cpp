@@ -104,18 +104,28 @@ void add_merge(CLI::App& app, Run& run) {
       app, run, "merge", "Make one map of several drives or robots in one orchard",
       "  orchard merge out/monday out/tuesday --out out/both\n"
       "  orchard merge out/robot_1 out/robot_2 out/robot_3 --any-place --out out/all\n"
+      "  orchard merge out/may_1 out/may_2 --previous out/april --leave-out --out out/may\n"
       "Maps are aligned on their trunks, in the frame of the first, whose ids and numbers are "
       "kept;\n"
       "what is new gets new ids, and ids.csv says which landmark of which map became which. Maps\n"
-      "that do not fit, or fit in two ways, are refused (exit 3) and nothing is written.\n",
+      "that do not fit, or fit in two ways, are refused (exit 3) and nothing is written; with\n"
+      "--leave-out the rest is merged, and left_out.csv says which were left out, and why.\n",
       run_merge, [](CLI::App& command, MergeOptions& o) {
-        command.add_option("maps", o.map_paths, "map folders, or their map.csv; two or more")
+        command
+            .add_option("maps", o.map_paths,
+                        "map folders, or their map.csv; two or more, or one with --previous")
             ->required()
-            ->expected(2, 1000)
+            ->expected(1, 1000)
             ->type_name("FOLDER|CSV...");
         command.add_option("--out", o.out_folder, "folder for the map, made when missing")
             ->required()
             ->type_name("DIR");
+        command
+            .add_option("--previous", o.previous_path,
+                        "map of an earlier date: what is found again keeps its id and number")
+            ->type_name("FOLDER|CSV");
+        command.add_flag("--leave-out", o.leave_out,
+                         "leave out what cannot be laid on the rest, and say so in left_out.csv");
         command.add_option("--config", o.config_path, "rig whose mapper.rows numbers new rows")
             ->type_name("FILE");
         add_alignment_options(command, o.alignment);

@@ -42,6 +42,8 @@ mapping::KeptNumbers keep_known(const io::StoredMap& earlier,
   now.name = "the new map";
   now.landmarks = content.landmarks;
   if (!content.trajectory.empty()) now.trajectories = {content.trajectory};
+  now.trajectories.insert(now.trajectories.end(), content.more_trajectories.begin(),
+                          content.more_trajectories.end());
   if (content.view) now.view = *content.view;
   const mapping::MapAlignment alignment =
       lay_on(earlier, view_of(earlier, 0.0), now, view_of(now, 0.0), config);

@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/maps/merge.hpp"
-#include "geometry/pose2.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <memory>
+#include <optional>
+#include <sstream>
 #include <utility>
 
 #include "bus/node/process.hpp"
 #include "cli/load_rig.hpp"
 #include "cli/maps/map_laying.hpp"
 #include "geometry/angles.hpp"
+#include "geometry/pose2.hpp"
+#include "io/atomic_file.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
 #include "io/map/map_folder.hpp"
@@ -41,23 +46,154 @@ void append_ids(std::size_t number, const std::vector<mapping::KeptId>& ids, std
   }
 }
 
-/// The first of the maps that are left which can be laid on what is there, and how. Throws
-/// io::FileError, why the first cannot be, when none can.
-std::pair<std::size_t, mapping::MapAlignment> next_to_lay(const io::StoredMap& whole,
-                                                          const std::vector<io::StoredMap>& maps,
-                                                          const std::vector<std::size_t>& left,
-                                                          const MergeOptions& options) {
-  const mapping::DetectionMap view = view_of(whole, options.reach_m);
+/// A map that was left out, and why.
+struct LeftOut {
+  std::size_t map;
   std::string reason;
-  for (std::size_t next = 0; next < left.size(); ++next) {
-    const io::StoredMap& map = maps[left[next]];
+};
+
+/// What has been laid on each other so far.
+struct Whole {
+  io::StoredMap map;  ///< its landmarks are those of `merged`
+  mapping::MergedMap merged;
+  std::vector<std::string> ids_of_map;  ///< lines of ids.csv; empty of a map that is not in it
+  std::vector<std::string> laid;        ///< a sentence for each map after the first
+  std::vector<LeftOut> left_out;
+};
+
+Whole begin_with(const std::vector<io::StoredMap>& maps, std::size_t first,
+                 const MergeOptions& options) {
+  Whole whole{maps[first], {maps[first].landmarks, maps[first].next_id}, {}, {}, {}};
+  whole.map.name = options.map_paths[first];
+  whole.ids_of_map.resize(maps.size());
+  std::vector<mapping::KeptId> ids;
+  for (const mapping::Landmark& l : whole.map.landmarks) ids.push_back({l.id, l.id});
+  append_ids(first + 1, ids, whole.ids_of_map[first]);
+  return whole;
+}
+
+void add_map(const io::StoredMap& map, std::size_t k, const mapping::MapAlignment& alignment,
+             const MergeOptions& options, Whole& whole) {
+  append_ids(k + 1, mapping::merge_into(whole.merged, map.landmarks, alignment),
+             whole.ids_of_map[k]);
+  whole.laid.push_back(fmt::format(
+      "{}: laid on {} trunks, {:.0f} mm apart (RMS); moved by {:.3f} m, {:.3f} m and {:.3f} "
+      "degrees",
+      options.map_paths[k], alignment.pairs.size(), 1e3 * alignment.rms_m, alignment.T_a_b.x_m,
+      alignment.T_a_b.y_m, alignment.T_a_b.yaw_rad * 180.0 / geometry::kPi));
+  whole.map.landmarks = whole.merged.landmarks;
+  for (const auto& trajectory : map.trajectories) {
+    whole.map.trajectories.push_back(transformed(trajectory, alignment.T_a_b));
+  }
+}
+
+/// Lays the other maps on the one at `first`, a map that touches only a later one after it. Throws
+/// io::FileError when one cannot be laid, unless such are left out.
+Whole lay_all(const std::vector<io::StoredMap>& maps, std::size_t first,
+              const MergeOptions& options, io::ProgressBar& bar) {
+  Whole whole = begin_with(maps, first, options);
+  std::vector<std::size_t> left;
+  for (std::size_t k = 0; k < maps.size(); ++k) {
+    if (k != first) left.push_back(k);
+  }
+  while (!left.empty()) {
+    bar.update(maps.size() - 1 - left.size(), maps.size() - 1);
+    const mapping::DetectionMap view = view_of(whole.map, options.reach_m);
+    std::vector<LeftOut> refused;
+    std::optional<std::size_t> next;
+    for (std::size_t i = 0; i < left.size() && !next; ++i) {
+      const std::size_t k = left[i];
+      try {
+        const auto alignment =
+            lay_on(whole.map, view, maps[k], view_of(maps[k], options.reach_m), options.alignment);
+        add_map(maps[k], k, alignment, options, whole);
+        next = i;
+      } catch (const io::FileError& error) {
+        refused.push_back({k, error.what()});
+      }
+    }
+    if (!next) {
+      if (!options.leave_out) throw io::FileError(refused.front().reason);
+      whole.left_out = std::move(refused);
+      break;
+    }
+    left.erase(left.begin() + static_cast<std::ptrdiff_t>(*next));
+  }
+  bar.finish();
+  return whole;
+}
+
+/// The first map that lies on the previous one. Throws io::FileError when none does.
+std::size_t first_on(const io::StoredMap& previous, const std::vector<io::StoredMap>& maps,
+                     const MergeOptions& options) {
+  const mapping::DetectionMap view = view_of(previous, 0.0);
+  std::string reason;
+  for (std::size_t k = 0; k < maps.size(); ++k) {
     try {
-      return {next, lay_on(whole, view, map, view_of(map, options.reach_m), options.alignment)};
+      lay_on(previous, view, maps[k], view_of(maps[k], options.reach_m), options.alignment);
+      return k;
     } catch (const io::FileError& error) {
       if (reason.empty()) reason = error.what();
     }
   }
   throw io::FileError(reason);
+}
+
+/// The whole that leaves out fewest. Throws io::FileError when most of the maps are not in it.
+Whole largest_whole(const std::vector<io::StoredMap>& maps, const MergeOptions& options,
+                    io::ProgressBar& bar) {
+  std::optional<Whole> best;
+  std::vector<bool> is_in(maps.size(), false);  // a whole already: it would be the same again
+  for (std::size_t first = 0; first < maps.size(); ++first) {
+    if (is_in[first]) continue;
+    Whole whole = lay_all(maps, first, options, bar);
+    for (std::size_t k = 0; k < maps.size(); ++k) {
+      if (!whole.ids_of_map[k].empty()) is_in[k] = true;
+    }
+    if (!best || whole.left_out.size() < best->left_out.size()) best = std::move(whole);
+  }
+  if (2 * best->left_out.size() >= maps.size()) {
+    throw io::FileError(best->left_out.front().reason +
+                        "; nothing tells which of them is of this orchard");
+  }
+  return std::move(*best);
+}
+
+Whole lay(const std::vector<io::StoredMap>& maps, const io::StoredMap* previous,
+          const MergeOptions& options) {
+  io::ProgressBar bar("merging");
+  if (!options.leave_out) return lay_all(maps, 0, options, bar);
+  if (previous) return lay_all(maps, first_on(*previous, maps, options), options, bar);
+  return largest_whole(maps, options, bar);
+}
+
+/// Lines of ids.csv with the ids that landmarks have now; `before`: as they were when it was made.
+std::string renamed(const std::vector<std::string>& ids_of_map,
+                    const std::vector<mapping::Landmark>& before,
+                    const std::vector<mapping::Landmark>& now) {
+  using Place = std::pair<double, double>;
+  std::map<Place, std::int32_t> id_at;  // keeping ids moves nothing
+  for (const mapping::Landmark& l : now) id_at[{l.x_m, l.y_m}] = l.id;
+  std::map<std::string, std::string> renaming;
+  for (const mapping::Landmark& l : before) {
+    renaming[std::to_string(l.id)] = std::to_string(id_at.at({l.x_m, l.y_m}));
+  }
+  std::string text = "map,id,merged_id\n";
+  for (const std::string& lines : ids_of_map) {
+    std::istringstream reader(lines);
+    for (std::string line; std::getline(reader, line);) {
+      const std::size_t comma = line.rfind(',');
+      text += line.substr(0, comma + 1) + renaming.at(line.substr(comma + 1)) + "\n";
+    }
+  }
+  return text;
+}
+
+/// A CSV field, quoted where it must be.
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return result + "\"";
 }
 
 /// Maps keep no beams: what lies beside a driven path, where nothing was mapped, was seen free.
@@ -94,42 +230,19 @@ int run_merge(const MergeOptions& options) {
   std::vector<io::StoredMap> maps;
   for (const std::string& path : options.map_paths) maps.push_back(io::read_stored_map(path));
   require_other_folder(options.out_folder, options.map_paths);
-
-  io::StoredMap whole = maps.front();
-  whole.name = options.map_paths.front();
-  mapping::MergedMap merged{whole.landmarks, whole.next_id};
-  std::vector<std::string> ids_of_map(maps.size());
-  std::vector<mapping::KeptId> first_ids;
-  for (const mapping::Landmark& l : whole.landmarks) first_ids.push_back({l.id, l.id});
-  append_ids(1, first_ids, ids_of_map[0]);
-  std::vector<std::size_t> left;
-  for (std::size_t k = 1; k < maps.size(); ++k) left.push_back(k);
-  io::ProgressBar bar("merging");
-  while (!left.empty()) {
-    bar.update(maps.size() - 1 - left.size(), maps.size() - 1);
-    // A map that touches only a later one waits for it.
-    const auto [next, alignment] = next_to_lay(whole, maps, left, options);
-    const std::size_t k = left[next];
-    left.erase(left.begin() + static_cast<std::ptrdiff_t>(next));
-    append_ids(k + 1, mapping::merge_into(merged, maps[k].landmarks, alignment), ids_of_map[k]);
-    bar.finish();
-    std::printf(
-        "%s: laid on %zu trunks, %.0f mm apart (RMS); moved by %.3f m, %.3f m and %.3f "
-        "degrees\n",
-        options.map_paths[k].c_str(), alignment.pairs.size(), 1e3 * alignment.rms_m,
-        alignment.T_a_b.x_m, alignment.T_a_b.y_m, alignment.T_a_b.yaw_rad * 180.0 / geometry::kPi);
-    whole.landmarks = merged.landmarks;
-    for (const auto& trajectory : maps[k].trajectories) {
-      whole.trajectories.push_back(transformed(trajectory, alignment.T_a_b));
-    }
+  std::optional<io::StoredMap> previous;
+  if (!options.previous_path.empty()) {
+    previous = io::read_stored_map(options.previous_path);
+    require_other_folder(options.out_folder, {options.previous_path});
   }
-  std::string ids_csv = "map,id,merged_id\n";
-  for (const std::string& ids : ids_of_map) ids_csv += ids;
 
+  const Whole laid = lay(maps, previous ? &*previous : nullptr, options);
+  const io::StoredMap& whole = laid.map;
+  const mapping::MergedMap& merged = laid.merged;
+  for (const std::string& sentence : laid.laid) std::printf("%s\n", sentence.c_str());
   io::MapFolderContent content;
   content.landmarks = merged.landmarks;
   content.next_id = merged.next_id;
-  content.ids_csv = ids_csv;
   content.georeference = whole.georeference;
   content.view = whole.view;
   if (!whole.trajectories.empty()) {
@@ -148,10 +261,27 @@ int run_merge(const MergeOptions& options) {
                                       static_cast<std::int64_t>(maps[k].landmarks.size())});
   }
   if (!whole.trajectories.empty()) content.seen_free = beside_paths(whole.trajectories);
-  number(rows, content);
+  std::string left_out_csv = "map,reason\n";
+  for (const LeftOut& out : laid.left_out) {
+    content.summary.warnings.push_back("left out: " + out.reason);
+    std::fprintf(stderr, "orchard merge: warning: left out: %s\n", out.reason.c_str());
+    left_out_csv += quoted(options.map_paths[out.map]) + "," + quoted(out.reason) + "\n";
+  }
+  if (previous) {
+    const mapping::KeptNumbers kept = keep_known(*previous, options.alignment, rows, content);
+    std::printf("ids of %s: %d kept, %d gone, %d new\n", options.previous_path.c_str(),
+                kept.num_found, kept.num_gone, kept.num_new);
+  } else {
+    number(rows, content);
+  }
+  content.ids_csv = renamed(laid.ids_of_map, merged.landmarks, content.landmarks);
   io::write_map_folder(options.out_folder, content);
+  if (options.leave_out) {
+    io::write_file_atomically(options.out_folder + "/left_out.csv", left_out_csv);
+  }
   std::printf("%zu landmarks from %zu maps, written to %s; ids.csv says which became which\n",
-              content.landmarks.size(), maps.size(), options.out_folder.c_str());
+              content.landmarks.size(), maps.size() - laid.left_out.size(),
+              options.out_folder.c_str());
   return bus::kExitOk;
 }
 

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "system/cli/cli_fixture.hpp"
 
@@ -113,6 +114,42 @@ TEST_F(CompareCommand, MergesAndNeverOverwritesAnInput) {
       {"merge", path("both"), map_csv("far.csv", forty_trees(-1, 500.0)), "--out", path("third")});
   EXPECT_EQ(apart.exit_code, 3);
   EXPECT_FALSE(exists(path("third/map.csv")));
+}
+
+TEST_F(CompareCommand, LeavesOutWhatIsOfAnotherOrchardAndKeepsIds) {
+  // The earlier map counted from 1 on; of the later ones the first numbers its trees otherwise.
+  const std::string april = map_csv("april.csv", forty_trees(-1, 0.0));
+  std::string shuffled = kHeader;
+  std::istringstream lines(forty_trees(3, 0.2));
+  std::string line;
+  std::getline(lines, line);
+  for (int id = 101; std::getline(lines, line); ++id) {
+    shuffled += std::to_string(id) + line.substr(line.find(',')) + "\n";
+  }
+  const std::string may_1 = map_csv("may_1.csv", shuffled);
+  const std::string may_2 = map_csv("may_2.csv", forty_trees(20, 0.0));
+  const std::string other = map_csv("other.csv", forty_trees(-1, 500.0));
+  const Result may = orchard(
+      {"merge", other, may_1, may_2, "--previous", april, "--leave-out", "--out", path("may")});
+  ASSERT_EQ(may.exit_code, 0) << may.err;
+  EXPECT_THAT(may.out, HasSubstr("40 kept, 0 gone, 0 new"));
+  const std::string left_out = read_file(path("may/left_out.csv"));
+  EXPECT_EQ(count_lines(left_out), 2) << left_out;
+  EXPECT_THAT(left_out, HasSubstr("other.csv\",\""));
+  const std::string ids = read_file(path("may/ids.csv"));
+  EXPECT_THAT(ids, HasSubstr("\n2,101,1\n")) << "the first tree, as the earlier map called it";
+  EXPECT_THAT(ids, HasSubstr("\n3,4,4\n")) << "which the first robot had not seen";
+  EXPECT_THAT(ids, ::testing::Not(HasSubstr("\n1,"))) << ids;
+
+  // One against one: nobody can tell which is of the orchard.
+  const Result two = orchard({"merge", other, may_1, "--leave-out", "--out", path("two")});
+  EXPECT_EQ(two.exit_code, 3);
+  EXPECT_THAT(two.err, HasSubstr("nothing tells which"));
+  EXPECT_FALSE(exists(path("two/map.csv")));
+  const Result three =
+      orchard({"merge", other, may_1, may_2, "--leave-out", "--out", path("three")});
+  ASSERT_EQ(three.exit_code, 0) << three.err;
+  EXPECT_THAT(read_file(path("three/left_out.csv")), HasSubstr("other.csv"));
 }
 
 }  // namespace

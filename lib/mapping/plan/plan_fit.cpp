@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/plan/plan_fit.hpp"
+
+#include <fmt/core.h>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
+
+#include "geometry/angles.hpp"
+#include "geometry/rigid_fit2.hpp"
+#include "geometry/statistics.hpp"
+#include "mapping/compare/alignment_candidates.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+using Eigen::Vector2d;
+using geometry::Pose2;
+
+/// A thousand to one, where four trees count as one: what is planted or felled otherwise than the
+/// plan has it, neighbours are together.
+constexpr double kOddsNeeded = 4.0 * 7.0;
+constexpr double kExplainedFraction = 0.5;  ///< of the mapped trees
+constexpr std::size_t kNumTurns = 6;        ///< directions that are followed up
+constexpr std::size_t kNumShifts = 40;      ///< shifts of each
+constexpr std::size_t kNumPlacementsMost = 12;
+constexpr double kPositionSdLeast_m = 0.03;
+
+class PlanFitter {
+ public:
+  PlanFitter(const IndexedPoints& mapped, const IndexedPoints& planned, const MissedAt& missed,
+             const MapAlignmentConfig& config)
+      : mapped_(mapped), planned_(planned), missed_(missed), config_(config) {
+    spacing_m_ = typical_spacing_m(planned);
+    noise_.gate_m = std::clamp(0.35 * spacing_m_, 0.1, 1.0);
+    noise_.trees_per_m2 = density();
+    search_.any_place = config.any_place;
+    search_.offset_max_m = config.offset_max_m;
+    search_.turn_max_rad = config.turn_max_deg * geometry::kPi / 180.0;
+    search_.gate_m = noise_.gate_m;
+    for (const Vector2d& p : planned.points()) {
+      middle_plan_ += p / static_cast<double>(planned.size());
+    }
+  }
+
+  PlanFit fit() {
+    std::vector<PlanPlacement> placements;
+    for (const Pose2& T : turns()) {
+      for (PlanPlacement& p : shifts_of(T)) add_distinct(std::move(p), placements);
+    }
+    return judge(std::move(placements));
+  }
+
+ private:
+  /// Trees of the plan per area, by the area that its nearest neighbours leave each.
+  double density() const {
+    constexpr double kReachOfSpacings = 6.0;
+    const double reach_m = std::max(1.0, kReachOfSpacings * spacing_m_);
+    std::vector<double> counts;
+    const std::size_t step = std::max<std::size_t>(1, planned_.size() / 200);
+    for (std::size_t i = 0; i < planned_.size(); i += step) {
+      counts.push_back(static_cast<double>(planned_.within(planned_[i], reach_m).size()));
+    }
+    return std::max(1.0, geometry::median(std::move(counts))) / (geometry::kPi * reach_m * reach_m);
+  }
+
+  bool is_within_limits(const Pose2& T) const {
+    return config_.any_place ||
+           ((transform(T, middle_plan_) - middle_plan_).norm() <= config_.offset_max_m &&
+            std::abs(geometry::wrap_angle_rad(T.yaw_rad)) <= search_.turn_max_rad + 1e-3);
+  }
+
+  /// The motions of most pairs, one for each direction.
+  std::vector<Pose2> turns() const {
+    constexpr double kOneTurn_rad = 0.03;
+    const std::vector<double> alike_a(mapped_.size(), 0.1), alike_b(planned_.size(), 0.1);
+    const AlignmentCandidates found =
+        alignment_candidates(mapped_, alike_a, planned_, alike_b, search_);
+    std::vector<Pose2> turns;
+    for (const AlignmentCandidate& c : found.candidates) {
+      const bool is_known = std::any_of(turns.begin(), turns.end(), [&](const Pose2& T) {
+        return std::abs(geometry::wrap_angle_rad(T.yaw_rad - c.T_a_b.yaw_rad)) < kOneTurn_rad;
+      });
+      if (!is_known && turns.size() < kNumTurns) turns.push_back(refined(c.T_a_b).T_map_plan);
+    }
+    // an orchard is often its own image, turned by half a circle
+    if (config_.any_place) {
+      for (std::size_t k = 0, num = turns.size(); k < num; ++k) {
+        const Pose2 turned{0.0, 0.0, geometry::wrap_angle_rad(turns[k].yaw_rad + geometry::kPi)};
+        const bool is_known = std::any_of(turns.begin(), turns.end(), [&](const Pose2& T) {
+          return std::abs(geometry::wrap_angle_rad(T.yaw_rad - turned.yaw_rad)) < kOneTurn_rad;
+        });
+        if (!is_known) turns.push_back(turned);
+      }
+    }
+    return turns;
+  }
+
+  /// The same direction, with every shift that lays many places upon trees.
+  std::vector<PlanPlacement> shifts_of(const Pose2& turn) const {
+    constexpr std::size_t kNumAnchors = 80;
+    std::vector<std::size_t> order(mapped_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+      return std::make_tuple(mapped_[i].x(), mapped_[i].y(), i) <
+             std::make_tuple(mapped_[j].x(), mapped_[j].y(), j);
+    });
+    const std::size_t num_anchors = std::min(kNumAnchors, order.size());
+    const double cell_m = noise_.gate_m / 1.5;
+    std::vector<std::uint64_t> cells;
+    for (std::size_t k = 0; k < num_anchors; ++k) {
+      const Vector2d& p = mapped_[order[(2 * k + 1) * order.size() / (2 * num_anchors)]];
+      for (const Vector2d& q : planned_.points()) {
+        const Vector2d shift = p - geometry::rotation(turn) * q;
+        if (!is_within_limits({shift.x(), shift.y(), turn.yaw_rad})) continue;
+        cells.push_back(key_of(std::llround(shift.x() / cell_m), std::llround(shift.y() / cell_m)));
+      }
+    }
+    std::sort(cells.begin(), cells.end());
+    std::vector<std::pair<std::uint64_t, int>> counts;
+    for (const std::uint64_t cell : cells) {
+      if (counts.empty() || counts.back().first != cell) counts.push_back({cell, 0});
+      ++counts.back().second;
+    }
+    const auto count_at = [&](std::uint64_t cell) {
+      const auto at = std::lower_bound(counts.begin(), counts.end(), std::make_pair(cell, 0));
+      return at != counts.end() && at->first == cell ? at->second : 0;
+    };
+    std::vector<std::pair<int, std::uint64_t>> votes;
+    for (const auto& [cell, count] : counts) {
+      int sum = 0, most_around = 0;
+      const auto [x, y] = place_of(cell);
+      for (int dx = -1; dx <= 1; ++dx) {
+        for (int dy = -1; dy <= 1; ++dy) {
+          const int there = count_at(key_of(x + dx, y + dy));
+          sum += there;
+          if (dx != 0 || dy != 0) most_around = std::max(most_around, there);
+        }
+      }
+      if (count >= most_around) votes.push_back({-sum, cell});
+    }
+    std::sort(votes.begin(), votes.end());
+    std::vector<PlanPlacement> placements;
+    for (const auto& [negative, cell] : votes) {
+      if (placements.size() >= kNumShifts || 3 * negative > votes.front().first) break;
+      const auto [x, y] = place_of(cell);
+      PlanPlacement placement =
+          refined({static_cast<double>(x) * cell_m, static_cast<double>(y) * cell_m, turn.yaw_rad});
+      if (is_within_limits(placement.T_map_plan)) placements.push_back(std::move(placement));
+    }
+    return placements;
+  }
+
+  static std::uint64_t key_of(std::int64_t x, std::int64_t y) {
+    const auto half = [](std::int64_t v) {
+      return static_cast<std::uint64_t>(std::clamp<std::int64_t>(v + (1LL << 31), 0, 0xffffffffLL));
+    };
+    return (half(x) << 32) | half(y);
+  }
+  static std::pair<std::int64_t, std::int64_t> place_of(std::uint64_t key) {
+    return {static_cast<std::int64_t>(key >> 32) - (1LL << 31),
+            static_cast<std::int64_t>(key & 0xffffffffULL) - (1LL << 31)};
+  }
+
+  /// Least squares over the pairs, those far off with less weight.
+  PlanPlacement refined(const Pose2& begin) const {
+    constexpr int kNumRounds = 6;
+    PlanPlacement placement;
+    placement.T_map_plan = begin;
+    for (int round = 0; round < kNumRounds; ++round) {
+      placement.pairs = pair_landmarks(mapped_, planned_, placement.T_map_plan, noise_.gate_m);
+      if (placement.pairs.size() < 2) return placement;
+      std::vector<Vector2d> a, b;
+      std::vector<double> apart_m, weights;
+      for (const LandmarkPair& pair : placement.pairs) {
+        a.push_back(mapped_[static_cast<std::size_t>(pair.a)]);
+        b.push_back(planned_[static_cast<std::size_t>(pair.b)]);
+        apart_m.push_back(pair.residual_m.norm());
+      }
+      const double scale_m = std::max(kPositionSdLeast_m, geometry::median(apart_m));
+      for (const double m : apart_m) weights.push_back(1.0 / (1.0 + m * m / (scale_m * scale_m)));
+      placement.T_map_plan = geometry::fit_rigid(a, b, weights).T_a_b;
+    }
+    placement.pairs = pair_landmarks(mapped_, planned_, placement.T_map_plan, noise_.gate_m);
+    return placement;
+  }
+
+  double apart_m(const Pose2& T, const Pose2& other) const {
+    return (transform(T, middle_plan_) - transform(other, middle_plan_)).norm();
+  }
+
+  void add_distinct(PlanPlacement placement, std::vector<PlanPlacement>& placements) const {
+    constexpr double kOneTurn_rad = 0.03;
+    for (PlanPlacement& known : placements) {
+      if (apart_m(known.T_map_plan, placement.T_map_plan) > 0.5 * spacing_m_ ||
+          std::abs(geometry::wrap_angle_rad(known.T_map_plan.yaw_rad -
+                                            placement.T_map_plan.yaw_rad)) > kOneTurn_rad) {
+        continue;
+      }
+      if (placement.pairs.size() > known.pairs.size()) known = std::move(placement);
+      return;
+    }
+    placements.push_back(std::move(placement));
+  }
+
+  double position_sd_m(const PlanPlacement& placement) const {
+    std::vector<double> deviations_m;
+    for (const LandmarkPair& pair : placement.pairs) {
+      deviations_m.push_back(pair.residual_m.x());
+      deviations_m.push_back(pair.residual_m.y());
+    }
+    return std::max(kPositionSdLeast_m, geometry::robust_sd(std::move(deviations_m)));
+  }
+
+  PlanFit judge(std::vector<PlanPlacement> placements) {
+    PlanFit fit;
+    std::stable_sort(placements.begin(), placements.end(),
+                     [](const PlanPlacement& p, const PlanPlacement& q) {
+                       return p.pairs.size() > q.pairs.size();
+                     });
+    const std::size_t num_most = placements.empty() ? 0 : placements.front().pairs.size();
+    if (num_most < static_cast<std::size_t>(std::max(2, config_.min_pairs)) ||
+        static_cast<double>(num_most) < kExplainedFraction * static_cast<double>(mapped_.size())) {
+      fit.reason =
+          fmt::format("at most {} of the map's {} trees come to stand at a place of the plan{}",
+                      num_most, mapped_.size(),
+                      config_.any_place ? std::string(", however it is laid")
+                                        : fmt::format(" within {:.1f} m and {:.0f} degrees",
+                                                      config_.offset_max_m, config_.turn_max_deg));
+      return fit;
+    }
+    noise_.position_sd_m = fit.position_sd_m = position_sd_m(placements.front());
+    std::vector<double> log_likelihood;
+    std::size_t best = 0;
+    for (std::size_t k = 0; k < placements.size(); ++k) {
+      const PlanPlacement& p = placements[k];
+      log_likelihood.push_back(
+          plan_log_likelihood(planned_, p.T_map_plan, p.pairs, noise_, missed_));
+      if (log_likelihood[k] > log_likelihood[best]) best = k;
+    }
+    std::vector<std::pair<double, std::size_t>> rivals;
+    for (std::size_t k = 0; k < placements.size(); ++k) {
+      if (k == best) continue;
+      placements[k].log_odds = log_likelihood[best] - log_likelihood[k];
+      if (placements[k].log_odds <= kOddsNeeded) rivals.push_back({placements[k].log_odds, k});
+    }
+    std::sort(rivals.begin(), rivals.end());
+    fit.verdict = rivals.empty() ? AlignmentVerdict::kAligned : AlignmentVerdict::kAmbiguous;
+    fit.placements.push_back(placements[best]);
+    for (const auto& [log_odds, k] : rivals) {
+      if (fit.placements.size() < kNumPlacementsMost) fit.placements.push_back(placements[k]);
+    }
+    if (!rivals.empty()) {
+      const PlanPlacement& rival = placements[rivals.front().second];
+      const double turn_rad = std::abs(
+          geometry::wrap_angle_rad(rival.T_map_plan.yaw_rad - placements[best].T_map_plan.yaw_rad));
+      fit.reason = fmt::format(
+          "{} placements of the plan fit about equally well; the nearest rival lies {:.1f} m off{}",
+          rivals.size() + 1, apart_m(placements[best].T_map_plan, rival.T_map_plan),
+          turn_rad > 0.1 ? fmt::format(", turned by {:.0f} degrees", turn_rad * 180 / geometry::kPi)
+                         : std::string());
+    }
+    return fit;
+  }
+
+  const IndexedPoints& mapped_;
+  const IndexedPoints& planned_;
+  const MissedAt& missed_;
+  const MapAlignmentConfig& config_;
+  AlignmentSearch search_;
+  PlanNoise noise_;
+  double spacing_m_ = 0.0;
+  Vector2d middle_plan_{0.0, 0.0};
+};
+
+}  // namespace
+
+PlanFit fit_plan(const IndexedPoints& mapped, const IndexedPoints& planned, const MissedAt& missed,
+                 const MapAlignmentConfig& config) {
+  if (mapped.size() < 2 || planned.size() < 2) {
+    PlanFit fit;
+    fit.reason = "fewer than two trees cannot be laid on a plan";
+    return fit;
+  }
+  return PlanFitter(mapped, planned, missed, config).fit();
+}
+
+}  // namespace orchard::mapping

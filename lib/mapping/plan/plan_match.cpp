@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/plan/plan_match.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/statistics.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kPairReach = 0.45;      ///< of the spacing: nearer to no other place
+constexpr double kSeenConfidence = 0.8;  ///< as for missing trees of two maps
+constexpr double kOutOfPlaceSigmas = 4.0;
+constexpr int kNeighbourRows = 3;   ///< on each side: bends of a map are common to them
+constexpr int kNeighbourTrees = 5;  ///< along a row, likewise
+
+Vector2d left_of(const Vector2d& along) { return {-along.y(), along.x()}; }
+
+class PlanMatcher {
+ public:
+  PlanMatcher(const OrchardPlan& plan, const std::vector<Landmark>& landmarks,
+              const DetectionMap& view, const PlanMatchConfig& config)
+      : plan_(plan),
+        landmarks_(landmarks),
+        config_(config),
+        indices_(plan_indices(plan)),
+        planned_(plan.places()),
+        mapped_({}),
+        objects_({}) {
+    std::vector<Vector2d> trees, objects;
+    for (std::size_t i = 0; i < landmarks.size(); ++i) {
+      const bool is_object = landmarks[i].label == detection::Label::kObject;
+      (is_object ? objects : trees).push_back({landmarks[i].x_m, landmarks[i].y_m});
+      (is_object ? object_index_ : tree_index_).push_back(static_cast<std::int32_t>(i));
+    }
+    mapped_ = IndexedPoints(std::move(trees));
+    objects_ = IndexedPoints(std::move(objects));
+    spacing_m_ = typical_spacing_m(planned_);
+    alley_m_ = typical_alley_m(plan);
+    if (alley_m_ <= 0.0) alley_m_ = 2.0 * spacing_m_;
+    if (view.is_known()) {
+      missed_ = [&view](const Vector2d& p) { return view.probability_missed(p); };
+    } else {
+      // a map without its drive tells of the ground between its trees and next to them
+      const double near_m = 1.5 * std::max(spacing_m_, alley_m_);
+      missed_ = [this, near_m](const Vector2d& p) {
+        return mapped_.nearest(p, near_m) >= 0 ? 0.0 : 1.0;
+      };
+    }
+  }
+
+  PlanMatch match() {
+    PlanMatch match;
+    match.fit = fit_plan(mapped_, planned_, missed_, config_.alignment);
+    if (match.fit.placements.empty()) return match;
+    const bool is_chosen = config_.placement > 0;
+    if (match.fit.verdict == AlignmentVerdict::kAmbiguous && !is_chosen) return match;
+    match.placement = is_chosen ? static_cast<std::size_t>(config_.placement) - 1 : 0;
+    if (match.placement >= match.fit.placements.size()) {
+      match.fit.reason = "there is no placement " + std::to_string(config_.placement) + ", only " +
+                         std::to_string(match.fit.placements.size());
+      return match;
+    }
+    lay(match.T_map_plan());
+    match.rows.resize(plan_.rows.size());
+    shift_rows(match);
+    find_trees(match);
+    find_extra(match);
+    count(match);
+    return match;
+  }
+
+ private:
+  void lay(const geometry::Pose2& T) {
+    for (const Vector2d& p : planned_.points()) places_.push_back(transform(T, p));
+    for (const Vector2d& u : directions_along_rows(plan_)) {
+      along_.push_back(geometry::rotation(T) * u);
+    }
+    noise_.gate_m = kPairReach * spacing_m_;
+    noise_.trees_per_m2 = 1.0 / (spacing_m_ * alley_m_);
+  }
+
+  /// The planned place nearest to a point; -1 for none within reach of a row.
+  std::int32_t nearest_place(const IndexedPoints& places, const Vector2d& p) const {
+    return places.nearest(p, std::max(alley_m_, 2.0 * spacing_m_));
+  }
+
+  void shift_rows(PlanMatch& match) {
+    noise_.position_sd_m = match.fit.position_sd_m;
+    const IndexedPoints places(places_);
+    std::vector<LaidRow> laid(plan_.rows.size());
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      LaidRow& row = laid[static_cast<std::size_t>(indices_[i].row)];
+      row.places_map.push_back(places_[i]);
+      row.along.push_back(along_[i]);
+    }
+    for (const Vector2d& tree : mapped_.points()) {
+      const std::int32_t i = nearest_place(places, tree);
+      if (i < 0) continue;
+      laid[static_cast<std::size_t>(indices_[static_cast<std::size_t>(i)].row)].trees_map.push_back(
+          tree);
+    }
+    for (std::size_t r = 0; r < laid.size(); ++r) {
+      match.rows[r].shift = shift_of_row(laid[r], spacing_m_, noise_, missed_);
+    }
+    for (std::size_t r = 0; r < laid.size(); ++r) {
+      const RowShift usual = usual_shift(match, r);
+      const RowShift& own = match.rows[r].shift;
+      match.rows[r].is_shifted =
+          own.num_trees >= 2 && std::hypot(own.along_m - usual.along_m,
+                                           own.aside_m - usual.aside_m) > config_.tolerance_m;
+    }
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      const RowShift& s = match.rows[static_cast<std::size_t>(indices_[i].row)].shift;
+      shifted_.push_back(places_[i] + s.along_m * along_[i] + s.aside_m * left_of(along_[i]));
+    }
+  }
+
+  /// The median of the neighbouring rows: what a bend of the map makes of them all.
+  RowShift usual_shift(const PlanMatch& match, std::size_t r) const {
+    std::vector<double> along_m, aside_m;
+    const auto num = static_cast<int>(plan_.rows.size());
+    for (int k = static_cast<int>(r) - kNeighbourRows; k <= static_cast<int>(r) + kNeighbourRows;
+         ++k) {
+      if (k < 0 || k >= num || k == static_cast<int>(r)) continue;
+      const RowShift& s = match.rows[static_cast<std::size_t>(k)].shift;
+      if (s.num_trees < 2) continue;
+      along_m.push_back(s.along_m);
+      aside_m.push_back(s.aside_m);
+    }
+    return {geometry::midpoint_median(std::move(along_m)),
+            geometry::midpoint_median(std::move(aside_m)), 0};
+  }
+
+  void find_trees(PlanMatch& match) {
+    const IndexedPoints shifted(shifted_);
+    partner_.assign(places_.size(), -1);
+    is_paired_.assign(mapped_.size(), false);
+    for (const LandmarkPair& pair :
+         pair_landmarks(mapped_, shifted, geometry::Pose2{}, noise_.gate_m)) {
+      partner_[static_cast<std::size_t>(pair.b)] = pair.a;
+      is_paired_[static_cast<std::size_t>(pair.a)] = true;
+    }
+    const std::vector<double> off_m = off_row_m();
+    const double farthest_m =
+        std::max(config_.tolerance_m, kOutOfPlaceSigmas * geometry::robust_sd(off_m) / kRayleigh);
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      PlanFinding f;
+      f.row = indices_[i].row;
+      f.tree = indices_[i].tree;
+      if (partner_[i] >= 0) {
+        const auto tree = static_cast<std::size_t>(partner_[i]);
+        f.landmark = tree_index_[tree];
+        f.p_map = mapped_[tree];
+        const Vector2d d = f.p_map - places_[i];
+        f.along_m = d.dot(along_[i]);
+        f.aside_m = d.dot(left_of(along_[i]));
+        f.confidence = 1.0;
+        if (off_m[i] > farthest_m) f.deviation = PlanDeviation::kOutOfPlace;
+      } else {
+        f.p_map = shifted_[i];
+        f.confidence = 1.0 - missed_(f.p_map);
+        f.deviation =
+            f.confidence >= kSeenConfidence ? PlanDeviation::kMissing : PlanDeviation::kNotSeen;
+        const std::int32_t object = objects_.nearest(f.p_map, config_.tolerance_m);
+        if (object >= 0) f.landmark = object_index_[static_cast<std::size_t>(object)];
+      }
+      match.findings.push_back(f);
+    }
+    double sum_m2 = 0.0;
+    int num = 0;
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (partner_[i] < 0 || match.rows[static_cast<std::size_t>(indices_[i].row)].is_shifted) {
+        continue;
+      }
+      sum_m2 += (mapped_[static_cast<std::size_t>(partner_[i])] - places_[i]).squaredNorm();
+      ++num;
+    }
+    match.rms_m = num > 0 ? std::sqrt(sum_m2 / num) : 0.0;
+  }
+
+  /// How far each tree stands from its place in the shifted row, beyond what its neighbours along
+  /// the row do, too [m]; 0 without tree.
+  std::vector<double> off_row_m() const {
+    std::vector<double> off_m(places_.size(), 0.0);
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (partner_[i] < 0) continue;
+      std::vector<double> x_m, y_m;
+      for (int k = -kNeighbourTrees; k <= kNeighbourTrees; ++k) {
+        const auto j = static_cast<std::size_t>(static_cast<std::int64_t>(i) + k);
+        if (k == 0 || j >= places_.size() || indices_[j].row != indices_[i].row) continue;
+        if (partner_[j] < 0) continue;
+        const Vector2d d = mapped_[static_cast<std::size_t>(partner_[j])] - shifted_[j];
+        x_m.push_back(d.x());
+        y_m.push_back(d.y());
+      }
+      const Vector2d common(geometry::midpoint_median(std::move(x_m)),
+                            geometry::midpoint_median(std::move(y_m)));
+      const Vector2d own = mapped_[static_cast<std::size_t>(partner_[i])] - shifted_[i];
+      off_m[i] = (own - common).norm();
+    }
+    return off_m;
+  }
+
+  void find_extra(PlanMatch& match) {
+    const IndexedPoints shifted(shifted_);
+    for (std::size_t k = 0; k < mapped_.size(); ++k) {
+      if (is_paired_[k]) continue;
+      PlanFinding f;
+      f.deviation = PlanDeviation::kExtra;
+      f.landmark = tree_index_[k];
+      f.p_map = mapped_[k];
+      f.confidence = 1.0;
+      const std::int32_t i = nearest_place(shifted, f.p_map);
+      if (i >= 0) {
+        const auto at = static_cast<std::size_t>(i);
+        const Vector2d d = f.p_map - shifted_[at];
+        if (std::abs(d.dot(left_of(along_[at]))) <= 0.25 * alley_m_) {
+          f.row = indices_[at].row;
+          f.tree = indices_[at].tree - (d.dot(along_[at]) < 0.0 ? 1 : 0);
+        }
+      }
+      match.findings.push_back(f);
+    }
+  }
+
+  static void count(PlanMatch& match) {
+    for (const PlanFinding& f : match.findings) {
+      const auto kind = static_cast<std::size_t>(f.deviation);
+      ++match.counts[kind];
+      if (f.row >= 0) ++match.rows[static_cast<std::size_t>(f.row)].counts[kind];
+    }
+  }
+
+  /// The median length of a vector with normal components, per what robust_sd() makes of it.
+  static constexpr double kRayleigh = 1.1774 * geometry::kMadToSd;
+
+  const OrchardPlan& plan_;
+  const std::vector<Landmark>& landmarks_;
+  const PlanMatchConfig& config_;
+  std::vector<PlanIndex> indices_;
+  IndexedPoints planned_;
+  IndexedPoints mapped_;
+  IndexedPoints objects_;
+  std::vector<std::int32_t> tree_index_, object_index_;  ///< into landmarks_
+  double spacing_m_ = 0.0;
+  double alley_m_ = 0.0;
+  MissedAt missed_;
+  PlanNoise noise_;
+  std::vector<Vector2d> places_;   ///< planned places in map
+  std::vector<Vector2d> along_;    ///< their rows' directions in map
+  std::vector<Vector2d> shifted_;  ///< with their rows' own shifts
+  std::vector<std::int32_t> partner_;
+  std::vector<bool> is_paired_;
+};
+
+}  // namespace
+
+const char* deviation_text(PlanDeviation deviation) {
+  switch (deviation) {
+    case PlanDeviation::kAsPlanned:
+      return "as_planned";
+    case PlanDeviation::kOutOfPlace:
+      return "out_of_place";
+    case PlanDeviation::kMissing:
+      return "missing";
+    case PlanDeviation::kNotSeen:
+      return "not_seen";
+    case PlanDeviation::kExtra:
+      break;
+  }
+  return "extra";
+}
+
+PlanMatch match_plan(const OrchardPlan& plan, const std::vector<Landmark>& landmarks,
+                     const DetectionMap& view, const PlanMatchConfig& config) {
+  return PlanMatcher(plan, landmarks, view, config).match();
+}
+
+}  // namespace orchard::mapping

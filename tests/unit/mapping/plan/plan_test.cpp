@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "mapping/plan/plan_building.hpp"
+#include "mapping/plan/plan_numbers.hpp"
+#include "unit/mapping/plan/planned_block.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+DetectionMap view_of(const DrivenMap& map) {
+  SensorView view;
+  view.reach_m = Drive{}.reach_m;
+  return DetectionMap(map.landmarks, {map.trajectory}, view);
+}
+
+TEST(Plan, NamesAndDeviationsAreFound) {
+  PlanScore sum;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Dice dice(seed);
+    PlannedBlock b = plant_to_plan(dice, {});
+    const DrivenMap map = drive_all(b, {0.8, -0.6, 0.006}, dice);
+    const PlanMatch match = match_plan(b.plan, map.landmarks, view_of(map), {});
+    ASSERT_TRUE(match.is_laid()) << "seed " << seed << ": " << match.fit.reason;
+    const PlanScore score = score_of(b, map, b.plan, match);
+    EXPECT_EQ(score.num_misnamed, 0) << "seed " << seed;
+    sum.add(score);
+  }
+  EXPECT_GE(sum.precision(), 0.98);
+  EXPECT_GE(sum.recall(), 0.98);
+}
+
+TEST(Plan, LiesOnAMapOfAnotherFrame) {
+  Dice dice(7);
+  PlannedBlock b = plant_to_plan(dice, {});
+  const geometry::Pose2 T{35.0, -20.0, 2.3};
+  const DrivenMap map = drive_all(b, T, dice);
+  PlanMatchConfig config;
+  config.alignment.any_place = true;
+  const PlanMatch match = match_plan(b.plan, map.landmarks, view_of(map), config);
+  ASSERT_TRUE(match.is_laid()) << match.fit.reason;
+  EXPECT_EQ(score_of(b, map, b.plan, match).num_misnamed, 0);
+  // half a decimetre is how far the drive bends its map
+  const Eigen::Vector2d p = b.plan.places().front();
+  EXPECT_LT((transform(match.T_map_plan(), p) - transform(T, p)).norm(), 0.15);
+}
+
+TEST(Plan, ARectangleThatFitsBothWaysRoundIsRefusedAndCanBeChosen) {
+  Dice dice(8);
+  Planting planting;
+  planting.is_rectangle = true;
+  PlannedBlock b = plant_to_plan(dice, planting);
+  const DrivenMap map = drive_all(b, {3.0, 4.0, 1.0}, dice);
+  PlanMatchConfig config;
+  config.alignment.any_place = true;
+  const PlanMatch refused = match_plan(b.plan, map.landmarks, view_of(map), config);
+  EXPECT_FALSE(refused.is_laid());
+  EXPECT_EQ(refused.fit.verdict, AlignmentVerdict::kAmbiguous);
+  ASSERT_EQ(refused.fit.placements.size(), 2u);
+  int num_right = 0;
+  for (config.placement = 1; config.placement <= 2; ++config.placement) {
+    const PlanMatch match = match_plan(b.plan, map.landmarks, view_of(map), config);
+    num_right += score_of(b, map, b.plan, match).num_misnamed == 0;
+  }
+  EXPECT_EQ(num_right, 1);
+  EXPECT_FALSE(match_plan(b.plan, map.landmarks, view_of(map), config).is_laid());  // no third
+}
+
+TEST(Plan, AnotherOrchardIsRefused) {
+  Dice dice(9);
+  PlannedBlock b = plant_to_plan(dice, {});
+  OrchardPlan other = b.plan;
+  for (PlannedRow& row : other.rows) {
+    for (PlannedTree& tree : row.trees) tree.p_plan *= 1.37;
+  }
+  const DrivenMap map = drive_all(b, {}, dice);
+  PlanMatchConfig config;
+  config.alignment.any_place = true;
+  const PlanMatch match = match_plan(other, map.landmarks, view_of(map), config);
+  EXPECT_FALSE(match.is_laid());
+  EXPECT_EQ(match.fit.verdict, AlignmentVerdict::kNone);
+}
+
+TEST(Plan, WhereTheDriveDidNotLookNothingIsMissing) {
+  Dice dice(10);
+  Planting planting;
+  planting.missing = 0.0;
+  planting.shift_a_row = false;
+  PlannedBlock b = plant_to_plan(dice, planting);
+  Drive drive;
+  drive.last_alley = 2;  // of at least six rows
+  drive.along_max_m = b.block.num_places * b.block.tree_spacing_m + 3.0;
+  const DrivenMap map = drive_through(b.block, drive, dice);
+  const PlanMatch match = match_plan(b.plan, map.landmarks, view_of(map), {});
+  ASSERT_TRUE(match.is_laid()) << match.fit.reason;
+  EXPECT_EQ(match.counts[static_cast<std::size_t>(PlanDeviation::kMissing)], 0);
+  EXPECT_GT(match.counts[static_cast<std::size_t>(PlanDeviation::kNotSeen)], 20);
+}
+
+TEST(Plan, GivesTheMapItsNumbersAndItsGaps) {
+  Dice dice(11);
+  PlannedBlock b = plant_to_plan(dice, {});
+  DrivenMap map = drive_all(b, {}, dice);
+  const PlanMatch match = match_plan(b.plan, map.landmarks, view_of(map), {});
+  ASSERT_TRUE(match.is_laid()) << match.fit.reason;
+  const PlanNumbers numbers = number_by_plan(b.plan, match, map.landmarks);
+  for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
+    const TrueTree& t = b.block.trees[static_cast<std::size_t>(map.tree_of[i])];
+    const PlannedRow& row = b.plan.rows[static_cast<std::size_t>(t.row)];
+    EXPECT_EQ(std::to_string(map.landmarks[i].row), row.name);
+    const std::string tree = t.place < 0 ? "0" : row.trees[static_cast<std::size_t>(t.place)].name;
+    EXPECT_EQ(std::to_string(map.landmarks[i].position), tree);
+  }
+  ASSERT_EQ(numbers.rows.size(), b.plan.rows.size());
+  int num_gaps = 0;
+  for (const Row& row : numbers.rows) {
+    EXPECT_NE(row.places.front().landmark_id, 0);
+    EXPECT_NE(row.places.back().landmark_id, 0);
+    for (const RowPlace& place : row.places) num_gaps += place.landmark_id == 0;
+  }
+  EXPECT_GT(num_gaps, 0);
+  EXPECT_LE(num_gaps, static_cast<int>(b.missing.size()));
+}
+
+TEST(PlanNumbers, NamesThatAreNoNumbersAreCounted) {
+  OrchardPlan plan;
+  for (const char* name : {"east", "west"}) {
+    PlannedRow row{name, {}};
+    for (int k = 0; k < 6; ++k) {
+      const double y_m = plan.rows.empty() ? 0.0 : 4.0 + 0.9 * k;
+      row.trees.push_back({k == 2 ? "2b" : std::to_string(k + 1), {2.0 * k, y_m}});
+    }
+    plan.rows.push_back(row);
+  }
+  std::vector<Landmark> landmarks;
+  for (const Eigen::Vector2d& p : plan.places()) {
+    Landmark l;
+    l.id = 100 + static_cast<int>(landmarks.size());
+    l.label = detection::Label::kTree;
+    l.x_m = p.x();
+    l.y_m = p.y();
+    landmarks.push_back(l);
+  }
+  const PlanMatch match = match_plan(plan, landmarks, DetectionMap(), {});
+  ASSERT_TRUE(match.is_laid()) << match.fit.reason;
+  const PlanNumbers numbers = number_by_plan(plan, match, landmarks);
+  EXPECT_EQ(landmarks[8].row, 2);
+  EXPECT_EQ(landmarks[8].position, 3);
+  EXPECT_EQ(numbers.names[8].landmark_id, 108);
+  EXPECT_EQ(numbers.names[8].row, "west");
+  EXPECT_EQ(numbers.names[8].tree, "2b");
+}
+
+TEST(PlanBuilding, TreesComeInOrderOfNumbersOrAlongTheRow) {
+  const BuiltPlan built = plan_of_trees({{"A", "10", {20, 0}},
+                                         {"A", "9", {22, 0}},
+                                         {"B", "", {0, 5}},
+                                         {"B", "", {4, 5}},
+                                         {"B", "", {2, 5}}});
+  EXPECT_TRUE(built.problems.empty());
+  ASSERT_EQ(built.plan.rows.size(), 2u);
+  EXPECT_EQ(built.plan.rows[0].trees[0].name, "9");
+  EXPECT_EQ(built.plan.rows[1].trees[1].name, "2");
+  EXPECT_DOUBLE_EQ(built.plan.rows[1].trees[1].p_plan.x(), 2.0);
+}
+
+TEST(PlanBuilding, SaysWhatCannotBe) {
+  const auto problems_of = [](const std::vector<LoosePlannedTree>& trees) {
+    std::string all;
+    for (const std::string& p : plan_of_trees(trees).problems) all += p + "\n";
+    return all;
+  };
+  EXPECT_EQ(problems_of({{"1", "1", {0, 0}}, {"1", "1", {2, 0}}}), "row 1 has two trees 1\n");
+  EXPECT_EQ(problems_of({{"1", "1", {0, 0}}, {"2", "4", {0.05, 0}}}),
+            "trees 1/1 and 2/4 stand in one place\n");
+  EXPECT_EQ(problems_of({{"1", "1", {0, 0}}, {"", "4", {3, 0}}}), "1 of 2 trees name no row\n");
+}
+
+TEST(PlanBuilding, LinesCarryTreesAtEqualSteps) {
+  const BuiltPlan built = plan_of_lines({{"", {{0, 0}, {6, 0}, {6, 6}}}}, 4.0);
+  ASSERT_TRUE(built.problems.empty());
+  const auto places = built.plan.places();
+  ASSERT_EQ(places.size(), 4u);  // at 0, 4, 8 and 12 m of 12
+  EXPECT_TRUE(places[2].isApprox(Eigen::Vector2d(6, 2)));
+  EXPECT_TRUE(places[3].isApprox(Eigen::Vector2d(6, 6)));
+}
+
+TEST(PlanBuilding, FindsRowsThatAreNotNamed) {
+  std::vector<LoosePlannedTree> trees;
+  for (int r = 0; r < 5; ++r) {
+    for (int k = 0; k < 12; ++k) trees.push_back({"", "", {2.0 * k, 4.0 * r}});
+  }
+  const BuiltPlan built = plan_of_trees(trees);
+  EXPECT_TRUE(built.problems.empty());
+  EXPECT_EQ(built.plan.rows.size(), 5u);
+  EXPECT_EQ(built.plan.num_trees(), 60u);
+  ASSERT_EQ(built.notes.size(), 1u);
+}
+
+}  // namespace
+}  // namespace orchard::mapping

@@ -248,6 +248,7 @@ DetectResult look_at_candidates(LaserFindings findings, vision::PictureReader* p
     windows = vision::bounding(windows, windows_area(*views[i], rig));
   }
   if (reading.empty()) return result;
+  result.image_needed = true;
 
   auto pixels = fits_camera(picture->image(), rig) ? picture->read(reading) : std::nullopt;
   result.image_unusable = !pixels.has_value();

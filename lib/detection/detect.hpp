@@ -34,6 +34,7 @@ struct LaserFindings {
 /// What a scan and its picture show.
 struct DetectResult {
   Detections detections;              ///< seq is left 0: the sender's
+  bool image_needed = false;          ///< a candidate stands in its view
   bool image_unusable = false;        ///< needed, but did not decode or of another size
   bool intensities_missing = false;   ///< as in LaserFindings
   std::vector<AdaptationLook> looks;  ///< at candidates; none unless adaptation is enabled

@@ -188,6 +188,11 @@ double log_odds_max(const MapperConfig& config) {
   return config.evidence == Evidence::kLabels ? kLogOddsMax : 1e9;
 }
 
+TreeRates tree_rates(const MapperConfig& config) {
+  if (config.flash_tells) return {kFlashRateOfTrees, kFlashRateOfObjects};
+  return {kTreeRateOfTrees, kTreeRateOfObjects};
+}
+
 double evidence_of(const detection::Detection& observation, const MapperConfig& config) {
   if (config.evidence == Evidence::kProbability) {
     if (observation.probability_tree + observation.probability_object <= 0.0f) return 0.0;
@@ -195,8 +200,7 @@ double evidence_of(const detection::Detection& observation, const MapperConfig& 
         std::clamp<double>(observation.probability_tree, kProbabilityMin, 1.0 - kProbabilityMin);
     return logit(p) - logit(config.evidence_base_rate);
   }
-  const double of_tree = config.flash_tells ? kFlashRateOfTrees : kTreeRateOfTrees;
-  const double of_object = config.flash_tells ? kFlashRateOfObjects : kTreeRateOfObjects;
+  const auto [of_tree, of_object] = tree_rates(config);
   switch (observation.label) {
     case Label::kTree:
       return std::log(of_tree / of_object);

@@ -83,6 +83,13 @@ void merge(LandmarkRecord& into, const LandmarkRecord& from, double log_odds_max
 /// Standard error of the mean in x and y [m], with N - 1: Shalal et al. 2013, eq. 13. 0 for N = 1.
 Eigen::Vector2d standard_error_m(const LandmarkRecord& record);
 
+/// Fractions of the looks at a tree, and at anything else, that are labelled TREE.
+struct TreeRates {
+  double of_trees = 0.0;
+  double of_objects = 0.0;
+};
+TreeRates tree_rates(const MapperConfig& config);
+
 /// Log likelihood ratio of one observation: how much likelier a tree gives it than anything else
 /// does. By its label, or by its calibrated probability; 0 for one that nothing judged.
 double evidence_of(const detection::Detection& observation, const MapperConfig& config);

@@ -235,6 +235,8 @@ std::optional<double> Mapper::tree_scatter_m() const {
   return geometry::median(std::move(medians_m));
 }
 
+SplitVotes Mapper::votes() const { return split_votes(impl_->map); }
+
 void Mapper::persist(StateArchive& archive) {
   MapState& map = impl_->map;
   archive(impl_->existence, map.landmarks, map.observations, map.modes);

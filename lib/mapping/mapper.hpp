@@ -12,6 +12,7 @@
 #include "mapping/landmark.hpp"
 #include "mapping/map_update.hpp"
 #include "mapping/mapper_config.hpp"
+#include "mapping/split_votes.hpp"
 #include "mapping/store/chunk_memory.hpp"
 #include "mapping/store/state_archive.hpp"
 #include "pose/pose_estimate.hpp"
@@ -75,6 +76,9 @@ class Mapper {
   /// How far a tree's observations lie from its position [m]: the median of the medians of the
   /// trees with ten observations or more, of their newest 512. None without such a tree.
   std::optional<double> tree_scatter_m() const;
+
+  /// How many landmarks' looks do not agree on a class.
+  SplitVotes votes() const;
 
   /// All landmarks with at least `min_observations`, in order of id, their positions of all that is
   /// known now.

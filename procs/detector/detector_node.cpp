@@ -12,9 +12,6 @@
 namespace orchard::procs {
 namespace {
 
-/// In a row, from when on a camera is missed: two seconds at 10 Hz.
-constexpr std::int64_t kScansWithoutPicture = 20;
-
 /// Whether the rig's wheels are heard: by the detector itself, or by who tells its poses.
 bool has_wheels(const io::Config& config) {
   const auto odometry = static_cast<std::size_t>(pose::MeasurementKind::kOdometry);
@@ -31,7 +28,8 @@ DetectorNode::DetectorNode(const io::Config& config)
       monitor_(config.detector.extrinsics_monitor, config.camera.intrinsics.fc_px[0]),
       edge_reach_px_(config.camera.intrinsics.fc_px[0] *
                      std::tan(detection::kSearchWindow_deg * geometry::kPi / 180.0)),
-      has_wheels_(has_wheels(config)) {
+      has_wheels_(has_wheels(config)),
+      health_(config) {
   if (config.detector.adaptation.enabled && rig_.has_camera) {
     adaptation_.emplace(config.detector.adaptation, config.detector.width.mean_m);
   }
@@ -54,6 +52,7 @@ std::vector<bus::Channel> DetectorNode::inputs() const {
 void DetectorNode::handle(const bus::Message& input, const bus::Outbox& send) {
   std::vector<detection::ScanImagePair> pairs;
   if (const auto* scan = std::get_if<laser::Scan>(&input)) {
+    health_.note_scan(*scan);
     if (!rig_.has_camera) {
       return send_result(detection::detect(*scan, nullptr, rig_), detection::turn_us(*scan), send);
     }
@@ -63,6 +62,7 @@ void DetectorNode::handle(const bus::Message& input, const bus::Outbox& send) {
     if (rig_.has_camera) pairs = pairer_.add(*image);
   } else if (const auto* rear = std::get_if<laser::RearScan>(&input)) {
     if (!joiner_) return;
+    health_.note_rear_scan(*rear);
     return send_views(joiner_->add_rear(detection::detect(*rear, nullptr, *rear_rig_).detections),
                       send);
   } else if (const auto* odometry = std::get_if<pose::Odometry>(&input)) {
@@ -98,33 +98,9 @@ std::string DetectorNode::waiting_for() const {
 }
 
 std::string DetectorNode::warning() const {
-  std::string text = ended_ ? monitor_.whole_run() : monitor_.warning();
-  if (const std::string odometry = odometry_warning(); !odometry.empty()) {
-    text += (text.empty() ? "" : "; ") + odometry;
-  }
-  if (const std::string picture = picture_warning(); !picture.empty()) {
-    text += (text.empty() ? "" : "; ") + picture;
-  }
-  return text;
-}
-
-std::string DetectorNode::picture_warning() const {
-  const std::int64_t num_scans = num_pictures_ + num_without_picture_;
-  const bool is_wanting = ended_
-                              ? num_scans >= kScansWithoutPicture && num_pictures_ < num_scans / 2
-                              : num_since_picture_ >= kScansWithoutPicture;
-  if (!is_wanting) return {};
-  return "no IMAGE (from the camera) for " +
-         std::to_string(ended_ ? num_without_picture_ : num_since_picture_) + " of " +
-         std::to_string(num_scans) + " scans: what they saw is UNSEEN, neither tree nor object";
-}
-
-std::string DetectorNode::odometry_warning() const {
-  const std::int64_t num_without = pairer_.num_without_motion();
-  if (num_without == 0 || (!ended_ && !last_without_motion_)) return {};
-  return "no ODOMETRY (from the base) for " + std::to_string(num_without) + " of " +
-         std::to_string(num_pictures_) +
-         " pictures: used without the motion between scan and picture (detector.use_odometry)";
+  const std::string text = ended_ ? monitor_.whole_run() : monitor_.warning();
+  const std::string inputs = health_.text(ended_, pairer_.num_without_motion());
+  return text + (text.empty() || inputs.empty() ? "" : "; ") + inputs;
 }
 
 /// Looks for itself, more widely than the detector: what it finds never reaches DETECTIONS.
@@ -151,16 +127,14 @@ void DetectorNode::send_detections(const detection::ScanImagePair& pair, const b
   std::optional<vision::PictureReader> picture;
   if (pair.image) {
     picture.emplace(*pair.image);
-    ++num_pictures_;
-    num_since_picture_ = 0;
-    last_without_motion_ = rig_.detector.use_odometry && !pair.motion;
+    health_.note_picture(rig_.detector.use_odometry && !pair.motion);
     compare_edges(findings.laser, pair, *picture);
   } else {
-    ++num_without_picture_;
-    ++num_since_picture_;
+    health_.note_no_picture();
   }
   detection::DetectResult result = detection::judge_by_camera(
       std::move(findings.laser), picture ? &*picture : nullptr, rig_, pair.motion);
+  if (result.image_needed) health_.note_looked_at(picture->image(), !result.image_unusable);
   const std::int64_t utime = result.detections.utime;
   const auto looks = std::move(result.looks);
   send_result(std::move(result), detection::turn_us(pair.scan), send);

@@ -11,6 +11,7 @@
 #include "detection/rear_joiner.hpp"
 #include "detection/rig.hpp"
 #include "detection/scan_image_pairer.hpp"
+#include "detector/input_health.hpp"
 #include "io/config/config.hpp"
 
 namespace orchard::procs {
@@ -21,8 +22,8 @@ namespace orchard::procs {
 /// comes, so that less is left to do once its picture is there, and waits for its picture;
 /// without one in time its trunk candidates are UNSEEN. With detector.use_odometry it waits for the
 /// ODOMETRY at the picture's time too, to account for the motion between the two; where none comes
-/// within image_wait_s the pair is used without it, and warning() says so. Warns too when no
-/// picture comes for twenty scans, and when laser and image edges disagree for long
+/// within image_wait_s the pair is used without it, and warning() says so. Warns too of what else
+/// is wrong with its inputs (InputHealth), and when laser and image edges disagree for long
 /// (detector.extrinsics_monitor). With detector.adaptation.enabled each scan is judged by the
 /// models that the scans before it have led to, whatever order the channels arrive in, and
 /// ADAPTATION says what became of them.
@@ -51,8 +52,6 @@ class DetectorNode : public bus::Node {
              const bus::Outbox& send);
   void compare_edges(const detection::LaserFindings& findings, const detection::ScanImagePair& pair,
                      vision::PictureReader& picture);
-  std::string odometry_warning() const;
-  std::string picture_warning() const;
   void send_result(detection::DetectResult result, std::int64_t turn_us, const bus::Outbox& send);
   void send_views(std::vector<detection::Detections> views, const bus::Outbox& send);
 
@@ -69,10 +68,7 @@ class DetectorNode : public bus::Node {
   detection::ConsistencyMonitor monitor_;
   double edge_reach_px_;
   bool has_wheels_;
-  std::int64_t num_pictures_ = 0;         ///< that belonged to a scan
-  std::int64_t num_without_picture_ = 0;  ///< scans that none belonged to
-  std::int64_t num_since_picture_ = 0;    ///< of those, since the last that had one
-  bool last_without_motion_ = false;      ///< the newest of them, where motion was asked for
+  InputHealth health_;
   bool ended_ = false;
 };
 

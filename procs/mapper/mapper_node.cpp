@@ -77,7 +77,9 @@ MapperNode::MapperNode(const io::Config& config,
       queue_(rules_of(config.mapper)),
       laser_(config.laser),
       blind_(config.detector.segmentation.blind_sector()),
-      degradation_(config.camera.enabled) {}
+      degradation_(config.camera.enabled),
+      beam_times_(config.laser.range_sd_m, config.mapper.deskew_pose_gap_max_s),
+      has_reflectors_(config.detector.segmentation.reflector != laser::ReflectorUse::kIgnored) {}
 
 /// DETECTIONS wait for POSE and SCAN. GNSS and SCAN come on whatever the others do: they say
 /// nothing of message time.
@@ -141,6 +143,7 @@ void MapperNode::add_scan(const laser::Scan& scan) {
   queue_.reach(kScan, scan.utime);
   if (!keeps_beams_of(scan.utime)) return;
   last_kept_scan_utime_ = scan.utime;
+  beam_times_.note_scan(scan);
   queue_.push(kScan, scan.utime, std::make_shared<mapping::FreeSpace>(scan, laser_, blind_));
   if (queue_.size(kScan) > kScansWaitingMax) queue_.take(kScan);
 }
@@ -200,6 +203,7 @@ void MapperNode::place_front(const bus::Outbox& send) {
     ++(track_.covers(detections.utime) ? counts_.num_unusable : counts_.num_late);
     return;
   }
+  beam_times_.note_pose(detections.utime, {pose->x_m, pose->y_m, pose->yaw_rad});
   auto free_space = free_space_of(detections, *pose);
   if (undoes) {
     use(mapping::unswept(detections, track_, *pose), *pose, std::move(free_space), send);
@@ -322,6 +326,22 @@ std::optional<geometry::Georeference> MapperNode::georeference() const {
   return georeference;
 }
 
+/// A reflector flashes in most looks, and nothing else does: where that is not so, the threshold
+/// lies within what the reflectors return.
+const std::string& MapperNode::votes_text() const {
+  const std::size_t num = mapper_.num_observations();
+  if (!has_reflectors_ || (!is_flushed_ && 8 * num < 9 * num_voted_)) return votes_text_;
+  num_voted_ = num;
+  const mapping::SplitVotes votes = mapper_.votes();
+  votes_text_.clear();
+  if (votes.num_split < 2 || 4 * votes.num_split < votes.num_told) return votes_text_;
+  votes_text_ = fmt::format(
+      "{} of {} things with a reflector show it in some scans and not in others: look at one with "
+      "`orchard echo SCAN` and set detector.segmentation.reflectivity_min between it and bark",
+      votes.num_split, votes.num_told);
+  return votes_text_;
+}
+
 std::string MapperNode::warning() const {
   std::string warning;
   // While it runs only what is missing now; at the end whatever was.
@@ -331,12 +351,18 @@ std::string MapperNode::warning() const {
     warning =
         "DETECTIONS come without pictures (IMAGE): what is mapped meanwhile is not classified";
   }
+  const auto add = [&](const std::string& text) {
+    if (!text.empty()) warning += (warning.empty() ? "" : "; ") + text;
+  };
+  add(beam_times_.text());
+  add(votes_text());
   const auto place = fixes_.empty() ? std::nullopt : georeference();
-  if (!place || place->residual_rms_m <= geometry::kGeoreferenceResidualMax_m) return warning;
-  return warning + (warning.empty() ? "" : "; ") +
-         fmt::format(
-             "the satellite fixes lie {:.2f} m about the map that they place (more than {:.1f} m)",
-             place->residual_rms_m, geometry::kGeoreferenceResidualMax_m);
+  if (place && place->residual_rms_m > geometry::kGeoreferenceResidualMax_m) {
+    add(fmt::format(
+        "the satellite fixes lie {:.2f} m about the map that they place (more than {:.1f} m)",
+        place->residual_rms_m, geometry::kGeoreferenceResidualMax_m));
+  }
+  return warning;
 }
 
 bus::NodeCounts MapperNode::counts() const {

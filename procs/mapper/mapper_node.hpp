@@ -11,6 +11,7 @@
 #include "bus/node/node.hpp"
 #include "io/config/config.hpp"
 #include "io/map/map_folder.hpp"
+#include "mapper/beam_times.hpp"
 #include "mapper/degradation.hpp"
 #include "mapping/mapper.hpp"
 #include "mapping/pose_track.hpp"
@@ -85,6 +86,7 @@ class MapperNode : public bus::Node {
   using Queue = timing::OrderedQueue<Waiting, kNumKinds>;
   static Queue::Rules rules_of(const mapping::MapperConfig& config);
 
+  const std::string& votes_text() const;
   void add_scan(const laser::Scan& scan);
   void add_gnss(const pose::Gnss& gnss);
   bool undoes_sweep(const detection::Detections& detections) const;
@@ -119,6 +121,12 @@ class MapperNode : public bus::Node {
   bool has_pose_caught_up_ = false;
   bool is_scan_missing_ = false;  ///< DETECTIONS were used without theirs, and none has come since
   Degradation degradation_;
+  BeamTimes beam_times_;
+  bool has_reflectors_;
+  /// Of the reflectors' votes: counting them takes as long as the drive, and so waits for an eighth
+  /// of it.
+  mutable std::string votes_text_;
+  mutable std::size_t num_voted_ = 0;
   std::int32_t last_id_ = 0;  ///< the highest that was given
   bool is_flushed_ = false;
   pose::TrajectoryCollector collector_;

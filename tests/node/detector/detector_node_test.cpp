@@ -330,6 +330,38 @@ TEST(DetectorNode, SaysThatTheCameraIsSilent) {
   EXPECT_NE(bench.node.warning().find("48 of 61 scans"), std::string::npos);
 }
 
+TEST(DetectorNode, SaysThatNoPictureCanBeUsed) {
+  Bench bench(io::Config{});
+  for (int i = 0; i < 40; ++i) {
+    bench.handle(scan(i));
+    vision::Image image = picture(i);
+    image.data.resize(image.data.size() / 2);
+    for (auto& byte : image.data) byte = 7;
+    bench.handle(image);
+    EXPECT_TRUE(i > 10 || bench.node.warning().empty());  // not yet: a few may be damaged
+  }
+  EXPECT_NE(bench.node.warning().find("cannot be decoded"), std::string::npos);
+  bench.handle(scan(40));
+  bench.handle(picture(40));
+  EXPECT_EQ(bench.node.warning(), "");
+  bench.flush();
+  EXPECT_NE(bench.node.warning().find("40 of 41 pictures are unusable"), std::string::npos);
+}
+
+TEST(DetectorNode, SaysThatPicturesAreOfAnotherSize) {
+  io::Config config;
+  config.camera.intrinsics.width_px *= 2;
+  Bench bench(config);
+  for (int i = 0; i < 5; ++i) {  // a recording of a few stops
+    bench.handle(scan(i));
+    bench.handle(picture(i));
+  }
+  bench.flush();
+  EXPECT_NE(
+      bench.node.warning().find("IMAGE is 320 x 240 px, camera.width_px and height_px say 640"),
+      std::string::npos);
+}
+
 TEST(DetectorNode, MissesNoCameraThatItHasNot) {
   io::Config config;
   config.camera.enabled = false;

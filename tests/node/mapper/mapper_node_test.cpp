@@ -388,5 +388,26 @@ TEST(MapperNode, SatelliteFixesSayWhereTheMapLies) {
   EXPECT_EQ(node.warning(), "");
 }
 
+/// A reflector flashes in half of the looks or more, bark in hardly any: a sixth is neither.
+TEST(MapperNode, SaysWhereReflectorsDoNotTell) {
+  for (const int period : {1, 2, 6}) {
+    io::Config config;
+    config.detector.segmentation.reflector = laser::ReflectorUse::kOnly;
+    MapperNode node(config);
+    const bus::Outbox nobody = [](const bus::Message&) {};
+    for (int k = 0; k < 60; ++k) {
+      detection::Detections detections = scan_at(k, kStart_us + 100000 * k);
+      for (detection::Detection& d : detections.trunks) {
+        d.label = k % period == 0 ? detection::Label::kTree : detection::Label::kObject;
+      }
+      node.handle(pose_at(k, detections.utime), nobody);
+      node.handle(detections, nobody);
+    }
+    node.flush(nobody);
+    const bool is_said = node.warning().find("4 of 4 things with a reflector") != std::string::npos;
+    EXPECT_EQ(is_said, period == 6) << period << ": " << node.warning();
+  }
+}
+
 }  // namespace
 }  // namespace orchard::procs

@@ -21,6 +21,7 @@ class RowDrive {
       scan.seq = 4 * k + s;
       scan.bearing_min_rad = -1.5;
       scan.bearing_step_rad = 0.01;
+      scan.beam_period_us = 20.0;
       scan.range_min_m = 0.1;
       scan.range_max_m = 30.0;
       scan.ranges_m.assign(301, 4.0f + 0.1f * static_cast<float>(k % 3));

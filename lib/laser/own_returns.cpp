@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "laser/own_returns.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/angles.hpp"
+
+namespace orchard::laser {
+namespace {
+
+/// Standard deviations of a range up to which two returns are of one thing.
+constexpr double kSigmas = 4.0;
+/// Scans that the robot has moved between, before anything is said.
+constexpr int kScansMin = 50;
+constexpr double kBin_m = 0.1;
+/// No robot reaches farther from its scanner than 3 m.
+constexpr std::size_t kNumBins = 30;
+/// Part of the view that is the robot itself at most; the rest is the world.
+constexpr double kOwnViewMost = 0.2;
+/// How often the world may come nearer than a range that it keeps clear of.
+constexpr double kRarely = 0.05;
+/// What came along is there more often than not, beside it at least this often.
+constexpr double kOften = 0.5;
+constexpr double kSometimes = 2.0 * kRarely;
+
+}  // namespace
+
+double OwnReturns::bearing_rad(std::size_t beam) const {
+  return bearing_min_rad_ + static_cast<double>(beam) * bearing_step_rad_;
+}
+
+/// Whether most of what returned then or now returns from elsewhere or not at all.
+bool OwnReturns::has_moved(const Scan& scan) const {
+  std::size_t num = 0, num_changed = 0;
+  for (std::size_t i = 0; i < last_m_.size(); ++i) {
+    const double was_m = last_m_[i], is_m = scan.valid(i) ? scan.ranges_m[i] : 0.0;
+    if (was_m == 0.0 && is_m == 0.0) continue;
+    const double apart_m =
+        kSigmas * std::hypot(config_.range_sd_m, config_.range_sd_fraction * was_m);
+    ++num;
+    if (was_m == 0.0 || is_m == 0.0 || std::abs(was_m - is_m) > apart_m) ++num_changed;
+  }
+  return 2 * num_changed > num;
+}
+
+void OwnReturns::add(const Scan& scan) {
+  const bool is_new = last_m_.size() != scan.ranges_m.size() ||
+                      bearing_min_rad_ != scan.bearing_min_rad ||
+                      bearing_step_rad_ != scan.bearing_step_rad;
+  if (is_new) {
+    last_m_.assign(scan.ranges_m.size(), 0.0f);
+    num_returns_.assign(scan.ranges_m.size() * kNumBins, 0);
+    num_scans_ = 0;
+    bearing_min_rad_ = scan.bearing_min_rad;
+    bearing_step_rad_ = scan.bearing_step_rad;
+  } else if (!has_moved(scan)) {
+    return;
+  }
+  ++num_scans_;
+  for (std::size_t i = 0; i < last_m_.size(); ++i) {
+    last_m_[i] = scan.valid(i) ? scan.ranges_m[i] : 0.0f;
+    if (last_m_[i] < config_.range_min_m || last_m_[i] >= config_.range_max_m) continue;
+    const auto bin = static_cast<std::size_t>(last_m_[i] / kBin_m);
+    if (last_m_[i] > 0.0f && bin < kNumBins) ++num_returns_[i * kNumBins + bin];
+  }
+}
+
+/// Of each beam the share of scans with something nearer than so many bins; 0 where it is hidden.
+std::vector<double> OwnReturns::shares_within(std::size_t num_bins) const {
+  std::vector<double> shares(last_m_.size(), 0.0);
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    if (config_.blind.contains(bearing_rad(i))) continue;
+    int num = 0;
+    for (std::size_t bin = 0; bin < num_bins; ++bin) num += num_returns_[i * kNumBins + bin];
+    shares[i] = static_cast<double>(num) / num_scans_;
+  }
+  return shares;
+}
+
+/// How near the world comes; none where it comes as near as the robot itself.
+std::optional<std::size_t> OwnReturns::clear_bins() const {
+  for (std::size_t num_bins = kNumBins; num_bins > 0; --num_bins) {
+    std::vector<double> shares = shares_within(num_bins);
+    const auto world =
+        shares.begin() +
+        static_cast<std::ptrdiff_t>((1.0 - kOwnViewMost) * static_cast<double>(shares.size()));
+    std::nth_element(shares.begin(), world, shares.end());
+    if (*world <= kRarely) return num_bins;
+  }
+  return std::nullopt;
+}
+
+std::optional<OwnReturn> OwnReturns::found() const {
+  if (num_scans_ < kScansMin) return std::nullopt;
+  const auto num_bins = clear_bins();
+  if (!num_bins) return std::nullopt;
+  const BlindSector sector = hiding(shares_within(*num_bins));
+  if (sector.half_width_rad == 0.0) return std::nullopt;
+  return OwnReturn{kBin_m * static_cast<double>(*num_bins), sector};
+}
+
+/// The narrowest sector round all beams that show what came along; of no width for none.
+BlindSector OwnReturns::hiding(const std::vector<double>& shares) const {
+  struct Arc {
+    double from_rad, length_rad;
+  };
+  std::vector<Arc> arcs;
+  const double step_rad = std::abs(bearing_step_rad_);
+  const std::size_t num = shares.size();
+  for (std::size_t first = 0; first < num; ++first) {
+    if (shares[first] < kSometimes) continue;
+    std::size_t last = first;
+    int num_often = 0;
+    for (; last < num && shares[last] >= kSometimes; ++last) num_often += shares[last] >= kOften;
+    if (num_often >= config_.min_beams) {
+      const double middle = 0.5 * static_cast<double>(first + last - 1);
+      const double length_rad = step_rad * static_cast<double>(last - first);
+      arcs.push_back(
+          {bearing_min_rad_ + middle * bearing_step_rad_ - 0.5 * length_rad, length_rad});
+    }
+    first = last;
+  }
+  if (arcs.empty()) return {};
+  const BlindSector& blind = config_.blind;
+  if (blind.half_width_rad > 0.0) {
+    arcs.push_back({blind.centre_rad - blind.half_width_rad, 2.0 * blind.half_width_rad});
+  }
+  // it begins where one of them does and reaches to the farthest end of any
+  BlindSector narrowest{0.0, geometry::kPi};
+  for (const Arc& start : arcs) {
+    double length_rad = 0.0;
+    for (const Arc& arc : arcs) {
+      const double turn_rad = geometry::wrap_angle_rad(arc.from_rad - start.from_rad);
+      const double after_rad = turn_rad < 0.0 ? turn_rad + 2.0 * geometry::kPi : turn_rad;
+      length_rad = std::max(length_rad, after_rad + arc.length_rad);
+    }
+    if (0.5 * length_rad >= narrowest.half_width_rad) continue;
+    narrowest = {geometry::wrap_angle_rad(start.from_rad + 0.5 * length_rad), 0.5 * length_rad};
+  }
+  return narrowest;
+}
+
+}  // namespace orchard::laser

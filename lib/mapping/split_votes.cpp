@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/split_votes.hpp"
+
+#include <cmath>
+
+#include "mapping/landmark_record.hpp"
+#include "mapping/map_state.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+/// Looks from which their share says something.
+constexpr int kLooksMin = 10;
+
+}  // namespace
+
+SplitVotes split_votes(const MapState& map) {
+  using detection::Label;
+  const TreeRates rates = tree_rates(map.config);
+  // the share of TREE that says nothing, and halfway from it to what either class gives
+  const double for_tree = std::log(rates.of_trees / rates.of_objects);
+  const double for_object = std::log((1.0 - rates.of_objects) / (1.0 - rates.of_trees));
+  const double neither = for_object / (for_tree + for_object);
+  const double least = 0.5 * (neither + rates.of_objects);
+  const double most = 0.5 * (neither + rates.of_trees);
+  SplitVotes votes;
+  for (std::int32_t i = 0; i < map.landmarks.num_indices(); ++i) {
+    const LandmarkRecord& r = map.landmarks[i];
+    if (r.is_removed || r.num_observations < kLooksMin) continue;
+    int num_tree = 0, num_judged = 0;
+    for (const std::int32_t k :
+         map.observations.newest_of(r.last_observation, kPositionSamplesMax)) {
+      const auto label = static_cast<Label>(map.observations[k].label);
+      if (label == Label::kUnseen) continue;
+      ++num_judged;
+      if (label == Label::kTree) ++num_tree;
+    }
+    if (num_judged < kLooksMin || num_tree == 0) continue;
+    ++votes.num_told;
+    const double share = static_cast<double>(num_tree) / num_judged;
+    if (share > least && share < most) ++votes.num_split;
+  }
+  return votes;
+}
+
+}  // namespace orchard::mapping

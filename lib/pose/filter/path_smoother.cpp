@@ -57,6 +57,7 @@ PathSmoother::PathSmoother(const PoseConfig& config)
     : config_(graph_config(config)), motion_(config_) {
   motion_.set_default_noise(config.speed_sd_fraction, config.yaw_rate_sd_radps);
   graph_.calibrations.push_back(OdometryCalibration::Zero());
+  graph_.calibration_walk_sd = initial_walk_sd(config_);
 }
 
 void PathSmoother::add_keyframe(const Eigen::Vector3d& T_map_base) {

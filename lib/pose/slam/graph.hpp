@@ -99,6 +99,8 @@ struct SlamGraph {
   std::vector<Keyframe> keyframes;
   std::vector<SlamLandmark> landmarks;
   std::vector<OdometryCalibration> calibrations;
+  /// Of the calibration's change from one interval to the next, as far as the drive has told.
+  Eigen::Vector3d calibration_walk_sd = Eigen::Vector3d::Zero();
   std::vector<ReceiverError> receiver_errors;
   ReceiverModel receiver;
   std::vector<RelativePose> relative_poses;  ///< ascending by `to`

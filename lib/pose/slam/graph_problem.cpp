@@ -59,13 +59,8 @@ void Unknowns::write_to(SlamGraph& graph) const {
   for (const auto& [e, p_m] : receiver_errors_) graph.receiver_errors[e].p_m = p_m;
 }
 
-GraphProblem::GraphProblem(const SlamGraph& graph, Unknowns& unknowns, const SlamConfig& config,
-                           bool robust)
-    : graph_(graph),
-      unknowns_(unknowns),
-      config_(config),
-      robust_(robust),
-      problem_(problem_options()) {}
+GraphProblem::GraphProblem(const SlamGraph& graph, Unknowns& unknowns, bool robust)
+    : graph_(graph), unknowns_(unknowns), robust_(robust), problem_(problem_options()) {}
 
 ceres::LossFunction* GraphProblem::loss() const {
   return robust_ ? new ceres::CauchyLoss(kOutlier_sigma) : nullptr;
@@ -149,9 +144,9 @@ void GraphProblem::add_calibration_prior(int index, const CalibrationPrior& prio
 }
 
 void GraphProblem::add_calibration_walk(int index) {
-  const Eigen::Vector3d sd = CalibrationPrior::walk_sd(config_);
-  measurements_.push_back(problem_.AddResidualBlock(calibration_walk_factor(sd), nullptr,
-                                                    calibration(index - 1), calibration(index)));
+  measurements_.push_back(
+      problem_.AddResidualBlock(calibration_walk_factor(graph_.calibration_walk_sd), nullptr,
+                                calibration(index - 1), calibration(index)));
 }
 
 void GraphProblem::fix_pose(int keyframe) {

@@ -9,9 +9,8 @@
 #include <set>
 #include <vector>
 
+#include "pose/slam/calibration.hpp"
 #include "pose/slam/graph.hpp"
-#include "pose/slam/slam_config.hpp"
-#include "pose/slam/solver.hpp"
 
 namespace orchard::pose {
 
@@ -44,7 +43,7 @@ class Unknowns {
 class GraphProblem {
  public:
   /// `robust`: observations and absolute positions get a robust loss (Cauchy).
-  GraphProblem(const SlamGraph& graph, Unknowns& unknowns, const SlamConfig& config, bool robust);
+  GraphProblem(const SlamGraph& graph, Unknowns& unknowns, bool robust);
 
   void add_motion(int keyframe, const Eigen::Matrix3d& covariance);
   /// `is_own`: by the problem's own measurements, not by what lies outside it.
@@ -78,7 +77,6 @@ class GraphProblem {
 
   const SlamGraph& graph_;
   Unknowns& unknowns_;
-  const SlamConfig& config_;
   bool robust_;
   ceres::Problem problem_;
   std::set<int> receiver_errors_;                     ///< of the positions that were added

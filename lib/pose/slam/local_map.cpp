@@ -10,8 +10,6 @@ namespace {
 /// Landmarks passed within so much travel of a tracked one are covisible with it, in sight ranges.
 constexpr double kCovisibleTravel_ranges = 0.8;
 
-constexpr double kTrackedTravel_ranges = 0.3;  // observed within it is tracked now
-
 using Interval = std::pair<double, double>;  // of travel [m]
 
 /// Intervals of travel in which a landmark that is tracked now was observed, widened by a margin.

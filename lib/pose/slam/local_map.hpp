@@ -13,6 +13,9 @@ namespace orchard::pose {
 /// stays in view over twice the range.
 inline constexpr double kRecentTravel_ranges = 2.0;
 
+/// What was observed within so much travel is tracked now, in sight ranges.
+inline constexpr double kTrackedTravel_ranges = 0.3;
+
 /// Landmarks whose position against the robot is known well enough to associate single observations
 /// with them, ascending: those observed within the last kRecentTravel_ranges of travel of the
 /// session, and those covisible with what is tracked now (passed beside it on any pass). Landmarks

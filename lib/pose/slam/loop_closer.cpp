@@ -7,6 +7,7 @@
 #include <set>
 
 #include "geometry/pose2.hpp"
+#include "pose/slam/local_map.hpp"
 
 namespace orchard::pose {
 using geometry::transform_back;
@@ -20,7 +21,7 @@ constexpr double kClosureSubmap_ranges = 2.5;
 /// Travel between two searches for a loop closure [m].
 constexpr double kClosureEvery_m = 2.0;
 
-// With so many older landmarks in view the robot is where the map says.
+// With so many older landmarks tracked now the robot is where the map says.
 constexpr int kNumAnchors = 3;
 // A closure is tried again only when the graph has grown by this fraction: the cost of the solves
 // stays in proportion to the drive.
@@ -91,7 +92,7 @@ std::optional<ClosureQuery> LoopCloser::query(const SlamMap& map) const {
     const int last = landmark.keyframes.back();
     if (ago_m(last) > path_m || last < map.session_start) continue;
     if (ago_m(landmark.keyframes.front()) > 2.0 * path_m) {
-      ++num_anchors;
+      num_anchors += ago_m(last) <= kTrackedTravel_ranges * map.sight_m() ? 1 : 0;
     } else {
       query.recent.push_back(closure_landmark(graph, l));
     }
@@ -122,13 +123,16 @@ std::optional<ClosureQuery> LoopCloser::query(const SlamMap& map) const {
 }
 
 void LoopCloser::look(SlamMap& map) {
-  const int num_keyframes = static_cast<int>(map.graph.keyframes.size());
   const double travel_m = map.graph.keyframes.back().travel_m;
   if (travel_m - last_travel_m_ < kClosureEvery_m ||
-      num_keyframes < num_keyframes_ * (1.0 + kTryGrowth)) {
+      static_cast<double>(map.graph.keyframes.size()) < num_keyframes_ * (1.0 + kTryGrowth)) {
     return;
   }
   last_travel_m_ = travel_m;
+  close(map);
+}
+
+void LoopCloser::close(SlamMap& map) {
   ambiguous_ = false;
   const std::optional<ClosureQuery> query = this->query(map);
   if (!query) return;
@@ -140,7 +144,7 @@ void LoopCloser::look(SlamMap& map) {
   for (const auto& [recent, old] : closure.matches) {
     if (map.graph.co_observed(recent, old)) return;
   }
-  num_keyframes_ = num_keyframes;
+  num_keyframes_ = static_cast<int>(map.graph.keyframes.size());
   SlamMap before = map;
   for (const auto& [recent, old] : closure.matches) map.graph.merge(recent, old);
   if (map.solve(SolveReason::kLoopClosure) && is_supported(closure.matches, map.graph)) {

@@ -21,6 +21,9 @@ class LoopCloser {
   /// Looks for a loop closure at the newest keyframe, at most every kClosureEvery_m of travel.
   void look(SlamMap& map);
 
+  /// Looks for one at the newest keyframe, however short the travel since the last one.
+  void close(SlamMap& map);
+
   /// The landmarks passed last fitted the map in more than one way.
   bool is_ambiguous() const { return ambiguous_; }
   /// Closures that stand, and those that were refuted.

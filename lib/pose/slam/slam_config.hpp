@@ -21,7 +21,7 @@ struct SlamConfig {
   double detection_rate_min = 0.0;
 
   double speed_scale_sd = 0.05;          ///< of the wheels' scale before anything is learnt
-  double turn_scale_sd = 0.03;           ///< the same of their turns
+  double turn_scale_sd = 0.1;            ///< the same of their turns
   double yaw_rate_bias_sd_radps = 0.01;  ///< the same of their yaw rate's bias
 
   double gap_s = 0.5;  ///< a longer silence of the motion is a gap

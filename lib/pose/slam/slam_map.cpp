@@ -42,6 +42,7 @@ constexpr double kLocalMapMargin_m = 3.0;
 SlamMap::SlamMap(const SlamConfig& config)
     : calibration(CalibrationPrior::initial(config)), config_(config) {
   graph.calibrations.push_back(calibration.mean);
+  graph.calibration_walk_sd = initial_walk_sd(config);
 }
 
 double SlamMap::local_sd_m() const {
@@ -60,7 +61,8 @@ double SlamMap::sight_m() const {
 }
 
 CalibrationPrior SlamMap::calibration_at(int interval) const {
-  return calibration.after(std::max(0, interval + 1 - num_calibrated), config_);
+  return calibration.after(std::max(0, interval + 1 - num_calibrated), graph.calibration_walk_sd,
+                           config_);
 }
 
 void SlamMap::start_session(bool was_lost) {

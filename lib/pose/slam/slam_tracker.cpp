@@ -156,8 +156,8 @@ bool SlamTracker::correct_window(SlamMap& map) {
   // The keyframe before the window is fixed: at the earliest the one that the session began with.
   const int first = std::max(map.newest() - config_.window_keyframes, map.session_start + 1);
   if (first > map.newest()) return false;
-  const WindowSolution solution = solve_window(
-      map.graph, first, map.calibration_at(map.graph.keyframes[first].calibration), config_);
+  const WindowSolution solution =
+      solve_window(map.graph, first, map.calibration_at(map.graph.keyframes[first].calibration));
   num_operations_ += config_.window_keyframes;
   if (solution.solved) {
     Keyframe& now = map.graph.keyframes.back();

@@ -30,12 +30,6 @@ constexpr double kWindowTolerance = 1e-4;  // fraction of the sum of squares tha
 constexpr int kGraphIterations = 30;
 constexpr int kClosureIterations = 10;
 constexpr double kGraphTolerance = 1e-6;
-// Travel over which wheels' errors change by as much as is known of them before anything is learnt
-// [m]: slip is the ground's and the curve's, tyres are warm or cold, loads come and go.
-constexpr double kCalibrationChange_m = 50.0;
-// The same of their bias, which is not the ground's.
-constexpr double kBiasChange_m = 500.0;
-
 /// A landmark with a single observation constrains nothing.
 bool is_constrained(const SlamLandmark& landmark) { return landmark.keyframes.size() >= 2; }
 
@@ -207,9 +201,29 @@ void add_graph(const SlamGraph& graph, const CalibrationPrior& prior, GraphProbl
   if (!graph.georeferenced) problem.fix_pose(0);
 }
 
-/// Writes the covariance of every pose; returns that of the newest calibration. None, and nothing
-/// written, where the information is singular.
-std::optional<Eigen::Matrix3d> write_covariances(GraphProblem& problem, SlamGraph& graph) {
+/// How the calibration walked from interval to interval, by the solved graph; `first` is the index
+/// of the first calibration among the blocks of three unknowns of P.
+void learn_walk(const Eigen::SparseMatrix<double>& P, int first, const SlamConfig& config,
+                SlamGraph& graph) {
+  std::vector<CalibrationStep> steps;
+  for (int c = 1; c < static_cast<int>(graph.calibrations.size()); ++c) {
+    CalibrationStep step;
+    step.change = graph.calibrations[c] - graph.calibrations[c - 1];
+    for (int i = 0; i < 3; ++i) {
+      const int after = 3 * (first + c) + i, before = after - 3;
+      step.variance[i] =
+          P.coeff(before, before) + P.coeff(after, after) - 2.0 * P.coeff(before, after);
+    }
+    steps.push_back(step);
+  }
+  graph.calibration_walk_sd = learnt_walk_sd(steps, graph.calibration_walk_sd, config);
+}
+
+/// Writes the covariance of every pose, and what the drive says of its wheels; returns the
+/// covariance of the newest calibration. None, and nothing written, where the information is
+/// singular.
+std::optional<Eigen::Matrix3d> write_covariances(GraphProblem& problem, const SlamConfig& config,
+                                                 SlamGraph& graph) {
   const int num_keyframes = static_cast<int>(graph.keyframes.size());
   const int num_calibrations = static_cast<int>(graph.calibrations.size());
   const int first = graph.georeferenced ? 0 : 1;  // the origin is known
@@ -239,44 +253,18 @@ std::optional<Eigen::Matrix3d> write_covariances(GraphProblem& problem, SlamGrap
     const Eigen::Matrix3d B = block(k - first);
     if (B.allFinite()) graph.keyframes[k].covariance = B;
   }
-  return block(num_keyframes - first + num_calibrations - 1);
+  const int first_calibration = num_keyframes - first;
+  learn_walk(*P, first_calibration, config, graph);
+  return block(first_calibration + num_calibrations - 1);
 }
 
 }  // namespace
 
-Eigen::Vector3d CalibrationPrior::initial_sd(const SlamConfig& config) {
-  return {config.speed_scale_sd, config.turn_scale_sd, config.yaw_rate_bias_sd_radps};
-}
-
-Eigen::Vector3d CalibrationPrior::walk_sd(const SlamConfig& config) {
-  Eigen::Vector3d sd = initial_sd(config);
-  sd.head<2>() *= std::sqrt(kCalibrationTravel_m / kCalibrationChange_m);
-  sd.z() *= std::sqrt(kCalibrationTravel_m / kBiasChange_m);
-  return sd;
-}
-
-CalibrationPrior CalibrationPrior::after(int num_intervals, const SlamConfig& config) const {
-  CalibrationPrior later = *this;
-  later.covariance.diagonal() += num_intervals * walk_sd(config).array().square().matrix();
-  const Eigen::Array3d initial = initial_sd(config).array().square();
-  const Eigen::Array3d grown = later.covariance.diagonal().array();
-  const Eigen::Vector3d kept = (initial / grown.max(initial)).sqrt().matrix();
-  later.covariance = kept.asDiagonal() * later.covariance * kept.asDiagonal();
-  return later;
-}
-
-CalibrationPrior CalibrationPrior::initial(const SlamConfig& config) {
-  CalibrationPrior prior;
-  prior.covariance = initial_sd(config).array().square().matrix().asDiagonal();
-  return prior;
-}
-
-WindowSolution solve_window(SlamGraph& graph, int first, const CalibrationPrior& prior,
-                            const SlamConfig& config) {
+WindowSolution solve_window(SlamGraph& graph, int first, const CalibrationPrior& prior) {
   if (graph.keyframes.size() < 2) return {};
   const Window window = window_of(graph, first);
   Unknowns unknowns(graph);
-  GraphProblem problem(graph, unknowns, config, true);
+  GraphProblem problem(graph, unknowns, true);
   add_window(graph, window, prior, problem);
   const ceres::LinearSolverType type =
       window.landmarks.empty() ? ceres::DENSE_QR : ceres::SPARSE_NORMAL_CHOLESKY;
@@ -300,13 +288,13 @@ GraphSolution solve_graph(SlamGraph& graph, bool after_closure, const SlamConfig
   graph.receiver = judge_receiver(graph);
   Unknowns unknowns(graph);
   if (after_closure) {
-    GraphProblem problem(graph, unknowns, config, false);
+    GraphProblem problem(graph, unknowns, false);
     add_graph(graph, prior, problem);
     if (!problem.solve(ceres::SPARSE_NORMAL_CHOLESKY, kClosureIterations, kGraphTolerance)) {
       return solution;
     }
   }
-  GraphProblem problem(graph, unknowns, config, true);
+  GraphProblem problem(graph, unknowns, true);
   add_graph(graph, prior, problem);
   if (!problem.solve(ceres::SPARSE_NORMAL_CHOLESKY, kGraphIterations, kGraphTolerance)) {
     return solution;
@@ -315,7 +303,7 @@ GraphSolution solve_graph(SlamGraph& graph, bool after_closure, const SlamConfig
   if (!unknowns.poses_are_finite()) return solution;
   unknowns.write_to(graph);
   solution.solved = true;
-  solution.calibration_covariance = write_covariances(problem, graph);
+  solution.calibration_covariance = write_covariances(problem, config, graph);
   return solution;
 }
 

@@ -4,28 +4,11 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "pose/slam/calibration.hpp"
 #include "pose/slam/graph.hpp"
 #include "pose/slam/slam_config.hpp"
 
 namespace orchard::pose {
-
-/// Travel over which the odometry calibration is taken as constant [m].
-inline constexpr double kCalibrationTravel_m = 10.0;
-
-/// The odometry calibration as known without the observations that are about to be used.
-struct CalibrationPrior {
-  OdometryCalibration mean = OdometryCalibration::Zero();
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
-
-  /// Standard deviations before anything is estimated.
-  static Eigen::Vector3d initial_sd(const SlamConfig& config);
-  static CalibrationPrior initial(const SlamConfig& config);
-  /// Of its change from one interval of travel to the next.
-  static Eigen::Vector3d walk_sd(const SlamConfig& config);
-
-  /// What is known of it so many intervals later; never less than at the start.
-  CalibrationPrior after(int num_intervals, const SlamConfig& config) const;
-};
 
 /// Covariances of the newest keyframe by a solved window.
 struct WindowSolution {
@@ -39,8 +22,7 @@ struct WindowSolution {
 /// Fixed-lag smoothing: solves for the keyframes from `first` on and the landmarks that they
 /// observed, older keyframes fixed. The observations of older keyframes become one prior on each
 /// landmark's position.
-WindowSolution solve_window(SlamGraph& graph, int first, const CalibrationPrior& prior,
-                            const SlamConfig& config);
+WindowSolution solve_window(SlamGraph& graph, int first, const CalibrationPrior& prior);
 
 struct GraphSolution {
   bool solved = false;  ///< else the graph is as it was
@@ -48,8 +30,9 @@ struct GraphSolution {
   std::optional<Eigen::Matrix3d> calibration_covariance;
 };
 
-/// Solves for all poses, landmarks and calibrations, and writes the poses' covariances.
-/// `after_closure`: first without the robust loss, which would keep a newly closed loop open.
+/// Solves for all poses, landmarks and calibrations; writes the poses' covariances, and how much
+/// the calibration changes on this drive. `after_closure`: first without the robust loss, which
+/// would keep a newly closed loop open.
 GraphSolution solve_graph(SlamGraph& graph, bool after_closure, const SlamConfig& config);
 
 }  // namespace orchard::pose

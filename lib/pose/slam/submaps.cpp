@@ -108,6 +108,7 @@ SubmapGraph submaps_of(const SlamGraph& graph, const SlamConfig& config) {
   const std::vector<int> first = beginnings(graph, config.submap_length_m);
   SubmapGraph out;
   out.graph.calibrations = graph.calibrations;
+  out.graph.calibration_walk_sd = graph.calibration_walk_sd;
   out.graph.georeferenced = graph.georeferenced;
   out.graph.receiver_errors = graph.receiver_errors;
   out.graph.landmarks.resize(graph.landmarks.size());
@@ -183,6 +184,7 @@ void back_substitute(const SubmapGraph& solved, SlamGraph& graph) {
     keyframe.T_map_base = T;
   }
   graph.calibrations = solved.graph.calibrations;
+  graph.calibration_walk_sd = solved.graph.calibration_walk_sd;
   graph.receiver_errors = solved.graph.receiver_errors;
   graph.receiver = solved.graph.receiver;
   for (std::size_t l = 0; l < graph.landmarks.size(); ++l) {

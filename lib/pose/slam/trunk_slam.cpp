@@ -216,6 +216,7 @@ void TrunkSlam::finish() {
   finished_ = true;
   if (map_.empty()) return;
   if (motion_.utime() > map_.graph.keyframes.back().utime) add_keyframe();
+  closer_.close(map_);
   map_.solve(SolveReason::kEndOfDrive);
   if (scan_closer_.drop_contradicted(map_)) map_.solve(SolveReason::kEndOfDrive);
 }

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/slam/calibration.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace orchard::pose {
+namespace {
+
+// Travel over which wheels' errors change by as much as is known of them before anything is learnt
+// [m]: slip is the ground's and the curve's, tyres are warm or cold, loads come and go.
+constexpr double kCalibrationChange_m = 50.0;
+// The same of their bias, which is not the ground's.
+constexpr double kBiasChange_m = 500.0;
+// What was believed before anything was learnt counts as one step.
+constexpr double kPriorSteps = 1.0;
+
+}  // namespace
+
+Eigen::Vector3d CalibrationPrior::initial_sd(const SlamConfig& config) {
+  return {config.speed_scale_sd, config.turn_scale_sd, config.yaw_rate_bias_sd_radps};
+}
+
+CalibrationPrior CalibrationPrior::initial(const SlamConfig& config) {
+  CalibrationPrior prior;
+  prior.covariance = initial_sd(config).array().square().matrix().asDiagonal();
+  return prior;
+}
+
+CalibrationPrior CalibrationPrior::after(int num_intervals, const Eigen::Vector3d& walk_sd,
+                                         const SlamConfig& config) const {
+  CalibrationPrior later = *this;
+  later.covariance.diagonal() += num_intervals * walk_sd.array().square().matrix();
+  const Eigen::Array3d initial = initial_sd(config).array().square();
+  const Eigen::Array3d grown = later.covariance.diagonal().array();
+  const Eigen::Vector3d kept = (initial / grown.max(initial)).sqrt().matrix();
+  later.covariance = kept.asDiagonal() * later.covariance * kept.asDiagonal();
+  return later;
+}
+
+Eigen::Vector3d initial_walk_sd(const SlamConfig& config) {
+  Eigen::Vector3d sd = CalibrationPrior::initial_sd(config);
+  sd.head<2>() *= std::sqrt(kCalibrationTravel_m / kCalibrationChange_m);
+  sd.z() *= std::sqrt(kCalibrationTravel_m / kBiasChange_m);
+  return sd;
+}
+
+Eigen::Vector3d learnt_walk_sd(const std::vector<CalibrationStep>& steps,
+                               const Eigen::Vector3d& walk_sd, const SlamConfig& config) {
+  const Eigen::Array3d prior2 = walk_sd.array().square().max(1e-18);
+  Eigen::Array3d sum2 = kPriorSteps * initial_walk_sd(config).array().square();
+  Eigen::Array3d num = Eigen::Array3d::Constant(kPriorSteps);
+  for (const CalibrationStep& step : steps) {
+    if (!step.change.allFinite() || !step.variance.allFinite()) continue;
+    sum2 += step.change.array().square();
+    num += (1.0 - step.variance.array() / prior2).max(0.0).min(1.0);
+  }
+  return (sum2 / num).sqrt().matrix();
+}
+
+}  // namespace orchard::pose

@@ -24,12 +24,16 @@ packages=(
   libcairo2-dev fonts-dejavu-core
   # files
   libyaml-cpp-dev libgdal-dev zlib1g-dev nlohmann-json3-dev
+  # bags of ROS
+  liblz4-dev libzstd-dev libbz2-dev libsqlite3-dev
   # command line, log, tests, benchmarks
   libcli11-dev libspdlog-dev libfmt-dev libgtest-dev libgmock-dev libbenchmark-dev
   # the viewer's server
   libcpp-httplib-dev
   # manual pages
   help2man
+  # what writes bags of ROS 1 for the tests of their import, and unpacks for those of ROS 2
+  python3-rosbag python3-sensor-msgs python3-nav-msgs python3-geometry-msgs lz4 zstd
   # gpsfake, for the tests of the GNSS driver
   gpsd gpsd-clients
   # network namespaces and multicast routes for demo and tests

@@ -63,20 +63,44 @@ void add_simulate(CLI::App& app, Run& run) {
 
 void add_import(CLI::App& app, Run& run) {
   add_command<ImportOptions>(
-      app, run, "import", "Turn a recording folder, an MRPT rawlog or a libbot log into a log",
+      app, run, "import",
+      "Turn bags of ROS, a recording folder, a rawlog or a libbot log into a log",
       "  orchard import recordings/drive_1 --out drive_1.lcm     (a folder with sensors.yaml)\n"
       "  orchard import drive.rawlog --out drive.lcm\n"
       "  orchard import lcmlog-2026-05-04.00 --config rig.yaml --out drive.lcm   (libbot's "
-      "types)\n",
+      "types)\n"
+      "  orchard import drive.bag --out drive.lcm                          (ROS 1)\n"
+      "  orchard import drive_0.mcap drive_1.mcap --topic scan=/front/scan --out drive.lcm\n"
+      "  orchard import rosbag2_2026_05_04 --topic image=none --out drive.lcm   (ROS 2, a folder)\n"
+      "Of bags: the only topic of a type is found by itself; among several --topic chooses. KIND "
+      "is\n"
+      "scan, scan_rear, image, odometry, imu, gnss or pose_fix. A PointCloud2 becomes a scan by a\n"
+      "horizontal slice. What is damaged is passed over and said.\n",
       run_import, [](CLI::App& command, ImportOptions& o) {
         command
-            .add_option("source", o.source_path,
-                        "recording folder, rawlog, or LCM log of libbot's types")
+            .add_option("source", o.source_paths,
+                        "bags of one drive (.bag, .mcap, .db3 or rosbag2's folder), recording "
+                        "folder, rawlog, or LCM log of libbot's types")
             ->required()
-            ->type_name("FOLDER|RAWLOG|LOG");
+            ->type_name("BAG...|FOLDER|RAWLOG|LOG");
         command.add_option("--out", o.out_path, "log to write")->required()->type_name("LOG");
         command.add_option("--config", o.config_path, "rig whose drivers.bot_core names channels")
             ->type_name("FILE");
+        command
+            .add_option("--topic", o.topics, "which topic a kind is taken from; none = leave out")
+            ->type_name("KIND=TOPIC")
+            ->expected(1)
+            ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+        command
+            .add_option("--slice-height", o.slice_height_m,
+                        "middle of a cloud's slice above its frame's origin")
+            ->check(CLI::Range(-100.0, 100.0))
+            ->capture_default_str()
+            ->type_name("M");
+        command.add_option("--slice-thickness", o.slice_thickness_m, "of a cloud's slice")
+            ->check(CLI::Range(0.001, 100.0))
+            ->capture_default_str()
+            ->type_name("M");
       });
 }
 

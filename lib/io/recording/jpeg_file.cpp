@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "io/file_error.hpp"
 
@@ -20,22 +22,26 @@ vision::Image read_jpeg_file(const std::string& path) {
     throw FileError(path + ": " + std::to_string(size) +
                     " bytes; a picture must have 1 byte to 16 MB; remove or replace it");
   }
+  std::vector<std::uint8_t> data(static_cast<std::size_t>(size));
+  std::ifstream file(path, std::ios::binary);
+  file.read(reinterpret_cast<char*>(data.data()), static_cast<std::streamsize>(size));
+  if (!file) throw FileError(path + ": cannot be read to its end");
+  auto image = jpeg_image(data.data(), data.size());
+  if (!image) throw FileError(path + ": is no JPEG picture; remove or replace it");
+  return std::move(*image);
+}
+
+std::optional<vision::Image> jpeg_image(const std::uint8_t* data, std::size_t size) {
   vision::Image image;
   image.encoding = vision::Encoding::kJpeg;
-  image.data.resize(static_cast<std::size_t>(size));
-  std::ifstream file(path, std::ios::binary);
-  file.read(reinterpret_cast<char*>(image.data.data()), static_cast<std::streamsize>(size));
-  if (!file) throw FileError(path + ": cannot be read to its end");
-
   const std::unique_ptr<void, int (*)(void*)> decoder(tjInitDecompress(), tjDestroy);
   int subsampling = 0, colour_space = 0;
   const bool is_jpeg =
-      decoder &&
-      tjDecompressHeader3(decoder.get(), image.data.data(), static_cast<unsigned long>(size),
-                          &image.width_px, &image.height_px, &subsampling, &colour_space) == 0;
-  if (!is_jpeg || image.width_px <= 0 || image.height_px <= 0) {
-    throw FileError(path + ": is no JPEG picture; remove or replace it");
-  }
+      decoder && size > 0 &&
+      tjDecompressHeader3(decoder.get(), data, static_cast<unsigned long>(size), &image.width_px,
+                          &image.height_px, &subsampling, &colour_space) == 0;
+  if (!is_jpeg || image.width_px <= 0 || image.height_px <= 0) return std::nullopt;
+  image.data.assign(data, data + size);
   return image;
 }
 

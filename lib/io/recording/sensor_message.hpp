@@ -14,8 +14,8 @@
 namespace orchard::io {
 
 /// What a recording can hold; equal times come in the order of the alternatives.
-using SensorMessage =
-    std::variant<laser::Scan, vision::Image, pose::Odometry, pose::Gnss, pose::PoseFix>;
+using SensorMessage = std::variant<laser::Scan, vision::Image, pose::Odometry, pose::Gnss,
+                                   pose::PoseFix, pose::Imu, laser::RearScan>;
 
 inline std::int64_t utime_of(const SensorMessage& message) {
   return std::visit([](const auto& m) { return m.utime; }, message);

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/bag/record_bag.hpp"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "io/bag/unpack.hpp"
+
+namespace orchard::io {
+namespace {
+
+constexpr std::size_t kMaxChunkBytes = std::size_t{256} << 20;
+constexpr std::size_t kMostLosses = 100;
+constexpr std::size_t kMostTopics = 10000;
+constexpr std::size_t kRecentChunks = 8;  // of several topics, whose times differ by little
+constexpr std::size_t kHeadBytes = std::size_t{1} << 17;  // enough to know any record's size
+
+std::string at_byte(std::uint64_t place) { return "at byte " + std::to_string(place) + ": "; }
+
+}  // namespace
+
+RecordBag::RecordBag(std::unique_ptr<std::istream> stream, std::unique_ptr<RecordFormat> format)
+    : window_(std::move(stream)), format_(std::move(format)), position_(format_->magic_bytes()) {}
+
+std::optional<BagMessage> RecordBag::next() {
+  while (true) {
+    if (chunk_) {
+      if (auto message = next_in_chunk()) return message;
+      continue;
+    }
+    const std::uint64_t place = position_;
+    const FileWindow::View head = window_.at(place, kHeadBytes);
+    if (head.size == 0) return std::nullopt;
+    const auto size = format_->record_size(head.bytes, head.size);
+    if (!size) {
+      go_on_behind_damage("no record begins here");
+      continue;
+    }
+    if (*size == 0 || *size > window_.size() - place) {
+      lose(at_byte(place) + "cut short: its last " + std::to_string(window_.size() - place) +
+           " bytes are part of a record");
+      position_ = window_.size();
+      return std::nullopt;
+    }
+    const auto view = record_at(place);
+    position_ = place + *size;
+    if (!view) {
+      lose(at_byte(place) + "a record of " + std::to_string(*size) + " bytes is too large");
+      continue;
+    }
+    BagRecord record = format_->read(view->bytes, static_cast<std::size_t>(*size));
+    if (const auto* damaged = std::get_if<DamagedRecord>(&record)) {
+      position_ = place;
+      go_on_behind_damage(damaged->why);
+    } else if (const auto* topic = std::get_if<TopicRecord>(&record)) {
+      add_topic(*topic);
+    } else if (const auto* chunk = std::get_if<ChunkRecord>(&record)) {
+      if (auto content = content_of(*chunk, place)) {
+        chunk_ = Chunk{place, std::move(*content), 0};
+      }
+    } else if (const auto* message = std::get_if<MessageRecord>(&record)) {
+      if (auto found = message_of(*message, {place, 0})) return found;
+    } else if (std::holds_alternative<LastRecord>(record)) {
+      position_ = window_.size();
+      return std::nullopt;
+    }
+  }
+}
+
+std::optional<BagMessage> RecordBag::next_in_chunk() {
+  while (chunk_->position < chunk_->content.size()) {
+    const std::uint64_t within = chunk_->position;
+    const std::uint8_t* bytes = chunk_->content.data() + within;
+    const std::size_t left = chunk_->content.size() - within;
+    const auto size = format_->record_size(bytes, left);
+    BagRecord record = DamagedRecord{"no record begins here"};
+    if (size && *size > 0 && *size <= left) {
+      record = format_->read(bytes, static_cast<std::size_t>(*size));
+      chunk_->position += *size;
+    }
+    if (const auto* damaged = std::get_if<DamagedRecord>(&record)) {
+      lose("in the chunk " + at_byte(chunk_->place) + std::to_string(left) + " bytes behind byte " +
+           std::to_string(within) + " are damaged (" + damaged->why + ")");
+      break;
+    }
+    if (const auto* topic = std::get_if<TopicRecord>(&record)) add_topic(*topic);
+    if (const auto* message = std::get_if<MessageRecord>(&record)) {
+      if (auto found = message_of(*message, {chunk_->place, within})) return found;
+    }
+  }
+  chunk_.reset();
+  return std::nullopt;
+}
+
+std::optional<BagMessage> RecordBag::at(const BagPlace& place) {
+  const auto known = std::find_if(recent_.begin(), recent_.end(),
+                                  [&](const Chunk& c) { return c.place == place.record; });
+  if (known == recent_.end()) {
+    const auto view = record_at(place.record);
+    if (!view) return std::nullopt;
+    BagRecord record = format_->read(view->bytes, view->size);
+    if (const auto* message = std::get_if<MessageRecord>(&record)) {
+      return message_of(*message, place);
+    }
+    const auto* chunk = std::get_if<ChunkRecord>(&record);
+    if (chunk == nullptr) return std::nullopt;
+    auto content = content_of(*chunk, place.record);
+    if (!content) return std::nullopt;
+    recent_.push_front(Chunk{place.record, std::move(*content), 0});
+    if (recent_.size() > kRecentChunks) recent_.pop_back();
+  } else {
+    std::rotate(recent_.begin(), known, known + 1);
+  }
+  const std::vector<std::uint8_t>& content = recent_.front().content;
+  if (place.within >= content.size()) return std::nullopt;
+  const std::uint8_t* bytes = content.data() + place.within;
+  const std::size_t left = content.size() - place.within;
+  const auto size = format_->record_size(bytes, left);
+  if (!size || *size == 0 || *size > left) return std::nullopt;
+  BagRecord record = format_->read(bytes, static_cast<std::size_t>(*size));
+  const auto* message = std::get_if<MessageRecord>(&record);
+  return message ? message_of(*message, place) : std::nullopt;
+}
+
+std::optional<FileWindow::View> RecordBag::record_at(std::uint64_t place) {
+  const FileWindow::View head = window_.at(place, kHeadBytes);
+  const auto size = format_->record_size(head.bytes, head.size);
+  if (!size || *size == 0 || *size > kMaxChunkBytes || *size > window_.size() - place) {
+    return std::nullopt;
+  }
+  FileWindow::View view = window_.at(place, static_cast<std::size_t>(*size));
+  if (view.size < *size) return std::nullopt;
+  view.size = static_cast<std::size_t>(*size);
+  return view;
+}
+
+std::optional<BagMessage> RecordBag::message_of(const MessageRecord& record,
+                                                const BagPlace& place) {
+  const auto topic = topic_of_id_.find(record.topic_id);
+  if (topic == topic_of_id_.end()) {
+    lose("messages of number " + std::to_string(record.topic_id) + ", whose topic is not told");
+    return std::nullopt;
+  }
+  if (record.size > kMaxMessageBytes) {
+    lose(at_byte(place.record) + "a message of more than 64 MB");
+    return std::nullopt;
+  }
+  return BagMessage{topic->second, record.utime, place, record.data, record.size};
+}
+
+void RecordBag::add_topic(const TopicRecord& record) {
+  if (topic_of_id_.count(record.id) > 0 || topic_of_id_.size() >= kMostTopics) return;
+  // Several publishers of one topic have a number each.
+  const auto same = std::find_if(topics_.begin(), topics_.end(), [&](const BagTopic& topic) {
+    return topic.name == record.topic.name && topic.type == record.topic.type &&
+           topic.wire == record.topic.wire && topic.is_known_wire == record.topic.is_known_wire;
+  });
+  topic_of_id_[record.id] = static_cast<std::size_t>(same - topics_.begin());
+  if (same == topics_.end()) topics_.push_back(record.topic);
+}
+
+std::optional<std::vector<std::uint8_t>> RecordBag::content_of(const ChunkRecord& chunk,
+                                                               std::uint64_t place) {
+  if (chunk.unpacked_size > kMaxChunkBytes) {
+    lose(at_byte(place) + "a chunk of more than 256 MB");
+    return std::nullopt;
+  }
+  std::vector<std::uint8_t> content(static_cast<std::size_t>(chunk.unpacked_size));
+  std::string mistake = unpack(chunk.compression, chunk.data, chunk.size, content);
+  if (mistake.empty() && chunk.crc != 0 &&
+      crc32_z(0, content.data(), content.size()) != chunk.crc) {
+    mistake = "its check sum is wrong";
+  }
+  if (mistake.empty()) return content;
+  lose(at_byte(place) + "a chunk of " + std::to_string(chunk.size) + " bytes: " + mistake);
+  return std::nullopt;
+}
+
+void RecordBag::go_on_behind_damage(const std::string& why) {
+  const std::uint64_t begin = position_;
+  std::uint64_t place = begin + 1;
+  for (; place < window_.size(); ++place) {
+    const FileWindow::View view = window_.at(place, 512);
+    if (format_->begins_chunk(view.bytes, view.size)) break;
+  }
+  position_ = std::min(place, window_.size());
+  lose(at_byte(begin) + std::to_string(position_ - begin) + " bytes are damaged (" + why + ")");
+}
+
+void RecordBag::lose(const std::string& what) {
+  const bool is_known = std::find(losses_.begin(), losses_.end(), what) != losses_.end();
+  if (!is_known && losses_.size() < kMostLosses) losses_.push_back(what);
+}
+
+}  // namespace orchard::io

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ros/cloud_slice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <vector>
+
+#include "geometry/angles.hpp"
+#include "ros/cloud_points.hpp"
+
+namespace orchard::ros {
+namespace {
+
+constexpr std::size_t kLeastPoints = 20;
+constexpr double kLeastStep_rad = 2e-4;  // finer than any scanner; below it two lines lie as one
+constexpr double kMostStep_rad = 0.1;
+constexpr double kTurn_rad = 2.0 * geometry::kPi;
+constexpr double kFarthest_m = 100.0;
+
+using Line = std::vector<CloudPoint>;
+
+/// The scanner's line that has most points at such heights.
+Line longest_line(const CloudPoints& cloud, double low_m, double high_m) {
+  std::map<std::uint32_t, Line> lines;
+  for (const CloudPoint& point : cloud.points) {
+    if (point.z_m >= low_m && point.z_m <= high_m) lines[point.line].push_back(point);
+  }
+  Line longest;
+  for (auto& [number, line] : lines) {
+    if (line.size() > longest.size()) longest = std::move(line);
+  }
+  return longest;
+}
+
+/// The step between a line's bearings [rad]; none when it has no step.
+std::optional<double> step_of(const Line& line) {
+  std::vector<double> bearings_rad, gaps_rad;
+  for (const CloudPoint& point : line) bearings_rad.push_back(point.bearing_rad);
+  std::sort(bearings_rad.begin(), bearings_rad.end());
+  for (std::size_t i = 1; i < bearings_rad.size(); ++i) {
+    const double gap_rad = bearings_rad[i] - bearings_rad[i - 1];
+    if (gap_rad > kLeastStep_rad) gaps_rad.push_back(gap_rad);
+  }
+  if (gaps_rad.size() + 1 < kLeastPoints) return std::nullopt;
+  const auto middle = gaps_rad.begin() + static_cast<std::ptrdiff_t>(gaps_rad.size() / 2);
+  std::nth_element(gaps_rad.begin(), middle, gaps_rad.end());
+  const double median_rad = *middle;
+  if (median_rad > kMostStep_rad) return std::nullopt;
+  // A scanner counts its bearings in whole units: a mean over many steps knows more than one step.
+  // Bearings tremble: what one gap is too short its neighbour is too long, so all count.
+  double sum_rad = 0.0, num_steps = 0.0;
+  for (std::size_t i = 1; i < bearings_rad.size(); ++i) {
+    const double gap_rad = bearings_rad[i] - bearings_rad[i - 1];
+    const double steps = std::round(gap_rad / median_rad);
+    if (steps > 3.0) continue;
+    sum_rad += gap_rad;
+    num_steps += steps;
+  }
+  return sum_rad / num_steps;
+}
+
+/// Whether the scanner turns clockwise, and its time from beam to beam, by the order of a line in
+/// time.
+struct Turn {
+  double direction = 1.0;
+  double beam_period_us = 0.0;
+};
+Turn turn_of(const Line& in_time, double step_rad) {
+  int num_left = 0, num_right = 0;
+  double time_s = 0.0, steps = 0.0;
+  for (std::size_t i = 1; i < in_time.size(); ++i) {
+    const double turned_rad =
+        geometry::wrap_angle_rad(in_time[i].bearing_rad - in_time[i - 1].bearing_rad);
+    (turned_rad > 0 ? num_left : num_right) += 1;
+    const double num = std::round(std::abs(turned_rad) / step_rad);
+    if (num < 1.0 || num > 3.0) continue;
+    time_s += in_time[i].time_s - in_time[i - 1].time_s;
+    steps += num;
+  }
+  Turn turn;
+  turn.direction = num_left >= num_right ? 1.0 : -1.0;
+  if (steps > 0.0) turn.beam_period_us = std::max(0.0, 1e6 * time_s / steps);
+  return turn;
+}
+
+/// How far, on average, a line's bearings lie beside the beams that begin at `first_rad`.
+double phase_of(const Line& line, double first_rad, double step_rad) {
+  double sine = 0.0, cosine = 0.0;
+  for (const CloudPoint& point : line) {
+    const double phase = kTurn_rad * (point.bearing_rad - first_rad) / step_rad;
+    sine += std::sin(phase);
+    cosine += std::cos(phase);
+  }
+  return std::atan2(sine, cosine) / kTurn_rad * step_rad;
+}
+
+/// Beams whose bearing no point of the cloud, of any height, comes near were never measured: of a
+/// scanner that does not look all around.
+void forget_unseen(const CloudPoints& cloud, laser::Scan& scan) {
+  constexpr double kSector_rad = kTurn_rad / 36;  // coarse: trees do not stand everywhere
+  std::vector<bool> is_seen(36, false);
+  for (const CloudPoint& point : cloud.points) {
+    const auto sector = static_cast<int>((point.bearing_rad + geometry::kPi) / kSector_rad);
+    is_seen[static_cast<std::size_t>(std::clamp(sector, 0, 35))] = true;
+  }
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    const double bearing_rad = geometry::wrap_angle_rad(scan.bearing_rad(static_cast<double>(i)));
+    const auto sector = static_cast<int>((bearing_rad + geometry::kPi) / kSector_rad);
+    if (!is_seen[static_cast<std::size_t>(std::clamp(sector, 0, 35))]) {
+      scan.ranges_m[i] = std::numeric_limits<float>::quiet_NaN();
+    }
+  }
+}
+
+}  // namespace
+
+std::variant<laser::Scan, NotUsed> slice_cloud(const PointCloud& cloud, const CloudSlice& slice) {
+  const auto points = read_points(cloud);
+  if (!points) return NotUsed{"a cloud without fields x, y and z"};
+  const double low_m = slice.height_m - slice.thickness_m / 2;
+  const double high_m = slice.height_m + slice.thickness_m / 2;
+  Line line = longest_line(*points, low_m, high_m);
+  // All lines turn together, and one that lies on the ground knows the step best.
+  constexpr double kAnyHeight_m = std::numeric_limits<double>::infinity();
+  const std::optional<double> step_rad =
+      points->has_lines ? step_of(longest_line(*points, -kAnyHeight_m, kAnyHeight_m))
+                        : step_of(line);
+  if (!step_rad || line.size() < kLeastPoints)
+    return NotUsed{"a slice with fewer than 20 points of one line"};
+
+  laser::Scan scan;
+  scan.utime = cloud.utime;
+  scan.range_max_m = kFarthest_m;
+  scan.bearing_min_rad = -geometry::kPi;
+  scan.bearing_step_rad = *step_rad;
+  if (points->has_time) {
+    const auto earlier = [](const CloudPoint& a, const CloudPoint& b) {
+      return a.time_s < b.time_s;
+    };
+    std::stable_sort(line.begin(), line.end(), earlier);
+    const Turn turn = turn_of(line, *step_rad);
+    const CloudPoint& first =
+        *std::min_element(points->points.begin(), points->points.end(), earlier);
+    scan.bearing_min_rad = first.bearing_rad;
+    scan.bearing_step_rad *= turn.direction;
+    scan.beam_period_us = turn.beam_period_us;
+    scan.utime += static_cast<std::int64_t>(std::llround(1e6 * first.time_s));
+  }
+  scan.bearing_min_rad += phase_of(line, scan.bearing_min_rad, *step_rad);
+  const auto num_beams = static_cast<std::size_t>(kTurn_rad / *step_rad + 0.5);
+  scan.ranges_m.assign(num_beams, 0.0f);
+  for (const CloudPoint& point : points->points) {
+    if (point.z_m < low_m || point.z_m > high_m || point.range_m > kFarthest_m) continue;
+    const double direction = scan.bearing_step_rad > 0 ? 1.0 : -1.0;
+    double turned_rad = direction * (point.bearing_rad - scan.bearing_min_rad);
+    turned_rad -= std::floor(turned_rad / kTurn_rad) * kTurn_rad;
+    const auto beam = static_cast<std::size_t>(turned_rad / *step_rad + 0.5);
+    // Just before the first beam is the first beam.
+    float& range_m = scan.ranges_m[beam < num_beams ? beam : 0];
+    const auto this_m = static_cast<float>(point.range_m);
+    if (range_m == 0.0f || this_m < range_m) range_m = this_m;
+  }
+  forget_unseen(*points, scan);
+  return scan;
+}
+
+}  // namespace orchard::ros

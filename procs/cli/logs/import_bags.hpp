@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "cli/logs/import.hpp"
+
+namespace orchard::cli {
+
+/// Writes the bags of one drive as an LCM log; returns the exit code. Throws io::FileError.
+int import_bags(const ImportOptions& options);
+
+}  // namespace orchard::cli

@@ -255,6 +255,7 @@ void add_all(CLI::App& app, Run& run) {
   add_evaluate(app, run);
   add_compare(app, run);
   add_merge(app, run);
+  add_growers(app, run);
   add_overlay(app, run);
   add_log(app, run);
   add_field(app, run);
@@ -278,26 +279,28 @@ std::string with_suggestion(const std::string& sentence, const std::string& word
   return sentence + (near.empty() ? "" : "; did you mean " + near + "?");
 }
 
-bool takes_positionals(const CLI::App& command) {
+std::ptrdiff_t num_positionals(const CLI::App& command) {
   const auto options = command.get_options();
-  return std::any_of(options.begin(), options.end(),
-                     [](const CLI::Option* option) { return option->get_positional(); });
+  return std::count_if(options.begin(), options.end(),
+                       [](const CLI::Option* option) { return option->get_positional(); });
 }
 
 /// The command that the leading words name, for help and messages; a misspelt word is an error
 /// sentence in `problem`.
 const CLI::App* find_command(const CLI::App& app, int argc, char** argv, std::string& problem) {
   const CLI::App* command = &app;
+  std::ptrdiff_t num_own = 0;  // words that tell a command what it is about
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     const std::vector<std::string> words = words_of(*command);
     if (words.empty() || word.empty() || word.front() == '-') break;
     if (std::find(words.begin(), words.end(), word) == words.end()) {
-      if (takes_positionals(*command)) break;
+      if (++num_own <= num_positionals(*command)) continue;  // its subcommand may follow
       problem = with_suggestion("there is no command \"" + word + "\"", word, words);
       break;
     }
     command = command->get_subcommand(word);
+    num_own = 0;
   }
   return command;
 }

@@ -26,8 +26,8 @@ namespace fs = std::filesystem;
 /// Files that write_map_folder() and `orchard map` leave.
 bool is_map_file(const std::string& name) {
   static const std::regex kNames(
-      "map\\.(csv|gpkg|svg|png|pdf|html)|trajectory(_[0-9]+)?\\.csv|graph\\.json|(ids|left_out)\\."
-      "csv|summary\\."
+      "corrections\\.jsonl|map\\.(csv|gpkg|svg|png|pdf|html)|trajectory(_[0-9]+)?\\.csv|graph\\."
+      "json|(ids|left_out)\\.csv|summary\\."
       "json|"
       "derived\\.lcm");
   return std::regex_match(name, kNames);

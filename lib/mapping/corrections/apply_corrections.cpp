@@ -204,8 +204,9 @@ class Applier {
 
   void set_class(Label label, Landmark& l) {
     l.label = label;
-    if (label == Label::kTree) l.probability = 1.0;
-    if (label == Label::kObject) l.probability = 0.0;
+    if (label == Label::kUnseen) return;
+    // A person is sure; rows are made of trees that are.
+    l.probability = l.roc_mean = label == Label::kTree ? 1.0 : 0.0;
     if (label != Label::kTree) l.row = l.position = 0;
   }
 

@@ -177,4 +177,15 @@ void keep_numbers(const std::vector<Landmark>& earlier, std::vector<Row>& rows,
   }
 }
 
+std::vector<Row> rows_as_numbered(std::vector<Landmark>& landmarks, const RowsConfig& config) {
+  const bool has_numbers =
+      std::any_of(landmarks.begin(), landmarks.end(), [](const Landmark& l) { return l.row != 0; });
+  if (!has_numbers) return {};
+  std::vector<Row> rows = find_rows(landmarks, config);
+  KeptNumbers kept;
+  const std::vector<Landmark> known = landmarks;
+  keep_numbers(known, rows, landmarks, kept);
+  return rows;
+}
+
 }  // namespace orchard::mapping

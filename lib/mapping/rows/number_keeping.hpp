@@ -32,4 +32,8 @@ KeptNumbers keep_ids(const std::vector<Landmark>& earlier, const MapAlignment& a
 void keep_numbers(const std::vector<Landmark>& earlier, std::vector<Row>& rows,
                   std::vector<Landmark>& landmarks, KeptNumbers& kept);
 
+/// The rows of a map that is numbered already: as find_rows() has them, with the numbers that its
+/// trees have; a tree of a row that has none gets one. None where no landmark has a number.
+std::vector<Row> rows_as_numbered(std::vector<Landmark>& landmarks, const RowsConfig& config);
+
 }  // namespace orchard::mapping

@@ -15,6 +15,7 @@
 #include "bus/node/process.hpp"
 #include "bus/replay/in_process_replay.hpp"
 #include "cli/long_work.hpp"
+#include "cli/maps/map_corrections.hpp"
 #include "cli/maps/map_laying.hpp"
 #include "cli/maps/no_pose.hpp"
 #include "cli/maps/scan_timer.hpp"
@@ -24,8 +25,8 @@
 #include "io/file_memory.hpp"
 #include "io/log/log_series.hpp"
 #include "io/log/log_writer.hpp"
+#include "io/map/corrected_map.hpp"
 #include "io/map/map_folder.hpp"
-#include "io/map/stored_map.hpp"
 #include "log_player/replay_rig.hpp"
 #include "mapper/mapper_node.hpp"
 #include "pose/pose_node.hpp"
@@ -109,8 +110,8 @@ std::int64_t count_label(const std::vector<mapping::Landmark>& landmarks, detect
 }
 
 void print_summary(const MapOptions& options, const ReplayReport& report,
-                   const io::MapFolderContent& content,
-                   const std::optional<mapping::KeptNumbers>& kept) {
+                   const io::MapFolderContent& content, const std::optional<KeptMap>& kept,
+                   const std::string& corrections) {
   using detection::Label;
   const auto& landmarks = content.landmarks;
   std::printf("%zu landmarks: %" PRId64 " trees, %" PRId64 " objects, %" PRId64 " unseen\n",
@@ -125,7 +126,8 @@ void print_summary(const MapOptions& options, const ReplayReport& report,
     // Ids kept of an earlier map are none either.
     const bool is_loss = name != "events" && name != "unknown_channel" &&
                          name.rfind("in_", 0) != 0 && name.rfind(kPoseAccount, 0) != 0 &&
-                         name.rfind("out_", 0) != 0 && name.find("_ids") == std::string::npos;
+                         name.rfind("out_", 0) != 0 && name.rfind(kCorrectionCount, 0) != 0 &&
+                         name.find("_ids") == std::string::npos;
     if (is_loss && value > 0) {
       losses += (losses.empty() ? "" : ", ") + name + " " + std::to_string(value);
     }
@@ -140,7 +142,11 @@ void print_summary(const MapOptions& options, const ReplayReport& report,
   if (!account.empty()) std::printf("pose: %s\n", account.c_str());
   if (kept) {
     std::printf("ids of %s: %d kept, %d gone, %d new\n", options.previous_path.c_str(),
-                kept->num_found, kept->num_gone, kept->num_new);
+                kept->numbers.num_found, kept->numbers.num_gone, kept->numbers.num_new);
+  }
+  if (!corrections.empty()) {
+    std::printf("corrections by hand: %s (`orchard edit %s list`)\n", corrections.c_str(),
+                options.out_folder.c_str());
   }
   std::printf(
       "written to %s: map.csv (table), map.gpkg (QGIS), map.svg, map.png, map.pdf (picture),\n"
@@ -192,10 +198,11 @@ int run_map(const MapOptions& options) {
   for (const std::string& note : rig.notes) {
     std::fprintf(stderr, "orchard map: note: %s\n", note.c_str());
   }
-  std::optional<io::StoredMap> previous;
+  std::optional<io::CorrectedMapFolder> previous;
   if (!options.previous_path.empty()) {
-    previous = io::read_stored_map(options.previous_path);
+    previous = io::read_corrected_map(options.previous_path);
     require_other_folder(options.out_folder, {options.previous_path});
+    require_corrections_of(options.out_folder, *previous);
   }
   make_folder(options.out_folder);
   Pipeline pipeline(config, options.out_folder);
@@ -240,17 +247,26 @@ int run_map(const MapOptions& options) {
     content.summary.warnings.push_back("nothing was mapped: no object was seen often enough");
     std::fprintf(stderr, "orchard map: warning: %s\n", content.summary.warnings.back().c_str());
   }
-  std::optional<mapping::KeptNumbers> kept;
+  std::optional<KeptMap> kept;
   if (previous) {
     kept = keep_known(*previous, options.previous_alignment, config.mapper.rows, content);
   }
+  std::string corrections;
+  if (kept) {
+    corrections = account_corrections("orchard map", kept->corrections, content);
+  } else {  // of an earlier map in this folder: said, but what is written goes by the log alone
+    io::MapFolderContent seen = content;
+    corrections =
+        account_corrections("orchard map", io::read_corrections(options.out_folder).list, seen);
+  }
   io::write_map_folder(options.out_folder, content);
+  if (kept) write_corrections(options.out_folder, kept->corrections);
   if (derived) {
     derived->close();
   } else {
     std::filesystem::remove(derived_path);  // of an earlier map: it would pass for this one's
   }
-  if (!options.quiet) print_summary(options, report, content, kept);
+  if (!options.quiet) print_summary(options, report, content, kept, corrections);
   if (options.timing) std::fputs(timer.text().c_str(), stdout);
   return bus::kExitOk;
 }

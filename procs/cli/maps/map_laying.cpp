@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/maps/map_laying.hpp"
 
+#include <algorithm>
 #include <filesystem>
+#include <memory>
+#include <utility>
 
 #include "io/file_error.hpp"
+#include "mapping/corrections/carry_corrections.hpp"
 #include "mapping/rows/rows.hpp"
 
 namespace orchard::cli {
@@ -35,9 +39,11 @@ mapping::MapAlignment lay_on(const io::StoredMap& a, const mapping::DetectionMap
   return alignment;
 }
 
-mapping::KeptNumbers keep_known(const io::StoredMap& earlier,
-                                const mapping::MapAlignmentConfig& config,
-                                const mapping::RowsConfig& rows, io::MapFolderContent& content) {
+KeptMap keep_known(const io::CorrectedMapFolder& earlier, const mapping::MapAlignmentConfig& config,
+                   const mapping::RowsConfig& rows, io::MapFolderContent& content) {
+  io::StoredMap known = earlier.mapped;
+  known.landmarks = mapping::known_landmarks(known.landmarks, earlier.corrected.landmarks);
+  known.next_id = std::max(known.next_id, earlier.corrected.next_id);
   io::StoredMap now;
   now.name = "the new map";
   now.landmarks = content.landmarks;
@@ -46,24 +52,36 @@ mapping::KeptNumbers keep_known(const io::StoredMap& earlier,
                           content.more_trajectories.end());
   if (content.view) now.view = *content.view;
   const mapping::MapAlignment alignment =
-      lay_on(earlier, view_of(earlier, 0.0), now, view_of(now, 0.0), config);
-  content.next_id = earlier.next_id;
-  mapping::KeptNumbers kept =
-      mapping::keep_ids(earlier.landmarks, alignment, content.next_id, content.landmarks);
+      lay_on(known, view_of(known, 0.0), now, view_of(now, 0.0), config);
+  content.next_id = known.next_id;
+  KeptMap kept;
+  kept.numbers = mapping::keep_ids(known.landmarks, alignment, content.next_id, content.landmarks);
   if (rows.enabled) {
     content.rows = mapping::find_rows(content.landmarks, rows);
-    mapping::keep_numbers(earlier.landmarks, content.rows, content.landmarks, kept);
+    mapping::keep_numbers(known.landmarks, content.rows, content.landmarks, kept.numbers);
   }
-  content.summary.counts.push_back({"kept_ids", kept.num_found});
-  content.summary.counts.push_back({"gone_ids", kept.num_gone});
-  content.summary.counts.push_back({"new_ids", kept.num_new});
-  if (kept.num_without_number > 0) {
+  kept.corrections = mapping::carry_corrections(earlier.corrections, known.landmarks,
+                                                content.landmarks, alignment.T_a_b);
+  content.summary.counts.push_back({"kept_ids", kept.numbers.num_found});
+  content.summary.counts.push_back({"gone_ids", kept.numbers.num_gone});
+  content.summary.counts.push_back({"new_ids", kept.numbers.num_new});
+  if (kept.numbers.num_without_number > 0) {
     content.summary.warnings.push_back(
-        std::to_string(kept.num_without_number) +
+        std::to_string(kept.numbers.num_without_number) +
         " new trees stand in rows where no number is free at their place: they have a row and no "
         "position");
   }
   return kept;
+}
+
+mapping::SeenFree beside_paths(const std::vector<std::vector<pose::PoseEstimate>>& trajectories) {
+  constexpr double kBeside_m = 1.0;
+  std::vector<Eigen::Vector2d> path;
+  for (const auto& trajectory : trajectories) {
+    for (const pose::PoseEstimate& pose : trajectory) path.push_back({pose.x_m, pose.y_m});
+  }
+  const auto points = std::make_shared<mapping::IndexedPoints>(std::move(path));
+  return [points](const Eigen::Vector2d& p) { return points->nearest(p, kBeside_m) >= 0; };
 }
 
 void require_other_folder(const std::string& out_folder, const std::vector<std::string>& inputs) {

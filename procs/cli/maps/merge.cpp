@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
@@ -13,6 +14,7 @@
 
 #include "bus/node/process.hpp"
 #include "cli/load_rig.hpp"
+#include "cli/maps/map_corrections.hpp"
 #include "cli/maps/map_laying.hpp"
 #include "geometry/angles.hpp"
 #include "geometry/pose2.hpp"
@@ -196,27 +198,14 @@ std::string quoted(const std::string& text) {
   return result + "\"";
 }
 
-/// Maps keep no beams: what lies beside a driven path, where nothing was mapped, was seen free.
-mapping::SeenFree beside_paths(const std::vector<std::vector<pose::PoseEstimate>>& trajectories) {
-  constexpr double kBeside_m = 1.0;
-  std::vector<Eigen::Vector2d> path;
-  for (const auto& trajectory : trajectories) {
-    for (const pose::PoseEstimate& pose : trajectory) path.push_back({pose.x_m, pose.y_m});
-  }
-  const auto points = std::make_shared<mapping::IndexedPoints>(std::move(path));
-  return [points](const Eigen::Vector2d& p) { return points->nearest(p, kBeside_m) >= 0; };
-}
-
 void number(const mapping::RowsConfig& config, io::MapFolderContent& content) {
   if (!config.enabled) return;
-  content.rows = mapping::find_rows(content.landmarks, config);
   const bool has_numbers = std::any_of(content.landmarks.begin(), content.landmarks.end(),
                                        [](const mapping::Landmark& l) { return l.row != 0; });
   if (has_numbers) {
-    mapping::KeptNumbers kept;
-    const std::vector<mapping::Landmark> known = content.landmarks;
-    mapping::keep_numbers(known, content.rows, content.landmarks, kept);
+    content.rows = mapping::rows_as_numbered(content.landmarks, config);
   } else {
+    content.rows = mapping::find_rows(content.landmarks, config);
     mapping::number_landmarks(content.rows, content.landmarks);
   }
 }
@@ -230,13 +219,14 @@ int run_merge(const MergeOptions& options) {
   std::vector<io::StoredMap> maps;
   for (const std::string& path : options.map_paths) maps.push_back(io::read_stored_map(path));
   require_other_folder(options.out_folder, options.map_paths);
-  std::optional<io::StoredMap> previous;
+  std::optional<io::CorrectedMapFolder> previous;
   if (!options.previous_path.empty()) {
-    previous = io::read_stored_map(options.previous_path);
+    previous = io::read_corrected_map(options.previous_path);
     require_other_folder(options.out_folder, {options.previous_path});
+    require_corrections_of(options.out_folder, *previous);
   }
 
-  const Whole laid = lay(maps, previous ? &*previous : nullptr, options);
+  const Whole laid = lay(maps, previous ? &previous->mapped : nullptr, options);
   const io::StoredMap& whole = laid.map;
   const mapping::MergedMap& merged = laid.merged;
   for (const std::string& sentence : laid.laid) std::printf("%s\n", sentence.c_str());
@@ -267,15 +257,26 @@ int run_merge(const MergeOptions& options) {
     std::fprintf(stderr, "orchard merge: warning: left out: %s\n", out.reason.c_str());
     left_out_csv += quoted(options.map_paths[out.map]) + "," + quoted(out.reason) + "\n";
   }
+  for (const std::string& path : options.map_paths) {
+    if (!std::filesystem::is_directory(path) || io::read_corrections(path).list.empty()) continue;
+    content.summary.warnings.push_back(
+        "corrections of " + path +
+        " are not taken over; `orchard edit MAP apply` makes a map of them to merge");
+    std::fprintf(stderr, "orchard merge: warning: %s\n", content.summary.warnings.back().c_str());
+  }
+  KeptMap kept;
   if (previous) {
-    const mapping::KeptNumbers kept = keep_known(*previous, options.alignment, rows, content);
+    kept = keep_known(*previous, options.alignment, rows, content);
     std::printf("ids of %s: %d kept, %d gone, %d new\n", options.previous_path.c_str(),
-                kept.num_found, kept.num_gone, kept.num_new);
+                kept.numbers.num_found, kept.numbers.num_gone, kept.numbers.num_new);
+    const std::string told = account_corrections("orchard merge", kept.corrections, content);
+    if (!told.empty()) std::printf("corrections by hand: %s\n", told.c_str());
   } else {
     number(rows, content);
   }
   content.ids_csv = renamed(laid.ids_of_map, merged.landmarks, content.landmarks);
   io::write_map_folder(options.out_folder, content);
+  write_corrections(options.out_folder, kept.corrections);
   if (options.leave_out) {
     io::write_file_atomically(options.out_folder + "/left_out.csv", left_out_csv);
   }

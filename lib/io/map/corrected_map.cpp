@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/map/corrected_map.hpp"
+
+#include <filesystem>
+#include <utility>
+
+#include "io/map/corrections_file.hpp"
+#include "mapping/rows/number_keeping.hpp"
+
+namespace orchard::io {
+
+CorrectedMapFolder corrected_map_of(StoredMap mapped,
+                                    std::vector<mapping::Correction> corrections) {
+  CorrectedMapFolder folder;
+  folder.mapped = std::move(mapped);
+  folder.corrections = std::move(corrections);
+  folder.corrected = mapping::apply_corrections(folder.mapped.landmarks, folder.mapped.next_id,
+                                                folder.corrections);
+  folder.rows = mapping::rows_as_numbered(folder.corrected.landmarks, mapping::RowsConfig{});
+  return folder;
+}
+
+CorrectedMapFolder read_corrected_map(const std::string& folder_or_csv, bool as_mapped) {
+  StoredMap mapped = read_stored_map(folder_or_csv);
+  if (as_mapped || !std::filesystem::is_directory(folder_or_csv)) {
+    return corrected_map_of(std::move(mapped), {});
+  }
+  StoredCorrections stored = read_corrections(folder_or_csv);
+  CorrectedMapFolder folder = corrected_map_of(std::move(mapped), std::move(stored.list));
+  folder.num_unfinished_bytes = stored.num_unfinished_bytes;
+  return folder;
+}
+
+std::string corrections_text(const mapping::CorrectedMap& corrected) {
+  using mapping::CorrectionOutcome;
+  const std::pair<CorrectionOutcome, const char*> kWords[] = {
+      {CorrectionOutcome::kApplied, "applied"},
+      {CorrectionOutcome::kByPlace, "applied by place"},
+      {CorrectionOutcome::kSatisfied, "already so"},
+      {CorrectionOutcome::kUndone, "undone"},
+      {CorrectionOutcome::kConflict, "in conflict"}};
+  std::string text;
+  for (const auto& [outcome, word] : kWords) {
+    const int count = corrected.count(outcome);
+    if (count == 0) continue;
+    text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + word;
+  }
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace orchard::io

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+
+#include "cli/add_command.hpp"
+#include "cli/growers/edit.hpp"
+
+namespace orchard::cli {
+namespace {
+
+using mapping::CorrectionKind;
+
+/// The words under `orchard edit MAP`, which share their options' struct: only one can be given.
+class EditCommands {
+ public:
+  EditCommands(CLI::App& edit, Run& run, std::shared_ptr<EditOptions> options)
+      : edit_(edit), run_(run), options_(std::move(options)) {}
+
+  CLI::App& add(CorrectionKind kind, const char* description, const char* examples) {
+    CLI::App& command =
+        add_subcommand(edit_, mapping::correction_word(kind), description, examples);
+    on_command(command, [&run = run_, options = options_, kind] {
+      options->kind = kind;
+      run = [options] { return run_edit(*options); };
+    });
+    command.add_option("--who", options_->who, "who says so; without it the user of the system")
+        ->type_name("NAME");
+    if (kind != CorrectionKind::kNote) {
+      command.add_option("--note", options_->note, "why")->type_name("TEXT");
+    }
+    return command;
+  }
+  CLI::App& add_reader(const char* name, const char* description, const char* examples,
+                       int (*function)(const EditOptions&)) {
+    CLI::App& command = add_subcommand(edit_, name, description, examples);
+    on_command(command, [&run = run_, options = options_, function] {
+      run = [options, function] { return function(*options); };
+    });
+    return command;
+  }
+
+  void tree(CLI::App& command) {
+    command.add_option("tree", options_->tree, "id, or row/tree")
+        ->required()
+        ->type_name("ID|ROW/TREE");
+  }
+  CLI::Option* at(CLI::App& command, int num_numbers, const char* description) {
+    return command.add_option("--at", options_->at_m, description)
+        ->expected(num_numbers)
+        ->type_name("X Y");
+  }
+  void class_word(CLI::App& command, const char* name) {
+    command.add_option(name, options_->class_word, "tree or object")
+        ->check(CLI::IsMember({"tree", "object"}));
+  }
+
+  EditOptions& options() { return *options_; }
+
+ private:
+  CLI::App& edit_;
+  Run& run_;
+  std::shared_ptr<EditOptions> options_;
+};
+
+void add_tree_words(EditCommands& words) {
+  words.tree(words.add(CorrectionKind::kDelete, "Nothing stands there: a ghost",
+                       "  orchard edit out/drive delete 17 --who Ana --note \"a shadow\"\n"));
+  CLI::App& add = words.add(CorrectionKind::kAdd, "Something stands there that the map lacks",
+                            "  orchard edit out/drive add 3/14            (in the gap of row 3)\n"
+                            "  orchard edit out/drive add --at 12.5 3.0 --width 0.12\n"
+                            "  orchard edit out/drive add --at 1.0 -4.2 --class object\n");
+  add.add_option("gap", words.options().tree, "row/tree of a gap")->type_name("ROW/TREE");
+  words.at(add, 2, "its place [m, map]");
+  words.class_word(add, "--class");
+  add.add_option("--width", words.options().width_m, "of the trunk [m], where it was measured")
+      ->check(CLI::Range(0.001, 100.0));
+  CLI::App& move = words.add(CorrectionKind::kMove, "It stands elsewhere",
+                             "  orchard edit out/drive move 17 --at 12.5 3.0\n");
+  words.tree(move);
+  words.at(move, 2, "where it stands [m, map]")->required();
+  CLI::App& label = words.add(CorrectionKind::kClass, "It is a tree, or an object",
+                              "  orchard edit out/drive class 17 object\n");
+  words.tree(label);
+  label.add_option("class", words.options().class_word, "tree or object")
+      ->required()
+      ->check(CLI::IsMember({"tree", "object"}));
+  CLI::App& merge = words.add(CorrectionKind::kMerge, "Two or more landmarks are one thing",
+                              "  orchard edit out/drive merge 17 18\n"
+                              "The first keeps its id; it stands where most looks saw it.\n");
+  merge.add_option("trees", words.options().trees, "ids, or row/tree")
+      ->required()
+      ->expected(2, 100)
+      ->type_name("ID|ROW/TREE...");
+  CLI::App& split = words.add(CorrectionKind::kSplit, "One landmark is two things",
+                              "  orchard edit out/drive split 17 --at 12.1 3.0 12.9 3.0\n"
+                              "The first place keeps the id.\n");
+  words.tree(split);
+  words.at(split, 4, "where both stand [m, map]")->required()->type_name("X1 Y1 X2 Y2");
+}
+
+void add_number_words(EditCommands& words) {
+  CLI::App& row = words.add(CorrectionKind::kRowName, "What people call a row",
+                            "  orchard edit out/drive row 3 \"by the road\"\n");
+  row.add_option("row", words.options().row, "its number, or its name so far")->required();
+  row.add_option("name", words.options().name, "its name")->required();
+  CLI::App& renumber = words.add(CorrectionKind::kRenumber, "Row and number of a tree",
+                                 "  orchard edit out/drive renumber 17 --row 3 --position 14\n");
+  words.tree(renumber);
+  renumber.add_option("--row", words.options().row, "number or name")->required();
+  renumber.add_option("--position", words.options().position, "of the tree in its row; 0: none")
+      ->required()
+      ->check(CLI::Range(0, 1000000));
+  CLI::App& note = words.add(CorrectionKind::kNote, "Words about a landmark",
+                             "  orchard edit out/drive note 3/14 \"grafted in March\"\n");
+  words.tree(note);
+  note.add_option("text", words.options().note, "one line")->required()->type_name("TEXT");
+}
+
+void add_history_words(EditCommands& words) {
+  for (const auto kind : {CorrectionKind::kUndo, CorrectionKind::kRedo}) {
+    const bool undoes = kind == CorrectionKind::kUndo;
+    CLI::App& command = words.add(
+        kind, undoes ? "Take a correction back" : "Let an undone correction hold again",
+        undoes
+            ? "  orchard edit out/drive undo         (the last)\n  orchard edit out/drive undo 7\n"
+            : "  orchard edit out/drive redo         (what was undone last)\n");
+    command.add_option("number", words.options().of, "of a correction; without it the last")
+        ->check(CLI::Range(1, 2147483646));
+  }
+  CLI::App& list = words.add_reader("list", "All corrections and what became of each",
+                                    "  orchard edit out/drive list --json\n", run_edit_list);
+  list.add_flag("--json", words.options().json, "for programs");
+  CLI::App& check =
+      words.add_reader("check", "The conflicts; exit 3 when there are some",
+                       "  orchard edit out/drive check && echo sound\n", run_edit_check);
+  check.add_flag("--json", words.options().json, "for programs");
+  CLI::App& apply = words.add_reader(
+      "apply", "Write the corrected map as a folder of its own",
+      "  orchard edit out/drive apply --out out/corrected     (map.html, map.gpkg, map.csv ...)\n",
+      run_edit_apply);
+  apply.add_option("--out", words.options().out_folder, "folder, made when missing")
+      ->required()
+      ->type_name("DIR");
+}
+
+}  // namespace
+
+void add_growers(CLI::App& app, Run& run) {
+  const auto options = std::make_shared<EditOptions>();
+  CLI::App& edit = add_subcommand(
+      app, "edit", "Correct a map by hand: what a person says lasts",
+      "  orchard edit out/drive delete 17 --note \"a shadow\"\n"
+      "  orchard edit out/drive add 3/14\n"
+      "  orchard edit out/drive list\n"
+      "Corrections stand in corrections.jsonl beside the map, which stays as it is. `orchard map\n"
+      "--previous` carries them to the next map, by id and place, and says what fits no more.\n");
+  edit.add_option("map", options->map_folder, "map folder")->required()->type_name("FOLDER");
+  edit.require_subcommand(1);
+  EditCommands words(edit, run, options);
+  add_tree_words(words);
+  add_number_words(words);
+  add_history_words(words);
+}
+
+}  // namespace orchard::cli

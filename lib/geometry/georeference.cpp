@@ -33,6 +33,14 @@ Geodetic geodetic_of(const Georeference& g, const Eigen::Vector2d& p_map) {
   return place;
 }
 
+Eigen::Vector2d map_of(const Georeference& g, const Geodetic& place) {
+  const GeographicLib::LocalCartesian enu(g.latitude_deg, g.longitude_deg, g.altitude_m);
+  Eigen::Vector2d p_enu;
+  double up_m = 0.0;
+  enu.Forward(place.latitude_deg, place.longitude_deg, g.altitude_m, p_enu.x(), p_enu.y(), up_m);
+  return transform_back(Pose2{g.x_m, g.y_m, g.yaw_rad}, p_enu);
+}
+
 int utm_epsg(const Georeference& g) {
   const Zone zone = zone_of(g);
   if (zone.number == GeographicLib::UTMUPS::UPS) return zone.is_north ? 5041 : 5042;

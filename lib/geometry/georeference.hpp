@@ -27,6 +27,9 @@ struct Geodetic {
 /// A point of map on the earth.
 Geodetic geodetic_of(const Georeference& georeference, const Eigen::Vector2d& p_map);
 
+/// A place on the earth as a point of map; heights apart, the inverse of geodetic_of().
+Eigen::Vector2d map_of(const Georeference& georeference, const Geodetic& place);
+
 /// EPSG code of the UTM zone that the datum lies in (UPS near the poles), WGS 84.
 int utm_epsg(const Georeference& georeference);
 

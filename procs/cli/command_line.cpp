@@ -256,6 +256,7 @@ void add_all(CLI::App& app, Run& run) {
   add_compare(app, run);
   add_merge(app, run);
   add_growers(app, run);
+  add_plan(app, run);
   add_overlay(app, run);
   add_log(app, run);
   add_field(app, run);

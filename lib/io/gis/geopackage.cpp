@@ -2,7 +2,6 @@
 #include "io/gis/geopackage.hpp"
 
 #include <cpl_conv.h>
-#include <cpl_error.h>
 #include <cpl_vsi.h>
 #include <gdal_priv.h>
 #include <ogrsf_frmts.h>
@@ -11,30 +10,13 @@
 #include <atomic>
 
 #include "io/file_error.hpp"
+#include "io/gis/gdal_errors.hpp"
 
 namespace orchard::io {
 namespace {
 
 /// GDAL writes the time of day into a GeoPackage unless it is told one.
 constexpr char kFixedDate[] = "2000-01-01T00:00:00.000Z";
-
-/// Collects what GDAL complains about instead of letting it print.
-class ErrorCollector {
- public:
-  ErrorCollector() { CPLPushErrorHandlerEx(&ErrorCollector::handle, this); }
-  ~ErrorCollector() { CPLPopErrorHandler(); }
-  ErrorCollector(const ErrorCollector&) = delete;
-  ErrorCollector& operator=(const ErrorCollector&) = delete;
-
-  const std::string& first() const { return first_; }
-
- private:
-  static void CPL_STDCALL handle(CPLErr level, CPLErrorNum, const char* message) {
-    auto* self = static_cast<ErrorCollector*>(CPLGetErrorHandlerUserData());
-    if (level >= CE_Failure && self->first_.empty()) self->first_ = message;
-  }
-  std::string first_;
-};
 
 /// A file in memory; gone with this object.
 class MemoryFile {
@@ -92,7 +74,7 @@ struct GeoPackage::Impl {
 
   std::optional<geometry::Georeference> georeference;
   CPLConfigOptionSetter fixed_date{"OGR_CURRENT_DATE", kFixedDate, false};
-  ErrorCollector errors;
+  GdalErrors errors;
   MemoryFile file;
   OGRSpatialReference srs;
   std::unique_ptr<GDALDataset> dataset;

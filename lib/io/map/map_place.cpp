@@ -27,9 +27,8 @@ namespace fs = std::filesystem;
 bool is_map_file(const std::string& name) {
   static const std::regex kNames(
       "corrections\\.jsonl|map\\.(csv|gpkg|svg|png|pdf|html)|trajectory(_[0-9]+)?\\.csv|graph\\."
-      "json|(ids|left_out)\\.csv|summary\\."
       "json|"
-      "derived\\.lcm");
+      "(ids|left_out|names|plan|plan_rows)\\.csv|(summary|plan)\\.json|derived\\.lcm");
   return std::regex_match(name, kNames);
 }
 

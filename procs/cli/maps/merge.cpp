@@ -16,6 +16,7 @@
 #include "cli/load_rig.hpp"
 #include "cli/maps/map_corrections.hpp"
 #include "cli/maps/map_laying.hpp"
+#include "cli/maps/stored_content.hpp"
 #include "geometry/angles.hpp"
 #include "geometry/pose2.hpp"
 #include "io/atomic_file.hpp"
@@ -230,27 +231,14 @@ int run_merge(const MergeOptions& options) {
   const io::StoredMap& whole = laid.map;
   const mapping::MergedMap& merged = laid.merged;
   for (const std::string& sentence : laid.laid) std::printf("%s\n", sentence.c_str());
-  io::MapFolderContent content;
+  io::MapFolderContent content = content_of(whole);
   content.landmarks = merged.landmarks;
   content.next_id = merged.next_id;
-  content.georeference = whole.georeference;
-  content.view = whole.view;
-  if (!whole.trajectories.empty()) {
-    content.trajectory = whole.trajectories.front();
-    content.more_trajectories.assign(whole.trajectories.begin() + 1, whole.trajectories.end());
-    content.summary.first_utime = content.trajectory.front().utime;
-    for (const auto& trajectory : whole.trajectories) {
-      content.summary.first_utime = std::min(content.summary.first_utime, trajectory.front().utime);
-      content.summary.last_utime = std::max(content.summary.last_utime, trajectory.back().utime);
-    }
-  }
-  content.summary.version = ORCHARD_VERSION;
   content.summary.source = "merged";
   for (std::size_t k = 0; k < maps.size(); ++k) {
     content.summary.counts.push_back({"map_" + std::to_string(k + 1) + "_landmarks",
                                       static_cast<std::int64_t>(maps[k].landmarks.size())});
   }
-  if (!whole.trajectories.empty()) content.seen_free = beside_paths(whole.trajectories);
   std::string left_out_csv = "map,reason\n";
   for (const LeftOut& out : laid.left_out) {
     content.summary.warnings.push_back("left out: " + out.reason);

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/gis/plan_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "io/file_error.hpp"
+#include "io/gis/plan_features.hpp"
+#include "mapping/plan/plan_building.hpp"
+#include "text/number_text.hpp"
+
+namespace orchard::io {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kFarthest_m = 20000.0;  ///< from the middle of one block
+constexpr double kLocalMost_m = 100000.0;
+
+/// Amid all points; of degrees where no block crosses the date line unnoticed.
+Vector2d middle_of(const PlanFeatures& features) {
+  Vector2d low(1e300, 1e300), high(-1e300, -1e300);
+  for (const auto* list : {&features.trees, &features.lines}) {
+    for (const PlanFeature& f : *list) {
+      for (const Vector2d& p : f.points) {
+        low = low.cwiseMin(p);
+        high = high.cwiseMax(p);
+      }
+    }
+  }
+  return 0.5 * (low + high);
+}
+
+/// Into metres about the middle, where the points are degrees.
+void to_metres(PlanFeatures& features, StoredPlan& stored) {
+  const Vector2d middle = middle_of(features);
+  if (features.is_geographic) {
+    geometry::Georeference g;
+    g.longitude_deg = middle.x();
+    g.latitude_deg = middle.y();
+    stored.georeference = g;
+  }
+  for (auto* list : {&features.trees, &features.lines}) {
+    for (PlanFeature& f : *list) {
+      for (Vector2d& p : f.points) {
+        if (stored.georeference) p = geometry::map_of(*stored.georeference, {p.y(), p.x()});
+        const Vector2d from_middle = stored.georeference ? p : Vector2d(p - middle);
+        if (from_middle.norm() > kFarthest_m) {
+          throw FileError(stored.name + ": row " + f.row + " lies " +
+                          fixed_text(1e-3 * from_middle.norm(), 0) +
+                          " km from the middle of the plan; is its coordinate system right "
+                          "(--crs)?");
+        }
+        if (!stored.georeference && p.cwiseAbs().maxCoeff() > kLocalMost_m) {
+          throw FileError(stored.name + ": x " + fixed_text(p.x(), 1) + ", y " +
+                          fixed_text(p.y(), 1) +
+                          " are coordinates of a country's or zone's system, and the file does "
+                          "not say which; name it, for example --crs EPSG:25830");
+        }
+      }
+    }
+  }
+}
+
+mapping::BuiltPlan built(PlanFeatures features, const PlanFileOptions& options,
+                         const std::string& name) {
+  if (!features.trees.empty()) {
+    if (!features.lines.empty()) {
+      features.notes.push_back("it has trees, so its " + std::to_string(features.lines.size()) +
+                               " lines are left out");
+    }
+    std::vector<mapping::LoosePlannedTree> trees;
+    for (PlanFeature& f : features.trees) {
+      trees.push_back({std::move(f.row), std::move(f.tree), f.points.front()});
+    }
+    mapping::BuiltPlan plan = mapping::plan_of_trees(trees);
+    plan.notes.insert(plan.notes.begin(), features.notes.begin(), features.notes.end());
+    return plan;
+  }
+  if (features.lines.empty()) {
+    throw FileError(name + " holds neither points (trees) nor lines (rows)");
+  }
+  if (options.spacing_m <= 0.0) {
+    throw FileError(name +
+                    " holds rows as lines; say how far apart the trees stand in them, for "
+                    "example --spacing 3.0");
+  }
+  std::vector<mapping::PlannedLine> lines;
+  for (PlanFeature& f : features.lines) lines.push_back({std::move(f.row), std::move(f.points)});
+  mapping::BuiltPlan plan = mapping::plan_of_lines(lines, options.spacing_m);
+  plan.notes.insert(plan.notes.begin(), features.notes.begin(), features.notes.end());
+  return plan;
+}
+
+bool is_yaml(const std::string& path) {
+  const std::string extension = std::filesystem::path(path).extension().string();
+  return extension == ".yaml" || extension == ".yml";
+}
+
+}  // namespace
+
+StoredPlan read_plan(const std::string& path, const PlanFileOptions& options) {
+  if (!std::filesystem::is_regular_file(path)) {
+    throw FileError(path + (std::filesystem::exists(path) ? " is no file" : " does not exist") +
+                    "; give a plan (GeoPackage, Shapefile, GeoJSON, KML, DXF, CSV, or YAML)");
+  }
+  PlanFeatures features = is_yaml(path) ? read_plan_grid(path) : read_plan_features(path, options);
+  StoredPlan stored;
+  stored.name = path;
+  stored.format = features.format;
+  stored.crs = features.crs;
+  to_metres(features, stored);
+  mapping::BuiltPlan plan = built(std::move(features), options, path);
+  if (!plan.problems.empty()) {
+    std::string text;
+    for (const std::string& problem : plan.problems) text += (text.empty() ? "" : "; ") + problem;
+    throw FileError(path + ": " + text +
+                    "; mend the plan, or name its columns with --row-field "
+                    "and --tree-field");
+  }
+  stored.plan = std::move(plan.plan);
+  stored.notes = std::move(plan.notes);
+  return stored;
+}
+
+mapping::OrchardPlan plan_in_map(const StoredPlan& plan, const geometry::Georeference& of_map) {
+  mapping::OrchardPlan result = plan.plan;
+  if (!plan.georeference) return result;
+  for (mapping::PlannedRow& row : result.rows) {
+    for (mapping::PlannedTree& tree : row.trees) {
+      tree.p_plan =
+          geometry::map_of(of_map, geometry::geodetic_of(*plan.georeference, tree.p_plan));
+    }
+  }
+  return result;
+}
+
+}  // namespace orchard::io

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "geometry/angles.hpp"
+#include "io/config/yaml_reader.hpp"
+#include "io/file_error.hpp"
+#include "io/gis/plan_features.hpp"
+
+namespace orchard::io {
+namespace {
+
+using Eigen::Vector2d;
+
+enum class RowsTo { kRight, kLeft };
+
+/// "12 rows, 4.5 m apart, 40 trees every 3 m, from this corner".
+struct PlanGrid {
+  int rows = 0;
+  int trees = 0;
+  double row_spacing_m = 0.0;
+  double tree_spacing_m = 0.0;
+  std::vector<double> corner_deg;
+  double bearing_deg = 0.0;
+  RowsTo rows_to = RowsTo::kRight;
+  int first_row = 1;
+  int first_tree = 1;
+};
+
+void describe(ConfigVisitor& v, PlanGrid& g) {
+  v.integer("rows", g.rows, 1, 100000, "", "how many");
+  v.integer("trees", g.trees, 1, 100000, "", "in each row");
+  v.number("row_spacing_m", g.row_spacing_m, 0.2, 100.0, "m", "from row to row");
+  v.number("tree_spacing_m", g.tree_spacing_m, 0.2, 100.0, "m", "from tree to tree");
+  v.numbers("corner_deg", g.corner_deg, -180.0, 180.0, "degrees",
+            "latitude and longitude of the first row's first tree; without it the plan is not "
+            "tied to the earth");
+  v.number("bearing_deg", g.bearing_deg, -360.0, 360.0, "degrees",
+           "of the rows, first tree to last, clockwise from north");
+  v.choice("rows_to", g.rows_to, {"right", "left"},
+           "where the second row lies for who looks along the first");
+  v.integer("first_row", g.first_row, 1, 1000000, "", "number of the first row");
+  v.integer("first_tree", g.first_tree, 1, 1000000, "", "number of each row's first tree");
+  v.check(g.rows > 0, "rows", "how many rows are there?");
+  v.check(g.trees > 0, "trees", "how many trees has a row?");
+  v.check(g.row_spacing_m > 0.0, "row_spacing_m", "how far apart are the rows?");
+  v.check(g.tree_spacing_m > 0.0, "tree_spacing_m", "how far apart are the trees?");
+  v.check(g.corner_deg.empty() || (g.corner_deg.size() == 2 && std::abs(g.corner_deg[0]) <= 90.0),
+          "corner_deg", "must be [latitude, longitude]");
+  v.check(static_cast<double>(g.rows) * g.trees <= 2e6, "trees", "over two million in all");
+}
+
+}  // namespace
+
+PlanFeatures read_plan_grid(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw FileError(path + " cannot be read");
+  std::ostringstream text;
+  text << file.rdbuf();
+  PlanGrid grid;
+  PlanFeatures features;
+  features.notes = read_yaml(text.str(), path, [&](ConfigVisitor& v) { describe(v, grid); });
+  features.format = "YAML";
+  features.is_geographic = !grid.corner_deg.empty();
+  features.crs = features.is_geographic ? "EPSG:4326" : "local";
+  const double bearing_rad = grid.bearing_deg * geometry::kPi / 180.0;
+  const Vector2d along(std::sin(bearing_rad), std::cos(bearing_rad));
+  const Vector2d right(along.y(), -along.x());
+  const Vector2d step = (grid.rows_to == RowsTo::kRight ? 1.0 : -1.0) * right;
+  geometry::Georeference corner;
+  if (features.is_geographic) {
+    corner.latitude_deg = grid.corner_deg[0];
+    corner.longitude_deg = grid.corner_deg[1];
+  }
+  for (int r = 0; r < grid.rows; ++r) {
+    for (int k = 0; k < grid.trees; ++k) {
+      Vector2d p = r * grid.row_spacing_m * step + k * grid.tree_spacing_m * along;
+      if (features.is_geographic) {
+        const geometry::Geodetic place = geometry::geodetic_of(corner, p);
+        p = {place.longitude_deg, place.latitude_deg};
+      }
+      features.trees.push_back(
+          {std::to_string(grid.first_row + r), std::to_string(grid.first_tree + k), {p}});
+    }
+  }
+  return features;
+}
+
+}  // namespace orchard::io

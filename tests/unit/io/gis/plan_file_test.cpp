@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/gis/plan_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <GeographicLib/Geodesic.hpp>
+#include <filesystem>
+
+#include "io/config/config_error.hpp"
+#include "io/file_error.hpp"
+#include "io/gis/plan_report.hpp"
+#include "unit/io/gis/plan_writer.hpp"
+
+namespace orchard::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+class PlanFile : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ =
+        fs::path(::testing::TempDir()) /
+        ("plan_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string written(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return (folder_ / name).string();
+  }
+  /// What refuses it.
+  std::string refusal(const std::string& path, const PlanFileOptions& options = {}) const {
+    try {
+      read_plan(path, options);
+    } catch (const FileError& error) {
+      return error.what();
+    } catch (const ConfigError& error) {
+      return error.problems().front();
+    }
+    return "";
+  }
+
+  fs::path folder_;
+};
+
+geometry::Georeference in_spain() {
+  geometry::Georeference g;
+  g.latitude_deg = 41.6;
+  g.longitude_deg = 0.6;
+  g.yaw_rad = 0.7;
+  return g;
+}
+
+mapping::OrchardPlan small_plan() {
+  mapping::OrchardPlan plan;
+  for (int r = 0; r < 3; ++r) {
+    mapping::PlannedRow row{std::to_string(10 + r), {}};
+    for (int k = 0; k < 5; ++k) row.trees.push_back({std::to_string(k + 1), {3.0 * k, 4.5 * r}});
+    plan.rows.push_back(row);
+  }
+  return plan;
+}
+
+TEST_F(PlanFile, IsTheSameFromEveryFormatAndSystem) {
+  const mapping::OrchardPlan truth = small_plan();
+  for (const PlanKind& kind : kPlanKinds) {
+    const std::string path = write_plan(truth, in_spain(), kind, (folder_ / "plan").string());
+    PlanFileOptions options;
+    if (kind.needs_crs) options.crs = kind.crs;
+    const StoredPlan plan = read_plan(path, options);
+    EXPECT_EQ(plan.crs, *kind.crs ? kind.crs : "EPSG:4326") << path;
+    ASSERT_TRUE(plan.georeference) << path;
+    ASSERT_EQ(plan.plan.rows.size(), 3u) << path;
+    const mapping::OrchardPlan back = plan_in_map(plan, in_spain());
+    for (std::size_t r = 0; r < 3; ++r) {
+      EXPECT_EQ(back.rows[r].name, truth.rows[r].name) << path;
+      ASSERT_EQ(back.rows[r].trees.size(), 5u) << path;
+      for (std::size_t k = 0; k < 5; ++k) {
+        EXPECT_EQ(back.rows[r].trees[k].name, truth.rows[r].trees[k].name) << path;
+        // a datum of another ellipsoid costs decimetres unless its grid is at hand
+        const double most_m = std::string(kind.crs) == "EPSG:27700" ? 5.0 : 0.01;
+        EXPECT_LT((back.rows[r].trees[k].p_plan - truth.rows[r].trees[k].p_plan).norm(), most_m)
+            << path;
+      }
+    }
+    fs::remove(path);
+  }
+}
+
+TEST_F(PlanFile, GridLiesWhereItsYamlSays) {
+  const std::string path = written("grid.yaml",
+                                   "rows: 12\ntrees: 40\nrow_spacing_m: 4.5\ntree_spacing_m: 3\n"
+                                   "corner_deg: [-27.6, 151.9]\nbearing_deg: 30\nrows_to: right\n"
+                                   "first_row: 7\n");
+  const StoredPlan plan = read_plan(path, {});
+  ASSERT_EQ(plan.plan.rows.size(), 12u);
+  EXPECT_EQ(plan.plan.rows[0].name, "7");
+  ASSERT_EQ(plan.plan.num_trees(), 480u);
+  const auto place = [&](std::size_t r, std::size_t k) {
+    return geometry::geodetic_of(*plan.georeference, plan.plan.rows[r].trees[k].p_plan);
+  };
+  // by the geodesic, which knows no map frame
+  const auto& earth = GeographicLib::Geodesic::WGS84();
+  double metres = 0.0, bearing = 0.0, back = 0.0;
+  earth.Inverse(-27.6, 151.9, place(0, 39).latitude_deg, place(0, 39).longitude_deg, metres,
+                bearing, back);
+  EXPECT_NEAR(metres, 117.0, 0.005);
+  EXPECT_NEAR(bearing, 30.0, 0.01);
+  earth.Inverse(-27.6, 151.9, place(11, 0).latitude_deg, place(11, 0).longitude_deg, metres,
+                bearing, back);
+  EXPECT_NEAR(metres, 49.5, 0.005);
+  EXPECT_NEAR(bearing, 120.0, 0.01);
+}
+
+TEST_F(PlanFile, RowsMayBeLines) {
+  const std::string path = written("rows.geojson", R"({"type": "FeatureCollection", "features": [
+    {"type": "Feature", "properties": {"name": "A"}, "geometry": {"type": "LineString",
+     "coordinates": [[0.6, 41.6], [0.601, 41.6]]}},
+    {"type": "Feature", "properties": {"name": "B"}, "geometry": {"type": "LineString",
+     "coordinates": [[0.6, 41.60005], [0.601, 41.60005]]}}]})");
+  EXPECT_NE(refusal(path).find("--spacing"), std::string::npos) << refusal(path);
+  PlanFileOptions options;
+  options.spacing_m = 4.0;
+  const StoredPlan plan = read_plan(path, options);
+  ASSERT_EQ(plan.plan.rows.size(), 2u);
+  EXPECT_EQ(plan.plan.rows[1].name, "B");
+  EXPECT_EQ(plan.plan.rows[0].trees.size(), 21u);  // a thousandth of a degree is 83.4 m there
+  EXPECT_NEAR(mapping::typical_alley_m(plan.plan), 5.55, 0.02);
+}
+
+TEST_F(PlanFile, ReadsItsOwnGeoJsonBack) {
+  const std::string path =
+      write_plan(small_plan(), in_spain(), kPlanKinds[0], (folder_ / "plan").string());
+  const StoredPlan plan = read_plan(path, {});
+  const StoredPlan back = read_plan(written("back.geojson", plan_geojson(plan)), {});
+  EXPECT_EQ(back.plan.num_trees(), 15u);
+  EXPECT_EQ(plan_geojson(back), plan_geojson(plan));
+}
+
+TEST_F(PlanFile, SaysWhatIsWrong) {
+  const auto says = [&](const std::string& path, const std::string& words,
+                        const PlanFileOptions& options = {}) {
+    const std::string text = refusal(path, options);
+    EXPECT_NE(text.find(words), std::string::npos)
+        << "\"" << text << "\" lacks \"" << words << "\"";
+  };
+  says((folder_ / "none.gpkg").string(), "does not exist");
+  says(folder_.string(), "is no file");
+  says(written("text.csv", "row,tree,x,y\n1,1,0,zero\n"), "feature 1: y = \"zero\" is no number");
+  says(written("nan.csv", "row,tree,x,y\n1,1,0,nan\n"), "lies nowhere on earth");
+  says(written("twice.csv", "row,tree,x,y\n1,1,0,0\n1,1,3,0\n"), "row 1 has two trees 1");
+  says(written("zone.csv", "row,tree,x,y\n1,1,391444,6946623\n1,2,391447,6946623\n"), "--crs");
+  says(written("far.csv", "row,tree,lat,lon\n1,1,41,0\n1,2,42,0\n"), "km from the middle");
+  says(written("pole.csv", "row,tree,lat,lon\n1,1,141,0\n"), "lies nowhere on earth");
+  says(written("columns.csv", "row,tree,east_of_house\n1,1,4\n"), "no columns of places");
+  says(written("nothing.csv", ""), "nothing.csv");
+  says(written("noise.gpkg", "no database at all"), "is no GeoPackage");
+  says(written("long.csv", "row,tree,x,y\n" + std::string(100, 'r') + ",1,0,0\n"), "a name of");
+  PlanFileOptions options;
+  options.row_field = "block";
+  says(written("fields.csv", "row,tree,x,y\n1,1,0,0\n"), "no column block, only: row, tree, x, y",
+       options);
+  options = {};
+  options.crs = "EPSG:nothing";
+  says(written("crs.csv", "row,tree,x,y\n1,1,0,0\n"), "no coordinate system", options);
+  says(written("typo.yaml", "rowz: 3\n"), "rows");
+  says(written("less.yaml", "rows: 3\ntrees: 5\nrow_spacing_m: 4\n"), "tree_spacing_m");
+}
+
+TEST_F(PlanFile, NamesSurviveCsv) {
+  const std::string path =
+      written("names.csv", "row,tree,x,y\n\"A, \"\"old\"\"\",1,0,0\n\"A, \"\"old\"\"\",2,3,0\n");
+  const StoredPlan plan = read_plan(path, {});
+  EXPECT_EQ(plan.plan.rows[0].name, "A, \"old\"");
+  EXPECT_EQ(plan_names_csv({{17, plan.plan.rows[0].name, "1"}}),
+            "id,row,tree\n17,\"A, \"\"old\"\"\",1\n");
+}
+
+}  // namespace
+}  // namespace orchard::io

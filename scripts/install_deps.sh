@@ -40,6 +40,8 @@ packages=(
   iproute2 util-linux
   # tests of several machines, clocks and supervisors
   python3 nftables libfaketime supervisor
+  # tests of farms: the engine that runs the steps, and a cluster of one node
+  snakemake slurmctld slurmd slurm-client munge
   # tests of the pages: a browser without a window, and what drives it
   chromium chromium-driver
 )

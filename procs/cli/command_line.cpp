@@ -260,6 +260,7 @@ void add_all(CLI::App& app, Run& run) {
   add_overlay(app, run);
   add_log(app, run);
   add_field(app, run);
+  add_farm(app, run);
   add_echo(app, run);
   add_doctor(app, run);
   add_calibrate(app, run);

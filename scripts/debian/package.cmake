@@ -49,7 +49,7 @@ set(CPACK_DEBIAN_MAIN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_MAIN_PACKAGE_DEPENDS "fonts-dejavu-core")  # what figures are written with
 set(CPACK_DEBIAN_MAIN_PACKAGE_RECOMMENDS "liblcm-bin, iproute2, chrony")
 set(CPACK_DEBIAN_MAIN_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/scripts/debian/postinst)
-set(CPACK_DEBIAN_MAIN_PACKAGE_SUGGESTS "liborchard-dev, python3, default-jre, liblcm-java, libjchart2d-java, qgis, supervisor, nftables")
+set(CPACK_DEBIAN_MAIN_PACKAGE_SUGGESTS "liborchard-dev, python3, default-jre, liblcm-java, libjchart2d-java, qgis, supervisor, nftables, snakemake")
 set(CPACK_DEBIAN_MAIN_DESCRIPTION "maps of tree trunks from laser scans and camera images
 A robot with a 2D laser scanner and a camera drives through an orchard. Orchard
 Mapper turns what they see into a map of every tree trunk and every other

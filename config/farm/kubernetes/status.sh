@@ -1,0 +1,9 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Tells Snakemake what became of a job: running, success or failed.
+# usage: status.sh JOB
+said=$(kubectl get job "$1" -o 'jsonpath={.status.succeeded}/{.status.failed}' 2>&1) || case $said in
+  *NotFound*) echo failed; exit 0 ;;
+  *) echo running; exit 0 ;;
+esac
+case $said in 1/*) echo success ;; */[1-9]*) echo failed ;; *) echo running ;; esac

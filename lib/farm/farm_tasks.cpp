@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "farm/farm_tasks.hpp"
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "farm/sha256.hpp"
+#include "text/number_text.hpp"
+
+namespace orchard::farm {
+namespace {
+
+constexpr std::size_t kDigits = 20;  ///< of a name: two alike among 1e9 results are no concern
+
+/// The name of what follows from these and nothing else.
+std::string name_of(TaskKind kind, const std::vector<std::string>& causes) {
+  std::string text = kind_text(kind);
+  for (const std::string& cause : causes) text += "\n" + cause;
+  return std::string(kind_text(kind)) + "-" + sha256_hex(text).substr(0, kDigits);
+}
+
+/// Tasks in the order in which they were first asked for, alike ones once.
+class TaskList {
+ public:
+  const std::string& add(FarmTask task) {
+    const auto [place, is_new] = place_of_.try_emplace(task.name, tasks_.size());
+    if (is_new) {
+      tasks_.push_back(std::move(task));
+      return tasks_.back().name;
+    }
+    FarmTask& known = tasks_[place->second];
+    known.drives.insert(known.drives.end(), task.drives.begin(), task.drives.end());
+    return known.name;
+  }
+  std::vector<FarmTask> take() { return std::move(tasks_); }
+
+ private:
+  std::vector<FarmTask> tasks_;
+  std::map<std::string, std::size_t> place_of_;
+};
+
+using DrivesOfDate = std::vector<Drive>;
+
+void add_date(const DrivesOfDate& drives, const FarmSettings& settings,
+              std::vector<std::string>& dates, TaskList& tasks) {
+  FarmTask date;
+  date.kind = TaskKind::kDate;
+  date.earlier = dates;
+  date.drives = drives;
+  for (const Drive& drive : drives) {
+    const std::string check =
+        tasks.add({TaskKind::kCheck,
+                   name_of(TaskKind::kCheck, {settings.version, drive.log_digest}),
+                   {},
+                   {},
+                   {drive}});
+    const std::string map =
+        tasks.add({TaskKind::kMap,
+                   name_of(TaskKind::kMap, {settings.version, drive.log_digest, drive.rig_digest}),
+                   {check},
+                   {},
+                   {drive}});
+    // A log that lies there twice is one drive.
+    if (std::find(date.needs.begin(), date.needs.end(), map) == date.needs.end()) {
+      date.needs.push_back(map);
+    }
+  }
+  std::vector<std::string> causes{settings.version, settings.any_place ? "any place" : "one frame",
+                                  shortest_text(settings.max_offset_m),
+                                  dates.empty() ? "" : dates.back()};
+  causes.insert(causes.end(), date.needs.begin(), date.needs.end());
+  date.name = name_of(TaskKind::kDate, causes);
+  const std::string name = tasks.add(date);
+  if (!dates.empty()) {
+    tasks.add({TaskKind::kChanges,
+               name_of(TaskKind::kChanges, {settings.version, name}),
+               {name},
+               dates,
+               drives});
+  }
+  dates.push_back(name);
+}
+
+}  // namespace
+
+const char* kind_text(TaskKind kind) {
+  switch (kind) {
+    case TaskKind::kCheck:
+      return "check";
+    case TaskKind::kMap:
+      return "map";
+    case TaskKind::kDate:
+      return "date";
+    case TaskKind::kChanges:
+      break;
+  }
+  return "changes";
+}
+
+std::vector<FarmTask> tasks_of(std::vector<Drive> drives, const FarmSettings& settings) {
+  std::map<std::string, std::map<std::string, DrivesOfDate>> blocks;
+  std::sort(drives.begin(), drives.end(), [](const Drive& a, const Drive& b) {
+    return std::tie(a.block, a.date, a.robot, a.name) < std::tie(b.block, b.date, b.robot, b.name);
+  });
+  for (Drive& drive : drives) blocks[drive.block][drive.date].push_back(std::move(drive));
+  TaskList tasks;
+  for (const auto& [block, by_date] : blocks) {
+    std::vector<std::string> dates;
+    for (const auto& [date, drives_of_date] : by_date) {
+      add_date(drives_of_date, settings, dates, tasks);
+    }
+  }
+  return tasks.take();
+}
+
+}  // namespace orchard::farm

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/farm/farm_files.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <regex>
+
+#include "bus/node/process.hpp"
+#include "cli/farm/farm_folder.hpp"
+#include "io/atomic_file.hpp"
+#include "io/file_error.hpp"
+
+namespace orchard::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+void make_folder(const std::string& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!fs::is_directory(folder)) {
+    throw io::FileError(folder + " cannot be made a folder (" + error.message() + ")");
+  }
+}
+
+void require_word(const char* option, const std::string& word) {
+  if (is_farm_word(word)) return;
+  throw io::FileError(std::string(option) + " " + word +
+                      ": a name in a farm is of letters, digits, \".\", \"-\" and \"_\"");
+}
+
+}  // namespace
+
+int run_farm_init(const FarmInitOptions& options) {
+  for (const char* folder : {"logs", "rigs", "plans"}) make_folder(options.folder + "/" + folder);
+  for (int i = 0; i < kNumFarmFiles; ++i) {
+    const std::string path = options.folder + "/" + kFarmFiles[i].name;
+    const bool is_users = std::string(kFarmFiles[i].name) == "farm.yaml";
+    if (fs::exists(path) && (is_users || !options.renew)) {
+      std::printf("%s is there and stays as it is\n", path.c_str());
+      continue;
+    }
+    make_folder(fs::path(path).parent_path().string());
+    io::write_file_atomically(path, kFarmFiles[i].text);
+    if (path.size() > 3 && path.substr(path.size() - 3) == ".sh") {
+      fs::permissions(path, fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec,
+                      fs::perm_options::add);
+    }
+  }
+  std::printf(
+      "%s is a farm: put logs into logs/BLOCK/DATE/ROBOT/ (or `orchard farm add %s LOG --block B "
+      "--date D --robot R`),\n  rigs, where the logs' own are not meant, into rigs/ROBOT.yaml; "
+      "then `orchard farm run %s`\n",
+      options.folder.c_str(), options.folder.c_str(), options.folder.c_str());
+  return bus::kExitOk;
+}
+
+int run_farm_add(const FarmAddOptions& options) {
+  const FarmFolder farm(options.folder);
+  require_word("--block", options.block);
+  require_word("--robot", options.robot);
+  static const std::regex kDate("[0-9]{4}-[0-9]{2}-[0-9]{2}");
+  if (!std::regex_match(options.date, kDate)) {
+    throw io::FileError("--date " + options.date + ": dates are written like 2026-05-31");
+  }
+  const std::string folder =
+      farm.path("logs/" + options.block + "/" + options.date + "/" + options.robot);
+  for (const std::string& log : options.log_paths) {
+    const std::string name = fs::path(log).filename().string();
+    static const std::regex kLog(".+\\.lcm(\\.[0-9]+)?");
+    if (!is_farm_word(name) || !std::regex_match(name, kLog)) {
+      throw io::FileError(log +
+                          ": a log in a farm is called NAME.lcm (pieces of one: NAME.lcm.00 "
+                          "...)");
+    }
+    const std::string place = folder + "/" + name;
+    if (fs::exists(place)) {
+      if (digest_of_files({place}) != digest_of_files({log})) {
+        throw io::FileError(place + " is there already, and is another log than " + log);
+      }
+      std::printf("%s is there already\n", place.c_str());
+      continue;
+    }
+    make_folder(folder);
+    // Whoever runs the farm meanwhile does not meet half a log.
+    io::replace_file_atomically(place, [&](const std::string& temporary) {
+      std::error_code error;
+      fs::copy_file(log, temporary, fs::copy_options::overwrite_existing, error);
+      if (error) throw io::FileError(log + " cannot be copied (" + error.message() + ")");
+    });
+    std::printf("%s\n", place.c_str());
+  }
+  return bus::kExitOk;
+}
+
+}  // namespace orchard::cli

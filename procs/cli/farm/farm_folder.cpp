@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/farm/farm_folder.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <sstream>
+#include <utility>
+
+#include "farm/sha256.hpp"
+#include "io/atomic_file.hpp"
+#include "io/file_error.hpp"
+#include "text/number_text.hpp"
+
+namespace orchard::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kBytesPerMb = 1e6;
+
+std::vector<std::string> names_in(const std::string& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    names.push_back(entry.path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// Digests of files by path, size and time of change, kept from run to run.
+class DigestCache {
+ public:
+  explicit DigestCache(std::string path) : path_(std::move(path)) {
+    std::ifstream file(path_);
+    for (std::string line; std::getline(file, line);) {
+      const std::size_t tab = line.find('\t');
+      if (tab != std::string::npos && line.size() == tab + 1 + kDigestDigits) {
+        by_key_[line.substr(0, tab)] = line.substr(tab + 1);
+      }
+    }
+  }
+
+  std::string digest(const std::string& inside, const std::string& path) {
+    std::error_code error;
+    const auto size = fs::file_size(path, error);
+    const auto time = fs::last_write_time(path, error).time_since_epoch().count();
+    const std::string key = inside + " " + std::to_string(size) + " " + std::to_string(time);
+    const auto known = by_key_.find(key);
+    const std::string digest = known != by_key_.end() ? known->second : digest_of_files({path});
+    now_ += key + "\t" + digest + "\n";
+    return digest;
+  }
+
+  /// Of the files that are there now.
+  void save() const { io::write_file_atomically(path_, now_); }
+
+ private:
+  static constexpr std::size_t kDigestDigits = 64;
+  std::string path_;
+  std::map<std::string, std::string> by_key_;
+  std::string now_;
+};
+
+void require_word(const std::string& word, const std::string& where) {
+  if (is_farm_word(word)) return;
+  throw io::FileError(where +
+                      ": a name in a farm is of letters, digits, \".\", \"-\" and \"_\"; "
+                      "rename it");
+}
+
+farm::FarmSettings read_settings(const std::string& path) {
+  farm::FarmSettings settings;
+  settings.version = ORCHARD_VERSION;
+  try {
+    const YAML::Node node = YAML::LoadFile(path);
+    for (const auto& entry : node) {
+      const auto key = entry.first.as<std::string>();
+      if (key == "any_place") {
+        settings.any_place = entry.second.as<bool>();
+      } else if (key == "max_offset_m") {
+        settings.max_offset_m = entry.second.as<double>();
+      } else {
+        throw io::FileError(path + ": " + key +
+                            ": no such key; there are any_place and "
+                            "max_offset_m");
+      }
+    }
+  } catch (const YAML::Exception& error) {
+    throw io::FileError(path + ": " + error.what());
+  }
+  if (!(settings.max_offset_m >= 0.01 && settings.max_offset_m <= 100.0)) {
+    throw io::FileError(path + ": max_offset_m: must be in [0.01, 100]");
+  }
+  return settings;
+}
+
+/// The drives of one robot on one date: NAME.lcm, or its pieces NAME.lcm.00, NAME.lcm.01 ...
+void add_drives(const FarmFolder& farm, const farm::Drive& of_robot, DigestCache& digests,
+                FarmContent& content) {
+  static const std::regex kLog("(.+)\\.lcm(\\.[0-9]+)?");
+  const std::string inside =
+      "logs/" + of_robot.block + "/" + of_robot.date + "/" + of_robot.robot + "/";
+  std::map<std::string, std::vector<std::string>> pieces;
+  for (const std::string& name : names_in(farm.path(inside))) {
+    std::smatch match;
+    if (name.front() == '.') continue;  // being copied
+    if (!std::regex_match(name, match, kLog) || !fs::is_regular_file(farm.path(inside + name))) {
+      content.notes.push_back(inside + name + " is no log (NAME.lcm) and is left alone");
+      continue;
+    }
+    require_word(name, farm.path(inside + name));
+    pieces[match[1]].push_back(inside + name);
+  }
+  for (const auto& [name, paths] : pieces) {
+    farm::Drive drive = of_robot;
+    drive.name = name;
+    drive.log_paths = paths;
+    std::string digest_text;
+    for (const std::string& path : paths) {
+      digest_text += digests.digest(path, farm.path(path)) + "\n";
+      drive.num_bytes += fs::file_size(farm.path(path));
+    }
+    drive.log_digest = farm::sha256_hex(digest_text);
+    content.drives.push_back(std::move(drive));
+  }
+}
+
+double km_of(const std::string& trajectory_path) {
+  std::ifstream file(trajectory_path);
+  std::string line;
+  std::getline(file, line);
+  double way_m = 0.0, last_x = 0.0, last_y = 0.0;
+  bool has_last = false;
+  while (std::getline(file, line)) {
+    double utime = 0.0, x = 0.0, y = 0.0;
+    char comma = 0;
+    std::istringstream fields(line);
+    fields.imbue(std::locale::classic());
+    if (!(fields >> utime >> comma >> x >> comma >> y)) break;
+    if (has_last) way_m += std::hypot(x - last_x, y - last_y);
+    last_x = x, last_y = y, has_last = true;
+  }
+  return 1e-3 * way_m;
+}
+
+double trees_of(const std::string& map_path) {
+  std::ifstream file(map_path);
+  double num = 0.0;
+  for (std::string line; std::getline(file, line);) num += line.find(",tree,") < 12 ? 1.0 : 0.0;
+  return num;
+}
+
+}  // namespace
+
+bool is_farm_word(const std::string& word) {
+  return !word.empty() && word.front() != '.' && word.front() != '-' &&
+         std::all_of(word.begin(), word.end(), [](char c) {
+           return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '-' ||
+                  c == '_';
+         });
+}
+
+std::string digest_of_files(const std::vector<std::string>& paths) {
+  farm::Sha256 digest;
+  std::vector<char> buffer(1 << 20);
+  for (const std::string& path : paths) {
+    std::ifstream file(path, std::ios::binary);
+    if (!file) throw io::FileError(path + " cannot be read");
+    while (file) {
+      file.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
+      digest.add(buffer.data(), static_cast<std::size_t>(file.gcount()));
+    }
+    if (file.bad()) throw io::FileError(path + " cannot be read to its end");
+  }
+  return digest.hex();
+}
+
+FarmFolder::FarmFolder(std::string root) : root_(std::move(root)) {
+  if (!fs::is_regular_file(path("farm.yaml")) || !fs::is_directory(path("logs"))) {
+    throw io::FileError(
+        root_ + " is no farm (farm.yaml, logs/): make one with `orchard farm init " + root_ + "`");
+  }
+}
+
+FarmContent FarmFolder::read() const {
+  FarmContent content;
+  content.settings = read_settings(path("farm.yaml"));
+  fs::create_directories(path("work"));
+  DigestCache digests(path("work/digests.txt"));
+  std::map<std::string, std::string> rig_digests;
+  for (const std::string& block : names_in(path("logs"))) {
+    require_word(block, path("logs/" + block));
+    for (const std::string& date : names_in(path("logs/" + block))) {
+      const std::string of_date = "logs/" + block + "/" + date;
+      require_word(date, path(of_date));
+      for (const std::string& robot : names_in(path(of_date))) {
+        require_word(robot, path(of_date + "/" + robot));
+        farm::Drive drive;
+        drive.block = block, drive.date = date, drive.robot = robot;
+        const std::string rig = "rigs/" + robot + ".yaml";
+        if (fs::is_regular_file(path(rig))) {
+          if (rig_digests[rig].empty()) rig_digests[rig] = digest_of_files({path(rig)});
+          drive.rig_path = rig;
+          drive.rig_digest = rig_digests[rig];
+        }
+        add_drives(*this, drive, digests, content);
+      }
+    }
+  }
+  digests.save();
+  return content;
+}
+
+void FarmFolder::write_tasks(const FarmContent& content, const std::vector<farm::FarmTask>& tasks,
+                             const farm::CostFit& costs) const {
+  using nlohmann::ordered_json;
+  ordered_json json;
+  json["any_place"] = content.settings.any_place;
+  json["max_offset_m"] = content.settings.max_offset_m;
+  json["tasks"] = ordered_json::object();
+  for (const farm::FarmTask& task : tasks) {
+    double log_mb = 0.0;
+    for (const farm::Drive& drive : task.drives) {
+      log_mb += static_cast<double>(drive.num_bytes) / kBytesPerMb;
+    }
+    ordered_json entry{{"kind", farm::kind_text(task.kind)}, {"needs", task.needs}};
+    if (task.kind == farm::TaskKind::kDate || task.kind == farm::TaskKind::kChanges) {
+      entry["earlier"] = task.earlier;
+    } else {
+      log_mb = static_cast<double>(task.drives.front().num_bytes) / kBytesPerMb;
+      entry["logs"] = task.drives.front().log_paths;
+      entry["rig"] = task.drives.front().rig_path;
+    }
+    entry["of"] = ordered_json::array();
+    for (const farm::Drive& drive : task.drives) entry["of"].push_back(drive.title());
+    // Half as much again as usual; a step that fails for want of it asks for more.
+    entry["memory_mb"] =
+        std::ceil(200.0 + 1.5 * (costs.ask_mb.at_least + costs.ask_mb.per_mb * log_mb));
+    entry["time_s"] = std::ceil(60.0 + 5.0 * (costs.ask_s.at_least + costs.ask_s.per_mb * log_mb));
+    json["tasks"][task.name] = std::move(entry);
+  }
+  io::write_file_atomically(path("work/tasks.json"), json.dump(1) + "\n");
+}
+
+std::optional<TaskState> FarmFolder::state_of(const std::string& task) const {
+  std::ifstream file(path("results/" + task + "/state.txt"));
+  std::string line;
+  if (!std::getline(file, line)) return std::nullopt;
+  const std::string set_aside = "set aside: ";
+  if (line.rfind(set_aside, 0) == 0) return TaskState{false, line.substr(set_aside.size())};
+  return TaskState{true, {}};
+}
+
+std::vector<farm::CostSample> FarmFolder::costs(const std::vector<farm::FarmTask>& tasks) const {
+  std::vector<farm::CostSample> samples;
+  for (const farm::FarmTask& task : tasks) {
+    if (task.kind != farm::TaskKind::kMap) continue;
+    std::ifstream file(path("work/cost/" + task.name + ".txt"));
+    farm::CostSample sample;
+    double wall_s = 0.0;
+    const auto state = state_of(task.name);
+    if (!state || !state->is_good) continue;
+    if (!(file >> wall_s >> sample.processor_s >> sample.memory_mb)) continue;
+    sample.way_km = km_of(path("results/" + task.name + "/trajectory.csv"));
+    sample.num_trees = trees_of(path("results/" + task.name + "/map.csv"));
+    sample.log_mb = static_cast<double>(task.drives.front().num_bytes) / kBytesPerMb;
+    samples.push_back(sample);
+  }
+  return samples;
+}
+
+}  // namespace orchard::cli

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "farm/farm_tasks.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace orchard::farm {
+namespace {
+
+Drive drive(const std::string& block, const std::string& date, const std::string& robot,
+            const std::string& log_digest) {
+  Drive d;
+  d.block = block, d.date = date, d.robot = robot, d.name = "drive";
+  d.log_paths = {"logs/" + d.title() + ".lcm"};
+  d.log_digest = log_digest;
+  return d;
+}
+
+std::vector<Drive> farm_of(int num_blocks, int num_dates, int num_robots) {
+  std::vector<Drive> drives;
+  for (int b = 0; b < num_blocks; ++b) {
+    for (int d = 0; d < num_dates; ++d) {
+      for (int r = 0; r < num_robots; ++r) {
+        const std::string log =
+            std::to_string(b) + "." + std::to_string(d) + "." + std::to_string(r);
+        drives.push_back(drive("block_" + std::to_string(b), "2026-0" + std::to_string(d + 1),
+                               "robot_" + std::to_string(r), log));
+      }
+    }
+  }
+  return drives;
+}
+
+std::set<std::string> names_of(const std::vector<FarmTask>& tasks) {
+  std::set<std::string> names;
+  for (const FarmTask& task : tasks) names.insert(task.name);
+  return names;
+}
+
+/// How many tasks of each kind of `now` were not there before.
+std::map<TaskKind, int> num_new(const std::vector<FarmTask>& before,
+                                const std::vector<FarmTask>& now) {
+  const auto known = names_of(before);
+  std::map<TaskKind, int> num;
+  for (const FarmTask& task : now) num[task.kind] += known.count(task.name) == 0 ? 1 : 0;
+  return num;
+}
+
+TEST(FarmTasks, AreInOrderAndNeedOnlyWhatStandsBefore) {
+  const auto tasks = tasks_of(farm_of(3, 3, 2), {});
+  EXPECT_EQ(tasks.size(), 18U + 18U + 9U + 6U) << "checks, maps, dates, changes";
+  std::set<std::string> before;
+  for (const FarmTask& task : tasks) {
+    for (const std::string& need : task.needs) EXPECT_EQ(before.count(need), 1U) << task.name;
+    for (const std::string& date : task.earlier) EXPECT_EQ(before.count(date), 1U) << task.name;
+    before.insert(task.name);
+  }
+  EXPECT_EQ(before.size(), tasks.size()) << "each once";
+}
+
+TEST(FarmTasks, DoNotDependOnTheOrderInWhichDrivesAreFound) {
+  auto drives = farm_of(3, 2, 2);
+  const auto tasks = tasks_of(drives, {});
+  std::reverse(drives.begin(), drives.end());
+  const auto again = tasks_of(drives, {});
+  ASSERT_EQ(tasks.size(), again.size());
+  for (std::size_t i = 0; i < tasks.size(); ++i) EXPECT_EQ(tasks[i].name, again[i].name);
+}
+
+TEST(FarmTasks, OfOneMoreLogAreThoseThatDependOnIt) {
+  auto drives = farm_of(3, 3, 2);
+  const auto before = tasks_of(drives, {});
+  drives.push_back(drive("block_1", "2026-02", "robot_7", "new"));
+  auto num = num_new(before, tasks_of(drives, {}));
+  EXPECT_EQ(num[TaskKind::kCheck], 1);
+  EXPECT_EQ(num[TaskKind::kMap], 1);
+  EXPECT_EQ(num[TaskKind::kDate], 2) << "its date and the one after";
+  EXPECT_EQ(num[TaskKind::kChanges], 2);
+}
+
+TEST(FarmTasks, OfAnotherRigAreItsMapsAndWhatFollows) {
+  auto drives = farm_of(2, 2, 2);
+  const auto before = tasks_of(drives, {});
+  for (Drive& d : drives) {
+    if (d.robot == "robot_1") d.rig_digest = "mended";
+  }
+  auto num = num_new(before, tasks_of(drives, {}));
+  EXPECT_EQ(num[TaskKind::kCheck], 0);
+  EXPECT_EQ(num[TaskKind::kMap], 4);
+  EXPECT_EQ(num[TaskKind::kDate], 4);
+  EXPECT_EQ(num[TaskKind::kChanges], 2);
+}
+
+TEST(FarmTasks, OfALogThatLiesInTwoPlacesAreMadeOnce) {
+  std::vector<Drive> drives{drive("a", "1", "x", "log"), drive("a", "1", "y", "log"),
+                            drive("b", "1", "x", "log")};
+  const auto tasks = tasks_of(drives, {});
+  ASSERT_EQ(tasks.size(), 3U) << "one check, one map, one date: both blocks hold the same";
+  EXPECT_EQ(tasks[1].drives.size(), 3U);
+  EXPECT_EQ(tasks[2].needs.size(), 1U);
+}
+
+}  // namespace
+}  // namespace orchard::farm

@@ -14,7 +14,8 @@ echo "== 1/3 packages (scripts/install_deps.sh)"
 scripts/install_deps.sh
 
 echo "== 2/3 configure: cmake -S . -B build -G Ninja (Release)"
-read -r -a options <<<"${ORCHARD_CMAKE_OPTIONS:-}"  # such as -DORCHARD_WERROR=ON
+# Options of your own come last, such as -DORCHARD_WERROR=ON, or -DORCHARD_UNITY=OFF to change code.
+read -r -a options <<<"-DORCHARD_UNITY=ON ${ORCHARD_CMAKE_OPTIONS:-}"
 launcher=()
 command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 export CCACHE_SLOPPINESS=pch_defines,time_macros  # without it ccache passes over precompiled headers

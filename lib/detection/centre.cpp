@@ -6,11 +6,10 @@
 #include <cmath>
 
 #include "geometry/pose2.hpp"
+#include "geometry/statistics.hpp"
 
 namespace orchard::detection {
 namespace {
-
-double square(double x) { return x * x; }
 
 struct Estimate {
   double mean = 0.0;
@@ -20,11 +19,12 @@ struct Estimate {
 /// What trunks of the model have, as a radius.
 Estimate model_radius(const Rig& rig) {
   const laser::WidthConfig& trunks = rig.detector.width;
-  return {0.5 * trunks.mean_m, 0.25 * square(std::max(trunks.sd_m, trunks.sd_floor_m))};
+  return {0.5 * trunks.mean_m, 0.25 * geometry::square(std::max(trunks.sd_m, trunks.sd_floor_m))};
 }
 
 Estimate radius_of(const laser::Segment& segment, bool is_trunk, const Rig& rig) {
-  const Estimate measured{0.5 * segment.width_m, 0.25 * square(std::max(segment.width_sd_m, 1e-4))};
+  const Estimate measured{0.5 * segment.width_m,
+                          0.25 * geometry::square(std::max(segment.width_sd_m, 1e-4))};
   if (!is_trunk) return measured;
   const Estimate model = model_radius(rig);
   const double weight = model.variance / (model.variance + measured.variance);
@@ -44,13 +44,13 @@ Place by_range(const laser::Segment& segment, const laser::Scan& scan, bool is_t
   const double c = std::cos(segment.bearing_rad), s = std::sin(segment.bearing_rad);
   const double range_m = segment.range_m + radius.mean;
   const double along_m2 =
-      square(rig.laser.range_sd_at(segment.range_m)) / std::max(segment.num_beams, 1) +
+      geometry::square(rig.laser.range_sd_at(segment.range_m)) / std::max(segment.num_beams, 1) +
       radius.variance;
   // Each side of an object may lie anywhere within one beam step; the middle is their mean. A
   // hidden side may lie anywhere within the trunk.
-  double across_m2 = square(range_m * scan.bearing_step_rad) / 12.0;
+  double across_m2 = geometry::square(range_m * scan.bearing_step_rad) / 12.0;
   if (hidden) {
-    across_m2 += square(0.5 * rig.detector.width.mean_m);
+    across_m2 += geometry::square(0.5 * rig.detector.width.mean_m);
   }
   return {range_m * c,
           range_m * s,
@@ -80,11 +80,11 @@ void place_in_base(Detection& detection, const laser::Segment& segment, const la
   Place place = segment.circle ? by_circle(*segment.circle, is_trunk, rig)
                                : by_range(segment, scan, is_trunk, detection.occlusion != 0, rig);
   // what all beams share moves the centre along the line of sight
-  const double shared2 = square(mount.target_sd_fraction);
+  const double shared2 = geometry::square(mount.target_sd_fraction);
   auto& [xx, xy, yy] = place.covariance;
-  xx += shared2 * square(place.x_m);
+  xx += shared2 * geometry::square(place.x_m);
   xy += shared2 * place.x_m * place.y_m;
-  yy += shared2 * square(place.y_m);
+  yy += shared2 * geometry::square(place.y_m);
 
   const double c = std::cos(mount.mount_yaw_rad), s = std::sin(mount.mount_yaw_rad);
   detection.surface_x_m =

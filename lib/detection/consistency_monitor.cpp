@@ -6,6 +6,7 @@
 
 #include "geometry/angles.hpp"
 #include "geometry/statistics.hpp"
+#include "timing/units.hpp"
 
 namespace orchard::detection {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 constexpr double kPeriod_s = 0.5;
 
 /// Message time over which the median runs [s]: longer than one odd thing is in view.
-constexpr double kWindow_s = 20.0;
+constexpr double kDisagreementWindow_s = 20.0;
 
 /// A median of fewer objects says nothing.
 constexpr int kObjectsMin = 20;
@@ -25,8 +26,6 @@ constexpr double kWarn_deg = 0.75;
 /// One below this takes it back [deg].
 constexpr double kClear_deg = 0.5;
 
-double seconds(std::int64_t duration_us) { return 1e-6 * static_cast<double>(duration_us); }
-
 }  // namespace
 
 ConsistencyMonitor::ConsistencyMonitor(const ConsistencyConfig& config, double focal_px)
@@ -34,7 +33,7 @@ ConsistencyMonitor::ConsistencyMonitor(const ConsistencyConfig& config, double f
 
 bool ConsistencyMonitor::is_due(std::int64_t utime) const {
   if (!config_.enabled) return false;
-  return last_utime_ == INT64_MIN || seconds(utime - last_utime_) >= kPeriod_s;
+  return last_utime_ == INT64_MIN || timing::seconds(utime - last_utime_) >= kPeriod_s;
 }
 
 void ConsistencyMonitor::add(std::int64_t utime, const std::vector<double>& offsets_px) {
@@ -42,10 +41,10 @@ void ConsistencyMonitor::add(std::int64_t utime, const std::vector<double>& offs
   if (raised_) raised_us_ += utime - last_utime_;
   last_utime_ = utime;
   for (const double offset_px : offsets_px) looks_.push_back({utime, offset_px});
-  while (!looks_.empty() && seconds(utime - looks_.front().utime) > kWindow_s) {
+  while (!looks_.empty() && timing::seconds(utime - looks_.front().utime) > kDisagreementWindow_s) {
     looks_.pop_front();
   }
-  const bool is_long = seconds(utime - first_utime_) >= kWindow_s;
+  const bool is_long = timing::seconds(utime - first_utime_) >= kDisagreementWindow_s;
   if (!is_long || num_looks() < kObjectsMin) return;  // too little to change its mind
   std::vector<double> values;
   values.reserve(looks_.size());
@@ -72,12 +71,12 @@ std::string ConsistencyMonitor::disagreement(const char* verb, double offset_px,
 
 std::string ConsistencyMonitor::warning() const {
   if (!raised_) return {};
-  return disagreement("disagree", median_px_, kWindow_s + seconds(raised_us_));
+  return disagreement("disagree", median_px_, kDisagreementWindow_s + timing::seconds(raised_us_));
 }
 
 std::string ConsistencyMonitor::whole_run() const {
   if (worst_px_ == 0.0) return {};
-  return disagreement("disagreed", worst_px_, kWindow_s + seconds(raised_us_));
+  return disagreement("disagreed", worst_px_, kDisagreementWindow_s + timing::seconds(raised_us_));
 }
 
 }  // namespace orchard::detection

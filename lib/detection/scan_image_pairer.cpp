@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <utility>
 
+#include "timing/units.hpp"
+
 namespace orchard::detection {
 namespace {
 
@@ -17,15 +19,13 @@ constexpr std::size_t kMaxScans = 256;
 /// An older motion says nothing of now.
 constexpr std::int64_t kMotionAgeMax_us = 200'000;
 
-std::int64_t microseconds(double seconds) { return std::llround(seconds * 1e6); }
-
 }  // namespace
 
 ScanImagePairer::ScanImagePairer(double tolerance_s, double wait_s, bool with_motion,
                                  double delay_s)
-    : tolerance_us_(microseconds(tolerance_s)),
-      wait_us_(microseconds(wait_s)),
-      delay_us_(microseconds(delay_s)),
+    : tolerance_us_(timing::microseconds(tolerance_s)),
+      wait_us_(timing::microseconds(wait_s)),
+      delay_us_(timing::microseconds(delay_s)),
       scans_({{{std::nullopt},
                {wait_us_},
                {with_motion ? std::optional<std::int64_t>(wait_us_) : std::nullopt}}}),

@@ -13,6 +13,9 @@ inline constexpr double kMadToSd = 1.4826;
 inline constexpr double kChiSquare2_997 = 11.8;  ///< three sigma: 99.73 %
 inline constexpr double kChiSquare2_999 = 13.8;  ///< 99.9 %
 
+/// A variance from a standard deviation.
+inline double square(double x) { return x * x; }
+
 /// The value of rank floor(fraction n) in rising order, the largest at most; 0 for no values.
 ///
 /// Always one of the values; never an interpolation.

@@ -18,9 +18,9 @@
 namespace orchard::io {
 namespace {
 
-constexpr char kMagic[] = "ORCHJRNL";
+constexpr char kJournalMagic[] = "ORCHJRNL";
 constexpr std::uint32_t kVersion = 1;
-constexpr std::size_t kHeaderBytes = 24;
+constexpr std::size_t kJournalHeaderBytes = 24;
 constexpr std::uint32_t kBlockMark = 0x314B424Au;  // "JBK1"
 constexpr std::size_t kBlockHeaderBytes = 16;
 constexpr std::size_t kRecordHeaderBytes = 5;
@@ -49,7 +49,7 @@ std::uint32_t crc_of(std::string_view bytes) {
 }
 
 std::string header_of(std::int64_t identity) {
-  std::string header(kMagic, 8);
+  std::string header(kJournalMagic, 8);
   put(header, kVersion);
   put(header, static_cast<std::uint64_t>(identity));
   put(header, crc_of(header));
@@ -61,11 +61,11 @@ JournalReading judge_header(const std::string& header, std::int64_t identity) {
   JournalReading reading;
   if (header == header_of(identity)) {
     reading.state = JournalReading::State::kWhole;
-    reading.num_good_bytes = kHeaderBytes;
+    reading.num_good_bytes = kJournalHeaderBytes;
     return reading;
   }
   reading.state = JournalReading::State::kDamaged;
-  if (header.compare(0, 8, kMagic, 8) != 0) {
+  if (header.compare(0, 8, kJournalMagic, 8) != 0) {
     reading.reason = "it does not begin as one";
   } else if (get32(header.data() + 20) != crc_of({header.data(), 20})) {
     reading.reason = "its beginning is damaged";
@@ -131,11 +131,11 @@ JournalReading read_journal(const std::string& path, std::int64_t identity,
   std::ifstream file(path, std::ios::binary);
   if (!file) throw FileError(path + ": cannot be read (" + std::strerror(errno) + ")");
   const std::uint64_t file_size = std::filesystem::file_size(path, error);
-  if (file_size < kHeaderBytes) return {};  // killed before its first commit
-  std::string header(kHeaderBytes, '\0');
-  file.read(header.data(), kHeaderBytes);
+  if (file_size < kJournalHeaderBytes) return {};  // killed before its first commit
+  std::string header(kJournalHeaderBytes, '\0');
+  file.read(header.data(), kJournalHeaderBytes);
   JournalReading reading = judge_header(header, identity);
-  if (reading.state == JournalReading::State::kWhole && from_bytes > kHeaderBytes) {
+  if (reading.state == JournalReading::State::kWhole && from_bytes > kJournalHeaderBytes) {
     reading.num_good_bytes = std::min(from_bytes, file_size);
     file.seekg(static_cast<std::streamoff>(reading.num_good_bytes));
   }

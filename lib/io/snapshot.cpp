@@ -16,7 +16,7 @@
 namespace orchard::io {
 namespace {
 
-constexpr std::string_view kMagic = "ORCHSNAP";
+constexpr std::string_view kSnapshotMagic = "ORCHSNAP";
 /// To be raised when a state's bytes come to mean something else, though they are as many.
 constexpr std::uint32_t kVersion = 1;
 
@@ -65,7 +65,7 @@ std::uint32_t crc_of(std::string_view bytes) {
 }  // namespace
 
 void write_snapshot(const std::string& path, std::int64_t identity, const Snapshot& snapshot) {
-  std::string bytes(kMagic);
+  std::string bytes(kSnapshotMagic);
   put(bytes, kVersion);
   put(bytes, static_cast<std::uint64_t>(identity));
   put(bytes, snapshot.journal_number);
@@ -101,7 +101,8 @@ SnapshotReading read_snapshot(const std::string& path, std::int64_t identity) {
     return reading;
   }
   Reader reader(checked);
-  if (reader.take(kMagic.size()) != kMagic || reader.number<std::uint32_t>() != kVersion) {
+  if (reader.take(kSnapshotMagic.size()) != kSnapshotMagic ||
+      reader.number<std::uint32_t>() != kVersion) {
     return reading;
   }
   if (static_cast<std::int64_t>(reader.number<std::uint64_t>()) != identity) {

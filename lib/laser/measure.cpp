@@ -6,6 +6,7 @@
 
 #include "geometry/angles.hpp"
 #include "geometry/pose2.hpp"
+#include "geometry/statistics.hpp"
 #include "laser/sides.hpp"
 
 namespace orchard::laser {
@@ -25,8 +26,6 @@ constexpr double kThinnest_beams = 0.1;
 
 /// Half the angle that a circle may fill: the scanner is not inside it.
 constexpr double kWidest_rad = 0.45 * kPi;
-
-double square(double x) { return x * x; }
 
 /// The distance between two returns: Shalal et al. 2013, eq. 8 and figure 7, with the root that the
 /// paper leaves out.
@@ -79,7 +78,7 @@ double circle_rms_m(const Arc& arc, const CircleFit& circle) {
   for (std::size_t i = 0; i < arc.ranges_m.size(); ++i) {
     const double x_m = arc.ranges_m[i] * arc.cosines[i] - circle.x_m;
     const double y_m = arc.ranges_m[i] * arc.sines[i] - circle.y_m;
-    sum_m2 += square(std::hypot(x_m, y_m) - circle.radius_m);
+    sum_m2 += geometry::square(std::hypot(x_m, y_m) - circle.radius_m);
   }
   return std::sqrt(sum_m2 / (static_cast<double>(arc.ranges_m.size()) - 3.0));
 }
@@ -130,7 +129,8 @@ void measure_shape(const Scan& scan, const Candidate& candidate, const Sides& si
     s.circle_rms_m = circle ? circle_rms_m(arc, *circle) : 0.0;
     const double best_m = circle ? std::min(s.line_rms_m, s.circle_rms_m) : s.line_rms_m;
     s.roughness = best_m / range_sd_m;
-    const double line2_m2 = square(s.line_rms_m), circle2_m2 = square(s.circle_rms_m);
+    const double line2_m2 = geometry::square(s.line_rms_m),
+                 circle2_m2 = geometry::square(s.circle_rms_m);
     s.straightness = !circle                       ? 1.0
                      : line2_m2 + circle2_m2 > 0.0 ? circle2_m2 / (line2_m2 + circle2_m2)
                                                    : 0.5;

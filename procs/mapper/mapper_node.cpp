@@ -14,6 +14,7 @@
 #include "mapping/rows/rows.hpp"
 #include "mapping/sweep.hpp"
 #include "pose/filter/gnss_alignment.hpp"
+#include "timing/units.hpp"
 
 namespace orchard::procs {
 namespace {
@@ -44,8 +45,6 @@ constexpr double kSweepMin_s = 0.005;
 
 /// Free-space evidence that waits for its DETECTIONS at most: four minutes, a megabyte.
 constexpr std::size_t kScansWaitingMax = 1000;
-
-double seconds(std::int64_t duration_us) { return 1e-6 * static_cast<double>(duration_us); }
 
 std::int64_t microseconds(double duration_s) { return static_cast<std::int64_t>(1e6 * duration_s); }
 
@@ -231,7 +230,7 @@ std::shared_ptr<const mapping::FreeSpace> MapperNode::free_space_of(
   FreeSpacePtr free_space = take_free_space(detections.utime);
   if (!free_space || !free_space->is_sweep() || !undoes_sweep(detections)) return free_space;
   const std::int64_t last_utime = mapping::last_utime_of(detections);
-  const double time_s = seconds(last_utime - detections.utime);
+  const double time_s = timing::seconds(last_utime - detections.utime);
   const auto then = track_.at(last_utime);
   if (!then || time_s < kSweepMin_s) return nullptr;
   const geometry::Pose2 T_base_then =
@@ -378,7 +377,7 @@ std::vector<std::int32_t> MapperNode::refresh_ids(std::int64_t utime) {
   const auto num_landmarks = static_cast<double>(mapper_.num_landmarks());
   const double rate_per_s = std::min(num_landmarks / kRefreshPeriod_s, kRefreshMax_per_s);
   const auto wanted = static_cast<std::size_t>(
-      std::ceil(std::min(num_landmarks, rate_per_s * seconds(utime - last))));
+      std::ceil(std::min(num_landmarks, rate_per_s * timing::seconds(utime - last))));
   std::vector<std::int32_t> ids = mapper_.ids_from(refresh_from_id_, std::min(wanted, kRefreshMax));
   refresh_from_id_ = ids.empty() ? 1 : ids.back() + 1;
   return ids;
@@ -413,7 +412,7 @@ std::string MapperNode::waiting_for() const {
                             : "";
   }
   return fmt::format(
-      "DETECTIONS at {:.3f} s wait for {}", seconds(queue_.front_utime(kDetections)),
+      "DETECTIONS at {:.3f} s wait for {}", timing::seconds(queue_.front_utime(kDetections)),
       blocker() == kScan ? "their SCAN (a laser driver)" : "a POSE at or after (orchard-pose)");
 }
 

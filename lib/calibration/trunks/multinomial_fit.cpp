@@ -9,7 +9,7 @@
 namespace orchard::calibration {
 namespace {
 
-constexpr int kMaxSteps = 60;
+constexpr int kNewtonSteps = 60;
 
 /// Probabilities of outcomes 0 and 1; returns the log of the sum of exponentials.
 double probabilities(double a, double b, double& p_a, double& p_b) {
@@ -93,7 +93,7 @@ MultinomialFit fit_multinomial(const MultinomialData& data, double penalty,
   const Eigen::Index k = data.features.rows();
   Eigen::VectorXd beta = Eigen::VectorXd::Zero(2 * k);
   double value = objective(data, beta, penalty);
-  for (int step = 0; step < kMaxSteps; ++step) {
+  for (int step = 0; step < kNewtonSteps; ++step) {
     const Slope slope = slope_at(data, beta, penalty);
     Eigen::VectorXd gradient = penalty * beta;
     gradient.head(k) -= data.features * slope.residual_a;

@@ -20,7 +20,7 @@ using detection::ViewKind;
 constexpr int kLeastLooks = 20;
 constexpr int kCorrelationSteps = 50;
 
-using Thing = std::pair<int, int>;  // recording, place in its truth
+using TrueThing = std::pair<int, int>;  // recording, place in its truth
 
 /// Looks of one kind as the regression wants them.
 MultinomialData data_of(const std::vector<ProbabilitySample>& samples, ViewKind view,
@@ -33,7 +33,7 @@ MultinomialData data_of(const std::vector<ProbabilitySample>& samples, ViewKind 
   MultinomialData data;
   data.features.resize(static_cast<Eigen::Index>(num_features),
                        static_cast<Eigen::Index>(rows.size()));
-  std::map<Thing, int> clusters;
+  std::map<TrueThing, int> clusters;
   int next = 0;
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const ProbabilitySample& sample = samples[rows[k]];
@@ -90,7 +90,7 @@ struct ThingLoss {
   double mean = 0.0, standard_error = 0.0;
 };
 
-ThingLoss loss_of_things(const std::map<Thing, ThingEvidence>& things,
+ThingLoss loss_of_things(const std::map<TrueThing, ThingEvidence>& things,
                          const mapping::MapperConfig& config) {
   double sum = 0.0, sum2 = 0.0;
   for (const auto& [key, thing] : things) {
@@ -120,7 +120,7 @@ void fit_evidence(const std::vector<ProbabilitySample>& samples,
   mapping::MapperConfig config;
   config.evidence = mapping::Evidence::kProbability;
   fit.base_rate = config.evidence_base_rate = std::clamp(num_trees / num, 0.02, 0.98);
-  std::map<Thing, ThingEvidence> things;
+  std::map<TrueThing, ThingEvidence> things;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const ProbabilitySample& sample = samples[i];
     if (probabilities[i] < 0.0 || sample.thing < 0) continue;

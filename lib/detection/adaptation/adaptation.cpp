@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "detection/adaptation/two_groups.hpp"
+#include "timing/units.hpp"
 
 namespace orchard::detection {
 namespace {
@@ -55,8 +56,6 @@ constexpr double kPopulationShare = 0.25;
 /// Populations must differ by this much at least to matter: a fraction of the width, a log.
 constexpr double kWidthApart = 0.1;
 constexpr double kColourApart = 0.12;
-
-std::int64_t microseconds(double seconds) { return std::llround(seconds * 1e6); }
 
 /// The middle of some numbers: the mean without the outer fifth on either side. (A median jumps
 /// between two kinds of bark.)
@@ -118,11 +117,11 @@ std::vector<AdaptationStep> Adaptation::add(std::int64_t utime,
   last_utime_ = utime;
   for (const AdaptationLook& look : looks) follow(utime, look);
   if (considered_utime_ == INT64_MIN) considered_utime_ = utime;
-  const std::int64_t period_us = microseconds(config_.period_s);
+  const std::int64_t period_us = timing::microseconds(config_.period_s);
   const std::int64_t since_us = utime - considered_utime_;
   if (since_us < period_us) return steps;
   considered_utime_ = utime;
-  const std::int64_t oldest = utime - microseconds(kWindow_s);
+  const std::int64_t oldest = utime - timing::microseconds(kWindow_s);
   things_.erase(std::remove_if(things_.begin(), things_.end(),
                                [&](const Thing& thing) { return thing.last_utime < oldest; }),
                 things_.end());

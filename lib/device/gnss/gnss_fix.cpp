@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "geometry/angles.hpp"
+#include "geometry/statistics.hpp"
 
 namespace orchard::device {
 namespace {
@@ -23,8 +24,6 @@ enum Quality : std::int8_t {
 constexpr double kUnknownHeightVariance_m2 = 1e4;
 constexpr double kMostOfRtk_m = 1.0;  // an RTK solution that claims more does not speak of itself
 
-double square(double value) { return value * value; }
-
 bool is_rtk(std::int8_t quality) { return quality == kRtkFixed || quality == kRtkFloat; }
 
 /// Of the ellipse where there is one, else of the deviations; false when there is neither.
@@ -33,18 +32,20 @@ bool from_noise(const GpsdNoise& noise, std::array<double, 6>& covariance) {
   if (noise.major_sd_m && noise.minor_sd_m && noise.orientation_deg && *noise.major_sd_m > 0.0) {
     const double angle_rad = *noise.orientation_deg * geometry::kPi / 180.0;
     const double sine = std::sin(angle_rad), cosine = std::cos(angle_rad);
-    const double major = square(*noise.major_sd_m), minor = square(*noise.minor_sd_m);
+    const double major = geometry::square(*noise.major_sd_m),
+                 minor = geometry::square(*noise.minor_sd_m);
     ee = major * sine * sine + minor * cosine * cosine;
     nn = major * cosine * cosine + minor * sine * sine;
     en = (major - minor) * sine * cosine;
   } else if (noise.north_sd_m && noise.east_sd_m && *noise.north_sd_m > 0.0 &&
              *noise.east_sd_m > 0.0) {
-    ee = square(*noise.east_sd_m);
-    nn = square(*noise.north_sd_m);
+    ee = geometry::square(*noise.east_sd_m);
+    nn = geometry::square(*noise.north_sd_m);
   } else {
     return false;
   }
-  uu = noise.up_sd_m && *noise.up_sd_m > 0.0 ? square(*noise.up_sd_m) : kUnknownHeightVariance_m2;
+  uu = noise.up_sd_m && *noise.up_sd_m > 0.0 ? geometry::square(*noise.up_sd_m)
+                                             : kUnknownHeightVariance_m2;
   return true;
 }
 
@@ -79,9 +80,9 @@ std::array<double, 6> enu_covariance(const GpsdFix& fix, const GpsdNoise* noise)
     return covariance;
   }
   if (is_rtk(gga_quality(fix)) && std::max(east_sd_m, north_sd_m) > kMostOfRtk_m) return covariance;
-  covariance[0] = square(east_sd_m);
-  covariance[3] = square(north_sd_m);
-  covariance[5] = fix.mode == 3 && fix.epv_m && *fix.epv_m > 0.0 ? square(*fix.epv_m)
+  covariance[0] = geometry::square(east_sd_m);
+  covariance[3] = geometry::square(north_sd_m);
+  covariance[5] = fix.mode == 3 && fix.epv_m && *fix.epv_m > 0.0 ? geometry::square(*fix.epv_m)
                                                                  : kUnknownHeightVariance_m2;
   return covariance;
 }

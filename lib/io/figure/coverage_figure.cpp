@@ -11,7 +11,7 @@
 namespace orchard::io {
 namespace {
 
-constexpr double kWidth_px = 960.0;  ///< of the camera's picture, whatever the camera's
+constexpr double kPictureWidth_px = 960.0;  ///< of the camera's picture, whatever the camera's
 constexpr double kTop_px = 68.0;
 constexpr double kArrow_px = 18.0;  ///< length of an arrow of the root mean square error
 constexpr Colour kCorner{30, 140, 60}, kArrow{200, 40, 30};
@@ -27,8 +27,8 @@ void draw_cross(PixelPoint at, Canvas& canvas) {
 std::string coverage_figure(const calibration::CameraCalibration& calibration,
                             FigureFormat format) {
   const geometry::CameraIntrinsics& camera = calibration.intrinsics;
-  const double scale = kWidth_px / camera.width_px;
-  const PixelBox box{PlotAxes::kLeftPx, kTop_px, PlotAxes::kLeftPx + kWidth_px,
+  const double scale = kPictureWidth_px / camera.width_px;
+  const PixelBox box{PlotAxes::kLeftPx, kTop_px, PlotAxes::kLeftPx + kPictureWidth_px,
                      kTop_px + scale * camera.height_px};
   // Whole numbers are the centres of pixels; rows count downward.
   const PlotAxes axes(box, {-0.5, camera.width_px - 0.5}, {camera.height_px - 0.5, -0.5});

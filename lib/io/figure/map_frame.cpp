@@ -15,7 +15,7 @@ constexpr double kEdgePx = 14.0;    // from the page's edge to the legend, from 
 constexpr double kMarginPx = 32.0;  // from the outermost point to the frame: room for a label
 constexpr double kMarginMin_m = 0.3;
 constexpr double kScaleBarPx = 150.0;  // at most
-constexpr double kTickPx = 4.0;
+constexpr double kScaleBarTick_px = 4.0;
 constexpr double kTitleTextPx = 17.0, kTitlePx = 28.0;  // letters, and the line with its air
 constexpr double kArrowPx = 44.0;                       // north arrow with its letter and its air
 
@@ -105,7 +105,9 @@ void MapFrame::draw(Canvas& canvas) const {
   const double most_m = std::min(kScaleBarPx, 0.25 * box().width()) / px_per_m_;
   const double step_m = round_step(0.4 * most_m);  // steps grow by at most 2.5
   const double right = box().x1, left = right - step_m * px_per_m_, y = std::floor(box().y1) + 37.0;
-  canvas.polyline({{left, y - kTickPx}, {left, y}, {right, y}, {right, y - kTickPx}}, kBlack, 2.0);
+  canvas.polyline(
+      {{left, y - kScaleBarTick_px}, {left, y}, {right, y}, {right, y - kScaleBarTick_px}}, kBlack,
+      2.0);
   canvas.text({left - 7.0, y + 5.0}, fixed_text(step_m, decimals_of(step_m)) + " m",
               {kAxisTextPx, kBlack, TextAnchor::kEnd});
 }

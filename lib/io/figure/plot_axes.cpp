@@ -10,7 +10,7 @@ namespace orchard::io {
 namespace {
 
 constexpr double kMinTickXPx = 60.0, kMinTickYPx = 40.0;
-constexpr double kTickPx = 5.0;
+constexpr double kTick_px = 5.0;
 constexpr double kLeastStepPx = 1.0;  // of a line that is drawn
 constexpr double kLeastRange = 1e-3;
 constexpr Colour kGrid{228, 228, 228};
@@ -75,14 +75,14 @@ void PlotAxes::draw(const std::string& x_name, const std::string& y_name, Canvas
   for (const double value : ticks(x_, x_step)) {
     const double x = sharp(at(value, y_.from).x);
     canvas.line({x, box.y0}, {x, box.y1}, kGrid, 1.0);
-    canvas.line({x, box.y1}, {x, box.y1 + kTickPx}, kBlack, 1.0);
+    canvas.line({x, box.y1}, {x, box.y1 + kTick_px}, kBlack, 1.0);
     canvas.text({x, box.y1 + 20.0}, fixed_text(value, decimals_of(x_step)),
                 {kAxisTextPx, kBlack, TextAnchor::kMiddle});
   }
   for (const double value : ticks(y_, y_step)) {
     const double y = sharp(at(x_.from, value).y);
     canvas.line({box.x0, y}, {box.x1, y}, kGrid, 1.0);
-    canvas.line({box.x0 - kTickPx, y}, {box.x0, y}, kBlack, 1.0);
+    canvas.line({box.x0 - kTick_px, y}, {box.x0, y}, kBlack, 1.0);
     canvas.text({box.x0 - 9.0, y + 5.0}, fixed_text(value, decimals_of(y_step)),
                 {kAxisTextPx, kBlack, TextAnchor::kEnd});
   }

@@ -15,7 +15,7 @@ using evaluation::Plot;
 using evaluation::PlotSeries;
 
 constexpr int kColumns = 2;
-constexpr int kWidth_px = 560, kHeight_px = 420;  // of one plot with all that belongs to it
+constexpr int kPlotWidth_px = 560, kPlotHeight_px = 420;  // of one plot with all that belongs to it
 constexpr double kTitle_px = 28.0, kLegend_px = 70.0;
 constexpr std::array<Colour, 7> kColours{{{27, 120, 55},
                                           {33, 102, 172},
@@ -43,8 +43,8 @@ void draw_series(const PlotSeries& series, const Plot& plot, Colour colour, cons
 
 void draw_plot(const Plot& plot, PixelPoint corner, Canvas& canvas) {
   const PixelBox box{corner.x + PlotAxes::kLeftPx, corner.y + kTitle_px + kLegend_px,
-                     corner.x + kWidth_px - PlotAxes::kRightPx,
-                     corner.y + kHeight_px - PlotAxes::kBottomPx};
+                     corner.x + kPlotWidth_px - PlotAxes::kRightPx,
+                     corner.y + kPlotHeight_px - PlotAxes::kBottomPx};
   canvas.text({0.5 * (box.x0 + box.x1), corner.y + 20.0}, plot.title,
               {15.0, kBlack, TextAnchor::kMiddle, true});
   const PlotAxes axes(box, {plot.x_min, plot.x_max}, {plot.y_min, plot.y_max});
@@ -66,10 +66,10 @@ void draw_plot(const Plot& plot, PixelPoint corner, Canvas& canvas) {
 std::string plots_figure(const std::vector<Plot>& plots, FigureFormat format) {
   const int num = std::max(1, static_cast<int>(plots.size()));
   const int rows = (num + kColumns - 1) / kColumns;
-  Canvas canvas(format, std::min(num, kColumns) * kWidth_px, rows * kHeight_px);
+  Canvas canvas(format, std::min(num, kColumns) * kPlotWidth_px, rows * kPlotHeight_px);
   for (std::size_t i = 0; i < plots.size(); ++i) {
     const int column = static_cast<int>(i) % kColumns, row = static_cast<int>(i) / kColumns;
-    draw_plot(plots[i], {1.0 * column * kWidth_px, 1.0 * row * kHeight_px}, canvas);
+    draw_plot(plots[i], {1.0 * column * kPlotWidth_px, 1.0 * row * kPlotHeight_px}, canvas);
   }
   return canvas.finish();
 }

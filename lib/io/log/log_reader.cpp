@@ -14,7 +14,6 @@
 namespace orchard::io {
 namespace {
 
-constexpr std::size_t kHeaderBytes = LogEventHeader::kBytes;
 constexpr std::size_t kSyncBytes = 4;
 constexpr std::uint8_t kSync[kSyncBytes] = {0xED, 0xA1, 0xDA, 0x01};
 constexpr std::size_t kSearchBytes = 1u << 16;
@@ -75,19 +74,20 @@ LogEvent LogReader::read_at(std::uint64_t offset) {
 }
 
 std::optional<std::uint64_t> LogReader::plausible_size(std::uint64_t offset, bool sync_word) {
-  const auto view = window_.at(offset, kHeaderBytes + kMaxChannelBytes);
-  if (view.size < kHeaderBytes) return std::nullopt;
+  const auto view = window_.at(offset, LogEventHeader::kBytes + kMaxChannelBytes);
+  if (view.size < LogEventHeader::kBytes) return std::nullopt;
   const LogEventHeader header = parse_log_event_header(view.bytes);
   if (sync_word && header.sync != LogEventHeader::kSyncWord) return std::nullopt;
   if (header.channel_bytes == 0 || header.channel_bytes > kMaxChannelBytes) return std::nullopt;
   if (header.event_bytes() > kMaxEventBytes) return std::nullopt;
   if (header.event_bytes() > window_.size() - offset) return std::nullopt;
-  if (!is_channel_name(view.bytes + kHeaderBytes, header.channel_bytes)) return std::nullopt;
+  if (!is_channel_name(view.bytes + LogEventHeader::kBytes, header.channel_bytes))
+    return std::nullopt;
   return header.event_bytes();
 }
 
 std::optional<std::uint64_t> LogReader::find_plausible(std::uint64_t offset) {
-  while (offset + kHeaderBytes <= window_.size()) {
+  while (offset + LogEventHeader::kBytes <= window_.size()) {
     const auto view = window_.at(offset, kSearchBytes);
     if (view.size < kSyncBytes) break;
     const std::uint8_t* end = view.bytes + view.size;
@@ -131,7 +131,7 @@ std::optional<std::uint64_t> LogReader::believed_size(std::uint64_t offset) {
 
 /// `offset` holds a plausible header.
 std::int64_t LogReader::event_number_at(std::uint64_t offset) {
-  return parse_log_event_header(window_.at(offset, kHeaderBytes).bytes).event_number;
+  return parse_log_event_header(window_.at(offset, LogEventHeader::kBytes).bytes).event_number;
 }
 
 LogEvent LogReader::event_at(std::uint64_t offset, std::uint64_t size) {
@@ -141,7 +141,7 @@ LogEvent LogReader::event_at(std::uint64_t offset, std::uint64_t size) {
                     "; is the disk failing, or the file being written?");
   }
   const LogEventHeader header = parse_log_event_header(view.bytes);
-  const std::uint8_t* channel = view.bytes + kHeaderBytes;
+  const std::uint8_t* channel = view.bytes + LogEventHeader::kBytes;
   const std::uint8_t* data = channel + header.channel_bytes;
   LogEvent event;
   event.offset = offset;

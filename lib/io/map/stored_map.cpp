@@ -19,7 +19,7 @@ namespace orchard::io {
 namespace {
 
 using mapping::Landmark;
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 constexpr double kWidestTrunk_m = 5.0;
 constexpr double kWidestSpacing_m = 300.0;  ///< from one thing to the nearest, usually

@@ -24,8 +24,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t kMaxBytes = std::uintmax_t{16} << 20;
-constexpr int kMaxSide_px = 8192;
+constexpr std::uintmax_t kMaskMaxBytes = std::uintmax_t{16} << 20;
+constexpr int kMaskMaxSide_px = 8192;
 constexpr int kLeastRed = 64;  // darker pixels of a mask are its background
 
 using Range = std::pair<long, long>;  // first and last number
@@ -92,7 +92,8 @@ std::map<std::string, std::string> pictures_in(const std::string& folder) {
 /// OpenCV would give what there is of a cut-off JPEG as a picture; our decoder refuses it.
 vision::PixelBlock read_jpeg(const std::string& path) {
   const vision::Image image = read_jpeg_file(path);
-  if (image.width_px > kMaxSide_px || image.height_px > kMaxSide_px) refuse_as_unreadable(path);
+  if (image.width_px > kMaskMaxSide_px || image.height_px > kMaskMaxSide_px)
+    refuse_as_unreadable(path);
   auto pixels = vision::decode(image, {0, 0, image.width_px, image.height_px});
   if (!pixels) refuse_as_unreadable(path);
   return std::move(*pixels);
@@ -102,7 +103,7 @@ vision::PixelBlock read_png(const std::string& path) {
   std::error_code error;
   const std::uintmax_t size = fs::file_size(path, error);
   if (error) throw FileError(path + ": cannot be read (" + error.message() + ")");
-  if (size == 0 || size > kMaxBytes) {
+  if (size == 0 || size > kMaskMaxBytes) {
     throw FileError(path + ": " + std::to_string(size) +
                     " bytes; a picture must have 1 byte to 16 MB; remove or replace it");
   }
@@ -116,7 +117,7 @@ vision::PixelBlock read_png(const std::string& path) {
   } catch (const cv::Exception&) {  // sizes beyond what OpenCV reads
     picture.release();
   }
-  if (picture.empty() || picture.cols > kMaxSide_px || picture.rows > kMaxSide_px) {
+  if (picture.empty() || picture.cols > kMaskMaxSide_px || picture.rows > kMaskMaxSide_px) {
     refuse_as_unreadable(path);
   }
   vision::PixelBlock pixels;

@@ -18,7 +18,7 @@ using detection::Label;
 using simulation::TrueObservation;
 
 constexpr std::int64_t kMaxObject = 100000000;
-constexpr std::int64_t kMaxBeams = 1000000;
+constexpr std::int64_t kMaxBeamsOnThing = 1000000;
 
 Label read_class(const CsvReader& csv, std::size_t field) {
   if (csv.text(field) == "tree") return Label::kTree;
@@ -50,7 +50,7 @@ std::vector<TrueObservation> read_observations(CsvReader csv) {
     o.width_m = csv.number_in(5, 0.0, kMaxWidth_m);
     o.range_m = csv.number_in(6, -kMaxWidth_m, kMaxRange_m);
     o.bearing_rad = csv.number_in(7, -2.0 * geometry::kPi, 2.0 * geometry::kPi);
-    o.num_beams = static_cast<int>(csv.integer_in(8, 0, kMaxBeams));
+    o.num_beams = static_cast<int>(csv.integer_in(8, 0, kMaxBeamsOnThing));
     o.hidden_fraction = csv.number_in(9, 0.0, 1.0);
     o.in_picture = csv.integer_in(10, 0, 1) == 1;
     observations.push_back(o);

@@ -8,7 +8,7 @@
 namespace orchard::io {
 namespace {
 
-constexpr std::string_view kMagic = "ORCHRAW1";
+constexpr std::string_view kRawBytesMagic = "ORCHRAW1";
 constexpr std::uint32_t kEventMost_bytes = 1 << 20;
 constexpr std::size_t kHeader_bytes = 13;
 
@@ -30,7 +30,7 @@ bool is_kind(char c) { return c == 'C' || c == 'R' || c == 'S' || c == 'T'; }
 
 RawBytesWriter::RawBytesWriter(const std::string& path)
     : path_(path), file_(path, std::ios::binary | std::ios::trunc) {
-  file_ << kMagic << std::flush;
+  file_ << kRawBytesMagic << std::flush;
   if (!file_) throw FileError(path_ + ": cannot be written");
 }
 
@@ -49,7 +49,7 @@ RawBytesReader::RawBytesReader(const std::string& path)
   std::array<char, 8> magic{};
   if (!file_) throw FileError(path_ + ": cannot be opened");
   file_.read(magic.data(), magic.size());
-  if (!file_ || std::string_view(magic.data(), magic.size()) != kMagic) {
+  if (!file_ || std::string_view(magic.data(), magic.size()) != kRawBytesMagic) {
     throw FileError(path_ + ": no recording of raw bytes (it does not begin with ORCHRAW1)");
   }
 }

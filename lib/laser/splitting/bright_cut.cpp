@@ -29,8 +29,8 @@ std::vector<Candidate> bright_clusters(const Beams& beams) {
 }
 
 /// What of a candidate lies from one position to another; none if nothing does.
-std::optional<Candidate> part_of(const Beams& beams, const Candidate& whole, std::ptrdiff_t first,
-                                 std::ptrdiff_t last) {
+std::optional<Candidate> part_beside(const Beams& beams, const Candidate& whole,
+                                     std::ptrdiff_t first, std::ptrdiff_t last) {
   Candidate part = whole;
   part.num_beams = 0;
   for (std::ptrdiff_t i = std::max(first, whole.first); i <= std::min(last, whole.last); ++i) {
@@ -58,14 +58,14 @@ void cut_at_bright(const Beams& beams, std::vector<Candidate>& candidates,
         continue;
       }
       // what is farther than the pole goes on behind it
-      if (auto before = part_of(beams, candidate, candidate.first, cluster.first - 1)) {
+      if (auto before = part_beside(beams, candidate, candidate.first, cluster.first - 1)) {
         const float range_m = beams.range_m(cluster.first);
         before->touches_after = true;
         before->hidden_after = beams.range_m(before->last) > range_m;
         cluster.touches_before |= beams.joined(beams.range_m(before->last), range_m);
         rest.push_back(*before);
       }
-      if (auto after = part_of(beams, candidate, cluster.last + 1, candidate.last)) {
+      if (auto after = part_beside(beams, candidate, cluster.last + 1, candidate.last)) {
         const float range_m = beams.range_m(cluster.last);
         after->touches_before = true;
         after->hidden_before = beams.range_m(after->first) > range_m;

@@ -6,13 +6,13 @@
 
 #include "geometry/angles.hpp"
 #include "geometry/statistics.hpp"
+#include "mapping/compare/change_posterior.hpp"
 
 namespace orchard::mapping {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kChangedFraction = 0.05;  ///< prior fraction of trees between two drives
 constexpr double kOutlierFraction = 0.05;  ///< of pairs that are worse than the noise
 
 double normal_density(double deviation, double sd) {

@@ -11,6 +11,13 @@ namespace orchard::mapping {
 
 using Eigen::Vector2d;
 
+std::vector<Vector2d> places_of(const std::vector<Landmark>& landmarks) {
+  std::vector<Vector2d> places;
+  places.reserve(landmarks.size());
+  for (const Landmark& l : landmarks) places.push_back({l.x_m, l.y_m});
+  return places;
+}
+
 IndexedPoints::IndexedPoints(std::vector<Vector2d> points) : points_(std::move(points)) {
   for (std::size_t i = 0; i < points_.size(); ++i) {
     grid_.insert(static_cast<std::int32_t>(i), points_[i].x(), points_[i].y());

@@ -7,8 +7,12 @@
 
 #include "geometry/point_grid.hpp"
 #include "geometry/pose2.hpp"
+#include "mapping/landmark.hpp"
 
 namespace orchard::mapping {
+
+/// Where landmarks stand, in their order.
+std::vector<Eigen::Vector2d> places_of(const std::vector<Landmark>& landmarks);
 
 /// Points with the grid that finds them.
 class IndexedPoints {

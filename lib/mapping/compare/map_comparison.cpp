@@ -33,12 +33,6 @@ double one_thing_m(const Landmark& a, const Landmark& b) {
   return 0.5 * (a.width_m + b.width_m) + kCloudSigmas * std::max(cloud_sd_m(a), cloud_sd_m(b));
 }
 
-std::vector<Vector2d> places_of(const std::vector<Landmark>& landmarks) {
-  std::vector<Vector2d> places;
-  for (const Landmark& l : landmarks) places.push_back({l.x_m, l.y_m});
-  return places;
-}
-
 /// All that stands alone and is no object: what tells the trees' spacing.
 std::vector<Vector2d> lone_trees(const std::vector<Landmark>& landmarks,
                                  const std::vector<char>& in_clump) {

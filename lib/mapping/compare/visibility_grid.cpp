@@ -15,10 +15,10 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kStep_m = 0.5;     ///< between two poses that are looked from
-constexpr double kTurn_rad = 0.15;  ///< or a turn by this
-constexpr int kNumBearings = 1440;  ///< a quarter of a degree: a trunk of 0.1 m at 20 m has one
-constexpr double kBehind_m = 0.5;   ///< what stands closer behind a thing may be the thing itself
+constexpr double kViewStep_m = 0.5;  ///< between two poses that are looked from
+constexpr double kTurn_rad = 0.15;   ///< or a turn by this
+constexpr int kNumBearings = 1440;   ///< a quarter of a degree: a trunk of 0.1 m at 20 m has one
+constexpr double kBehind_m = 0.5;    ///< what stands closer behind a thing may be the thing itself
 
 struct View {
   Vector2d p_laser{0.0, 0.0};
@@ -35,7 +35,7 @@ std::vector<View> views_of(const std::vector<pose::PoseEstimate>& trajectory,
     if (!kept.empty()) {
       const pose::PoseEstimate& last = *kept.back();
       const double turned_rad = geometry::wrap_angle_rad(p.yaw_rad - last.yaw_rad);
-      if (std::hypot(p.x_m - last.x_m, p.y_m - last.y_m) < kStep_m &&
+      if (std::hypot(p.x_m - last.x_m, p.y_m - last.y_m) < kViewStep_m &&
           std::abs(turned_rad) < kTurn_rad) {
         continue;
       }

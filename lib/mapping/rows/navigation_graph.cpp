@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kStep_m = 0.5;        ///< between points of a way
+constexpr double kWayStep_m = 0.5;     ///< between points of a way
 constexpr double kWidestAlley = 2.5;   ///< of the usual distance of rows
 constexpr double kSideReach_m = 15.0;  ///< farther away no row stands beside another
 
@@ -98,7 +98,7 @@ Alley alley_between(const std::vector<LinePoint>& walk, const Line& right) {
 
 std::vector<Alley> alleys_of(const std::vector<Line>& lines) {
   std::vector<std::vector<LinePoint>> walks;
-  for (const Line& line : lines) walks.push_back(walked(line, kStep_m));
+  for (const Line& line : lines) walks.push_back(walked(line, kWayStep_m));
   std::vector<Alley> alleys;
   std::vector<double> distances_m;
   for (std::size_t r = 0; r < lines.size(); ++r) {
@@ -131,7 +131,7 @@ Line round_end(const Vector2d& from, const Vector2d& to, const Vector2d& row_end
 Guide guide_of(const Alley& alley) {
   Guide guide;
   guide.half_m = 0.5 * alley.distance_m;
-  guide.num_extra = static_cast<std::size_t>(std::lround(guide.half_m / kStep_m));
+  guide.num_extra = static_cast<std::size_t>(std::lround(guide.half_m / kWayStep_m));
   const auto extend = [&](const LinePoint& end, double outwards, std::size_t k) {
     const double beyond_m =
         outwards * guide.half_m * static_cast<double>(k) / static_cast<double>(guide.num_extra);
@@ -213,7 +213,7 @@ class GraphBuilder {
     guide.stations =
         walked(round_end(node_at(edge.from), node_at(edge.to), at_end ? row.back() : row.front(),
                          outwards.normalized(), beyond_m),
-               kStep_m);
+               kWayStep_m);
     guide.half_m = beyond_m;
     guide.pinned = true;
     if (auto corridor = free_corridor(guide, obstacles_, seen_free_)) {

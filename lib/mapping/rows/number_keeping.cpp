@@ -14,12 +14,6 @@ namespace {
 using Eigen::Vector2d;
 using Number = std::pair<std::int32_t, std::int32_t>;  ///< row, position
 
-std::vector<Vector2d> places_of(const std::vector<Landmark>& landmarks) {
-  std::vector<Vector2d> places;
-  for (const Landmark& l : landmarks) places.push_back({l.x_m, l.y_m});
-  return places;
-}
-
 /// The row that most known trees of this one were in; 0 when it has none.
 std::int32_t known_row(const Row& row, const std::map<std::int32_t, Number>& numbers) {
   std::map<std::int32_t, int> votes;

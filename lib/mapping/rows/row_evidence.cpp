@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector2d;
 
 /// Standard deviation of a planted step, in spacings: trees lean, and are seen from their sides.
-constexpr double kStep_spacings = 0.12;
+constexpr double kEvidenceSd_spacings = 0.12;
 /// Log odds of a single step without deviation: the density of a planted one, nine places in ten
 /// full, over that of things at random, one per spacing: ln(0.9 / (0.12 sqrt(2 pi))) + 1.
 constexpr double kExactStep = 2.1;
@@ -99,7 +99,7 @@ double pitch_m(const std::vector<Vector2d>& p_map, const std::vector<RowChain>& 
 
 double step_log_odds(double spacings) {
   const double places = std::max(1.0, std::round(spacings));
-  const double off = (spacings - places) / kStep_spacings;
+  const double off = (spacings - places) / kEvidenceSd_spacings;
   return std::max(-kStepCostMost,
                   kExactStep - 0.5 * off * off / places - kEmptyPlace * (places - 1.0));
 }

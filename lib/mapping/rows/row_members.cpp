@@ -20,7 +20,7 @@ constexpr double kOnePlace_spacings = 0.3;
 /// What leaving out a tree of full strength costs, in squared standard deviations of a step.
 constexpr double kStrengthWorth = 4.0;
 /// Standard deviation of a step about the spacing.
-constexpr double kStep_spacings = 0.2;
+constexpr double kMemberSd_spacings = 0.2;
 /// So many of a chain may stand between two of its places.
 constexpr std::size_t kMostBetween = 12;
 
@@ -34,7 +34,7 @@ std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 /// Squared deviation of a step from whole spacings, at least one, in standard deviations.
 double step_cost(double spacings) {
   const double whole = std::max(1.0, std::round(spacings));
-  const double off = (spacings - whole) / kStep_spacings;
+  const double off = (spacings - whole) / kMemberSd_spacings;
   return off * off / whole;
 }
 

@@ -9,6 +9,8 @@
 
 #include "geometry/angles.hpp"
 #include "geometry/pose2.hpp"
+#include "geometry/statistics.hpp"
+#include "timing/units.hpp"
 
 namespace orchard::pose {
 namespace {
@@ -34,7 +36,7 @@ constexpr double kWheelsOff = 0.1;
 constexpr double kWheelsOffYaw_rad = 0.5;
 
 /// A step between fixes tells of the receiver alone if it took no longer [s].
-constexpr double kStep_s = 2.0;
+constexpr double kFixStep_s = 2.0;
 
 /// A position variance of so many times what a fix claims is that of a gap.
 constexpr double kGapSure = 4.0;
@@ -46,9 +48,6 @@ constexpr double kImuFresh_s = 0.2;
 constexpr double kStandingSpeed_mps = 1e-3;
 constexpr double kStandingYawRate_radps = 1e-3;
 constexpr double kNoteShown_s = 5.0;
-
-double seconds(std::int64_t duration_us) { return 1e-6 * static_cast<double>(duration_us); }
-double square(double value) { return value * value; }
 
 }  // namespace
 
@@ -97,7 +96,7 @@ void Fusion::add(const Odometry& odometry) {
                       std::abs(odometry.yaw_rate_radps) < kStandingYawRate_radps;
   if (stands && hears_gyro_at(odometry.utime)) {
     const double sd_radps = std::max(config_.fusion.gyro_sd_radps, 1e-4);
-    filter_.correct_gyro_bias(imu_->angular_rate_radps[2], square(sd_radps));
+    filter_.correct_gyro_bias(imu_->angular_rate_radps[2], geometry::square(sd_radps));
   }
 }
 
@@ -123,7 +122,7 @@ void Fusion::add(const Gnss& gnss) {
   sight.p_base_m = {config_.gnss.antenna_m[0], config_.gnss.antenna_m[1]};
   sight.by_receiver = true;
   const Eigen::Vector2d antenna_m = filter_.p_map_m(sight.p_base_m);
-  if (last_fix_ && is_placed_ && seconds(gnss.utime - last_fix_->utime) <= kStep_s) {
+  if (last_fix_ && is_placed_ && timing::seconds(gnss.utime - last_fix_->utime) <= kFixStep_s) {
     monitor_.add_step_error((sight.p_map_m - last_fix_->p_map_m) -
                             (antenna_m - last_fix_->antenna_m));
   }
@@ -144,7 +143,7 @@ void Fusion::weigh(PositionSight& sight) {
     filter_.set_receiver_variance(claimed);
     return;
   }
-  const double scatter = square(*scatter_m);
+  const double scatter = geometry::square(*scatter_m);
   if (scatter > 4.0 * claimed) {
     sight.covariance = scatter * Eigen::Matrix2d::Identity();
     note(fmt::format("GNSS scatters by {:.2f} m, more than it claims: believed that much less",
@@ -157,13 +156,13 @@ void Fusion::weigh(PositionSight& sight) {
 }
 
 bool Fusion::is_left_out(const PositionSight& sight) {
-  if (filter_.distance2(sight) <= square(kGnssGate_sigma)) return false;
+  if (filter_.distance2(sight) <= geometry::square(kGnssGate_sigma)) return false;
   const double off_m = (sight.p_map_m - filter_.p_map_m(sight.p_base_m)).norm();
   if (off_m > kWheelsOff * taken_travel_m_) {
     if (!left_out_since_) left_out_since_ = *utime_;
-    const double since_s = seconds(*utime_ - *left_out_since_);
+    const double since_s = timing::seconds(*utime_ - *left_out_since_);
     // Either these are reflected or those before: the longer stretch since the last gap is right.
-    const double patience_s = seconds(*left_out_since_ - borne_out_since_);
+    const double patience_s = timing::seconds(*left_out_since_ - borne_out_since_);
     if (since_s < std::min(kRevalidation_s, patience_s)) {
       note(fmt::format("GNSS is {:.1f} m from where the robot can be: left out for {:.1f} s", off_m,
                        since_s));
@@ -171,7 +170,7 @@ bool Fusion::is_left_out(const PositionSight& sight) {
     }
     filter_.forget_receiver_error();
   }
-  filter_.doubt(square(off_m), square(kWheelsOffYaw_rad));
+  filter_.doubt(geometry::square(off_m), geometry::square(kWheelsOffYaw_rad));
   return false;
 }
 
@@ -233,11 +232,12 @@ Odometry Fusion::motion_heard() const {
   Odometry heard = *odometry_;
   if (!hears_gyro_at(heard.utime)) return heard;
   if (heard.covariance[0] <= 0.0)
-    heard.covariance[0] = square(config_.speed_sd_fraction * heard.speed_mps);
+    heard.covariance[0] = geometry::square(config_.speed_sd_fraction * heard.speed_mps);
   heard.yaw_rate_radps = imu_->angular_rate_radps[2];
   heard.covariance[1] = 0.0;
-  heard.covariance[2] = imu_->angular_rate_variance > 0.0 ? imu_->angular_rate_variance
-                                                          : square(config_.fusion.gyro_sd_radps);
+  heard.covariance[2] = imu_->angular_rate_variance > 0.0
+                            ? imu_->angular_rate_variance
+                            : geometry::square(config_.fusion.gyro_sd_radps);
   return heard;
 }
 
@@ -258,9 +258,9 @@ void Fusion::add(const PoseFix& fix) {
   if (c[0] > 0.0 && c[3] > 0.0 && c[1] * c[1] < c[0] * c[3]) {
     sight.covariance << c[0], c[1], c[1], c[3];
   } else {
-    sight.covariance = square(config_.fix_position_sd_m) * Eigen::Matrix2d::Identity();
+    sight.covariance = geometry::square(config_.fix_position_sd_m) * Eigen::Matrix2d::Identity();
   }
-  const double yaw_variance = c[5] > 0.0 ? c[5] : square(config_.fix_yaw_sd_rad);
+  const double yaw_variance = c[5] > 0.0 ? c[5] : geometry::square(config_.fix_yaw_sd_rad);
   if (!is_placed_ && fix.has_yaw) {
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
     covariance.topLeftCorner<2, 2>() = sight.covariance;
@@ -276,11 +276,11 @@ void Fusion::add(const PoseFix& fix) {
 }
 
 bool Fusion::hears_gyro_at(std::int64_t utime) const {
-  return imu_ && seconds(utime - imu_->utime) <= kImuFresh_s;
+  return imu_ && timing::seconds(utime - imu_->utime) <= kImuFresh_s;
 }
 
 double Fusion::silence_s(std::int64_t utime) const {
-  return odometry_ ? seconds(utime - odometry_->utime) : 0.0;
+  return odometry_ ? timing::seconds(utime - odometry_->utime) : 0.0;
 }
 
 void Fusion::move_to(std::int64_t utime) {
@@ -295,12 +295,13 @@ void Fusion::move_to(std::int64_t utime) {
   }
   // A constant but unknown velocity since the wheels fell silent.
   const double before_s = std::max(0.0, silence_s(*utime_));
-  const double grown = square(silent_s) - square(before_s);
-  const double yaw_variance = hears_gyro_at(utime) ? 0.0 : square(kSilenceYawRateSd_radps) * grown;
-  filter_.doubt(square(kSilenceSpeedSd_mps) * grown, yaw_variance);
+  const double grown = geometry::square(silent_s) - geometry::square(before_s);
+  const double yaw_variance =
+      hears_gyro_at(utime) ? 0.0 : geometry::square(kSilenceYawRateSd_radps) * grown;
+  filter_.doubt(geometry::square(kSilenceSpeedSd_mps) * grown, yaw_variance);
   if (hears_gyro_at(utime)) {
     MotionStep turn;
-    turn.dt_s = seconds(utime - *utime_);
+    turn.dt_s = timing::seconds(utime - *utime_);
     turn.yaw_rate_radps = imu_->angular_rate_radps[2];
     turn.yaw_rate_sd_radps = config_.fusion.gyro_sd_radps;
     turn.is_gyro = true;
@@ -313,7 +314,7 @@ void Fusion::move_to(std::int64_t utime) {
 void Fusion::move_to(std::int64_t utime, double speed_mps, double yaw_rate_radps) {
   if (!utime_) utime_ = utime;
   MotionStep step;
-  step.dt_s = seconds(utime - *utime_);
+  step.dt_s = timing::seconds(utime - *utime_);
   step.speed_mps = speed_mps;
   const auto& covariance = odometry_ ? odometry_->covariance : std::array<double, 3>{};
   const bool states_covariance = covariance[0] > 0.0 || covariance[2] > 0.0;
@@ -371,12 +372,13 @@ std::string Fusion::warning() const {
     if (!all.empty()) all.resize(all.size() - 2);
     return all;
   }
-  if (utime_ && !note_.empty() && seconds(*utime_ - note_utime_) < kNoteShown_s) return note_;
+  if (utime_ && !note_.empty() && timing::seconds(*utime_ - note_utime_) < kNoteShown_s)
+    return note_;
   if (!is_placed_ && utime_) {
     return "no pose yet: the robot must travel before GNSS or POSE_FIX give a heading";
   }
   const double worst_variance = filter_.covariance().diagonal().head<2>().maxCoeff();
-  if (is_placed_ && worst_variance > square(kWarnSd_m)) {
+  if (is_placed_ && worst_variance > geometry::square(kWarnSd_m)) {
     return fmt::format("position uncertain to {:.2f} m", std::sqrt(worst_variance));
   }
   return {};

@@ -6,6 +6,7 @@
 
 #include "geometry/angles.hpp"
 #include "geometry/pose2.hpp"
+#include "geometry/statistics.hpp"
 #include "pose/filter/gnss_config.hpp"
 
 namespace orchard::pose {
@@ -14,9 +15,6 @@ namespace {
 /// Standard deviation of the turn per metre by unequal wheels or a steering offset, before it is
 /// estimated [1/m].
 constexpr double kCurvatureSd_per_m = 0.02;
-
-/// Standard deviation of the gyro's bias before it is estimated [rad/s]: that of MEMS gyros.
-constexpr double kGyroBiasSd_radps = 0.02;
 
 /// Random walk of scale and curvature with travel [1/sqrt(m)], slow enough to average over a row.
 constexpr double kScaleWalk_per_sqrt_m = 1e-4;
@@ -50,19 +48,17 @@ enum Index {
   kReceiverNorth = 9
 };
 
-double square(double value) { return value * value; }
-
 /// sin(a) / a
 double sinc(double a) { return std::abs(a) < 1e-4 ? 1.0 - a * a / 6.0 : std::sin(a) / a; }
 
 }  // namespace
 
 FusionFilter::FusionFilter(const FusionConfig& config) : config_(config) {
-  covariance_(kScale, kScale) = square(config.speed_scale_sd);
-  covariance_(kCurvature, kCurvature) = square(kCurvatureSd_per_m);
-  covariance_(kGyroBias, kGyroBias) = square(kGyroBiasSd_radps);
-  covariance_(kSlip, kSlip) = square(kSlipSd);
-  covariance_(kTurnSlip, kTurnSlip) = square(kTurnSlipSd);
+  covariance_(kScale, kScale) = geometry::square(config.speed_scale_sd);
+  covariance_(kCurvature, kCurvature) = geometry::square(kCurvatureSd_per_m);
+  covariance_(kGyroBias, kGyroBias) = geometry::square(kGyroBiasSd_radps);
+  covariance_(kSlip, kSlip) = geometry::square(kSlipSd);
+  covariance_(kTurnSlip, kTurnSlip) = geometry::square(kTurnSlipSd);
 }
 
 Eigen::Vector2d FusionFilter::p_map_m(const Eigen::Vector2d& p_base_m) const {
@@ -115,17 +111,17 @@ void FusionFilter::move(const MotionStep& step) {
   G.block<2, 1>(0, 0) = chord * along;
   G.block<2, 1>(0, 1) = 0.5 * length_m * chord * across;
   G(kYaw, 1) = 1.0;
-  const Eigen::Vector2d noise(square(step.speed_sd_mps) * kNoiseTime_s * dt_s,
-                              square(step.yaw_rate_sd_radps) * kNoiseTime_s * dt_s);
+  const Eigen::Vector2d noise(geometry::square(step.speed_sd_mps) * kNoiseTime_s * dt_s,
+                              geometry::square(step.yaw_rate_sd_radps) * kNoiseTime_s * dt_s);
   covariance_ = F * covariance_ * F.transpose() + G * noise.asDiagonal() * G.transpose();
-  const double walk = square(kScaleWalk_per_sqrt_m) * std::abs(length_m);
+  const double walk = geometry::square(kScaleWalk_per_sqrt_m) * std::abs(length_m);
   covariance_(kScale, kScale) += walk;
   covariance_(kCurvature, kCurvature) += walk;
-  covariance_(kGyroBias, kGyroBias) += square(kGyroWalk_radps_per_sqrt_s) * dt_s;
-  const double slip_new = 1.0 - square(slip_kept);
-  covariance_(kSlip, kSlip) += slip_new * square(kSlipSd);
-  covariance_(kTurnSlip, kTurnSlip) += slip_new * square(kTurnSlipSd);
-  const double receiver_new = (1.0 - square(receiver_kept)) * receiver_variance_;
+  covariance_(kGyroBias, kGyroBias) += geometry::square(kGyroWalk_radps_per_sqrt_s) * dt_s;
+  const double slip_new = 1.0 - geometry::square(slip_kept);
+  covariance_(kSlip, kSlip) += slip_new * geometry::square(kSlipSd);
+  covariance_(kTurnSlip, kTurnSlip) += slip_new * geometry::square(kTurnSlipSd);
+  const double receiver_new = (1.0 - geometry::square(receiver_kept)) * receiver_variance_;
   covariance_(kReceiverEast, kReceiverEast) += receiver_new;
   covariance_(kReceiverNorth, kReceiverNorth) += receiver_new;
   covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();

@@ -7,6 +7,9 @@
 
 namespace orchard::pose {
 
+/// Standard deviation of the gyro's bias before it is estimated [rad/s]: that of MEMS gyros.
+inline constexpr double kGyroBiasSd_radps = 0.02;
+
 /// How base moved over a short time, as measured.
 struct MotionStep {
   double dt_s = 0.0;

@@ -9,7 +9,7 @@ namespace orchard::pose {
 namespace {
 
 constexpr std::size_t kPairsMost = 200;
-constexpr double kSpreadSigma = 6.0;
+constexpr double kStartSpreadSigma = 6.0;
 
 /// A receiver's errors last: over so short a way there are no more than so many different ones.
 constexpr double kIndependentMost = 4.0;
@@ -39,7 +39,7 @@ std::optional<LocalFrame> HeadingStart::add(const Eigen::Vector2d& p_local_m,
   }
   // Receivers claim too much: what the points scatter counts if it is more.
   const double believed = std::max(variance, misfit2);
-  if (reach2 < kSpreadSigma * kSpreadSigma * believed) {
+  if (reach2 < kStartSpreadSigma * kStartSpreadSigma * believed) {
     if (pairs_.size() == kPairsMost && misfit2 > variance) {
       // A jump or a long drift in it: what comes next may do better without the oldest.
       pairs_.erase(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(kPairsMost / 2));

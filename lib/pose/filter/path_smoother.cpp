@@ -28,9 +28,6 @@ constexpr double kLeftOutMost = 0.2;
 /// So far without a position is a gap, and so far behind it both place and heading are known [m].
 constexpr double kGap_m = 20.0;
 
-/// Of a gyro's bias before it is estimated [rad/s]: that of MEMS gyros.
-constexpr double kGyroBiasSd_radps = 0.02;
-
 SlamConfig graph_config(const PoseConfig& config) {
   SlamConfig graph = config.slam;
   graph.speed_scale_sd = config.fusion.speed_scale_sd;

@@ -10,14 +10,13 @@
 
 #include "geometry/angles.hpp"
 #include "pose/arc_motion.hpp"
+#include "timing/units.hpp"
 
 namespace orchard::pose {
 namespace {
 
 using mrpt::poses::CPose2D;
 using mrpt::poses::CPosePDFGaussian;
-
-constexpr double kSecondsPerMicrosecond = 1e-6;
 
 Eigen::Matrix3d symmetric(const std::array<double, 6>& c) {
   Eigen::Matrix3d m;
@@ -43,9 +42,8 @@ void PoseEstimator::add(const Odometry& odometry) {
     state_ = State{odometry.utime, Eigen::Vector3d::Zero(), Eigen::Matrix3d::Zero()};
   }
   if (state_) {
-    const bool silent =
-        last_odometry_ && (odometry.utime - last_odometry_->utime) * kSecondsPerMicrosecond >
-                              config_.odometry_gap_max_s;
+    const bool silent = last_odometry_ && timing::seconds(odometry.utime - last_odometry_->utime) >
+                                              config_.odometry_gap_max_s;
     if (silent) {
       ++num_gaps_;
       if (config_.mode == PoseMode::kOdometry) {
@@ -63,8 +61,8 @@ void PoseEstimator::add(const Odometry& odometry) {
   last_odometry_ = odometry;
   if (!state_) {
     const bool silent =
-        !unplaced_.empty() && (odometry.utime - unplaced_.back().utime) * kSecondsPerMicrosecond >
-                                  config_.odometry_gap_max_s;
+        !unplaced_.empty() &&
+        timing::seconds(odometry.utime - unplaced_.back().utime) > config_.odometry_gap_max_s;
     if (silent) unplaced_.clear();
     unplaced_.push_back(odometry);
     while (odometry.utime - unplaced_.front().utime > kPastMax_us) unplaced_.pop_front();
@@ -76,9 +74,9 @@ void PoseEstimator::add(const Odometry& odometry) {
 void PoseEstimator::look_back() {
   State state = *state_;
   Odometry after = unplaced_.back();
-  bool is_near = (state.utime - after.utime) * kSecondsPerMicrosecond <= config_.odometry_gap_max_s;
+  bool is_near = timing::seconds(state.utime - after.utime) <= config_.odometry_gap_max_s;
   for (auto odometry = unplaced_.rbegin(); is_near && odometry != unplaced_.rend(); ++odometry) {
-    const double dt_s = (state.utime - odometry->utime) * kSecondsPerMicrosecond;
+    const double dt_s = timing::seconds(state.utime - odometry->utime);
     move(state, -0.5 * (odometry->speed_mps + after.speed_mps),
          -0.5 * (odometry->yaw_rate_radps + after.yaw_rate_radps), dt_s,
          velocity_covariance(after));
@@ -94,7 +92,7 @@ void PoseEstimator::add(const PoseFix& fix) {
   const Eigen::Matrix3d R = fix_covariance(fix);
   const bool dead_reckoned =
       config_.mode == PoseMode::kFixesAndOdometry && state_ && last_odometry_ &&
-      (fix.utime - last_odometry_->utime) * kSecondsPerMicrosecond <= config_.odometry_gap_max_s;
+      timing::seconds(fix.utime - last_odometry_->utime) <= config_.odometry_gap_max_s;
   if (!dead_reckoned) {
     const bool was_known = state_.has_value();
     start_at(fix, R);
@@ -124,7 +122,7 @@ PoseEstimate PoseEstimator::estimate_of(const State& state) const {
 
 void PoseEstimator::predict_to(std::int64_t utime, double speed_mps, double yaw_rate_radps,
                                const std::array<double, 3>& velocity_covariance) {
-  move(*state_, speed_mps, yaw_rate_radps, (utime - state_->utime) * kSecondsPerMicrosecond,
+  move(*state_, speed_mps, yaw_rate_radps, timing::seconds(utime - state_->utime),
        velocity_covariance);
   state_->utime = utime;
 }

@@ -6,14 +6,13 @@
 #include <cmath>
 
 #include "geometry/pose2.hpp"
+#include "timing/units.hpp"
 
 namespace orchard::pose {
 using geometry::rotation;
 using geometry::transform;
 
 namespace {
-
-constexpr double kSecondsPerMicrosecond = 1e-6;
 
 /// A scan lasts no longer; a sighting that claims to be farther from its scan is not moved.
 constexpr double kMaxScanS = 1.0;
@@ -37,7 +36,7 @@ std::vector<Sighting> sightings_at_scan(const detection::Detections& seen, doubl
     s.covariance += sd2 * Eigen::Matrix2d::Identity();
     s.width_m = std::max(0.0, trunk.width_m);
     s.width_sd_m = std::isfinite(trunk.width_sd_m) ? std::max(0.0, trunk.width_sd_m) : 1.0;
-    const double dt_s = static_cast<double>(trunk.utime - seen.utime) * kSecondsPerMicrosecond;
+    const double dt_s = timing::seconds(trunk.utime - seen.utime);
     if (std::abs(dt_s) <= kMaxScanS) {
       const double turn_rad = yaw_rate_radps * dt_s;
       const Eigen::Vector3d T_scan_then(speed_mps * dt_s * std::cos(0.5 * turn_rad),

@@ -20,7 +20,7 @@ using geometry::transform_back;
 
 namespace {
 
-constexpr double kGate = geometry::kChiSquare2_999;
+constexpr double kLocalGate2 = geometry::kChiSquare2_999;
 constexpr double kMatchM = 0.5;         ///< a trunk is never farther from where it was seen before
 constexpr double kNewTrunkM = 0.6;      ///< nothing begins nearer to a trunk than this
 constexpr int kSureSightings = 3;       ///< that make a trunk
@@ -131,7 +131,7 @@ int LocalTrunkMap::match(const Sighting& sighting, const std::vector<bool>& take
   Eigen::Matrix<double, 2, 3> J = Eigen::Matrix<double, 2, 3>::Zero();
   J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
   int best = -1;
-  double best_d2 = kGate;
+  double best_d2 = kLocalGate2;
   for (std::size_t i = 0; i < taken.size(); ++i) {
     const Eigen::Vector2d r = p_seen - x_.segment<2>(3 + 2 * static_cast<Eigen::Index>(i));
     const double distance_m = r.norm();

@@ -10,14 +10,13 @@
 #include "geometry/pose2.hpp"
 #include "pose/prior_map/decision.hpp"
 #include "text/number_text.hpp"
+#include "timing/units.hpp"
 
 namespace orchard::pose {
 using geometry::compose;
 using geometry::compose_covariance;
 
 namespace {
-
-constexpr double kSecondsPerMicrosecond = 1e-6;
 
 /// What base may do while nothing measures its motion.
 constexpr double kSilentSpeedSdMps = 0.5;
@@ -107,8 +106,7 @@ void PriorMapLocaliser::add(const detection::Detections& seen) {
   double speed_mps = 0.0, yaw_rate_radps = 0.0;
   if (scan_motion_) {
     // what a scan shows is told with the scan's own time: base is where the scan has put it
-    const double dt_s = static_cast<double>(last_motion_.utime_to - last_motion_.utime_from) *
-                        kSecondsPerMicrosecond;
+    const double dt_s = timing::seconds(last_motion_.utime_to - last_motion_.utime_from);
     if (dt_s > 0.0) {
       speed_mps = last_motion_.T_from_to.x() / dt_s;
       yaw_rate_radps = last_motion_.T_from_to.z() / dt_s;
@@ -144,13 +142,12 @@ void PriorMapLocaliser::begin_at(std::int64_t utime) {
 
 double PriorMapLocaliser::silence_s() const {
   if (!last_odometry_) return kMaxStepS;
-  return static_cast<double>(*utime_ - last_odometry_->utime) * kSecondsPerMicrosecond;
+  return timing::seconds(*utime_ - last_odometry_->utime);
 }
 
 void PriorMapLocaliser::advance_to(std::int64_t utime) {
   const double silence =
-      last_odometry_ ? static_cast<double>(utime - last_odometry_->utime) * kSecondsPerMicrosecond
-                     : kMaxStepS;
+      last_odometry_ ? timing::seconds(utime - last_odometry_->utime) : kMaxStepS;
   const double speed_mps = last_odometry_ ? last_odometry_->speed_mps : 0.0;
   const double yaw_rate_radps = last_odometry_ ? last_odometry_->yaw_rate_radps : 0.0;
   if (silence <= pose_config_.odometry_gap_max_s) {
@@ -164,8 +161,7 @@ void PriorMapLocaliser::advance_to(std::int64_t utime) {
 
 void PriorMapLocaliser::advance_to(std::int64_t utime, double speed_mps, double yaw_rate_radps,
                                    const std::array<double, 3>& covariance) {
-  const double dt_s =
-      std::min(kMaxStepS, static_cast<double>(utime - *utime_) * kSecondsPerMicrosecond);
+  const double dt_s = std::min(kMaxStepS, timing::seconds(utime - *utime_));
   utime_ = utime;
   if (dt_s <= 0.0) return;
   const WheelStep step{speed_mps, yaw_rate_radps, covariance, dt_s};

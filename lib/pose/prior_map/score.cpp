@@ -18,8 +18,8 @@ using geometry::transform_back;
 
 namespace {
 
-constexpr double kGate = geometry::kChiSquare2_997;
-constexpr double kGateM = 0.6;
+constexpr double kScoreGate2 = geometry::kChiSquare2_997;
+constexpr double kScoreGate_m = 0.6;
 
 /// Density of trunks where a lattice of rows, shifted at will, expects one: 0.2 m about its places
 /// [1/m2]. A match must be nearer than that to say more than that this is an orchard.
@@ -49,7 +49,7 @@ PlaceScorer::PlaceScorer(const PriorMap& map, const PriorMapConfig& config, Loca
       evidence_(std::move(evidence)),
       position_variance_(config.landmark_sd_m * config.landmark_sd_m +
                          config.observation_sd_m * config.observation_sd_m),
-      gate_radius_m_(std::min(kGateM, 0.45 * map.spacing_m())) {}
+      gate_radius_m_(std::min(kScoreGate_m, 0.45 * map.spacing_m())) {}
 
 std::optional<Place> PlaceScorer::fit(const Place& start, const std::vector<int>& order,
                                       double score_min) const {
@@ -84,7 +84,7 @@ std::optional<Place> PlaceScorer::fit(const Place& start, const std::vector<int>
       const Eigen::Matrix2d S = S_all + map_[i].sd_m * map_[i].sd_m * Eigen::Matrix2d::Identity();
       const Eigen::Matrix2d S_inverse = S.inverse();
       const double d2 = r.dot(S_inverse * r);
-      if (d2 > kGate) return;
+      if (d2 > kScoreGate2) return;
       if (std::find(place.matched.begin(), place.matched.end(), i) != place.matched.end()) return;
       const double density =
           std::exp(-0.5 * d2) * std::sqrt(S_inverse.determinant()) / (2.0 * geometry::kPi);

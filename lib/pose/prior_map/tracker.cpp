@@ -21,10 +21,10 @@ namespace {
 /// Random walk of dead reckoning beyond what the wheels state [m/sqrt(m)]: slip.
 constexpr double kDrift_m_per_sqrt_m = 0.01;
 
-constexpr double kGate = geometry::kChiSquare2_997;
-constexpr double kGateM = 1.0;       ///< most from a sighting to its landmark
-constexpr double kRivalGap = 6.0;    ///< by which the second best landmark must fit worse
-constexpr double kWidthSigma = 5.0;  ///< a sighting that is so much wider is something else
+constexpr double kTrackGate2 = geometry::kChiSquare2_997;
+constexpr double kTrackGate_m = 1.0;  ///< most from a sighting to its landmark
+constexpr double kRivalGap = 6.0;     ///< by which the second best landmark must fit worse
+constexpr double kWidthSigma = 5.0;   ///< a sighting that is so much wider is something else
 constexpr double kWidthSlackM = 0.15;
 
 /// The map errs at each tree in one way, however often the tree is seen: so many sightings of it
@@ -146,9 +146,9 @@ PriorMapTracker::Match PriorMapTracker::best_match(const Sighting& sighting,
                             map_variance * Eigen::Matrix2d::Identity();
   const Eigen::Vector2d p_map = transform(x_.head<3>(), sighting.p_base);
   Match best;
-  double second_d2 = kGate + kRivalGap;
+  double second_d2 = kTrackGate2 + kRivalGap;
   best.d2 = second_d2;
-  map_.near(p_map, kGateM, [&](std::int32_t i) {
+  map_.near(p_map, kTrackGate_m, [&](std::int32_t i) {
     const Eigen::Vector2d r = map_[i].p_map - p_map;
     const double own_variance = map_[i].sd_m * map_[i].sd_m;
     const double d2 = r.dot((S + own_variance * Eigen::Matrix2d::Identity()).inverse() * r);
@@ -156,7 +156,7 @@ PriorMapTracker::Match PriorMapTracker::best_match(const Sighting& sighting,
     const bool other_size =
         sighting.width_m > 0.0 && width_m > 0.0 &&
         std::abs(sighting.width_m - width_m) > kWidthSlackM + kWidthSigma * sighting.width_sd_m;
-    if (r.norm() > kGateM || other_size) return;
+    if (r.norm() > kTrackGate_m || other_size) return;
     if (std::find(taken.begin(), taken.end(), i) != taken.end()) return;
     if (d2 < best.d2) {
       second_d2 = best.d2;
@@ -165,7 +165,7 @@ PriorMapTracker::Match PriorMapTracker::best_match(const Sighting& sighting,
       second_d2 = std::min(second_d2, d2);
     }
   });
-  if (best.d2 > kGate || second_d2 - best.d2 < kRivalGap) best.landmark = -1;
+  if (best.d2 > kTrackGate2 || second_d2 - best.d2 < kRivalGap) best.landmark = -1;
   return best;
 }
 
@@ -194,7 +194,7 @@ PriorMapTracker::Matching PriorMapTracker::correct(const std::vector<Sighting>& 
   std::vector<std::pair<double, const Sighting*>> by_distance;
   for (const Sighting& sighting : sightings) {
     const Match match = best_match(sighting, taken);
-    by_distance.emplace_back(match.landmark < 0 ? 2.0 * kGate : match.d2, &sighting);
+    by_distance.emplace_back(match.landmark < 0 ? 2.0 * kTrackGate2 : match.d2, &sighting);
   }
   std::stable_sort(by_distance.begin(), by_distance.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });

@@ -19,7 +19,7 @@ constexpr double kRivalScore = 4.0;   // log-likelihood by which the best must b
 constexpr double kPreGate = 1.5;  // of the squared gate: no corrected pose brings pairs beyond it
 
 /// A pose and the pairs that it was corrected by.
-struct Hypothesis {
+struct ScanHypothesis {
   Eigen::Vector3d T_map_base;
   Eigen::Matrix3d covariance;
   std::vector<int> candidate;  // of each point, -1 = none
@@ -33,10 +33,11 @@ struct Pair {
   double distance2 = std::numeric_limits<double>::infinity();  // in standard deviations
 };
 
-class Matcher {
+class ScanToMapMatcher {
  public:
-  Matcher(const std::vector<ScanPoint>& points, const std::vector<AssociationCandidate>& candidates,
-          const Hypothesis& start, const SlamConfig& config)
+  ScanToMapMatcher(const std::vector<ScanPoint>& points,
+                   const std::vector<AssociationCandidate>& candidates, const ScanHypothesis& start,
+                   const SlamConfig& config)
       : points_(points), candidates_(candidates), gate2_(config.gate_sigma * config.gate_sigma) {
     // Widths do not depend on the pose, and no hypothesis leaves the gate of the predicted pose:
     // the pairs worth testing are found once.
@@ -54,12 +55,12 @@ class Matcher {
     }
   }
 
-  double apart_m(const Hypothesis& h, std::size_t point, std::size_t candidate) const {
+  double apart_m(const ScanHypothesis& h, std::size_t point, std::size_t candidate) const {
     return (candidates_[candidate].p_map - transform(h.T_map_base, points_[point].p_base)).norm();
   }
 
   /// Squared Mahalanobis distance of a pair, given a pose.
-  double distance2(const Hypothesis& h, int point, int candidate) {
+  double distance2(const ScanHypothesis& h, int point, int candidate) {
     ++num_operations_;
     const Eigen::Vector2d offset =
         candidates_[candidate].p_map - transform(h.T_map_base, points_[point].p_base);
@@ -67,7 +68,7 @@ class Matcher {
   }
 
   /// Adds a pair: a Kalman update of the pose.
-  void fit(Hypothesis& h, int point, int candidate, double distance2) const {
+  void fit(ScanHypothesis& h, int point, int candidate, double distance2) const {
     const Eigen::Matrix<double, 2, 3> H = jacobian(h, point);
     const Eigen::Matrix2d S = innovation_covariance(h, point, candidate);
     const Eigen::Matrix<double, 3, 2> K = h.covariance * H.transpose() * S.inverse();
@@ -82,7 +83,7 @@ class Matcher {
   }
 
   /// Adds compatible pairs, the nearest first, until none is within the gate.
-  void complete(Hypothesis& h) {
+  void complete(ScanHypothesis& h) {
     std::vector<char> taken(candidates_.size(), 0);
     for (const int c : h.candidate) {
       if (c >= 0) taken[c] = 1;
@@ -104,7 +105,7 @@ class Matcher {
   }
 
   /// A hypothesis from every pair of the points that have the fewest pairs within the gate.
-  std::vector<Hypothesis> hypotheses(const Hypothesis& start) {
+  std::vector<ScanHypothesis> hypotheses(const ScanHypothesis& start) {
     struct Seed {
       int point;
       std::vector<int> candidates;
@@ -121,14 +122,14 @@ class Matcher {
       return a.candidates.size() < b.candidates.size();
     });
     if (seeds.size() > kNumSeeds) seeds.resize(kNumSeeds);
-    std::vector<Hypothesis> found;
+    std::vector<ScanHypothesis> found;
     for (const Seed& seed : seeds) {
       for (const int c : seed.candidates) {
-        const bool known = std::any_of(found.begin(), found.end(), [&](const Hypothesis& h) {
+        const bool known = std::any_of(found.begin(), found.end(), [&](const ScanHypothesis& h) {
           return h.candidate[seed.point] == c;
         });
         if (known) continue;
-        Hypothesis h = start;
+        ScanHypothesis h = start;
         fit(h, seed.point, c, distance2(h, seed.point, c));
         complete(h);
         found.push_back(std::move(h));
@@ -140,13 +141,13 @@ class Matcher {
   std::int64_t num_operations() const { return num_operations_; }
 
  private:
-  Eigen::Matrix<double, 2, 3> jacobian(const Hypothesis& h, int point) const {
+  Eigen::Matrix<double, 2, 3> jacobian(const ScanHypothesis& h, int point) const {
     const Eigen::Vector2d arm = rotation(h.T_map_base.z()) * points_[point].p_base;
     Eigen::Matrix<double, 2, 3> H;
     H << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
     return H;
   }
-  Eigen::Matrix2d innovation_covariance(const Hypothesis& h, int point, int candidate) const {
+  Eigen::Matrix2d innovation_covariance(const ScanHypothesis& h, int point, int candidate) const {
     const Eigen::Matrix<double, 2, 3> H = jacobian(h, point);
     const Eigen::Matrix2d R = rotation(h.T_map_base.z());
     return H * h.covariance * H.transpose() + R * points_[point].covariance * R.transpose() +
@@ -161,9 +162,9 @@ class Matcher {
 };
 
 /// Whether another hypothesis, at another position, explains the scan about as well as the best.
-bool has_rival(const Hypothesis& best, const std::vector<Hypothesis>& hypotheses,
+bool has_rival(const ScanHypothesis& best, const std::vector<ScanHypothesis>& hypotheses,
                double distance_m) {
-  return std::any_of(hypotheses.begin(), hypotheses.end(), [&](const Hypothesis& h) {
+  return std::any_of(hypotheses.begin(), hypotheses.end(), [&](const ScanHypothesis& h) {
     return &h != &best && h.num_matched > 1 && h.score > best.score - kRivalScore &&
            (h.T_map_base - best.T_map_base).head<2>().norm() >= distance_m;
   });
@@ -183,11 +184,11 @@ Association associate(const std::vector<ScanPoint>& points,
                       const std::vector<AssociationCandidate>& candidates,
                       const Eigen::Vector3d& T_map_base, const Eigen::Matrix3d& covariance,
                       const SlamConfig& config) {
-  const Hypothesis start{T_map_base, covariance, std::vector<int>(points.size(), -1)};
-  Matcher matcher(points, candidates, start, config);
-  const std::vector<Hypothesis> hypotheses = matcher.hypotheses(start);
-  const Hypothesis* best = &start;
-  for (const Hypothesis& h : hypotheses) {
+  const ScanHypothesis start{T_map_base, covariance, std::vector<int>(points.size(), -1)};
+  ScanToMapMatcher matcher(points, candidates, start, config);
+  const std::vector<ScanHypothesis> hypotheses = matcher.hypotheses(start);
+  const ScanHypothesis* best = &start;
+  for (const ScanHypothesis& h : hypotheses) {
     if (h.score > best->score) best = &h;
   }
   Association result;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "timing/units.hpp"
+
 namespace orchard::pose {
 namespace {
 
@@ -12,8 +14,6 @@ constexpr double kGapSpeedSd_mps = 0.5;
 
 /// The same of the yaw rate [rad/s].
 constexpr double kGapYawRateSd_radps = 0.3;
-
-constexpr double kSecondsPerMicrosecond = 1e-6;
 
 }  // namespace
 
@@ -24,11 +24,11 @@ void DeadReckoning::set_default_noise(double speed_sd_fraction, double yaw_rate_
 
 double DeadReckoning::silence_s() const {
   if (!utime_) return 0.0;
-  return (*utime_ - measured_utime_.value_or(*started_utime_)) * kSecondsPerMicrosecond;
+  return timing::seconds(*utime_ - measured_utime_.value_or(*started_utime_));
 }
 
 void DeadReckoning::drive_to(std::int64_t utime, double speed_mps, double yaw_rate_radps) {
-  const double dt_s = (utime - *utime_) * kSecondsPerMicrosecond;
+  const double dt_s = timing::seconds(utime - *utime_);
   if (dt_s <= 0.0) return;
   std::array<double, 3> covariance = velocity_covariance_;
   utime_ = utime;
@@ -68,7 +68,7 @@ void DeadReckoning::add(std::int64_t utime, const Eigen::Vector3d& T_now_then,
   if (!T_now_then.allFinite() || !covariance.allFinite()) return;
   if (utime_ && utime <= *utime_) return;
   if (utime_) {
-    const double dt_s = (utime - *utime_) * kSecondsPerMicrosecond;
+    const double dt_s = timing::seconds(utime - *utime_);
     speed_mps_ = T_now_then.x() / dt_s;
     yaw_rate_radps_ = T_now_then.z() / dt_s;
   }

@@ -34,7 +34,7 @@ constexpr int kRounds = 5;
 constexpr std::int64_t kReceiverErrorFor_us = 2'000'000;
 
 /// A step between fixes tells of the receiver alone if it took no longer [s].
-constexpr double kStep_s = 2.0;
+constexpr double kReceiverStep_s = 2.0;
 
 constexpr std::size_t kStepsLeast = 20;
 
@@ -117,7 +117,7 @@ ReceiverModel judge_receiver(const SlamGraph& graph) {
       if (position.receiver_error < 0) continue;
       const Eigen::Vector2d p = p_by_path(k, position);
       if (before != nullptr &&
-          1e-6 * static_cast<double>(position.utime - before->utime) <= kStep_s) {
+          1e-6 * static_cast<double>(position.utime - before->utime) <= kReceiverStep_s) {
         const Eigen::Vector2d off_m = (position.p_map - before->p_map) - (p - p_before);
         steps2.push_back(off_m.squaredNorm() / (per_axis(position) + per_axis(*before)));
       }

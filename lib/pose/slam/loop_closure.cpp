@@ -30,16 +30,16 @@ constexpr double kCell_m = 0.25;           // hypotheses in one cell are one
 constexpr double kCell_rad = 0.02;
 
 /// A rigid motion of the recent landmarks.
-struct Hypothesis {
+struct ClosureHypothesis {
   Eigen::Vector3d x_y_yaw = Eigen::Vector3d::Zero();
   double score = 0.0;
   std::vector<int> old;  // index of each recent landmark's partner, -1 = none
   int num_in_view = 0;   // recent landmarks where the old map covers the ground
 };
 
-class Matcher {
+class ClosureMatcher {
  public:
-  Matcher(const ClosureQuery& query, const SlamConfig& config) : q_(query), config_(config) {
+  ClosureMatcher(const ClosureQuery& query, const SlamConfig& config) : q_(query), config_(config) {
     Eigen::Matrix3d P = q_.covariance;
     // not more certain than the local map
     P.diagonal() += Eigen::Vector3d(0.1 * 0.1, 0.1 * 0.1, 0.01 * 0.01);
@@ -67,8 +67,8 @@ class Matcher {
   }
 
   /// Motions that register two recent landmarks to two old ones.
-  std::vector<Hypothesis> hypotheses() {
-    std::vector<Hypothesis> found;
+  std::vector<ClosureHypothesis> hypotheses() {
+    std::vector<ClosureHypothesis> found;
     std::set<std::tuple<int, int, int>> known;
     for (const auto& [i, j] : far_pairs()) {
       const ClosureLandmark& a = q_.recent[i];
@@ -83,7 +83,7 @@ class Matcher {
           ++num_operations_;
           const Eigen::Vector2d cd = d.p_map - c.p_map;
           if (std::abs(cd.norm() - ab.norm()) > kPairTolerance_m || !alike(b, d)) continue;
-          Hypothesis h;
+          ClosureHypothesis h;
           h.x_y_yaw.z() = geometry::through_two(c.p_map, d.p_map, a.p_map, b.p_map).yaw_rad;
           if (std::abs(h.x_y_yaw.z()) > yaw_max_rad_) continue;
           const Eigen::Vector2d from = 0.5 * (a.p_map + b.p_map);
@@ -107,7 +107,7 @@ class Matcher {
   }
 
   /// Partners and log-odds of a hypothesis, for positions that repeat within `sd_m`.
-  void score(Hypothesis& h, double sd_m) {
+  void score(ClosureHypothesis& h, double sd_m) {
     h.old.assign(q_.recent.size(), -1);
     h.num_in_view = 0;
     std::vector<char> taken(q_.old.size(), 0);
@@ -156,7 +156,7 @@ class Matcher {
   }
 
   /// The rigid motion that fits the partners best, by least squares.
-  void refine(Hypothesis& h) const {
+  void refine(ClosureHypothesis& h) const {
     std::vector<Eigen::Vector2d> p_recent, p_old;
     for (std::size_t r = 0; r < q_.recent.size(); ++r) {
       if (h.old[r] < 0) continue;
@@ -169,7 +169,7 @@ class Matcher {
     h.x_y_yaw.head<2>() += fit.mean_a - apply(h.x_y_yaw, fit.mean_b);
   }
 
-  bool differ(const Hypothesis& a, const Hypothesis& b) const {
+  bool differ(const ClosureHypothesis& a, const ClosureHypothesis& b) const {
     return (apply(a.x_y_yaw, middle_) - apply(b.x_y_yaw, middle_)).norm() >
                2.0 * config_.closure_kernel_m ||
            std::abs(geometry::wrap_angle_rad(a.x_y_yaw.z() - b.x_y_yaw.z())) > 0.3;
@@ -213,13 +213,15 @@ Closure find_closure(const ClosureQuery& query, const SlamConfig& config) {
   Closure closure;
   const auto min_trees = static_cast<std::size_t>(config.closure_min_trees);
   if (query.recent.size() < min_trees || query.old.size() < min_trees) return closure;
-  Matcher matcher(query, config);
-  std::vector<Hypothesis> hypotheses = matcher.hypotheses();
-  const auto better = [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; };
-  for (Hypothesis& h : hypotheses) matcher.score(h, 0.5 * config.closure_kernel_m);
+  ClosureMatcher matcher(query, config);
+  std::vector<ClosureHypothesis> hypotheses = matcher.hypotheses();
+  const auto better = [](const ClosureHypothesis& a, const ClosureHypothesis& b) {
+    return a.score > b.score;
+  };
+  for (ClosureHypothesis& h : hypotheses) matcher.score(h, 0.5 * config.closure_kernel_m);
   std::stable_sort(hypotheses.begin(), hypotheses.end(), better);
   if (hypotheses.size() > kNumRefined) hypotheses.resize(kNumRefined);
-  for (Hypothesis& h : hypotheses) {
+  for (ClosureHypothesis& h : hypotheses) {
     for (int round = 0; round < kNumRounds; ++round) {
       matcher.refine(h);
       matcher.score(h, config.closure_sd_m);
@@ -228,7 +230,7 @@ Closure find_closure(const ClosureQuery& query, const SlamConfig& config) {
   std::stable_sort(hypotheses.begin(), hypotheses.end(), better);
   closure.num_operations = matcher.num_operations();
   if (hypotheses.empty()) return closure;
-  const Hypothesis& best = hypotheses.front();
+  const ClosureHypothesis& best = hypotheses.front();
   closure.log_odds = best.score;
   closure.shift = best.x_y_yaw;
   for (std::size_t r = 0; r < query.recent.size(); ++r) {
@@ -240,7 +242,7 @@ Closure find_closure(const ClosureQuery& query, const SlamConfig& config) {
     return closure;
   }
   closure.ambiguous =
-      std::any_of(hypotheses.begin() + 1, hypotheses.end(), [&](const Hypothesis& other) {
+      std::any_of(hypotheses.begin() + 1, hypotheses.end(), [&](const ClosureHypothesis& other) {
         return other.score > best.score - config.closure_margin && matcher.differ(other, best);
       });
   closure.found = !closure.ambiguous && best.score >= config.closure_margin;

@@ -15,9 +15,7 @@ namespace {
 constexpr double kUnits_per_rad = 10'000.0 * 180.0 / geometry::kPi;
 constexpr std::int32_t kAhead = 900'000;
 constexpr std::int32_t kFirstShot = -450'000;
-constexpr std::int64_t kProcessing_us = 500;
 constexpr std::size_t kMaxTelegram = 256;
-constexpr std::size_t kMaxWaiting = 16;
 
 std::int32_t start_angle(const laser::Scan& scan) {
   return static_cast<std::int32_t>(std::lround(scan.bearing_min_rad * kUnits_per_rad)) + kAhead;
@@ -94,8 +92,9 @@ void ColaDevice::measured(const device::Measurement& measurement) {
   const double beam_period_us =
       1e6 / model_.rate_hz * scan->bearing_step_rad / (2.0 * geometry::kPi);
   const double sweep_us = beam_period_us * static_cast<double>(scan->ranges_m.size() - 1);
-  sweeps_.push_back({scan->utime + static_cast<std::int64_t>(sweep_us) + kProcessing_us, *scan});
-  if (sweeps_.size() > kMaxWaiting) sweeps_.pop_front();
+  sweeps_.push_back(
+      {scan->utime + static_cast<std::int64_t>(sweep_us) + kSweepProcessing_us, *scan});
+  if (sweeps_.size() > kMaxWaitingSweeps) sweeps_.pop_front();
   last_ = *scan;
 }
 

@@ -40,6 +40,12 @@ class EmulatedDevice {
   std::string to_send_;
 };
 
+/// Of an emulated scanner: from the last beam to the first byte [us].
+inline constexpr std::int64_t kSweepProcessing_us = 500;
+
+/// Sweeps that an emulated scanner keeps for a host that is slow to read.
+inline constexpr std::size_t kMaxWaitingSweeps = 16;
+
 /// A device's own clock: started at some true time, a little fast or slow.
 struct EmulatedClock {
   std::int64_t start_utime = 0;  ///< true time at which it showed 0

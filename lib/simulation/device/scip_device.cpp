@@ -13,11 +13,7 @@ namespace {
 constexpr double kTick_us = 1000.0;
 constexpr std::uint64_t kClock_mask = 0xffffff;
 
-/// From the last beam to the first byte.
-constexpr std::int64_t kProcessing_us = 500;
-
 constexpr std::size_t kMaxCommand = 64;
-constexpr std::size_t kMaxWaiting = 16;
 
 std::string with_sum(const std::string& text) {
   int sum = 0;
@@ -192,10 +188,10 @@ void ScipDevice::measured(const device::Measurement& measurement) {
   const double step_0_utime = static_cast<double>(scan->utime) - to_first_us;
   Sweep sweep;
   sweep.ticks = clock_.ticks(step_0_utime, kTick_us);
-  sweep.complete_utime = static_cast<std::int64_t>(step_0_utime + to_last_us) + kProcessing_us;
+  sweep.complete_utime = static_cast<std::int64_t>(step_0_utime + to_last_us) + kSweepProcessing_us;
   sweep.scan = *scan;
   sweeps_.push_back(std::move(sweep));
-  if (sweeps_.size() > kMaxWaiting) sweeps_.pop_front();
+  if (sweeps_.size() > kMaxWaitingSweeps) sweeps_.pop_front();
 }
 
 std::optional<std::int64_t> ScipDevice::deadline() const {

@@ -17,11 +17,8 @@
 namespace orchard::simulation {
 namespace {
 
-constexpr float kNearest_m = 0.05f;
 constexpr float kThin_m = 0.007f;  ///< stalks and twigs are nothing beyond a few metres
 constexpr float kFarthestThin_m = 6.0f;
-constexpr float kUprightSky = 0.62f;  ///< half of the sky, and some light from the ground
-constexpr float kFarthest_m = 40.0f;  ///< trunks farther away are less than a pixel or two
 
 }  // namespace
 

@@ -30,6 +30,10 @@ struct Exposure {
 /// distortion, edges blended by the share of the pixel that they cover.
 class CameraRenderer {
  public:
+  static constexpr float kNearest_m = 0.05f;
+  static constexpr float kFarthest_m = 40.0f;  ///< trunks farther away are less than a pixel or two
+  static constexpr float kUprightSky = 0.62f;  ///< half of the sky, and some light from the ground
+
   explicit CameraRenderer(const RigConfig& rig);
 
   /// What stands and casts shadows from now on, when `simulation.light` asks for them.

@@ -11,10 +11,6 @@
 namespace orchard::simulation {
 namespace {
 
-constexpr float kNearest_m = 0.05f;
-constexpr float kFarthest_m = 40.0f;
-constexpr float kUprightSky = 0.62f;
-
 /// A place of the map in base axes from the camera's foot.
 struct Place {
   float x_m;
@@ -49,7 +45,8 @@ Crossing cross(const std::array<float, 2>& from, const std::array<float, 2>& tow
     }
     crossing.leave_m = std::min(crossing.leave_m, std::max(one_m, other_m));
   }
-  crossing.hit = crossing.enter_m > kNearest_m && crossing.enter_m < crossing.leave_m;
+  crossing.hit =
+      crossing.enter_m > CameraRenderer::kNearest_m && crossing.enter_m < crossing.leave_m;
   return crossing;
 }
 

@@ -11,11 +11,10 @@
 #include "cli/long_work.hpp"
 #include "cli/parent_folder.hpp"
 #include "io/log/log_repair.hpp"
+#include "timing/units.hpp"
 
 namespace orchard::cli {
 namespace {
-
-constexpr double kSecondsPerMicrosecond = 1e-6;
 
 const char* role_name(const std::string& channel) {
   const auto known = bus::find_channel(channel);
@@ -37,8 +36,7 @@ void print_channels(const LogSurvey& survey) {
   for (const auto& [name, channel] : survey.channels) {
     const auto known = bus::find_channel(name);
     const std::string type = known ? std::string(bus::info(*known).type) : "?";
-    const double span_s =
-        static_cast<double>(channel.last_utime - channel.first_utime) * kSecondsPerMicrosecond;
+    const double span_s = timing::seconds(channel.last_utime - channel.first_utime);
     const double rate_hz =
         span_s > 0.0 ? static_cast<double>(channel.num_messages - 1) / span_s : 0.0;
     std::printf("%-14s %-14s %-8s %10" PRId64 " %9.2f %12" PRId64 " %10.3f\n", name.c_str(),
@@ -101,8 +99,7 @@ int run_log_info(const LogOptions& options) {
   }
   std::printf("%s: %" PRIu64 " bytes, %" PRId64 " messages, received over %.3f s\n",
               logs.text().c_str(), survey.file_size, survey.num_events,
-              static_cast<double>(survey.last_timestamp_us - survey.first_timestamp_us) *
-                  kSecondsPerMicrosecond);
+              timing::seconds(survey.last_timestamp_us - survey.first_timestamp_us));
   print_channels(survey);
   for (const std::string& note : survey.notes) std::printf("%s\n", note.c_str());
   if (!survey.gaps.empty() || survey.num_refused() > 0) {

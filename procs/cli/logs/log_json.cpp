@@ -3,18 +3,18 @@
 
 #include <nlohmann/json.hpp>
 
+#include "timing/units.hpp"
+
 namespace orchard::cli {
 
 std::string log_json(const std::string& path, const LogSurvey& survey) {
   using nlohmann::ordered_json;
-  constexpr double kSecondsPerMicrosecond = 1e-6;
   ordered_json json{
       {"log", path},
       {"sound", survey.sound()},
       {"num_bytes", survey.file_size},
       {"num_messages", survey.num_events},
-      {"span_s", static_cast<double>(survey.last_timestamp_us - survey.first_timestamp_us) *
-                     kSecondsPerMicrosecond}};
+      {"span_s", timing::seconds(survey.last_timestamp_us - survey.first_timestamp_us)}};
   json["channels"] = ordered_json::array();
   for (const auto& [name, channel] : survey.channels) {
     const auto known = bus::find_channel(name);

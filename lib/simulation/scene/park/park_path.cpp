@@ -19,7 +19,7 @@ constexpr double kLockToLock_m = 9.0;    // driven while the wheel is turned all
 constexpr double kBorder_m = 10.0;       // of the ground, without places to go to
 constexpr double kFormerFraction = 0.5;  // of the places: where the car was before
 constexpr double kLegMin_turns = 6.0;    // shortest leg, in turning radii
-constexpr int kNumTries = 100;
+constexpr int kNumPathTries = 100;
 
 /// Places to go to, one after the other.
 class Places {
@@ -32,13 +32,13 @@ class Places {
 
   Eigen::Vector2d next(const Eigen::Vector2d& from) {
     const bool former = random_.uniform() < kFormerFraction;
-    for (int i = 0; former && !been_.empty() && i < kNumTries; ++i) {
+    for (int i = 0; former && !been_.empty() && i < kNumPathTries; ++i) {
       const Eigen::Vector2d& place =
           been_[static_cast<std::size_t>(random_.uniform() * static_cast<double>(been_.size()))];
       if ((place - from).norm() >= leg_min_m_) return place;
     }
     Eigen::Vector2d place = Eigen::Vector2d::Zero();
-    for (int i = 0; i < kNumTries; ++i) {
+    for (int i = 0; i < kNumPathTries; ++i) {
       const double x = random_.uniform(-0.5, 0.5), y = random_.uniform(-0.5, 0.5);
       place = {x * (config_.length_m - 2.0 * kBorder_m), y * (config_.width_m - 2.0 * kBorder_m)};
       if ((place - from).norm() >= leg_min_m_) break;

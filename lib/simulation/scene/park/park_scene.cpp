@@ -22,7 +22,7 @@ constexpr double kLane_m = 2.0;          // half the width of the way that is ke
 constexpr double kGroup_m = 8.0;         // farthest from another tree of its group
 constexpr double kBushSize_m = 1.6;      // of the widest
 constexpr double kTwigsPerMetre = 40.0;  // of a bush's width
-constexpr int kNumTries = 200;
+constexpr int kNumPlaceTries = 200;
 
 class ParkBuilder {
  public:
@@ -97,7 +97,7 @@ class ParkBuilder {
 
   /// Clear of the way and of what stands there already; none where the park is full.
   std::optional<Eigen::Vector2d> find_place(double radius_m, bool grouped) {
-    for (int i = 0; i < kNumTries; ++i) {
+    for (int i = 0; i < kNumPlaceTries; ++i) {
       const double u = place_.uniform(), w = place_.uniform();
       Eigen::Vector2d p((u - 0.5) * config_.length_m, (w - 0.5) * config_.width_m);
       if (grouped && !scene_.truth.empty()) {

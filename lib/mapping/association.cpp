@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/extent.hpp"
+#include "mapping/extent/extent.hpp"
 
 namespace orchard::mapping {
 namespace {
@@ -93,7 +93,7 @@ Association associate(const std::vector<Candidate>& candidates, const LandmarkTa
   // Each scan sees a bush at other leaves.
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     if (association.is_explained[k]) continue;
-    const std::int32_t i = clump_around(landmarks, candidates[k]);
+    const std::int32_t i = clump_around(landmarks, candidates[k], config);
     if (i < 0) continue;
     association.is_explained[k] = 1;
     if (std::find(taken.begin(), taken.end(), i) != taken.end()) continue;

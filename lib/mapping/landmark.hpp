@@ -20,11 +20,14 @@ struct Landmark {
   double se_y_m = 0.0;
   std::array<double, 3> covariance{};  ///< of the position: xx xy yy [m2]
   double width_m = 0.0;
-  double width_sd_m = 0.0;    ///< standard error of it; 0 = unknown (not in MAP messages)
-  double roc_mean = 0.0;      ///< mean roc_tree over its observations
-  double probability = 0.0;   ///< that it is a tree
-  std::int32_t row = 0;       ///< 0 = unknown
-  std::int32_t position = 0;  ///< 0 = unknown
+  double width_sd_m = 0.0;  ///< standard error of it; 0 = unknown (not in MAP messages)
+  /// Of a hedge or a wall, about its middle; 0 = round. Not in MAP messages, which hold its parts.
+  double length_m = 0.0;
+  double direction_rad = 0.0;  ///< of that length, in (-pi/2, pi/2]
+  double roc_mean = 0.0;       ///< mean roc_tree over its observations
+  double probability = 0.0;    ///< that it is a tree
+  std::int32_t row = 0;        ///< 0 = unknown
+  std::int32_t position = 0;   ///< 0 = unknown
 };
 
 /// Landmarks that one scan changed, and some of the others (the slow refresh).

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "mapping/extent.hpp"
+#include "mapping/extent/extent.hpp"
 
 #include "mapping/stored_detection.hpp"
 

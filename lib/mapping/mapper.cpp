@@ -12,7 +12,7 @@
 #include "mapping/candidate.hpp"
 #include "mapping/existence/existence.hpp"
 #include "mapping/existence/seen_ground.hpp"
-#include "mapping/extent.hpp"
+#include "mapping/extent/extent.hpp"
 #include "mapping/landmark_splitting.hpp"
 #include "mapping/map_state.hpp"
 #include "mapping/rows/id_keeping.hpp"
@@ -51,6 +51,16 @@ void merge_changed(MapState& map, MapUpdate& update) {
   std::sort(ids.begin(), ids.end());
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   std::sort(update.removed_ids.begin(), update.removed_ids.end());
+}
+
+/// Asks `scans` whenever it is asked.
+std::shared_ptr<SeenGround> seen_ground_of(const ObservationStore& scans) {
+  auto ground =
+      std::make_shared<SeenGround>([&scans](std::int32_t scan) { return scans.free_space(scan); });
+  for (std::int32_t scan = 0; scan < scans.num_scans(); ++scan) {
+    ground->add_scan(scan, scans.pose(scan));
+  }
+  return ground;
 }
 
 }  // namespace
@@ -177,13 +187,13 @@ MapUpdate Mapper::rebuild(
 }
 
 std::function<bool(const Eigen::Vector2d&)> Mapper::seen_free() const {
-  const ObservationStore& scans = impl_->map.observations;
-  auto ground =
-      std::make_shared<SeenGround>([&scans](std::int32_t scan) { return scans.free_space(scan); });
-  for (std::int32_t scan = 0; scan < scans.num_scans(); ++scan) {
-    ground->add_scan(scan, scans.pose(scan));
-  }
+  const auto ground = seen_ground_of(impl_->map.observations);
   return [ground](const Eigen::Vector2d& p_map) { return ground->is_free(p_map); };
+}
+
+std::function<bool(const Eigen::Vector2d&)> Mapper::seen_blocked() const {
+  const auto ground = seen_ground_of(impl_->map.observations);
+  return [ground](const Eigen::Vector2d& p_map) { return ground->is_blocked(p_map); };
 }
 
 std::size_t Mapper::num_observations() const {

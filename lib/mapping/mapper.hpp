@@ -58,6 +58,9 @@ class Mapper {
   /// are now. Asks this mapper: call it while the mapper lives and before the next update().
   std::function<bool(const Eigen::Vector2d& p_map)> seen_free() const;
 
+  /// The same for whether scans met something at a place, too often for it to be free.
+  std::function<bool(const Eigen::Vector2d& p_map)> seen_blocked() const;
+
   /// Observations that rebuild() would go through.
   std::size_t num_observations() const;
 

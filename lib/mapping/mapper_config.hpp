@@ -36,6 +36,8 @@ struct MapperConfig {
   int min_observations = 1;  ///< landmarks seen less often are left out of map files
   /// No key of its own but detector.segmentation.min_beams: what fewer met was not handed over.
   int fewest_beams = 1;
+  /// Nor this, but width_max_m there: what is wider was not handed over whole.
+  double widest_m = 2.0;
   /// Nor this: whether detector.segmentation.reflector is `only`, and a TREE is what flashed.
   bool flash_tells = false;
   ExistenceConfig existence;

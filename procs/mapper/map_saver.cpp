@@ -3,6 +3,7 @@
 
 #include <malloc.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <tuple>
 #include <utility>
@@ -40,6 +41,8 @@ void MapSaver::save(const MapperNode& mapper, const bus::SaveRequest& request) {
 void MapSaver::begin_new_map() {
   saved_table_.clear();
   numbers_.clear();
+  long_.clear();
+  parts_.clear();
   saves_until_numbering_ = 0;
 }
 
@@ -55,6 +58,11 @@ void MapSaver::save_table(const std::vector<mapping::Landmark>& landmarks) {
 std::vector<mapping::Landmark> MapSaver::numbered_landmarks(const MapperNode& mapper) {
   if (--saves_until_numbering_ > 0) {
     std::vector<mapping::Landmark> landmarks = mapper.landmarks();
+    const auto is_part = [&](const mapping::Landmark& l) { return parts_.count(l.id) > 0; };
+    landmarks.erase(std::remove_if(landmarks.begin(), landmarks.end(), is_part), landmarks.end());
+    landmarks.insert(landmarks.end(), long_.begin(), long_.end());
+    std::sort(landmarks.begin(), landmarks.end(),
+              [](const auto& a, const auto& b) { return a.id < b.id; });
     for (mapping::Landmark& l : landmarks) {
       if (static_cast<std::size_t>(l.id) >= numbers_.size()) continue;
       std::tie(l.row, l.position) = numbers_[static_cast<std::size_t>(l.id)];
@@ -62,6 +70,13 @@ std::vector<mapping::Landmark> MapSaver::numbered_landmarks(const MapperNode& ma
     return landmarks;
   }
   std::vector<mapping::Landmark> landmarks = mapper.numbered_landmarks();
+  parts_.clear();
+  long_.clear();
+  for (const mapping::Landmark& l : mapper.landmarks()) parts_.insert(l.id);
+  for (const mapping::Landmark& l : landmarks) {
+    if (l.length_m == 0.0) parts_.erase(l.id);
+    if (l.length_m > 0.0) long_.push_back(l);
+  }
   saves_until_numbering_ = 1 + static_cast<int>(landmarks.size() / kNumberedEachSave);
   numbers_.clear();
   for (const mapping::Landmark& l : landmarks) {

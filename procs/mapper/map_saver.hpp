@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -40,6 +41,9 @@ class MapSaver {
   std::string saved_table_;  ///< map.csv as it stands in the folder; empty: unknown
   /// Of the rows found last: (row, position) by id.
   std::vector<std::pair<std::int32_t, std::int32_t>> numbers_;
+  /// What numbered_landmarks() joined last, and of what.
+  std::vector<mapping::Landmark> long_;
+  std::set<std::int32_t> parts_;
   int saves_until_numbering_ = 0;
 };
 

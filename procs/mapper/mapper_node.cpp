@@ -60,6 +60,7 @@ std::optional<std::int64_t> scan_wait_us(const mapping::MapperConfig& config) {
 mapping::MapperConfig with_detector(const io::Config& config) {
   mapping::MapperConfig mapper = config.mapper;
   mapper.fewest_beams = config.detector.segmentation.min_beams;
+  mapper.widest_m = config.detector.segmentation.width_max_m;
   mapper.flash_tells = config.detector.segmentation.reflector == laser::ReflectorUse::kOnly;
   return mapper;
 }
@@ -78,6 +79,8 @@ MapperNode::MapperNode(const io::Config& config,
       blind_(config.detector.segmentation.blind_sector()),
       degradation_(config.camera.enabled),
       beam_times_(config.laser.range_sd_m, config.mapper.deskew_pose_gap_max_s),
+      has_camera_(config.camera.enabled),
+      widest_m_(config.detector.segmentation.width_max_m),
       has_reflectors_(config.detector.segmentation.reflector != laser::ReflectorUse::kIgnored) {}
 
 /// DETECTIONS wait for POSE and SCAN. GNSS and SCAN come on whatever the others do: they say
@@ -414,25 +417,6 @@ std::string MapperNode::waiting_for() const {
   return fmt::format(
       "DETECTIONS at {:.3f} s wait for {}", timing::seconds(queue_.front_utime(kDetections)),
       blocker() == kScan ? "their SCAN (a laser driver)" : "a POSE at or after (orchard-pose)");
-}
-
-std::vector<mapping::Landmark> MapperNode::numbered_landmarks() const {
-  std::vector<mapping::Landmark> all = landmarks();
-  if (config_.rows.enabled) mapping::number_landmarks(mapping::find_rows(all, config_.rows), all);
-  return all;
-}
-
-io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {
-  io::MapFolderContent content{landmarks(), track_.poses(), summary, {}};
-  if (config_.rows.enabled) {
-    content.rows = mapping::find_rows(content.landmarks, config_.rows);
-    mapping::number_landmarks(content.rows, content.landmarks);
-  }
-  content.seen_free = mapper_.seen_free();
-  content.georeference = georeference();
-  content.degraded = degradation_.stretches();
-  content.tree_scatter_m = mapper_.tree_scatter_m();
-  return content;
 }
 
 }  // namespace orchard::procs

@@ -63,7 +63,7 @@ class MapperNode : public bus::Node {
     return mapper_.landmarks(config_.min_observations);
   }
 
-  /// The same, numbered by their rows: map.csv.
+  /// The same, numbered by their rows, and what is longer than any scan reports as one: map.csv.
   std::vector<mapping::Landmark> numbered_landmarks() const;
 
   /// Whether a SCAN of that time would be kept for its DETECTIONS; of others only the time counts.
@@ -86,6 +86,7 @@ class MapperNode : public bus::Node {
   using Queue = timing::OrderedQueue<Waiting, kNumKinds>;
   static Queue::Rules rules_of(const mapping::MapperConfig& config);
 
+  void join_long(std::vector<mapping::Landmark>& landmarks) const;
   const std::string& votes_text() const;
   void add_scan(const laser::Scan& scan);
   void add_gnss(const pose::Gnss& gnss);
@@ -122,6 +123,8 @@ class MapperNode : public bus::Node {
   bool is_scan_missing_ = false;  ///< DETECTIONS were used without theirs, and none has come since
   Degradation degradation_;
   BeamTimes beam_times_;
+  bool has_camera_;
+  double widest_m_;  ///< that the detector reports whole
   bool has_reflectors_;
   /// Of the reflectors' votes: counting them takes as long as the drive, and so waits for an eighth
   /// of it.

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "detection/label_text.hpp"
+#include "geometry/angles.hpp"
 #include "io/csv.hpp"
 #include "io/map/rounded.hpp"
 #include "io/sane_limits.hpp"
@@ -37,6 +38,8 @@ std::vector<Landmark> read_map(CsvReader csv) {
   // maps of earlier releases end here
   const bool has_width_sd = csv.columns().size() > columns.size();
   if (has_width_sd) columns.push_back("width_sd_m");
+  const bool has_length = csv.columns().size() > columns.size();
+  if (has_length) columns.insert(columns.end(), {"length_m", "direction_deg"});
   csv.expect_columns(columns);
   std::vector<Landmark> landmarks;
   std::set<std::int32_t> ids;
@@ -58,6 +61,10 @@ std::vector<Landmark> read_map(CsvReader csv) {
     if (has_width_sd && !csv.text(12).empty()) {
       landmark.width_sd_m = csv.number_in(12, 0.0, kMaxSizeM);
     }
+    if (has_length && !csv.text(13).empty()) {
+      landmark.length_m = csv.number_in(13, 0.0, kMaxSizeM);
+      landmark.direction_rad = csv.number_in(14, -180.0, 180.0) * geometry::kPi / 180.0;
+    }
     landmarks.push_back(landmark);
   }
   return landmarks;
@@ -68,7 +75,7 @@ std::vector<Landmark> read_map(CsvReader csv) {
 std::string map_csv(const std::vector<Landmark>& landmarks) {
   std::string text =
       "id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,position,"
-      "width_sd_m\n";
+      "width_sd_m,length_m,direction_deg\n";
   for (const Landmark& l : landmarks) {
     text += std::to_string(l.id) + "," + label_text(l.label) + "," + fixed_text(l.x_m, 4) + "," +
             fixed_text(l.y_m, 4) + "," + std::to_string(l.num_observations) + "," +
@@ -76,7 +83,11 @@ std::string map_csv(const std::vector<Landmark>& landmarks) {
             fixed_text(l.se_x_m, 4) + "," + fixed_text(l.se_y_m, 4) + "," +
             fixed_text(l.width_m, 4) + "," + number_or_empty(l.row) + "," +
             number_or_empty(l.position) + "," +
-            (l.width_sd_m > 0.0 ? fixed_text(l.width_sd_m, 4) : std::string()) + "\n";
+            (l.width_sd_m > 0.0 ? fixed_text(l.width_sd_m, 4) : std::string()) + "," +
+            (l.length_m > 0.0 ? fixed_text(l.length_m, 4) + "," +
+                                    fixed_text(l.direction_rad * 180.0 / geometry::kPi, 2)
+                              : std::string(",")) +
+            "\n";
   }
   return text;
 }

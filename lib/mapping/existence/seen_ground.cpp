@@ -45,7 +45,9 @@ const FreeSpace* SeenGround::free_space(std::int32_t number) {
   return unpacked_.emplace(number, free_space_of_(number)).first->second.get();
 }
 
-bool SeenGround::is_free(const Eigen::Vector2d& p_map) {
+bool SeenGround::Votes::is_passable() const { return num_passes >= kReturnWeight * num_returns; }
+
+SeenGround::Votes SeenGround::votes_at(const Eigen::Vector2d& p_map) {
   std::vector<std::pair<double, std::int32_t>> near;  // squared distance, index
   grid_.near(p_map.x(), p_map.y(), kBeamReach_m, [&](std::int32_t i) {
     const double square =
@@ -53,18 +55,29 @@ bool SeenGround::is_free(const Eigen::Vector2d& p_map) {
     if (square <= kBeamReach_m * kBeamReach_m) near.emplace_back(square, i);
   });
   std::sort(near.begin(), near.end());
-  if (!near.empty() && near.front().first <= kDriven_m * kDriven_m) return true;
-  int num_passes = 0, num_returns = 0;
+  Votes votes;
+  votes.is_driven = !near.empty() && near.front().first <= kDriven_m * kDriven_m;
+  if (votes.is_driven) return votes;
   for (const auto& [square, i] : near) {
     const Scan& scan = scans_[static_cast<std::size_t>(i)];
     const FreeSpace* beams = free_space(scan.number);
     if (beams == nullptr) continue;
     const auto answer = beams->at(geometry::transform_back(scan.x_y_yaw, p_map), kSeenPlace_m, 0.0);
-    num_passes += answer.verdict == FreeSpaceVerdict::kPassesThrough;
-    num_returns += answer.verdict == FreeSpaceVerdict::kReturns;
-    if (num_passes + num_returns >= kVotes) break;
+    votes.num_passes += answer.verdict == FreeSpaceVerdict::kPassesThrough;
+    votes.num_returns += answer.verdict == FreeSpaceVerdict::kReturns;
+    if (votes.num_passes + votes.num_returns >= kVotes) break;
   }
-  return num_passes > 0 && num_passes >= kReturnWeight * num_returns;
+  return votes;
+}
+
+bool SeenGround::is_free(const Eigen::Vector2d& p_map) {
+  const Votes votes = votes_at(p_map);
+  return votes.is_driven || (votes.num_passes > 0 && votes.is_passable());
+}
+
+bool SeenGround::is_blocked(const Eigen::Vector2d& p_map) {
+  const Votes votes = votes_at(p_map);
+  return !votes.is_driven && votes.num_returns > 0 && !votes.is_passable();
 }
 
 }  // namespace orchard::mapping

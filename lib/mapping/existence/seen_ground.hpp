@@ -31,7 +31,17 @@ class SeenGround {
   /// Whether a place of map, two decimetres wide, was seen free, or driven over.
   bool is_free(const Eigen::Vector2d& p_map);
 
+  /// Whether those scans met something there, and too often for it to be free.
+  bool is_blocked(const Eigen::Vector2d& p_map);
+
  private:
+  struct Votes {
+    int num_passes = 0, num_returns = 0;
+    bool is_driven = false;
+    bool is_passable() const;
+  };
+  Votes votes_at(const Eigen::Vector2d& p_map);
+
   struct Scan {
     std::int32_t number = 0;
     Eigen::Vector3d x_y_yaw{0, 0, 0};  ///< T_map_base

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "mapping/extent/long_things.hpp"
+
 namespace orchard::mapping {
 namespace {
 
@@ -139,12 +141,15 @@ std::optional<int> next_offset(const ClearanceTable& table, std::size_t station,
 Obstacles::Obstacles(const std::vector<Landmark>& landmarks)
     : places_([&] {
         std::vector<Vector2d> points;
-        for (const Landmark& l : landmarks) points.push_back({l.x_m, l.y_m});
+        for (const Landmark& l : landmarks) {
+          const std::vector<Vector2d> line = middle_line(l);
+          points.insert(points.end(), line.begin(), line.end());
+        }
         return points;
       }()) {
   for (const Landmark& l : landmarks) {
-    radius_m_.push_back(0.5 * l.width_m);
-    largest_m_ = std::max(largest_m_, radius_m_.back());
+    radius_m_.resize(radius_m_.size() + middle_line(l).size(), 0.5 * l.width_m);
+    largest_m_ = std::max(largest_m_, 0.5 * l.width_m);
   }
 }
 

@@ -79,9 +79,12 @@ TEST(MapCsv, HasItsFixedFormAndReadsBack) {
   auto landmarks = make_content(8).landmarks;
   landmarks[0].width_sd_m = 0.0021;
   const std::string text = map_csv(landmarks);
-  EXPECT_THAT(text, HasSubstr("id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,"
-                              "position,width_sd_m\n1,tree,0.0000,0.0000,5,0.8700,0.9990,0.0050,"
-                              "0.0050,0.0900,,,0.0021\n2,tree,0.9000,0.0000,6,"));
+  EXPECT_THAT(
+      text,
+      HasSubstr(
+          "id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,"
+          "position,width_sd_m,length_m,direction_deg\n1,tree,0.0000,0.0000,5,0.8700,0.9990,0.0050,"
+          "0.0050,0.0900,,,0.0021,,\n2,tree,0.9000,0.0000,6,"));
   write_bytes(folder / "map.csv", text);
   EXPECT_EQ(map_csv(read_map_csv(folder / "map.csv")), text);
   // the maps of earlier releases have no width_sd_m
@@ -91,6 +94,13 @@ TEST(MapCsv, HasItsFixedFormAndReadsBack) {
       "old.csv");
   EXPECT_EQ(old.at(0).position, 4);
   EXPECT_EQ(old.at(0).width_sd_m, 0.0);
+  // a hedge
+  landmarks[0].length_m = 12.5;
+  landmarks[0].direction_rad = -0.5;
+  const auto with_hedge = parse_map_csv(map_csv(landmarks), "map.csv");
+  EXPECT_DOUBLE_EQ(with_hedge[0].length_m, 12.5);
+  EXPECT_NEAR(with_hedge[0].direction_rad, -0.5, 1e-4);
+  EXPECT_EQ(with_hedge[1].length_m, 0.0);
   EXPECT_THROW(parse_map_csv(text + text.substr(text.find('\n') + 1), "twice"), FileError);
   EXPECT_THROW(parse_map_csv("id,x\n1,2\n", "map.csv"), FileError);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mapping/extent.hpp"
+#include "mapping/extent/extent.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,6 @@ namespace {
 
 /// Rims nearer than this touch [m]: no scanner of this kind sees through, and nobody passes.
 constexpr double kTouch_m = 0.15;
-/// A clump is no larger [m]: half of what the detector reports as one thing at most.
-constexpr double kRadiusMax_m = 1.0;
 /// Log odds of being a tree below which a thing is surely none.
 constexpr double kSurelyNone = -2.0;
 
@@ -37,13 +35,13 @@ std::int32_t touching_object(const LandmarkTable& landmarks, std::int32_t index,
   const double radius_m = extent_radius_m(r);
   std::int32_t best = -1;
   double best_gap_m = kTouch_m;
-  landmarks.near(r.association_position(), radius_m + kTouch_m + kRadiusMax_m,
+  landmarks.near(r.association_position(), radius_m + kTouch_m + 0.5 * config.widest_m,
                  [&](std::int32_t i, const LandmarkRecord& other) {
                    if (i == index || !is_surely_no_tree(other, config)) return;
                    const double other_m = extent_radius_m(other);
                    const double distance_m =
                        (other.association_position() - r.association_position()).norm();
-                   if (distance_m + radius_m + other_m > 2.0 * kRadiusMax_m) return;
+                   if (distance_m + radius_m + other_m > config.widest_m) return;
                    const double gap_m = distance_m - radius_m - other_m;
                    if (gap_m > best_gap_m || (gap_m == best_gap_m && (best < 0 || i > best)))
                      return;
@@ -53,12 +51,13 @@ std::int32_t touching_object(const LandmarkTable& landmarks, std::int32_t index,
   return best;
 }
 
-std::int32_t clump_around(const LandmarkTable& landmarks, const Candidate& candidate) {
+std::int32_t clump_around(const LandmarkTable& landmarks, const Candidate& candidate,
+                          const MapperConfig& config) {
   if (candidate.detection->label == detection::Label::kTree) return -1;
   std::int32_t best = -1;
   double best_gap_m = kTouch_m;
   const double half_m = 0.5 * candidate.detection->width_m;
-  landmarks.near(candidate.p_aligned, kRadiusMax_m + kTouch_m + half_m,
+  landmarks.near(candidate.p_aligned, 0.5 * config.widest_m + kTouch_m + half_m,
                  [&](std::int32_t i, const LandmarkRecord& r) {
                    if (!r.is_clump) return;
                    const double gap_m = (r.association_position() - candidate.p_aligned).norm() -

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <utility>
+#include <vector>
+
+#include "mapper/mapper_node.hpp"
+#include "mapping/extent/long_things.hpp"
+#include "mapping/rows/rows.hpp"
+
+namespace orchard::procs {
+
+/// Trees of rows stand there for themselves, and so does what a camera called a tree: a laser alone
+/// takes a hedge's bits for trunks.
+void MapperNode::join_long(std::vector<mapping::Landmark>& landmarks) const {
+  const bool has_camera = has_camera_;
+  landmarks = mapping::join_long_things(std::move(landmarks), widest_m_, mapper_.seen_blocked(),
+                                        [has_camera](const mapping::Landmark& l) {
+                                          return l.row > 0 ||
+                                                 (has_camera && l.label == detection::Label::kTree);
+                                        });
+}
+
+std::vector<mapping::Landmark> MapperNode::numbered_landmarks() const {
+  std::vector<mapping::Landmark> all = landmarks();
+  if (config_.rows.enabled) mapping::number_landmarks(mapping::find_rows(all, config_.rows), all);
+  join_long(all);
+  return all;
+}
+
+io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {
+  io::MapFolderContent content{landmarks(), track_.poses(), summary, {}};
+  if (config_.rows.enabled) {
+    content.rows = mapping::find_rows(content.landmarks, config_.rows);
+    mapping::number_landmarks(content.rows, content.landmarks);
+  }
+  join_long(content.landmarks);
+  content.seen_free = mapper_.seen_free();
+  content.georeference = georeference();
+  content.degraded = degradation_.stretches();
+  content.tree_scatter_m = mapper_.tree_scatter_m();
+  return content;
+}
+
+}  // namespace orchard::procs

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "geometry/pose2.hpp"
+#include "pose/filter/fusion_filter.hpp"
 #include "pose/slam/solver.hpp"
 
 namespace orchard::pose {

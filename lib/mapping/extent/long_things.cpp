@@ -17,7 +17,7 @@ using Eigen::Vector2d;
 using Group = std::vector<std::size_t>;  ///< indices of landmarks
 
 /// Rims nearer than the place that is asked for touch [m]: see SeenGround.
-constexpr double kTouch_m = 0.2;
+constexpr double kHedgeTouch_m = 0.2;
 /// Ends of lines that a group is laid along, at most.
 constexpr std::size_t kEndsMax = 40;
 
@@ -30,16 +30,16 @@ double gap_m(const Landmark& a, const Landmark& b) {
 /// Whether every place from one rim to the other was seen to be blocked.
 bool is_shut(const Vector2d& from, const Vector2d& to, const IsBlocked& is_blocked) {
   const double between_m = (to - from).norm();
-  const auto num = static_cast<int>(std::ceil((between_m - kTouch_m) / kTouch_m));
+  const auto num = static_cast<int>(std::ceil((between_m - kHedgeTouch_m) / kHedgeTouch_m));
   for (int i = 0; i < num; ++i) {
-    const double share = (0.5 * kTouch_m + (between_m - kTouch_m) * (i + 0.5) / num) / between_m;
+    const double share = (0.5 * kHedgeTouch_m + (between_m - kHedgeTouch_m) * (i + 0.5) / num) / between_m;
     if (!is_blocked(from + share * (to - from))) return false;
   }
   return true;
 }
 
 bool are_one(const Landmark& a, const Landmark& b, const IsBlocked& is_blocked) {
-  if (gap_m(a, b) <= kTouch_m) return true;
+  if (gap_m(a, b) <= kHedgeTouch_m) return true;
   const Vector2d along = (at(b) - at(a)).normalized();
   return is_shut(at(a) + 0.5 * a.width_m * along, at(b) - 0.5 * b.width_m * along, is_blocked);
 }
@@ -225,13 +225,13 @@ void join_in_line(const std::vector<Landmark>& landmarks, double widest_m,
     // Scans meet a face of it, and what lies behind that is hidden.
     const Vector2d sideways(-along.y(), along.x());
     const auto meets_face = [&](const Vector2d& p_map) {
-      for (double off_m = -0.5 * widest_m; off_m <= 0.5 * widest_m; off_m += kTouch_m) {
+      for (double off_m = -0.5 * widest_m; off_m <= 0.5 * widest_m; off_m += kHedgeTouch_m) {
         if (is_blocked(p_map + off_m * sideways)) return true;
       }
       return false;
     };
     const Vector2d middle = a.origin + across.middle_m * sideways;
-    if (gap > kTouch_m &&
+    if (gap > kHedgeTouch_m &&
         !is_shut(middle + near.to_m * along, middle + far.from_m * along, meets_face)) {
       return false;
     }
@@ -312,7 +312,7 @@ std::vector<Vector2d> middle_line(const Landmark& l) {
   if (!(l.length_m > l.width_m)) return {at(l)};
   const Vector2d along(std::cos(l.direction_rad), std::sin(l.direction_rad));
   const double reach_m = 0.5 * (l.length_m - l.width_m);
-  const double apart_m = 0.25 * std::max(kTouch_m, l.width_m);
+  const double apart_m = 0.25 * std::max(kHedgeTouch_m, l.width_m);
   const auto num = static_cast<int>(std::ceil(2.0 * reach_m / apart_m));
   std::vector<Vector2d> places;
   for (int i = 0; i <= num; ++i) {

@@ -14,6 +14,7 @@
 #include "cli/logs/echo.hpp"
 #include "cli/logs/import.hpp"
 #include "cli/logs/log_commands.hpp"
+#include "cli/logs/log_mcap.hpp"
 #include "cli/logs/simulate.hpp"
 #include "cli/maps/map.hpp"
 #include "cli/rig/doctor.hpp"
@@ -176,6 +177,23 @@ void add_log(CLI::App& app, Run& run) {
       [&](CLI::App& command, LogOptions& o) {
         add_path(command, o);
         command.add_option("--out", o.out_path, "log to write")->required()->type_name("LOG");
+      });
+  add_command<LogMcapOptions>(
+      *log, run, "mcap", "Write it as MCAP, for Foxglove and Lichtblick",
+      "  orchard log mcap drive.lcm --map out/drive --out drive.mcap\n"
+      "Pictures, scans, fixes, transforms and the map as markers. With --map the finished map and\n"
+      "its path; without it what the log itself holds of POSE, MAP and DETECTIONS.\n",
+      run_log_mcap, [](CLI::App& command, LogMcapOptions& o) {
+        command.add_option("log", o.log_paths, "log to write, or the pieces of one")
+            ->required()
+            ->type_name("LOG...");
+        command.add_option("--map", o.map_path, "the map that was made of it")
+            ->type_name("FOLDER|CSV");
+        command
+            .add_option("--config", o.config_path,
+                        "another rig than it was recorded with, or that of a log without CONFIG")
+            ->type_name("FILE");
+        command.add_option("--out", o.out_path, "file to write")->required()->type_name("MCAP");
       });
   log->footer(
       "Examples:\n  orchard log info drive.lcm\n  orchard log check drive.lcm\n"

@@ -53,6 +53,7 @@ void write_map_folder(const std::string& folder, const MapFolderContent& content
   files.write((path / "map.pdf").string(), figure(FigureFormat::kPdf));
   files.write((path / "map.html").string(), map_page(content, graph));
   files.write((path / "trajectory.csv").string(), trajectory_csv(content.trajectory));
+  files.write((path / "trajectory.tum").string(), trajectory_tum(content.trajectory));
   for (std::size_t k = 0; k < content.more_trajectories.size(); ++k) {
     files.write((path / ("trajectory_" + std::to_string(k + 2) + ".csv")).string(),
                 trajectory_csv(content.more_trajectories[k]));

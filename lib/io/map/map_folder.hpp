@@ -55,11 +55,11 @@ struct MapFolderContent {
   std::int32_t next_id = 0;  ///< no landmark of an earlier map had this or more
 };
 
-/// Writes map.csv, map.gpkg, map.svg, map.png, map.pdf, map.html, trajectory.csv (trajectory_2.csv
-/// ... for more drives), graph.json, summary.json, and ids.csv when there is one, into `folder`
-/// (made when missing), all together: written and synced under temporary names before the first is
-/// renamed. Equal content gives equal bytes. Throws FileError and then leaves every earlier file as
-/// it was.
+/// Writes map.csv, map.gpkg, map.svg, map.png, map.pdf, map.html, trajectory.csv and
+/// trajectory.tum (trajectory_2.csv ... for more drives), graph.json, summary.json, and ids.csv
+/// when there is one, into `folder` (made when missing), all together: written and synced under
+/// temporary names before the first is renamed. Equal content gives equal bytes. Throws FileError
+/// and then leaves every earlier file as it was.
 void write_map_folder(const std::string& folder, const MapFolderContent& content);
 
 }  // namespace orchard::io

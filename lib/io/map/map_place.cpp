@@ -26,9 +26,9 @@ namespace fs = std::filesystem;
 /// Files that write_map_folder() and `orchard map` leave.
 bool is_map_file(const std::string& name) {
   static const std::regex kNames(
-      "corrections\\.jsonl|map\\.(csv|gpkg|svg|png|pdf|html)|trajectory(_[0-9]+)?\\.csv|graph\\."
-      "json|"
-      "(ids|left_out|names|plan|plan_rows)\\.csv|(summary|plan)\\.json|derived\\.lcm");
+      "corrections\\.jsonl|map\\.(csv|gpkg|svg|png|pdf|html)|trajectory(_[0-9]+)?\\.csv|"
+      "trajectory\\.tum|graph\\.json|(ids|left_out|names|plan|plan_rows)\\.csv|"
+      "(summary|plan)\\.json|derived\\.lcm");
   return std::regex_match(name, kNames);
 }
 

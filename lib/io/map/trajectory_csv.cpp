@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/map/trajectory_csv.hpp"
 
+#include <cmath>
+
 #include "geometry/angles.hpp"
 #include "io/atomic_file.hpp"
 #include "io/csv.hpp"
@@ -35,6 +37,17 @@ std::string trajectory_csv(const std::vector<pose::PoseEstimate>& trajectory) {
   for (const pose::PoseEstimate& pose : trajectory) {
     text += std::to_string(pose.utime) + "," + fixed_text(pose.x_m, 4) + "," +
             fixed_text(pose.y_m, 4) + "," + fixed_text(pose.yaw_rad, 5) + "\n";
+  }
+  return text;
+}
+
+std::string trajectory_tum(const std::vector<pose::PoseEstimate>& trajectory) {
+  std::string text = "# seconds x y z qx qy qz qw\n";
+  for (const pose::PoseEstimate& pose : trajectory) {
+    const std::string micros = std::to_string(1'000'000 + pose.utime % 1'000'000).substr(1);
+    text += std::to_string(pose.utime / 1'000'000) + "." + micros + " " + fixed_text(pose.x_m, 4) +
+            " " + fixed_text(pose.y_m, 4) + " 0 0 0 " + fixed_text(std::sin(pose.yaw_rad / 2), 7) +
+            " " + fixed_text(std::cos(pose.yaw_rad / 2), 7) + "\n";
   }
   return text;
 }

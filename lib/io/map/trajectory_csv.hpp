@@ -12,6 +12,10 @@ namespace orchard::io {
 /// `utime_us,x_m,y_m,yaw_rad`, T_map_base over time, as text with fixed formatting.
 std::string trajectory_csv(const std::vector<pose::PoseEstimate>& trajectory);
 
+/// The same as evo and other tools for trajectories take it (the TUM RGB-D benchmark's format): a
+/// line `seconds x y z qx qy qz qw` a pose.
+std::string trajectory_tum(const std::vector<pose::PoseEstimate>& trajectory);
+
 void write_trajectory_csv(const std::string& path,
                           const std::vector<pose::PoseEstimate>& trajectory);
 

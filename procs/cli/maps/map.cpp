@@ -150,7 +150,8 @@ void print_summary(const MapOptions& options, const ReplayReport& report,
   }
   std::printf(
       "written to %s: map.csv (table), map.gpkg (QGIS), map.svg, map.png, map.pdf (picture),\n"
-      "  map.html (for a browser), trajectory.csv, graph.json (aisles, for planners), "
+      "  map.html (for a browser), trajectory.csv, trajectory.tum (evo), graph.json (aisles, for "
+      "planners), "
       "summary.json%s\n",
       options.out_folder.c_str(),
       options.no_derived ? "" : ", derived.lcm (every message on the way)");

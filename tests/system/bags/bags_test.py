@@ -12,6 +12,7 @@ import subprocess
 import sys
 
 import drive
+import npm_modules
 import write_bags
 
 ORCHARD, SOURCE, WORK, FORMAT = sys.argv[1:5]
@@ -23,11 +24,6 @@ def run(*words, codes=(0,)):
     done = subprocess.run([ORCHARD, *map(str, words)], capture_output=True, text=True)
     assert done.returncode in codes, f"{words}: exit code {done.returncode}\n{done.stdout}{done.stderr}"
     return done
-
-
-def skip(why):
-    print(f"SKIPPED: {why}")
-    sys.exit(77)
 
 
 def counts(text):
@@ -152,19 +148,9 @@ def main():
         try:
             import rosbag  # noqa: F401
         except ImportError:
-            skip("Debian's python3-rosbag, python3-sensor-msgs, python3-nav-msgs are not installed")
+            npm_modules.skip("Debian's python3-rosbag, python3-sensor-msgs, python3-nav-msgs are not installed")
     if FORMAT == "mcap":
-        npm = pathlib.Path(WORK, "npm")
-        npm.mkdir(parents=True, exist_ok=True)
-        packages = ["@mcap/core@2", "@foxglove/rosmsg@5", "@foxglove/rosmsg2-serialization@3"]
-        for tool in ("node", "npm", "zstd", "lz4"):
-            if shutil.which(tool) is None:
-                skip(f"{tool} is not here")
-        if not (npm / "node_modules/@mcap/core").is_dir():
-            fetched = subprocess.run(["npm", "install", "--no-audit", "--no-fund", "--prefix", npm,
-                                      *packages], capture_output=True, text=True)
-            if fetched.returncode != 0:
-                skip("npm cannot fetch @mcap/core: " + fetched.stderr.strip().splitlines()[-1])
+        npm_modules.fetch(WORK)
     bags = Bags()
     compressions = {"ros1": ["none", "bz2", "lz4"], "mcap": ["none", "zstd", "lz4"],
                     "ros2": ["none"]}[FORMAT]

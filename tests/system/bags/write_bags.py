@@ -7,6 +7,7 @@ import pathlib
 import sqlite3
 import subprocess
 
+import npm_modules
 from cdr import cdr
 from drive import ROS_TYPES, TOPICS, stamp
 
@@ -78,8 +79,6 @@ def write_mcap(messages, path, compression, modules):
             fields["ranges"] = ["inf" if r == float("inf") else r for r in fields["ranges"]]
         lines.append(json.dumps([str(utime * 1000), TOPICS[channel],
                                  ros2_name(ROS_TYPES[channel]), fields]))
-    here = pathlib.Path(__file__).parent
-    script = pathlib.Path(modules) / "write_mcap.mjs"  # beside node_modules: node looks there
-    script.write_text((here / "write_mcap.mjs").read_text())
+    script = npm_modules.script(pathlib.Path(modules), "write_mcap.mjs")
     subprocess.run(["node", str(script), str(path), compression], input="\n".join(lines),
                    text=True, check=True)

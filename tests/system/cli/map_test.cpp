@@ -63,12 +63,13 @@ TEST_F(MapCommand, PiecesOfALogAreMappedAsTheLogWas) {
 
 TEST_F(MapCommand, WhatIsSaidToBeWrittenIsThere) {
   const Result result = map(log());
-  for (const char* file : {"map.csv", "map.gpkg", "map.svg", "map.png", "map.pdf", "map.html",
-                           "trajectory.csv", "graph.json", "summary.json", "derived.lcm"}) {
+  for (const char* file :
+       {"map.csv", "map.gpkg", "map.svg", "map.png", "map.pdf", "map.html", "trajectory.csv",
+        "trajectory.tum", "graph.json", "summary.json", "derived.lcm"}) {
     EXPECT_TRUE(exists(path("map/") + file)) << file;
     EXPECT_THAT(result.out, HasSubstr(file));
   }
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(path("map")), {}), 9);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(path("map")), {}), 11);
 }
 
 TEST_F(MapCommand, TheMessagesOnTheWayCanBeLeftOut) {

@@ -53,8 +53,9 @@ MapFolderContent make_content(int num_landmarks) {
   return content;
 }
 
-const char* const kFiles[] = {"map.csv",  "map.gpkg",       "map.svg",    "map.png",     "map.pdf",
-                              "map.html", "trajectory.csv", "graph.json", "summary.json"};
+const char* const kFiles[] = {"map.csv",    "map.gpkg",    "map.svg",        "map.png",
+                              "map.pdf",    "map.html",    "trajectory.csv", "trajectory.tum",
+                              "graph.json", "summary.json"};
 
 TEST(MapFolder, EqualContentGivesEqualBytes) {
   const TestFolder a, b;
@@ -71,7 +72,7 @@ TEST(MapFolder, EqualContentGivesEqualBytes) {
   for (const auto& entry : std::filesystem::directory_iterator(a.path())) {
     num_files += entry.exists() ? 1 : 0;
   }
-  EXPECT_EQ(num_files, 9) << "no temporary stays";
+  EXPECT_EQ(num_files, 10) << "no temporary stays";
 }
 
 TEST(MapCsv, HasItsFixedFormAndReadsBack) {

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/bag/mcap_writer.hpp"
+
+#include <zlib.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace orchard::io {
+namespace {
+
+constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
+constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
+
+enum Opcode : std::uint8_t {
+  kHeader = 0x01,
+  kFooter = 0x02,
+  kSchema = 0x03,
+  kChannel = 0x04,
+  kMessage = 0x05,
+  kChunk = 0x06,
+  kMessageIndex = 0x07,
+  kChunkIndex = 0x08,
+  kStatistics = 0x0B,
+  kDataEnd = 0x0F,
+};
+
+/// Little-endian, as x86 and ARM are.
+template <class T>
+std::string number(T value) {
+  return std::string(reinterpret_cast<const char*>(&value), sizeof(T));
+}
+std::string counted(std::string_view text) {
+  return number(static_cast<std::uint32_t>(text.size())) + std::string(text);
+}
+std::string record(std::uint8_t opcode, std::string_view content) {
+  return static_cast<char>(opcode) + number(static_cast<std::uint64_t>(content.size())) +
+         std::string(content);
+}
+
+}  // namespace
+
+McapWriter::McapWriter(std::ostream& out) : out_(out) {
+  put(kMagic);
+  put_record(kHeader, counted("") + counted("orchard-mapper"));
+}
+
+void McapWriter::put(std::string_view bytes) {
+  out_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  position_ += bytes.size();
+}
+
+void McapWriter::put_record(std::uint8_t opcode, std::string_view content) {
+  put(record(opcode, content));
+}
+
+std::uint16_t McapWriter::add_topic(const std::string& topic, const std::string& schema_name,
+                                    const std::string& json_schema) {
+  std::string records;
+  auto& schema = schema_of_[schema_name];
+  if (schema == 0) {
+    schema = static_cast<std::uint16_t>(schema_of_.size());
+    records += record(kSchema, number(schema) + counted(schema_name) + counted("jsonschema") +
+                                   counted(json_schema));
+  }
+  num_of_topic_.push_back(0);
+  const auto id = static_cast<std::uint16_t>(num_of_topic_.size());
+  records += record(kChannel, number(id) + number(schema) + counted(topic) + counted("json") +
+                                  number(std::uint32_t{0}));
+  chunk_ += records;
+  topics_ += records;
+  return id;
+}
+
+void McapWriter::write(std::uint16_t topic, std::int64_t utime, std::string_view json) {
+  const std::uint64_t time_ns = static_cast<std::uint64_t>(std::max<std::int64_t>(0, utime)) * 1000;
+  const bool is_first_of_chunk = chunk_indexes_.empty();
+  chunk_first_ns_ = is_first_of_chunk ? time_ns : std::min(chunk_first_ns_, time_ns);
+  chunk_last_ns_ = is_first_of_chunk ? time_ns : std::max(chunk_last_ns_, time_ns);
+  first_ns_ = num_messages_ == 0 ? time_ns : std::min(first_ns_, time_ns);
+  last_ns_ = std::max(last_ns_, time_ns);
+  chunk_indexes_[topic] += number(time_ns) + number(static_cast<std::uint64_t>(chunk_.size()));
+  auto& num = num_of_topic_.at(topic - 1u);
+  chunk_ += record(kMessage, number(topic) + number(static_cast<std::uint32_t>(num)) +
+                                 number(time_ns) + number(time_ns) + std::string(json));
+  ++num;
+  ++num_messages_;
+  if (chunk_.size() >= kChunkBytes) finish_chunk();
+}
+
+void McapWriter::finish_chunk() {
+  if (chunk_.empty()) return;
+  constexpr int kLevel = 3;
+  std::string packed(ZSTD_compressBound(chunk_.size()), '\0');
+  const std::size_t size =
+      ZSTD_compress(packed.data(), packed.size(), chunk_.data(), chunk_.size(), kLevel);
+  if (ZSTD_isError(size)) throw std::runtime_error("zstd cannot compress a chunk");
+  packed.resize(size);
+  const std::uint32_t crc = static_cast<std::uint32_t>(
+      crc32_z(0, reinterpret_cast<const unsigned char*>(chunk_.data()), chunk_.size()));
+  ChunkPlace place{};
+  place.first_ns = chunk_first_ns_;
+  place.last_ns = chunk_last_ns_;
+  place.offset = position_;
+  place.packed_size = packed.size();
+  place.content_size = chunk_.size();
+  put_record(kChunk, number(chunk_first_ns_) + number(chunk_last_ns_) +
+                         number(static_cast<std::uint64_t>(chunk_.size())) + number(crc) +
+                         counted("zstd") + number(static_cast<std::uint64_t>(packed.size())) +
+                         packed);
+  place.size = position_ - place.offset;
+  for (const auto& [topic, entries] : chunk_indexes_) {
+    place.indexes[topic] = position_;
+    put_record(kMessageIndex, number(topic) + counted(entries));
+  }
+  place.index_size = position_ - place.offset - place.size;
+  chunks_.push_back(std::move(place));
+  chunk_.clear();
+  chunk_indexes_.clear();
+  chunk_first_ns_ = chunk_last_ns_ = 0;
+}
+
+std::string McapWriter::statistics() const {
+  std::string counts;
+  for (std::size_t i = 0; i < num_of_topic_.size(); ++i) {
+    counts += number(static_cast<std::uint16_t>(i + 1)) + number(num_of_topic_[i]);
+  }
+  return number(num_messages_) + number(static_cast<std::uint16_t>(schema_of_.size())) +
+         number(static_cast<std::uint32_t>(num_of_topic_.size())) + number(std::uint32_t{0}) +
+         number(std::uint32_t{0}) + number(static_cast<std::uint32_t>(chunks_.size())) +
+         number(first_ns_) + number(last_ns_) + counted(counts);
+}
+
+void McapWriter::finish() {
+  finish_chunk();
+  put_record(kDataEnd, number(std::uint32_t{0}));
+  const std::uint64_t summary = position_;
+  put(topics_);
+  put_record(kStatistics, statistics());
+  for (const ChunkPlace& chunk : chunks_) {
+    std::string indexes;
+    for (const auto& [topic, offset] : chunk.indexes) indexes += number(topic) + number(offset);
+    put_record(kChunkIndex, number(chunk.first_ns) + number(chunk.last_ns) + number(chunk.offset) +
+                                number(chunk.size) + counted(indexes) + number(chunk.index_size) +
+                                counted("zstd") + number(chunk.packed_size) +
+                                number(chunk.content_size));
+  }
+  // No summary of offsets and no check sum of the summary: 0 says so.
+  put_record(kFooter, number(summary) + number(std::uint64_t{0}) + number(std::uint32_t{0}));
+  put(kMagic);
+  out_.flush();
+}
+
+}  // namespace orchard::io

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "mapping/album/album_config.hpp"
 #include "mapping/existence/existence_config.hpp"
 #include "mapping/rows/rows_config.hpp"
 
@@ -41,6 +42,7 @@ struct MapperConfig {
   /// Nor this: whether detector.segmentation.reflector is `only`, and a TREE is what flashed.
   bool flash_tells = false;
   ExistenceConfig existence;
+  AlbumConfig album;
   RowsConfig rows;
 };
 
@@ -87,6 +89,7 @@ void describe(Visitor& v, MapperConfig& c) {
             "landmarks seen less often stay out of map files");
   v.section("existence", c.existence, "dropping landmarks that are gone");
   v.section("rows", c.rows, "rows and numbers");
+  v.section("album", c.album, "a photograph of each landmark");
   v.check(c.deskew_pose_gap_max_s <= c.pose_gap_max_s, "deskew_pose_gap_max_s",
           "must not be above pose_gap_max_s");
 }

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "text/base64.hpp"
 #include "text/number_text.hpp"
 #include "view/line_thinning.hpp"
 
@@ -137,7 +138,14 @@ std::string map_data_json(const MapData& map_data) {
   }
   text += ",\n\"landmarks\":" + landmark_columns_json(*map_data.landmarks, map_data.georeference) +
           ",\n" + rows_and_ways_json(*map_data.rows, *map_data.graph) +
-          ",\n\"paths\":" + array_json(map_data.paths, path_json) + "}";
+          ",\n\"paths\":" + array_json(map_data.paths, path_json) + ",\n\"photos\":{";
+  const char* separator = "";
+  for (const auto& [id, jpeg] : map_data.photographs) {
+    text += separator + ("\"" + std::to_string(id)) + "\":\"" +
+            base64_text(jpeg->data(), jpeg->size()) + "\"";
+    separator = ",";
+  }
+  text += "}}";
   return text;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "geometry/georeference.hpp"
@@ -26,6 +27,8 @@ struct MapData {
   const mapping::NavigationGraph* graph = nullptr;
   std::vector<const std::vector<pose::PoseEstimate>*> paths;  ///< of each drive
   std::optional<geometry::Georeference> georeference;
+  /// JPEG files by the landmarks' ids.
+  std::vector<std::pair<std::int32_t, const std::vector<std::uint8_t>*>> photographs{};
 };
 
 /// How far the path that the page draws may lie from the robot's [m]: under a pixel of a view 10 m
@@ -35,7 +38,8 @@ inline constexpr double kPathTolerance_m = 0.01;
 /// The map as JSON in columns: {"title", "version", "first_utime", "last_utime", "warnings",
 /// "georeference", "landmarks": {"id": [...], "label": [0 tree, 1 object, 2 unseen], "x": [m],
 /// ...}, "rows": [{"number", "spacing", "line": [x, y, ...], "gaps": [[position, x, y], ...]}],
-/// "ways": [{"kind", "width", "line"}], "paths": [[x, y, ...]]}. All of `map_data` must be set but
+/// "ways": [{"kind", "width", "line"}], "paths": [[x, y, ...]],
+/// "photos": {id: base 64 of a JPEG}}. All of `map_data` must be set but
 /// georeference. Equal maps give equal text; text from outside is made valid Unicode.
 std::string map_data_json(const MapData& map_data);
 

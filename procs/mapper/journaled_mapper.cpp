@@ -199,8 +199,14 @@ void JournaledMapper::handle(const bus::Message& input, const bus::Outbox& send)
   mapper_->handle(input, send);
 }
 
-/// A message as the journal keeps it: of a scan that the mapper only takes the time of, one beam.
+/// A message as the journal keeps it: of a scan that the mapper only takes the time of, one beam;
+/// of a picture that it does not look at, one pixel.
 std::vector<std::uint8_t> JournaledMapper::journal_bytes(const bus::Message& input) const {
+  const auto* image = std::get_if<vision::Image>(&input);
+  if (image != nullptr && !mapper_->keeps_picture_of(image->utime)) {
+    return bus::encode(
+        vision::Image{image->utime, image->seq, 1, 1, vision::Encoding::kGray8, {0}});
+  }
   const auto* scan = std::get_if<laser::Scan>(&input);
   if (scan == nullptr) return bus::encode(input);
   laser::Scan kept = *scan;

@@ -77,6 +77,7 @@ MapperNode::MapperNode(const io::Config& config,
       queue_(rules_of(config.mapper)),
       laser_(config.laser),
       blind_(config.detector.segmentation.blind_sector()),
+      album_(config.mapper.album, detection::Rig(config.laser, config.camera, config.detector)),
       degradation_(config.camera.enabled),
       beam_times_(config.laser.range_sd_m, config.mapper.deskew_pose_gap_max_s),
       has_camera_(config.camera.enabled),
@@ -96,13 +97,15 @@ MapperNode::Queue::Rules MapperNode::rules_of(const mapping::MapperConfig& confi
 std::vector<bus::Channel> MapperNode::inputs() const {
   std::vector<bus::Channel> channels{bus::Channel::kPose, bus::Channel::kDetections,
                                      bus::Channel::kTrajectory, bus::Channel::kGnss};
+  if (album_.is_open()) channels.push_back(bus::Channel::kImage);
   if (scan_wait_us(config_)) channels.push_back(bus::Channel::kScan);
   return channels;
 }
 
-/// There is a map without a receiver and without free-space evidence.
+/// There is a map without a receiver, without free-space evidence and without an album.
 bus::InputNeed MapperNode::need_of(bus::Channel channel) const {
-  const bool optional = channel == bus::Channel::kGnss || channel == bus::Channel::kScan;
+  const bool optional = channel == bus::Channel::kGnss || channel == bus::Channel::kScan ||
+                        channel == bus::Channel::kImage;
   return optional ? bus::InputNeed::kOptional : Node::need_of(channel);
 }
 
@@ -128,6 +131,8 @@ void MapperNode::handle(const bus::Message& input, const bus::Outbox& send) {
     add_scan(*scan);
   } else if (const auto* gnss = std::get_if<pose::Gnss>(&input)) {
     return add_gnss(*gnss);
+  } else if (const auto* image = std::get_if<vision::Image>(&input)) {
+    return album_.add_picture(*image);
   }
   release(send);
 }
@@ -270,6 +275,7 @@ void MapperNode::flush(const bus::Outbox& send) {
   while (!queue_.is_empty(kDetections)) place_front(send);
   correct_up_to(std::numeric_limits<std::int64_t>::max(), send);
   if (moved_m_ > 0.0) rebuild_map(send);
+  album_.flush();
   // the whole map once more, so that a recorded log ends with it
   if (mapper_.num_landmarks() > 0) {
     std::vector<mapping::Landmark> all = mapper_.landmarks();
@@ -287,6 +293,7 @@ void MapperNode::use(const detection::Detections& detections, const pose::PoseEs
   std::vector<std::int32_t> ids = update.changed_ids;
   if (!ids.empty()) last_id_ = std::max(last_id_, ids.back());
   degradation_.note_scan(detections.utime, detections.image_utime, last_id_);
+  photograph(detections, T_map_base);
   const std::vector<std::int32_t> refreshed = refresh_ids(detections.utime);
   ids.insert(ids.end(), refreshed.begin(), refreshed.end());
   std::sort(ids.begin(), ids.end());

@@ -13,6 +13,7 @@
 #include "io/map/map_folder.hpp"
 #include "mapper/beam_times.hpp"
 #include "mapper/degradation.hpp"
+#include "mapping/album/album.hpp"
 #include "mapping/mapper.hpp"
 #include "mapping/pose_track.hpp"
 #include "pose/filter/gnss_positions.hpp"
@@ -37,6 +38,9 @@ namespace orchard::procs {
 /// mapper.existence.period_s is kept for its DETECTIONS. DETECTIONS(t) wait for a SCAN at or after
 /// t; where none has come within mapper.existence.scan_wait_s of message time, nobody waits until
 /// SCAN is heard (again): a mapper that is given none works without.
+///
+/// IMAGE is only cut up for the album (mapper.album): a photograph of each landmark. It holds
+/// nothing back, and the map is the same without it.
 ///
 /// GNSS says where on the earth the map lies: the corrected path is laid upon the fixes.
 class MapperNode : public bus::Node {
@@ -68,6 +72,11 @@ class MapperNode : public bus::Node {
 
   /// Whether a SCAN of that time would be kept for its DETECTIONS; of others only the time counts.
   bool keeps_beams_of(std::int64_t scan_utime) const;
+
+  /// Whether an IMAGE of that time is looked at; of others nothing depends.
+  bool keeps_picture_of(std::int64_t image_utime) const {
+    return album_.keeps_picture(image_utime);
+  }
 
   /// All that later outputs depend on; the configuration is the maker's. Throws std::exception when
   /// the memory does not keep what a long drive leaves, or does not have it.
@@ -108,6 +117,7 @@ class MapperNode : public bus::Node {
   void send_tiles(std::int64_t utime, std::vector<mapping::Landmark> landmarks,
                   const std::vector<std::int32_t>& removed_ids, const bus::Outbox& send);
   std::vector<std::int32_t> refresh_ids(std::int64_t utime);
+  void photograph(const detection::Detections& detections, const pose::PoseEstimate& T_map_base);
 
   mapping::MapperConfig config_;
   Eigen::Vector2d antenna_base_m_;
@@ -121,6 +131,7 @@ class MapperNode : public bus::Node {
   std::int64_t last_kept_scan_utime_ = Queue::kNever;
   bool has_pose_caught_up_ = false;
   bool is_scan_missing_ = false;  ///< DETECTIONS were used without theirs, and none has come since
+  mapping::Album album_;
   Degradation degradation_;
   BeamTimes beam_times_;
   bool has_camera_;

@@ -33,6 +33,8 @@ io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {
     mapping::number_landmarks(content.rows, content.landmarks);
   }
   join_long(content.landmarks);
+  content.photographs = album_.photographs([this](std::int64_t utime) { return track_.at(utime); });
+  content.album_bytes_max = album_.max_bytes();
   content.seen_free = mapper_.seen_free();
   content.georeference = georeference();
   content.degraded = degradation_.stretches();

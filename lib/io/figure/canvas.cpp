@@ -277,6 +277,14 @@ void Canvas::image(const PixelBox& box, const std::vector<std::uint8_t>& bgr, in
   cairo_surface_destroy(picture);
 }
 
+void Canvas::begin_inset(PixelPoint origin, double scale) {
+  cairo_save(page_->cairo);
+  cairo_translate(page_->cairo, origin.x, origin.y);
+  cairo_scale(page_->cairo, scale, scale);
+}
+
+void Canvas::end_inset() { cairo_restore(page_->cairo); }
+
 void Canvas::set_day(const std::string& day) {
   if (page_->format != FigureFormat::kPdf || day.empty()) return;
   cairo_pdf_surface_set_metadata(page_->surface, CAIRO_PDF_METADATA_CREATE_DATE,

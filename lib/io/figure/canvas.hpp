@@ -68,6 +68,10 @@ class Canvas {
   void image(const PixelBox& box, const std::vector<std::uint8_t>& bgr, int width_px,
              int height_px);
 
+  /// What is drawn until end_inset() has its origin there and is so much larger.
+  void begin_inset(PixelPoint origin, double scale);
+  void end_inset();
+
   /// The day that a PDF says it was made on, "2026-11-22"; empty: the same one in every PDF.
   void set_day(const std::string& day);
 

@@ -17,7 +17,8 @@ GeoValue number_or_none(std::int32_t number) {
 }
 
 void write_landmarks(const std::vector<mapping::Landmark>& landmarks,
-                     const std::optional<geometry::Georeference>& georeference, GeoPackage& file) {
+                     const std::optional<geometry::Georeference>& georeference,
+                     const std::map<std::int32_t, std::string>& photos, GeoPackage& file) {
   std::vector<GeoField> fields{{"id", GeoType::kInteger},
                                {"class", GeoType::kText},
                                {"x_m", GeoType::kReal},
@@ -29,6 +30,7 @@ void write_landmarks(const std::vector<mapping::Landmark>& landmarks,
   fields.push_back({"row", GeoType::kInteger});
   fields.push_back({"position", GeoType::kInteger});
   fields.push_back({"width_sd_m", GeoType::kReal});
+  fields.push_back({"photo", GeoType::kText});
   if (georeference) {
     fields.push_back({"latitude_deg", GeoType::kReal});
     fields.push_back({"longitude_deg", GeoType::kReal});
@@ -36,6 +38,7 @@ void write_landmarks(const std::vector<mapping::Landmark>& landmarks,
   file.begin_layer("landmarks", GeoGeometry::kPoint, fields);
   for (const mapping::Landmark& l : landmarks) {
     const Eigen::Vector2d p_map(l.x_m, l.y_m);
+    const auto photo = photos.find(l.id);
     std::vector<GeoValue> values{integer(l.id),
                                  std::string(label_text(l.label)),
                                  l.x_m,
@@ -48,7 +51,8 @@ void write_landmarks(const std::vector<mapping::Landmark>& landmarks,
                                  l.width_m,
                                  number_or_none(l.row),
                                  number_or_none(l.position),
-                                 l.width_sd_m};
+                                 l.width_sd_m,
+                                 photo == photos.end() ? GeoValue() : GeoValue(photo->second)};
     if (georeference) {
       const geometry::Geodetic place = geometry::geodetic_of(*georeference, p_map);
       values.push_back(place.latitude_deg);
@@ -129,9 +133,10 @@ std::string map_geopackage(const std::vector<mapping::Landmark>& landmarks,
                            const std::vector<pose::PoseEstimate>& trajectory,
                            const std::vector<mapping::Row>& rows,
                            const mapping::NavigationGraph& graph,
-                           const std::optional<geometry::Georeference>& georeference) {
+                           const std::optional<geometry::Georeference>& georeference,
+                           const std::map<std::int32_t, std::string>& photos) {
   GeoPackage file(georeference);
-  write_landmarks(landmarks, georeference, file);
+  write_landmarks(landmarks, georeference, photos, file);
   write_path(trajectory, file);
   write_rows(rows, file);
   write_graph(graph, file);

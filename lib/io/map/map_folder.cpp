@@ -2,16 +2,19 @@
 #include "io/map/map_folder.hpp"
 
 #include <filesystem>
+#include <map>
 
 #include "geometry/angles.hpp"
 #include "io/atomic_file.hpp"
 #include "io/figure/map_figure.hpp"
 #include "io/file_error.hpp"
 #include "io/gis/map_geopackage.hpp"
+#include "io/map/album_files.hpp"
 #include "io/map/graph_json.hpp"
 #include "io/map/map_page.hpp"
 #include "io/map/summary_json.hpp"
 #include "io/map/trajectory_csv.hpp"
+#include "mapping/album/choose_photographs.hpp"
 #include "mapping/rows/navigation_graph.hpp"
 #include "text/date_text.hpp"
 
@@ -43,15 +46,21 @@ void write_map_folder(const std::string& folder, const MapFolderContent& content
   const auto figure = [&content, &graph, heading = heading_of(content)](FigureFormat format) {
     return map_figure(content.landmarks, content.trajectory, content.rows, graph, format, heading);
   };
+  const std::vector<mapping::AlbumEntry> album =
+      mapping::choose_photographs(content.landmarks, content.photographs, content.album_bytes_max);
+  std::map<std::int32_t, std::string> photos;
+  for (const mapping::AlbumEntry& entry : album) {
+    photos[entry.landmark_id] = photo_path(entry.landmark_id);
+  }
   FileReplacement files;
   files.write((path / "map.csv").string(), map_csv(content.landmarks));
   files.write((path / "map.gpkg").string(),
               map_geopackage(content.landmarks, content.trajectory, content.rows, graph,
-                             content.georeference));
+                             content.georeference, photos));
   files.write((path / "map.svg").string(), figure(FigureFormat::kSvg));
   files.write((path / "map.png").string(), figure(FigureFormat::kPng));
   files.write((path / "map.pdf").string(), figure(FigureFormat::kPdf));
-  files.write((path / "map.html").string(), map_page(content, graph));
+  files.write((path / "map.html").string(), map_page(content, graph, album));
   files.write((path / "trajectory.csv").string(), trajectory_csv(content.trajectory));
   files.write((path / "trajectory.tum").string(), trajectory_tum(content.trajectory));
   for (std::size_t k = 0; k < content.more_trajectories.size(); ++k) {
@@ -61,6 +70,7 @@ void write_map_folder(const std::string& folder, const MapFolderContent& content
   if (!content.ids_csv.empty()) files.write((path / "ids.csv").string(), content.ids_csv);
   files.write((path / "graph.json").string(), graph_json(graph));
   files.write((path / "summary.json").string(), summary_json(content));
+  write_album(folder, album);  // where the disk is full, every other file stays as it was
   files.commit();
 }
 

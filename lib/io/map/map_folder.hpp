@@ -9,6 +9,7 @@
 
 #include "geometry/georeference.hpp"
 #include "io/map/map_csv.hpp"
+#include "mapping/album/photograph.hpp"
 #include "mapping/compare/visibility_grid.hpp"
 #include "mapping/landmark.hpp"
 #include "mapping/rows/free_corridor.hpp"
@@ -53,6 +54,8 @@ struct MapFolderContent {
   /// What was seen free, for graph.json; asked while the folder is written.
   mapping::SeenFree seen_free{};
   std::int32_t next_id = 0;  ///< no landmark of an earlier map had this or more
+  std::vector<mapping::PlacedPhotograph> photographs{};  ///< whose they are is found out here
+  std::size_t album_bytes_max = 0;
 };
 
 /// Writes map.csv, map.gpkg, map.svg, map.png, map.pdf, map.html, trajectory.csv and

@@ -6,7 +6,8 @@
 
 namespace orchard::io {
 
-std::string map_page(const MapFolderContent& content, const mapping::NavigationGraph& graph) {
+std::string map_page(const MapFolderContent& content, const mapping::NavigationGraph& graph,
+                     const std::vector<mapping::AlbumEntry>& album) {
   view::MapData data;
   data.title = content.summary.source.empty() ? "Orchard map" : content.summary.source;
   data.version = content.summary.version;
@@ -19,6 +20,9 @@ std::string map_page(const MapFolderContent& content, const mapping::NavigationG
   data.paths.push_back(&content.trajectory);
   for (const auto& trajectory : content.more_trajectories) data.paths.push_back(&trajectory);
   data.georeference = content.georeference;
+  for (const mapping::AlbumEntry& entry : album) {
+    data.photographs.emplace_back(entry.landmark_id, &entry.photograph->jpeg);
+  }
   return view::page_html(data.title, view::map_data_json(data), view::PageSource::kFile);
 }
 

@@ -28,7 +28,7 @@ bool is_map_file(const std::string& name) {
   static const std::regex kNames(
       "corrections\\.jsonl|map\\.(csv|gpkg|svg|png|pdf|html)|trajectory(_[0-9]+)?\\.csv|"
       "trajectory\\.tum|graph\\.json|(ids|left_out|names|plan|plan_rows)\\.csv|"
-      "(summary|plan)\\.json|derived\\.lcm");
+      "(summary|plan)\\.json|derived\\.lcm|album");
   return std::regex_match(name, kNames);
 }
 

@@ -64,7 +64,15 @@ class Details {
         steps.push(button);
       }
     }
-    this.show(landmarkTitle(model, i), this.theme.colourOfClass(model.columns.label[i]), landmarkFacts(model, i), steps);
+    this.show(landmarkTitle(model, i), this.theme.colourOfClass(model.columns.label[i]), landmarkFacts(model, i), steps,
+      this.photo(model.columns.id[i], landmarkTitle(model, i)));
+  }
+
+  // Its photograph, where the map has one.
+  photo(id, title) {
+    const jpeg = Object.hasOwn(this.model.photos, id) ? this.model.photos[id] : "";
+    if (!/^[A-Za-z0-9+/]+=*$/.test(jpeg)) return [];
+    return [element("img", { className: "photo", alt: `Photograph of ${title}`, src: `data:image/jpeg;base64,${jpeg}` })];
   }
 
   showGap(row, gap) {
@@ -81,7 +89,7 @@ class Details {
     return -1;
   }
 
-  show(title, colour, facts, steps) {
+  show(title, colour, facts, steps, pictures = []) {
     const close = element("button", { type: "button", className: "icon", title: "Close", textContent: "×" });
     close.addEventListener("click", () => this.close());
     const swatch = element("span", { className: "swatch" });
@@ -89,7 +97,7 @@ class Details {
     const table = element("table", {}, ...facts.map(([what, value]) =>
       element("tr", {}, element("td", { textContent: what }), element("td", { textContent: value }))));
     this.box.replaceChildren(
-      element("header", {}, swatch, element("div", {}, element("h2", { textContent: title })), close), table,
+      element("header", {}, swatch, element("div", {}, element("h2", { textContent: title })), close), ...pictures, table,
       ...(steps.length > 0 ? [element("div", { className: "steps" }, ...steps)] : []));
     this.box.hidden = false;
   }

@@ -25,6 +25,7 @@ class MapModel {
     this.indexOfId = new Map(this.columns.id.map((id, i) => [id, i]));
     this.paths = data.paths || [];
     this.georeference = data.georeference || null;
+    this.photos = data.photos || {};
     this.setRows(data.rows || [], data.ways || []);
   }
 

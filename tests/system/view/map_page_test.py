@@ -3,6 +3,7 @@
 """map_page_test.py BIN: map.html in a browser, from a disk: what it shows is what map.csv says, at the
 width of a desk and of a telephone; nobody is asked for anything, and no name is executed."""
 
+import base64
 import csv
 import os
 import subprocess
@@ -37,6 +38,13 @@ def check_page(page, url, landmarks):
         assert f"Row {row['row']}, tree {row['position']}" in details, (row, details)
         assert f"Id\t{row['id']}" in details, details
         assert f"{100 * float(row['width_m']):.1f} cm" in details, (row, details)
+        photo = page.run("""
+            const image = document.querySelector('#details img.photo');
+            return image && image.decode().then(
+              () => [image.naturalWidth, image.naturalHeight, image.src.split(',')[1]], String);""")
+        with open(os.path.join(os.path.dirname(url.replace("file://", "")), "album", row["id"] + ".jpg"), "rb") as jpeg:
+            assert photo and photo[2] == base64.b64encode(jpeg.read()).decode(), photo
+        assert photo[0] > 10 and photo[1] > 10, photo
     page.run("orchardApp.select(-1)")
 
     # Searches find the same; what there is not is said.

@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/report/map_report.hpp"
+
+#include <fmt/args.h>
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "geometry/angles.hpp"
+#include "geometry/georeference.hpp"
+#include "io/report/block_figure.hpp"
+#include "text/number_text.hpp"
+
+namespace orchard::io {
+namespace {
+
+using mapping::Change;
+using mapping::GrowthByRow;
+using mapping::Inventory;
+using mapping::RowInventory;
+
+constexpr std::size_t kGapsListedMax = 500;
+
+/// What both files say of the growth; empty without an earlier map.
+GrowthByRow growth_of(const ReportContent& content) {
+  if (!content.earlier) return {};
+  return mapping::growth_by_row(content.earlier->landmarks, content.map.landmarks,
+                                content.earlier->comparison);
+}
+
+mapping::Growth growth_in(const GrowthByRow& growth, std::int32_t row) {
+  const auto it = growth.find(row);
+  return it == growth.end() ? mapping::Growth() : it->second;
+}
+
+/// Writes one report; every number goes through here, so that it looks as its language has it.
+class Writer {
+ public:
+  Writer(const ReportContent& content, const ReportTexts& texts)
+      : content_(content),
+        texts_(texts),
+        inventory_(mapping::take_inventory(content.map.landmarks)),
+        growth_(growth_of(content)) {}
+
+  Document write() {
+    const std::string day = content_.facts.day.empty() ? texts_.unknown_day : content_.facts.day;
+    document_.language = texts_.language;
+    document_.title = say(texts_.title, {content_.name});
+    document_.subtitle = say(texts_.subtitle, {day, content_.facts.version});
+    document_.day = content_.facts.day;
+    document_.page_word = texts_.page;
+    write_counts();
+    write_rows();
+    write_diameters();
+    write_picture();
+    write_gaps();
+    write_plan();
+    write_changes();
+    write_not_seen();
+    write_certainty();
+    return std::move(document_);
+  }
+
+ private:
+  static std::string say(const char* sentence, const std::vector<std::string>& words) {
+    fmt::dynamic_format_arg_store<fmt::format_context> store;
+    for (const std::string& word : words) store.push_back(word);
+    return fmt::vformat(sentence, store);
+  }
+  std::string number(double value, int num_decimals) const {
+    std::string text = fixed_text(value, num_decimals);
+    std::replace(text.begin(), text.end(), '.', texts_.decimal_point);
+    return text;
+  }
+  static std::string number(int value) { return std::to_string(value); }
+  void heading(const char* text) { document_.parts.push_back(DocumentHeading{text}); }
+  void text(std::string text) { document_.parts.push_back(DocumentText{std::move(text)}); }
+  std::string row_name(std::int32_t row) const {
+    return row > 0 ? std::to_string(row) : texts_.no_row;
+  }
+
+  void write_counts() {
+    heading(texts_.counts);
+    int num_rows = 0, num_without = 0;
+    for (const RowInventory& row : inventory_.rows) {
+      num_rows += row.row > 0;
+      if (row.row == 0) num_without = row.num_trees;
+    }
+    const RowInventory& all = inventory_.all;
+    text(say(texts_.trees, {number(all.num_trees - num_without), number(num_rows)}));
+    if (num_without > 0) text(say(texts_.trees_no_row, {number(num_without)}));
+    text(say(texts_.gaps, {number(static_cast<int>(all.gaps.size()))}));
+    if (inventory_.num_objects > 0) {
+      text(say(texts_.objects, {number(inventory_.num_objects)}));
+    }
+    if (all.num_measured == 0) return;
+    text(say(texts_.area, {number(all.tcsa_cm2, 0), number(all.tcsa_cm2 / all.num_measured, 1)}));
+    text(texts_.area_note);
+  }
+
+  void write_picture() {
+    heading(texts_.picture);
+    std::optional<double> north_rad;
+    if (content_.map.georeference) {
+      north_rad = 0.5 * geometry::kPi - content_.map.georeference->yaw_rad;
+    }
+    document_.parts.push_back(block_figure(content_.map.landmarks, inventory_, north_rad, texts_));
+  }
+
+  std::vector<std::string> row_cells(const std::string& name, const RowInventory& row,
+                                     std::int32_t growth_row) const {
+    std::string positions;
+    if (growth_row >= 0) {
+      for (const mapping::InventoryGap& gap : row.gaps) {
+        positions += (positions.empty() ? "" : ", ") + std::to_string(gap.position);
+      }
+    }
+    const bool is_measured = row.num_measured > 0;
+    std::vector<std::string> cells{name,
+                                   number(row.num_trees),
+                                   number(static_cast<int>(row.gaps.size())),
+                                   positions,
+                                   is_measured ? number(100.0 * row.diameter_mean_m, 1) : "",
+                                   is_measured ? number(row.tcsa_cm2, 0) : "",
+                                   row.tcsa_sd_cm2 > 0.0 ? number(row.tcsa_sd_cm2, 0) : ""};
+    if (!content_.earlier) return cells;
+    const mapping::Growth growth = growth_in(growth_, growth_row);
+    cells.push_back(number(growth.num_pairs));
+    cells.push_back(growth.num_pairs > 0 ? number(growth.tcsa_change_cm2, 0) : "");
+    cells.push_back(growth.num_pairs > 0 ? number(growth.percent(), 1) : "");
+    return cells;
+  }
+
+  void write_rows() {
+    heading(texts_.rows);
+    DocumentTable table;
+    table.head = {texts_.column_row,           texts_.column_trees,    texts_.column_gaps,
+                  texts_.column_gap_positions, texts_.column_diameter, texts_.column_area,
+                  texts_.column_area_error};
+    if (content_.earlier) {
+      table.head.insert(table.head.end(),
+                        {texts_.column_pairs, texts_.column_growth, texts_.column_growth_percent});
+    }
+    table.text_columns = {3};
+    table.has_sum = true;
+    for (const RowInventory& row : inventory_.rows) {
+      table.rows.push_back(row_cells(row_name(row.row), row, row.row));
+    }
+    table.rows.push_back(row_cells(texts_.total, inventory_.all, mapping::kGrowthOfAll));
+    document_.parts.push_back(std::move(table));
+  }
+
+  void write_diameters() {
+    heading(texts_.diameters);
+    const mapping::DiameterHistogram histogram =
+        mapping::diameter_histogram(content_.map.landmarks);
+    if (histogram.counts.empty()) return text(texts_.diameters_none);
+    document_.parts.push_back(diameter_figure(histogram, texts_));
+  }
+
+  void write_gaps() {
+    heading(texts_.gap_places);
+    if (inventory_.all.gaps.empty()) return text(texts_.gap_none);
+    DocumentTable table;
+    table.head = {texts_.column_row, texts_.column_position, texts_.column_place};
+    const auto& georeference = content_.map.georeference;
+    if (georeference) table.head.push_back(texts_.column_geodetic);
+    for (const RowInventory& row : inventory_.rows) {
+      for (const mapping::InventoryGap& gap : row.gaps) {
+        if (table.rows.size() >= kGapsListedMax) break;
+        table.rows.push_back({row_name(row.row), std::to_string(gap.position),
+                              number(gap.p_map.x(), 2) + "; " + number(gap.p_map.y(), 2)});
+        if (!georeference) continue;
+        const geometry::Geodetic place = geometry::geodetic_of(*georeference, gap.p_map);
+        // With a point in every language: for whoever copies it into a telephone.
+        table.rows.back().push_back(fixed_text(place.latitude_deg, 7) + ", " +
+                                    fixed_text(place.longitude_deg, 7));
+      }
+    }
+    document_.parts.push_back(std::move(table));
+    text(texts_.gap_note);
+  }
+
+  void write_plan() {
+    if (!content_.plan) return;
+    heading(texts_.plan);
+    text(say(texts_.plan_of, {content_.plan->name}));
+    DocumentTable table;
+    table.head = {texts_.plan_column_row,
+                  texts_.as_planned,
+                  texts_.out_of_place,
+                  texts_.plan_missing,
+                  texts_.plan_not_seen,
+                  texts_.extra,
+                  ""};
+    table.text_columns = {6};
+    table.has_sum = true;
+    PlannedRowCounts all;
+    const auto add = [&](const PlannedRowCounts& row, const std::string& name) {
+      table.rows.push_back({name, number(row.num_as_planned), number(row.num_out_of_place),
+                            number(row.num_missing), number(row.num_not_seen),
+                            number(row.num_extra), row.is_shifted ? texts_.shifted : ""});
+    };
+    for (const PlannedRowCounts& row : content_.plan->rows) {
+      add(row, row.name);
+      all.num_as_planned += row.num_as_planned;
+      all.num_out_of_place += row.num_out_of_place;
+      all.num_missing += row.num_missing;
+      all.num_not_seen += row.num_not_seen;
+      all.num_extra += row.num_extra;
+    }
+    add(all, texts_.total);
+    document_.parts.push_back(std::move(table));
+  }
+
+  void write_changes() {
+    if (!content_.earlier) return;
+    heading(texts_.changes);
+    const EarlierMap& earlier = *content_.earlier;
+    text(say(texts_.changes_since,
+             {earlier.name, earlier.day.empty() ? texts_.unknown_day : earlier.day}));
+    DocumentTable table;
+    table.head = {texts_.column_change, texts_.column_count};
+    const std::array<std::pair<Change, const char*>, mapping::kNumChanges> changes{
+        {{Change::kMissing, texts_.missing},
+         {Change::kNew, texts_.new_trees},
+         {Change::kMoved, texts_.moved},
+         {Change::kGrown, texts_.grown},
+         {Change::kThinner, texts_.thinner},
+         {Change::kUnchanged, texts_.unchanged},
+         {Change::kNotSeen, texts_.not_compared}}};
+    for (const auto& [change, words] : changes) {
+      table.rows.push_back({words, number(earlier.comparison.count(change))});
+    }
+    document_.parts.push_back(std::move(table));
+    heading(texts_.growth);
+    const mapping::Growth all = growth_in(growth_, mapping::kGrowthOfAll);
+    text(say(texts_.growth_all, {number(1e3 * earlier.comparison.width_change_common_m, 1),
+                                 number(1e3 * earlier.comparison.width_change_common_se_m, 1),
+                                 number(all.num_pairs), number(all.tcsa_change_cm2, 0)}));
+  }
+
+  void write_not_seen() {
+    heading(texts_.not_seen);
+    const SummaryFacts& facts = content_.facts;
+    if (inventory_.num_unseen > 0) {
+      text(say(texts_.unseen, {number(inventory_.num_unseen)}));
+    } else {
+      text(texts_.all_seen);
+    }
+    if (facts.without_pictures_s > 0.0) {
+      text(say(texts_.without_pictures,
+               {number(facts.without_pictures_s, 0), number(facts.num_met_without_pictures)}));
+    }
+    if (facts.without_fixes_s > 0.0) {
+      text(say(texts_.without_fixes, {number(facts.without_fixes_s, 0)}));
+    }
+    if (content_.earlier) {
+      const auto& changes = content_.earlier->comparison.changes;
+      const auto num = std::count_if(changes.begin(), changes.end(), [](const auto& c) {
+        return c.change == Change::kNotSeen && c.a >= 0 && c.b < 0;
+      });
+      if (num > 0) text(say(texts_.changes_not_seen, {std::to_string(num)}));
+    }
+    for (const std::string& warning : facts.warnings) text(say(texts_.warnings, {warning}));
+  }
+
+  void write_certainty() {
+    heading(texts_.how_sure);
+    const mapping::Certainty& certainty = inventory_.certainty;
+    text(say(texts_.sure, {number(certainty.num_sure), number(certainty.num_likely),
+                           number(certainty.num_unsure)}));
+    if (inventory_.position_se_median_m > 0.0) {
+      text(say(texts_.places, {number(100.0 * inventory_.position_se_median_m, 1)}));
+    }
+    if (inventory_.width_sd_median_m > 0.0) {
+      text(say(texts_.widths, {number(1e3 * inventory_.width_sd_median_m, 1)}));
+      text(texts_.width_bias);
+    }
+  }
+
+  const ReportContent& content_;
+  const ReportTexts& texts_;
+  Inventory inventory_;
+  GrowthByRow growth_;
+  Document document_;
+};
+
+}  // namespace
+
+Document map_report(const ReportContent& content, const ReportTexts& texts) {
+  return Writer(content, texts).write();
+}
+
+std::string report_csv(const ReportContent& content) {
+  const Inventory inventory = mapping::take_inventory(content.map.landmarks);
+  const GrowthByRow growth = growth_of(content);
+  std::string csv = "row,trees,empty_places,empty_positions,diameter_mean_cm,tcsa_cm2,tcsa_sd_cm2";
+  if (content.earlier) csv += ",measured_twice,tcsa_growth_cm2,tcsa_growth_percent";
+  csv += "\n";
+  const auto line = [&](const std::string& name, const RowInventory& row, std::int32_t of) {
+    std::string positions;
+    for (const mapping::InventoryGap& gap : row.gaps) {
+      if (of >= 0) positions += (positions.empty() ? "" : " ") + std::to_string(gap.position);
+    }
+    csv += name + "," + std::to_string(row.num_trees) + "," + std::to_string(row.gaps.size()) +
+           "," + positions + "," + fixed_text(100.0 * row.diameter_mean_m, 2) + "," +
+           fixed_text(row.tcsa_cm2, 1) + "," + fixed_text(row.tcsa_sd_cm2, 1);
+    if (content.earlier) {
+      const mapping::Growth g = growth_in(growth, of);
+      csv += "," + std::to_string(g.num_pairs) + "," + fixed_text(g.tcsa_change_cm2, 1) + "," +
+             fixed_text(g.percent(), 2);
+    }
+    csv += "\n";
+  };
+  for (const RowInventory& row : inventory.rows) line(std::to_string(row.row), row, row.row);
+  line("all", inventory.all, mapping::kGrowthOfAll);
+  return csv;
+}
+
+}  // namespace orchard::io

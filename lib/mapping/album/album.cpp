@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/album/album.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "geometry/point_grid.hpp"
+#include "mapping/album/framing.hpp"
+#include "mapping/pose_composition.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+/// Of pictures nearer in time one is enough: at a metre a second base moves 0.2 m meanwhile.
+constexpr std::int64_t kPicturePeriod_us = 200'000;
+
+/// What is seen again after so long is another passing, by which time the pose may have drifted.
+constexpr std::int64_t kPassing_us = 10'000'000;
+constexpr double kSamePlace_m = 0.3;
+
+/// A look must be better by this to be cut out in the place of another.
+constexpr double kBetter = 1.05;
+
+/// Scans wait for their pictures and pictures for their scans while poses are behind: a minute.
+constexpr std::size_t kScansMax = 600;
+constexpr std::size_t kPicturesMax = 300;
+constexpr std::size_t kPictureBytesMax = std::size_t{64} << 20;
+
+/// Room that is made at once, so that it is not made for each photograph.
+constexpr double kFilled = 0.9;
+
+constexpr double kBytesPerMb = 1e6;
+
+std::size_t num_bytes_of(const Photograph& photograph) {
+  return photograph.jpeg.size() + sizeof(Photograph);
+}
+
+bool is_close(double ax_m, double ay_m, double bx_m, double by_m, double gate_m) {
+  return std::hypot(ax_m - bx_m, ay_m - by_m) <= gate_m;
+}
+
+}  // namespace
+
+Album::Album(const AlbumConfig& config, const detection::Rig& rig)
+    : rig_(rig),
+      max_bytes_(rig.has_camera ? static_cast<std::size_t>(kBytesPerMb * config.max_mb) : 0) {}
+
+bool Album::keeps_picture(std::int64_t utime) const {
+  if (!is_open()) return false;
+  if (!last_picture_utime_) return true;
+  const std::int64_t since_us = utime - *last_picture_utime_;  // before: its clock was set back
+  return since_us < 0 || since_us >= kPicturePeriod_us;
+}
+
+void Album::add_scan(std::int64_t utime, std::int64_t image_utime,
+                     const pose::PoseEstimate& T_map_base, const detection::Motion& motion,
+                     std::vector<Subject> subjects) {
+  if (!is_open() || image_utime == 0 || subjects.empty()) return;
+  if (scans_.size() >= kScansMax) scans_.erase(scans_.begin());
+  scans_.push_back({utime, image_utime, T_map_base.x_m, T_map_base.y_m, T_map_base.yaw_rad, motion,
+                    std::move(subjects)});
+  take_scans();
+}
+
+void Album::add_picture(const vision::Image& image) {
+  if (!keeps_picture(image.utime)) return;
+  last_picture_utime_ = image.utime;
+  const auto num_bytes = [this] {
+    std::size_t sum = 0;
+    for (const WaitingPicture& waiting : pictures_) sum += waiting.image.data.size();
+    return sum;
+  };
+  pictures_.push_back({image});
+  while (pictures_.size() > 1 &&
+         (pictures_.size() > kPicturesMax || num_bytes() > kPictureBytesMax)) {
+    pictures_.erase(pictures_.begin());
+  }
+  take_scans();
+}
+
+void Album::flush() {
+  scans_.clear();
+  pictures_.clear();
+}
+
+/// In their order: the first waits until its picture is there, or one that comes after it.
+void Album::take_scans() {
+  std::size_t num_done = 0;
+  for (const WaitingScan& scan : scans_) {
+    if (!last_picture_utime_ || *last_picture_utime_ < scan.image_utime) break;
+    const auto of_it = std::find_if(
+        pictures_.begin(), pictures_.end(),
+        [&scan](const WaitingPicture& waiting) { return waiting.image.utime == scan.image_utime; });
+    if (of_it != pictures_.end()) {
+      look(scan, of_it->image);
+      // Scans come in order of time: what is older than this one's picture is nobody's.
+      pictures_.erase(pictures_.begin(), of_it);
+    }
+    ++num_done;
+  }
+  scans_.erase(scans_.begin(), scans_.begin() + static_cast<std::ptrdiff_t>(num_done));
+}
+
+void Album::look(const WaitingScan& scan, const vision::Image& image) {
+  const double dt_s =
+      1e-6 * static_cast<double>(scan.image_utime - scan.utime) - rig_.camera_delay_s;
+  const std::vector<Framing> framings = frame_subjects(scan.subjects, rig_, scan.motion, dt_s);
+  vision::PictureReader picture(image);
+  for (const Framing& framing : framings) picture.expect(framing.frame);
+  pose::PoseEstimate T_map_base;
+  T_map_base.x_m = scan.x_m, T_map_base.y_m = scan.y_m, T_map_base.yaw_rad = scan.yaw_rad;
+  const PoseComposition composition(T_map_base);
+  for (std::size_t i = 0; i < framings.size(); ++i) {
+    const double is_worth = worth(framings[i], picture);
+    if (!(is_worth > 0.0)) continue;
+    const Eigen::Vector2d p_map =
+        composition.apply(scan.subjects[i].x_base_m, scan.subjects[i].y_base_m);
+    Passing& passing = passings_[passing_at(p_map.x(), p_map.y(), scan.utime)];
+    passing.last_utime = scan.utime;
+    if (!(is_worth > kBetter * passing.best.worth)) continue;
+    std::vector<std::uint8_t> jpeg = cut_out(framings[i], picture);
+    if (jpeg.empty()) continue;
+    num_bytes_ -= num_bytes_of(passing.best);
+    passing.best = {scan.utime,       image.utime, framings[i].frame,
+                    scan.subjects[i], is_worth,    std::move(jpeg)};
+    num_bytes_ += num_bytes_of(passing.best);
+  }
+  if (num_bytes_ > max_bytes_) make_room();
+}
+
+/// The passing that goes on at a place, or a new one.
+std::size_t Album::passing_at(double x_m, double y_m, std::int64_t utime) {
+  const auto goes_on = [utime](const Passing& passing) {
+    return std::abs(utime - passing.last_utime) <= kPassing_us;
+  };
+  while (num_over_ < passings_.size() && !goes_on(passings_[num_over_])) ++num_over_;
+  std::size_t nearest = passings_.size();
+  double nearest_m = kSamePlace_m;
+  for (std::size_t i = num_over_; i < passings_.size(); ++i) {
+    const double distance_m = std::hypot(passings_[i].x_m - x_m, passings_[i].y_m - y_m);
+    if (distance_m >= nearest_m || !goes_on(passings_[i])) continue;
+    nearest = i;
+    nearest_m = distance_m;
+  }
+  if (nearest == passings_.size()) {
+    passings_.push_back({x_m, y_m, utime, {}});
+    num_bytes_ += num_bytes_of(passings_.back().best);
+  }
+  return nearest;
+}
+
+/// Of several passings of one place all but the best go; then the least telling.
+void Album::make_room() {
+  std::vector<std::size_t> order(passings_.size());  // the most telling first
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(), [this](std::size_t a, std::size_t b) {
+    return passings_[a].best.worth > passings_[b].best.worth;
+  });
+  geometry::PointGrid grid;
+  std::vector<std::size_t> kept, again;
+  for (const std::size_t i : order) {
+    const Passing& it = passings_[i];
+    bool has_better = false;
+    grid.near(it.x_m, it.y_m, kSamePlace_m, [&](std::int32_t k) {
+      const Passing& other = passings_[static_cast<std::size_t>(k)];
+      has_better = has_better || is_close(it.x_m, it.y_m, other.x_m, other.y_m, kSamePlace_m);
+    });
+    (has_better ? again : kept).push_back(i);
+    if (!has_better) grid.insert(static_cast<std::int32_t>(i), it.x_m, it.y_m);
+  }
+  const auto limit = static_cast<std::size_t>(kFilled * static_cast<double>(max_bytes_));
+  std::vector<char> stays(passings_.size(), 0);
+  num_bytes_ = 0;
+  for (const std::vector<std::size_t>* group : {&kept, &again}) {
+    for (const std::size_t i : *group) {
+      const std::size_t more = num_bytes_of(passings_[i].best);
+      if (num_bytes_ + more > limit) break;
+      num_bytes_ += more;
+      stays[i] = 1;
+    }
+  }
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < passings_.size(); ++i) {
+    if (stays[i] == 0) continue;
+    if (next != i) passings_[next] = std::move(passings_[i]);
+    ++next;
+  }
+  passings_.resize(next);
+  num_over_ = 0;
+}
+
+std::vector<PlacedPhotograph> Album::photographs(
+    const std::function<std::optional<pose::PoseEstimate>(std::int64_t)>& pose_at) const {
+  std::vector<PlacedPhotograph> all;
+  for (const Passing& passing : passings_) {
+    if (passing.best.jpeg.empty()) continue;
+    const auto pose = pose_at(passing.best.scan_utime);
+    if (!pose) continue;
+    const Eigen::Vector2d p_map =
+        PoseComposition(*pose).apply(passing.best.subject.x_base_m, passing.best.subject.y_base_m);
+    all.push_back({passing.best, p_map.x(), p_map.y()});
+  }
+  return all;
+}
+
+void Album::persist(StateArchive& archive) {
+  std::uint64_t num_over = num_over_, num_bytes = num_bytes_;
+  bool has_picture = last_picture_utime_.has_value();
+  std::int64_t last_utime = last_picture_utime_.value_or(0);
+  archive(scans_, pictures_, passings_, num_over, num_bytes, has_picture, last_utime);
+  num_over_ = static_cast<std::size_t>(num_over);
+  num_bytes_ = static_cast<std::size_t>(num_bytes);
+  if (has_picture) last_picture_utime_ = last_utime;
+}
+
+}  // namespace orchard::mapping

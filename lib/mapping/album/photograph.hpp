@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "vision/pixel_block.hpp"
+
+namespace orchard::mapping {
+
+/// Something that a scan saw, to be photographed (base frame at the scan's time).
+struct Subject {
+  double x_base_m = 0.0;  ///< its axis
+  double y_base_m = 0.0;
+  double width_m = 0.0;
+  std::int8_t occlusion = 0;  ///< bits of detection::Occlusion
+};
+
+/// The best photograph of something in one passing.
+struct Photograph {
+  std::int64_t scan_utime = 0;   ///< of the pose that places it
+  std::int64_t image_utime = 0;  ///< of the picture that it was cut out of
+  vision::PixelRect frame;       ///< where it was in that picture
+  Subject subject;
+  double worth = 0.0;
+  std::vector<std::uint8_t> jpeg;
+
+  template <class Archive>
+  void persist(Archive& archive) {
+    archive(scan_utime, image_utime, frame, subject, worth, jpeg);
+  }
+};
+
+/// A photograph with where it says that its subject stands, by the path as it is now.
+struct PlacedPhotograph {
+  Photograph photograph;
+  double x_m = 0.0;
+  double y_m = 0.0;
+};
+
+/// A landmark and its photograph.
+struct AlbumEntry {
+  std::int32_t landmark_id = 0;
+  const Photograph* photograph = nullptr;
+};
+
+}  // namespace orchard::mapping

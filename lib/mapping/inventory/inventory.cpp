@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/inventory/inventory.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "geometry/angles.hpp"
+#include "geometry/statistics.hpp"
+
+namespace orchard::mapping {
+namespace {
+
+constexpr double kSure = 0.95, kLikely = 0.8;
+constexpr int kClassesMax = 40;
+constexpr int kGapsMax = 100000;  // of one row: a map from outside may number its trees as it likes
+
+bool is_tree(const Landmark& l) { return l.label == detection::Label::kTree; }
+
+/// Sums over trees.
+struct Sum {
+  void add(const Landmark& l) {
+    ++row.num_trees;
+    if (!(l.width_m > 0.0)) return;
+    ++row.num_measured;
+    diameters_m += l.width_m;
+    row.tcsa_cm2 += tcsa_cm2(l.width_m);
+    // d(pi/4 d^2) = pi/2 d dd
+    const double sd_cm2 = 1e4 * 0.5 * geometry::kPi * l.width_m * l.width_sd_m;
+    variance_cm4 += sd_cm2 * sd_cm2;
+  }
+  RowInventory done() {
+    if (row.num_measured > 0) row.diameter_mean_m = diameters_m / row.num_measured;
+    row.tcsa_sd_cm2 = std::sqrt(variance_cm4);
+    return row;
+  }
+  RowInventory row;
+  double diameters_m = 0.0, variance_cm4 = 0.0;
+};
+
+/// The places between numbered trees at which none stands.
+void find_gaps(const std::map<std::int32_t, Eigen::Vector2d>& places, RowInventory& row) {
+  if (places.empty()) return;
+  row.first_position = places.begin()->first;
+  row.last_position = places.rbegin()->first;
+  for (auto it = places.begin(), next = std::next(it); next != places.end(); it = next++) {
+    const double steps = static_cast<double>(next->first) - it->first;
+    for (std::int32_t k = it->first + 1; k < next->first; ++k) {
+      if (row.gaps.size() >= static_cast<std::size_t>(kGapsMax)) return;
+      const double f = (static_cast<double>(k) - it->first) / steps;
+      row.gaps.push_back({k, it->second + f * (next->second - it->second)});
+    }
+  }
+}
+
+}  // namespace
+
+double tcsa_cm2(double diameter_m) {
+  const double diameter_cm = 100.0 * diameter_m;
+  return 0.25 * geometry::kPi * diameter_cm * diameter_cm;
+}
+
+Inventory take_inventory(const std::vector<Landmark>& landmarks) {
+  Inventory inventory;
+  std::map<std::int32_t, Sum> sums;
+  std::map<std::int32_t, std::map<std::int32_t, Eigen::Vector2d>> places;
+  Sum all;
+  std::vector<double> position_se_m, width_sd_m;
+  for (const Landmark& l : landmarks) {
+    inventory.num_objects += l.label == detection::Label::kObject;
+    inventory.num_unseen += l.label == detection::Label::kUnseen;
+    if (!is_tree(l)) continue;
+    sums[l.row].add(l);
+    all.add(l);
+    if (l.row > 0 && l.position > 0)
+      places[l.row].emplace(l.position, Eigen::Vector2d(l.x_m, l.y_m));
+    Certainty& certainty = inventory.certainty;
+    ++(l.probability >= kSure     ? certainty.num_sure
+       : l.probability >= kLikely ? certainty.num_likely
+                                  : certainty.num_unsure);
+    position_se_m.push_back(std::max(l.se_x_m, l.se_y_m));
+    if (l.width_sd_m > 0.0) width_sd_m.push_back(l.width_sd_m);
+  }
+  inventory.all = all.done();
+  std::optional<RowInventory> without_row;
+  for (auto& [number, sum] : sums) {
+    RowInventory row = sum.done();
+    row.row = number;
+    find_gaps(places[number], row);
+    inventory.all.gaps.insert(inventory.all.gaps.end(), row.gaps.begin(), row.gaps.end());
+    if (number > 0) {
+      inventory.rows.push_back(std::move(row));
+    } else {
+      without_row = std::move(row);
+    }
+  }
+  if (without_row) inventory.rows.push_back(*std::move(without_row));
+  if (!position_se_m.empty()) inventory.position_se_median_m = geometry::median(position_se_m);
+  if (!width_sd_m.empty()) inventory.width_sd_median_m = geometry::median(width_sd_m);
+  return inventory;
+}
+
+DiameterHistogram diameter_histogram(const std::vector<Landmark>& landmarks) {
+  std::vector<double> diameters_m;
+  for (const Landmark& l : landmarks) {
+    if (is_tree(l) && l.width_m > 0.0 && std::isfinite(l.width_m)) diameters_m.push_back(l.width_m);
+  }
+  DiameterHistogram histogram;
+  if (diameters_m.empty()) return histogram;
+  std::sort(diameters_m.begin(), diameters_m.end());
+  // Of a few wide ones the classes are not made wider.
+  const double wide_m = diameters_m[(diameters_m.size() - 1) * 98 / 100];
+  while (wide_m > kClassesMax * histogram.class_m) histogram.class_m *= 2.0;
+  const auto class_of = [&](double diameter_m) {
+    return static_cast<std::size_t>(
+        std::min<double>(kClassesMax, std::floor(diameter_m / histogram.class_m)));
+  };
+  histogram.counts.resize(class_of(diameters_m.back()) + 1);
+  for (const double diameter_m : diameters_m) ++histogram.counts[class_of(diameter_m)];
+  return histogram;
+}
+
+}  // namespace orchard::mapping

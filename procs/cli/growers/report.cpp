@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/growers/report.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <utility>
+
+#include "bus/messages/channel.hpp"
+#include "bus/node/process.hpp"
+#include "cli/growers/plan_laying.hpp"
+#include "cli/maps/map_laying.hpp"
+#include "io/atomic_file.hpp"
+#include "io/file_error.hpp"
+#include "io/map/stored_map.hpp"
+#include "io/report/map_report.hpp"
+#include "text/printable_text.hpp"
+
+namespace orchard::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The map's folder, whose name people know it by.
+fs::path folder_of(const std::string& map_path) {
+  fs::path folder = fs::absolute(map_path).lexically_normal();
+  if (!fs::is_directory(folder)) folder = folder.parent_path();
+  return folder.has_filename() ? folder : folder.parent_path();
+}
+
+std::string name_of(const std::string& map_path) {
+  return printable_text(folder_of(map_path).filename().string());
+}
+
+io::SummaryFacts facts_of(const std::string& map_path) {
+  return io::read_summary_facts(map_path, bus::info(bus::Channel::kGnss).name);
+}
+
+io::EarlierMap compared_with(const ReportOptions& options, const io::StoredMap& now) {
+  io::EarlierMap earlier;
+  const io::StoredMap before = io::read_stored_map(options.previous_path);
+  for (const auto& [map, path] :
+       {std::pair(&before, &options.previous_path), std::pair(&now, &options.map_path)}) {
+    if (!map->trajectories.empty()) continue;
+    throw io::FileError(*path +
+                        " does not say where the drive looked (no trajectory.csv beside the map), "
+                        "so gone cannot be told from not seen; give the map's folder");
+  }
+  const mapping::DetectionMap view_before = view_of(before, 0.0), view_now = view_of(now, 0.0);
+  const mapping::MapAlignment alignment =
+      lay_on(before, view_before, now, view_now, options.alignment);
+  earlier.name = name_of(options.previous_path);
+  earlier.day = facts_of(options.previous_path).day;
+  earlier.landmarks = before.landmarks;
+  earlier.comparison =
+      mapping::compare_maps(before.landmarks, now.landmarks, view_before, view_now, alignment, {});
+  return earlier;
+}
+
+io::PlanCounts planned(const ReportOptions& options, const io::StoredMap& map) {
+  using mapping::PlanDeviation;
+  const io::StoredPlan plan = io::read_plan(options.plan_path, options.plan_file);
+  const LaidPlan laid = lay_plan(plan, map, options.plan_match);
+  io::PlanCounts counts;
+  counts.name = printable_text(fs::path(options.plan_path).filename().string());
+  for (std::size_t i = 0; i < laid.match.rows.size(); ++i) {
+    const mapping::PlanRowFinding& row = laid.match.rows[i];
+    const auto count = [&row](PlanDeviation deviation) {
+      return row.counts.at(static_cast<std::size_t>(deviation));
+    };
+    counts.rows.push_back({printable_text(laid.plan.plan.rows.at(i).name),
+                           count(PlanDeviation::kAsPlanned), count(PlanDeviation::kOutOfPlace),
+                           count(PlanDeviation::kMissing), count(PlanDeviation::kNotSeen),
+                           count(PlanDeviation::kExtra), row.is_shifted});
+  }
+  return counts;
+}
+
+}  // namespace
+
+int run_report(const ReportOptions& options) {
+  const io::ReportTexts* texts = io::find_report_texts(options.language);
+  if (texts == nullptr) {
+    throw io::FileError("--language " + options.language + ": reports are written in en or es");
+  }
+  io::ReportContent content;
+  content.map = io::read_stored_map(options.map_path);
+  content.name = name_of(options.map_path);
+  content.facts = facts_of(options.map_path);
+  if (!options.previous_path.empty()) content.earlier = compared_with(options, content.map);
+  if (!options.plan_path.empty()) content.plan = planned(options, content.map);
+
+  const fs::path folder = options.out_folder.empty() ? folder_of(options.map_path) / "report"
+                                                     : fs::path(options.out_folder);
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!fs::is_directory(folder)) {
+    throw io::FileError(folder.string() + " cannot be made a folder" +
+                        (error ? " (" + error.message() + ")" : "") +
+                        "; give another one with --out");
+  }
+  const io::Document document = io::map_report(content, *texts);
+  io::FileReplacement files;
+  files.write((folder / "report.html").string(), io::document_html(document));
+  files.write((folder / "report.pdf").string(), io::document_pdf(document));
+  files.write((folder / "report.csv").string(), io::report_csv(content));
+  files.commit();
+  std::printf("written to %s: report.html, report.pdf (to print), report.csv (rows)\n",
+              folder.string().c_str());
+  return bus::kExitOk;
+}
+
+}  // namespace orchard::cli

@@ -1,0 +1,135 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""report_test.py BIN RIG: the numbers of `orchard report` are those of map.csv, counted here anew."""
+
+import csv
+import html
+import math
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+
+def orchard(bin_folder, *arguments, code=0):
+    result = subprocess.run([os.path.join(bin_folder, "orchard"), *arguments], capture_output=True, text=True)
+    assert result.returncode == code, (arguments, result.returncode, result.stderr)
+    return result
+
+
+def rows_of(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def bytes_of(path):
+    with open(path, "rb") as file:
+        return file.read()
+
+
+def area_cm2(width_m):
+    return math.pi * (100 * float(width_m)) ** 2 / 4
+
+
+def expected(landmarks):
+    """By row as text: trees, numbers of empty places, area; of all together under "all"."""
+    result = {}
+    for l in landmarks:
+        if l["class"] == "tree":
+            result.setdefault(l["row"] or "0", []).append(l)
+    table = {}
+    for row, trees in result.items():
+        numbers = {int(t["position"]) for t in trees if t["position"]} if row != "0" else set()
+        empty = [k for k in range(min(numbers), max(numbers)) if k not in numbers] if numbers else []
+        table[row] = (len(trees), empty, sum(area_cm2(t["width_m"]) for t in trees))
+    table["all"] = (sum(t[0] for t in table.values()), sum(len(t[1]) for t in table.values()),
+                    sum(t[2] for t in table.values()))
+    return table
+
+
+def check_csv(path, landmarks):
+    table = {row["row"]: row for row in rows_of(path)}
+    truth = expected(landmarks)
+    assert set(table) == set(truth), (set(table), set(truth))
+    for row, (num_trees, empty, area) in truth.items():
+        said = table[row]
+        assert int(said["trees"]) == num_trees, (row, said)
+        assert abs(float(said["tcsa_cm2"]) - area) < 0.05 + 1e-4 * area, (row, said, area)
+        if row == "all":
+            assert int(said["empty_places"]) == empty, (said, empty)
+        else:
+            assert said["empty_positions"].split() == [str(k) for k in empty], (row, said, empty)
+    return table, truth
+
+
+def page_text(path):
+    page = bytes_of(path).decode("utf-8")
+    assert "<script" not in page and "http" not in re.sub(r"http-equiv|xmlns(:xlink)?=\"http[^\"]*\"", "", page)
+    return html.unescape(re.sub(r"<[^>]*>", " ", re.sub(r"(?s)<(svg|style).*?</\1>", "", page)))
+
+
+def main(bin_folder, rig, folder):
+    log, here = os.path.join(folder, "drive.lcm"), os.path.join(folder, "autumn")
+    orchard(bin_folder, "simulate", "--scene", "orchard", "--seed", "7", "--config", rig, "--out", log)
+    orchard(bin_folder, "map", log, "--config", rig, "--out", here, "--no-derived")
+    landmarks = rows_of(os.path.join(here, "map.csv"))
+
+    orchard(bin_folder, "report", here)
+    out = os.path.join(here, "report")
+    table, truth = check_csv(os.path.join(out, "report.csv"), landmarks)
+    text = page_text(os.path.join(out, "report.html"))
+    num_rows = len([row for row in truth if row not in ("all", "0")])
+    in_rows = truth["all"][0] - (truth["0"][0] if "0" in truth else 0)
+    for sentence in (f"{in_rows} trees in {num_rows} rows", f"{truth['all'][1]} empty places", "Driven on 2013-12-02",
+                     f"{truth['all'][2]:.0f} cm²"):
+        assert sentence in text, (sentence, text)
+    assert " roc" not in text and "probability" not in text
+    pdf = bytes_of(os.path.join(out, "report.pdf"))
+    assert pdf.startswith(b"%PDF-") and pdf.count(b"/Type /Page ") >= 2 and b"20131202000000Z" in pdf
+
+    # The same map, the same bytes; other words, the same numbers.
+    again, spanish = os.path.join(folder, "again"), os.path.join(folder, "informe")
+    orchard(bin_folder, "report", here, "--out", again)
+    for name in ("report.html", "report.pdf", "report.csv"):
+        assert bytes_of(os.path.join(out, name)) == bytes_of(os.path.join(again, name)), name
+    orchard(bin_folder, "report", os.path.join(here, "map.csv"), "--out", spanish, "--language", "es")
+    assert bytes_of(os.path.join(out, "report.csv")) == bytes_of(os.path.join(spanish, "report.csv"))
+    text = page_text(os.path.join(spanish, "report.html"))
+    assert f"{in_rows} árboles en {num_rows} filas" in text and "marras" in text, text
+
+    # An earlier map with thinner trunks and one tree more.
+    before = os.path.join(folder, "spring")
+    shutil.copytree(here, before)
+    earlier = [dict(row, width_m=f"{float(row['width_m']) / 1.05:.4f}") for row in landmarks]
+    with open(os.path.join(before, "map.csv"), "w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, landmarks[0].keys(), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(earlier)
+    orchard(bin_folder, "report", here, "--previous", before, "--out", again)
+    grown = {row["row"]: row for row in rows_of(os.path.join(again, "report.csv"))}
+    for row, (num_trees, _, area) in truth.items():
+        was = sum(area_cm2(l["width_m"]) for l in earlier
+                  if l["class"] == "tree" and (row == "all" or (l["row"] or "0") == row))
+        assert int(grown[row]["measured_twice"]) == num_trees, grown[row]
+        assert abs(float(grown[row]["tcsa_growth_cm2"]) - (area - was)) < 0.1, (grown[row], area - was)
+        assert abs(float(grown[row]["tcsa_growth_percent"]) - 100 * (area / was - 1)) < 0.02, grown[row]
+    assert "Compared with spring of 2013-12-02" in page_text(os.path.join(again, "report.html"))
+
+    # What cannot be told is refused, with a reason.
+    refused = orchard(bin_folder, "report", here, "--previous", os.path.join(before, "map.csv"), "--language", "fr", code=2)
+    assert "en" in refused.stderr and "es" in refused.stderr, refused.stderr
+    os.remove(os.path.join(before, "trajectory.csv"))
+    refused = orchard(bin_folder, "report", here, "--previous", before, "--out", again, code=3)
+    assert "trajectory.csv" in refused.stderr, refused.stderr
+    with open(os.path.join(here, "summary.json"), "w", encoding="utf-8") as file:
+        file.write("[1, 2")
+    refused = orchard(bin_folder, "report", here, "--out", again, code=3)
+    assert "summary.json" in refused.stderr, refused.stderr
+
+
+if __name__ == "__main__":
+    with tempfile.TemporaryDirectory() as temporary:
+        main(sys.argv[1], sys.argv[2], temporary)
+    print("report: as map.csv says")

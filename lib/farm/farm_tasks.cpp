@@ -43,7 +43,7 @@ class TaskList {
 
 using DrivesOfDate = std::vector<Drive>;
 
-void add_date(const DrivesOfDate& drives, const FarmSettings& settings,
+void add_date(const DrivesOfDate& drives, const FarmSettings& settings, const EditsOf& edits_of,
               std::vector<std::string>& dates, TaskList& tasks) {
   FarmTask date;
   date.kind = TaskKind::kDate;
@@ -71,6 +71,10 @@ void add_date(const DrivesOfDate& drives, const FarmSettings& settings,
                                   shortest_text(settings.max_offset_m),
                                   dates.empty() ? "" : dates.back()};
   causes.insert(causes.end(), date.needs.begin(), date.needs.end());
+  if (edits_of && !dates.empty()) {
+    const std::string edits = edits_of(dates.back());
+    if (!edits.empty()) causes.push_back("edits " + edits);
+  }
   date.name = name_of(TaskKind::kDate, causes);
   const std::string name = tasks.add(date);
   if (!dates.empty()) {
@@ -99,7 +103,8 @@ const char* kind_text(TaskKind kind) {
   return "changes";
 }
 
-std::vector<FarmTask> tasks_of(std::vector<Drive> drives, const FarmSettings& settings) {
+std::vector<FarmTask> tasks_of(std::vector<Drive> drives, const FarmSettings& settings,
+                               const EditsOf& edits_of) {
   std::map<std::string, std::map<std::string, DrivesOfDate>> blocks;
   std::sort(drives.begin(), drives.end(), [](const Drive& a, const Drive& b) {
     return std::tie(a.block, a.date, a.robot, a.name) < std::tie(b.block, b.date, b.robot, b.name);
@@ -109,7 +114,7 @@ std::vector<FarmTask> tasks_of(std::vector<Drive> drives, const FarmSettings& se
   for (const auto& [block, by_date] : blocks) {
     std::vector<std::string> dates;
     for (const auto& [date, drives_of_date] : by_date) {
-      add_date(drives_of_date, settings, dates, tasks);
+      add_date(drives_of_date, settings, edits_of, dates, tasks);
     }
   }
   return tasks.take();

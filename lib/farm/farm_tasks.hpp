@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -48,8 +49,13 @@ struct FarmTask {
   std::vector<Drive> drives;         ///< of which it is; alike ones have one result
 };
 
+/// What people have changed by hand in the result of a date, as a digest; empty: nothing.
+using EditsOf = std::function<std::string(const std::string& name)>;
+
 /// All steps of a farm, each after those that it needs: checks, maps, and date by date for each
-/// block. A pure function of its arguments: the order of `drives` does not matter.
-std::vector<FarmTask> tasks_of(std::vector<Drive> drives, const FarmSettings& settings);
+/// block. A pure function of its arguments: the order of `drives` does not matter. What was edited
+/// on a date decides of the next one, too.
+std::vector<FarmTask> tasks_of(std::vector<Drive> drives, const FarmSettings& settings,
+                               const EditsOf& edits_of = {});
 
 }  // namespace orchard::farm

@@ -17,6 +17,7 @@
 #include "farm/sha256.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
+#include "io/map/corrections_file.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::cli {
@@ -169,6 +170,11 @@ bool is_farm_word(const std::string& word) {
          });
 }
 
+std::string corrections_line(const std::string& folder) {
+  const std::string path = folder + "/" + io::kCorrectionsFile;
+  return fs::exists(path) ? "corrections " + digest_of_files({path}) : std::string();
+}
+
 std::string digest_of_files(const std::vector<std::string>& paths) {
   farm::Sha256 digest;
   std::vector<char> buffer(1 << 20);
@@ -249,6 +255,20 @@ void FarmFolder::write_tasks(const FarmContent& content, const std::vector<farm:
     json["tasks"][task.name] = std::move(entry);
   }
   io::write_file_atomically(path("work/tasks.json"), json.dump(1) + "\n");
+}
+
+std::vector<farm::FarmTask> FarmFolder::tasks_of(const FarmContent& content) const {
+  return farm::tasks_of(content.drives, content.settings,
+                        [this](const std::string& name) { return edits_of(name); });
+}
+
+std::string FarmFolder::edits_of(const std::string& task) const {
+  const std::string now = corrections_line(path("results/" + task));
+  std::ifstream file(path("results/" + task + "/state.txt"));
+  std::string line, made_with;
+  std::getline(file, line);
+  std::getline(file, made_with);
+  return now == made_with ? std::string() : now;
 }
 
 std::optional<TaskState> FarmFolder::state_of(const std::string& task) const {

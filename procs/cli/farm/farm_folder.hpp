@@ -37,6 +37,12 @@ class FarmFolder {
   /// again. Throws io::FileError for names that are no plain words and for a bad farm.yaml.
   FarmContent read() const;
 
+  /// The steps that `content` asks for; what was edited by hand decides of the dates after it.
+  std::vector<farm::FarmTask> tasks_of(const FarmContent& content) const;
+
+  /// Digest of a result's corrections where they are not those that it was made with; else empty.
+  std::string edits_of(const std::string& task) const;
+
   /// Writes work/tasks.json, what the Snakefile goes by.
   void write_tasks(const FarmContent& content, const std::vector<farm::FarmTask>& tasks,
                    const farm::CostFit& costs) const;
@@ -50,6 +56,10 @@ class FarmFolder {
  private:
   std::string root_;
 };
+
+/// Line of a state.txt: the corrections that a result was made with, carried from the date before.
+/// Empty: `folder` has none.
+std::string corrections_line(const std::string& folder);
 
 /// A word of a farm's paths: letters, digits, ".", "-" and "_", not beginning with "." or "-".
 bool is_farm_word(const std::string& word);

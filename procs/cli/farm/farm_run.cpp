@@ -18,6 +18,7 @@
 #include "cli/farm/command_run.hpp"
 #include "cli/farm/farm_status.hpp"
 #include "io/file_error.hpp"
+#include "io/map/corrections_file.hpp"
 #include "io/progress_bar.hpp"
 
 namespace orchard::cli {
@@ -114,7 +115,7 @@ int run_farm_run(const FarmRunOptions& options) {
   }
   const FarmContent content = farm.read();
   const RunLock lock(farm);
-  const auto tasks = farm::tasks_of(content.drives, content.settings);
+  const auto tasks = farm.tasks_of(content);
   farm.write_tasks(content, tasks, farm::fit_costs(farm.costs(tasks)));
   remove_unfinished(farm);
   int exit_code = 0;
@@ -158,8 +159,8 @@ int run_farm_run(const FarmRunOptions& options) {
 int run_farm_publish(const FarmPublishOptions& options) {
   const FarmFolder farm(options.folder);
   const FarmContent content = farm.read();
-  int num_maps = 0, num_changes = 0, num_open = 0;
-  for (const farm::FarmTask& task : farm::tasks_of(content.drives, content.settings)) {
+  int num_maps = 0, num_changes = 0, num_open = 0, num_kept = 0;
+  for (const farm::FarmTask& task : farm.tasks_of(content)) {
     const bool is_date = task.kind == farm::TaskKind::kDate;
     if (!is_date && task.kind != farm::TaskKind::kChanges) continue;
     const auto state = farm.state_of(task.name);
@@ -169,7 +170,19 @@ int run_farm_publish(const FarmPublishOptions& options) {
     std::set<std::string> places;  // alike dates of several blocks have one result
     for (const farm::Drive& drive : task.drives) places.insert(drive.block + "/" + drive.date);
     for (const std::string& place : places) {
-      point_to(farm.path((is_date ? "maps/" : "changes/") + place), "../../results/" + task.name);
+      const std::string link = farm.path((is_date ? "maps/" : "changes/") + place);
+      std::error_code error;
+      const std::string before = fs::read_symlink(link, error).filename().string();
+      if (is_date && before != task.name && !farm.edits_of(before).empty()) {
+        std::fprintf(stderr,
+                     "orchard farm publish: warning: %s was corrected by hand and stays as it is; "
+                     "the newer map is %s: correct that (`orchard edit`), then remove %s/%s\n",
+                     link.c_str(), farm.path("results/" + task.name).c_str(),
+                     farm.path("results/" + before).c_str(), io::kCorrectionsFile);
+        ++num_kept;
+        continue;
+      }
+      point_to(link, "../../results/" + task.name);
     }
   }
   std::printf("%d maps in %s, %d comparisons in %s\n", num_maps, farm.path("maps").c_str(),
@@ -177,7 +190,7 @@ int run_farm_publish(const FarmPublishOptions& options) {
   if (num_open > 0) {
     std::fprintf(stderr, "orchard farm publish: note: %d are not made yet\n", num_open);
   }
-  return bus::kExitOk;
+  return num_kept == 0 ? bus::kExitOk : bus::kExitRuntime;
 }
 
 }  // namespace orchard::cli

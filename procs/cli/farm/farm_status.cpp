@@ -177,7 +177,7 @@ std::string status_text(const FarmFolder& farm, const FarmContent& content,
 int run_farm_status(const FarmStatusOptions& options) {
   const FarmFolder farm(options.folder);
   const FarmContent content = farm.read();
-  const auto tasks = farm::tasks_of(content.drives, content.settings);
+  const auto tasks = farm.tasks_of(content);
   farm.write_tasks(content, tasks, farm::fit_costs(farm.costs(tasks)));
   std::fputs(status_text(farm, content, tasks, options.json).c_str(), stdout);
   for (const std::string& note : content.notes) {

@@ -48,7 +48,9 @@ bool is_crash(int exit_code) {
 /// The finished folder becomes the result, unless somebody else has made the same meanwhile.
 void become_result(const std::string& made, const std::string& name, const std::string& state) {
   const std::string result = "results/" + name;
-  io::write_file_atomically(made + "/state.txt", state + "\n");
+  const std::string corrections = corrections_line(made);
+  io::write_file_atomically(made + "/state.txt",
+                            state + "\n" + (corrections.empty() ? "" : corrections + "\n"));
   if (fs::exists(result + "/state.txt")) {
     fs::remove_all(made);
     return;

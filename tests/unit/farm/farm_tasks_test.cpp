@@ -94,6 +94,21 @@ TEST(FarmTasks, OfAnotherRigAreItsMapsAndWhatFollows) {
   EXPECT_EQ(num[TaskKind::kChanges], 2);
 }
 
+TEST(FarmTasks, OfAnEditedDateAreTheDatesAfterIt) {
+  const auto drives = farm_of(2, 3, 2);
+  const auto before = tasks_of(drives, {});
+  std::vector<std::string> dates;
+  for (const FarmTask& task : before) {
+    if (task.kind == TaskKind::kDate) dates.push_back(task.name);
+  }
+  auto num = num_new(before, tasks_of(drives, {}, [&](const std::string& name) {
+                       return name == dates[0] ? std::string("a tree felled") : std::string();
+                     }));
+  EXPECT_EQ(num[TaskKind::kMap], 0);
+  EXPECT_EQ(num[TaskKind::kDate], 2) << "the two after it, and none of the other block";
+  EXPECT_EQ(num[TaskKind::kChanges], 2);
+}
+
 TEST(FarmTasks, OfALogThatLiesInTwoPlacesAreMadeOnce) {
   std::vector<Drive> drives{drive("a", "1", "x", "log"), drive("a", "1", "y", "log"),
                             drive("b", "1", "x", "log")};

@@ -12,6 +12,8 @@ namespace {
 constexpr double kCalibrationChange_m = 50.0;
 // The same of their bias, which is not the ground's.
 constexpr double kBiasChange_m = 500.0;
+// Keeps what is said to be known exactly from being divided by.
+constexpr double kSdMin = 1e-9;
 // What was believed before anything was learnt counts as one step.
 constexpr double kPriorSteps = 1.0;
 
@@ -29,13 +31,19 @@ CalibrationPrior CalibrationPrior::initial(const SlamConfig& config) {
 
 CalibrationPrior CalibrationPrior::after(int num_intervals, const Eigen::Vector3d& walk_sd,
                                          const SlamConfig& config) const {
-  CalibrationPrior later = *this;
-  later.covariance.diagonal() += num_intervals * walk_sd.array().square().matrix();
-  const Eigen::Array3d initial = initial_sd(config).array().square();
-  const Eigen::Array3d grown = later.covariance.diagonal().array();
-  const Eigen::Vector3d kept = (initial / grown.max(initial)).sqrt().matrix();
-  later.covariance = kept.asDiagonal() * later.covariance * kept.asDiagonal();
+  const Eigen::Array3d kept = kept_calibration(walk_sd, config).array().pow(num_intervals);
+  CalibrationPrior later;
+  later.mean = (kept * mean.array()).matrix();
+  later.covariance = kept.matrix().asDiagonal() * covariance * kept.matrix().asDiagonal();
+  later.covariance.diagonal() +=
+      ((1.0 - kept.square()) * initial_sd(config).array().square()).matrix();
   return later;
+}
+
+Eigen::Vector3d kept_calibration(const Eigen::Vector3d& walk_sd, const SlamConfig& config) {
+  const Eigen::Array3d fraction =
+      walk_sd.array() / (CalibrationPrior::initial_sd(config).array() + kSdMin);
+  return (1.0 - fraction.square()).max(0.0).sqrt().matrix();
 }
 
 Eigen::Vector3d initial_walk_sd(const SlamConfig& config) {

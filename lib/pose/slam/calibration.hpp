@@ -21,11 +21,15 @@ struct CalibrationPrior {
   static Eigen::Vector3d initial_sd(const SlamConfig& config);
   static CalibrationPrior initial(const SlamConfig& config);
 
-  /// What is known of it so many intervals later, when it walks by `walk_sd` from one to the next;
-  /// never less than at the start.
+  /// What is known of it so many intervals later: in the end what was known at the start.
   CalibrationPrior after(int num_intervals, const Eigen::Vector3d& walk_sd,
                          const SlamConfig& config) const;
 };
+
+/// What an interval keeps of the calibration of the one before, of each number: so much that it is
+/// as uncertain in the end as it was at the start. Wheels' errors change by `walk_sd` from interval
+/// to interval, but do not grow without end.
+Eigen::Vector3d kept_calibration(const Eigen::Vector3d& walk_sd, const SlamConfig& config);
 
 /// Standard deviations of the calibration's change from one interval to the next before anything is
 /// learnt: wheels' errors change over some tens of metres by as much as is known of them.
@@ -33,7 +37,7 @@ Eigen::Vector3d initial_walk_sd(const SlamConfig& config);
 
 /// The calibration's change from one interval to the next by a solved graph.
 struct CalibrationStep {
-  Eigen::Vector3d change = Eigen::Vector3d::Zero();
+  Eigen::Vector3d change = Eigen::Vector3d::Zero();    ///< against what is kept
   Eigen::Vector3d variance = Eigen::Vector3d::Zero();  ///< of change, given the observations
 };
 

@@ -79,11 +79,12 @@ class CalibrationPriorFactor : public ceres::SizedCostFunction<3, 3> {
 
 class CalibrationWalkFactor : public ceres::SizedCostFunction<3, 3, 3> {
  public:
-  explicit CalibrationWalkFactor(const Eigen::Vector3d& sd);
+  CalibrationWalkFactor(const Eigen::Vector3d& kept, const Eigen::Vector3d& sd);
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override;
 
  private:
+  Eigen::Vector3d kept_;
   Eigen::Vector3d inverse_sd_;
 };
 
@@ -226,15 +227,17 @@ bool CalibrationPriorFactor::Evaluate(double const* const* parameters, double* r
   return true;
 }
 
-CalibrationWalkFactor::CalibrationWalkFactor(const Eigen::Vector3d& sd)
-    : inverse_sd_((sd.array() + 1e-6).inverse().matrix()) {}
+CalibrationWalkFactor::CalibrationWalkFactor(const Eigen::Vector3d& kept, const Eigen::Vector3d& sd)
+    : kept_(kept), inverse_sd_((sd.array() + 1e-6).inverse().matrix()) {}
 
 bool CalibrationWalkFactor::Evaluate(double const* const* parameters, double* residuals,
                                      double** jacobians) const {
-  Eigen::Map<Eigen::Vector3d>{residuals} =
-      inverse_sd_.cwiseProduct(Vector3Map(parameters[1]) - Vector3Map(parameters[0]));
+  Eigen::Map<Eigen::Vector3d>{residuals} = inverse_sd_.cwiseProduct(
+      Vector3Map(parameters[1]) - kept_.cwiseProduct(Vector3Map(parameters[0])));
   if (jacobians == nullptr) return true;
-  if (jacobians[0] != nullptr) RowMajor<3, 3>{jacobians[0]} = (-inverse_sd_).asDiagonal();
+  if (jacobians[0] != nullptr) {
+    RowMajor<3, 3>{jacobians[0]} = (-inverse_sd_.cwiseProduct(kept_)).asDiagonal();
+  }
   if (jacobians[1] != nullptr) RowMajor<3, 3>{jacobians[1]} = inverse_sd_.asDiagonal();
   return true;
 }
@@ -287,8 +290,9 @@ ceres::CostFunction* calibration_prior_factor(const OdometryCalibration& mean,
                                               const Eigen::Matrix3d& covariance) {
   return new CalibrationPriorFactor(mean, covariance);
 }
-ceres::CostFunction* calibration_walk_factor(const Eigen::Vector3d& sd) {
-  return new CalibrationWalkFactor(sd);
+ceres::CostFunction* calibration_walk_factor(const Eigen::Vector3d& kept,
+                                             const Eigen::Vector3d& sd) {
+  return new CalibrationWalkFactor(kept, sd);
 }
 ceres::CostFunction* absolute_position_factor(const AbsolutePosition& position) {
   return new AbsolutePositionFactor(position);

@@ -29,8 +29,10 @@ ceres::CostFunction* landmark_prior_factor(const Eigen::Vector2d& p_map,
 ceres::CostFunction* calibration_prior_factor(const OdometryCalibration& mean,
                                               const Eigen::Matrix3d& covariance);
 
-/// Random walk of the odometry calibration between intervals of travel: parameters before, after.
-ceres::CostFunction* calibration_walk_factor(const Eigen::Vector3d& sd);
+/// Random walk of the odometry calibration between intervals of travel: parameters before, after;
+/// what is kept of it, standard deviations of what is new.
+ceres::CostFunction* calibration_walk_factor(const Eigen::Vector3d& kept,
+                                             const Eigen::Vector3d& sd);
 
 /// Absolute position of a point on base: parameter pose.
 ceres::CostFunction* absolute_position_factor(const AbsolutePosition& position);

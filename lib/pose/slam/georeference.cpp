@@ -174,6 +174,7 @@ void apply_georeference(const Eigen::Vector3d& T_map_graph, SlamGraph& graph) {
   for (Keyframe& k : graph.keyframes) {
     k.T_map_base = compose(T_map_graph, k.T_map_base);
     k.covariance = F * k.covariance * F.transpose();
+    k.calibration_cross = F * k.calibration_cross;
     k.local_covariance = F * k.local_covariance * F.transpose();
   }
   const Eigen::Matrix2d R = F.topLeftCorner<2, 2>();

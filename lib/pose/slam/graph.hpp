@@ -55,6 +55,10 @@ struct Keyframe {
   Eigen::Vector3d T_map_base = Eigen::Vector3d::Zero();
   /// Of T_map_base in map [m, m, rad]: by the last whole solve, or composed since.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  /// With the odometry calibration of that time (rows T_map_base), and of the calibration: errors
+  /// of wheels last, and what they add next is no news.
+  Eigen::Matrix3d calibration_cross = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d calibration_covariance = Eigen::Matrix3d::Zero();
   /// Of T_map_base against the landmarks around it, when the keyframe was the newest.
   Eigen::Matrix3d local_covariance = Eigen::Matrix3d::Zero();
   RelativeMotion motion;  ///< from the keyframe before

@@ -66,11 +66,12 @@ ceres::LossFunction* GraphProblem::loss() const {
   return robust_ ? new ceres::CauchyLoss(kOutlier_sigma) : nullptr;
 }
 
-void GraphProblem::add_motion(int keyframe, const Eigen::Matrix3d& covariance) {
+void GraphProblem::add_motion(int keyframe, const Eigen::Matrix3d& covariance, bool is_own) {
   const Keyframe& k = graph_.keyframes[keyframe];
-  measurements_.push_back(problem_.AddResidualBlock(motion_factor(k.motion, covariance), nullptr,
-                                                    pose(keyframe - 1), pose(keyframe),
-                                                    calibration(k.calibration)));
+  const ceres::ResidualBlockId id =
+      problem_.AddResidualBlock(motion_factor(k.motion, covariance), nullptr, pose(keyframe - 1),
+                                pose(keyframe), calibration(k.calibration));
+  if (is_own) measurements_.push_back(id);
 }
 
 void GraphProblem::add_relative_pose(const RelativePose& relative, bool is_own) {
@@ -139,13 +140,13 @@ void GraphProblem::add_landmark_prior(int landmark, const Eigen::Vector2d& p_map
 }
 
 void GraphProblem::add_calibration_prior(int index, const CalibrationPrior& prior) {
-  measurements_.push_back(problem_.AddResidualBlock(
-      calibration_prior_factor(prior.mean, prior.covariance), nullptr, calibration(index)));
+  problem_.AddResidualBlock(calibration_prior_factor(prior.mean, prior.covariance), nullptr,
+                            calibration(index));
 }
 
-void GraphProblem::add_calibration_walk(int index) {
+void GraphProblem::add_calibration_walk(int index, const Eigen::Vector3d& kept) {
   measurements_.push_back(
-      problem_.AddResidualBlock(calibration_walk_factor(graph_.calibration_walk_sd), nullptr,
+      problem_.AddResidualBlock(calibration_walk_factor(kept, graph_.calibration_walk_sd), nullptr,
                                 calibration(index - 1), calibration(index)));
 }
 
@@ -170,11 +171,10 @@ bool GraphProblem::solve(ceres::LinearSolverType type, int iterations_max, doubl
   return summary.IsSolutionUsable();
 }
 
-ceres::CRSMatrix GraphProblem::jacobian(const std::vector<double*>& blocks,
-                                        bool with_landmark_priors) {
+ceres::CRSMatrix GraphProblem::jacobian(const std::vector<double*>& blocks, bool with_priors) {
   ceres::Problem::EvaluateOptions options;
   options.parameter_blocks = blocks;
-  if (!with_landmark_priors) options.residual_blocks = measurements_;
+  if (!with_priors) options.residual_blocks = measurements_;
   ceres::CRSMatrix J;
   problem_.Evaluate(options, nullptr, nullptr, nullptr, &J);
   return J;

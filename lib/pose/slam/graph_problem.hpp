@@ -45,8 +45,8 @@ class GraphProblem {
   /// `robust`: observations and absolute positions get a robust loss (Cauchy).
   GraphProblem(const SlamGraph& graph, Unknowns& unknowns, bool robust);
 
-  void add_motion(int keyframe, const Eigen::Matrix3d& covariance);
   /// `is_own`: by the problem's own measurements, not by what lies outside it.
+  void add_motion(int keyframe, const Eigen::Matrix3d& covariance, bool is_own);
   void add_relative_pose(const RelativePose& relative, bool is_own);
   void add_observation(int keyframe, const SlamObservation& observation);
   /// Nothing while the graph is not georeferenced.
@@ -56,15 +56,15 @@ class GraphProblem {
   void add_landmark_prior(int landmark, const Eigen::Vector2d& p_map,
                           const Eigen::Matrix2d& covariance);
   void add_calibration_prior(int index, const CalibrationPrior& prior);
-  /// Random walk from the calibration before `index`.
-  void add_calibration_walk(int index);
+  /// Random walk from what is `kept` of the calibration before `index`.
+  void add_calibration_walk(int index, const Eigen::Vector3d& kept);
   void fix_pose(int keyframe);
 
   bool solve(ceres::LinearSolverType type, int iterations_max, double tolerance);
 
-  /// Derivatives of the residuals, columns as `blocks`. Without landmark priors if not asked for:
-  /// by the problem's own measurements alone.
-  ceres::CRSMatrix jacobian(const std::vector<double*>& blocks, bool with_landmark_priors);
+  /// Derivatives of the residuals, columns as `blocks`. Without priors if not asked for: by the
+  /// problem's own measurements alone.
+  ceres::CRSMatrix jacobian(const std::vector<double*>& blocks, bool with_priors);
 
   double* pose(int keyframe) { return unknowns_.pose(keyframe).data(); }
   double* position(int landmark) { return unknowns_.position(landmark).data(); }
@@ -80,7 +80,7 @@ class GraphProblem {
   bool robust_;
   ceres::Problem problem_;
   std::set<int> receiver_errors_;                     ///< of the positions that were added
-  std::vector<ceres::ResidualBlockId> measurements_;  ///< all factors but landmark priors
+  std::vector<ceres::ResidualBlockId> measurements_;  ///< the problem's own
 };
 
 }  // namespace orchard::pose

@@ -58,19 +58,13 @@ bool is_hidden(const Eigen::Vector2d& p_base, const Keyframe& keyframe, const Sl
       });
 }
 
-/// Covariance of the newest pose in map: along the drive since the window's first keyframe, or by
-/// landmarks from before the window that it observes again, whichever is smaller.
-Eigen::Matrix3d covariance_in_map(const SlamMap& map, int first, const Eigen::Matrix3d& drift) {
+/// Covariance of the newest pose in map by landmarks from before the window that it observes again,
+/// or by scans, where that is smaller than along the drive: the pose's own.
+Eigen::Matrix3d covariance_in_map(const SlamMap& map, int first) {
   const SlamGraph& graph = map.graph;
   const Keyframe& now = graph.keyframes.back();
   Eigen::Matrix3d best = now.covariance;
   const auto size = [](const Eigen::Matrix3d& P) { return P(0, 0) + P(1, 1); };
-  if (map.newest() > first) {
-    const Keyframe& from = graph.keyframes[first];
-    const Eigen::Matrix3d P = compose_covariance(from.T_map_base, from.covariance,
-                                                 between(from.T_map_base, now.T_map_base), drift);
-    if (P.allFinite()) best = P;
-  }
   for (const SlamObservation& o : now.observations) {
     const int old = graph.landmarks[o.landmark].keyframes.front();
     if (old >= std::min(first, map.num_solved)) continue;
@@ -156,13 +150,18 @@ bool SlamTracker::correct_window(SlamMap& map) {
   // The keyframe before the window is fixed: at the earliest the one that the session began with.
   const int first = std::max(map.newest() - config_.window_keyframes, map.session_start + 1);
   if (first > map.newest()) return false;
-  const WindowSolution solution =
-      solve_window(map.graph, first, map.calibration_at(map.graph.keyframes[first].calibration));
+  const WindowSolution solution = solve_window(
+      map.graph, first, map.calibration_at(map.graph.keyframes[first].calibration), config_);
   num_operations_ += config_.window_keyframes;
   if (solution.solved) {
     Keyframe& now = map.graph.keyframes.back();
     now.local_covariance = solution.local_covariance;
-    now.covariance = covariance_in_map(map, first, solution.drift_covariance);
+    if (solution.in_map) set_joint_covariance(*solution.in_map, now);
+    const Eigen::Matrix3d P = covariance_in_map(map, first);
+    if (P != now.covariance) {
+      now.covariance = P;
+      now.calibration_cross.setZero();
+    }
   }
   for (const int l : map.local) {
     const std::vector<int>& observed_by = map.graph.landmarks[l].keyframes;

@@ -59,7 +59,7 @@ Eigen::MatrixXd marginalise_landmarks(const Eigen::MatrixXd& H, int num_rest) {
   }
   Eigen::MatrixXd rest = H.topLeftCorner(num_rest, num_rest);
   rest.selfadjointView<Eigen::Lower>().rankUpdate(B, -1.0);
-  return rest;
+  return rest.selfadjointView<Eigen::Lower>();
 }
 
 /// Covariance of three of the unknowns; none where the information is singular.
@@ -121,10 +121,11 @@ void add_older_observations(const SlamGraph& graph, int landmark, int first,
 }
 
 void add_window(const SlamGraph& graph, const Window& w, const CalibrationPrior& prior,
-                GraphProblem& problem) {
+                const SlamConfig& config, GraphProblem& problem) {
   problem.add_calibration_prior(w.first_calibration, prior);
+  const Eigen::Vector3d kept = kept_calibration(graph.calibration_walk_sd, config);
   for (int c = w.first_calibration + 1; c <= w.newest_calibration; ++c) {
-    problem.add_calibration_walk(c);
+    problem.add_calibration_walk(c, kept);
   }
   // The fixed keyframe is itself uncertain: its local covariance adds to the first motion factor.
   const Keyframe& fixed = graph.keyframes[w.fixed];
@@ -136,7 +137,7 @@ void add_window(const SlamGraph& graph, const Window& w, const CalibrationPrior&
     const Keyframe& keyframe = graph.keyframes[k];
     Eigen::Matrix3d Q = keyframe.motion.covariance;
     if (k == w.first) Q += F * P_base * F.transpose();
-    problem.add_motion(k, Q);
+    problem.add_motion(k, Q, k > w.first);
     problem.add_positions(k);
     for (const SlamObservation& o : keyframe.observations) {
       if (w.landmarks.count(o.landmark) != 0) problem.add_observation(k, o);
@@ -146,14 +147,14 @@ void add_window(const SlamGraph& graph, const Window& w, const CalibrationPrior&
   problem.fix_pose(w.fixed);
   const std::vector<RelativePose>& relative = graph.relative_poses;
   for (auto r = relative.rbegin(); r != relative.rend() && r->to >= w.first; ++r) {
-    problem.add_relative_pose(*r, r->from >= w.fixed);
+    problem.add_relative_pose(*r, r->from >= w.first);
     if (r->from < w.fixed) problem.fix_pose(r->from);
   }
   for (const int l : w.landmarks) add_older_observations(graph, l, w.first, problem);
 }
 
 /// Covariances of the newest keyframe; not solved where the information is singular.
-WindowSolution window_covariances(const Window& w, GraphProblem& problem) {
+WindowSolution window_covariances(const Window& w, const Keyframe& first, GraphProblem& problem) {
   std::vector<double*> blocks;
   for (int k = w.first; k <= w.newest; ++k) blocks.push_back(problem.pose(k));
   const int newest_column = 3 * (w.newest - w.first);
@@ -174,23 +175,28 @@ WindowSolution window_covariances(const Window& w, GraphProblem& problem) {
   solution.solved = true;
   solution.local_covariance = *local;
   if (w.newest == w.first) return solution;
-  const Eigen::MatrixXd H = reduced(false);
-  // given the first keyframe
-  const std::optional<Eigen::Matrix3d> drift =
-      marginal(H.bottomRightCorner(num_rest - 3, num_rest - 3), newest_column - 3);
-  const Eigen::Map<const Eigen::Vector3d> T_map_first(problem.pose(w.first));
-  const Eigen::Matrix3d to_first = compose_jacobian_second(T_map_first).transpose();
-  if (drift) solution.drift_covariance = to_first * *drift * to_first.transpose();
+  const auto indices = [](int pose_column, int calibration_column) {
+    return JointIndices{pose_column,        pose_column + 1,        pose_column + 2,
+                        calibration_column, calibration_column + 1, calibration_column + 2};
+  };
+  const int calibration_column = newest_column + 3;
+  const int newest_calibration_column =
+      calibration_column + 3 * (w.newest_calibration - w.first_calibration);
+  solution.in_map =
+      after_measurements(joint_covariance(first), reduced(false), indices(0, calibration_column),
+                         indices(newest_column, newest_calibration_column));
   return solution;
 }
 
-void add_graph(const SlamGraph& graph, const CalibrationPrior& prior, GraphProblem& problem) {
+void add_graph(const SlamGraph& graph, const SlamConfig& config, GraphProblem& problem) {
+  const CalibrationPrior prior = CalibrationPrior::initial(config);
   problem.add_calibration_prior(0, prior);
+  const Eigen::Vector3d kept = kept_calibration(graph.calibration_walk_sd, config);
   for (int c = 1; c < static_cast<int>(graph.calibrations.size()); ++c) {
-    problem.add_calibration_walk(c);
+    problem.add_calibration_walk(c, kept);
   }
   for (int k = 0; k < static_cast<int>(graph.keyframes.size()); ++k) {
-    if (k > 0) problem.add_motion(k, graph.keyframes[k].motion.covariance);
+    if (k > 0) problem.add_motion(k, graph.keyframes[k].motion.covariance, true);
     problem.add_positions(k);
     for (const SlamObservation& o : graph.keyframes[k].observations) {
       if (is_constrained(graph.landmarks[o.landmark])) problem.add_observation(k, o);
@@ -205,14 +211,15 @@ void add_graph(const SlamGraph& graph, const CalibrationPrior& prior, GraphProbl
 /// of the first calibration among the blocks of three unknowns of P.
 void learn_walk(const Eigen::SparseMatrix<double>& P, int first, const SlamConfig& config,
                 SlamGraph& graph) {
+  const Eigen::Vector3d kept = kept_calibration(graph.calibration_walk_sd, config);
   std::vector<CalibrationStep> steps;
   for (int c = 1; c < static_cast<int>(graph.calibrations.size()); ++c) {
     CalibrationStep step;
-    step.change = graph.calibrations[c] - graph.calibrations[c - 1];
+    step.change = graph.calibrations[c] - kept.cwiseProduct(graph.calibrations[c - 1]);
     for (int i = 0; i < 3; ++i) {
       const int after = 3 * (first + c) + i, before = after - 3;
-      step.variance[i] =
-          P.coeff(before, before) + P.coeff(after, after) - 2.0 * P.coeff(before, after);
+      step.variance[i] = kept[i] * kept[i] * P.coeff(before, before) + P.coeff(after, after) -
+                         2.0 * kept[i] * P.coeff(before, after);
     }
     steps.push_back(step);
   }
@@ -242,36 +249,42 @@ std::optional<Eigen::Matrix3d> write_covariances(GraphProblem& problem, const Sl
   const Eigen::SparseMatrix<double> H = columns.transpose() * columns;
   const std::optional<Eigen::SparseMatrix<double>> P = selected_inverse(H);
   if (!P) return std::nullopt;
-  const auto block = [&](int index) {
+  const auto block = [&](int row, int column) {
     Eigen::Matrix3d B;
     for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) B(i, j) = P->coeff(3 * index + i, 3 * index + j);
+      for (int j = 0; j < 3; ++j) B(i, j) = P->coeff(3 * row + i, 3 * column + j);
     }
-    return Eigen::Matrix3d(0.5 * (B + B.transpose()));
+    return row == column ? Eigen::Matrix3d(0.5 * (B + B.transpose())) : B;
   };
-  for (int k = first; k < num_keyframes; ++k) {
-    const Eigen::Matrix3d B = block(k - first);
-    if (B.allFinite()) graph.keyframes[k].covariance = B;
-  }
   const int first_calibration = num_keyframes - first;
+  for (int k = first; k < num_keyframes; ++k) {
+    const int calibration = first_calibration + graph.keyframes[k].calibration;
+    JointCovariance joint;
+    joint << block(k - first, k - first), block(k - first, calibration),
+        block(k - first, calibration).transpose(), block(calibration, calibration);
+    if (joint.allFinite()) set_joint_covariance(joint, graph.keyframes[k]);
+  }
   learn_walk(*P, first_calibration, config, graph);
-  return block(first_calibration + num_calibrations - 1);
+  const int newest_calibration = first_calibration + num_calibrations - 1;
+  return block(newest_calibration, newest_calibration);
 }
 
 }  // namespace
 
-WindowSolution solve_window(SlamGraph& graph, int first, const CalibrationPrior& prior) {
+WindowSolution solve_window(SlamGraph& graph, int first, const CalibrationPrior& prior,
+                            const SlamConfig& config) {
   if (graph.keyframes.size() < 2) return {};
   const Window window = window_of(graph, first);
   Unknowns unknowns(graph);
   GraphProblem problem(graph, unknowns, true);
-  add_window(graph, window, prior, problem);
+  add_window(graph, window, prior, config, problem);
   const ceres::LinearSolverType type =
       window.landmarks.empty() ? ceres::DENSE_QR : ceres::SPARSE_NORMAL_CHOLESKY;
   if (!problem.solve(type, kWindowIterations, kWindowTolerance) || !unknowns.poses_are_finite()) {
     return {};
   }
-  const WindowSolution solution = window_covariances(window, problem);
+  const WindowSolution solution =
+      window_covariances(window, graph.keyframes[window.first], problem);
   if (!solution.solved) return {};
   unknowns.wrap_yaws();
   unknowns.write_to(graph);
@@ -284,18 +297,17 @@ GraphSolution solve_graph(SlamGraph& graph, bool after_closure, const SlamConfig
     solution.solved = true;
     return solution;
   }
-  const CalibrationPrior prior = CalibrationPrior::initial(config);
   graph.receiver = judge_receiver(graph);
   Unknowns unknowns(graph);
   if (after_closure) {
     GraphProblem problem(graph, unknowns, false);
-    add_graph(graph, prior, problem);
+    add_graph(graph, config, problem);
     if (!problem.solve(ceres::SPARSE_NORMAL_CHOLESKY, kClosureIterations, kGraphTolerance)) {
       return solution;
     }
   }
   GraphProblem problem(graph, unknowns, true);
-  add_graph(graph, prior, problem);
+  add_graph(graph, config, problem);
   if (!problem.solve(ceres::SPARSE_NORMAL_CHOLESKY, kGraphIterations, kGraphTolerance)) {
     return solution;
   }

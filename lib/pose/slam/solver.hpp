@@ -6,6 +6,7 @@
 
 #include "pose/slam/calibration.hpp"
 #include "pose/slam/graph.hpp"
+#include "pose/slam/joint_covariance.hpp"
 #include "pose/slam/slam_config.hpp"
 
 namespace orchard::pose {
@@ -14,15 +15,16 @@ namespace orchard::pose {
 struct WindowSolution {
   bool solved = false;                                         ///< else the graph is as it was
   Eigen::Matrix3d local_covariance = Eigen::Matrix3d::Zero();  ///< against the map around it
-  /// Against the window's first keyframe and in its frame, by the window's own measurements: the
-  /// uncertainty that a drive through unknown ground adds.
-  Eigen::Matrix3d drift_covariance = Eigen::Matrix3d::Zero();
+  /// In map, with the calibration: from what was known at the window's first keyframe, by the
+  /// window's own measurements. What a drive through unknown ground comes to.
+  std::optional<JointCovariance> in_map;
 };
 
 /// Fixed-lag smoothing: solves for the keyframes from `first` on and the landmarks that they
 /// observed, older keyframes fixed. The observations of older keyframes become one prior on each
 /// landmark's position.
-WindowSolution solve_window(SlamGraph& graph, int first, const CalibrationPrior& prior);
+WindowSolution solve_window(SlamGraph& graph, int first, const CalibrationPrior& prior,
+                            const SlamConfig& config);
 
 struct GraphSolution {
   bool solved = false;  ///< else the graph is as it was

@@ -170,6 +170,8 @@ void back_substitute(const SubmapGraph& solved, SlamGraph& graph) {
       const Eigen::Matrix3d F =
           compose_jacobian_first(from, between(was[submap], keyframe.T_map_base));
       keyframe.covariance = F * now(submap).covariance * F.transpose();
+      keyframe.calibration_cross = F * now(submap).calibration_cross;
+      keyframe.calibration_covariance = now(submap).calibration_covariance;
     }
     const int a = next - 1;
     Eigen::Vector3d T = moved(keyframe.T_map_base, was[a], now(a).T_map_base);

@@ -7,6 +7,7 @@
 
 #include "geometry/pose2.hpp"
 #include "pose/slam/georeference.hpp"
+#include "pose/slam/joint_covariance.hpp"
 
 namespace orchard::pose {
 using geometry::between;
@@ -155,16 +156,26 @@ void TrunkSlam::add_keyframe() {
       return static_cast<int>(travel_m / kCalibrationTravel_m);
     };
     if (interval(keyframe.travel_m) > interval(before.travel_m)) {
-      graph.calibrations.push_back(calibration);
+      graph.calibrations.push_back(
+          kept_calibration(graph.calibration_walk_sd, config_).cwiseProduct(calibration));
     }
     keyframe.calibration = static_cast<int>(graph.calibrations.size()) - 1;
     const Eigen::Vector3d delta = keyframe.motion.delta_with(calibration);
     const Eigen::Matrix3d Q = motion_covariance();
     keyframe.T_map_base = compose(before.T_map_base, delta);
-    keyframe.covariance = compose_covariance(before.T_map_base, before.covariance, delta, Q);
+    JointCovariance P =
+        after_motion(joint_covariance(before), before.T_map_base, keyframe.motion, delta);
+    if (keyframe.calibration > before.calibration) {
+      const Eigen::Vector3d kept = kept_calibration(graph.calibration_walk_sd, config_);
+      P.rightCols<3>() *= kept.asDiagonal();
+      P.bottomRows<3>() = (kept.asDiagonal() * P.bottomRows<3>()).eval();
+      P.diagonal().tail<3>() += graph.calibration_walk_sd.array().square().matrix();
+    }
+    set_joint_covariance(P, keyframe);
     keyframe.local_covariance =
         compose_covariance(before.T_map_base, before.local_covariance, delta, Q);
   }
+  if (map_.empty()) keyframe.calibration_covariance = map_.calibration_at(0).covariance;
   graph.keyframes.push_back(std::move(keyframe));
   motion_.restart(map_.newest_calibration());
   tracker_.start_keyframe(map_);

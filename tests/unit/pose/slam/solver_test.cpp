@@ -40,7 +40,7 @@ TEST(SlamSolver, AWindowThatIsNotSolvedLeavesTheGraphAsItWas) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const SlamGraph before = one_trunk_in_the_dark(seed, seed % 2 == 0 ? 1e9 : 0.1);
     SlamGraph graph = before;
-    const WindowSolution solution = solve_window(graph, 1, CalibrationPrior{});
+    const WindowSolution solution = solve_window(graph, 1, CalibrationPrior{}, SlamConfig{});
     if (solution.solved) {
       ++num_solved;
       EXPECT_NE(graph.keyframes[3].T_map_base, before.keyframes[3].T_map_base);

@@ -101,7 +101,7 @@ class PdfWriter {
 
  private:
   static double figure_scale(const DocumentFigure& figure) {
-    const double room_px = kBottom_px - kMargin_px - 60.0;
+    const double room_px = kBottom_px - kMargin_px - 80.0;  // its heading stands above it
     return std::min({1.0, kWidth_px / figure.width_px, room_px / figure.height_px});
   }
 

@@ -23,8 +23,8 @@ constexpr double kSamePlace_m = 0.3;
 constexpr double kBetter = 1.05;
 
 /// Scans wait for their pictures and pictures for their scans while poses are behind: a minute.
-constexpr std::size_t kScansMax = 600;
-constexpr std::size_t kPicturesMax = 300;
+constexpr std::size_t kWaitingScansMax = 600;
+constexpr std::size_t kWaitingPicturesMax = 300;
 constexpr std::size_t kPictureBytesMax = std::size_t{64} << 20;
 
 /// Room that is made at once, so that it is not made for each photograph.
@@ -57,7 +57,7 @@ void Album::add_scan(std::int64_t utime, std::int64_t image_utime,
                      const pose::PoseEstimate& T_map_base, const detection::Motion& motion,
                      std::vector<Subject> subjects) {
   if (!is_open() || image_utime == 0 || subjects.empty()) return;
-  if (scans_.size() >= kScansMax) scans_.erase(scans_.begin());
+  if (scans_.size() >= kWaitingScansMax) scans_.erase(scans_.begin());
   scans_.push_back({utime, image_utime, T_map_base.x_m, T_map_base.y_m, T_map_base.yaw_rad, motion,
                     std::move(subjects)});
   take_scans();
@@ -73,7 +73,7 @@ void Album::add_picture(const vision::Image& image) {
   };
   pictures_.push_back({image});
   while (pictures_.size() > 1 &&
-         (pictures_.size() > kPicturesMax || num_bytes() > kPictureBytesMax)) {
+         (pictures_.size() > kWaitingPicturesMax || num_bytes() > kPictureBytesMax)) {
     pictures_.erase(pictures_.begin());
   }
   take_scans();

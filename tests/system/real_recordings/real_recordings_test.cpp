@@ -113,7 +113,7 @@ TEST_F(RealRecording, KoalasLoopClosesOnPolesThatStandOnce) {
   const auto by_map = return_consistency(recording, path_of_map(), mount, 30.0);
   const auto by_wheels = return_consistency(recording, dead_reckoned(recording), mount, 30.0);
   ASSERT_TRUE(by_map && by_wheels);
-  EXPECT_LE(by_map->shift_m, 0.6);     // measured: 0.51; without its honest wheels 0.19
+  EXPECT_LE(by_map->shift_m, 0.6);     // measured: 0.47; no loop is closed
   EXPECT_GT(by_wheels->shift_m, 1.0);  // there is something to close
 }
 

@@ -9,7 +9,8 @@
 #include "geometry/angles.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
-#include "io/gis/geopackage.hpp"
+#include "io/gis/geo_file.hpp"
+#include "io/gis/qgis_style.hpp"
 #include "io/map/map_csv.hpp"
 #include "io/map/rounded.hpp"
 #include "text/number_text.hpp"
@@ -41,7 +42,7 @@ const Landmark& known_as(const ComparisonContent& content, const MapChange& c) {
 }
 
 std::string comparison_geopackage(const ComparisonContent& content) {
-  GeoPackage file(content.georeference);
+  GeoFile file(content.georeference);
   std::vector<GeoField> fields{{"change", GeoType::kText},
                                {"confidence", GeoType::kReal},
                                {"id_a", GeoType::kInteger},
@@ -55,7 +56,17 @@ std::string comparison_geopackage(const ComparisonContent& content) {
                                {"width_change_se_m", GeoType::kReal},
                                {"row", GeoType::kInteger},
                                {"position", GeoType::kInteger}};
-  file.begin_layer("changes", GeoGeometry::kPoint, fields);
+  QgisStyle style;
+  style.field = "change";
+  style.symbols = {{"missing", "missing", "cross_fill", "198,40,40", 3.0},
+                   {"new", "new", "circle", "46,125,50", 3.0},
+                   {"moved", "moved", "arrow", "239,108,0", 3.0},
+                   {"grown", "grown", "triangle", "66,120,190", 2.4},
+                   {"thinner", "thinner", "diamond", "142,36,170", 2.4},
+                   {"unchanged", "unchanged", "circle", "180,200,180", 1.4},
+                   {"not_seen", "not seen by both", "circle", "200,200,200", 1.2}};
+  file.begin_layer(
+      {"changes", GeoGeometry::kPoint, "What changed between two maps", fields, qml_text(style)});
   const auto integer = [](std::int64_t value) { return GeoValue(value); };
   for (const MapChange& c : content.comparison.changes) {
     const Landmark* a = of_a(content, c);

@@ -8,7 +8,7 @@
 #include "io/atomic_file.hpp"
 #include "io/figure/map_figure.hpp"
 #include "io/file_error.hpp"
-#include "io/gis/map_geopackage.hpp"
+#include "io/gis/map_layers.hpp"
 #include "io/map/album_files.hpp"
 #include "io/map/graph_json.hpp"
 #include "io/map/map_page.hpp"
@@ -54,9 +54,17 @@ void write_map_folder(const std::string& folder, const MapFolderContent& content
   }
   FileReplacement files;
   files.write((path / "map.csv").string(), map_csv(content.landmarks));
-  files.write((path / "map.gpkg").string(),
-              map_geopackage(content.landmarks, content.trajectory, content.rows, graph,
-                             content.georeference, photos));
+  MapLayers layers;
+  layers.landmarks = &content.landmarks;
+  layers.trajectories = {&content.trajectory};
+  for (const auto& trajectory : content.more_trajectories) {
+    layers.trajectories.push_back(&trajectory);
+  }
+  layers.rows = &content.rows;
+  layers.graph = &graph;
+  layers.georeference = &content.georeference;
+  layers.photos = photos;
+  files.write((path / "map.gpkg").string(), map_geopackage(layers));
   files.write((path / "map.svg").string(), figure(FigureFormat::kSvg));
   files.write((path / "map.png").string(), figure(FigureFormat::kPng));
   files.write((path / "map.pdf").string(), figure(FigureFormat::kPdf));

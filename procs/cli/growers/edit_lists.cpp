@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "bus/node/process.hpp"
 #include "cli/growers/edit.hpp"
 #include "cli/maps/map_laying.hpp"
+#include "cli/maps/stored_content.hpp"
 #include "detection/label_text.hpp"
 #include "io/map/corrections_file.hpp"
 #include "text/number_text.hpp"
@@ -91,23 +91,11 @@ int run_edit_check(const EditOptions& options) {
 int run_edit_apply(const EditOptions& options) {
   require_other_folder(options.out_folder, {options.map_folder});
   const io::CorrectedMapFolder map = io::read_corrected_map(options.map_folder);
-  io::MapFolderContent content;
-  content.landmarks = map.corrected.landmarks;
+  io::StoredMap known = map.mapped;
+  known.landmarks = map.corrected.landmarks;
+  known.next_id = map.corrected.next_id;
+  io::MapFolderContent content = content_of(known);
   content.rows = map.rows;
-  content.next_id = map.corrected.next_id;
-  content.georeference = map.mapped.georeference;
-  content.view = map.mapped.view;
-  if (!map.mapped.trajectories.empty()) {
-    const auto& trajectories = map.mapped.trajectories;
-    content.trajectory = trajectories.front();
-    content.more_trajectories.assign(trajectories.begin() + 1, trajectories.end());
-    content.summary.first_utime = content.trajectory.front().utime;
-    for (const auto& trajectory : trajectories) {
-      content.summary.last_utime = std::max(content.summary.last_utime, trajectory.back().utime);
-    }
-    content.seen_free = beside_paths(trajectories);
-  }
-  content.summary.version = ORCHARD_VERSION;
   content.summary.source = "corrected";
   content.summary.counts = {{"corrections", static_cast<std::int64_t>(map.corrections.size())}};
   for (const mapping::CorrectionResult& result : map.corrected.results) {

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <memory>
-#include <utility>
 
 #include "io/file_error.hpp"
 #include "mapping/corrections/carry_corrections.hpp"
@@ -72,16 +70,6 @@ KeptMap keep_known(const io::CorrectedMapFolder& earlier, const mapping::MapAlig
         "position");
   }
   return kept;
-}
-
-mapping::SeenFree beside_paths(const std::vector<std::vector<pose::PoseEstimate>>& trajectories) {
-  constexpr double kBeside_m = 1.0;
-  std::vector<Eigen::Vector2d> path;
-  for (const auto& trajectory : trajectories) {
-    for (const pose::PoseEstimate& pose : trajectory) path.push_back({pose.x_m, pose.y_m});
-  }
-  const auto points = std::make_shared<mapping::IndexedPoints>(std::move(path));
-  return [points](const Eigen::Vector2d& p) { return points->nearest(p, kBeside_m) >= 0; };
 }
 
 void require_other_folder(const std::string& out_folder, const std::vector<std::string>& inputs) {

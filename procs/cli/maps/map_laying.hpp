@@ -29,9 +29,6 @@ struct KeptMap {
 KeptMap keep_known(const io::CorrectedMapFolder& earlier, const mapping::MapAlignmentConfig& config,
                    const mapping::RowsConfig& rows, io::MapFolderContent& content);
 
-/// Maps keep no beams: what lies beside a driven path, where nothing was mapped, was seen free.
-mapping::SeenFree beside_paths(const std::vector<std::vector<pose::PoseEstimate>>& trajectories);
-
 /// Throws io::FileError when `out_folder` holds one of the inputs (a map folder or a map.csv).
 void require_other_folder(const std::string& out_folder, const std::vector<std::string>& inputs);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/map/map_folder.hpp"
 
+#include <cpl_minixml.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <ogrsf_frmts.h>
@@ -124,6 +125,43 @@ TEST(MapGeopackage, OpensWithBothLayers) {
   OGRLayer* path = dataset->GetLayerByName("path");
   ASSERT_NE(path, nullptr);
   EXPECT_EQ(path->GetFeatureCount(), 1);
+}
+
+TEST(MapGeopackage, HasTheTrunksMeasuresAndAStyleForEachLayer) {
+  const TestFolder folder;
+  write_map_folder(folder.path(), make_content(20));
+  const std::unique_ptr<GDALDataset> dataset(
+      GDALDataset::Open((folder / "map.gpkg").c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY));
+  ASSERT_NE(dataset, nullptr);
+  OGRLayer* landmarks = dataset->GetLayerByName("landmarks");
+  const std::unique_ptr<OGRFeature> tree(landmarks->GetFeature(2));
+  EXPECT_DOUBLE_EQ(tree->GetFieldAsDouble("diameter_mm"), 90.0);
+  EXPECT_NEAR(tree->GetFieldAsDouble("cross_section_cm2"), 63.617, 1e-3) << "pi 4.5 cm squared";
+  EXPECT_STREQ(tree->GetFieldAsString("label"), "1/1");
+  const std::unique_ptr<OGRFeature> object(landmarks->GetFeature(4));
+  EXPECT_STREQ(object->GetFieldAsString("class"), "object");
+  EXPECT_FALSE(object->IsFieldSetAndNotNull(object->GetFieldIndex("diameter_mm"))) << "no trunk";
+  OGRLayer* styles = dataset->GetLayerByName("layer_styles");
+  ASSERT_NE(styles, nullptr);
+  EXPECT_EQ(styles->GetFeatureCount(), 7);
+  for (const auto& row : *styles) {
+    OGRLayer* layer = dataset->GetLayerByName(row->GetFieldAsString("f_table_name"));
+    ASSERT_NE(layer, nullptr);
+    EXPECT_STREQ(row->GetFieldAsString("f_geometry_column"), layer->GetGeometryColumn());
+    EXPECT_STREQ(row->GetFieldAsString("f_table_schema"), "") << "QGIS looks for this";
+    EXPECT_EQ(row->GetFieldAsInteger("useAsDefault"), 1);
+    const std::unique_ptr<CPLXMLNode, void (*)(CPLXMLNode*)> qml(
+        CPLParseXMLString(row->GetFieldAsString("styleQML")), CPLDestroyXMLNode);
+    ASSERT_NE(qml, nullptr);
+    CPLXMLNode* root = CPLGetXMLNode(qml.get(), "=qgis");
+    ASSERT_NE(root, nullptr);
+    EXPECT_NE(CPLGetXMLNode(root, "renderer-v2.symbols.symbol"), nullptr);
+    const std::string kinds = CPLGetXMLValue(root, "renderer-v2.attr", "");
+    EXPECT_TRUE(kinds.empty() || layer->GetLayerDefn()->GetFieldIndex(kinds.c_str()) >= 0) << kinds;
+    const std::string text = CPLGetXMLValue(root, "labeling.settings.text-style.fieldName", "");
+    EXPECT_TRUE(text.empty() || layer->GetLayerDefn()->GetFieldIndex("label") >= 0) << text;
+    EXPECT_STRNE(layer->GetMetadataItem("DESCRIPTION"), nullptr) << "layer descriptions";
+  }
 }
 
 TEST(TruthCsv, RoundTrip) {

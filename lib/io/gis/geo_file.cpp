@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/gis/geo_file.hpp"
+
+#include <cpl_conv.h>
+#include <cpl_vsi.h>
+#include <gdal_priv.h>
+#include <ogrsf_frmts.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+
+#include "io/file_error.hpp"
+#include "io/gis/gdal_errors.hpp"
+
+namespace orchard::io {
+namespace {
+
+/// GDAL writes the time of day into a GeoPackage unless it is told one.
+constexpr char kFixedDate[] = "2000-01-01T00:00:00.000Z";
+
+/// A file in memory; gone with this object.
+class MemoryFile {
+ public:
+  explicit MemoryFile(const std::string& extension) {
+    static std::atomic<unsigned> counter{0};
+    folder_ = "/vsimem/orchard-" + std::to_string(::getpid()) + "-" + std::to_string(counter++);
+    path_ = folder_ + "/map" + extension;
+  }
+  ~MemoryFile() { VSIRmdirRecursive(folder_.c_str()); }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+
+  const std::string& path() const { return path_; }
+  std::string bytes() const {
+    vsi_l_offset size = 0;
+    const GByte* data = VSIGetMemFileBuffer(path_.c_str(), &size, FALSE);
+    return data == nullptr ? std::string() : std::string(reinterpret_cast<const char*>(data), size);
+  }
+
+ private:
+  std::string folder_;
+  std::string path_;
+};
+
+OGRFieldType ogr_type(GeoType type) {
+  switch (type) {
+    case GeoType::kInteger:
+      return OFTInteger;
+    case GeoType::kInteger64:
+      return OFTInteger64;
+    case GeoType::kReal:
+      return OFTReal;
+    case GeoType::kText:
+      break;
+  }
+  return OFTString;
+}
+
+/// With axes, so that every program takes it for a plane in metres.
+constexpr char kLocalSystem[] =
+    "LOCAL_CS[\"Orchard map (local)\",LOCAL_DATUM[\"Where the first drive began\",0],"
+    "UNIT[\"metre\",1],AXIS[\"x\",EAST],AXIS[\"y\",NORTH]]";
+
+/// GDAL's name of the driver.
+const char* driver_of(GeoFormat format) {
+  switch (format) {
+    case GeoFormat::kGeoPackage:
+      return "GPKG";
+    case GeoFormat::kGeoJson:
+      return "GeoJSON";
+    case GeoFormat::kKml:
+      return "LIBKML";
+    case GeoFormat::kShapefile:
+      return "ESRI Shapefile";
+    case GeoFormat::kDxf:
+      return "DXF";
+    case GeoFormat::kCsv:
+      return "CSV";
+    case GeoFormat::kFlatGeobuf:
+      break;
+  }
+  return "FlatGeobuf";
+}
+
+}  // namespace
+
+const std::vector<GeoFormatInfo>& geo_formats() {
+  static const std::vector<GeoFormatInfo> kFormats{
+      {GeoFormat::kGeoPackage, "gpkg", ".gpkg", false, false, ""},
+      {GeoFormat::kGeoJson, "geojson", ".geojson", true, true, ""},
+      {GeoFormat::kKml, "kml", ".kml", false, true, "KML keeps no colours by class"},
+      {GeoFormat::kShapefile, "shp", ".shp.zip", false, false,
+       "a shapefile cuts column names to ten letters"},
+      {GeoFormat::kDxf, "dxf", ".dxf", false, false,
+       "DXF holds places and labels alone: no widths, no certainty, no coordinate system"},
+      {GeoFormat::kCsv, "csv", ".csv", true, false, ""},
+      {GeoFormat::kFlatGeobuf, "flatgeobuf", ".fgb", true, false, ""}};
+  return kFormats;
+}
+
+struct GeoFile::Impl {
+  Impl(const std::optional<geometry::Georeference>& g, const GeoFormatInfo& f)
+      : georeference(g), info(f), file(f.extension) {}
+
+  void require(bool holds) const {
+    if (holds && errors.first().empty()) return;
+    throw FileError(std::string("map") + info.extension + ": GDAL cannot write it (" +
+                    (errors.first().empty() ? std::string("no reason given") : errors.first()) +
+                    "); is GDAL complete, with its " + driver_of(info.format) + " driver?");
+  }
+  OGRPoint point(const Eigen::Vector2d& p_map) const {
+    if (!georeference) return OGRPoint(p_map.x(), p_map.y());
+    if (info.is_on_earth) {
+      const geometry::Geodetic place = geometry::geodetic_of(*georeference, p_map);
+      return OGRPoint(place.longitude_deg, place.latitude_deg);
+    }
+    const Eigen::Vector2d p = geometry::utm_of(*georeference, p_map);
+    return OGRPoint(p.x(), p.y());
+  }
+  void set_values(const std::vector<GeoValue>& values, OGRFeature& feature) const;
+  void add_drawing(const std::vector<GeoValue>& values, const OGRGeometry& geometry);
+  void write_styles();
+
+  std::optional<geometry::Georeference> georeference;
+  const GeoFormatInfo& info;
+  CPLConfigOptionSetter fixed_date{"OGR_CURRENT_DATE", kFixedDate, false};
+  CPLConfigOptionSetter label_field{"LIBKML_NAME_FIELD", "label", false};
+  GdalErrors errors;
+  MemoryFile file;
+  OGRSpatialReference srs;
+  std::unique_ptr<GDALDataset> dataset;
+  OGRLayer* layer = nullptr;  ///< none: it is left out
+  GeoLayer begun{};           ///< the layer that was begun last
+  std::string chosen;         ///< of a format with one layer; empty: the first
+  std::vector<std::string> left_out;
+  std::vector<GeoLayer> styled;
+};
+
+GeoFile::GeoFile(const std::optional<geometry::Georeference>& georeference, GeoFormat format) {
+  GDALAllRegister();
+  const auto& formats = geo_formats();
+  const auto info = std::find_if(formats.begin(), formats.end(),
+                                 [format](const auto& f) { return f.format == format; });
+  impl_ = std::make_unique<Impl>(georeference, *info);
+  Impl& m = *impl_;
+  if (info->is_on_earth && !georeference) {
+    throw FileError(std::string(info->word) +
+                    " holds latitude and longitude alone, and the map does not know where on the "
+                    "earth it lies (no GNSS, no pose.gnss.datum); take gpkg, shp, dxf or csv");
+  }
+  if (georeference) {
+    const int epsg = info->is_on_earth ? 4326 : geometry::utm_epsg(*georeference);
+    m.require(m.srs.importFromEPSG(epsg) == OGRERR_NONE);
+  } else {
+    m.require(m.srs.importFromWkt(kLocalSystem) == OGRERR_NONE);
+  }
+  m.srs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName(driver_of(format));
+  m.require(driver != nullptr);
+  m.dataset.reset(driver->Create(m.file.path().c_str(), 0, 0, 0, GDT_Unknown, nullptr));
+  m.require(m.dataset != nullptr);
+  if (m.dataset->TestCapability(ODsCTransactions)) {
+    m.require(m.dataset->StartTransaction() == OGRERR_NONE);
+  }
+}
+
+GeoFile::~GeoFile() = default;
+
+void GeoFile::choose_layer(const std::string& name) { impl_->chosen = name; }
+
+const std::vector<std::string>& GeoFile::left_out() const { return impl_->left_out; }
+
+void GeoFile::set_metadata(const char* name, const std::string& value) {
+  Impl& m = *impl_;
+  if (m.info.format != GeoFormat::kGeoPackage) return;
+  m.require(m.dataset->SetMetadataItem(name, value.c_str()) == CE_None);
+}
+
+void GeoFile::begin_layer(const GeoLayer& layer) {
+  Impl& m = *impl_;
+  m.begun = layer;
+  const bool is_drawing = m.info.format == GeoFormat::kDxf;
+  if (is_drawing && m.layer != nullptr) return;  // one for all: a feature names its own
+  m.layer = nullptr;
+  const bool is_chosen =
+      m.chosen.empty() ? m.dataset->GetLayerCount() == 0 : m.chosen == layer.name;
+  if (m.info.has_one_layer && !is_chosen) {
+    m.left_out.push_back(layer.name);
+    return;
+  }
+  char** options = nullptr;
+  if (m.info.format == GeoFormat::kGeoPackage) {
+    options = CSLSetNameValue(options, "DESCRIPTION", layer.description);
+  }
+  if (m.info.format == GeoFormat::kGeoJson) {
+    options = CSLSetNameValue(options, "RFC7946", "YES");
+    options = CSLSetNameValue(options, "DESCRIPTION", layer.description);
+  }
+  const bool is_table = m.info.format == GeoFormat::kCsv;
+  const auto type = is_table                                ? wkbNone
+                    : layer.geometry == GeoGeometry::kPoint ? wkbPoint
+                                                            : wkbLineString;
+  m.layer = m.dataset->CreateLayer(layer.name, is_drawing || is_table ? nullptr : &m.srs,
+                                   is_drawing ? wkbUnknown : type, options);
+  CSLDestroy(options);
+  m.require(m.layer != nullptr);
+  if (is_drawing) return;  // its fields are the format's
+  for (const GeoField& field : layer.fields) {
+    OGRFieldDefn definition(field.name, ogr_type(field.type));
+    m.require(m.layer->CreateField(&definition) == OGRERR_NONE);
+  }
+  if (!layer.qml.empty()) m.styled.push_back(layer);
+}
+
+void GeoFile::Impl::set_values(const std::vector<GeoValue>& values, OGRFeature& feature) const {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const int field = static_cast<int>(i);
+    switch (values[i].kind) {
+      case GeoValue::Kind::kNone:
+        break;
+      case GeoValue::Kind::kInteger:
+        feature.SetField(field, static_cast<GIntBig>(values[i].integer));
+        break;
+      case GeoValue::Kind::kReal:
+        feature.SetField(field, values[i].real);
+        break;
+      case GeoValue::Kind::kText:
+        feature.SetField(field, values[i].text.c_str());
+        break;
+    }
+  }
+}
+
+/// A drawing has no columns: the class becomes its layer, the label a text beside it.
+void GeoFile::Impl::add_drawing(const std::vector<GeoValue>& values, const OGRGeometry& geometry) {
+  std::string layer_name = begun.name, label;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (begun.fields[i].name == std::string("class")) layer_name = values[i].text;
+    if (begun.fields[i].name == std::string("label")) label = values[i].text;
+  }
+  OGRFeature feature(layer->GetLayerDefn());
+  feature.SetField("Layer", layer_name.c_str());
+  feature.SetGeometry(&geometry);
+  require(layer->CreateFeature(&feature) == OGRERR_NONE);
+  if (label.empty() || geometry.getGeometryType() != wkbPoint) return;
+  std::replace(label.begin(), label.end(), '"', ' ');
+  OGRFeature text(layer->GetLayerDefn());
+  text.SetField("Layer", (layer_name + " labels").c_str());
+  text.SetGeometry(&geometry);
+  text.SetStyleString(("LABEL(f:\"Arial\",s:0.3g,t:\"" + label + "\")").c_str());
+  require(layer->CreateFeature(&text) == OGRERR_NONE);
+}
+
+void GeoFile::add(const std::vector<GeoValue>& values,
+                  const std::vector<Eigen::Vector2d>& points_map) {
+  Impl& m = *impl_;
+  if (m.layer == nullptr) return;
+  OGRLineString line;
+  for (const Eigen::Vector2d& p : points_map) {
+    const OGRPoint point = m.point(p);
+    line.addPoint(&point);
+  }
+  OGRPoint point;
+  if (points_map.size() == 1) line.getPoint(0, &point);
+  const OGRGeometry& geometry =
+      points_map.size() == 1 ? static_cast<const OGRGeometry&>(point) : line;
+  if (m.info.format == GeoFormat::kDxf) {
+    m.add_drawing(values, geometry);
+    return;
+  }
+  OGRFeature feature(m.layer->GetLayerDefn());
+  m.set_values(values, feature);
+  if (m.info.format != GeoFormat::kCsv) feature.SetGeometry(&geometry);
+  m.require(m.layer->CreateFeature(&feature) == OGRERR_NONE);
+}
+
+/// The table in which QGIS keeps styles inside a GeoPackage; it takes the default one by itself.
+void GeoFile::Impl::write_styles() {
+  if (styled.empty() || info.format != GeoFormat::kGeoPackage) return;
+  OGRLayer* table = dataset->CreateLayer("layer_styles", nullptr, wkbNone, nullptr);
+  require(table != nullptr);
+  for (const char* name : {"f_table_catalog", "f_table_schema", "f_table_name", "f_geometry_column",
+                           "styleName", "styleQML", "styleSLD", "description", "owner", "ui"}) {
+    OGRFieldDefn definition(name, OFTString);
+    require(table->CreateField(&definition) == OGRERR_NONE);
+  }
+  OGRFieldDefn is_default("useAsDefault", OFTInteger);
+  is_default.SetSubType(OFSTBoolean);
+  OGRFieldDefn changed("update_time", OFTDateTime);
+  require(table->CreateField(&is_default) == OGRERR_NONE &&
+          table->CreateField(&changed) == OGRERR_NONE);
+  for (const GeoLayer& of : styled) {
+    OGRFeature row(table->GetLayerDefn());
+    for (const char* name : {"f_table_catalog", "f_table_schema", "styleSLD", "owner", "ui"}) {
+      row.SetField(name, "");
+    }
+    row.SetField("f_table_name", of.name);
+    row.SetField("f_geometry_column", "geom");
+    row.SetField("styleName", of.name);
+    row.SetField("styleQML", of.qml.c_str());
+    row.SetField("description", of.description);
+    row.SetField("useAsDefault", 1);
+    row.SetField("update_time", 2000, 1, 1, 0, 0, 0.0F, 100);
+    require(table->CreateFeature(&row) == OGRERR_NONE);
+  }
+}
+
+std::string GeoFile::finish() {
+  Impl& m = *impl_;
+  m.write_styles();
+  if (m.dataset->TestCapability(ODsCTransactions)) {
+    m.require(m.dataset->CommitTransaction() == OGRERR_NONE);
+  }
+  m.dataset.reset();
+  std::string bytes = m.file.bytes();
+  m.require(!bytes.empty());
+  return bytes;
+}
+
+}  // namespace orchard::io

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/gis/map_layers.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "detection/label_text.hpp"
+#include "geometry/angles.hpp"
+#include "io/gis/qgis_style.hpp"
+
+namespace orchard::io {
+namespace {
+
+using detection::Label;
+
+constexpr char kGreen[] = "46,125,50", kRed[] = "198,40,40", kGrey[] = "140,140,140";
+constexpr char kBrown[] = "120,144,90", kBlue[] = "66,120,190", kOrange[] = "239,108,0";
+
+GeoValue integer(std::int64_t value) { return value; }
+
+/// Numbers that are not known yet are 0.
+GeoValue number_or_none(std::int32_t number) {
+  return number == 0 ? GeoValue() : GeoValue(std::int64_t{number});
+}
+
+std::string row_name(const MapLayers& map, std::int32_t row) {
+  const auto found = map.row_names.find(row);
+  return found == map.row_names.end() ? std::to_string(row) : found->second;
+}
+
+/// "3/14", as people say it; of what has no number, its id.
+std::string label_of(const MapLayers& map, const mapping::Landmark& l) {
+  if (l.row == 0 || l.position == 0) return "#" + std::to_string(l.id);
+  return row_name(map, l.row) + "/" + std::to_string(l.position);
+}
+
+std::string note_of(const MapLayers& map, std::int32_t id) {
+  const auto found = map.notes.find(id);
+  std::string text;
+  if (found == map.notes.end()) return text;
+  for (const std::string& note : found->second) text += (text.empty() ? "" : "; ") + note;
+  return text;
+}
+
+void write_landmarks(const MapLayers& map, GeoFile& file) {
+  const std::optional<geometry::Georeference>& georeference = *map.georeference;
+  QgisStyle style;
+  style.field = "class";
+  style.symbols = {{"tree", "tree", "circle", kGreen, 2.4},
+                   {"object", "object", "square", kRed, 2.0},
+                   {"unseen", "not seen by the camera", "diamond", kGrey, 2.0}};
+  style.label = "\"label\"";
+  GeoLayer layer{"landmarks",
+                 GeoGeometry::kPoint,
+                 "Trees and other things; label: row/tree, or #id. Lengths in metres, diameter_mm "
+                 "and cross_section_cm2 of trunks",
+                 {{"id", GeoType::kInteger},
+                  {"class", GeoType::kText},
+                  {"x_m", GeoType::kReal},
+                  {"y_m", GeoType::kReal},
+                  {"n", GeoType::kInteger}},
+                 qml_text(style)};
+  for (const char* name : {"roc_mean", "probability", "se_x_m", "se_y_m", "width_m"}) {
+    layer.fields.push_back({name, GeoType::kReal});
+  }
+  layer.fields.push_back({"row", GeoType::kInteger});
+  layer.fields.push_back({"position", GeoType::kInteger});
+  layer.fields.push_back({"width_sd_m", GeoType::kReal});
+  layer.fields.push_back({"photo", GeoType::kText});
+  if (georeference) {
+    layer.fields.push_back({"latitude_deg", GeoType::kReal});
+    layer.fields.push_back({"longitude_deg", GeoType::kReal});
+  }
+  layer.fields.push_back({"diameter_mm", GeoType::kReal});
+  layer.fields.push_back({"cross_section_cm2", GeoType::kReal});
+  layer.fields.push_back({"label", GeoType::kText});
+  layer.fields.push_back({"note", GeoType::kText});
+  file.begin_layer(layer);
+  for (const mapping::Landmark& l : *map.landmarks) {
+    const Eigen::Vector2d p_map(l.x_m, l.y_m);
+    const auto photo = map.photos.find(l.id);
+    std::vector<GeoValue> values{integer(l.id),
+                                 std::string(label_text(l.label)),
+                                 l.x_m,
+                                 l.y_m,
+                                 integer(l.num_observations),
+                                 l.roc_mean,
+                                 l.probability,
+                                 l.se_x_m,
+                                 l.se_y_m,
+                                 l.width_m,
+                                 number_or_none(l.row),
+                                 number_or_none(l.position),
+                                 l.width_sd_m,
+                                 photo == map.photos.end() ? GeoValue() : GeoValue(photo->second)};
+    if (georeference) {
+      const geometry::Geodetic place = geometry::geodetic_of(*georeference, p_map);
+      values.push_back(place.latitude_deg);
+      values.push_back(place.longitude_deg);
+    }
+    const bool is_trunk = l.label == Label::kTree && l.width_m > 0.0;
+    const double radius_cm = 50.0 * l.width_m;
+    values.push_back(is_trunk ? GeoValue(1e3 * l.width_m) : GeoValue());
+    values.push_back(is_trunk ? GeoValue(geometry::kPi * radius_cm * radius_cm) : GeoValue());
+    values.push_back(label_of(map, l));
+    const std::string note = note_of(map, l.id);
+    values.push_back(note.empty() ? GeoValue() : GeoValue(note));
+    file.add(values, {p_map});
+  }
+}
+
+void write_paths(const MapLayers& map, GeoFile& file) {
+  QgisStyle style;
+  style.is_line = true;
+  style.symbols = {{"", "path", "solid", kGrey, 0.25}};
+  file.begin_layer(
+      {"path",
+       GeoGeometry::kLine,
+       "Where the robot drove",
+       {{"first_utime_us", GeoType::kInteger64}, {"last_utime_us", GeoType::kInteger64}},
+       qml_text(style)});
+  for (const auto* trajectory : map.trajectories) {
+    if (trajectory->size() < 2) continue;  // no line
+    std::vector<Eigen::Vector2d> line;
+    for (const pose::PoseEstimate& pose : *trajectory) line.push_back({pose.x_m, pose.y_m});
+    file.add({integer(trajectory->front().utime), integer(trajectory->back().utime)}, line);
+  }
+}
+
+void write_rows(const MapLayers& map, GeoFile& file) {
+  QgisStyle style;
+  style.is_line = true;
+  style.symbols = {{"", "row", "dash", kBrown, 0.35}};
+  style.label = "'row ' || \"label\"";
+  style.label_size_pt = 8.0;
+  file.begin_layer({"rows",
+                    GeoGeometry::kLine,
+                    "Rows of trees, with their spacing [m]",
+                    {{"row", GeoType::kInteger},
+                     {"trees", GeoType::kInteger},
+                     {"gaps", GeoType::kInteger},
+                     {"spacing_m", GeoType::kReal},
+                     {"spacing_least_m", GeoType::kReal},
+                     {"spacing_most_m", GeoType::kReal},
+                     {"spacing_sd_m", GeoType::kReal},
+                     {"label", GeoType::kText}},
+                    qml_text(style)});
+  for (const mapping::Row& row : *map.rows) {
+    std::vector<Eigen::Vector2d> line;
+    for (const mapping::RowPlace& place : row.places) line.push_back(place.p_map);
+    if (line.size() < 2) continue;
+    const auto gaps = std::count_if(row.places.begin(), row.places.end(),
+                                    [](const auto& place) { return place.landmark_id == 0; });
+    const mapping::RowSpacing spacing = mapping::row_spacing(row);
+    file.add(
+        {integer(row.number), integer(static_cast<std::int64_t>(line.size()) - gaps), integer(gaps),
+         row.spacing_m, spacing.least_m, spacing.most_m, spacing.sd_m, row_name(map, row.number)},
+        line);
+  }
+  style = QgisStyle{};
+  style.symbols = {{"", "gap", "cross_fill", kOrange, 2.0}};
+  style.label = "\"label\"";
+  file.begin_layer(
+      {"gaps",
+       GeoGeometry::kPoint,
+       "Places of rows where no tree stands",
+       {{"row", GeoType::kInteger}, {"position", GeoType::kInteger}, {"label", GeoType::kText}},
+       qml_text(style)});
+  for (const mapping::Row& row : *map.rows) {
+    for (const mapping::RowPlace& place : row.places) {
+      if (place.landmark_id != 0) continue;
+      file.add({integer(row.number), integer(place.position),
+                row_name(map, row.number) + "/" + std::to_string(place.position)},
+               {place.p_map});
+    }
+  }
+}
+
+void write_graph(const mapping::NavigationGraph& graph, GeoFile& file) {
+  for (const auto kind : {mapping::WayKind::kAlley, mapping::WayKind::kHeadland}) {
+    const bool is_alley = kind == mapping::WayKind::kAlley;
+    QgisStyle style;
+    style.is_line = true;
+    style.symbols = {
+        {"", is_alley ? "alley" : "headland", is_alley ? "solid" : "dash", kBlue, 0.3}};
+    file.begin_layer({is_alley ? "alleys" : "headlands",
+                      GeoGeometry::kLine,
+                      is_alley ? "Ways between rows, with the width that was seen free [m]"
+                               : "Ways round the ends of rows, with the width seen free [m]",
+                      {{"edge", GeoType::kInteger},
+                       {"from_node", GeoType::kInteger},
+                       {"to_node", GeoType::kInteger},
+                       {is_alley ? "row_left" : "row", GeoType::kInteger},
+                       {"row_right", GeoType::kInteger},
+                       {"length_m", GeoType::kReal},
+                       {"width_m", GeoType::kReal}},
+                      qml_text(style)});
+    for (const mapping::NavigationEdge& edge : graph.edges) {
+      if (edge.kind != kind) continue;
+      file.add(
+          {integer(edge.id), integer(edge.from), integer(edge.to), number_or_none(edge.row_left),
+           number_or_none(edge.row_right), edge.length_m, edge.width_m},
+          edge.line_map);
+    }
+  }
+  QgisStyle style;
+  style.symbols = {{"", "node", "circle", kBlue, 1.0}};
+  file.begin_layer({"nodes",
+                    GeoGeometry::kPoint,
+                    "Where ways meet",
+                    {{"node", GeoType::kInteger}},
+                    qml_text(style)});
+  for (const mapping::NavigationNode& node : graph.nodes) {
+    file.add({integer(node.id)}, {node.p_map});
+  }
+}
+
+}  // namespace
+
+void write_map_layers(const MapLayers& layers, GeoFile& file) {
+  if (layers.num_corrections > 0) {
+    file.set_metadata(kCorrectionsMetadata, std::to_string(layers.num_corrections));
+  }
+  write_landmarks(layers, file);
+  write_paths(layers, file);
+  write_rows(layers, file);
+  if (layers.graph != nullptr) write_graph(*layers.graph, file);
+}
+
+std::string map_geopackage(const MapLayers& layers) {
+  GeoFile file(*layers.georeference);
+  write_map_layers(layers, file);
+  return file.finish();
+}
+
+}  // namespace orchard::io

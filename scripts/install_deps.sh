@@ -3,8 +3,12 @@
 # Installs what Orchard Mapper needs to build and run, as Debian 12 and Ubuntu 24.04 name it.
 # Run as root or as a user with sudo. Does nothing, and needs no network, when all is there.
 #   scripts/install_deps.sh
+#   scripts/install_deps.sh --tests   also servers that only tests start
 set -euo pipefail
+for_tests=()
 case "${1:-}" in
+  # tests of orchard publish: PostgreSQL with PostGIS
+  --tests) for_tests=(postgresql-postgis) ;;
   -h | --help) sed -n '/^[^#]/q; /^#!/d; /^# SPDX/d; s/^# \{0,1\}//p' "$0"; exit 0 ;;
   ?*) echo "install_deps: unknown argument $1; see $0 --help" >&2; exit 2 ;;
 esac
@@ -26,6 +30,8 @@ packages=(
   libyaml-cpp-dev libgdal-dev zlib1g-dev nlohmann-json3-dev
   # bags of ROS
   liblz4-dev libzstd-dev libbz2-dev libsqlite3-dev
+  # a database of many maps
+  libpq-dev
   # command line, log, tests, benchmarks
   libcli11-dev libspdlog-dev libfmt-dev libgtest-dev libgmock-dev libbenchmark-dev
   # the viewer's server
@@ -46,6 +52,7 @@ packages=(
   chromium chromium-driver
 )
 
+packages+=("${for_tests[@]}")
 missing=()
 for package in "${packages[@]}"; do
   dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' ||

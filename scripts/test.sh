@@ -8,6 +8,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 case "${1:-}" in -h | --help) sed -n '3,6s/^# \{0,1\}//p' "$0"; exit 0 ;; esac
 
+scripts/install_deps.sh --tests
 scripts/build.sh
 echo "== ctest --test-dir build --output-on-failure -j2 $*"
 code=0

@@ -50,6 +50,7 @@ void add_field(CLI::App& app, Run& run);
 void add_growers(CLI::App& app, Run& run);
 void add_merge(CLI::App& app, Run& run);
 void add_plan(CLI::App& app, Run& run);
+void add_publish(CLI::App& app, Run& run);
 void add_report(CLI::App& app, Run& run);
 
 /// Options of every command that lays one map on another.

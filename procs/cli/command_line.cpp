@@ -276,6 +276,7 @@ void add_all(CLI::App& app, Run& run) {
   add_growers(app, run);
   add_plan(app, run);
   add_report(app, run);
+  add_publish(app, run);
   add_overlay(app, run);
   add_log(app, run);
   add_field(app, run);

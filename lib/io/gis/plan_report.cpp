@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "io/file_error.hpp"
+#include "io/gis/csv_field.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::io {
@@ -13,14 +14,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using mapping::PlanDeviation;
 using mapping::PlanFinding;
-
-/// A name as a field of CSV.
-std::string field(const std::string& text) {
-  if (text.find_first_of("\",;") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
 
 struct FindingNames {
   std::string row, tree, after;
@@ -64,11 +57,11 @@ std::string plan_csv(const PlanReport& report) {
   for (const PlanFinding& f : report.match.findings) {
     const FindingNames names = names_of(report, f);
     const bool has_offset = has_tree(f) && f.deviation != PlanDeviation::kExtra;
-    text += field(names.row) + "," + field(names.tree) + "," +
+    text += csv_field(names.row) + "," + csv_field(names.tree) + "," +
             mapping::deviation_text(f.deviation) + "," + id_text(report, f) + "," +
             fixed_text(f.p_map.x(), 3) + "," + fixed_text(f.p_map.y(), 3) + "," +
             (has_offset ? fixed_text(f.along_m, 3) + "," + fixed_text(f.aside_m, 3) : ",") + "," +
-            fixed_text(f.confidence, 3) + "," + field(names.after) + "\n";
+            fixed_text(f.confidence, 3) + "," + csv_field(names.after) + "\n";
   }
   return text;
 }
@@ -82,7 +75,7 @@ std::string plan_rows_csv(const PlanReport& report) {
   for (std::size_t r = 0; r < report.match.rows.size(); ++r) {
     const mapping::PlanRowFinding& row = report.match.rows[r];
     const mapping::PlannedRow& planned = report.plan.plan.rows[r];
-    text += field(planned.name) + "," + std::to_string(planned.trees.size());
+    text += csv_field(planned.name) + "," + std::to_string(planned.trees.size());
     for (const int count : row.counts) text += "," + std::to_string(count);
     text += "," + fixed_text(row.shift.along_m, 3) + "," + fixed_text(row.shift.aside_m, 3) + "," +
             (row.is_shifted ? "1" : "0") + "\n";
@@ -133,15 +126,6 @@ std::string plan_match_json(const PlanReport& report) {
     json["deviations"].push_back(std::move(entry));
   }
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
-std::string plan_names_csv(const std::vector<mapping::PlanName>& names) {
-  std::string text = "id,row,tree\n";
-  for (const mapping::PlanName& name : names) {
-    text +=
-        std::to_string(name.landmark_id) + "," + field(name.row) + "," + field(name.tree) + "\n";
-  }
-  return text;
 }
 
 std::string plan_json(const StoredPlan& stored) {

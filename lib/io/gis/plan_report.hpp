@@ -6,7 +6,6 @@
 
 #include "io/gis/plan_file.hpp"
 #include "mapping/plan/plan_match.hpp"
-#include "mapping/plan/plan_numbers.hpp"
 
 namespace orchard::io {
 
@@ -25,9 +24,6 @@ std::string plan_rows_csv(const PlanReport& report);
 
 /// All of it for programs: counts, rows, and the trees that are not as planned.
 std::string plan_match_json(const PlanReport& report);
-
-/// names.csv: the plan's names by landmark id.
-std::string plan_names_csv(const std::vector<mapping::PlanName>& names);
 
 /// What a plan holds, for programs.
 std::string plan_json(const StoredPlan& plan);

@@ -4,6 +4,7 @@
 #include "cli/add_command.hpp"
 #include "cli/growers/plan.hpp"
 #include "cli/growers/plan_options.hpp"
+#include "cli/growers/publish.hpp"
 
 namespace orchard::cli {
 
@@ -57,6 +58,31 @@ void add_plan(CLI::App& app, Run& run) {
         add_plan_options(command, o.file, o.match);
         add_alignment_options(command, o.match.alignment);
         command.add_flag("--json", o.json, "for programs; lengths in metres");
+      });
+}
+
+void add_publish(CLI::App& app, Run& run) {
+  add_command<PublishOptions>(
+      app, run, "publish", "Put a map into PostGIS, beside all blocks and dates before",
+      "  orchard publish out/drive --to postgresql://ana@farm.example/orchard --block north\n"
+      "  orchard publish out/drive --to service=farm --block north --date 2026-04-10\n"
+      "One transaction: all of the map or nothing. The same block and date again replaces it, and\n"
+      "what it replaced is kept in orchard.tree_replaced. The password comes from ~/.pgpass,\n"
+      "PGPASSWORD or a service file.\n",
+      run_publish, [](CLI::App& command, PublishOptions& o) {
+        command.add_option("map", o.map_path, "map folder, or its map.csv")
+            ->required()
+            ->type_name("FOLDER|CSV");
+        command.add_option("--to", o.url, "database, without a password")
+            ->required()
+            ->type_name("URL");
+        command.add_option("--block", o.block, "the block's name, the same at every date")
+            ->required()
+            ->type_name("NAME");
+        command.add_option("--date", o.date, "without it the day of the drive (UTC)")
+            ->type_name("YYYY-MM-DD");
+        command.add_flag("--as-mapped", o.as_mapped, "without what people corrected");
+        command.add_flag("--json", o.json, "for programs");
       });
 }
 

@@ -9,6 +9,7 @@
 #include "geometry/angles.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
+#include "io/gis/plan_names.hpp"
 #include "io/gis/plan_report.hpp"
 
 namespace orchard::cli {

@@ -8,6 +8,7 @@
 
 #include "io/config/config_error.hpp"
 #include "io/file_error.hpp"
+#include "io/gis/plan_names.hpp"
 #include "io/gis/plan_report.hpp"
 #include "unit/io/gis/plan_writer.hpp"
 
@@ -177,6 +178,13 @@ TEST_F(PlanFile, NamesSurviveCsv) {
   EXPECT_EQ(plan.plan.rows[0].name, "A, \"old\"");
   EXPECT_EQ(plan_names_csv({{17, plan.plan.rows[0].name, "1"}}),
             "id,row,tree\n17,\"A, \"\"old\"\"\",1\n");
+  const std::string names =
+      written("back.csv", plan_names_csv({{17, plan.plan.rows[0].name, "1"}, {18, "B", ""}}));
+  const auto back = read_plan_names(names);
+  EXPECT_EQ(back.at(17).row, "A, \"old\"");
+  EXPECT_EQ(back.at(18).tree, "");
+  EXPECT_THROW(read_plan_names(written("bad.csv", "id,row,tree\n17,\"A,1\n")), FileError);
+  EXPECT_THROW(read_plan_names(written("two.csv", "id,row,tree\n17,A,1\n17,A,2\n")), FileError);
 }
 
 }  // namespace

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "mapping/plan/plan_numbers.hpp"
+
+namespace orchard::io {
+
+/// names.csv: the plan's names by landmark id; what holds commas or quotes stands in quotes.
+std::string plan_names_csv(const std::vector<mapping::PlanName>& names);
+
+/// Reads it back, by landmark id. Throws FileError naming file and line.
+std::map<std::int32_t, mapping::PlanName> read_plan_names(const std::string& path);
+
+}  // namespace orchard::io

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/growers/publish.hpp"
+
+#include <cinttypes>
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "bus/node/process.hpp"
+#include "cli/long_work.hpp"
+#include "io/file_error.hpp"
+#include "io/gis/plan_names.hpp"
+#include "io/map/corrections_file.hpp"
+#include "io/map/stored_map.hpp"
+#include "io/postgis/publication.hpp"
+#include "mapping/corrections/apply_corrections.hpp"
+
+namespace orchard::cli {
+namespace {
+
+constexpr std::size_t kLongestBlock = 64;
+constexpr std::int64_t kYear2000_us = 946684800000000;  ///< earlier is no clock's time
+
+std::string date_of(std::int64_t utime) {
+  const std::time_t seconds = static_cast<std::time_t>(utime / 1000000);
+  std::tm utc{};
+  ::gmtime_r(&seconds, &utc);
+  char text[16];
+  std::strftime(text, sizeof(text), "%Y-%m-%d", &utc);
+  return text;
+}
+
+void require_date(const std::string& date) {
+  std::tm day{};
+  const char* end = ::strptime(date.c_str(), "%Y-%m-%d", &day);
+  if (date.size() != 10 || end == nullptr || *end != '\0') {
+    throw io::FileError("--date " + date + " is no date; give one such as 2026-04-10");
+  }
+}
+
+std::string date_for(const PublishOptions& options, const io::StoredMap& map) {
+  if (!options.date.empty()) {
+    require_date(options.date);
+    return options.date;
+  }
+  if (map.trajectories.empty() || map.trajectories.front().front().utime < kYear2000_us) {
+    throw io::FileError(map.name + " does not say when it was driven; say it with --date");
+  }
+  return date_of(map.trajectories.front().front().utime);
+}
+
+void require_block(const std::string& block) {
+  bool is_plain = !block.empty() && block.size() <= kLongestBlock;
+  for (const char c : block) is_plain = is_plain && static_cast<unsigned char>(c) >= 0x20;
+  if (!is_plain) {
+    throw io::FileError("--block: give a name of 1 to " + std::to_string(kLongestBlock) +
+                        " plain characters");
+  }
+}
+
+/// The grower's names: what people called rows since, else what a plan gave.
+std::vector<io::Publication::Name> names_of(const mapping::CorrectedMap& map,
+                                            const std::string& folder) {
+  std::map<std::int32_t, mapping::PlanName> of_plan;
+  if (const std::string path = folder + "/names.csv"; std::filesystem::exists(path)) {
+    of_plan = io::read_plan_names(path);
+  }
+  std::vector<io::Publication::Name> names;
+  if (of_plan.empty() && map.row_names.empty()) return names;
+  for (const mapping::Landmark& l : map.landmarks) {
+    io::Publication::Name& name = names.emplace_back();
+    if (const auto at = of_plan.find(l.id); at != of_plan.end()) {
+      name = {at->second.row, at->second.tree};
+    }
+    const auto row = map.row_names.find(l.row);
+    if (row != map.row_names.end()) name.row = row->second;
+  }
+  return names;
+}
+
+}  // namespace
+
+int run_publish(const PublishOptions& options) {
+  require_block(options.block);
+  const io::StoredMap map = io::read_stored_map(options.map_path);
+  const bool is_corrected = !options.as_mapped && std::filesystem::is_directory(options.map_path);
+  const mapping::CorrectedMap corrected =
+      mapping::apply_corrections(map.landmarks, map.next_id,
+                                 is_corrected ? io::read_corrections(options.map_path).list
+                                              : std::vector<mapping::Correction>());
+  io::Publication publication;
+  publication.block = options.block;
+  publication.date = date_for(options, map);
+  publication.source = map.name;
+  publication.landmarks = corrected.landmarks;
+  publication.names = names_of(corrected, options.map_path);
+  publication.georeference = map.georeference;
+  LongWork work("publishing", !options.json);
+  const io::PublishedCounts counts =
+      io::publish(options.url, publication,
+                  [&work](std::uint64_t done, std::uint64_t total) { work.update(done, total); });
+  work.finish();
+  if (options.json) {
+    const nlohmann::ordered_json json{{"block", publication.block},
+                                      {"date", publication.date},
+                                      {"published", counts.num_published},
+                                      {"replaced", counts.num_replaced},
+                                      {"georeferenced", publication.georeference.has_value()}};
+    std::printf("%s\n", json.dump(2).c_str());
+    return bus::kExitOk;
+  }
+  std::printf("%" PRId64 " trees and objects published as block %s of %s", counts.num_published,
+              publication.block.c_str(), publication.date.c_str());
+  if (counts.num_replaced > 0) {
+    std::printf("; %" PRId64 " of an earlier publication are in orchard.tree_replaced now",
+                counts.num_replaced);
+  }
+  std::printf("\n");
+  if (!publication.georeference) {
+    std::printf(
+        "the map is not tied to the earth: column place is empty, x_m and y_m are filled\n");
+  }
+  return bus::kExitOk;
+}
+
+}  // namespace orchard::cli

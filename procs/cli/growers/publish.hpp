@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+namespace orchard::cli {
+
+/// `orchard publish MAP --to URL --block NAME`.
+struct PublishOptions {
+  std::string map_path;
+  std::string url;
+  std::string block;
+  std::string date;  ///< empty: that of the drive
+  bool as_mapped = false;
+  bool json = false;
+};
+
+/// Puts a map, as corrected by hand, into PostGIS; returns the exit code. Throws io::FileError, and
+/// std::runtime_error for what the server refuses.
+int run_publish(const PublishOptions& options);
+
+}  // namespace orchard::cli

@@ -48,6 +48,8 @@ packages=(
   python3 nftables libfaketime supervisor
   # tests of farms: the engine that runs the steps, and a cluster of one node
   snakemake slurmctld slurmd slurm-client munge
+  # what reads exported maps again in their test
+  gdal-bin
   # tests of the pages: a browser without a window, and what drives it
   chromium chromium-driver
 )

@@ -45,6 +45,7 @@ void add_calibrate(CLI::App& app, Run& run);
 void add_calibrate_laser_camera(CLI::App& calibrate, Run& run);
 void add_compare(CLI::App& app, Run& run);
 void add_evaluate(CLI::App& app, Run& run);
+void add_export(CLI::App& app, Run& run);
 void add_farm(CLI::App& app, Run& run);
 void add_field(CLI::App& app, Run& run);
 void add_growers(CLI::App& app, Run& run);

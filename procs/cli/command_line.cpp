@@ -277,6 +277,7 @@ void add_all(CLI::App& app, Run& run) {
   add_plan(app, run);
   add_report(app, run);
   add_publish(app, run);
+  add_export(app, run);
   add_overlay(app, run);
   add_log(app, run);
   add_field(app, run);

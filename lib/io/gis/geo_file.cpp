@@ -2,6 +2,7 @@
 #include "io/gis/geo_file.hpp"
 
 #include <cpl_conv.h>
+#include <cpl_string.h>
 #include <cpl_vsi.h>
 #include <gdal_priv.h>
 #include <ogrsf_frmts.h>
@@ -26,6 +27,7 @@ class MemoryFile {
     static std::atomic<unsigned> counter{0};
     folder_ = "/vsimem/orchard-" + std::to_string(::getpid()) + "-" + std::to_string(counter++);
     path_ = folder_ + "/map" + extension;
+    VSIMkdir(folder_.c_str(), 0700);  // the CSV driver asks for it
   }
   ~MemoryFile() { VSIRmdirRecursive(folder_.c_str()); }
   MemoryFile(const MemoryFile&) = delete;
@@ -91,12 +93,24 @@ const std::vector<GeoFormatInfo>& geo_formats() {
       {GeoFormat::kGeoJson, "geojson", ".geojson", true, true, ""},
       {GeoFormat::kKml, "kml", ".kml", false, true, "KML keeps no colours by class"},
       {GeoFormat::kShapefile, "shp", ".shp.zip", false, false,
-       "a shapefile cuts column names to ten letters"},
+       "a shapefile cuts column names to ten letters and texts to 254 bytes"},
       {GeoFormat::kDxf, "dxf", ".dxf", false, false,
        "DXF holds places and labels alone: no widths, no certainty, no coordinate system"},
-      {GeoFormat::kCsv, "csv", ".csv", true, false, ""},
+      {GeoFormat::kCsv, "csv", ".csv", true, false, "CSV names no coordinate system"},
       {GeoFormat::kFlatGeobuf, "flatgeobuf", ".fgb", true, false, ""}};
   return kFormats;
+}
+
+std::string geo_system_text(const std::optional<geometry::Georeference>& georeference,
+                            const GeoFormatInfo& format) {
+  if (!georeference) return "metres of the map, not tied to the earth";
+  if (format.is_on_earth) return "WGS 84, latitude and longitude (EPSG:4326)";
+  const std::string utm =
+      "WGS 84 in UTM (EPSG:" + std::to_string(geometry::utm_epsg(*georeference)) + ")";
+  if (format.format != GeoFormat::kCsv) return utm;
+  return "x_m and y_m in metres of the map, latitude_deg and longitude_deg of WGS 84 (EPSG:4326); "
+         "WKT " +
+         utm;
 }
 
 struct GeoFile::Impl {
@@ -132,8 +146,10 @@ struct GeoFile::Impl {
   std::unique_ptr<GDALDataset> dataset;
   OGRLayer* layer = nullptr;  ///< none: it is left out
   GeoLayer begun{};           ///< the layer that was begun last
-  std::string chosen;         ///< of a format with one layer; empty: the first
+  bool is_table = false;      ///< begun.fields hold the place: no geometry is written
+  std::string chosen;         ///< empty: all, or the first of a format with one layer
   std::vector<std::string> left_out;
+  std::vector<std::pair<std::string, std::size_t>> written;
   std::vector<GeoLayer> styled;
 };
 
@@ -171,6 +187,10 @@ void GeoFile::choose_layer(const std::string& name) { impl_->chosen = name; }
 
 const std::vector<std::string>& GeoFile::left_out() const { return impl_->left_out; }
 
+const std::vector<std::pair<std::string, std::size_t>>& GeoFile::written() const {
+  return impl_->written;
+}
+
 void GeoFile::set_metadata(const char* name, const std::string& value) {
   Impl& m = *impl_;
   if (m.info.format != GeoFormat::kGeoPackage) return;
@@ -181,29 +201,38 @@ void GeoFile::begin_layer(const GeoLayer& layer) {
   Impl& m = *impl_;
   m.begun = layer;
   const bool is_drawing = m.info.format == GeoFormat::kDxf;
-  if (is_drawing && m.layer != nullptr) return;  // one for all: a feature names its own
-  m.layer = nullptr;
   const bool is_chosen =
-      m.chosen.empty() ? m.dataset->GetLayerCount() == 0 : m.chosen == layer.name;
-  if (m.info.has_one_layer && !is_chosen) {
+      m.chosen.empty() ? !m.info.has_one_layer || m.written.empty() : m.chosen == layer.name;
+  if (!is_chosen) {
+    m.layer = nullptr;
     m.left_out.push_back(layer.name);
     return;
   }
-  char** options = nullptr;
+  m.written.emplace_back(layer.name, 0);
+  if (is_drawing && m.dataset->GetLayerCount() > 0) {  // one for all: a feature names its own
+    m.layer = m.dataset->GetLayer(0);
+    return;
+  }
+  const auto has_place = [](const GeoField& field) { return field.name == std::string("x_m"); };
+  m.is_table = m.info.format == GeoFormat::kCsv &&
+               std::any_of(layer.fields.begin(), layer.fields.end(), has_place);
+  CPLStringList options;
   if (m.info.format == GeoFormat::kGeoPackage) {
-    options = CSLSetNameValue(options, "DESCRIPTION", layer.description);
+    options.SetNameValue("DESCRIPTION", layer.description);
+  } else if (m.info.format == GeoFormat::kGeoJson) {
+    options.SetNameValue("RFC7946", "YES");
+    options.SetNameValue("COORDINATE_PRECISION", "9");  // a tenth of a millimetre
+    options.SetNameValue("DESCRIPTION", layer.description);
+  } else if (m.info.format == GeoFormat::kShapefile) {
+    options.SetNameValue("ENCODING", "UTF-8");
+  } else if (m.info.format == GeoFormat::kCsv && !m.is_table) {
+    options.SetNameValue("GEOMETRY", "AS_WKT");
   }
-  if (m.info.format == GeoFormat::kGeoJson) {
-    options = CSLSetNameValue(options, "RFC7946", "YES");
-    options = CSLSetNameValue(options, "DESCRIPTION", layer.description);
-  }
-  const bool is_table = m.info.format == GeoFormat::kCsv;
-  const auto type = is_table                                ? wkbNone
+  const auto type = m.is_table                              ? wkbNone
                     : layer.geometry == GeoGeometry::kPoint ? wkbPoint
                                                             : wkbLineString;
-  m.layer = m.dataset->CreateLayer(layer.name, is_drawing || is_table ? nullptr : &m.srs,
-                                   is_drawing ? wkbUnknown : type, options);
-  CSLDestroy(options);
+  m.layer = m.dataset->CreateLayer(layer.name, is_drawing || m.is_table ? nullptr : &m.srs,
+                                   is_drawing ? wkbUnknown : type, options.List());
   m.require(m.layer != nullptr);
   if (is_drawing) return;  // its fields are the format's
   for (const GeoField& field : layer.fields) {
@@ -256,6 +285,7 @@ void GeoFile::add(const std::vector<GeoValue>& values,
                   const std::vector<Eigen::Vector2d>& points_map) {
   Impl& m = *impl_;
   if (m.layer == nullptr) return;
+  ++m.written.back().second;
   OGRLineString line;
   for (const Eigen::Vector2d& p : points_map) {
     const OGRPoint point = m.point(p);
@@ -271,7 +301,7 @@ void GeoFile::add(const std::vector<GeoValue>& values,
   }
   OGRFeature feature(m.layer->GetLayerDefn());
   m.set_values(values, feature);
-  if (m.info.format != GeoFormat::kCsv) feature.SetGeometry(&geometry);
+  if (!m.is_table) feature.SetGeometry(&geometry);
   m.require(m.layer->CreateFeature(&feature) == OGRERR_NONE);
 }
 

@@ -37,6 +37,10 @@ struct GeoFormatInfo {
 /// All of them; GeoPackage first.
 const std::vector<GeoFormatInfo>& geo_formats();
 
+/// The coordinate system in which a format holds a map, in words.
+std::string geo_system_text(const std::optional<geometry::Georeference>& georeference,
+                            const GeoFormatInfo& format);
+
 /// A value of its field's type; one made of nothing leaves the field empty.
 struct GeoValue {
   enum class Kind { kNone, kInteger, kReal, kText };
@@ -75,7 +79,8 @@ class GeoFile {
   GeoFile(const GeoFile&) = delete;
   GeoFile& operator=(const GeoFile&) = delete;
 
-  /// Of a format with one layer: only this one is written, all others are left out.
+  /// Only this layer is written, all others are left out. Of a format with one layer the first one
+  /// stays without it.
   void choose_layer(const std::string& name);
 
   /// Says a word about the file to those who read it again: a GeoPackage's metadata.
@@ -89,6 +94,9 @@ class GeoFile {
 
   /// Layers that were left out.
   const std::vector<std::string>& left_out() const;
+
+  /// Layers that were begun and not left out, with the number of their features.
+  const std::vector<std::pair<std::string, std::size_t>>& written() const;
 
   /// The file's bytes; nothing can be added afterwards.
   std::string finish();

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/growers/export.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "bus/node/process.hpp"
+#include "cli/maps/map_laying.hpp"
+#include "cli/maps/stored_content.hpp"
+#include "cli/parent_folder.hpp"
+#include "io/atomic_file.hpp"
+#include "io/file_error.hpp"
+#include "io/gis/map_layers.hpp"
+#include "io/map/corrected_map.hpp"
+#include "mapping/rows/navigation_graph.hpp"
+
+namespace orchard::cli {
+namespace {
+
+const io::GeoFormatInfo& format_named(const std::string& word) {
+  for (const io::GeoFormatInfo& format : io::geo_formats()) {
+    if (word == format.word) return format;
+  }
+  throw io::FileError("\"" + word + "\" is no format (`orchard export --help`)");
+}
+
+/// Programs know a file by its extension; an older file is somebody's.
+void require_place(const ExportOptions& options, const io::GeoFormatInfo& format) {
+  const std::filesystem::path out(options.out_path);
+  const std::string name = out.filename().string(), extension = format.extension;
+  const bool fits = name.size() > extension.size() &&
+                    name.compare(name.size() - extension.size(), extension.size(), extension) == 0;
+  if (!fits) {
+    throw io::FileError(options.out_path + ": a file of " + format.word + " is named NAME" +
+                        extension + "; name --out so");
+  }
+  require_other_folder(out.has_parent_path() ? out.parent_path().string() : ".",
+                       {options.map_path});
+  std::error_code error;
+  if (!options.overwrite && std::filesystem::exists(out, error)) {
+    throw io::FileError(options.out_path +
+                        " is there already; give another name, or --overwrite to replace it");
+  }
+}
+
+void print_words(const ExportOptions& options, const io::GeoFormatInfo& format,
+                 const io::GeoFile& file, const io::CorrectedMapFolder& map) {
+  std::string layers, left_out;
+  for (const auto& [name, num] : file.written()) {
+    layers += (layers.empty() ? "" : ", ") + std::to_string(num) + " in " + name;
+  }
+  for (const std::string& name : file.left_out()) left_out += (left_out.empty() ? "" : ", ") + name;
+  std::printf("%s: %s\n", options.out_path.c_str(), layers.c_str());
+  std::printf("coordinates: %s\n", io::geo_system_text(map.mapped.georeference, format).c_str());
+  if (!map.corrections.empty()) {
+    std::printf("corrections: %s\n", io::corrections_text(map.corrected).c_str());
+  }
+  if (!left_out.empty()) {
+    std::printf("left out: %s%s\n", left_out.c_str(),
+                format.has_one_layer ? " (this format holds one layer; --layer chooses it)" : "");
+  }
+  if (*format.lost != '\0') std::printf("%s\n", format.lost);
+}
+
+void print_json(const ExportOptions& options, const io::GeoFormatInfo& format,
+                const io::GeoFile& file, const io::CorrectedMapFolder& map) {
+  nlohmann::ordered_json json{
+      {"file", options.out_path},
+      {"format", format.word},
+      {"coordinates", io::geo_system_text(map.mapped.georeference, format)},
+      {"georeferenced", map.mapped.georeference.has_value()},
+      {"corrections", map.corrections.size()},
+      {"conflicts", map.corrected.count(mapping::CorrectionOutcome::kConflict)},
+      {"layers", nlohmann::ordered_json::object()},
+      {"left_out", file.left_out()},
+      {"lost", format.lost}};
+  for (const auto& [name, num] : file.written()) json["layers"][name] = num;
+  std::printf("%s\n", json.dump(2).c_str());
+}
+
+}  // namespace
+
+int run_export(const ExportOptions& options) {
+  const io::GeoFormatInfo& format = format_named(options.format);
+  require_place(options, format);
+  const io::CorrectedMapFolder map = io::read_corrected_map(options.map_path, options.as_mapped);
+  const io::MapFolderContent content = content_of(map.mapped);
+  const mapping::NavigationGraph graph =
+      mapping::navigation_graph(map.corrected.landmarks, map.rows, content.seen_free);
+  io::MapLayers layers;
+  layers.landmarks = &map.corrected.landmarks;
+  for (const auto& trajectory : map.mapped.trajectories) layers.trajectories.push_back(&trajectory);
+  layers.rows = &map.rows;
+  layers.graph = &graph;
+  layers.georeference = &map.mapped.georeference;
+  layers.row_names = map.corrected.row_names;
+  layers.notes = map.corrected.notes;
+  layers.num_corrections = static_cast<int>(map.corrections.size());
+  io::GeoFile file(map.mapped.georeference, format.format);
+  if (!options.layer.empty()) file.choose_layer(options.layer);
+  io::write_map_layers(layers, file);
+  make_parent_folder(options.out_path);
+  io::write_file_atomically(options.out_path, file.finish());
+  const int num_conflicts = map.corrected.count(mapping::CorrectionOutcome::kConflict);
+  if (num_conflicts > 0) {
+    std::fprintf(stderr,
+                 "orchard export: warning: %d corrections are in conflict and left out (`orchard "
+                 "edit %s check`)\n",
+                 num_conflicts, options.map_path.c_str());
+  }
+  (options.json ? print_json : print_words)(options, format, file, map);
+  return bus::kExitOk;
+}
+
+}  // namespace orchard::cli

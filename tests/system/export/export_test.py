@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""orchard export: each format is read back by GDAL's ogr2ogr; places come from the ellipsoid's
+radii, not from the code under test. Usage: export_test.py BIN."""
+import csv
+import io
+import json
+import math
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ORCHARD = sys.argv[1] + "/orchard"
+HEADER = "id,class,x_m,y_m,n,roc_mean,probability,se_x_m,se_y_m,width_m,row,position,width_sd_m\n"
+LATITUDE, LONGITUDE = -27.6, 151.9
+UTM = "EPSG:32756"
+NAMES = {"geojson": "a.geojson", "kml": "a.kml", "shp": "a.shp.zip", "dxf": "a.dxf",
+         "csv": "a.csv", "flatgeobuf": "a.fgb", "gpkg": "a.gpkg"}
+COLUMNS_OF_TEN = {"probability": "probabilit", "diameter_mm": "diameter_m"}
+# Rows of 6 places 3 m apart, 5 m from row to row; in row 2 place 4 is empty; then an object.
+TREES = {100 * row + k: (3.0 * k, 5.0 * row) for row in (1, 2) for k in range(1, 7)
+         if (row, k) != (2, 4)}
+THINGS = {**TREES, 900: (30.0, -4.0)}
+DELETED, NOTED, NOTE = 103, 201, "injertado en agosto, año 2"
+
+
+def degrees(x_m, y_m):
+    """WGS 84: what metres east and north of the datum are in degrees, for some tens of metres."""
+    a, e2 = 6378137.0, 0.00669437999014
+    s = math.sin(math.radians(LATITUDE))
+    across = a / math.sqrt(1 - e2 * s * s)
+    along = a * (1 - e2) / (1 - e2 * s * s) ** 1.5
+    return (LONGITUDE + math.degrees(x_m / (across * math.cos(math.radians(LATITUDE)))),
+            LATITUDE + math.degrees(y_m / along))
+
+
+class Export(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="orchard_export_")
+        self.map = self.folder + "/map"
+        self.write_map(georeferenced=True)
+
+    def tearDown(self):
+        shutil.rmtree(self.folder)
+
+    def write_map(self, georeferenced):
+        os.makedirs(self.map, exist_ok=True)
+        with open(self.map + "/map.csv", "w") as file:
+            file.write(HEADER)
+            for number, (x, y) in THINGS.items():
+                row, k = ("", "") if number == 900 else divmod(number, 100)
+                kind = "object" if number == 900 else "tree"
+                file.write(f"{number},{kind},{x:.4f},{y:.4f},20,0.9,0.990,0.005,0.005,0.1200,"
+                           f"{row},{k},0.001\n")
+        with open(self.map + "/trajectory.csv", "w") as file:
+            file.write("utime_us,x_m,y_m,yaw_rad\n")
+            for k in range(20):
+                file.write(f"{1775000000000000 + k * 1000000},{k:.4f},7.5000,0.000000\n")
+        datum = {"latitude_deg": LATITUDE, "longitude_deg": LONGITUDE, "altitude_m": 0.0,
+                 "x_m": 0.0, "y_m": 0.0, "yaw_rad": 0.0, "residual_rms_m": 0.01}
+        with open(self.map + "/summary.json", "w") as file:
+            json.dump({"georeference": datum} if georeferenced else {}, file)
+
+    def edit(self, *words):
+        done = subprocess.run([ORCHARD, "edit", self.map, *words], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def run_export(self, word, *more, out=None):
+        self.out = f"{self.folder}/out/{out or NAMES[word]}"
+        return subprocess.run([ORCHARD, "export", self.map, "--format", word, "--out", self.out,
+                               *more], capture_output=True, text=True)
+
+    def export(self, word, *more, **named):
+        done = self.run_export(word, *more, **named)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
+
+    def read(self, layer, *more):
+        """Rows of a layer of what was exported last, with columns X and Y."""
+        done = subprocess.run(["ogr2ogr", "-f", "CSV", "/vsistdout/", self.out, *layer, "-lco",
+                               "GEOMETRY=AS_XY", *more], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return list(csv.DictReader(io.StringIO(done.stdout)))
+
+    def check_things(self, rows, expected, place_of, tolerance, message):
+        self.assertEqual(len(rows), len(expected), message)
+        for number, place in expected.items():
+            wanted = place_of(*place)
+            near = [r for r in rows if abs(float(r["X"]) - wanted[0]) < tolerance and
+                    abs(float(r["Y"]) - wanted[1]) < tolerance]
+            self.assertEqual(len(near), 1, f"{message}: {number} at {wanted}")
+            if "id" in near[0]:
+                self.assertEqual(int(float(near[0]["id"])), number, message)
+                self.assertEqual(near[0]["class"], "object" if number == 900 else "tree", message)
+                self.assertAlmostEqual(float(near[0]["width_m"]), 0.12, 6, message)
+
+    def test_each_format_on_the_earth(self):
+        self.edit("delete", str(DELETED))
+        self.edit("note", str(NOTED), NOTE)
+        expected = {k: p for k, p in THINGS.items() if k != DELETED}
+        for word in NAMES:
+            said = self.export(word)
+            layer = {"dxf": ["entities", "-where", "Text IS NULL AND Layer IN ('tree', 'object')"],
+                     "csv": []}.get(word, ["landmarks"])
+            more = {"dxf": ["-s_srs", UTM], "csv": []}.get(word, [])
+            if word == "csv":
+                rows = [{**r, "X": r["longitude_deg"], "Y": r["latitude_deg"]}
+                        for r in self.read(layer)]
+            else:
+                rows = self.read(layer, *more, "-t_srs", "EPSG:4326")
+            self.check_things(rows, expected, degrees, 3e-8, word)
+            self.assertIn("EPSG:4326" if word in ("geojson", "kml", "csv") else UTM, said)
+            self.assertIn("corrections: 2 applied", said)
+            if word == "dxf":
+                labels = self.read(["entities", "-where", "Text IS NOT NULL"])
+                self.assertIn("2/1", {r["Text"] for r in labels})
+                continue
+            noted = [r for r in rows if r.get("note")]
+            self.assertEqual([(int(float(r["id"])), r["note"]) for r in noted], [(NOTED, NOTE)],
+                             word)
+            for column in ("probability", "diameter_mm"):
+                column = COLUMNS_OF_TEN[column] if word == "shp" else column
+                self.assertIn(column, rows[0], word)
+
+    def test_lines_and_gaps_and_one_layer(self):
+        for word in ("kml", "shp", "gpkg"):
+            self.export(word)
+            self.assertEqual(len(self.read(["rows"])), 2, word)
+            self.assertEqual(len(self.read(["path"])), 1, word)
+            gaps = self.read(["gaps"], "-t_srs", "EPSG:4326")
+            self.assertEqual(len(gaps), 1, word)
+            wanted = degrees(12.0, 10.0)
+            self.assertAlmostEqual(float(gaps[0]["X"]), wanted[0], 6, word)
+            self.assertAlmostEqual(float(gaps[0]["Y"]), wanted[1], 6, word)
+        for word in ("geojson", "csv", "flatgeobuf"):
+            self.assertIn("left out: path, rows, gaps", self.export(word, "--overwrite"))
+            said = json.loads(self.export(word, "--layer", "rows", "--json", "--overwrite"))
+            self.assertEqual(said["layers"], {"rows": 2}, word)
+            self.assertIn("landmarks", said["left_out"])
+            self.assertEqual(len(self.read([])), 2, word)
+
+    def test_a_map_without_a_datum(self):
+        self.write_map(georeferenced=False)
+        for word in NAMES:
+            if word in ("geojson", "kml"):
+                done = self.run_export(word)
+                self.assertEqual(done.returncode, 3, word)
+                self.assertIn("latitude and longitude alone", done.stderr)
+                self.assertFalse(os.path.exists(self.out))
+                continue
+            self.assertIn("not tied to the earth", self.export(word))
+            layer = {"dxf": ["entities", "-where", "Text IS NULL AND Layer IN ('tree', 'object')"],
+                     "csv": []}.get(word, ["landmarks"])
+            rows = self.read(layer)
+            if word == "csv":
+                rows = [{**r, "X": r["x_m"], "Y": r["y_m"]} for r in rows]
+            self.check_things(rows, THINGS, lambda x, y: (x, y), 1e-4, word)
+
+    def test_what_is_refused(self):
+        self.export("csv")
+        for arguments, code, words in (
+                ({"word": "csv"}, 3, "--overwrite"),
+                ({"word": "shp", "out": "a.shp"}, 3, ".shp.zip"),
+                ({"word": "gpkg", "out": "../map/map.gpkg"}, 3, "must not be overwritten"),
+                ({"word": "isoxml", "out": "a.xml"}, 2, "isoxml")):
+            done = self.run_export(**arguments)
+            self.assertEqual(done.returncode, code, arguments)
+            self.assertIn(words, done.stderr)
+        self.export("csv", "--overwrite")
+        self.edit("delete", str(DELETED))
+        self.export("csv", "--as-mapped", "--overwrite")
+        self.assertEqual(len(self.read([])), len(THINGS))
+
+
+if __name__ == "__main__":
+    if shutil.which("ogr2ogr") is None:
+        print("skipped: ogr2ogr is not installed (package gdal-bin)")
+        sys.exit(77)
+    unittest.main(argv=sys.argv[:1])

@@ -4,19 +4,21 @@
 
 #include "mapper/mapper_node.hpp"
 #include "mapping/extent/long_things.hpp"
+#include "mapping/extent/sharp_stems.hpp"
 #include "mapping/rows/rows.hpp"
 
 namespace orchard::procs {
 
-/// Trees of rows stand there for themselves, and so does what a camera called a tree: a laser alone
-/// takes a hedge's bits for trunks.
+/// Trees of rows stand there for themselves, and so does a stem that is as sharp as theirs and what
+/// a camera called a tree: a laser alone takes a hedge's bits for trunks.
 void MapperNode::join_long(std::vector<mapping::Landmark>& landmarks) const {
-  const bool has_camera = has_camera_;
+  const mapping::SharpStems stems(landmarks);
+  const auto stands_alone = [&](const mapping::Landmark& l) {
+    const bool seen_as_tree = has_camera_ && l.label == detection::Label::kTree;
+    return l.row > 0 || seen_as_tree || stems.contains(l);
+  };
   landmarks = mapping::join_long_things(std::move(landmarks), widest_m_, mapper_.seen_blocked(),
-                                        [has_camera](const mapping::Landmark& l) {
-                                          return l.row > 0 ||
-                                                 (has_camera && l.label == detection::Label::kTree);
-                                        });
+                                        stands_alone);
 }
 
 std::vector<mapping::Landmark> MapperNode::numbered_landmarks() const {

@@ -75,7 +75,7 @@ constexpr double kRefuted2 = 25.0;
 /// The whole graph is solved at once where a closure moves the robot by more than this [m], but
 /// not before the graph has grown by that fraction.
 constexpr double kMoves_m = 0.3;
-constexpr double kSolveGrowth = 0.02;
+constexpr double kScanSolveGrowth = 0.02;
 
 Eigen::Vector3d bend_variance() {
   return {kBendSd_m * kBendSd_m, kBendSd_m * kBendSd_m, kBendSd_rad * kBendSd_rad};
@@ -262,7 +262,7 @@ bool ScanCloser::look(SlamMap& map) {
       now.T_map_base, compose(map.graph.keyframes[found->from].T_map_base, found->T_from_to));
   const bool is_large = moved.head<2>().norm() > kMoves_m || map.session_start > 0;
   const int num_keyframes = map.newest() + 1;
-  if (is_large && num_keyframes < solved_keyframes_ * (1.0 + kSolveGrowth)) return false;
+  if (is_large && num_keyframes < solved_keyframes_ * (1.0 + kScanSolveGrowth)) return false;
   if (!is_large) {
     map.graph.relative_poses.push_back(*found);
     ++num_closures_;

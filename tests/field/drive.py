@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """One drive between two hosts: the sensors on one, detector, pose and mapper on the other."""
 import os
+import shutil
 import time
 
 import wire
@@ -32,9 +33,8 @@ class TwoHosts:
                  recorder_on_b=True):
         bench.impaired_link = os.path.join(bench.build, "tests", "field", "impaired_link")
         out = os.path.join(bench.work, "two_hosts")
-        os.makedirs(out, exist_ok=True)
-        for file in os.listdir(out):
-            os.remove(os.path.join(out, file))
+        shutil.rmtree(out, ignore_errors=True)
+        os.makedirs(out)
         sent, heard = os.path.join(bench.work, "sent.lcm"), os.path.join(bench.work, "heard.lcm")
         network = Network(["sensors", "mapping"], bench.impaired_link,
                           {"mapping": impair} if impair is not None else None,

@@ -151,9 +151,8 @@ void print_summary(const MapOptions& options, const ReplayReport& report,
   std::printf(
       "written to %s: map.csv (table), map.gpkg (QGIS), map.svg, map.png, map.pdf (picture),\n"
       "  map.html (for a browser), trajectory.csv, trajectory.tum (evo), graph.json (aisles, for "
-      "planners), "
-      "summary.json%s\n",
-      options.out_folder.c_str(),
+      "planners), summary.json%s%s\n",
+      options.out_folder.c_str(), content.photographs.empty() ? "" : ", album (photographs)",
       options.no_derived ? "" : ", derived.lcm (every message on the way)");
 }
 

@@ -180,11 +180,12 @@ TEST_F(BadInput, AFullDiskLeavesTheLastGoodMap) {
              "mkdir $folder/disk\n"
              "mount -t tmpfs -o size=8m tmpfs $folder/disk || exit 77\n"
              "$tool map $log --config $config --out $folder/disk/map --quiet\n"
-             "before=$(cat $folder/disk/map/* | sha256sum)\n"
+             "all() { find $folder/disk/map -type f -print0 | sort -z | xargs -0 sha256sum; }\n"
+             "before=$(all)\n"
              "cat /dev/zero >$folder/disk/ballast 2>/dev/null || true\n"
              "code=0\n"
              "$tool map $other --config $config --out $folder/disk/map --quiet || code=$?\n"
-             "[ \"$before\" = \"$(cat $folder/disk/map/* | sha256sum)\" ] || exit 78\n"
+             "[ \"$before\" = \"$(all)\" ] || exit 78\n"
              "exit $code\n");
   const std::string other = path("other.lcm");
   ASSERT_EQ(

@@ -65,11 +65,11 @@ TEST_F(MapCommand, WhatIsSaidToBeWrittenIsThere) {
   const Result result = map(log());
   for (const char* file :
        {"map.csv", "map.gpkg", "map.svg", "map.png", "map.pdf", "map.html", "trajectory.csv",
-        "trajectory.tum", "graph.json", "summary.json", "derived.lcm"}) {
+        "trajectory.tum", "graph.json", "summary.json", "derived.lcm", "album"}) {
     EXPECT_TRUE(exists(path("map/") + file)) << file;
     EXPECT_THAT(result.out, HasSubstr(file));
   }
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(path("map")), {}), 11);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(path("map")), {}), 12);
 }
 
 TEST_F(MapCommand, TheMessagesOnTheWayCanBeLeftOut) {

@@ -3,12 +3,11 @@
 # Installs what Orchard Mapper needs to build and run, as Debian 12 and Ubuntu 24.04 name it.
 # Run as root or as a user with sudo. Does nothing, and needs no network, when all is there.
 #   scripts/install_deps.sh
-#   scripts/install_deps.sh --tests   also servers that only tests start
+#   scripts/install_deps.sh --tests   also what only tests start: a browser, a database, a cluster
 set -euo pipefail
-for_tests=()
+with_tests=no
 case "${1:-}" in
-  # tests of orchard publish: PostgreSQL with PostGIS
-  --tests) for_tests=(postgresql-postgis) ;;
+  --tests) with_tests=yes ;;
   -h | --help) sed -n '/^[^#]/q; /^#!/d; /^# SPDX/d; s/^# \{0,1\}//p' "$0"; exit 0 ;;
   ?*) echo "install_deps: unknown argument $1; see $0 --help" >&2; exit 2 ;;
 esac
@@ -38,23 +37,29 @@ packages=(
   libcpp-httplib-dev
   # manual pages
   help2man
-  # what writes bags of ROS 1 for the tests of their import, and unpacks for those of ROS 2
-  python3-rosbag python3-sensor-msgs python3-nav-msgs python3-geometry-msgs lz4 zstd
-  # gpsfake, for the tests of the GNSS driver
-  gpsd gpsd-clients
   # network namespaces and multicast routes for demo and tests
   iproute2 util-linux
-  # tests of several machines, clocks and supervisors
-  python3 nftables libfaketime supervisor
-  # tests of farms: the engine that runs the steps, and a cluster of one node
-  snakemake slurmctld slurmd slurm-client munge
-  # what reads exported maps again in their test
-  gdal-bin
-  # tests of the pages: a browser without a window, and what drives it
-  chromium chromium-driver
 )
 
-packages+=("${for_tests[@]}")
+# What only tests start; a test without it is skipped and says so.
+for_tests=(
+  # what writes bags of ROS 1, and unpacks those of ROS 2
+  python3-rosbag python3-sensor-msgs python3-nav-msgs python3-geometry-msgs lz4 zstd
+  # gpsfake, for the GNSS driver
+  gpsd gpsd-clients
+  # several machines, clocks and supervisors
+  python3 nftables libfaketime supervisor
+  # farms: the engine that runs the steps, and a cluster of one node
+  snakemake slurmctld slurmd slurm-client munge
+  # what reads exported maps again
+  gdal-bin
+  # pages: a browser without a window, and what drives it
+  chromium chromium-driver
+  # orchard publish: a database
+  postgresql-postgis
+)
+[ $with_tests = no ] || packages+=("${for_tests[@]}")
+
 missing=()
 for package in "${packages[@]}"; do
   dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' ||

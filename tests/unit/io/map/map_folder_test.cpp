@@ -31,7 +31,8 @@ MapFolderContent make_content(int num_landmarks) {
     l.id = i + 1;
     l.label = i % 7 == 3 ? Label::kObject : i % 11 == 5 ? Label::kUnseen : Label::kTree;
     l.x_m = 0.9 * (i % 25);
-    l.y_m = 3.0 * (i / 25) - 0.00001;
+    const int line = i / 25;
+    l.y_m = 3.0 * line - 0.00001;
     l.num_observations = 5 + i;
     l.roc_mean = 0.87;
     l.probability = 0.999;

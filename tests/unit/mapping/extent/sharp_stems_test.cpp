@@ -21,6 +21,7 @@ Landmark tree(double sd_m, int num, int row) {
 
 TEST(SharpStems, AreAsSharpAsTheTreesOfTheRows) {
   std::vector<Landmark> map;
+  map.reserve(20);
   for (int i = 0; i < 20; ++i) map.push_back(tree(0.03 + 0.001 * i, 12 + 5 * i, 1 + i / 10));
   const SharpStems stems(map);
   EXPECT_TRUE(stems.contains(tree(0.04, 15, 0))) << "a stem in a hedge";

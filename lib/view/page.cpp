@@ -1,26 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "view/page.hpp"
 
+#include "text/markup_text.hpp"
 #include "view/page_parts.hpp"
 
 namespace orchard::view {
 namespace {
-
-std::string html_text(std::string_view text) {
-  std::string escaped;
-  for (const char c : text) {
-    if (c == '&') {
-      escaped += "&amp;";
-    } else if (c == '<') {
-      escaped += "&lt;";
-    } else if (c == '>') {
-      escaped += "&gt;";
-    } else {
-      escaped += c;
-    }
-  }
-  return escaped;
-}
 
 /// JSON inside an element: no text of it may end that element. "<" stands in JSON only within
 /// strings, where its escape means the same.
@@ -56,7 +41,7 @@ std::string page_html(std::string_view title, std::string_view data_json, PageSo
     const std::string_view name = rest.substr(begin + 2, end - begin - 2);
     html += rest.substr(0, begin);
     if (name == "POLICY") html += page_policy(source);
-    if (name == "TITLE") html += html_text(title);
+    if (name == "TITLE") html += markup_text(title);
     if (name == "STYLE") html += kStyle;
     if (name == "SCRIPT") html += kScript;
     if (name == "DATA") html += json_in_html(data_json);

@@ -2,6 +2,7 @@
 #include "io/figure/report_page.hpp"
 
 #include "io/figure/plots_figure.hpp"
+#include "text/markup_text.hpp"
 
 namespace orchard::io {
 namespace {
@@ -12,35 +13,14 @@ constexpr const char* kHead =
     "pre{background:#f6f6f6;padding:1em;overflow-x:auto}\nsvg{max-width:100%;height:auto}\n"
     "</style>\n";
 
-/// Text as HTML may hold it.
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      default:
-        result += c;
-    }
-  }
-  return result;
-}
-
 }  // namespace
 
 std::string report_page(const std::string& title, const std::vector<evaluation::Plot>& plots,
                         const std::string& tables) {
   const std::string svg = plots_figure(plots, FigureFormat::kSvg);
-  return kHead + ("<title>" + escaped(title)) + "</title>\n</head>\n<body>\n<h1>" + escaped(title) +
-         "</h1>\n" + svg.substr(svg.find("<svg")) + "<pre>" + escaped(tables) +
-         "</pre>\n</body>\n</html>\n";
+  return kHead + ("<title>" + markup_text(title)) + "</title>\n</head>\n<body>\n<h1>" +
+         markup_text(title) + "</h1>\n" + svg.substr(svg.find("<svg")) + "<pre>" +
+         markup_text(tables) + "</pre>\n</body>\n</html>\n";
 }
 
 }  // namespace orchard::io

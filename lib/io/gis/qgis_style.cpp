@@ -1,31 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/gis/qgis_style.hpp"
 
+#include "text/markup_text.hpp"
 #include "text/number_text.hpp"
 
 namespace orchard::io {
 namespace {
 
 /// Text of ours inside an attribute.
-std::string quoted(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += c;
-    }
-  }
-  return "\"" + result + "\"";
-}
+std::string quoted(const std::string& text) { return "\"" + markup_text(text) + "\""; }
 
 std::string property(const char* name, const std::string& value) {
   return "    <prop k=" + quoted(name) + " v=" + quoted(value) + "/>\n";

@@ -3,6 +3,8 @@
 
 #include "io/report/document.hpp"
 
+#include "text/markup_text.hpp"
+
 namespace orchard::io {
 namespace {
 
@@ -21,24 +23,6 @@ constexpr const char* kStyle =
     "break-inside:avoid}\n"
     "svg{max-width:100%;height:auto}@page{size:A4;margin:15mm}\n"
     "@media print{body{margin:0;max-width:none;font-size:11px}h2{break-after:avoid}}\n";
-
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '&') {
-      result += "&amp;";
-    } else if (c == '<') {
-      result += "&lt;";
-    } else if (c == '>') {
-      result += "&gt;";
-    } else if (c == '"') {
-      result += "&quot;";
-    } else {
-      result += c;
-    }
-  }
-  return result;
-}
 
 bool is_text(const DocumentTable& table, std::size_t column) {
   return column == 0 ||
@@ -65,20 +49,20 @@ struct HtmlWriter {
   std::string& html;
   std::size_t num_drawings = 0;
 
-  void operator()(const DocumentHeading& it) { html += "<h2>" + escaped(it.text) + "</h2>\n"; }
-  void operator()(const DocumentText& it) { html += "<p>" + escaped(it.text) + "</p>\n"; }
+  void operator()(const DocumentHeading& it) { html += "<h2>" + markup_text(it.text) + "</h2>\n"; }
+  void operator()(const DocumentText& it) { html += "<p>" + markup_text(it.text) + "</p>\n"; }
   void operator()(const DocumentTable& it) {
     html += "<table>\n<thead><tr>";
     for (std::size_t c = 0; c < it.head.size(); ++c) {
       html += std::string("<th") + (is_text(it, c) ? " class=\"t\"" : "") + " scope=\"col\">" +
-              escaped(it.head[c]) + "</th>";
+              markup_text(it.head[c]) + "</th>";
     }
     html += "</tr></thead>\n<tbody>\n";
     for (std::size_t r = 0; r < it.rows.size(); ++r) {
       html += it.has_sum && r + 1 == it.rows.size() ? "<tr class=\"sum\">" : "<tr>";
       for (std::size_t c = 0; c < it.rows[r].size(); ++c) {
         html += std::string("<td") + (is_text(it, c) ? " class=\"t\"" : "") + ">" +
-                escaped(it.rows[r][c]) + "</td>";
+                markup_text(it.rows[r][c]) + "</td>";
       }
       html += "</tr>\n";
     }
@@ -98,14 +82,14 @@ struct HtmlWriter {
 
 std::string document_html(const Document& document) {
   std::string html =
-      "<!DOCTYPE html>\n<html lang=\"" + escaped(document.language) +
+      "<!DOCTYPE html>\n<html lang=\"" + markup_text(document.language) +
       "\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<meta http-equiv=\"Content-Security-Policy\" "
       "content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:\">\n<title>" +
-      escaped(document.title) + "</title>\n<style>\n" + kStyle + "</style>\n</head>\n<body>\n<h1>" +
-      escaped(document.title) + "</h1>\n<p class=\"subtitle\">" + escaped(document.subtitle) +
-      "</p>\n";
+      markup_text(document.title) + "</title>\n<style>\n" + kStyle +
+      "</style>\n</head>\n<body>\n<h1>" + markup_text(document.title) +
+      "</h1>\n<p class=\"subtitle\">" + markup_text(document.subtitle) + "</p>\n";
   HtmlWriter writer{html};
   for (const DocumentPart& part : document.parts) std::visit(writer, part);
   return html + "</body>\n</html>\n";

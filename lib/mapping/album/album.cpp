@@ -19,7 +19,7 @@ constexpr std::int64_t kPicturePeriod_us = 200'000;
 constexpr std::int64_t kPassing_us = 10'000'000;
 constexpr double kSamePlace_m = 0.3;
 
-/// A look must be better by this to be cut out in the place of another.
+/// A view must be better by this to be cut out in the place of another.
 constexpr double kBetter = 1.05;
 
 /// Scans wait for their pictures and pictures for their scans while poses are behind: a minute.

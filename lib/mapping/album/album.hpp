@@ -16,10 +16,10 @@
 
 namespace orchard::mapping {
 
-/// Keeps the sharpest unobstructed look at everything that scans with pictures show, in bounded
+/// Keeps the sharpest unobstructed view of everything that scans with pictures show, in bounded
 /// memory.
 ///
-/// What one passing shows at one place is one thing, of which the best look is kept; whose landmark
+/// What one passing shows at one place is one thing, of which the best view is kept; whose landmark
 /// it is, is asked only when the map is written (choose()): by then the path may have been
 /// corrected. Scans are taken in the order of add_scan(), each once its picture is there, whatever
 /// the order in which scans and pictures come.

@@ -10,7 +10,7 @@
 namespace orchard::mapping {
 namespace {
 
-/// How far from a landmark's middle a look at it may have found its own [m]; of wide things, any
+/// How far from a landmark's middle a view of it may have found its own [m]; of wide things, any
 /// part of them.
 constexpr double kOfLandmark_m = 0.4;
 constexpr double kSearchMax_m = 3.0;

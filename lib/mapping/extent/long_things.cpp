@@ -32,9 +32,9 @@ bool is_shut(const Vector2d& from, const Vector2d& to, const IsBlocked& is_block
   const double between_m = (to - from).norm();
   const auto num = static_cast<int>(std::ceil((between_m - kHedgeTouch_m) / kHedgeTouch_m));
   for (int i = 0; i < num; ++i) {
-    const double share =
+    const double fraction =
         (0.5 * kHedgeTouch_m + (between_m - kHedgeTouch_m) * (i + 0.5) / num) / between_m;
-    if (!is_blocked(from + share * (to - from))) return false;
+    if (!is_blocked(from + fraction * (to - from))) return false;
   }
   return true;
 }

@@ -5,7 +5,7 @@
 #include "pose/filter/gnss_config.hpp"
 #include "pose/prior_map/prior_map_config.hpp"
 #include "pose/scan_matching/scan_motion_config.hpp"
-#include "pose/slam/slam_config.hpp"
+#include "pose/slam_config.hpp"
 
 namespace orchard::pose {
 

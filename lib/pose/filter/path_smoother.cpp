@@ -7,7 +7,7 @@
 
 #include "geometry/pose2.hpp"
 #include "pose/filter/fusion_filter.hpp"
-#include "pose/slam/solver.hpp"
+#include "pose/graph/solver.hpp"
 
 namespace orchard::pose {
 namespace {

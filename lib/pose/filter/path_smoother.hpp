@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <optional>
 
+#include "pose/graph/georeference.hpp"
+#include "pose/graph/graph.hpp"
 #include "pose/pose_config.hpp"
 #include "pose/slam/dead_reckoning.hpp"
-#include "pose/slam/georeference.hpp"
-#include "pose/slam/graph.hpp"
 #include "pose/trajectory.hpp"
 
 namespace orchard::pose {

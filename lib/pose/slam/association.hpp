@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "pose/slam/slam_config.hpp"
+#include "pose/slam_config.hpp"
 
 namespace orchard::pose {
 

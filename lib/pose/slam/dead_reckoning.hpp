@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <optional>
 
+#include "pose/graph/motion.hpp"
 #include "pose/measurements.hpp"
-#include "pose/slam/motion.hpp"
-#include "pose/slam/slam_config.hpp"
+#include "pose/slam_config.hpp"
 
 namespace orchard::pose {
 

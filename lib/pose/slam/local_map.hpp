@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "geometry/point_grid.hpp"
-#include "pose/slam/graph.hpp"
-#include "pose/slam/slam_config.hpp"
+#include "pose/graph/graph.hpp"
+#include "pose/slam_config.hpp"
 
 namespace orchard::pose {
 

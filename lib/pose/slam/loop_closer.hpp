@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "pose/slam/loop_closure.hpp"
-#include "pose/slam/slam_config.hpp"
 #include "pose/slam/slam_map.hpp"
+#include "pose/slam_config.hpp"
 
 namespace orchard::pose {
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "pose/slam/slam_config.hpp"
+#include "pose/slam_config.hpp"
 
 namespace orchard::pose {
 

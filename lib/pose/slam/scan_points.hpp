@@ -7,7 +7,7 @@
 #include "detection/detection.hpp"
 #include "pose/measurements.hpp"
 #include "pose/slam/association.hpp"
-#include "pose/slam/slam_config.hpp"
+#include "pose/slam_config.hpp"
 
 namespace orchard::pose {
 

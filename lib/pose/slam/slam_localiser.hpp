@@ -4,10 +4,10 @@
 #include <optional>
 
 #include "pose/filter/gnss_positions.hpp"
+#include "pose/graph/georeference.hpp"
 #include "pose/localiser.hpp"
 #include "pose/pose_config.hpp"
 #include "pose/scan_matching/scan_motion.hpp"
-#include "pose/slam/georeference.hpp"
 #include "pose/slam/trunk_slam.hpp"
 
 namespace orchard::pose {

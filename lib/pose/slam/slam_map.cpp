@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "geometry/pose2.hpp"
-#include "pose/slam/georeference.hpp"
+#include "pose/graph/georeference.hpp"
+#include "pose/graph/submaps.hpp"
 #include "pose/slam/local_map.hpp"
-#include "pose/slam/submaps.hpp"
 
 namespace orchard::pose {
 using geometry::compose;

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "geometry/point_grid.hpp"
+#include "pose/graph/graph.hpp"
+#include "pose/graph/solver.hpp"
 #include "pose/slam/coverage.hpp"
-#include "pose/slam/graph.hpp"
 #include "pose/slam/scan_points.hpp"
-#include "pose/slam/slam_config.hpp"
-#include "pose/slam/solver.hpp"
+#include "pose/slam_config.hpp"
 
 namespace orchard::pose {
 

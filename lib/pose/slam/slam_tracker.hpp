@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "pose/slam/scan_points.hpp"
-#include "pose/slam/slam_config.hpp"
 #include "pose/slam/slam_map.hpp"
+#include "pose/slam_config.hpp"
 
 namespace orchard::pose {
 

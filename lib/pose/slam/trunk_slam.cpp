@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "geometry/pose2.hpp"
-#include "pose/slam/georeference.hpp"
-#include "pose/slam/joint_covariance.hpp"
+#include "pose/graph/georeference.hpp"
+#include "pose/graph/joint_covariance.hpp"
 
 namespace orchard::pose {
 using geometry::between;

@@ -13,9 +13,9 @@
 #include "pose/pose_estimate.hpp"
 #include "pose/slam/dead_reckoning.hpp"
 #include "pose/slam/loop_closer.hpp"
-#include "pose/slam/slam_config.hpp"
 #include "pose/slam/slam_map.hpp"
 #include "pose/slam/slam_tracker.hpp"
+#include "pose/slam_config.hpp"
 #include "pose/submap/scan_closer.hpp"
 #include "pose/trajectory.hpp"
 

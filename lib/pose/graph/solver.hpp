@@ -4,10 +4,10 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "pose/slam/calibration.hpp"
-#include "pose/slam/graph.hpp"
-#include "pose/slam/joint_covariance.hpp"
-#include "pose/slam/slam_config.hpp"
+#include "pose/graph/calibration.hpp"
+#include "pose/graph/graph.hpp"
+#include "pose/graph/joint_covariance.hpp"
+#include "pose/slam_config.hpp"
 
 namespace orchard::pose {
 

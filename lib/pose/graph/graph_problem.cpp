@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/slam/graph_problem.hpp"
+#include "pose/graph/graph_problem.hpp"
 
 #include <ceres/ceres.h>
 
@@ -8,7 +8,7 @@
 
 #include "geometry/pose2.hpp"
 #include "pose/filter/gnss_config.hpp"
-#include "pose/slam/factors.hpp"
+#include "pose/graph/factors.hpp"
 
 namespace orchard::pose {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Truth: a path along a row of trees, seen without error; then bent, as a drift would.
-#include "pose/slam/submaps.hpp"
+#include "pose/graph/submaps.hpp"
 #include "geometry/pose2.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "pose/slam/solver.hpp"
+#include "pose/graph/solver.hpp"
 
 namespace orchard::pose {
 using geometry::between;

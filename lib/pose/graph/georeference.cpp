@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/slam/georeference.hpp"
+#include "pose/graph/georeference.hpp"
 
 #include <fmt/core.h>
 #include <algorithm>

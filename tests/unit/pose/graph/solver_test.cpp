@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/slam/solver.hpp"
+#include "pose/graph/solver.hpp"
 #include "geometry/pose2.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/slam/selected_inverse.hpp"
+#include "pose/graph/selected_inverse.hpp"
 
 #include <Eigen/SparseCholesky>
 #include <vector>

@@ -6,8 +6,8 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "pose/slam/georeference.hpp"
-#include "pose/slam/solver.hpp"
+#include "pose/graph/georeference.hpp"
+#include "pose/graph/solver.hpp"
 #include "simulation/random.hpp"
 
 namespace orchard::pose {

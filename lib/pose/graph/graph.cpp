@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/slam/graph.hpp"
+#include "pose/graph/graph.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>

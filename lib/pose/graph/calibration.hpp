@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "pose/slam/motion.hpp"
-#include "pose/slam/slam_config.hpp"
+#include "pose/graph/motion.hpp"
+#include "pose/slam_config.hpp"
 
 namespace orchard::pose {
 

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "pose/slam/graph.hpp"
+#include "pose/graph/graph.hpp"
 
 namespace ceres {
 class CostFunction;

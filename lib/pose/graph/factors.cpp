@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/slam/factors.hpp"
+#include "pose/graph/factors.hpp"
 
 #include <ceres/sized_cost_function.h>
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "pose/slam/graph.hpp"
+#include "pose/graph/graph.hpp"
 
 namespace orchard::pose {
 

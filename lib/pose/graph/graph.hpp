@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "pose/slam/motion.hpp"
+#include "pose/graph/motion.hpp"
 
 namespace orchard::pose {
 

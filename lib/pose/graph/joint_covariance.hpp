@@ -5,7 +5,7 @@
 #include <array>
 #include <optional>
 
-#include "pose/slam/graph.hpp"
+#include "pose/graph/graph.hpp"
 
 namespace orchard::pose {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/slam/solver.hpp"
+#include "pose/graph/solver.hpp"
 
 #include <ceres/crs_matrix.h>
 
@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "geometry/pose2.hpp"
-#include "pose/slam/georeference.hpp"
-#include "pose/slam/graph_problem.hpp"
-#include "pose/slam/selected_inverse.hpp"
+#include "pose/graph/georeference.hpp"
+#include "pose/graph/graph_problem.hpp"
+#include "pose/graph/selected_inverse.hpp"
 
 namespace orchard::pose {
 using geometry::compose_jacobian_first;

@@ -9,8 +9,8 @@
 #include <set>
 #include <vector>
 
-#include "pose/slam/calibration.hpp"
-#include "pose/slam/graph.hpp"
+#include "pose/graph/calibration.hpp"
+#include "pose/graph/graph.hpp"
 
 namespace orchard::pose {
 

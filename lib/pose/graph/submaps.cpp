@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/slam/submaps.hpp"
+#include "pose/graph/submaps.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose/slam/motion.hpp"
+#include "pose/graph/motion.hpp"
 
 #include "geometry/pose2.hpp"
 #include "pose/arc_motion.hpp"

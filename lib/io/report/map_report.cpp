@@ -78,7 +78,9 @@ class Writer {
   void heading(const char* text) { document_.parts.push_back(DocumentHeading{text}); }
   void text(std::string text) { document_.parts.push_back(DocumentText{std::move(text)}); }
   std::string row_name(std::int32_t row) const {
-    return row > 0 ? std::to_string(row) : texts_.no_row;
+    if (row <= 0) return texts_.no_row;
+    const auto name = content_.row_names.find(row);
+    return name == content_.row_names.end() ? std::to_string(row) : name->second;
   }
 
   void write_counts() {

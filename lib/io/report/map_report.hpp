@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,6 +43,7 @@ struct ReportContent {
   StoredMap map;
   std::optional<EarlierMap> earlier{};
   std::optional<PlanCounts> plan{};
+  std::map<std::int32_t, std::string> row_names{};  ///< of rows that people call otherwise
 };
 
 /// The report in words, tables and pictures.

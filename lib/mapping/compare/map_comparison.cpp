@@ -45,7 +45,15 @@ std::vector<Vector2d> lone_trees(const std::vector<Landmark>& landmarks,
 }
 
 /// Existence probability of a landmark, by its number of observations.
-double existence(const Landmark& l) { return 1.0 - std::exp(-0.5 * l.num_observations); }
+double existence(const Landmark& l) {
+  if (l.num_observations == 0) return 1.0;  // a person added it
+  return 1.0 - std::exp(-0.5 * l.num_observations);
+}
+
+/// A width that one map does not know has not changed.
+double width_change_m(const Landmark& a, const Landmark& b) {
+  return a.width_m > 0.0 && b.width_m > 0.0 ? b.width_m - a.width_m : 0.0;
+}
 
 /// Factor on the scatter of a pair with fewer observations than usual.
 double noise_factor(const Landmark& a, const Landmark& b, double typical) {
@@ -84,6 +92,7 @@ WidthChange width_change_of(const std::vector<Landmark>& a, const std::vector<La
   for (const LandmarkPair& pair : pairs) {
     const Landmark& l = a[static_cast<std::size_t>(pair.a)];
     const Landmark& m = b[static_cast<std::size_t>(pair.b)];
+    if (!(l.width_m > 0.0 && m.width_m > 0.0)) continue;
     of_all_m.push_back(m.width_m - l.width_m);
     if (are_trees(l, m)) of_trees_m.push_back(m.width_m - l.width_m);
   }
@@ -269,8 +278,8 @@ class MapComparer {
     const Landmark &l = a_.landmarks[i], &m = b_.landmarks[j];
     PairObservation pair;
     pair.distance_m = (b_.places[j] - a_.places[i]).norm();
-    pair.width_b_m = m.width_m;
-    pair.width_change_m = m.width_m - l.width_m;
+    pair.width_b_m = m.width_m > 0.0 ? m.width_m : l.width_m;
+    pair.width_change_m = width_change_m(l, m);
     pair.noise_factor = noise_factor(l, m, typical_variance_);
     pair.width_sd_m = width_noise_.sd_m(l, m);
     pair.not_repeated = missed_by(b_, a_, i) * missed_by(a_, b_, j);

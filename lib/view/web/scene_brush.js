@@ -32,24 +32,24 @@ class SceneBrush {
     context.stroke();
   }
 
-  // A line [x, y, x, y ...] in metres onto the current path, without what would not be seen: steps of less than two
-  // pixels, and what lies beyond the edges.
+  // A line [x, y, x, y ...] in metres onto the current path, without what would not be seen: points that a straight
+  // line passes by less than half a pixel, and what lies beyond the edges.
   addLine(line) {
     const { context, view } = this;
+    const thinner = new LineThinner();
     let penX = NaN, penY = NaN, isBeyond = true;
-    for (let k = 0; k + 1 < line.length; k += 2) {
-      const sx = view.toScreenX(line[k]), sy = view.toScreenY(line[k + 1]);
-      const isLast = k + 3 >= line.length;
-      if (!isLast && Math.abs(sx - penX) < 2 && Math.abs(sy - penY) < 2) continue;
-      const misses = k > 0 && (Math.max(sx, penX) < 0 || Math.max(sy, penY) < 0 ||
-        Math.min(sx, penX) > view.width || Math.min(sy, penY) > view.height);
-      if (k > 0 && !misses) {
+    const draw = (sx, sy) => {
+      const misses = Math.max(sx, penX) < 0 || Math.max(sy, penY) < 0 ||
+        Math.min(sx, penX) > view.width || Math.min(sy, penY) > view.height;
+      if (!misses && !Number.isNaN(penX)) {
         if (isBeyond) context.moveTo(penX, penY);
         context.lineTo(sx, sy);
       }
-      isBeyond = k === 0 || misses;
+      isBeyond = misses || Number.isNaN(penX);
       penX = sx; penY = sy;
-    }
+    };
+    for (let k = 0; k + 1 < line.length; k += 2) thinner.add(view.toScreenX(line[k]), view.toScreenY(line[k + 1]), draw);
+    thinner.finish(draw);
   }
 
   paintWays() {
@@ -67,11 +67,13 @@ class SceneBrush {
 
   paintRows() {
     const { context, theme } = this;
-    context.beginPath();
-    for (const row of this.model.rows) this.addLine(row.line);
     context.strokeStyle = theme.colours.row;
     context.lineWidth = 1.5;
-    context.stroke();
+    for (const row of this.model.rows) { // each alone: what one path's parts have in common costs
+      context.beginPath();
+      this.addLine(row.line);
+      context.stroke();
+    }
   }
 
   paintPaths() {

@@ -8,10 +8,10 @@
 #include "bus/messages/channel.hpp"
 #include "bus/node/process.hpp"
 #include "cli/growers/plan_laying.hpp"
+#include "cli/maps/map_input.hpp"
 #include "cli/maps/map_laying.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
-#include "io/map/stored_map.hpp"
 #include "io/report/map_report.hpp"
 #include "text/printable_text.hpp"
 
@@ -35,24 +35,26 @@ io::SummaryFacts facts_of(const std::string& map_path) {
   return io::read_summary_facts(map_path, bus::info(bus::Channel::kGnss).name);
 }
 
-io::EarlierMap compared_with(const ReportOptions& options, const io::StoredMap& now) {
+io::EarlierMap compared_with(const ReportOptions& options, const MapInput& now) {
   io::EarlierMap earlier;
-  const io::StoredMap before = io::read_stored_map(options.previous_path);
-  for (const auto& [map, path] :
-       {std::pair(&before, &options.previous_path), std::pair(&now, &options.map_path)}) {
+  const MapInput before =
+      read_map_input("orchard report", options.previous_path, options.as_mapped);
+  for (const auto& [map, path] : {std::pair(&before.mapped, &options.previous_path),
+                                  std::pair(&now.mapped, &options.map_path)}) {
     if (!map->trajectories.empty()) continue;
     throw io::FileError(*path +
                         " does not say where the drive looked (no trajectory.csv beside the map), "
                         "so gone cannot be told from not seen; give the map's folder");
   }
-  const mapping::DetectionMap view_before = view_of(before, 0.0), view_now = view_of(now, 0.0);
+  const mapping::DetectionMap view_before = view_of(before.mapped, 0.0);
+  const mapping::DetectionMap view_now = view_of(now.mapped, 0.0);
   const mapping::MapAlignment alignment =
-      lay_on(before, view_before, now, view_now, options.alignment);
+      lay_on(before.mapped, view_before, now.mapped, view_now, options.alignment);
   earlier.name = name_of(options.previous_path);
   earlier.day = facts_of(options.previous_path).day;
-  earlier.landmarks = before.landmarks;
-  earlier.comparison =
-      mapping::compare_maps(before.landmarks, now.landmarks, view_before, view_now, alignment, {});
+  earlier.landmarks = before.map.landmarks;
+  earlier.comparison = mapping::compare_maps(before.map.landmarks, now.map.landmarks, view_before,
+                                             view_now, alignment, {});
   return earlier;
 }
 
@@ -83,10 +85,12 @@ int run_report(const ReportOptions& options) {
     throw io::FileError("--language " + options.language + ": reports are written in en or es");
   }
   io::ReportContent content;
-  content.map = io::read_stored_map(options.map_path);
+  const MapInput input = read_map_input("orchard report", options.map_path, options.as_mapped);
+  content.map = input.map;
+  content.row_names = input.row_names;
   content.name = name_of(options.map_path);
   content.facts = facts_of(options.map_path);
-  if (!options.previous_path.empty()) content.earlier = compared_with(options, content.map);
+  if (!options.previous_path.empty()) content.earlier = compared_with(options, input);
   if (!options.plan_path.empty()) content.plan = planned(options, content.map);
 
   const fs::path folder = options.out_folder.empty() ? folder_of(options.map_path) / "report"

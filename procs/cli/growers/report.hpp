@@ -19,6 +19,7 @@ struct ReportOptions {
   std::string out_folder;  ///< empty: the folder report within the map's
   std::string language = "en";
   mapping::MapAlignmentConfig alignment;
+  bool as_mapped = false;  ///< without what people corrected
 };
 
 /// Writes report.html, report.pdf and report.csv; returns the exit code. Throws io::FileError for

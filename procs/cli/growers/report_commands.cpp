@@ -15,7 +15,8 @@ void add_report(CLI::App& app, Run& run) {
       "  orchard report out/drive --plan block.gpkg        (what differs from the plan)\n"
       "  orchard report out/drive --language es --out out/informe\n"
       "Trees, empty places and trunk cross-sectional area row by row, diameters, a picture of the\n"
-      "block, what was not seen, how sure it is. Numbers are those of map.csv.\n",
+      "block, what was not seen, how sure it is. Numbers are those of map.csv, with what\n"
+      "people corrected (`orchard edit`).\n",
       run_report, [](CLI::App& command, ReportOptions& o) {
         command.add_option("map", o.map_path, "map folder, or its map.csv")
             ->required()
@@ -31,6 +32,7 @@ void add_report(CLI::App& app, Run& run) {
         command.add_option("--language", o.language, "of the report: en or es")
             ->check(CLI::IsMember({"en", "es"}))
             ->capture_default_str();
+        command.add_flag("--as-mapped", o.as_mapped, "without what people corrected");
         add_plan_options(command, o.plan_file, o.plan_match);
         add_alignment_options(command, o.alignment);
       });

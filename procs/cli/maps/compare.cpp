@@ -6,11 +6,11 @@
 #include <cstdio>
 
 #include "bus/node/process.hpp"
+#include "cli/maps/map_input.hpp"
 #include "cli/maps/map_laying.hpp"
 #include "geometry/angles.hpp"
 #include "io/file_error.hpp"
 #include "io/map/comparison_files.hpp"
-#include "io/map/stored_map.hpp"
 
 namespace orchard::cli {
 namespace {
@@ -82,13 +82,16 @@ void print_table(const io::ComparisonContent& content) {
 }  // namespace
 
 int run_compare(const CompareOptions& options) {
-  const io::StoredMap a = io::read_stored_map(options.earlier_path);
-  const io::StoredMap b = io::read_stored_map(options.later_path);
+  const MapInput input_a =
+      read_map_input("orchard compare", options.earlier_path, options.as_mapped);
+  const MapInput input_b = read_map_input("orchard compare", options.later_path, options.as_mapped);
+  const io::StoredMap &a = input_a.map, &b = input_b.map;
   require_views(options, a, options.earlier_path);
   require_views(options, b, options.later_path);
-  const mapping::DetectionMap view_a = view_of(a, options.reach_m);
-  const mapping::DetectionMap view_b = view_of(b, options.reach_m);
-  const mapping::MapAlignment alignment = lay_on(a, view_a, b, view_b, options.alignment);
+  const mapping::DetectionMap view_a = view_of(input_a.mapped, options.reach_m);
+  const mapping::DetectionMap view_b = view_of(input_b.mapped, options.reach_m);
+  const mapping::MapAlignment alignment =
+      lay_on(input_a.mapped, view_a, input_b.mapped, view_b, options.alignment);
   const mapping::MapComparison comparison = mapping::compare_maps(
       a.landmarks, b.landmarks, view_a, view_b, alignment, options.comparison);
   const io::ComparisonContent content{options.earlier_path, options.later_path, a.landmarks,

@@ -14,7 +14,8 @@ struct CompareOptions {
   std::string out_folder;  ///< empty: only what is printed
   mapping::MapAlignmentConfig alignment;
   mapping::ComparisonConfig comparison;
-  double reach_m = 0.0;  ///< of the laser; 0 = as the map folders say
+  double reach_m = 0.0;    ///< of the laser; 0 = as the map folders say
+  bool as_mapped = false;  ///< without what people corrected
   bool json = false;
 };
 

@@ -68,6 +68,7 @@ void add_compare(CLI::App& app, Run& run) {
             ->type_name("FOLDER|CSV");
         command.add_option("--out", o.out_folder, "folder for the comparison, made when missing")
             ->type_name("DIR");
+        command.add_flag("--as-mapped", o.as_mapped, "without what people corrected");
         command.add_flag("--json", o.json, "for programs; lengths in metres");
         add_alignment_options(command, o.alignment);
         add_reach_option(command, o.reach_m);

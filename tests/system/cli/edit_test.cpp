@@ -188,5 +188,26 @@ TEST_F(EditCommand, IsCarriedToTheNextMap) {
   EXPECT_THAT(refused.err, HasSubstr("holds correction 4"));
 }
 
+TEST_F(EditCommand, ComparisonKnowsWhatPeopleSaid) {
+  run({"mkdir", path("later")});
+  write_file(path("later/map.csv"), forty_trees(0));
+  const std::vector<std::string> compare{"compare",       map_,     path("later"),
+                                         "--assume-seen", "--json", "--any-place"};
+  const auto changes = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = compare;
+    words.insert(words.end(), more.begin(), more.end());
+    const Result result = orchard(words);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return Json::parse(result.out)["counts"];
+  };
+  EXPECT_EQ(changes({})["new"], 1);  // number 14 was missed
+  ASSERT_EQ(edit({"add", "2/4"}).exit_code, 0);
+  EXPECT_EQ(changes({})["new"], 0);
+  EXPECT_EQ(changes({})["grown"], 0);  // its width is not known, and so has not changed
+  EXPECT_EQ(changes({"--as-mapped"})["new"], 1);
+  ASSERT_EQ(orchard({"edit", path("later"), "delete", "14"}).exit_code, 0);
+  EXPECT_EQ(changes({})["missing"], 1);  // what a person added, another one deleted
+}
+
 }  // namespace
 }  // namespace orchard::cli_test

@@ -117,6 +117,17 @@ def main(bin_folder, rig, folder):
         assert abs(float(grown[row]["tcsa_growth_percent"]) - 100 * (area / was - 1)) < 0.02, grown[row]
     assert "Compared with spring of 2013-12-02" in page_text(os.path.join(again, "report.html"))
 
+    # What people corrected counts; --as-mapped is the map of the run.
+    tree = next(l for l in landmarks if l["class"] == "tree" and l["row"])
+    orchard(bin_folder, "edit", here, "class", tree["id"], "object")
+    orchard(bin_folder, "edit", here, "row", tree["row"], "by the road")
+    orchard(bin_folder, "report", here, "--out", again)
+    check_csv(os.path.join(again, "report.csv"),
+              [dict(l, **({"class": "object", "row": "", "position": ""} if l is tree else {})) for l in landmarks])
+    assert "by the road" in page_text(os.path.join(again, "report.html"))
+    orchard(bin_folder, "report", here, "--out", spanish, "--as-mapped")
+    assert bytes_of(os.path.join(out, "report.csv")) == bytes_of(os.path.join(spanish, "report.csv"))
+
     # What cannot be told is refused, with a reason.
     refused = orchard(bin_folder, "report", here, "--previous", os.path.join(before, "map.csv"), "--language", "fr", code=2)
     assert "en" in refused.stderr and "es" in refused.stderr, refused.stderr

@@ -30,12 +30,12 @@ class TwoHosts:
     """What came of a drive over a link."""
 
     def __init__(self, bench, drive, speed, impair, sysctls=None, during=None, rate_mbit=None,
-                 recorder_on_b=True):
+                 recorder_on_b=True, beside_sensors=()):
         bench.impaired_link = os.path.join(bench.build, "tests", "field", "impaired_link")
         out = os.path.join(bench.work, "two_hosts")
         shutil.rmtree(out, ignore_errors=True)
         os.makedirs(out)
-        sent, heard = os.path.join(bench.work, "sent.lcm"), os.path.join(bench.work, "heard.lcm")
+        heard = os.path.join(bench.work, "heard.lcm")
         network = Network(["sensors", "mapping"], bench.impaired_link,
                           {"mapping": impair} if impair is not None else None,
                           ADVISED_SYSCTLS if sysctls is None else sysctls)
@@ -44,10 +44,10 @@ class TwoHosts:
             if rate_mbit:
                 sensors.run(f"tc qdisc add dev eth0 root tbf rate {rate_mbit}mbit burst 32kb latency 400ms")
             listener = wire.Listener(mapping)
-            loggers = [bench.start_logger(sensors, sent)]
-            if recorder_on_b:
-                loggers.append(bench.start_logger(mapping, heard))
-            nodes = bench.start_nodes(mapping, drive.config, out)
+            logger = bench.start_logger(mapping, heard) if recorder_on_b else None
+            nodes = bench.start_nodes(mapping, drive.config, out,
+                                      [name for name in NODES if name not in beside_sensors])
+            nodes.update(bench.start_nodes(sensors, drive.config, out, beside_sensors))
             player = bench.start(sensors, "log-player", drive.log, "--config", drive.config, "--speed",
                                  speed, "--wait-for", ",".join(NODES))
             if during:
@@ -62,20 +62,20 @@ class TwoHosts:
             time.sleep(0.2)
             self.status = {name: (listener.statuses("orchard-" + name) or [(0, None)])[-1][1]
                            for name in NODES}
-            for logger in loggers:
+            if logger:
                 logger.stop()
             self.listener = listener
             listener.close()
         bench.running = []
         self.link = network.counts.get("mapping", {})
-        self.sent, self.heard = wire.read_log(sent), wire.read_log(heard) if recorder_on_b else []
+        self.played, self.heard = wire.read_log(drive.log), wire.read_log(heard) if recorder_on_b else []
         self.map = os.path.join(out, "map.csv")
 
     def difference(self, drive):
         return Difference(drive.map, self.map)
 
     def true_loss(self, channels):
-        """Messages of these channels that one host sent and the other did not hear, and all sent."""
-        sent, heard = wire.per_channel(self.sent), wire.per_channel(self.heard)
+        """Messages of these channels that one host played and the other did not hear, and all played."""
+        sent, heard = wire.per_channel(self.played), wire.per_channel(self.heard)
         num_sent = sum(sent.get(name, 0) for name in channels)
         return num_sent - sum(min(heard.get(n, 0), sent.get(n, 0)) for n in channels), num_sent

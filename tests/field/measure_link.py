@@ -35,7 +35,18 @@ def loss(bench, arguments):
             found.append(Row("loss", f"{100 * share:g} % of all {unit}: messages lost, told against true",
                              f"{told_percent:.2f} against {lost_percent:.2f} %", "within 1",
                              abs(told_percent - lost_percent) <= 1.0))
+    if not arguments.short:
+        found.append(detector_beside_sensors(bench, arguments, drive))
     return found
+
+
+def detector_beside_sensors(bench, arguments, drive):
+    """What the page on deployment advises where frames are lost: pictures do not cross the link."""
+    run = TwoHosts(bench, drive, arguments.speed, {"--loss": 0.2, "--seed": arguments.seed},
+                   beside_sensors=("detector",))
+    difference = run.difference(drive)
+    return Row("loss", "20 % of all frames lost, the detector beside the sensors: map", str(difference),
+               "at most 5 %", difference.percent() <= 5.0)
 
 
 def loss_default_kernel(bench, arguments):

@@ -23,11 +23,11 @@ DATUM = {"latitude_deg": -27.6, "longitude_deg": 151.9, "altitude_m": 500.0, "x_
 
 
 def wait_for(what, seconds=60):
+    """Asks again and again; each question is a psql of its own."""
     end = time.monotonic() + seconds
     while not what():
         if time.monotonic() > end:
             raise AssertionError("this did not come")
-        time.sleep(0.05)
 
 
 class Publish(unittest.TestCase):

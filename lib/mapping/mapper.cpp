@@ -11,7 +11,9 @@
 #include "mapping/association.hpp"
 #include "mapping/candidate.hpp"
 #include "mapping/existence/existence.hpp"
+#include "mapping/existence/leg_pairs.hpp"
 #include "mapping/existence/seen_ground.hpp"
+#include "mapping/existence/whole_drive.hpp"
 #include "mapping/extent/extent.hpp"
 #include "mapping/landmark_splitting.hpp"
 #include "mapping/map_state.hpp"
@@ -194,6 +196,21 @@ std::function<bool(const Eigen::Vector2d&)> Mapper::seen_free() const {
 std::function<bool(const Eigen::Vector2d&)> Mapper::seen_blocked() const {
   const auto ground = seen_ground_of(impl_->map.observations);
   return [ground](const Eigen::Vector2d& p_map) { return ground->is_blocked(p_map); };
+}
+
+std::vector<std::int32_t> Mapper::stray_ids() const {
+  const MapState& map = impl_->map;
+  if (!map.config.existence.enabled) return {};
+  std::vector<std::int32_t> ids = stray_landmarks(map, *seen_ground_of(map.observations));
+  for (std::int32_t& id : ids) ++id;
+  return ids;
+}
+
+std::vector<std::int32_t> Mapper::leg_ids(const std::vector<Landmark>& landmarks,
+                                          bool camera_tells) const {
+  const MapState& map = impl_->map;
+  return map.config.existence.enabled ? leg_pairs(map, landmarks, camera_tells)
+                                      : std::vector<std::int32_t>{};
 }
 
 std::size_t Mapper::num_observations() const {

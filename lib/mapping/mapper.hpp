@@ -61,6 +61,13 @@ class Mapper {
   /// The same for whether scans met something at a place, too often for it to be free.
   std::function<bool(const Eigen::Vector2d& p_map)> seen_blocked() const;
 
+  /// Ids of what never stood there, by all scans of the drive (existence/whole_drive.hpp).
+  std::vector<std::int32_t> stray_ids() const;
+
+  /// Ids of those of `landmarks`, this map's, that are legs of people (existence/leg_pairs.hpp).
+  std::vector<std::int32_t> leg_ids(const std::vector<Landmark>& landmarks,
+                                    bool camera_tells) const;
+
   /// Observations that rebuild() would go through.
   std::size_t num_observations() const;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "view/map_data.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "text/base64.hpp"
@@ -109,6 +110,11 @@ std::string landmark_columns_json(const std::vector<Landmark>& landmarks,
   add_number("se_y", &Landmark::se_y_m, 4);
   add_number("width", &Landmark::width_m, 4);
   add_number("width_sd", &Landmark::width_sd_m, 4);
+  const auto is_long = [](const Landmark& l) { return l.length_m > 0.0; };
+  if (std::any_of(landmarks.begin(), landmarks.end(), is_long)) {
+    add_number("length", &Landmark::length_m, 3);
+    add_number("direction", &Landmark::direction_rad, 4);
+  }
   add("row", [](const Landmark& l) { return std::to_string(l.row); });
   add("position", [](const Landmark& l) { return std::to_string(l.position); });
   if (georeference) {

@@ -95,6 +95,8 @@ class MapperNode : public bus::Node {
   using Queue = timing::OrderedQueue<Waiting, kNumKinds>;
   static Queue::Rules rules_of(const mapping::MapperConfig& config);
 
+  std::vector<mapping::Landmark> standing_landmarks() const;
+  std::size_t drop_legs(std::vector<mapping::Landmark>& landmarks) const;
   void join_long(std::vector<mapping::Landmark>& landmarks) const;
   const std::string& votes_text() const;
   void add_scan(const laser::Scan& scan);

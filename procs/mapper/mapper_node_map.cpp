@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -8,6 +9,19 @@
 #include "mapping/rows/rows.hpp"
 
 namespace orchard::procs {
+namespace {
+
+/// Takes those of `ids`, which rise, out of the landmarks; how many those were.
+std::size_t drop(const std::vector<std::int32_t>& ids, std::vector<mapping::Landmark>& landmarks) {
+  const std::size_t num_before = landmarks.size();
+  const auto is_dropped = [&](const mapping::Landmark& l) {
+    return std::binary_search(ids.begin(), ids.end(), l.id);
+  };
+  landmarks.erase(std::remove_if(landmarks.begin(), landmarks.end(), is_dropped), landmarks.end());
+  return num_before - landmarks.size();
+}
+
+}  // namespace
 
 /// Trees of rows stand there for themselves, and so does a stem that is as sharp as theirs and what
 /// a camera called a tree: a laser alone takes a hedge's bits for trunks.
@@ -18,22 +32,41 @@ void MapperNode::join_long(std::vector<mapping::Landmark>& landmarks) const {
     return l.row > 0 || seen_as_tree || stems.contains(l);
   };
   landmarks = mapping::join_long_things(std::move(landmarks), widest_m_, mapper_.seen_blocked(),
-                                        stands_alone);
+                                        mapper_.seen_free(), stands_alone);
+}
+
+/// What was seen often enough and, by all scans of the drive, stands there.
+std::vector<mapping::Landmark> MapperNode::standing_landmarks() const {
+  std::vector<mapping::Landmark> all = landmarks();
+  drop(mapper_.stray_ids(), all);
+  return all;
+}
+
+/// Leaves out the legs of people, of landmarks with rows; how many those were.
+std::size_t MapperNode::drop_legs(std::vector<mapping::Landmark>& landmarks) const {
+  return drop(mapper_.leg_ids(landmarks, has_camera_), landmarks);
 }
 
 std::vector<mapping::Landmark> MapperNode::numbered_landmarks() const {
-  std::vector<mapping::Landmark> all = landmarks();
+  std::vector<mapping::Landmark> all = standing_landmarks();
   if (config_.rows.enabled) mapping::number_landmarks(mapping::find_rows(all, config_.rows), all);
+  drop_legs(all);
   join_long(all);
   return all;
 }
 
 io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {
-  io::MapFolderContent content{landmarks(), track_.poses(), summary, {}};
+  io::MapFolderContent content{standing_landmarks(), track_.poses(), summary, {}};
   if (config_.rows.enabled) {
     content.rows = mapping::find_rows(content.landmarks, config_.rows);
     mapping::number_landmarks(content.rows, content.landmarks);
   }
+  const std::size_t num_all = landmarks().size(), num_standing = content.landmarks.size();
+  const std::size_t num_legs = drop_legs(content.landmarks);
+  if (num_standing < num_all) {
+    content.summary.counts.emplace_back("strays_left_out", num_all - num_standing);
+  }
+  if (num_legs > 0) content.summary.counts.emplace_back("legs_left_out", num_legs);
   join_long(content.landmarks);
   content.photographs = album_.photographs([this](std::int64_t utime) { return track_.at(utime); });
   content.album_bytes_max = album_.max_bytes();

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "io/figure/label_placement.hpp"
+#include "mapping/extent/outline.hpp"
 
 namespace orchard::io {
 namespace {
@@ -80,6 +81,21 @@ double radius_px(const MapFrame& frame, const Landmark& l, const Sizes& sizes) {
   return std::max(sizes.radius_px, 0.5 * l.width_m * frame.px_per_m());
 }
 
+/// Hedges and walls as long as they are; all else as a disc, large enough to be found.
+void draw_landmark(const MapFrame& frame, const Landmark& l, const Sizes& sizes,
+                   LabelPlacement& placement, Canvas& canvas) {
+  const Style style = style_of(l.label);
+  if (l.length_m > 0.0) {
+    std::vector<PixelPoint> rim;
+    for (const Eigen::Vector2d& p : mapping::outline_of(l)) rim.push_back(frame.at(p.x(), p.y()));
+    return canvas.polygon(rim, style.fill, style.stroke);
+  }
+  const PixelPoint p = frame.at(l.x_m, l.y_m);
+  const double r = radius_px(frame, l, sizes);
+  canvas.circle(p, r, style.fill, style.stroke);
+  placement.take({p.x - r, p.y - r, p.x + r, p.y + r});
+}
+
 /// The number of a row beyond its first place.
 void draw_row_numbers(const MapFrame& frame, const std::vector<mapping::Row>& rows,
                       LabelPlacement& placement, Canvas& canvas) {
@@ -147,7 +163,12 @@ std::string map_figure(const std::vector<Landmark>& landmarks,
                        const std::vector<mapping::Row>& rows, const mapping::NavigationGraph& graph,
                        FigureFormat format, const MapHeading& heading) {
   std::vector<Eigen::Vector2d> points;
-  for (const Landmark& l : landmarks) points.push_back({l.x_m, l.y_m});
+  for (const Landmark& l : landmarks) {
+    points.push_back({l.x_m, l.y_m});
+    if (l.length_m == 0.0) continue;
+    const std::vector<Eigen::Vector2d> rim = mapping::outline_of(l);
+    points.insert(points.end(), rim.begin(), rim.end());
+  }
   for (const pose::PoseEstimate& p : trajectory) points.push_back({p.x_m, p.y_m});
   for (const mapping::NavigationNode& node : graph.nodes) points.push_back(node.p_map);
   for (const mapping::NavigationEdge& edge : graph.edges) {
@@ -166,11 +187,7 @@ std::string map_figure(const std::vector<Landmark>& landmarks,
   LabelPlacement placement(frame.box());
   for (const Label label : {Label::kUnseen, Label::kObject, Label::kTree}) {  // trees on top
     for (const Landmark& l : landmarks) {
-      if (l.label != label) continue;
-      const PixelPoint p = frame.at(l.x_m, l.y_m);
-      const double r = radius_px(frame, l, sizes);
-      canvas.circle(p, r, style_of(label).fill, style_of(label).stroke);
-      placement.take({p.x - r, p.y - r, p.x + r, p.y + r});
+      if (l.label == label) draw_landmark(frame, l, sizes, placement, canvas);
     }
   }
   draw_row_numbers(frame, rows, placement, canvas);

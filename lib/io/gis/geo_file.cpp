@@ -230,6 +230,7 @@ void GeoFile::begin_layer(const GeoLayer& layer) {
   }
   const auto type = m.is_table                              ? wkbNone
                     : layer.geometry == GeoGeometry::kPoint ? wkbPoint
+                    : layer.geometry == GeoGeometry::kArea  ? wkbPolygon
                                                             : wkbLineString;
   m.layer = m.dataset->CreateLayer(layer.name, is_drawing || m.is_table ? nullptr : &m.srs,
                                    is_drawing ? wkbUnknown : type, options.List());
@@ -293,8 +294,16 @@ void GeoFile::add(const std::vector<GeoValue>& values,
   }
   OGRPoint point;
   if (points_map.size() == 1) line.getPoint(0, &point);
-  const OGRGeometry& geometry =
-      points_map.size() == 1 ? static_cast<const OGRGeometry&>(point) : line;
+  OGRPolygon area;
+  if (m.begun.geometry == GeoGeometry::kArea) {
+    OGRLinearRing rim;
+    rim.addSubLineString(&line);
+    rim.closeRings();
+    area.addRing(&rim);
+  }
+  const OGRGeometry& geometry = points_map.size() == 1 ? static_cast<const OGRGeometry&>(point)
+                                : area.IsEmpty()       ? static_cast<const OGRGeometry&>(line)
+                                                       : area;
   if (m.info.format == GeoFormat::kDxf) {
     m.add_drawing(values, geometry);
     return;

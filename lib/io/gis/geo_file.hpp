@@ -13,7 +13,7 @@
 
 namespace orchard::io {
 
-enum class GeoGeometry { kPoint, kLine };
+enum class GeoGeometry { kPoint, kLine, kArea };
 enum class GeoType { kInteger, kInteger64, kReal, kText };
 
 struct GeoField {
@@ -89,7 +89,8 @@ class GeoFile {
   /// Starts a layer; what is added from now on goes there.
   void begin_layer(const GeoLayer& layer);
 
-  /// One feature: a value per field, and its points (one for kPoint, else at least two).
+  /// One feature: a value per field, and its points (one for kPoint, two or more
+  /// for kLine; of kArea its rim, three or more, the first not again).
   void add(const std::vector<GeoValue>& values, const std::vector<Eigen::Vector2d>& points_map);
 
   /// Layers that were left out.

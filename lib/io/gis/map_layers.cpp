@@ -7,6 +7,7 @@
 #include "detection/label_text.hpp"
 #include "geometry/angles.hpp"
 #include "io/gis/qgis_style.hpp"
+#include "mapping/extent/outline.hpp"
 
 namespace orchard::io {
 namespace {
@@ -106,6 +107,29 @@ void write_landmarks(const MapLayers& map, GeoFile& file) {
     const std::string note = note_of(map, l.id);
     values.push_back(note.empty() ? GeoValue() : GeoValue(note));
     file.add(values, {p_map});
+  }
+}
+
+/// What is no trunk covers ground: bushes, posts, hedges, walls.
+void write_extents(const MapLayers& map, GeoFile& file) {
+  QgisStyle style;
+  style.is_area = true;
+  style.symbols = {{"", "object", "solid", kRed, 0.2}};
+  file.begin_layer({"extents",
+                    GeoGeometry::kArea,
+                    "What objects cover: bushes, hedges, walls, posts; id as in landmarks",
+                    {{"id", GeoType::kInteger},
+                     {"width_m", GeoType::kReal},
+                     {"length_m", GeoType::kReal},
+                     {"direction_deg", GeoType::kReal}},
+                    qml_text(style)});
+  for (const mapping::Landmark& l : *map.landmarks) {
+    const std::vector<Eigen::Vector2d> rim = mapping::outline_of(l);
+    if (l.label != Label::kObject || rim.empty()) continue;
+    const bool is_long = l.length_m > 0.0;
+    file.add({integer(l.id), l.width_m, is_long ? GeoValue(l.length_m) : GeoValue(),
+              is_long ? GeoValue(l.direction_rad * 180.0 / geometry::kPi) : GeoValue()},
+             rim);
   }
 }
 
@@ -222,6 +246,7 @@ void write_map_layers(const MapLayers& layers, GeoFile& file) {
     file.set_metadata(kCorrectionsMetadata, std::to_string(layers.num_corrections));
   }
   write_landmarks(layers, file);
+  write_extents(layers, file);
   write_paths(layers, file);
   write_rows(layers, file);
   if (layers.graph != nullptr) write_graph(*layers.graph, file);

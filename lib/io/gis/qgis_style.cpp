@@ -17,12 +17,21 @@ std::string property(const char* name, const std::string& value) {
 std::string symbol_text(const QgisStyle& style, std::size_t i) {
   const QgisSymbol& symbol = style.symbols[i];
   const std::string colour = std::string(symbol.colour) + ",255";
-  std::string text = "   <symbol name=" + quoted(std::to_string(i)) +
-                     " type=" + (style.is_line ? "\"line\"" : "\"marker\"") +
+  std::string text = "   <symbol name=" + quoted(std::to_string(i)) + " type=" +
+                     quoted(style.is_area   ? "fill"
+                            : style.is_line ? "line"
+                                            : "marker") +
                      " alpha=\"1\" clip_to_extent=\"1\">\n    <layer class=" +
-                     (style.is_line ? "\"SimpleLine\"" : "\"SimpleMarker\"") +
+                     quoted(style.is_area   ? "SimpleFill"
+                            : style.is_line ? "SimpleLine"
+                                            : "SimpleMarker") +
                      " enabled=\"1\" locked=\"0\" pass=\"0\">\n";
-  if (style.is_line) {
+  if (style.is_area) {
+    text += property("color", std::string(symbol.colour) + ",90") +
+            property("style", symbol.shape) + property("outline_color", colour) +
+            property("outline_width", fixed_text(symbol.size_mm, 2)) +
+            property("outline_width_unit", "MM");
+  } else if (style.is_line) {
     text += property("line_color", colour) + property("line_style", symbol.shape) +
             property("line_width", fixed_text(symbol.size_mm, 2)) +
             property("line_width_unit", "MM");

@@ -10,15 +10,16 @@ namespace orchard::io {
 struct QgisSymbol {
   const char* value;   ///< of the field that tells kinds apart; "" where there is one kind
   const char* legend;  ///< in words
-  const char*
-      shape;  ///< of a marker: circle, square, diamond, cross_fill ...; of a line: solid, dash
+  const char* shape;   ///< of a marker: circle, square, diamond, cross_fill ...; of a line: solid,
+                      ///< dash; of an area: solid
   const char* colour;
-  double size_mm;  ///< of a marker; of a line its width
+  double size_mm;  ///< of a marker; of a line its width, of an area its rim's
 };
 
-/// A layer's style as QGIS keeps it (QML, of QGIS 3): points or lines by kind, and a label.
+/// A layer's style as QGIS keeps it (QML, of QGIS 3): points, lines or areas by kind, and a label.
 struct QgisStyle {
   bool is_line = false;
+  bool is_area = false;
   const char* field = "";  ///< that tells kinds apart; "": there is one
   std::vector<QgisSymbol> symbols;
   const char* label = "";  ///< expression; "": none

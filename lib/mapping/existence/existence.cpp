@@ -6,46 +6,18 @@
 #include <cmath>
 
 #include "mapping/candidate.hpp"
+#include "mapping/existence/existence_odds.hpp"
 
 namespace orchard::mapping {
 namespace {
 
-/// Probability that beams pass through where a standing thing is: thin things and wrong poses.
-constexpr double kPassRate = 0.1;
-
-/// The same where a thing is gone: something else may stand in front.
-constexpr double kPassRateGone = 0.7;
-
-/// Beams across a thing from which on their evidence counts in full.
-constexpr int kFullBeams = 6;
-
 /// Most log odds that observations of beams give a thing, so that it can be given up again.
 constexpr double kBeamLogOddsMax = 8.0;
-
-/// Log odds of existence below which a landmark is dropped (12 %).
-constexpr double kLogOddsGone = -2.0;
 
 /// Scans that a new thing's place is looked up in: a minute's, at most.
 constexpr std::size_t kLooksBack = 240;
 
 using Eigen::Vector2d;
-
-const double kOfPassing = std::log(kPassRate / kPassRateGone);
-const double kOfReturn = std::log((1.0 - kPassRate) / (1.0 - kPassRateGone));
-
-/// Log odds that something stands at a place of which a scan says this.
-double log_odds_of(const FreeSpaceAnswer& answer) {
-  const double fraction = std::min(1.0, static_cast<double>(answer.num_across) / kFullBeams);
-  switch (answer.verdict) {
-    case FreeSpaceVerdict::kUnknown:
-      break;
-    case FreeSpaceVerdict::kReturns:
-      return kOfReturn;
-    case FreeSpaceVerdict::kPassesThrough:
-      return fraction * fraction * kOfPassing;
-  }
-  return 0.0;
-}
 
 /// The weight of a landmark in whether a scan's pose can be trusted is its number of observations,
 /// up to this.
@@ -56,7 +28,7 @@ int pose_weight(const LandmarkRecord& r) { return std::min(r.num_all, kPoseWeigh
 }  // namespace
 
 bool ExistenceFilter::was_free_before(const Vector2d& p_map, double width_m, double sd_m) const {
-  double log_odds = kOfReturn;  // the observation itself
+  double log_odds = log_odds_of_return();  // the observation itself
   for (const Look& look : looks_) {
     const Vector2d base_map(look.T_map_base.x_m, look.T_map_base.y_m);
     if ((base_map - p_map).norm() > kBeamReach_m) continue;
@@ -87,7 +59,8 @@ ExistenceFilter::Evidence ExistenceFilter::evidence_of(const std::vector<std::in
   const Vector2d laser_map = base_map + R_map_base * p_base_laser_;
   const std::int32_t scan = changed_ids.empty() ? -1 : landmarks[changed_ids.front() - 1].last_scan;
   Evidence all;
-  for (const std::int32_t id : changed_ids) all.of_landmarks.push_back({id - 1, kOfReturn});
+  for (const std::int32_t id : changed_ids)
+    all.of_landmarks.push_back({id - 1, log_odds_of_return()});
   landmarks.near(laser_map, kBeamReach_m, [&](std::int32_t i, const LandmarkRecord& r) {
     if (r.last_scan == scan) {
       all.for_pose += pose_weight(r);

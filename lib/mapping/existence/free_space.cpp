@@ -30,6 +30,8 @@ constexpr std::uint8_t kNoReturn = 255;
 constexpr double kRough_m = 0.05;
 /// Beams that must cross a thing's own width, all of them going on, to say that it is gone.
 constexpr int kFewestAcross = 2;
+/// Half as wide as from one beam to the next.
+constexpr double kOneBeam = 0.5;
 
 }  // namespace
 
@@ -131,8 +133,12 @@ FreeSpaceAnswer FreeSpace::at(const Vector2d& p_base, double width_m, double sd_
   const double across_m = 0.5 * width_m + sigmas_ * sd_m;
   if (range_m + along_m > reach_m_ || range_m < along_m + across_m) return {};
   const double beams_per_rad = 1.0 / std::abs(bearing_step_rad_);
-  const double reach = std::asin(std::min(1.0, across_m / range_m)) * beams_per_rad;
-  const double own = std::asin(std::min(1.0, 0.5 * width_m / range_m)) * beams_per_rad;
+  double reach = std::asin(std::min(1.0, across_m / range_m)) * beams_per_rad;
+  double own = std::asin(std::min(1.0, 0.5 * width_m / range_m)) * beams_per_rad;
+  // One beam at least meets what is as wide as from one to the next: the two that it lies between
+  // tell of it.
+  if (own >= kOneBeam) own = std::max(own, 1.0);
+  reach = std::max(reach, own);
   if (!(middle - reach >= 0.0 && middle + reach <= last)) return {};
 
   int num = 0, num_past = 0, num_own = 0, num_own_past = 0;

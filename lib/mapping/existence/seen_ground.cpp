@@ -47,14 +47,31 @@ const FreeSpace* SeenGround::free_space(std::int32_t number) {
 
 bool SeenGround::Votes::is_passable() const { return num_passes >= kReturnWeight * num_returns; }
 
-SeenGround::Votes SeenGround::votes_at(const Eigen::Vector2d& p_map) {
-  std::vector<std::pair<double, std::int32_t>> near;  // squared distance, index
+/// Scans from where the place is in reach, by rising squared distance.
+std::vector<std::pair<double, std::int32_t>> SeenGround::scans_near(
+    const Eigen::Vector2d& p_map) const {
+  std::vector<std::pair<double, std::int32_t>> near;
   grid_.near(p_map.x(), p_map.y(), kBeamReach_m, [&](std::int32_t i) {
     const double square =
         (scans_[static_cast<std::size_t>(i)].x_y_yaw.head<2>() - p_map).squaredNorm();
     if (square <= kBeamReach_m * kBeamReach_m) near.emplace_back(square, i);
   });
   std::sort(near.begin(), near.end());
+  return near;
+}
+
+void SeenGround::visit_views(
+    const Eigen::Vector2d& p_map,
+    const std::function<bool(std::int32_t scan, const FreeSpace& beams)>& visit) {
+  for (const auto& [square, i] : scans_near(p_map)) {
+    const std::int32_t number = scans_[static_cast<std::size_t>(i)].number;
+    const FreeSpace* beams = free_space(number);
+    if (beams != nullptr && !visit(number, *beams)) return;
+  }
+}
+
+SeenGround::Votes SeenGround::votes_at(const Eigen::Vector2d& p_map) {
+  const std::vector<std::pair<double, std::int32_t>> near = scans_near(p_map);
   Votes votes;
   votes.is_driven = !near.empty() && near.front().first <= kDriven_m * kDriven_m;
   if (votes.is_driven) return votes;

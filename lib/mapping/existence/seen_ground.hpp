@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "geometry/point_grid.hpp"
@@ -34,6 +35,11 @@ class SeenGround {
   /// Whether those scans met something there, and too often for it to be free.
   bool is_blocked(const Eigen::Vector2d& p_map);
 
+  /// Calls visit(scan, beams) for each scan that may have a view of a place, the nearest first,
+  /// until it returns false.
+  void visit_views(const Eigen::Vector2d& p_map,
+                   const std::function<bool(std::int32_t scan, const FreeSpace& beams)>& visit);
+
  private:
   struct Votes {
     int num_passes = 0, num_returns = 0;
@@ -41,6 +47,7 @@ class SeenGround {
     bool is_passable() const;
   };
   Votes votes_at(const Eigen::Vector2d& p_map);
+  std::vector<std::pair<double, std::int32_t>> scans_near(const Eigen::Vector2d& p_map) const;
 
   struct Scan {
     std::int32_t number = 0;

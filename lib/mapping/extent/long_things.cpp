@@ -28,7 +28,7 @@ double gap_m(const Landmark& a, const Landmark& b) {
 }
 
 /// Whether every place from one rim to the other was seen to be blocked.
-bool is_shut(const Vector2d& from, const Vector2d& to, const IsBlocked& is_blocked) {
+bool is_shut(const Vector2d& from, const Vector2d& to, const SeenAs& is_blocked) {
   const double between_m = (to - from).norm();
   const auto num = static_cast<int>(std::ceil((between_m - kHedgeTouch_m) / kHedgeTouch_m));
   for (int i = 0; i < num; ++i) {
@@ -39,7 +39,7 @@ bool is_shut(const Vector2d& from, const Vector2d& to, const IsBlocked& is_block
   return true;
 }
 
-bool are_one(const Landmark& a, const Landmark& b, const IsBlocked& is_blocked) {
+bool are_one(const Landmark& a, const Landmark& b, const SeenAs& is_blocked) {
   if (gap_m(a, b) <= kHedgeTouch_m) return true;
   const Vector2d along = (at(b) - at(a)).normalized();
   return is_shut(at(a) + 0.5 * a.width_m * along, at(b) - 0.5 * b.width_m * along, is_blocked);
@@ -207,10 +207,22 @@ Landmark joined(const std::vector<Landmark>& landmarks, const Stretch& stretch) 
   return whole;
 }
 
-/// Joins stretches in line with each other where all between them is blocked, no longer than the
-/// longer of the two: what was too wide to be reported at all.
-void join_in_line(const std::vector<Landmark>& landmarks, double widest_m,
-                  const IsBlocked& is_blocked, std::vector<Stretch>& stretches) {
+/// Whether the middle of the shorter of two stretches lies on the line of the longer one, as far as
+/// their widths tell.
+bool is_in_line(const std::vector<Landmark>& landmarks, const Stretch& a, const Stretch& b) {
+  const Stretch& longer = a.length_m < b.length_m ? b : a;
+  const Stretch& shorter = a.length_m < b.length_m ? a : b;
+  const Vector2d along = main_direction(landmarks, longer.members);
+  const Across of_longer = across_of(landmarks, longer.members, longer.origin, along);
+  const Across of_shorter = across_of(landmarks, shorter.members, longer.origin, along);
+  return std::abs(of_shorter.middle_m - of_longer.middle_m) <=
+         0.5 * (of_longer.width_m + of_shorter.width_m) + kHedgeTouch_m;
+}
+
+/// Joins stretches in line with each other where no way through was seen free between them, no
+/// longer than the longer of the two: what was too wide to be reported at all, or never in view.
+void join_in_line(const std::vector<Landmark>& landmarks, double widest_m, const SeenAs& is_free,
+                  std::vector<Stretch>& stretches) {
   const auto join = [&](Stretch& a, const Stretch& b) {
     Group both = a.members;
     both.insert(both.end(), b.members.begin(), b.members.end());
@@ -218,23 +230,25 @@ void join_in_line(const std::vector<Landmark>& landmarks, double widest_m,
     const Span first = span_of(landmarks, a.members, a.origin, along);
     const Span second = span_of(landmarks, b.members, a.origin, along);
     const Across across = across_of(landmarks, both, a.origin, along);
-    if (across.width_m > widest_m) return false;
+    if (across.width_m > widest_m || !is_in_line(landmarks, a, b)) return false;
     const Span& near = first.from_m < second.from_m ? first : second;
     const Span& far = first.from_m < second.from_m ? second : first;
     const double gap = far.from_m - near.to_m;
     if (gap > std::max(first.length_m(), second.length_m())) return false;
-    // Scans meet a face of it, and what lies behind that is hidden.
+    // A gate is free from one face of the hedge to the other; foliage lets a beam in here and
+    // there.
     const Vector2d sideways(-along.y(), along.x());
-    const auto meets_face = [&](const Vector2d& p_map) {
-      for (double off_m = -0.5 * widest_m; off_m <= 0.5 * widest_m; off_m += kHedgeTouch_m) {
-        if (is_blocked(p_map + off_m * sideways)) return true;
-      }
-      return false;
-    };
     const Vector2d middle = a.origin + across.middle_m * sideways;
-    if (gap > kHedgeTouch_m &&
-        !is_shut(middle + near.to_m * along, middle + far.from_m * along, meets_face)) {
-      return false;
+    const double half_m = 0.5 * std::max(across.width_m, kHedgeTouch_m);
+    const auto is_gate = [&](const Vector2d& p_map) {
+      for (double off_m = -half_m; off_m <= half_m; off_m += kHedgeTouch_m) {
+        if (!is_free(p_map + off_m * sideways)) return false;
+      }
+      return true;
+    };
+    for (double s_m = near.to_m + kHedgeTouch_m; s_m <= far.from_m - kHedgeTouch_m;
+         s_m += kHedgeTouch_m) {
+      if (is_gate(middle + s_m * along)) return false;
     }
     std::sort(both.begin(), both.end());
     a = {std::move(both), a.origin, along, std::max(near.to_m, far.to_m) - near.from_m};
@@ -252,7 +266,7 @@ void join_in_line(const std::vector<Landmark>& landmarks, double widest_m,
 
 /// Pairs nearer than `widest_m` between which nothing passes.
 Links find_links(const std::vector<Landmark>& landmarks, const Group& members, double widest_m,
-                 const IsBlocked& is_blocked) {
+                 const SeenAs& is_blocked) {
   geometry::PointGrid grid(2.0 * widest_m);
   double width_most_m = 0.0;
   Links links(landmarks.size());
@@ -276,7 +290,7 @@ Links find_links(const std::vector<Landmark>& landmarks, const Group& members, d
 }  // namespace
 
 std::vector<Landmark> join_long_things(std::vector<Landmark> landmarks, double widest_m,
-                                       const IsBlocked& is_blocked,
+                                       const SeenAs& is_blocked, const SeenAs& is_free,
                                        const std::function<bool(const Landmark&)>& stands_alone) {
   Group members;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
@@ -302,7 +316,7 @@ std::vector<Landmark> join_long_things(std::vector<Landmark> landmarks, double w
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     if (!is_part[i]) all.push_back(landmarks[i]);
   }
-  join_in_line(landmarks, widest_m, is_blocked, stretches);
+  join_in_line(landmarks, widest_m, is_free, stretches);
   for (const Stretch& stretch : stretches) all.push_back(joined(landmarks, stretch));
   std::sort(all.begin(), all.end(),
             [](const Landmark& a, const Landmark& b) { return a.id < b.id; });

@@ -29,6 +29,7 @@ function landmarkFacts(model, i) {
       facts.push(["Trunk cross-section", `${(2500 * Math.PI * width * width).toFixed(1)} cm²`]);
     }
   }
+  if (model.isHedge(i)) facts.push(["Length", `${c.length[i].toFixed(1)} m`]);
   facts.push(["Place x, y", `${c.x[i].toFixed(3)}, ${c.y[i].toFixed(3)} m`]);
   if (c.se_x[i] > 0 || c.se_y[i] > 0) {
     facts.push(["Standard error", `${(1000 * c.se_x[i]).toFixed(1)}, ${(1000 * c.se_y[i]).toFixed(1)} mm`]);

@@ -7,6 +7,13 @@ const kClassTitles = ["Tree", "Object", "Not judged yet"];
 // Sides of the index's cells: a few trees lie in each.
 const kCell_m = 8;
 
+// From a place to the line a-b.
+function distanceToLine({ ax, ay, bx, by }, x, y) {
+  const dx = bx - ax, dy = by - ay;
+  const part = Math.min(1, Math.max(0, ((x - ax) * dx + (y - ay) * dy) / Math.max(1e-9, dx * dx + dy * dy)));
+  return Math.hypot(x - ax - part * dx, y - ay - part * dy);
+}
+
 class MapModel {
   constructor(data) {
     this.columns = {};
@@ -68,8 +75,26 @@ class MapModel {
     this.cells_ = null;
     this.styles_ = null;
     this.byPlace_ = null;
+    this.hedges_ = null;
     this.box_ = null;
   }
+
+  // Hedges and walls, as lines along their middles: { i, ax, ay, bx, by }.
+  get hedges() {
+    if (!this.hedges_) {
+      const { x, y, width, length, direction } = this.columns;
+      this.hedges_ = [];
+      length.forEach((long, i) => {
+        if (!(long > 0)) return;
+        const half = Math.max(0, long - width[i]) / 2;
+        const dx = half * Math.cos(direction[i]), dy = half * Math.sin(direction[i]);
+        this.hedges_.push({ i, ax: x[i] - dx, ay: y[i] - dy, bx: x[i] + dx, by: y[i] + dy });
+      });
+    }
+    return this.hedges_;
+  }
+
+  isHedge(i) { return this.columns.length[i] > 0; }
 
   get count() { return this.columns.id.length; }
 
@@ -109,6 +134,7 @@ class MapModel {
       box[2] = Math.max(box[2], x); box[3] = Math.max(box[3], y);
     };
     for (let i = 0; i < this.count; ++i) add(this.columns.x[i], this.columns.y[i]);
+    for (const hedge of this.hedges) { add(hedge.ax, hedge.ay); add(hedge.bx, hedge.by); }
     for (const path of this.paths) for (let k = 0; k + 1 < path.length; k += 2) add(path[k], path[k + 1]);
     this.box_ = box[0] <= box[2] ? box : null;
     return this.box_;
@@ -144,7 +170,7 @@ class MapModel {
     return found;
   }
 
-  // The landmark nearest to a place, within a distance; -1 for none.
+  // The landmark nearest to a place, within a distance; else a hedge that covers it; -1 for none.
   nearest(x, y, within_m) {
     const near = this.inBox([x - within_m, y - within_m, x + within_m, y + within_m]);
     let best = -1, least = within_m * within_m;
@@ -153,7 +179,9 @@ class MapModel {
       if (dx * dx + dy * dy <= least) { least = dx * dx + dy * dy; best = i; }
     };
     if (near) near.forEach(look); else for (let i = 0; i < this.count; ++i) look(i);
-    return best;
+    if (best >= 0) return best;
+    const covering = this.hedges.find((hedge) => distanceToLine(hedge, x, y) <= this.columns.width[hedge.i] / 2);
+    return covering ? covering.i : -1;
   }
 
   // The tree with that row and number; -1 for none.
@@ -177,4 +205,4 @@ class MapModel {
 }
 
 MapModel.columnNames = ["id", "label", "x", "y", "n", "roc", "probability", "se_x", "se_y", "width", "width_sd", "row",
-  "position", "latitude", "longitude"];
+  "position", "latitude", "longitude", "length", "direction"];

@@ -6,6 +6,9 @@ const kShapesMost = 4000;
 // Pixels per metre from which on things without a number of a row show their ids.
 const kScaleOfIds = 50;
 
+// So that what stands within a hedge shows.
+const kHedgeFade = 0.6;
+
 class SceneBrush {
   constructor(context, view, ratio, painter) {
     Object.assign(this, { context, view, ratio, model: painter.model, theme: painter.theme, shown: painter.shown,
@@ -106,9 +109,26 @@ class SceneBrush {
     return label === kTree ? this.shown.trees : label === kObject ? this.shown.objects : this.shown.unseen;
   }
 
+  // Hedges and walls lie as they are, also where only a part of them is in view.
+  paintHedges() {
+    const { context, view, model, theme } = this;
+    context.lineCap = "round";
+    for (const { i, ax, ay, bx, by } of model.hedges) {
+      if (!this.isShown(model.columns.label[i])) continue;
+      context.beginPath();
+      this.addLine([ax, ay, bx, by]);
+      context.strokeStyle = theme.colourOfClass(model.columns.label[i]);
+      context.lineWidth = Math.max(2, model.columns.width[i] * view.scale);
+      context.globalAlpha = kHedgeFade;
+      context.stroke();
+    }
+    context.globalAlpha = 1;
+  }
+
   // Returns the indices in view, or null where there are too many for labels.
   paintLandmarks() {
     const { view, model } = this;
+    this.paintHedges();
     const found = model.inBox(view.box(30));
     if ((found || model.columns.id).length > kShapesMost) {
       this.paintDots();
@@ -118,7 +138,7 @@ class SceneBrush {
     const radius = symbolRadius_px(view.scale);
     for (const i of inView) {
       const label = model.columns.label[i];
-      if (!this.isShown(label)) continue;
+      if (!this.isShown(label) || model.isHedge(i)) continue;
       drawLandmark(this.context, label, label === kUnseen ? 2 : model.certainty(i), view.toScreenX(model.columns.x[i]),
         view.toScreenY(model.columns.y[i]), Math.max(radius, model.columns.width[i] * view.scale / 2),
         this.theme.colourOfClass(label));

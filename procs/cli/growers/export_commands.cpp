@@ -35,7 +35,7 @@ void add_export(CLI::App& app, Run& run) {
             ->type_name("FILE");
         command.add_option("--layer", o.layer, "this one alone")
             ->check(CLI::IsMember(
-                {"landmarks", "path", "rows", "gaps", "alleys", "headlands", "nodes"}));
+                {"landmarks", "extents", "path", "rows", "gaps", "alleys", "headlands", "nodes"}));
         command.add_flag("--as-mapped", o.as_mapped, "without what people corrected");
         command.add_flag("--overwrite", o.overwrite, "replace FILE where it is there already");
         command.add_flag("--json", o.json, "for programs");

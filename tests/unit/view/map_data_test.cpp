@@ -66,11 +66,21 @@ TEST(MapData, HasEveryLandmarkInColumns) {
   EXPECT_EQ(columns["position"], json({3, 3, 3}));
   EXPECT_NEAR(columns["width"][1].get<double>(), 0.123, 1e-4);
   for (const auto& [name, column] : columns.items()) EXPECT_EQ(column.size(), 3u) << name;
+  EXPECT_FALSE(columns.contains("length")) << "nothing is longer than wide";
   EXPECT_FALSE(columns.contains("latitude")) << "its place on the earth is not known";
   EXPECT_EQ(read["rows"][0]["line"], json({0.0, 0.0, 0.0, 3.0}));
   EXPECT_EQ(read["rows"][0]["gaps"], json::parse("[[2, 0.0, 1.5]]"));
   EXPECT_EQ(read["ways"][0]["line"], json({1.0, 2.0, 3.0, 4.0}));
   EXPECT_EQ(read["paths"][0], json({0.0, 0.0, 2.0, 0.0})) << "the straight path's two ends";
+
+  std::vector<mapping::Landmark> with_hedge = landmarks;
+  with_hedge[1].length_m = 7.5;
+  with_hedge[1].direction_rad = -0.25;
+  map_data.landmarks = &with_hedge;
+  const json hedge = json::parse(map_data_json(map_data))["landmarks"];
+  EXPECT_EQ(hedge["length"], json({0.0, 7.5, 0.0}));
+  EXPECT_EQ(hedge["direction"], json({0.0, -0.25, 0.0}));
+  map_data.landmarks = &landmarks;
 
   map_data.georeference = geometry::Georeference{-27.6, 151.9, 500.0, 0.0, 0.0, 0.0, 0.05};
   const json placed = json::parse(map_data_json(map_data));

@@ -79,6 +79,20 @@ TEST(MapFigure, LandmarksStandTrueToScale) {
   expect_whole(page);
 }
 
+TEST(MapFigure, AHedgeIsALineOfItsLengthAndWidth) {
+  std::vector<Landmark> landmarks = rectangle_of_four();
+  landmarks[3] = landmark(4, Label::kObject, 2.0, 1.5, 0.5);
+  landmarks[3].length_m = 3.0;
+  const cv::Mat page = picture_of(landmarks);
+  const auto trees = spots_of(page, kTree, 400);
+  const auto objects = spots_of(page, kObject, 400);
+  ASSERT_EQ(trees.size(), 3u);
+  ASSERT_EQ(objects.size(), 1u);
+  const double px_per_m = (trees[2].x - std::min(trees[0].x, trees[1].x)) / 4.0;
+  EXPECT_NEAR(objects[0].box.width, 3.0 * px_per_m, 3.0);
+  EXPECT_NEAR(objects[0].box.height, 0.5 * px_per_m, 3.0);
+}
+
 TEST(MapFigure, TheScaleBarIsARoundNumberOfMetres) {
   const cv::Mat page = picture_of(rectangle_of_four());
   const auto trees = spots_of(page, kTree, 400);

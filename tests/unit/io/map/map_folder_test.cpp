@@ -128,6 +128,42 @@ TEST(MapGeopackage, OpensWithBothLayers) {
   EXPECT_EQ(path->GetFeatureCount(), 1);
 }
 
+TEST(MapGeopackage, AHedgeIsAnAreaAsLongAndAsWideAsItIs) {
+  const TestFolder folder;
+  MapFolderContent content = make_content(4);
+  mapping::Landmark& hedge = content.landmarks[1];
+  hedge.label = detection::Label::kObject;
+  hedge.width_m = 0.8;
+  hedge.length_m = 12.8;
+  hedge.direction_rad = 0.5;
+  write_map_folder(folder.path(), content);
+  const std::unique_ptr<GDALDataset> dataset(
+      GDALDataset::Open((folder / "map.gpkg").c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY));
+  ASSERT_NE(dataset, nullptr);
+  OGRLayer* extents = dataset->GetLayerByName("extents");
+  ASSERT_NE(extents, nullptr);
+  bool is_there = false;
+  for (const auto& area : *extents) {
+    if (area->GetFieldAsInteger("id") != hedge.id) continue;
+    is_there = true;
+    ASSERT_EQ(wkbFlatten(area->GetGeometryRef()->getGeometryType()), wkbPolygon);
+    const OGRPolygon& polygon = *area->GetGeometryRef()->toPolygon();
+    EXPECT_TRUE(polygon.IsValid());
+    // 12 m between the middles of its round ends
+    EXPECT_NEAR(polygon.get_Area(), 12.0 * 0.8 + M_PI * 0.4 * 0.4, 0.01);
+    OGRPoint middle;
+    polygon.Centroid(&middle);
+    EXPECT_NEAR(middle.getX(), hedge.x_m, 1e-6);
+    EXPECT_NEAR(middle.getY(), hedge.y_m, 1e-6);
+    const OGRPoint inside(hedge.x_m + 6.3 * std::cos(0.5), hedge.y_m + 6.3 * std::sin(0.5));
+    const OGRPoint beyond(hedge.x_m + 6.5 * std::cos(0.5), hedge.y_m + 6.5 * std::sin(0.5));
+    EXPECT_TRUE(polygon.Contains(&inside));
+    EXPECT_FALSE(polygon.Contains(&beyond));
+    EXPECT_NEAR(area->GetFieldAsDouble("direction_deg"), 0.5 * 180.0 / M_PI, 1e-9);
+  }
+  EXPECT_TRUE(is_there);
+}
+
 TEST(MapGeopackage, HasTheTrunksMeasuresAndAStyleForEachLayer) {
   const TestFolder folder;
   write_map_folder(folder.path(), make_content(20));
@@ -144,7 +180,7 @@ TEST(MapGeopackage, HasTheTrunksMeasuresAndAStyleForEachLayer) {
   EXPECT_FALSE(object->IsFieldSetAndNotNull(object->GetFieldIndex("diameter_mm"))) << "no trunk";
   OGRLayer* styles = dataset->GetLayerByName("layer_styles");
   ASSERT_NE(styles, nullptr);
-  EXPECT_EQ(styles->GetFeatureCount(), 7);
+  EXPECT_EQ(styles->GetFeatureCount(), 8);
   for (const auto& row : *styles) {
     OGRLayer* layer = dataset->GetLayerByName(row->GetFieldAsString("f_table_name"));
     ASSERT_NE(layer, nullptr);

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/existence/existence_odds.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace orchard::mapping {
+namespace {
+
+/// Probability that beams pass through where a standing thing is: thin things and wrong poses.
+constexpr double kPassRate = 0.1;
+
+/// The same where a thing is gone: something else may stand in front.
+constexpr double kPassRateGone = 0.7;
+
+/// Beams across a thing from which on their evidence counts in full.
+constexpr int kFullBeams = 6;
+
+}  // namespace
+
+double log_odds_of_return() { return std::log((1.0 - kPassRate) / (1.0 - kPassRateGone)); }
+
+double log_odds_of(const FreeSpaceAnswer& answer, BeamWeight weight) {
+  const double fraction = weight == BeamWeight::kFull
+                              ? 1.0
+                              : std::min(1.0, static_cast<double>(answer.num_across) / kFullBeams);
+  switch (answer.verdict) {
+    case FreeSpaceVerdict::kUnknown:
+      break;
+    case FreeSpaceVerdict::kReturns:
+      return log_odds_of_return();
+    case FreeSpaceVerdict::kPassesThrough:
+      return fraction * fraction * std::log(kPassRate / kPassRateGone);
+  }
+  return 0.0;
+}
+
+}  // namespace orchard::mapping

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/extent/outline.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace orchard::mapping {
+namespace {
+
+constexpr double kHalfTurn_rad = 3.14159265358979323846;
+/// Chords of half a circle: they cut off less than a hundredth of its radius.
+constexpr int kChordsOfHalf = 12;
+
+}  // namespace
+
+std::vector<Eigen::Vector2d> outline_of(const Landmark& l) {
+  if (!(l.width_m > 0.0)) return {};
+  const Eigen::Vector2d along(std::cos(l.direction_rad), std::sin(l.direction_rad));
+  const Eigen::Vector2d half = 0.5 * std::max(0.0, l.length_m - l.width_m) * along;
+  const Eigen::Vector2d middle(l.x_m, l.y_m);
+  std::vector<Eigen::Vector2d> rim;
+  for (const double end : {1.0, -1.0}) {
+    for (int i = 0; i <= kChordsOfHalf; ++i) {
+      const double angle_rad =
+          l.direction_rad + kHalfTurn_rad * (static_cast<double>(i) / kChordsOfHalf - 0.5 * end);
+      rim.push_back(middle + end * half +
+                    0.5 * l.width_m * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad)));
+    }
+  }
+  return rim;
+}
+
+}  // namespace orchard::mapping

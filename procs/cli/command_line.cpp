@@ -134,6 +134,12 @@ void add_map(CLI::App& app, Run& run) {
         command.add_flag("--quiet", o.quiet, "warnings and errors only");
         command.add_flag("--no-derived", o.no_derived,
                          "leave out derived.lcm, the messages on the way (twice the log's size)");
+        command
+            .add_option("--jobs", o.num_jobs,
+                        "threads that work at once, 0 = one for each core; the same files")
+            ->check(CLI::Range(0, 256))
+            ->capture_default_str()
+            ->type_name("N");
         command.add_flag("--timing", o.timing,
                          "print processor time and memory for every thousand scans");
       });

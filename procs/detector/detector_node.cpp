@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "detection/edge_offset.hpp"
 #include "geometry/angles.hpp"
 #include "pose/make_localiser.hpp"
 #include "text/number_text.hpp"
@@ -23,8 +22,7 @@ bool has_wheels(const io::Config& config) {
 
 DetectorNode::DetectorNode(const io::Config& config)
     : rig_(config.laser, config.camera, config.detector),
-      pairer_(config.detector.pairing_tolerance_s, config.detector.image_wait_s,
-              config.detector.use_odometry, config.camera.delay_s),
+      pairer_(make_pairer(config)),
       monitor_(config.detector.extrinsics_monitor, config.camera.intrinsics.fc_px[0]),
       edge_reach_px_(config.camera.intrinsics.fc_px[0] *
                      std::tan(detection::kSearchWindow_deg * geometry::kPi / 180.0)),
@@ -36,6 +34,9 @@ DetectorNode::DetectorNode(const io::Config& config)
   if (config.laser_rear.enabled) {
     rear_rig_.emplace(config.laser_rear, config.camera, config.detector);
     joiner_.emplace(config.laser, config.detector.image_wait_s, has_wheels_);
+  }
+  if (!adaptation_) {
+    foresight_.emplace(config, rig_, rear_rig_ ? &*rear_rig_ : nullptr, edge_reach_px_);
   }
 }
 
@@ -54,17 +55,17 @@ void DetectorNode::handle(const bus::Message& input, const bus::Outbox& send) {
   if (const auto* scan = std::get_if<laser::Scan>(&input)) {
     health_.note_scan(*scan);
     if (!rig_.has_camera) {
-      return send_result(detection::detect(*scan, nullptr, rig_), detection::turn_us(*scan), send);
+      return send_result(detect_alone(*scan, rig_), detection::turn_us(*scan), send);
     }
-    findings_.push_back({detection::find_by_laser(*scan, rig_), width_model_});
+    findings_.push_back({std::nullopt, width_model_});
+    if (!foreseen_) findings_.back().laser = detection::find_by_laser(*scan, rig_);
     pairs = pairer_.add(*scan);
   } else if (const auto* image = std::get_if<vision::Image>(&input)) {
     if (rig_.has_camera) pairs = pairer_.add(*image);
   } else if (const auto* rear = std::get_if<laser::RearScan>(&input)) {
     if (!joiner_) return;
     health_.note_rear_scan(*rear);
-    return send_views(joiner_->add_rear(detection::detect(*rear, nullptr, *rear_rig_).detections),
-                      send);
+    return send_views(joiner_->add_rear(detect_alone(*rear, *rear_rig_).detections), send);
   } else if (const auto* odometry = std::get_if<pose::Odometry>(&input)) {
     const detection::Motion motion{odometry->utime, odometry->speed_mps, odometry->yaw_rate_radps};
     if (joiner_ && has_wheels_) send_views(joiner_->add(motion), send);
@@ -103,38 +104,48 @@ std::string DetectorNode::warning() const {
   return text + (text.empty() || inputs.empty() ? "" : "; ") + inputs;
 }
 
-/// Looks for itself, more widely than the detector: what it finds never reaches DETECTIONS.
-void DetectorNode::compare_edges(const detection::LaserFindings& findings,
-                                 const detection::ScanImagePair& pair,
-                                 vision::PictureReader& picture) {
-  if (!monitor_.is_due(pair.scan.utime)) return;
-  std::vector<double> offsets_px;
-  for (const auto& seen :
-       detection::look_for_edges(findings, picture, rig_, pair.motion, edge_reach_px_)) {
-    offsets_px.push_back(seen.offsets.front().middle_px());
+std::unique_ptr<bus::Foreseen> DetectorNode::foresee(const bus::Message& input) {
+  return foresight_ ? foresight_->foresee(input) : nullptr;
+}
+
+void DetectorNode::expect(std::unique_ptr<bus::Foreseen> foreseen) {
+  foreseen_.reset(dynamic_cast<ForeseenDetections*>(foreseen.release()));
+  num_foreseen_used_ = 0;
+}
+
+detection::DetectResult DetectorNode::detect_alone(const laser::Scan& scan,
+                                                   const detection::Rig& rig) {
+  if (foreseen_ && foreseen_->alone) return std::move(*foreseen_->alone);
+  return detection::detect(scan, nullptr, rig);
+}
+
+JudgedPair DetectorNode::judge(const detection::ScanImagePair& pair) {
+  Findings findings = std::move(findings_.front());
+  findings_.pop_front();
+  std::optional<double> edge_reach_px;
+  if (pair.image && monitor_.is_due(pair.scan.utime)) edge_reach_px = edge_reach_px_;
+  if (foreseen_ && num_foreseen_used_ < foreseen_->pairs.size()) {
+    ForeseenDetections::Pair& foreseen = foreseen_->pairs[num_foreseen_used_++];
+    if (foreseen.is_of(pair, edge_reach_px)) return std::move(foreseen.judged);
   }
-  monitor_.add(pair.scan.utime, offsets_px);
+  // The scans before this one have moved the width since it came: judge it by where they led, as
+  // if it had come after them.
+  if (!findings.laser || findings.width_model != width_model_) {
+    findings.laser = detection::find_by_laser(pair.scan, rig_);
+  }
+  return judge_pair(std::move(*findings.laser), pair, rig_, edge_reach_px);
 }
 
 void DetectorNode::send_detections(const detection::ScanImagePair& pair, const bus::Outbox& send) {
-  Findings findings = std::move(findings_.front());
-  findings_.pop_front();
-  // The scans before this one have moved the width since it came: judge it by where they led, as
-  // if it had come after them.
-  if (findings.width_model != width_model_) {
-    findings.laser = detection::find_by_laser(pair.scan, rig_);
-  }
-  std::optional<vision::PictureReader> picture;
+  JudgedPair judged = judge(pair);
   if (pair.image) {
-    picture.emplace(*pair.image);
     health_.note_picture(rig_.detector.use_odometry && !pair.motion);
-    compare_edges(findings.laser, pair, *picture);
   } else {
     health_.note_no_picture();
   }
-  detection::DetectResult result = detection::judge_by_camera(
-      std::move(findings.laser), picture ? &*picture : nullptr, rig_, pair.motion);
-  if (result.image_needed) health_.note_looked_at(picture->image(), !result.image_unusable);
+  if (judged.edge_offsets_px) monitor_.add(pair.scan.utime, *judged.edge_offsets_px);
+  detection::DetectResult& result = judged.result;
+  if (result.image_needed) health_.note_looked_at(*pair.image, !result.image_unusable);
   const std::int64_t utime = result.detections.utime;
   const auto looks = std::move(result.looks);
   send_result(std::move(result), detection::turn_us(pair.scan), send);

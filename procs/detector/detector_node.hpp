@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <memory>
 #include <optional>
 
 #include "bus/node/node.hpp"
@@ -11,7 +12,9 @@
 #include "detection/rear_joiner.hpp"
 #include "detection/rig.hpp"
 #include "detection/scan_image_pairer.hpp"
+#include "detector/foresight.hpp"
 #include "detector/input_health.hpp"
+#include "detector/judged_pair.hpp"
 #include "io/config/config.hpp"
 
 namespace orchard::procs {
@@ -32,26 +35,31 @@ namespace orchard::procs {
 class DetectorNode : public bus::Node {
  public:
   explicit DetectorNode(const io::Config& config);
+  DetectorNode(const DetectorNode&) = delete;  // what looks ahead refers to its rigs
+  DetectorNode& operator=(const DetectorNode&) = delete;
 
   std::string_view name() const override { return "detector"; }
   std::vector<bus::Channel> inputs() const override;
   void handle(const bus::Message& input, const bus::Outbox& send) override;
+  std::unique_ptr<bus::Foreseen> foresee(const bus::Message& input) override;
+  void expect(std::unique_ptr<bus::Foreseen> foreseen) override;
   void flush(const bus::Outbox& send) override;
   bus::NodeCounts counts() const override;
   std::string waiting_for() const override;
   std::string warning() const override;
 
  private:
-  /// A scan's laser half, and which state of the width model it was made with.
+  /// A scan's laser half, and which state of the width model it was made with; none of a scan that
+  /// was judged ahead of its turn.
   struct Findings {
-    detection::LaserFindings laser;
+    std::optional<detection::LaserFindings> laser;
     std::int64_t width_model = 0;
   };
+  detection::DetectResult detect_alone(const laser::Scan& scan, const detection::Rig& rig);
+  JudgedPair judge(const detection::ScanImagePair& pair);
   void send_detections(const detection::ScanImagePair& pair, const bus::Outbox& send);
   void adapt(std::int64_t utime, const std::vector<detection::AdaptationLook>& looks,
              const bus::Outbox& send);
-  void compare_edges(const detection::LaserFindings& findings, const detection::ScanImagePair& pair,
-                     vision::PictureReader& picture);
   void send_result(detection::DetectResult result, std::int64_t turn_us, const bus::Outbox& send);
   void send_views(std::vector<detection::Detections> views, const bus::Outbox& send);
 
@@ -60,6 +68,9 @@ class DetectorNode : public bus::Node {
   std::optional<detection::RearJoiner> joiner_;
   detection::ScanImagePairer pairer_;
   std::deque<Findings> findings_;  ///< of the scans in pairer_, in its order
+  std::optional<Foresight> foresight_;
+  std::unique_ptr<ForeseenDetections> foreseen_;  ///< of the input that is handled
+  std::size_t num_foreseen_used_ = 0;             ///< of its pairs
   std::optional<detection::Adaptation> adaptation_;
   std::int64_t width_model_ = 0;  ///< +1 with every change of the width model
   std::int32_t next_seq_ = 0;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,6 +30,14 @@ enum class InputNeed {
   kOccasional,  ///< it comes now and then, or never
 };
 
+/// What follows from an input alone, or from inputs that do not wait for other nodes: computed
+/// ahead of its turn by any thread.
+class Foreseen {
+ public:
+  virtual ~Foreseen() = default;
+  virtual void compute() = 0;
+};
+
 /// One role of the system (detector, pose, mapper): a pure function of its configuration and the
 /// sequence of its inputs. The same object runs in the live process, in the players and in tests.
 class Node {
@@ -49,6 +58,15 @@ class Node {
   /// Takes one input and sends what follows from it. Inputs of one channel come with rising seq
   /// (the host drops duplicates); between channels any order may occur and must not matter.
   virtual void handle(const Message& input, const Outbox& send) = 0;
+
+  /// A replay on several cores: what of handle(input) can be computed before its turn; none where
+  /// nothing can. Called for each input in order, by one thread at a time, but while another may be
+  /// in handle() of an earlier one. `input` outlives what is given.
+  virtual std::unique_ptr<Foreseen> foresee(const Message& /*input*/) { return nullptr; }
+
+  /// What foresee() gave of the input that handle() gets next, computed. What handle() sends does
+  /// not depend on it.
+  virtual void expect(std::unique_ptr<Foreseen> /*foreseen*/) {}
 
   /// Live only: how a process said it is. For who shows that to people; no output may depend on it.
   virtual void overhear(const Status& /*status*/) {}

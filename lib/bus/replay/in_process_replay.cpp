@@ -2,109 +2,157 @@
 #include "bus/replay/in_process_replay.hpp"
 
 #include <algorithm>
-#include <memory>
-#include <set>
-#include <stdexcept>
+#include <thread>
 #include <tuple>
 #include <utility>
 
-#include "bus/bus.hpp"
-#include "bus/node/node_host.hpp"
+#include "bus/replay/node_chain.hpp"
+#include "bus/replay/ordered_pipeline.hpp"
 #include "bus/replay/replay_index.hpp"
+#include "io/file_error.hpp"
 
 namespace orchard::bus {
 namespace {
 
-/// Nodes on a private bus, and what they have made since it was last collected.
-class PrivateBus {
+/// A batch is large enough that handing it over costs nothing beside its work, and small enough
+/// that all on their way are little memory.
+constexpr std::size_t kBatchEvents = 64;
+constexpr std::size_t kBatchBytes = 1u << 20;
+
+/// Events that go through the nodes together.
+struct Batch {
+  Batch() = default;
+  Batch(Batch&&) = default;
+  Batch& operator=(Batch&&) = default;
+
+  std::vector<const ReplayEntry*> entries;  ///< none: the flush of a node
+  std::vector<std::vector<std::uint8_t>> bytes;
+  std::vector<ReplayEvent> events;
+};
+
+class Replay {
  public:
-  PrivateBus(const std::vector<Node*>& nodes) : bus_("memq://") {
-    bus_.on_rejection([](Channel channel, const Rejection& rejection) {
-      // The sources were checked when the log was indexed, so this is a node's own message.
-      throw std::logic_error("a node sent a " + std::string(info(channel).name) +
-                             " that the guard refuses: " + rejection.detail);
-    });
-    for (Node* node : nodes) {
-      hosts_.push_back(std::make_unique<NodeHost>(*node, [this](Output&& output) {
-        bus_.publish(output.channel, output.bytes);
-        made_.push_back(std::move(output));
+  Replay(const io::LogPaths& logs, const std::vector<Node*>& nodes, const ReplayOptions& options)
+      : options_(options),
+        index_(index_log(logs, options)),
+        reader_(logs),
+        chain_(nodes),
+        num_threads_(num_threads(options.num_jobs)),
+        batches_(num_threads_ == 1 ? 1 : 2 * num_threads_ + nodes.size()) {}
+
+  ReplayReport run() {
+    const auto in_turn = [this](auto work) {
+      return PipelineStage{true, [this, work](std::size_t slot) { work(batches_[slot]); }};
+    };
+    const auto at_once = [this](auto work) {
+      return PipelineStage{false, [this, work](std::size_t slot) { work(batches_[slot]); }};
+    };
+    std::vector<PipelineStage> stages{at_once([this](Batch& batch) { decode_all(batch); })};
+    if (num_threads_ > 1) {
+      stages.push_back(in_turn([this](Batch& batch) {
+        for (ReplayEvent& event : batch.events) chain_.foresee(event);
+      }));
+      stages.push_back(at_once([](Batch& batch) {
+        for (ReplayEvent& event : batch.events) NodeChain::compute_foreseen(event);
       }));
     }
-    std::set<Channel> channels;
-    for (Node* node : nodes) {
-      for (const Channel channel : node->inputs()) channels.insert(channel);
+    for (std::size_t node = 0; node < chain_.size(); ++node) {
+      stages.push_back(in_turn([this, node](Batch& batch) {
+        for (ReplayEvent& event : batch.events) chain_.pass(node, event);
+      }));
     }
-    // One subscription per channel, so that a message is decoded once for all its consumers.
-    for (const Channel channel : channels) {
-      std::vector<NodeHost*> consumers;
-      for (std::size_t i = 0; i < nodes.size(); ++i) {
-        const std::vector<Channel> inputs = nodes[i]->inputs();
-        if (std::count(inputs.begin(), inputs.end(), channel) > 0) {
-          consumers.push_back(hosts_[i].get());
-        }
-      }
-      bus_.subscribe(channel, [consumers](const Message& message, Bytes) {
-        for (NodeHost* consumer : consumers) consumer->deliver(message);
-      });
-    }
-  }
-
-  void input(Channel channel, const std::vector<std::uint8_t>& bytes) {
-    bus_.publish(channel, bytes);
-    drain();
-  }
-
-  void flush(std::size_t node) {
-    hosts_[node]->flush();
-    drain();
-  }
-
-  /// The outputs since the last call in order of (channel, seq): an order that does not depend on
-  /// which of several nodes was faster, so that lockstep gives the same.
-  std::vector<Output> collect() {
-    std::stable_sort(made_.begin(), made_.end(), [](const Output& a, const Output& b) {
-      return std::tie(a.channel, a.seq) < std::tie(b.channel, b.seq);
-    });
-    return std::exchange(made_, {});
+    stages.push_back(in_turn([this](Batch& batch) { pass_on(batch); }));
+    run_pipeline([this](std::size_t slot) { return fill(batches_[slot]); }, stages,
+                 static_cast<int>(num_threads_), batches_.size());
+    return std::move(index_.report);
   }
 
  private:
-  void drain() {
-    while (bus_.handle(0)) {
+  static std::size_t num_threads(int num_jobs) {
+    return num_jobs > 0 ? static_cast<std::size_t>(num_jobs)
+                        : std::max(1u, std::thread::hardware_concurrency());
+  }
+
+  /// One thread takes event after event, so that who asked sees each as it happens.
+  bool fill(Batch& batch) {
+    batch = {};
+    std::size_t num_bytes = 0;
+    const std::size_t num_events = num_threads_ == 1 ? 1 : kBatchEvents;
+    while (batch.entries.size() < num_events && num_bytes < kBatchBytes &&
+           next_entry_ < index_.entries.size()) {
+      const ReplayEntry& entry = index_.entries[next_entry_++];
+      batch.entries.push_back(&entry);
+      batch.bytes.emplace_back();
+      if (chain_.is_read(entry.channel)) {
+        batch.bytes.back() = reader_.read_at(entry.offset).data;
+        num_bytes += batch.bytes.back().size();
+      }
+    }
+    if (!batch.entries.empty()) return true;
+    if (next_flushed_ == chain_.size()) return false;
+    batch.events.resize(1);
+    batch.events.front().flushed_node = next_flushed_++;
+    return true;
+  }
+
+  void decode_all(Batch& batch) const {
+    if (batch.entries.empty()) return;
+    batch.events.resize(batch.entries.size());
+    for (std::size_t i = 0; i < batch.entries.size(); ++i) {
+      const ReplayEntry& entry = *batch.entries[i];
+      ReplayEvent& event = batch.events[i];
+      event.flushed_node = chain_.size();
+      if (!chain_.is_read(entry.channel)) continue;
+      auto decoded = decode(entry.channel, batch.bytes[i].data(), batch.bytes[i].size());
+      if (const auto* rejection = std::get_if<Rejection>(&decoded)) {
+        throw io::FileError(reader_.where(entry.offset) +
+                            ": was changed while it was read: " + rejection->detail);
+      }
+      event.source = std::get<Message>(std::move(decoded));
     }
   }
 
-  Bus bus_;
-  std::vector<std::unique_ptr<NodeHost>> hosts_;
-  std::vector<Output> made_;
+  /// The outputs of each event in order of (channel, seq): an order that does not depend on which
+  /// of several nodes was faster, so that lockstep gives the same.
+  void pass_on(Batch& batch) {
+    ReplayReport& report = index_.report;
+    for (std::size_t i = 0; i < batch.events.size(); ++i) {
+      if (!batch.entries.empty()) {
+        ++report.num_in[static_cast<std::size_t>(batch.entries[i]->channel)];
+      }
+      std::vector<const Output*> made;
+      for (const ReplayEvent::Derived& derived : batch.events[i].derived) {
+        made.push_back(&derived.output);
+      }
+      std::stable_sort(made.begin(), made.end(), [](const Output* a, const Output* b) {
+        return std::tie(a->channel, a->seq) < std::tie(b->channel, b->seq);
+      });
+      for (const Output* output : made) {
+        ++report.num_out[static_cast<std::size_t>(output->channel)];
+        if (options_.on_derived) options_.on_derived(output->channel, output->utime, output->bytes);
+      }
+      if (options_.progress && !batch.entries.empty()) {
+        options_.progress(++num_done_, index_.entries.size());
+      }
+    }
+  }
+
+  const ReplayOptions& options_;
+  ReplayIndex index_;
+  io::LogSeries reader_;
+  NodeChain chain_;
+  std::size_t num_threads_;
+  std::vector<Batch> batches_;
+  std::size_t next_entry_ = 0;
+  std::size_t next_flushed_ = 0;
+  std::uint64_t num_done_ = 0;
 };
 
 }  // namespace
 
 ReplayReport replay_in_process(const io::LogPaths& logs, const std::vector<Node*>& nodes,
                                const ReplayOptions& options) {
-  ReplayIndex index = index_log(logs, options);
-  ReplayReport& report = index.report;
-  PrivateBus bus(nodes);
-  const auto pass_on = [&] {
-    for (const Output& output : bus.collect()) {
-      ++report.num_out[static_cast<std::size_t>(output.channel)];
-      if (options.on_derived) options.on_derived(output.channel, output.utime, output.bytes);
-    }
-  };
-  io::LogSeries reader(logs);
-  std::uint64_t num_done = 0;
-  for (const ReplayEntry& entry : index.entries) {
-    bus.input(entry.channel, reader.read_at(entry.offset).data);
-    ++report.num_in[static_cast<std::size_t>(entry.channel)];
-    pass_on();
-    if (options.progress) options.progress(++num_done, index.entries.size());
-  }
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    bus.flush(i);
-    pass_on();
-  }
-  return std::move(report);
+  return Replay(logs, nodes, options).run();
 }
 
 }  // namespace orchard::bus

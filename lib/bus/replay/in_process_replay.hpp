@@ -31,15 +31,18 @@ struct ReplayOptions {
   /// Only messages from this to that many seconds after the log's first.
   double from_s = 0.0;
   double to_s = 1e18;
+  /// Threads that work at once; 0: one for each core. What is made is the same.
+  int num_jobs = 1;
   /// Every derived message, as the inputs caused them and for each input in order of (channel,
   /// seq); utime is the message's.
   std::function<void(Channel, std::int64_t utime, const std::vector<std::uint8_t>&)> on_derived;
 };
 
 /// Replays the source channels of a log, or of several of one drive, merged by (utime, channel,
-/// seq), through nodes on a private memq:// bus that is drained after each input, then flushes them
-/// in order. Deterministic. Throws io::FileError for a log that cannot be read or holds no source
-/// channel.
+/// seq), through nodes as on a bus that is drained after each input, then flushes them in order.
+/// Deterministic. With more than one job the nodes stand on different inputs at a time, and the
+/// callbacks come from other threads than the caller's, one at a time and in order. Throws
+/// io::FileError for a log that cannot be read or holds no source channel.
 ReplayReport replay_in_process(const io::LogPaths& logs, const std::vector<Node*>& nodes,
                                const ReplayOptions& options);
 

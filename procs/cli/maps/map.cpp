@@ -214,6 +214,7 @@ int run_map(const MapOptions& options) {
   ScanTimer timer;
   bus::ReplayOptions replay;
   replay.strict = options.strict;
+  replay.num_jobs = options.num_jobs;
   replay.progress = [&](std::uint64_t done, std::uint64_t total) { work.update(done, total); };
   replay.on_derived = [&](Channel channel, std::int64_t utime,
                           const std::vector<std::uint8_t>& data) {

@@ -18,6 +18,7 @@ struct MapOptions {
   bool strict = false;      ///< refuse a log with any damage or any message that has to be dropped
   bool quiet = false;       ///< no progress and no closing summary; warnings and errors still come
   bool no_derived = false;  ///< no derived.lcm, the messages on the way; an earlier one is removed
+  int num_jobs = 0;         ///< threads at once; 0: one for each core
   bool timing = false;      ///< print what every thousand scans took
 };
 

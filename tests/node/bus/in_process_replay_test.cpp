@@ -45,7 +45,7 @@ class InProcessReplay : public ::testing::Test {
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
   ReplayReport replay(const std::string& log, std::vector<Derived>& derived, bool strict = false,
-                      double from_s = 0, double to_s = 1e18) {
+                      double from_s = 0, double to_s = 1e18, int num_jobs = 1) {
     FakeDetector detector;
     FakePose pose;
     FakeMapper mapper;
@@ -53,6 +53,7 @@ class InProcessReplay : public ::testing::Test {
     options.strict = strict;
     options.from_s = from_s;
     options.to_s = to_s;
+    options.num_jobs = num_jobs;
     options.on_derived = [&](Channel channel, std::int64_t utime,
                              const std::vector<std::uint8_t>& bytes) {
       derived.push_back({channel, utime, bytes});
@@ -94,6 +95,38 @@ TEST_F(InProcessReplay, OrderOfTheFileBetweenChannelsDoesNotMatter) {
   std::vector<Derived> shuffled;
   replay(path("b"), shuffled);
   EXPECT_TRUE(expected == shuffled);
+}
+
+TEST_F(InProcessReplay, TheNumberOfJobsDoesNotMatter) {
+  write_log(path("log"), fake_drive(300));
+  std::vector<Derived> expected;
+  const ReplayReport report = replay(path("log"), expected);
+  for (const int num_jobs : {0, 2, 3, 7}) {
+    std::vector<Derived> derived;
+    const ReplayReport other = replay(path("log"), derived, false, 0, 1e18, num_jobs);
+    EXPECT_TRUE(derived == expected) << num_jobs;
+    EXPECT_EQ(other.num_in, report.num_in) << num_jobs;
+    EXPECT_EQ(other.num_out, report.num_out) << num_jobs;
+  }
+}
+
+TEST_F(InProcessReplay, WhatACallbackThrowsEndsIt) {
+  write_log(path("log"), fake_drive(300));
+  for (const int num_jobs : {1, 2, 4}) {
+    FakeDetector detector;
+    FakePose pose;
+    FakeMapper mapper;
+    ReplayOptions options;
+    options.num_jobs = num_jobs;
+    std::uint64_t num_progress = 0;
+    options.progress = [&](std::uint64_t done, std::uint64_t) {
+      num_progress = done;
+      if (done == 100) throw std::runtime_error("interrupted");
+    };
+    EXPECT_THROW(replay_in_process(path("log"), {&detector, &pose, &mapper}, options),
+                 std::runtime_error);
+    EXPECT_EQ(num_progress, 100u) << num_jobs;
+  }
 }
 
 TEST_F(InProcessReplay, RecordedDerivedMessagesAreNotReplayed) {
@@ -227,6 +260,13 @@ TEST_F(InProcessReplay, NodeThatSendsNonsenseIsAnError) {
   BrokenNode pose;
   FakeMapper mapper;
   EXPECT_THROW(replay_in_process(path("log"), {&pose, &mapper}, {}), std::logic_error);
+}
+
+TEST_F(InProcessReplay, NodesOutOfOrderAreAnError) {
+  write_log(path("log"), fake_drive(2));
+  FakePose pose;
+  FakeMapper mapper;
+  EXPECT_THROW(replay_in_process(path("log"), {&mapper, &pose}, {}), std::logic_error);
 }
 
 }  // namespace

@@ -15,17 +15,8 @@ constexpr char kEtx = '\x03';
 constexpr int kClock_bits = 32;
 constexpr double kTick_us = 1.0;
 
-constexpr std::int64_t kAnswer_us = 500'000;
-constexpr int kMaxAsked = 3;
-
 /// The slowest of these scanners sends a sweep every 67 ms.
 constexpr std::int64_t kMaxSilence_us = 1'000'000;
-
-/// One that was just started needs seconds.
-constexpr std::int64_t kFirstSweep_us = 6'000'000;
-
-/// 10,000 beams with intensities in up to four digits and a blank each.
-constexpr std::size_t kMaxTelegram = 128 * 1024;
 
 struct Question {
   std::string_view command;
@@ -66,23 +57,13 @@ std::string_view name_in_ident(std::string_view telegram) {
 
 }  // namespace
 
-ColaProtocol::ColaProtocol() : clock_(kClock_bits, kTick_us) {}
+ColaProtocol::ColaProtocol() : ScannerTalk(kClock_bits, kTick_us) {}
 
 void ColaProtocol::connected(std::int64_t host_utime) {
-  buffer_.clear();
-  to_send_.clear();
-  failure_.clear();
-  trouble_.clear();
+  forget_talk();
   model_ = {};
   range_.reset();
-  is_streaming_ = false;
-  clock_.begin_talk();
   ask(Step::kStop, host_utime);
-}
-
-void ColaProtocol::fail(const std::string& why) {
-  failure_ = why;
-  deadline_utime_.reset();
 }
 
 void ColaProtocol::ask(Step step, std::int64_t host_utime) {
@@ -90,18 +71,13 @@ void ColaProtocol::ask(Step step, std::int64_t host_utime) {
   num_asked_ = 0;
   if (step == Step::kStream) {
     deadline_utime_ = host_utime + kFirstSweep_us;
-  } else {
-    ask_again(host_utime);
+    return;
   }
+  command_ = kQuestions[static_cast<std::size_t>(step)].command;
+  ask_again(host_utime);
 }
 
-void ColaProtocol::ask_again(std::int64_t host_utime) {
-  ++num_asked_;
-  to_send_ += kStx;
-  to_send_ += kQuestions[static_cast<std::size_t>(step_)].command;
-  to_send_ += kEtx;
-  deadline_utime_ = host_utime + kAnswer_us;
-}
+void ColaProtocol::ask_again(std::int64_t host_utime) { send(kStx + command_ + kEtx, host_utime); }
 
 /// To the next step; without the log-in two are of no use.
 void ColaProtocol::go_on(bool was_granted, std::int64_t host_utime) {
@@ -122,10 +98,7 @@ void ColaProtocol::receive(std::string_view bytes, std::int64_t host_utime) {
     begin = end + 1;
   }
   buffer_.erase(0, begin);
-  if (buffer_.size() > kMaxTelegram) {
-    buffer_.clear();
-    ++counts_.num_bad;
-  }
+  bound_buffer();
 }
 
 void ColaProtocol::take(std::string_view telegram, std::int64_t host_utime) {
@@ -147,9 +120,7 @@ void ColaProtocol::take(std::string_view telegram, std::int64_t host_utime) {
   const bool is_refusal = begins_with(telegram, "sFA") || begins_with(telegram, "sAN");
   if (!is_refusal) return;
   if (step_ == Step::kStop || step_ == Step::kStart) {
-    return fail("the scanner refuses " +
-                std::string(kQuestions[static_cast<std::size_t>(step_)].command) + ": " +
-                std::string(telegram.substr(0, 20)));
+    return fail("the scanner refuses " + command_ + ": " + std::string(telegram.substr(0, 20)));
   }
   go_on(false, host_utime);
 }
@@ -169,44 +140,17 @@ void ColaProtocol::take_sweep(std::string_view telegram, std::int64_t host_utime
   const double sent_us = clock_.arrived(sweep->sent_ticks, host_utime);
   const double start_us = sent_us - kTick_us * (sweep->sent_ticks - sweep->start_ticks);
   sweep->scan.utime = clock_.host_utime(start_us + sweep->to_first_beam_us);
-  if (last_utime_ && sweep->scan.utime <= *last_utime_) {
-    ++counts_.num_bad;  // a counter that jumped: two sweeps cannot be of one time
-    return;
-  }
-  last_utime_ = sweep->scan.utime;
-  ++counts_.num_good;
-  measurements_.emplace_back(std::move(sweep->scan));
+  take_scan(std::move(sweep->scan));
 }
 
 void ColaProtocol::expire(std::int64_t host_utime) {
   if (step_ == Step::kStream) {
-    if (trouble_.empty()) trouble_ = "the scanner sends no sweeps";
-    if (!is_streaming_) return fail(trouble_);
-    is_streaming_ = false;
-    buffer_.clear();
-    clock_.begin_talk();
-    return ask(Step::kStop, host_utime);
+    if (may_begin_anew()) ask(Step::kStop, host_utime);
+    return;
   }
   if (step_ != Step::kStop && step_ != Step::kStart) return go_on(false, host_utime);
   if (num_asked_ < kMaxAsked) return ask_again(host_utime);
-  fail("no answer to " + std::string(kQuestions[static_cast<std::size_t>(step_)].command) +
-       " (a scanner with CoLa-A? The port is 2111 or 2112)");
-}
-
-void ColaProtocol::host_clock_stepped(std::int64_t step_us) {
-  clock_.host_stepped(step_us);
-  if (last_utime_) *last_utime_ += step_us;
-  if (deadline_utime_) *deadline_utime_ += step_us;
-}
-
-std::string ColaProtocol::condition() const {
-  if (!failure_.empty()) return failure_;
-  if (!trouble_.empty()) return trouble_;
-  if (step_ != Step::kStream && num_asked_ > 1) {
-    return "waits for the scanner's answer to " +
-           std::string(kQuestions[static_cast<std::size_t>(step_)].command);
-  }
-  return is_streaming_ ? std::string() : "waits for the scanner's first sweep";
+  fail("no answer to " + command_ + " (a scanner with CoLa-A? The port is 2111 or 2112)");
 }
 
 }  // namespace orchard::device

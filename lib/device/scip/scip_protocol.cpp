@@ -12,35 +12,21 @@ namespace {
 constexpr int kClock_bits = 24;
 constexpr double kTick_us = 1000.0;
 
-constexpr std::int64_t kAnswer_us = 500'000;
-constexpr int kMaxAsked = 3;
-
-/// A motor that was standing needs seconds.
-constexpr std::int64_t kFirstSweep_us = 6'000'000;
-
 /// A sweep is missing when this many turns have gone by, and half a second for a busy host.
 constexpr double kMaxSilence_turns = 5.0;
 
 /// Each reading of the clock narrows the bounds; together they tell a fraction of its millisecond.
 constexpr int kNumReadings = 12;
 
-/// The longest reply is a sweep with intensities of some 10,000 beams.
-constexpr std::size_t kMaxReply = 128 * 1024;
-
 constexpr std::array<std::string_view, 7> kCommands = {"QT", "PP", "II", "TM0", "TM1", "TM2", "BM"};
 
 }  // namespace
 
-ScipProtocol::ScipProtocol() : clock_(kClock_bits, kTick_us) {}
+ScipProtocol::ScipProtocol() : ScannerTalk(kClock_bits, kTick_us) {}
 
 void ScipProtocol::connected(std::int64_t host_utime) {
-  buffer_.clear();
-  to_send_.clear();
-  failure_.clear();
-  trouble_.clear();
+  forget_talk();
   parameters_.reset();
-  is_streaming_ = false;
-  clock_.begin_talk();
   ask(Step::kStop, host_utime);
 }
 
@@ -51,12 +37,7 @@ void ScipProtocol::ask(Step step, std::int64_t host_utime) {
   ask_again(host_utime);
 }
 
-void ScipProtocol::ask_again(std::int64_t host_utime) {
-  ++num_asked_;
-  to_send_ += command_ + "\n";
-  asked_utime_ = host_utime;
-  deadline_utime_ = host_utime + kAnswer_us;
-}
+void ScipProtocol::ask_again(std::int64_t host_utime) { send(command_ + "\n", host_utime); }
 
 void ScipProtocol::begin_stream(ScipEncoding encoding, std::int64_t host_utime) {
   encoding_ = encoding;
@@ -89,10 +70,7 @@ void ScipProtocol::receive(std::string_view bytes, std::int64_t host_utime) {
     }
   }
   buffer_.erase(0, begin);
-  if (buffer_.size() > kMaxReply) {
-    buffer_.clear();
-    ++counts_.num_bad;
-  }
+  bound_buffer();
 }
 
 bool ScipProtocol::is_answer(std::string_view echo) const {
@@ -194,13 +172,7 @@ void ScipProtocol::take_sweep(const ScipReply& reply, std::int64_t host_utime) {
   const double step_0_us = clock_.arrived(sweep->ticks, host_utime);
   const double first_beam_us = parameters_->first_step * parameters_->beam_period_us();
   sweep->scan.utime = clock_.host_utime(step_0_us + first_beam_us);
-  if (last_utime_ && sweep->scan.utime <= *last_utime_) {
-    ++counts_.num_bad;  // a counter that jumped: two sweeps cannot be of one time
-    return;
-  }
-  last_utime_ = sweep->scan.utime;
-  ++counts_.num_good;
-  measurements_.emplace_back(std::move(sweep->scan));
+  take_scan(std::move(sweep->scan));
 }
 
 void ScipProtocol::expire(std::int64_t host_utime) {
@@ -216,12 +188,8 @@ void ScipProtocol::expire(std::int64_t host_utime) {
         return begin_stream(ScipEncoding::kThree, host_utime);
       }
       if (!is_granted_) break;
-      if (trouble_.empty()) trouble_ = "the scanner sends no sweeps";
-      if (!is_streaming_) return fail(trouble_);
-      is_streaming_ = false;
-      buffer_.clear();
-      clock_.begin_talk();
-      return ask(Step::kStop, host_utime);
+      if (may_begin_anew()) ask(Step::kStop, host_utime);
+      return;
     default:
       break;
   }
@@ -233,26 +201,6 @@ void ScipProtocol::expire(std::int64_t host_utime) {
   // An empty line ends what a broken connection may have left half said.
   if (step_ == Step::kStop) to_send_ += "\nSCIP2.0\n";
   ask_again(host_utime);
-}
-
-void ScipProtocol::fail(const std::string& why) {
-  failure_ = why;
-  deadline_utime_.reset();
-}
-
-void ScipProtocol::host_clock_stepped(std::int64_t step_us) {
-  clock_.host_stepped(step_us);
-  asked_utime_ += step_us;
-  if (last_utime_) *last_utime_ += step_us;
-  if (deadline_utime_) *deadline_utime_ += step_us;
-}
-
-std::string ScipProtocol::condition() const {
-  if (!failure_.empty()) return failure_;
-  if (!trouble_.empty()) return trouble_;
-  if (num_asked_ > 1) return "waits for the scanner's answer to " + command_;
-  if (!is_streaming_) return "waits for the scanner's first sweep";
-  return {};
 }
 
 }  // namespace orchard::device

@@ -6,8 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "device/device_clock.hpp"
-#include "device/protocol.hpp"
+#include "device/scanner_talk.hpp"
 #include "device/scip/scip_parameters.hpp"
 #include "device/scip/scip_sweep.hpp"
 #include "device/scip/scip_text.hpp"
@@ -17,26 +16,18 @@ namespace orchard::device {
 /// The talk with a Hokuyo scanner in SCIP 2.0 or later (specification C-42-03320B): URG-04LX-UG01,
 /// UTM-30LX, UST-10LX and their like. Stops it, asks what it is, reads its clock, and has it send
 /// every sweep: with intensities where it has them.
-class ScipProtocol : public Protocol {
+class ScipProtocol : public ScannerTalk {
  public:
   ScipProtocol();
 
   void connected(std::int64_t host_utime) override;
   void receive(std::string_view bytes, std::int64_t host_utime) override;
-  std::optional<std::int64_t> deadline() const override { return deadline_utime_; }
   void expire(std::int64_t host_utime) override;
-  void host_clock_stepped(std::int64_t step_us) override;
-  std::string failure() const override { return failure_; }
-  std::string condition() const override;
-  ProtocolCounts counts() const override { return counts_; }
-
-  const DeviceClock& clock() const { return clock_; }
 
  private:
   /// In the order of the talk.
   enum class Step { kStop, kParameters, kState, kClockIn, kClockRead, kClockOut, kLaser, kStream };
 
-  void fail(const std::string& why);
   void ask(Step step, std::int64_t host_utime);
   void ask_again(std::int64_t host_utime);
   void begin_stream(ScipEncoding encoding, std::int64_t host_utime);
@@ -48,22 +39,11 @@ class ScipProtocol : public Protocol {
   void refuse_stream(std::string_view status, std::int64_t host_utime);
   bool is_answer(std::string_view echo) const;
 
-  DeviceClock clock_;
-  ProtocolCounts counts_;
-  std::string buffer_;
   Step step_ = Step::kStop;
-  std::string command_;  ///< of the present step
-  std::int64_t asked_utime_ = 0;
-  std::optional<std::int64_t> deadline_utime_;
-  int num_asked_ = 0;  ///< of the present step
   int num_readings_ = 0;
   std::optional<ScipParameters> parameters_;
   ScipEncoding encoding_ = ScipEncoding::kThree;
-  bool is_granted_ = false;    ///< it has agreed to send sweeps
-  bool is_streaming_ = false;  ///< a sweep has come in this talk
-  std::optional<std::int64_t> last_utime_;
-  std::string trouble_;  ///< what the scanner says is wrong with it
-  std::string failure_;
+  bool is_granted_ = false;  ///< it has agreed to send sweeps
 };
 
 }  // namespace orchard::device

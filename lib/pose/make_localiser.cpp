@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/make_localiser.hpp"
 
+#include <algorithm>
+
 #include "pose/filter/fusion.hpp"
 #include "pose/filter/pose_estimator.hpp"
 #include "pose/prior_map/prior_map_localiser.hpp"
@@ -9,6 +11,17 @@
 #include "pose/stationary.hpp"
 
 namespace orchard::pose {
+namespace {
+
+/// A receiver computes, and its sentences take their time on a serial line: 0.05 s behind USB, up
+/// to half a second at 9600 baud. A fix that comes later than it is waited for is lost.
+constexpr double kGnssWait_s = 0.5;
+
+double gnss_wait_s(const PoseConfig& config) {
+  return std::max(config.reorder_window_s, kGnssWait_s);
+}
+
+}  // namespace
 
 std::unique_ptr<Localiser> make_localiser(const PoseConfig& config, const EarlierMap& earlier,
                                           const laser::LaserConfig& laser,
@@ -64,7 +77,7 @@ MeasurementWaits expected_measurements(const PoseConfig& config) {
     case PoseMode::kFused:
       expect(MeasurementKind::kOdometry, config.reorder_window_s);
       if (config.fusion.use_imu) expect(MeasurementKind::kImu, config.reorder_window_s);
-      if (config.fusion.use_gnss) expect(MeasurementKind::kGnss, config.reorder_window_s);
+      if (config.fusion.use_gnss) expect(MeasurementKind::kGnss, gnss_wait_s(config));
       if (config.fusion.use_fixes) expect(MeasurementKind::kPoseFix, config.reorder_window_s);
       break;
     case PoseMode::kSlam:
@@ -72,7 +85,7 @@ MeasurementWaits expected_measurements(const PoseConfig& config) {
                                                    : MeasurementKind::kOdometry,
              config.reorder_window_s);
       expect(MeasurementKind::kDetections, config.slam.detections_wait_s);
-      if (config.slam.use_gnss) expect(MeasurementKind::kGnss, config.reorder_window_s);
+      if (config.slam.use_gnss) expect(MeasurementKind::kGnss, gnss_wait_s(config));
       if (config.slam.use_fixes) expect(MeasurementKind::kPoseFix, config.reorder_window_s);
       break;
   }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 namespace orchard::procs {
@@ -21,7 +22,7 @@ std::vector<pose::PoseEstimate> run(const io::Config& config,
   PoseNode node(config);
   std::vector<pose::PoseEstimate> poses;
   const bus::Outbox send = [&](bus::Message m) {
-    poses.push_back(std::get<pose::PoseEstimate>(m));
+    if (const auto* pose = std::get_if<pose::PoseEstimate>(&m)) poses.push_back(*pose);
   };
   for (const bus::Message& input : inputs) node.handle(input, send);
   node.flush(send);
@@ -80,6 +81,58 @@ TEST(PoseNode, ArrivalOrderBetweenChannelsDoesNotMatter) {
       EXPECT_EQ(poses[i].utime, reference[i].utime);
       EXPECT_EQ(poses[i].x_m, reference[i].x_m);
       EXPECT_EQ(poses[i].covariance, reference[i].covariance);
+    }
+  }
+}
+
+/// Ten metres to the east, and five fixes a second of a receiver: in order of time.
+std::vector<bus::Message> drive_under_satellites() {
+  std::vector<bus::Message> messages;
+  for (int i = 0; i <= 500; ++i) {
+    pose::Odometry odometry;
+    odometry.utime = i * 20000;
+    odometry.seq = i;
+    odometry.speed_mps = 1.0;
+    messages.emplace_back(odometry);
+    if (i % 10 != 0) continue;
+    pose::Gnss fix;
+    fix.utime = i * 20000 + 3000;
+    fix.seq = i / 10;
+    fix.latitude_deg = -27.6;
+    fix.longitude_deg = 151.9 + 0.02 * i / (111320.0 * std::cos(27.6 * 0.017453292519943295));
+    fix.covariance = {4e-4, 0, 0, 4e-4, 0, 1e-3};
+    fix.fix_quality = 4;
+    messages.emplace_back(fix);
+  }
+  return messages;
+}
+
+TEST(PoseNode, FixesOfAReceiverThatTakesItsTimeAreUsedLikePunctualOnes) {
+  io::Config config = config_of(pose::PoseMode::kFused);
+  config.pose.reorder_window_s = 0.02;
+  const std::vector<bus::Message> in_order = drive_under_satellites();
+  const auto reference = run(config, in_order);
+  ASSERT_GT(reference.size(), 400u);
+  for (const std::int64_t latency_us : {50'000, 120'000, 250'000, 450'000}) {
+    std::vector<std::pair<std::int64_t, bus::Message>> arrivals;
+    for (const bus::Message& m : in_order) {
+      const bool is_fix = std::holds_alternative<pose::Gnss>(m);
+      arrivals.emplace_back(bus::utime_of(m) + (is_fix ? latency_us : 0), m);
+    }
+    std::stable_sort(arrivals.begin(), arrivals.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    PoseNode node(config);
+    std::vector<pose::PoseEstimate> poses;
+    const bus::Outbox send = [&](bus::Message m) {
+      if (const auto* pose = std::get_if<pose::PoseEstimate>(&m)) poses.push_back(*pose);
+    };
+    for (const auto& arrival : arrivals) node.handle(arrival.second, send);
+    EXPECT_EQ(node.counts().num_late, 0) << latency_us;
+    node.flush(send);
+    ASSERT_EQ(poses.size(), reference.size()) << latency_us;
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      ASSERT_EQ(poses[i].utime, reference[i].utime);
+      ASSERT_EQ(poses[i].x_m, reference[i].x_m) << latency_us << " " << i;
     }
   }
 }

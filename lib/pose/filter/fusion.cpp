@@ -90,7 +90,10 @@ void Fusion::add(const Odometry& odometry) {
   odometry_ = odometry;
   if (smoother_) {
     smoother_->add(motion_heard(), filter_.mean().head<3>());
-    smoother_->look();
+    if (const auto pose = smoother_->look()) {
+      if (const auto changes = smoother_->wheel_changes()) filter_.set_wheel_changes(*changes);
+      filter_.adopt(pose->T_map_base, pose->covariance, pose->receiver_error_m);
+    }
   }
   const bool stands = std::abs(odometry.speed_mps) < kStandingSpeed_mps &&
                       std::abs(odometry.yaw_rate_radps) < kStandingYawRate_radps;
@@ -181,12 +184,13 @@ void Fusion::take_position(const PositionSight& sight) {
     if (frame) start(*frame);
     return;
   }
-  if (is_left_out(sight)) return;
-  if (left_out_since_) borne_out_since_ = *left_out_since_;
+  filter_.forget_lost_heading();
   const double known = 0.5 * filter_.covariance().topLeftCorner<2, 2>().trace();
   const double claimed = sight.covariance.diagonal().maxCoeff() + filter_.receiver_variance();
   // Behind a gap what was known before says little.
-  if (known > kGapSure * claimed) borne_out_since_ = *utime_;
+  if (!left_out_since_ && known > kGapSure * claimed) borne_out_since_ = *utime_;
+  if (is_left_out(sight)) return;
+  if (left_out_since_) borne_out_since_ = *left_out_since_;
   left_out_since_.reset();
   taken_travel_m_ = 0.0;
   filter_.correct(sight);

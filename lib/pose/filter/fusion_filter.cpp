@@ -16,7 +16,11 @@ namespace {
 /// estimated [1/m].
 constexpr double kCurvatureSd_per_m = 0.02;
 
-/// Random walk of scale and curvature with travel [1/sqrt(m)], slow enough to average over a row.
+/// Standard deviation of the scale of turns, before it is estimated: what is taken for the track is
+/// a tenth off, on soft ground and where four wheels turn by sliding.
+constexpr double kTurnScaleSd = 0.1;
+
+/// Random walk of the scales with travel [1/sqrt(m)]: tyres and loads, slow beside the ground.
 constexpr double kScaleWalk_per_sqrt_m = 1e-4;
 
 /// Random walk of the gyro's bias [rad/s/sqrt(s)].
@@ -26,14 +30,8 @@ constexpr double kGyroWalk_radps_per_sqrt_s = 1e-5;
 /// densities.
 constexpr double kNoiseTime_s = 0.1;
 
-/// Wheels slip by a few parts in a hundred on grass and soil, as the ground is.
-constexpr double kSlipSd = 0.02;
-
-/// The same of a turn, where the wheels are dragged sideways.
-constexpr double kTurnSlipSd = 0.05;
-
-/// Travel over which the ground stays alike [m].
-constexpr double kSlipTravel_m = 10.0;
+/// A heading so unsure is lost: a chord turned by it is none any more [rad].
+constexpr double kLostYaw_rad = 1.0;
 
 enum Index {
   kX = 0,
@@ -42,10 +40,11 @@ enum Index {
   kScale = 3,
   kCurvature = 4,
   kGyroBias = 5,
-  kSlip = 6,
-  kTurnSlip = 7,
-  kReceiverEast = 8,
-  kReceiverNorth = 9
+  kTurnScale = 6,
+  kSlip = 7,
+  kTurnSlip = 8,
+  kReceiverEast = 9,
+  kReceiverNorth = 10
 };
 
 /// sin(a) / a
@@ -57,8 +56,9 @@ FusionFilter::FusionFilter(const FusionConfig& config) : config_(config) {
   covariance_(kScale, kScale) = geometry::square(config.speed_scale_sd);
   covariance_(kCurvature, kCurvature) = geometry::square(kCurvatureSd_per_m);
   covariance_(kGyroBias, kGyroBias) = geometry::square(kGyroBiasSd_radps);
-  covariance_(kSlip, kSlip) = geometry::square(kSlipSd);
-  covariance_(kTurnSlip, kTurnSlip) = geometry::square(kTurnSlipSd);
+  covariance_(kTurnScale, kTurnScale) = geometry::square(kTurnScaleSd);
+  covariance_(kSlip, kSlip) = geometry::square(changes_.slip_sd);
+  covariance_(kTurnSlip, kTurnSlip) = geometry::square(changes_.turn_slip_sd);
 }
 
 Eigen::Vector2d FusionFilter::p_map_m(const Eigen::Vector2d& p_base_m) const {
@@ -70,9 +70,10 @@ void FusionFilter::move(const MotionStep& step) {
   const double wheels_m = step.speed_mps * dt_s;
   const double length_m = (1.0 + mean_(kScale) + mean_(kSlip)) * wheels_m;
   const double measured_rad = step.yaw_rate_radps * dt_s;
-  const double turn_rad =
-      step.is_gyro ? measured_rad - mean_(kGyroBias) * dt_s
-                   : (1.0 + mean_(kTurnSlip)) * measured_rad + mean_(kCurvature) * length_m;
+  const double turn_rad = step.is_gyro
+                              ? measured_rad - mean_(kGyroBias) * dt_s
+                              : (1.0 + mean_(kTurnScale) + mean_(kTurnSlip)) * measured_rad +
+                                    mean_(kCurvature) * length_m;
   // The chord of an arc points half the turn aside and is shorter by sinc of it: exact.
   const double heading_rad = mean_(kYaw) + 0.5 * turn_rad;
   const Eigen::Vector2d along(std::cos(heading_rad), std::sin(heading_rad));
@@ -89,7 +90,7 @@ void FusionFilter::move(const MotionStep& step) {
   } else {
     turn_by(kCurvature) = length_m;
     turn_by(kScale) = turn_by(kSlip) = mean_(kCurvature) * wheels_m;
-    turn_by(kTurnSlip) = measured_rad;
+    turn_by(kTurnScale) = turn_by(kTurnSlip) = measured_rad;
   }
   Vector heading_by = 0.5 * turn_by;
   heading_by(kYaw) += 1.0;
@@ -116,11 +117,13 @@ void FusionFilter::move(const MotionStep& step) {
   covariance_ = F * covariance_ * F.transpose() + G * noise.asDiagonal() * G.transpose();
   const double walk = geometry::square(kScaleWalk_per_sqrt_m) * std::abs(length_m);
   covariance_(kScale, kScale) += walk;
-  covariance_(kCurvature, kCurvature) += walk;
+  covariance_(kTurnScale, kTurnScale) += walk;
+  covariance_(kCurvature, kCurvature) +=
+      geometry::square(changes_.curvature_walk) * std::abs(length_m);
   covariance_(kGyroBias, kGyroBias) += geometry::square(kGyroWalk_radps_per_sqrt_s) * dt_s;
   const double slip_new = 1.0 - geometry::square(slip_kept);
-  covariance_(kSlip, kSlip) += slip_new * geometry::square(kSlipSd);
-  covariance_(kTurnSlip, kTurnSlip) += slip_new * geometry::square(kTurnSlipSd);
+  covariance_(kSlip, kSlip) += slip_new * geometry::square(changes_.slip_sd);
+  covariance_(kTurnSlip, kTurnSlip) += slip_new * geometry::square(changes_.turn_slip_sd);
   const double receiver_new = (1.0 - geometry::square(receiver_kept)) * receiver_variance_;
   covariance_(kReceiverEast, kReceiverEast) += receiver_new;
   covariance_(kReceiverNorth, kReceiverNorth) += receiver_new;
@@ -139,6 +142,31 @@ void FusionFilter::place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& 
   covariance_.topRows<3>().setZero();
   covariance_.leftCols<3>().setZero();
   covariance_.topLeftCorner<3, 3>() = covariance;
+}
+
+void FusionFilter::adopt(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance,
+                         const Eigen::Vector2d& receiver_error_m) {
+  place(x_y_yaw, covariance);
+  forget_receiver_error();
+  if (receiver_variance_ <= 0.0) return;
+  mean_.tail<2>() = receiver_error_m;
+  const Eigen::Matrix2d P = covariance.topLeftCorner<2, 2>();
+  covariance_.bottomRightCorner<2, 2>() = P;
+  covariance_.topRightCorner<2, 2>() = -P;
+  covariance_.bottomLeftCorner<2, 2>() = -P;
+  covariance_.block<1, 2>(kYaw, kReceiverEast) = -covariance.block<1, 2>(2, 0);
+  covariance_.block<2, 1>(kReceiverEast, kYaw) = -covariance.block<2, 1>(0, 2);
+}
+
+void FusionFilter::forget_lost_heading() {
+  if (covariance_(kYaw, kYaw) < geometry::square(kLostYaw_rad)) return;
+  covariance_.topLeftCorner<2, 2>() +=
+      covariance_.block<2, 1>(kX, kYaw).squaredNorm() * Eigen::Matrix2d::Identity();
+  const double yaw_variance =
+      std::min(covariance_(kYaw, kYaw), geometry::square(geometry::kPi) / 3.0);
+  covariance_.row(kYaw).setZero();
+  covariance_.col(kYaw).setZero();
+  covariance_(kYaw, kYaw) = yaw_variance;
 }
 
 void FusionFilter::forget_receiver_error() {

@@ -20,6 +20,16 @@ struct MotionStep {
   bool is_gyro = false;  ///< which of the two gave the yaw rate
 };
 
+/// How much what wheels are wrong by changes on the way.
+struct WheelChanges {
+  double slip_sd = 0.02;       ///< of the way, as the ground is: a few parts in a hundred on grass
+  double turn_slip_sd = 0.05;  ///< of the turn, where wheels are dragged sideways
+  double curvature_walk = 2e-4;  ///< of the turn per metre, over travel [1/m/sqrt(m)]
+};
+
+/// Travel over which the ground stays alike [m].
+inline constexpr double kSlipTravel_m = 10.0;
+
 /// A position that base's own is compared with.
 struct PositionSight {
   Eigen::Vector2d p_map_m = Eigen::Vector2d::Zero();
@@ -30,11 +40,11 @@ struct PositionSight {
 
 /// An extended Kalman filter over where base is and what is wrong with its sensors: x, y, yaw in
 /// map; the wheels' scale error; their turn per metre (unequal wheels, a steering offset) [1/m];
-/// the gyro's bias [rad/s]; the slip of this patch of ground, of the way and of the turn; the
-/// receiver's slow error to the east and north [m].
+/// the gyro's bias [rad/s]; the scale of the wheels' turns; the slip of this patch of ground, of
+/// the way and of the turn; the receiver's slow error to the east and north [m].
 class FusionFilter {
  public:
-  static constexpr int kSize = 10;
+  static constexpr int kSize = 11;
   using Vector = Eigen::Matrix<double, kSize, 1>;
   using Matrix = Eigen::Matrix<double, kSize, kSize>;
 
@@ -50,6 +60,9 @@ class FusionFilter {
   /// The motion of one step along an arc, its errors as constant over noise_time_s.
   void move(const MotionStep& step);
 
+  /// What the drive has told of its wheels.
+  void set_wheel_changes(const WheelChanges& changes) { changes_ = changes; }
+
   /// How large the receiver's slow error may be, per axis [m2]; 0 at first.
   void set_receiver_variance(double variance) { receiver_variance_ = variance; }
 
@@ -63,6 +76,15 @@ class FusionFilter {
 
   /// Puts base there, with no correlation to what is known of the sensors.
   void place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance);
+
+  /// Puts base where a whole solve has it, and with it what the receiver is wrong by: their sum,
+  /// the last position, is known well.
+  void adopt(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance,
+             const Eigen::Vector2d& receiver_error_m);
+
+  /// Where the heading has become unknown, what it would say of the position is dropped: an ellipse
+  /// knows no circle.
+  void forget_lost_heading();
 
   /// Squared Mahalanobis distance of what was seen from what was expected; 2 degrees of freedom.
   double distance2(const PositionSight& sight) const;
@@ -82,6 +104,7 @@ class FusionFilter {
   Eigen::Matrix2d noise(const PositionSight& sight) const;
 
   FusionConfig config_;
+  WheelChanges changes_;
   double receiver_variance_ = 0.0;
   Vector mean_ = Vector::Zero();
   Matrix covariance_ = Matrix::Zero();

@@ -4,10 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "geometry/pose2.hpp"
-#include "pose/filter/fusion_filter.hpp"
+#include "geometry/statistics.hpp"
+#include "pose/graph/calibration.hpp"
+#include "pose/graph/joint_covariance.hpp"
 #include "pose/graph/solver.hpp"
+#include "timing/units.hpp"
 
 namespace orchard::pose {
 namespace {
@@ -16,8 +20,8 @@ namespace {
 constexpr double kKeyframeTravel_m = 1.5;
 constexpr double kKeyframeTurn_rad = 0.5;
 
-/// Travel over which the odometry calibration is taken as constant [m].
-constexpr double kWheelErrorsTravel_m = 10.0;
+/// Slower than this a turn per metre is told by a turn in time no more [m/s].
+constexpr double kSpeedLeast_mps = 0.1;
 
 /// Solved when the way has grown by this fraction: the cost per metre stays constant.
 constexpr double kGrowth = 0.1;
@@ -67,7 +71,7 @@ void PathSmoother::add_keyframe(const Eigen::Vector3d& T_map_base) {
     keyframe.motion = motion_.motion();
     keyframe.travel_m = before.travel_m + keyframe.motion.travel_m;
     const auto interval = [](double travel_m) {
-      return static_cast<int>(travel_m / kWheelErrorsTravel_m);
+      return static_cast<int>(travel_m / kCalibrationTravel_m);
     };
     if (interval(keyframe.travel_m) > interval(before.travel_m)) {
       graph_.calibrations.push_back(OdometryCalibration(graph_.calibrations.back()));
@@ -108,12 +112,25 @@ void PathSmoother::place(const Eigen::Vector3d& T_map_local) {
   apply_georeference(T_map_local, graph_);
 }
 
-void PathSmoother::look() {
-  if (!graph_.georeferenced || graph_.keyframes.empty()) return;
+std::optional<SmoothedPose> PathSmoother::look() {
+  if (!graph_.georeferenced || graph_.keyframes.empty()) return std::nullopt;
   const bool has_grown = static_cast<double>(graph_.keyframes.size()) >=
                          num_solved_ * (1.0 + kGrowth) + kKeyframesLeast;
   const bool is_due = due_travel_m_ && graph_.keyframes.back().travel_m >= *due_travel_m_;
-  if (has_grown || is_due) solve();
+  if (!has_grown && !is_due) return std::nullopt;
+  if (!solve()) return std::nullopt;
+  // In a gap the wheels go on from where they were better than from a new guess.
+  if (graph_.keyframes.back().travel_m - position_travel_m_ > kKeyframeTravel_m)
+    return std::nullopt;
+  const Keyframe& newest = graph_.keyframes.back();
+  const Eigen::Vector3d delta = motion_.motion().delta_with(graph_.calibrations.back());
+  SmoothedPose pose;
+  pose.T_map_base = geometry::compose(newest.T_map_base, delta);
+  pose.covariance =
+      after_motion(joint_covariance(newest), newest.T_map_base, motion_.motion(), delta)
+          .topLeftCorner<3, 3>();
+  if (!graph_.receiver_errors.empty()) pose.receiver_error_m = graph_.receiver_errors.back().p_m;
+  return pose;
 }
 
 void PathSmoother::finish() {
@@ -126,17 +143,40 @@ void PathSmoother::finish() {
   solve();
 }
 
-void PathSmoother::solve() {
+bool PathSmoother::solve() {
   num_solved_ = static_cast<int>(graph_.keyframes.size());
   due_travel_m_.reset();
   SlamGraph before = graph_;
-  if (!solve_graph(graph_, false, config_).solved) return;
+  // First without the robust loss: it keeps what lies far behind a gap where the filter had it.
+  if (!solve_graph(graph_, true, config_).solved) return false;
   const FixesLeftOut out = left_out();
   if (out.num_left_out > kLeftOutMost * out.num_fixes) {
     graph_ = std::move(before);  // a way that most positions contradict is none
-    return;
+    return false;
   }
   corrected_ = true;
+  return true;
+}
+
+std::optional<WheelChanges> PathSmoother::wheel_changes() const {
+  if (revision_ == 0 && !corrected_) return std::nullopt;
+  std::vector<double> speeds_mps;
+  for (std::size_t k = 1; k < graph_.keyframes.size(); ++k) {
+    const Keyframe& now = graph_.keyframes[k];
+    const double dt_s = timing::seconds(now.utime - graph_.keyframes[k - 1].utime);
+    if (dt_s > 0.0) speeds_mps.push_back(now.motion.travel_m / dt_s);
+  }
+  if (speeds_mps.empty()) return std::nullopt;
+  const double speed_mps = std::max(geometry::median(speeds_mps), kSpeedLeast_mps);
+  // Of a process that forgets in kSlipTravel_m, a step over an interval has this share of twice its
+  // variance.
+  const double share = 2.0 * (1.0 - std::exp(-kCalibrationTravel_m / kSlipTravel_m));
+  const Eigen::Vector3d& walk = graph_.calibration_walk_sd;
+  WheelChanges changes;
+  changes.slip_sd = walk[0] / std::sqrt(share);
+  changes.turn_slip_sd = walk[1] / std::sqrt(share);
+  changes.curvature_walk = walk[2] / speed_mps / std::sqrt(kCalibrationTravel_m);
+  return changes;
 }
 
 std::optional<Trajectory> PathSmoother::take_correction() {

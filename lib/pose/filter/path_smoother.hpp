@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "pose/filter/fusion_filter.hpp"
 #include "pose/graph/georeference.hpp"
 #include "pose/graph/graph.hpp"
 #include "pose/pose_config.hpp"
@@ -12,6 +13,13 @@
 #include "pose/trajectory.hpp"
 
 namespace orchard::pose {
+
+/// Where base is by all positions before, and what the receiver was wrong by last.
+struct SmoothedPose {
+  Eigen::Vector3d T_map_base = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  Eigen::Vector2d receiver_error_m = Eigen::Vector2d::Zero();
+};
 
 /// The way driven so far by all positions before and after: the graph of mode slam without trunks.
 ///
@@ -31,13 +39,16 @@ class PathSmoother {
   /// The filter has found its place: moves what was driven before to map.
   void place(const Eigen::Vector3d& T_map_local);
 
-  /// Solves when the way has grown by a tenth, and some metres after a gap.
-  void look();
+  /// Solves when the way has grown by a tenth, and some metres after a gap; where base is then.
+  std::optional<SmoothedPose> look();
 
   /// Solves with all that there is.
   void finish();
 
   std::optional<Trajectory> take_correction();
+
+  /// How much the wheels' errors change, as the last solve has it; none before the first.
+  std::optional<WheelChanges> wheel_changes() const;
 
   /// By the last solve.
   FixesLeftOut left_out() const { return fixes_left_out(graph_); }
@@ -45,7 +56,7 @@ class PathSmoother {
  private:
   void follow(const Eigen::Vector3d& T_map_base);
   void add_keyframe(const Eigen::Vector3d& T_map_base);
-  void solve();
+  bool solve();
 
   SlamConfig config_;
   DeadReckoning motion_;  ///< since the newest keyframe

@@ -49,7 +49,9 @@ std::vector<Truth> drive(double duration_s, double heading_rad) {
 
 struct Errors {
   double speed_scale = 0.0;
+  double turn_scale = 0.0;
   double curvature_per_m = 0.0;
+  std::function<double(double)> curvature_besides_per_m = [](double) { return 0.0; };
   double speed_sd_mps = 0.01;
   double yaw_rate_sd_radps = 0.01;
   double gnss_sd_m = 0.02;
@@ -127,7 +129,10 @@ Outcome run(const PoseConfig& config, const Errors& errors, std::uint64_t seed,
       odometry.utime = utime;
       odometry.speed_mps =
           t.speed_mps / (1.0 + errors.speed_scale) + errors.speed_sd_mps * normal(random);
-      odometry.yaw_rate_radps = t.yaw_rate_radps - errors.curvature_per_m * t.speed_mps +
+      const double curvature_per_m =
+          errors.curvature_per_m + errors.curvature_besides_per_m(t.time_s);
+      odometry.yaw_rate_radps = t.yaw_rate_radps / (1.0 + errors.turn_scale) -
+                                curvature_per_m * t.speed_mps +
                                 errors.yaw_rate_sd_radps * normal(random);
       fusion.add(Measurement(odometry));
     }
@@ -224,6 +229,27 @@ TEST(Fusion, TheGyroBridgesAnOutage) {
   EXPECT_LT(gyro.worst_within(150.0, 210.0), 1.0);
   EXPECT_LT(gyro.worst_within(150.0, 210.0), wheels.worst_within(150.0, 210.0));
   EXPECT_LT(gyro.worst_within(215.0, 300.0), 0.1);
+}
+
+TEST(Fusion, WheelsThatTellTurnsShortBridgeAGap) {
+  Errors errors;
+  errors.turn_scale = 0.15;
+  errors.has_gnss = [](double time_s) { return time_s < 250.0 || time_s > 340.0; };
+  // Two half circles in the gap: by the turns as told the heading would be 0.8 rad off behind them.
+  const Outcome r = run(config_of(), errors, 8, 400.0);
+  EXPECT_LT(r.worst_within(250.0, 340.0), 3.0);
+  EXPECT_LT(r.worst_within(345.0, 400.0), 0.1);
+}
+
+TEST(Fusion, FixesBehindAGapAreBelievedAtOnce) {
+  Errors errors;
+  // A tyre that loses its air in the gap: nothing before tells of it.
+  errors.curvature_besides_per_m = [](double time_s) { return time_s > 155.0 ? 0.04 : 0.0; };
+  errors.has_gnss = [](double time_s) { return time_s < 150.0 || time_s > 210.0; };
+  const Outcome r = run(config_of(), errors, 9, 300.0);
+  EXPECT_GT(r.worst_within(150.0, 210.0), 10.0);
+  EXPECT_LT(r.worst_within(210.3, 300.0), 2.0);
+  EXPECT_LT(r.worst_within(235.0, 300.0), 0.2);
 }
 
 TEST(Fusion, AJumpOf30mIsLeftOutAndNamed) {

@@ -7,10 +7,11 @@
 # truth by kind, and counts ids and numbers that `orchard map --previous` gave otherwise than before.
 # The later drive scans at another rate, so that its noise is its own. Some 20 s of one core a seed.
 #
-# usage: [MODE=slam] [KINDS=replaced] tests/experiments/map_changes.sh [FIRST_SEED [LAST_SEED]]  (default 1 1)
+# usage: [MODE=slam] [KINDS=replaced|grown] tests/experiments/map_changes.sh [FIRST_SEED [LAST_SEED]]  (default 1 1)
 #   MODE=fixes      places the robot by POSE_FIX (default); slam: by wheels and trunks, each map in a
 #                   frame of its own
 #   KINDS=replaced  only fells and plants
+#   KINDS=grown     only lets a third of the trees grow by 10 mm (sd 2.5), each day of three laps
 #   VERBOSE=1       says which claims are false and which changes were not found
 set -euo pipefail
 . "$(dirname "$0")/../script_help.sh"
@@ -24,14 +25,19 @@ trap 'rm -rf "$work"' EXIT
 exec 3>/dev/null
 [ -z "${VERBOSE:-}" ] || exec 3>&2
 
-sed -e "s/mode: slam/mode: $mode/" -e 's/laps: 3/laps: 1/' -e 's/fix_rate_hz: 0/fix_rate_hz: 10/' \
+kinds=${KINDS:-all}
+laps=1
+[ "$kinds" != grown ] || laps=3
+sed -e "s/mode: slam/mode: $mode/" -e "s/laps: 3/laps: $laps/" -e 's/fix_rate_hz: 0/fix_rate_hz: 10/' \
   config/block.yaml >"$work/before.yaml"
 grep -q "mode: $mode" "$work/before.yaml" || { echo "config/block.yaml has another pose.mode"; exit 1; }
 sed 's/^\( *\)range_max_m: 20.0$/&\n\1rate_hz: 9.0/' "$work/before.yaml" >"$work/same.yaml"
 {
   cat "$work/same.yaml"
-  printf '  change:\n    fraction: 0.05\n'
-  [ "${KINDS:-all}" = replaced ] || printf '    %s\n' 'moved_fraction: 0.05' 'moved_m: 0.5' \
+  printf '  change:\n'
+  [ "$kinds" = grown ] || printf '    fraction: 0.05\n'
+  [ "$kinds" != grown ] || printf '    growth_m: 0.010\n    grown_fraction: 0.3333\n'
+  [ "$kinds" != all ] || printf '    %s\n' 'moved_fraction: 0.05' 'moved_m: 0.5' \
     'moved_spread_m: 1.0' 'growth_m: 0.04' 'grown_fraction: 0.05' 'objects_fraction: 0.1'
 } >"$work/changed.yaml"
 

@@ -8,12 +8,18 @@
 #include "geometry/pose2.hpp"
 #include "mapping/candidate.hpp"
 #include "mapping/existence/existence_odds.hpp"
+#include "mapping/landmark_record.hpp"
 
 namespace orchard::mapping {
 namespace {
 
 /// What was seen so often was no stray observation.
 constexpr int kStrayObservationsMost = 30;
+/// What overlaps a thing that was seen more than ten times as often is a view of that which went
+/// wrong: half hidden, or of two things in one.
+constexpr double kStrayFraction = 0.1;
+/// Wider things than this are no trunks and posts [m]: others may stand within their extent.
+constexpr double kCompactMost_m = 1.5;
 
 /// Log odds that a landmark stands there, by every scan with a view of its place.
 double log_odds_of_drive(const MapState& map, const LandmarkRecord& r, SeenGround& ground) {
@@ -42,6 +48,31 @@ double log_odds_of_drive(const MapState& map, const LandmarkRecord& r, SeenGroun
   return log_odds + std::max(1, num_seen) * log_odds_of_return();
 }
 
+double place_sd_m(const LandmarkRecord& r) {
+  return std::sqrt(std::max(0.0f, r.scatter_m2) + 1.0 / std::max(r.association_information, 1e-6f));
+}
+
+/// Whether a landmark lies, for all that is known of its place, in one that is seen time and again.
+/// Two trunks or posts do not overlap; a tree may stand in a bush.
+bool is_within_another(const MapState& map, std::int32_t index) {
+  const LandmarkRecord& r = map.landmarks[index];
+  if (r.is_clump) return false;
+  const bool is_tree = label_of(r, map.config) == detection::Label::kTree;
+  bool is_within = false;
+  map.landmarks.near(r.association_position(), 0.5 * (r.width_m + kCompactMost_m),
+                     [&](std::int32_t i, const LandmarkRecord& other) {
+                       if (i == index || other.is_clump || other.width_m > kCompactMost_m) return;
+                       if (r.num_all >= kStrayFraction * other.num_all) return;
+                       if (is_tree && label_of(other, map.config) != detection::Label::kTree)
+                         return;
+                       const double apart_m =
+                           (other.association_position() - r.association_position()).norm();
+                       is_within |= apart_m + std::hypot(place_sd_m(r), place_sd_m(other)) <
+                                    0.5 * static_cast<double>(r.width_m + other.width_m);
+                     });
+  return is_within;
+}
+
 }  // namespace
 
 std::vector<std::int32_t> stray_landmarks(const MapState& map, SeenGround& ground) {
@@ -49,7 +80,9 @@ std::vector<std::int32_t> stray_landmarks(const MapState& map, SeenGround& groun
   for (std::int32_t i = 0; i < map.landmarks.num_indices(); ++i) {
     const LandmarkRecord& r = map.landmarks[i];
     if (r.is_removed || r.num_all >= kStrayObservationsMost) continue;
-    if (log_odds_of_drive(map, r, ground) < kLogOddsGone) strays.push_back(i);
+    if (is_within_another(map, i) || log_odds_of_drive(map, r, ground) < kLogOddsGone) {
+      strays.push_back(i);
+    }
   }
   return strays;
 }

@@ -10,7 +10,8 @@
 namespace orchard::mapping {
 
 /// Indices of landmarks that most likely never stood there, in rising order: seen now and then,
-/// while most scans of the drive with a view of their place, before and after, passed through it.
+/// while most scans of the drive with a view of their place, before and after, passed through it;
+/// or overlapping a trunk or post that was seen more than ten times as often.
 ///
 /// The filter beside it (existence.hpp) weighs what comes after a landmark's first observation, as
 /// it comes; this weighs the whole drive, by the same rates, when the map is written. Landmarks of

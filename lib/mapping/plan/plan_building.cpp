@@ -27,7 +27,9 @@ Vector2d main_direction(const std::vector<PlannedTree>& trees) {
   for (const PlannedTree& t : trees) {
     spread += (t.p_plan - mean) * (t.p_plan - mean).transpose();
   }
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread).eigenvectors().col(1);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
+  axes.computeDirect(spread);
+  return axes.eigenvectors().col(1);
 }
 
 void sort_along(PlannedRow& row) {

@@ -17,11 +17,9 @@ constexpr double kElsewhere_m = 1.0;
 constexpr double kElsewhere_rad = 0.3;
 
 double largest_sd_m(const Eigen::Matrix3d& P) {
-  const Eigen::Matrix2d xy = P.topLeftCorner<2, 2>();
-  return std::sqrt(
-      std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(xy, Eigen::EigenvaluesOnly)
-                        .eigenvalues()
-                        .maxCoeff()));
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
+  axes.computeDirect(P.topLeftCorner<2, 2>(), Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, axes.eigenvalues().maxCoeff()));
 }
 
 }  // namespace

@@ -31,8 +31,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 namespace fs = std::filesystem;
 
-constexpr std::chrono::milliseconds kRedraw{500};
-
 /// Everyone listens by then.
 constexpr std::int64_t kPlayAfter_us = 3'000'000;
 

@@ -21,7 +21,6 @@ using Clock = std::chrono::steady_clock;
 
 /// STATUS comes once a second: after this everyone has been heard.
 constexpr std::chrono::milliseconds kListen{2500};
-constexpr std::chrono::milliseconds kRedraw{500};
 
 }  // namespace
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -9,6 +10,9 @@
 #include "cli/field/status_board.hpp"
 
 namespace orchard::cli {
+
+/// How often the screen is drawn anew.
+inline constexpr std::chrono::milliseconds kRedraw{500};
 
 /// Shows how all processes are: a table that is drawn anew on a terminal; in a pipe a line whenever
 /// a process's state or words change.

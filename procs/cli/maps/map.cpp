@@ -167,7 +167,7 @@ void make_folder(const std::string& folder) {
 }
 
 /// Where the laser looks, by the rig and the log's first scan: what later comparisons go by.
-mapping::SensorView view_of(const io::Config& config, const io::LogPaths& logs) {
+mapping::SensorView sensor_view(const io::Config& config, const io::LogPaths& logs) {
   mapping::SensorView view;
   view.reach_m =
       std::min(config.detector.segmentation.range_max_m, config.mapper.observation_range_max_m);
@@ -243,7 +243,7 @@ int run_map(const MapOptions& options) {
   summary.counts = counts_of(report, pipeline);
   summary.warnings = std::move(warnings);
   io::MapFolderContent content = pipeline.mapper.content(summary);
-  content.view = view_of(config, logs_of(options));
+  content.view = sensor_view(config, logs_of(options));
   if (content.landmarks.empty()) {
     content.summary.warnings.push_back("nothing was mapped: no object was seen often enough");
     std::fprintf(stderr, "orchard map: warning: %s\n", content.summary.warnings.back().c_str());

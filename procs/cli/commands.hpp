@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "cli/add_command.hpp"
+
+namespace orchard::cli {
+
+/// Every command of `orchard`, in the order of its help.
+void add_all_commands(CLI::App& app, Run& run);
+
+}  // namespace orchard::cli

@@ -7,7 +7,7 @@
 
 #include "mapping/extent/extent.hpp"
 
-#include "mapping/stored_detection.hpp"
+#include "mapping/store/stored_detection.hpp"
 
 namespace orchard::mapping {
 namespace {

@@ -12,7 +12,7 @@
 #include "mapping/landmark_table.hpp"
 #include "mapping/mapper_config.hpp"
 #include "mapping/mode_cache.hpp"
-#include "mapping/observation_store.hpp"
+#include "mapping/store/observation_store.hpp"
 
 namespace orchard::mapping {
 

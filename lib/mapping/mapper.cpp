@@ -18,7 +18,7 @@
 #include "mapping/landmark_splitting.hpp"
 #include "mapping/map_state.hpp"
 #include "mapping/rows/id_keeping.hpp"
-#include "mapping/stored_detection.hpp"
+#include "mapping/store/stored_detection.hpp"
 
 namespace orchard::mapping {
 namespace {

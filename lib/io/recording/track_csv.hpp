@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "evaluation/trajectory_evaluation.hpp"
+#include "evaluation/trajectory/trajectory_evaluation.hpp"
 
 namespace orchard::io {
 

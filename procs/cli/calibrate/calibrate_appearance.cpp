@@ -13,7 +13,7 @@
 #include "cli/calibrate/appearance_collector.hpp"
 #include "cli/calibrate/appearance_values.hpp"
 #include "cli/load_rig.hpp"
-#include "evaluation/look.hpp"
+#include "evaluation/detections/observation_pair.hpp"
 #include "io/config/config.hpp"
 #include "io/config/config_edit.hpp"
 #include "io/file_error.hpp"
@@ -38,19 +38,20 @@ void add_samples(const CalibrateAppearanceOptions& options, const io::Config& co
   bus::replay_in_process(options.log_paths[i], {&collector}, replay);
   bar.finish();
   const auto truth = io::read_observation_csv(options.observation_paths[i]);
-  const auto found = evaluation::match_looks(collector.messages(), truth, static_cast<int>(i));
+  const auto found =
+      evaluation::pair_observations(collector.messages(), truth, static_cast<int>(i));
   if (found.num_scans == 0) {
     throw io::FileError(options.observation_paths[i] + " holds no scan with a picture of " +
                         options.log_paths[i] + ": not one time is the same");
   }
-  std::map<std::pair<std::int64_t, std::size_t>, const evaluation::Look*> looks;
-  for (const evaluation::Look& look : found.looks) {
+  std::map<std::pair<std::int64_t, std::size_t>, const evaluation::ObservationPair*> looks;
+  for (const evaluation::ObservationPair& look : found.pairs) {
     if (look.detection) looks[{look.scan_utime, look.detection_index}] = &look;
   }
   for (const SeenWindow& window : collector.windows()) {
     const auto at = looks.find({window.utime, window.index});
     if (at == looks.end()) continue;
-    const evaluation::Look& look = *at->second;
+    const evaluation::ObservationPair& look = *at->second;
     const int thing = look.truth ? look.truth->object + 1 : 0;
     samples.push_back({window.features, look.is_tree(), static_cast<int>(i) * kThingsMost + thing});
   }

@@ -9,8 +9,8 @@
 #include "calibration/trunks/probability_learner.hpp"
 #include "cli/evaluate/detection_log.hpp"
 #include "cli/load_rig.hpp"
-#include "evaluation/look.hpp"
-#include "evaluation/reliability.hpp"
+#include "evaluation/detections/observation_pair.hpp"
+#include "evaluation/detections/reliability.hpp"
 #include "io/config/config.hpp"
 #include "io/config/config_edit.hpp"
 #include "io/file_error.hpp"
@@ -35,7 +35,7 @@ constexpr const char* kFeatureNames[] = {"1",
                                          "roc_edges",
                                          "roc_edges is 0"};
 
-Outcome outcome_of(const evaluation::Look& look) {
+Outcome outcome_of(const evaluation::ObservationPair& look) {
   if (!look.truth) return Outcome::kNeither;
   return look.is_tree() ? Outcome::kTree : Outcome::kObject;
 }
@@ -46,12 +46,12 @@ void add_samples(const CalibrateProbabilityOptions& options, const io::Config& c
   const int recording = static_cast<int>(i);
   const auto messages = detect_log(options.log_paths[i], config, !options.quiet);
   const auto truth = io::read_observation_csv(options.observation_paths[i]);
-  const auto found = evaluation::match_looks(messages, truth, recording);
+  const auto found = evaluation::pair_observations(messages, truth, recording);
   if (found.num_scans == 0) {
     throw io::FileError(options.observation_paths[i] + " holds no scan of " + options.log_paths[i] +
                         ": not one time is the same");
   }
-  for (const evaluation::Look& look : found.looks) {
+  for (const evaluation::ObservationPair& look : found.pairs) {
     if (!look.detection) continue;
     samples.push_back(
         {*look.detection, outcome_of(look), recording, look.truth ? look.truth->object : -1});

@@ -9,7 +9,7 @@
 #include "bus/node/process.hpp"
 #include "evaluation/map_evaluation.hpp"
 #include "evaluation/paper_tables.hpp"
-#include "evaluation/trajectory_evaluation.hpp"
+#include "evaluation/trajectory/trajectory_evaluation.hpp"
 #include "geometry/angles.hpp"
 #include "io/map/map_folder.hpp"
 #include "io/recording/track_csv.hpp"

@@ -7,7 +7,7 @@
 
 #include "bus/node/process.hpp"
 #include "cli/evaluate/detection_log.hpp"
-#include "evaluation/detection_report.hpp"
+#include "evaluation/detections/detection_report.hpp"
 #include "io/atomic_file.hpp"
 #include "io/figure/report_page.hpp"
 #include "io/file_error.hpp"
@@ -19,11 +19,11 @@ namespace orchard::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using evaluation::Look;
+using evaluation::ObservationPair;
 
 /// All looks of all recordings, and the landmarks of those with a truth.
 struct Material {
-  std::vector<Look> looks;
+  std::vector<ObservationPair> looks;
   std::vector<std::string> names;
   int num_scans = 0;
   bool has_landmarks = false;
@@ -45,7 +45,7 @@ void check_counts(const EvaluateDetectionsOptions& options) {
 }
 
 void add_landmarks(const EvaluateDetectionsOptions& options, std::size_t i,
-                   const std::vector<Look>& looks, Material& material) {
+                   const std::vector<ObservationPair>& looks, Material& material) {
   const std::string& path = options.paths[i];
   if (!fs::is_directory(path)) {
     throw io::FileError(path + " is no map folder: --truth judges the landmarks of its map.csv");
@@ -53,7 +53,7 @@ void add_landmarks(const EvaluateDetectionsOptions& options, std::size_t i,
   const auto truth = io::read_truth_csv(options.truth_paths[i]);
   const auto landmarks = io::read_map_csv((fs::path(path) / "map.csv").string());
   const auto result = evaluation::evaluate_landmarks(
-      landmarks, truth, evaluation::looked_at(looks, truth.size(), options.rules),
+      landmarks, truth, evaluation::was_observed(looks, truth.size(), options.rules),
       options.rules.gate_m, &material.forecasts);
   material.has_landmarks = true;
   material.landmarks.counts += result.counts;
@@ -64,8 +64,8 @@ void add_landmarks(const EvaluateDetectionsOptions& options, std::size_t i,
 void add_recording(const EvaluateDetectionsOptions& options, std::size_t i, Material& material) {
   const auto messages = read_detections(options.paths[i]);
   const auto truth = io::read_observation_csv(options.observation_paths[i]);
-  evaluation::Looks found =
-      evaluation::match_looks(messages, truth, static_cast<int>(i), {options.rules.gate_m});
+  evaluation::ObservationPairs found =
+      evaluation::pair_observations(messages, truth, static_cast<int>(i), {options.rules.gate_m});
   if (found.num_scans == 0) {
     throw io::FileError(options.observation_paths[i] + " holds no scan of " + options.paths[i] +
                         ": not one time is the same; give the CSV that `orchard simulate "
@@ -76,11 +76,11 @@ void add_recording(const EvaluateDetectionsOptions& options, std::size_t i, Mate
                  options.paths[i].c_str(), found.num_without_truth,
                  options.observation_paths[i].c_str());
   }
-  if (!options.truth_paths.empty()) add_landmarks(options, i, found.looks, material);
+  if (!options.truth_paths.empty()) add_landmarks(options, i, found.pairs, material);
   material.names.push_back(fs::path(options.paths[i]).filename().string());
   material.num_scans += found.num_scans;
-  material.looks.insert(material.looks.end(), std::make_move_iterator(found.looks.begin()),
-                        std::make_move_iterator(found.looks.end()));
+  material.looks.insert(material.looks.end(), std::make_move_iterator(found.pairs.begin()),
+                        std::make_move_iterator(found.pairs.end()));
 }
 
 }  // namespace

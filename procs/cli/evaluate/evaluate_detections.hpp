@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "evaluation/detection_evaluation.hpp"
+#include "evaluation/detections/detection_evaluation.hpp"
 
 namespace orchard::cli {
 

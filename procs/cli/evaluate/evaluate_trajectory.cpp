@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "bus/node/process.hpp"
-#include "evaluation/trajectory_report.hpp"
+#include "evaluation/trajectory/trajectory_report.hpp"
 #include "io/atomic_file.hpp"
 #include "io/figure/trajectory_figure.hpp"
 #include "io/file_error.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluation/detection_evaluation.hpp"
+#include "evaluation/detections/detection_evaluation.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "evaluation/detection_report.hpp"
+#include "evaluation/detections/detection_report.hpp"
 
 namespace orchard::evaluation {
 namespace {
@@ -84,9 +84,9 @@ struct Scene {
 
 TEST(DetectionEvaluation, CountsAsAPersonWouldByHand) {
   const Scene scene;
-  const Looks found = match_looks(scene.messages, scene.truth, 0);
+  const ObservationPairs found = pair_observations(scene.messages, scene.truth, 0);
   EXPECT_EQ(found.num_scans, 1);
-  const Counts c = count_labels(found.looks, {});
+  const Counts c = count_labels(found.pairs, {});
   EXPECT_EQ(c.num_right, 3);
   EXPECT_EQ(c.num_wrong, 2);
   EXPECT_EQ(c.num_wrong_on_object, 1);
@@ -100,7 +100,7 @@ TEST(DetectionEvaluation, CountsAsAPersonWouldByHand) {
 
 TEST(DetectionEvaluation, RulesDecideWhatCounts) {
   const Scene scene;
-  const auto looks = match_looks(scene.messages, scene.truth, 0).looks;
+  const auto looks = pair_observations(scene.messages, scene.truth, 0).pairs;
   DetectionRules rules;
   rules.range_max_m = 6.0;
   EXPECT_EQ(count_labels(looks, rules).num_right, 4);
@@ -114,7 +114,7 @@ TEST(DetectionEvaluation, RulesDecideWhatCounts) {
 
 TEST(DetectionEvaluation, CentreErrorsSeeThroughTheMount) {
   const Scene scene;
-  const auto looks = match_looks(scene.messages, scene.truth, 0).looks;
+  const auto looks = pair_observations(scene.messages, scene.truth, 0).pairs;
   const ErrorSummary near = centre_errors(looks, {}, 1.0, 2.0);
   EXPECT_EQ(near.num, 1);
   EXPECT_NEAR(near.rms_m, 0.012, 1e-9);
@@ -126,7 +126,7 @@ TEST(DetectionEvaluation, CentreErrorsSeeThroughTheMount) {
 TEST(DetectionEvaluation, ScansAreMatchedByTime) {
   Scene scene;
   scene.messages[0].utime = 2000;
-  const Looks found = match_looks(scene.messages, scene.truth, 0);
+  const ObservationPairs found = pair_observations(scene.messages, scene.truth, 0);
   EXPECT_EQ(found.num_scans, 0);
   EXPECT_EQ(found.num_without_truth, 1);
   EXPECT_EQ(found.num_without_message, 1);
@@ -134,9 +134,9 @@ TEST(DetectionEvaluation, ScansAreMatchedByTime) {
 
 TEST(DetectionEvaluation, AScoreAloneIsJudgedAtItsBestThreshold) {
   // trees 0.9, 0.8, 0.3; others 0.5, 0.1: the best is 0.3 with one wrong (F1 6/7)
-  std::vector<Look> looks;
+  std::vector<ObservationPair> looks;
   const auto add = [&](Label label, float roc_colour) {
-    Look look;
+    ObservationPair look;
     look.has_image = true;
     look.truth = thing(0, label, 2.0, 0.0);
     look.detection = detection_of(*look.truth, Label::kObject);
@@ -182,7 +182,7 @@ TEST(DetectionEvaluation, LandmarksOnlyOfWhatWasLookedAt) {
 TEST(DetectionReport, TablesPlotsAndJsonSayTheSame) {
   Scene scene;
   for (Detection& d : scene.messages[0].trunks) d.probability_tree = 0.7f;
-  const auto looks = match_looks(scene.messages, scene.truth, 0).looks;
+  const auto looks = pair_observations(scene.messages, scene.truth, 0).pairs;
   const DetectionEvaluation e = evaluate_detections(looks, {"a<b"}, {});
   EXPECT_THAT(detection_tables(e),
               HasSubstr("per observation           0.6000    0.5000    0.5455"));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "evaluation/trajectory_evaluation.hpp"
+#include "evaluation/trajectory/trajectory_evaluation.hpp"
 
 namespace orchard::evaluation {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluation/score_test.hpp"
+#include "evaluation/detections/score_test.hpp"
 
 #include <algorithm>
 #include <functional>
@@ -44,14 +44,14 @@ void thin(std::vector<std::array<double, 2>>& curve) {
   curve = std::move(kept);
 }
 
-ScoreTest run_test(const std::vector<Look>& looks, const DetectionRules& rules, const char* name,
-                   const std::function<double(const Detection&)>& score_of) {
+ScoreTest run_test(const std::vector<ObservationPair>& looks, const DetectionRules& rules,
+                   const char* name, const std::function<double(const Detection&)>& score_of) {
   ScoreTest test;
   test.name = name;
   std::vector<Scored> scored;
   int num_asked = 0;  // trees that count, detected or not
   int num_trees = 0, num_others = 0;
-  for (const Look& look : looks) {
+  for (const ObservationPair& look : looks) {
     const bool asked = counts_as_tree(look, rules);
     if (asked) ++num_asked;
     if (!look.detection || look.range_m() >= rules.range_max_m) continue;
@@ -88,7 +88,7 @@ ScoreTest run_test(const std::vector<Look>& looks, const DetectionRules& rules, 
 
 }  // namespace
 
-bool counts(const Look& look, const DetectionRules& rules) {
+bool counts(const ObservationPair& look, const DetectionRules& rules) {
   if (!look.truth) return false;
   const simulation::TrueObservation& t = *look.truth;
   return t.range_m < rules.range_max_m && t.num_beams >= rules.num_beams_min &&
@@ -96,12 +96,12 @@ bool counts(const Look& look, const DetectionRules& rules) {
          (!rules.in_picture || (t.in_picture && look.has_image));
 }
 
-bool counts_as_tree(const Look& look, const DetectionRules& rules) {
+bool counts_as_tree(const ObservationPair& look, const DetectionRules& rules) {
   return look.is_tree() && counts(look, rules);
 }
 
-void count_look(const Look& look, bool is_called_tree, const DetectionRules& rules,
-                Counts& counts) {
+void count_observation(const ObservationPair& look, bool is_called_tree,
+                       const DetectionRules& rules, Counts& counts) {
   if (look.is_tree()) {
     if (!counts_as_tree(look, rules)) return;
     if (is_called_tree) {
@@ -117,16 +117,18 @@ void count_look(const Look& look, bool is_called_tree, const DetectionRules& rul
   }
 }
 
-std::vector<ScoreTest> score_tests(const std::vector<Look>& looks, const DetectionRules& rules) {
+std::vector<ScoreTest> score_tests(const std::vector<ObservationPair>& looks,
+                                   const DetectionRules& rules) {
   std::vector<ScoreTest> tests{
       run_test(looks, rules, "colour only", [](const Detection& d) { return d.roc_colour; }),
       run_test(looks, rules, "edges only", [](const Detection& d) { return d.roc_edges; }),
       run_test(looks, rules, "colour and edges", [](const Detection& d) { return d.roc_vision; }),
       run_test(looks, rules, "laser only", [](const Detection& d) { return d.roc_laser; }),
       run_test(looks, rules, "everything", [](const Detection& d) { return d.roc_tree; })};
-  const bool has_probability = std::any_of(looks.begin(), looks.end(), [](const Look& look) {
-    return look.detection && look.detection->probability_tree > 0.0f;
-  });
+  const bool has_probability =
+      std::any_of(looks.begin(), looks.end(), [](const ObservationPair& look) {
+        return look.detection && look.detection->probability_tree > 0.0f;
+      });
   if (has_probability) {
     tests.push_back(run_test(looks, rules, "probability",
                              [](const Detection& d) { return d.probability_tree; }));

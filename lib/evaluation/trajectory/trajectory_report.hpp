@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "evaluation/trajectory_evaluation.hpp"
+#include "evaluation/trajectory/trajectory_evaluation.hpp"
 
 namespace orchard::evaluation {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <nlohmann/json.hpp>
 
-#include "evaluation/detection_report.hpp"
+#include "evaluation/detections/detection_report.hpp"
 #include "evaluation/error_summary_json.hpp"
 
 namespace orchard::evaluation {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mapping/observation_store.hpp"
+#include "mapping/store/observation_store.hpp"
 
 #include <algorithm>
 #include <utility>

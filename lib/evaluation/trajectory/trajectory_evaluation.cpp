@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluation/trajectory_evaluation.hpp"
+#include "evaluation/trajectory/trajectory_evaluation.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "evaluation/track_association.hpp"
+#include "evaluation/trajectory/track_association.hpp"
 #include "geometry/angles.hpp"
 #include "geometry/rigid_fit2.hpp"
 #include "geometry/statistics.hpp"

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "evaluation/look.hpp"
+#include "evaluation/detections/observation_pair.hpp"
+#include "evaluation/detections/reliability.hpp"
 #include "evaluation/map_evaluation.hpp"
-#include "evaluation/reliability.hpp"
 
 namespace orchard::evaluation {
 
@@ -78,30 +78,30 @@ struct DetectionEvaluation {
 
 /// Precision, recall and F1 of class tree per look, by range and by recording; the paper's three
 /// tests and more; and whether probability_tree means what it says. `names` are the recordings'.
-DetectionEvaluation evaluate_detections(const std::vector<Look>& looks,
+DetectionEvaluation evaluate_detections(const std::vector<ObservationPair>& looks,
                                         const std::vector<std::string>& names,
                                         const DetectionRules& rules);
 
 /// Counts alone of the looks for which a score reaches a threshold, instead of their labels.
-Counts count_labels(const std::vector<Look>& looks, const DetectionRules& rules);
+Counts count_labels(const std::vector<ObservationPair>& looks, const DetectionRules& rules);
 
 /// Root mean square centre error of trees called TREE between two ranges [m]; n in `num`.
-ErrorSummary centre_errors(const std::vector<Look>& looks, const DetectionRules& rules,
+ErrorSummary centre_errors(const std::vector<ObservationPair>& looks, const DetectionRules& rules,
                            double from_m, double to_m);
 
 /// Forecasts of the detections that something judged: probability_tree, and whether it was a tree.
-std::vector<Forecast> forecasts_of(const std::vector<Look>& looks);
+std::vector<Forecast> forecasts_of(const std::vector<ObservationPair>& looks);
 
 /// Landmarks against all the truth; those that no look of a recording counted do not count when
-/// `looked_at` (by place in the truth) says so.
+/// `was_observed` (by place in the truth) says so.
 LandmarkEvaluation evaluate_landmarks(const std::vector<mapping::Landmark>& landmarks,
                                       const std::vector<simulation::TruthObject>& truth,
-                                      const std::vector<bool>& looked_at, double gate_m,
+                                      const std::vector<bool>& was_observed, double gate_m,
                                       std::vector<Forecast>* forecasts = nullptr);
 
 /// Of each thing of the truth, whether a look counted it.
-std::vector<bool> looked_at(const std::vector<Look>& looks, std::size_t num_things,
-                            const DetectionRules& rules);
+std::vector<bool> was_observed(const std::vector<ObservationPair>& looks, std::size_t num_things,
+                               const DetectionRules& rules);
 
 /// Sums.
 Counts& operator+=(Counts& into, const Counts& more);

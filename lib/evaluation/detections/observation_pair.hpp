@@ -11,9 +11,9 @@
 
 namespace orchard::evaluation {
 
-/// One scan's look at one thing: what truly was there, what was detected, or both.
-struct Look {
-  int recording = 0;  ///< which log; looks of one log are not independent
+/// One observation of one thing by one scan: what truly was there, what was detected, or both.
+struct ObservationPair {
+  int recording = 0;  ///< which log; observations of one log are not independent
   std::int64_t scan_utime = 0;
   std::size_t detection_index = 0;  ///< in its message; meaningless without a detection
   std::optional<simulation::TrueObservation> truth;
@@ -28,13 +28,13 @@ struct Look {
 };
 
 /// How true things and detections of a scan are paired.
-struct LookRules {
+struct PairingRules {
   double gate_m = 0.3;  ///< farthest a detected centre lies from the true axis
 };
 
-/// Looks of a recording, and what did not fit together.
-struct Looks {
-  std::vector<Look> looks;
+/// The pairs of a recording, and what did not fit together.
+struct ObservationPairs {
+  std::vector<ObservationPair> pairs;
   int num_scans = 0;            ///< with detections and a place in the truth's time
   int num_without_truth = 0;    ///< messages at a time of which the truth holds no scan
   int num_without_message = 0;  ///< scans of the truth that no message answers
@@ -45,8 +45,8 @@ struct Looks {
 /// Both are compared in the laser frame: the truth's axis, and the detection's centre, which is
 /// brought there from base through the mount that the messages themselves show (surface points are
 /// given in both frames). Things that no beam hit take no part. `truth` is in order of utime.
-Looks match_looks(const std::vector<detection::Detections>& messages,
-                  const std::vector<simulation::TrueObservation>& truth, int recording,
-                  const LookRules& rules = {});
+ObservationPairs pair_observations(const std::vector<detection::Detections>& messages,
+                                   const std::vector<simulation::TrueObservation>& truth,
+                                   int recording, const PairingRules& rules = {});
 
 }  // namespace orchard::evaluation

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mapping/stored_detection.hpp"
+#include "mapping/store/stored_detection.hpp"
 
 #include <algorithm>
 #include <cmath>

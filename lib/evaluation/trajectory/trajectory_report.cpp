@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluation/trajectory_report.hpp"
+#include "evaluation/trajectory/trajectory_report.hpp"
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>

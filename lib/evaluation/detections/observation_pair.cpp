@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluation/look.hpp"
+#include "evaluation/detections/observation_pair.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -42,7 +42,7 @@ Point axis_in_laser(const TrueObservation& t) {
 
 void match_scan(const Detections& message, const std::vector<const TrueObservation*>& truth,
                 const geometry::Pose2& T_base_laser, int recording, double gate_m,
-                std::vector<Look>& looks) {
+                std::vector<ObservationPair>& looks) {
   std::vector<Point> true_points, found_points;
   for (const TrueObservation* t : truth) true_points.push_back(axis_in_laser(*t));
   for (const Detection& d : message.trunks) {
@@ -50,7 +50,7 @@ void match_scan(const Detections& message, const std::vector<const TrueObservati
   }
   const Assignment assignment = assign(true_points, found_points, gate_m);
   std::vector<char> used(found_points.size(), 0);
-  Look look;
+  ObservationPair look;
   look.recording = recording;
   look.scan_utime = message.utime;
   look.has_image = message.image_utime != 0;
@@ -80,16 +80,16 @@ void match_scan(const Detections& message, const std::vector<const TrueObservati
 
 }  // namespace
 
-Looks match_looks(const std::vector<Detections>& messages,
-                  const std::vector<TrueObservation>& truth, int recording,
-                  const LookRules& rules) {
+ObservationPairs pair_observations(const std::vector<Detections>& messages,
+                                   const std::vector<TrueObservation>& truth, int recording,
+                                   const PairingRules& rules) {
   std::map<std::int64_t, std::vector<const TrueObservation*>> by_scan;
   for (const TrueObservation& t : truth) {
     auto& scan = by_scan[t.utime];
     if (t.num_beams > 0) scan.push_back(&t);
   }
   const geometry::Pose2 T_base_laser = mount_of(messages);
-  Looks result;
+  ObservationPairs result;
   std::set<std::int64_t> answered;
   for (const Detections& message : messages) {
     const auto scan = by_scan.find(message.utime);
@@ -99,7 +99,7 @@ Looks match_looks(const std::vector<Detections>& messages,
     }
     if (scan == by_scan.end() || !answered.insert(message.utime).second) continue;
     ++result.num_scans;
-    match_scan(message, scan->second, T_base_laser, recording, rules.gate_m, result.looks);
+    match_scan(message, scan->second, T_base_laser, recording, rules.gate_m, result.pairs);
   }
   result.num_without_message = static_cast<int>(by_scan.size() - answered.size());
   return result;

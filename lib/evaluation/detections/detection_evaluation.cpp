@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluation/detection_evaluation.hpp"
+#include "evaluation/detections/detection_evaluation.hpp"
 
 #include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "evaluation/score_test.hpp"
+#include "evaluation/detections/score_test.hpp"
 
 namespace orchard::evaluation {
 namespace {
@@ -16,7 +16,7 @@ using detection::Label;
 
 constexpr std::array<double, 9> kRangeEdgesM{0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0};
 
-bool is_called_tree(const Look& look) {
+bool is_called_tree(const ObservationPair& look) {
   return look.detection && look.detection->label == Label::kTree;
 }
 
@@ -40,15 +40,15 @@ class ErrorSum {
   ErrorSummary sum_;
 };
 
-Slice slice_of(const std::vector<Look>& looks, DetectionRules rules, const std::string& name,
-               double from_m, double to_m) {
+Slice slice_of(const std::vector<ObservationPair>& looks, DetectionRules rules,
+               const std::string& name, double from_m, double to_m) {
   Slice slice;
   slice.name = name;
   slice.from_m = from_m;
   slice.to_m = to_m;
   rules.range_max_m = to_m;
-  std::vector<Look> inside;
-  for (const Look& look : looks) {
+  std::vector<ObservationPair> inside;
+  for (const ObservationPair& look : looks) {
     if (look.range_m() >= from_m && look.range_m() < to_m) inside.push_back(look);
   }
   slice.counts = count_labels(inside, rules);
@@ -83,27 +83,28 @@ Counts& operator+=(Counts& into, const Counts& more) {
   return into;
 }
 
-Counts count_labels(const std::vector<Look>& looks, const DetectionRules& rules) {
+Counts count_labels(const std::vector<ObservationPair>& looks, const DetectionRules& rules) {
   Counts counts;
-  for (const Look& look : looks) count_look(look, is_called_tree(look), rules, counts);
+  for (const ObservationPair& look : looks)
+    count_observation(look, is_called_tree(look), rules, counts);
   return counts;
 }
 
-ErrorSummary centre_errors(const std::vector<Look>& looks, const DetectionRules& rules,
+ErrorSummary centre_errors(const std::vector<ObservationPair>& looks, const DetectionRules& rules,
                            double from_m, double to_m) {
   DetectionRules within = rules;
   within.range_max_m = to_m;
   ErrorSum sum;
-  for (const Look& look : looks) {
+  for (const ObservationPair& look : looks) {
     if (!is_called_tree(look) || !look.is_tree() || !counts_as_tree(look, within)) continue;
     if (look.truth->range_m >= from_m) sum.add(look.centre_error_m);
   }
   return sum.summary();
 }
 
-std::vector<Forecast> forecasts_of(const std::vector<Look>& looks) {
+std::vector<Forecast> forecasts_of(const std::vector<ObservationPair>& looks) {
   std::vector<Forecast> forecasts;
-  for (const Look& look : looks) {
+  for (const ObservationPair& look : looks) {
     if (!look.detection) continue;
     const Detection& d = *look.detection;
     if (d.probability_tree + d.probability_object <= 0.0f) continue;
@@ -112,7 +113,7 @@ std::vector<Forecast> forecasts_of(const std::vector<Look>& looks) {
   return forecasts;
 }
 
-DetectionEvaluation evaluate_detections(const std::vector<Look>& looks,
+DetectionEvaluation evaluate_detections(const std::vector<ObservationPair>& looks,
                                         const std::vector<std::string>& names,
                                         const DetectionRules& rules) {
   DetectionEvaluation evaluation;
@@ -129,8 +130,8 @@ DetectionEvaluation evaluate_detections(const std::vector<Look>& looks,
     }
   }
   for (std::size_t i = 0; i < names.size(); ++i) {
-    std::vector<Look> own;
-    for (const Look& look : looks) {
+    std::vector<ObservationPair> own;
+    for (const ObservationPair& look : looks) {
       if (look.recording == static_cast<int>(i)) own.push_back(look);
     }
     evaluation.by_recording.push_back(slice_of(own, rules, names[i], 0.0, rules.range_max_m));
@@ -142,10 +143,10 @@ DetectionEvaluation evaluate_detections(const std::vector<Look>& looks,
   return evaluation;
 }
 
-std::vector<bool> looked_at(const std::vector<Look>& looks, std::size_t num_things,
-                            const DetectionRules& rules) {
+std::vector<bool> was_observed(const std::vector<ObservationPair>& looks, std::size_t num_things,
+                               const DetectionRules& rules) {
   std::vector<bool> result(num_things, false);
-  for (const Look& look : looks) {
+  for (const ObservationPair& look : looks) {
     if (!look.truth || look.truth->object < 0 || !counts(look, rules)) continue;
     const auto thing = static_cast<std::size_t>(look.truth->object);
     if (thing < num_things) result[thing] = true;

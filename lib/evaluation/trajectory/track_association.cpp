@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluation/track_association.hpp"
+#include "evaluation/trajectory/track_association.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,25 +3,27 @@
 
 #include <vector>
 
-#include "evaluation/detection_evaluation.hpp"
+#include "evaluation/detections/detection_evaluation.hpp"
 
 namespace orchard::evaluation {
 
 /// Whether a look's true thing is near, whole and visible enough to be asked for.
-bool counts(const Look& look, const DetectionRules& rules);
+bool counts(const ObservationPair& look, const DetectionRules& rules);
 
 /// counts(), and it is a tree.
-bool counts_as_tree(const Look& look, const DetectionRules& rules);
+bool counts_as_tree(const ObservationPair& look, const DetectionRules& rules);
 
 /// Adds one look, called a tree or not, to the counts. A call on a tree that does not count is
 /// neither right nor wrong; one on anything else is wrong however hidden that is.
-void count_look(const Look& look, bool is_called_tree, const DetectionRules& rules, Counts& counts);
+void count_observation(const ObservationPair& look, bool is_called_tree,
+                       const DetectionRules& rules, Counts& counts);
 
 /// The paper's three tests (colour, edges, both; section 6.2), laser only, everything (roc_tree)
 /// and, where there are any, the calibrated probability: each by its own score alone.
 ///
 /// A stage that an earlier one kept from being reached leaves 0, which no threshold takes for a
 /// tree: edges are asked only of what has a trunk's colour.
-std::vector<ScoreTest> score_tests(const std::vector<Look>& looks, const DetectionRules& rules);
+std::vector<ScoreTest> score_tests(const std::vector<ObservationPair>& looks,
+                                   const DetectionRules& rules);
 
 }  // namespace orchard::evaluation

@@ -29,6 +29,8 @@ constexpr int kWindowIterations = 6;
 constexpr double kWindowTolerance = 1e-4;  // fraction of the sum of squares that a step gains
 constexpr int kGraphIterations = 30;
 constexpr int kClosureIterations = 10;
+// A path that only positions hold bends slowly over the gaps between them.
+constexpr int kBendIterations = 100;
 constexpr double kGraphTolerance = 1e-6;
 /// A landmark with a single observation constrains nothing.
 bool is_constrained(const SlamLandmark& landmark) { return landmark.keyframes.size() >= 2; }
@@ -302,7 +304,8 @@ GraphSolution solve_graph(SlamGraph& graph, bool after_closure, const SlamConfig
   if (after_closure) {
     GraphProblem problem(graph, unknowns, false);
     add_graph(graph, config, problem);
-    if (!problem.solve(ceres::SPARSE_NORMAL_CHOLESKY, kClosureIterations, kGraphTolerance)) {
+    const int iterations = graph.landmarks.empty() ? kBendIterations : kClosureIterations;
+    if (!problem.solve(ceres::SPARSE_NORMAL_CHOLESKY, iterations, kGraphTolerance)) {
       return solution;
     }
   }

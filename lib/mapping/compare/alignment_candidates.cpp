@@ -20,7 +20,14 @@ constexpr std::size_t kNumSupport = 40;  ///< points around them of which a frac
 constexpr double kInlierFraction = 0.4;
 // Half width of a row, per distance to the nearest tree: no other row is within.
 constexpr double kRowHalf = 1.5;
+constexpr std::size_t kNumAnchors = 30;
 constexpr std::size_t kNumCandidatesMax = 400;
+/// Of large maps fewer are looked at: what the best do not have, the four hundredth has neither.
+constexpr std::size_t kNumCandidatesMin = 24;
+constexpr std::size_t kNumPairingsMax = 400 * 600;  ///< trees of all candidates
+/// Once so many have been tried, it is enough that this many anchors lead to one place.
+constexpr double kNumTriedLong = 5e5;
+constexpr int kNumAgreeing = 3;
 constexpr int kNumFitsMax = 40;
 
 /// Two points of a and those around them.
@@ -121,6 +128,19 @@ std::vector<std::int32_t> support_of(const IndexedPoints& a, const Anchor& ancho
   return support;
 }
 
+/// Order in which 0 to `count` - 1 come so that any first few of them lie all over.
+std::vector<std::size_t> scattered(std::size_t count) {
+  std::vector<std::size_t> order;
+  const auto step = static_cast<std::size_t>(std::lround(0.618 * static_cast<double>(count)));
+  std::vector<bool> taken(count, false);
+  for (std::size_t k = 0, i = 0; k < count; ++k, i = (i + step) % count) {
+    while (taken[i]) i = (i + 1) % count;
+    taken[i] = true;
+    order.push_back(i);
+  }
+  return order;
+}
+
 /// Each of `count` points from all over a with the one farthest from it, and with the one farthest
 /// along its row: two drives may share but one row.
 std::vector<Anchor> anchors_of(const IndexedPoints& a, std::size_t count) {
@@ -131,7 +151,7 @@ std::vector<Anchor> anchors_of(const IndexedPoints& a, std::size_t count) {
   });
   std::vector<Anchor> anchors;
   const std::size_t num = std::min(count, a.size());
-  for (std::size_t k = 0; k < num; ++k) {
+  for (const std::size_t k : scattered(num)) {
     const std::size_t first = order[(2 * k + 1) * a.size() / (2 * num)];
     const auto near = a.nearest_few(a[first], kBaseline_m, 2);
     if (near.size() < 2) continue;
@@ -209,10 +229,14 @@ void for_each_counterpart(const IndexedPoints& a, const IndexedPoints& b, const 
     }
     return;
   }
+  std::vector<std::int32_t> ends;
   for (std::size_t i = 0; i < b.size(); ++i) {
-    for (const std::int32_t j : b.within(b[i], length_m + slack_m)) {
-      if (fits(static_cast<std::int32_t>(i), j)) visit(static_cast<std::int32_t>(i), j);
-    }
+    ends.clear();
+    b.near(b[i], length_m + slack_m, [&](std::int32_t j) {
+      if (fits(static_cast<std::int32_t>(i), j)) ends.push_back(j);
+    });
+    std::sort(ends.begin(), ends.end());
+    for (const std::int32_t j : ends) visit(static_cast<std::int32_t>(i), j);
   }
 }
 
@@ -234,17 +258,18 @@ AlignmentCandidate refined(const IndexedPoints& a, const IndexedPoints& b,
                            const Hypothesis& hypothesis, double gate_m) {
   AlignmentCandidate candidate{hypothesis.T_a_b, {}};
   double radius_m = 0.6 * kBaseline_m;
+  double farthest_m = 0.0;
+  for (const Vector2d& p_a : a.points()) {
+    farthest_m = std::max(farthest_m, (p_a - hypothesis.middle_a).norm());
+  }
   std::vector<std::pair<std::int32_t, std::int32_t>> last;
   for (int k = 0; k < kNumFitsMax; ++k) {
-    candidate.pairs = pair_landmarks(a, b, candidate.T_a_b, gate_m);
-    std::vector<std::pair<std::int32_t, std::int32_t>> now;
-    double farthest_m = 0.0;
-    for (const LandmarkPair& pair : candidate.pairs) {
-      now.push_back({pair.a, pair.b});
-      farthest_m =
-          std::max(farthest_m, (a[static_cast<std::size_t>(pair.a)] - hypothesis.middle_a).norm());
-    }
     const bool is_whole = radius_m >= farthest_m;
+    candidate.pairs = is_whole ? pair_landmarks(a, b, candidate.T_a_b, gate_m)
+                               : pair_landmarks_near(a, b, candidate.T_a_b, gate_m,
+                                                     hypothesis.middle_a, radius_m + 2.0 * gate_m);
+    std::vector<std::pair<std::int32_t, std::int32_t>> now;
+    for (const LandmarkPair& pair : candidate.pairs) now.push_back({pair.a, pair.b});
     if (is_whole && now == last) break;
     last = std::move(now);
     candidate.T_a_b =
@@ -266,6 +291,59 @@ bool is_same(const geometry::Pose2& T, const geometry::Pose2& other, const Vecto
   return is_near(T, other, p_a, 0.35 * spacing_m, 0.03);
 }
 
+/// The best of each anchor's own hypotheses: anchors that show the same orchard lead to one place,
+/// others anywhere.
+class Agreement {
+ public:
+  Agreement(double gate_m, double spacing_m) : gate_m_(gate_m), spacing_m_(spacing_m) {}
+
+  void add(const Anchor& anchor, const std::vector<Hypothesis>& hypotheses, std::size_t begin) {
+    const Hypothesis* best = nullptr;
+    double best_score = 0.0;
+    const double null_place_m2 = 0.5 * gate_m_ * gate_m_;  // of a disc
+    for (std::size_t k = begin; k < hypotheses.size(); ++k) {
+      const Hypothesis& h = hypotheses[k];
+      constexpr double kNullWidth_m2 = 0.04 * 0.04;
+      const double score = agreement(h, null_place_m2, kNullWidth_m2);
+      if (best != nullptr && score <= best_score) continue;
+      best = &h;
+      best_score = score;
+    }
+    if (best != nullptr) best_.push_back({anchor.first, best->T_a_b, anchor.middle});
+  }
+
+  /// Whether `num` anchors, at different trees, lead to one place.
+  bool is_reached(int num) const {
+    for (const Best& one : best_) {
+      int num_agreeing = 0;
+      std::size_t last = one.first + 1;  // two anchors of one tree follow each other
+      for (const Best& other : best_) {
+        if (other.first == last) continue;
+        // A turn by two trees this far apart is not known better.
+        const double turn_rad = gate_m_ / kBaseline_m;
+        const double lever_m = (one.middle_a - other.middle_a).norm();
+        if (!is_near(one.T_a_b, other.T_a_b, one.middle_a, 0.35 * spacing_m_ + turn_rad * lever_m,
+                     2.0 * turn_rad)) {
+          continue;
+        }
+        last = other.first;
+        ++num_agreeing;
+      }
+      if (num_agreeing >= num) return true;
+    }
+    return false;
+  }
+
+ private:
+  struct Best {
+    std::size_t first;
+    geometry::Pose2 T_a_b;
+    Vector2d middle_a;
+  };
+  double gate_m_, spacing_m_;
+  std::vector<Best> best_;
+};
+
 }  // namespace
 
 AlignmentCandidates alignment_candidates(const IndexedPoints& a,
@@ -276,9 +354,11 @@ AlignmentCandidates alignment_candidates(const IndexedPoints& a,
   AlignmentCandidates found;
   if (a.size() < 3 || b.size() < 3) return found;
   const double spacing_m = std::max(typical_spacing_m(a), 2.0 * search.gate_m);
-  const std::size_t num_anchors = search.any_place && b.size() > 4000 ? 8 : 30;
   std::vector<Hypothesis> hypotheses;
-  for (const Anchor& anchor : anchors_of(a, num_anchors)) {
+  Agreement of_anchors(search.gate_m, spacing_m);
+  for (const Anchor& anchor : anchors_of(a, kNumAnchors)) {
+    if (found.num_tried > kNumTriedLong && of_anchors.is_reached(kNumAgreeing)) break;
+    const std::size_t num_before = hypotheses.size();
     for_each_counterpart(a, b, anchor, search, [&](std::int32_t i, std::int32_t j) {
       Hypothesis h;
       h.middle_a = anchor.middle;
@@ -290,11 +370,14 @@ AlignmentCandidates alignment_candidates(const IndexedPoints& a,
       if (has_support({a, width_of_a_m}, {b, width_of_b_m}, anchor, search.gate_m, h))
         hypotheses.push_back(h);
     });
+    of_anchors.add(anchor, hypotheses, num_before);
   }
+  const std::size_t num_candidates_max = std::clamp(kNumPairingsMax / std::max(a.size(), b.size()),
+                                                    kNumCandidatesMin, kNumCandidatesMax);
   std::vector<geometry::Pose2> refined_from;  // close hypotheses are not refined again
   for (const std::size_t k : most_promising_first(hypotheses)) {
     const Hypothesis& h = hypotheses[k];
-    if (found.candidates.size() >= kNumCandidatesMax) break;
+    if (found.candidates.size() >= num_candidates_max) break;
     const auto known = [&](const AlignmentCandidate& candidate) {
       return is_same(h.T_a_b, candidate.T_a_b, h.middle_a, spacing_m);
     };

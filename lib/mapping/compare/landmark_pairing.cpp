@@ -19,15 +19,37 @@ std::vector<Vector2d> places_of(const std::vector<Landmark>& landmarks) {
 }
 
 IndexedPoints::IndexedPoints(std::vector<Vector2d> points) : points_(std::move(points)) {
+  if (points_.empty()) return;
+  corner_ = points_.front();
+  Vector2d far = points_.front();
+  for (const Vector2d& p : points_) {
+    corner_ = corner_.cwiseMin(p);
+    far = far.cwiseMax(p);
+  }
+  // However far apart they lie, there are not many more cells than points.
+  const double num_cells_max = 8.0 * static_cast<double>(points_.size()) + 1024.0;
+  const auto num_along = [this](double way_m) { return std::floor(way_m / cell_m_) + 1.0; };
+  const Vector2d way_m = far - corner_;
+  while (num_along(way_m.x()) * num_along(way_m.y()) > num_cells_max) cell_m_ *= 2.0;
+  num_columns_ = static_cast<std::size_t>(num_along(way_m.x()));
+  num_lines_ = static_cast<std::size_t>(num_along(way_m.y()));
+  const auto cell_of = [this](const Vector2d& p) {
+    return line(p.y()) * num_columns_ + column(p.x());
+  };
+  begins_.assign(num_columns_ * num_lines_ + 1, 0);
+  for (const Vector2d& p : points_) ++begins_[cell_of(p) + 1];
+  for (std::size_t c = 1; c < begins_.size(); ++c) begins_[c] += begins_[c - 1];
+  std::vector<std::uint32_t> next(begins_.begin(), begins_.end() - 1);
+  by_cell_.resize(points_.size());
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    grid_.insert(static_cast<std::int32_t>(i), points_[i].x(), points_[i].y());
+    by_cell_[next[cell_of(points_[i])]++] = static_cast<std::int32_t>(i);
   }
 }
 
 std::int32_t IndexedPoints::nearest(const Vector2d& p, double radius_m) const {
   std::int32_t best = -1;
   double best_m2 = radius_m * radius_m;
-  grid_.near(p.x(), p.y(), radius_m, [&](std::int32_t i) {
+  near(p, radius_m, [&](std::int32_t i) {
     const double d_m2 = (points_[static_cast<std::size_t>(i)] - p).squaredNorm();
     if (d_m2 < best_m2 || (d_m2 == best_m2 && (best < 0 || i < best))) {
       best = i;
@@ -39,7 +61,7 @@ std::int32_t IndexedPoints::nearest(const Vector2d& p, double radius_m) const {
 
 std::vector<std::int32_t> IndexedPoints::within(const Vector2d& p, double radius_m) const {
   std::vector<std::int32_t> found;
-  grid_.near(p.x(), p.y(), radius_m, [&](std::int32_t i) {
+  near(p, radius_m, [&](std::int32_t i) {
     if ((points_[static_cast<std::size_t>(i)] - p).norm() <= radius_m) found.push_back(i);
   });
   std::sort(found.begin(), found.end());
@@ -57,35 +79,61 @@ std::vector<std::int32_t> IndexedPoints::nearest_few(const Vector2d& p, double r
   return found;
 }
 
-std::vector<LandmarkPair> pair_landmarks(const IndexedPoints& a, const IndexedPoints& b,
-                                         const geometry::Pose2& T_a_b, double gate_m) {
-  struct Offer {
-    double distance_m;
-    LandmarkPair pair;
-  };
-  std::vector<Offer> offers;
-  for (std::size_t j = 0; j < b.size(); ++j) {
-    const Vector2d p_a = transform(T_a_b, b[j]);
-    for (const std::int32_t i : a.within(p_a, gate_m)) {
-      const Vector2d residual_m = p_a - a[static_cast<std::size_t>(i)];
-      offers.push_back({residual_m.norm(), {i, static_cast<std::int32_t>(j), residual_m}});
-    }
+namespace {
+
+struct Offer {
+  double distance_m;
+  LandmarkPair pair;
+};
+
+void offer(const IndexedPoints& a, std::int32_t j, const Vector2d& p_a, double gate_m,
+           std::vector<Offer>& offers) {
+  for (const std::int32_t i : a.within(p_a, gate_m)) {
+    const Vector2d residual_m = p_a - a[static_cast<std::size_t>(i)];
+    offers.push_back({residual_m.norm(), {i, j, residual_m}});
   }
+}
+
+std::vector<LandmarkPair> nearest_pairs_of(std::vector<Offer> offers, std::size_t num_a,
+                                           std::size_t num_b) {
   std::sort(offers.begin(), offers.end(), [](const Offer& x, const Offer& y) {
     return std::tie(x.distance_m, x.pair.a, x.pair.b) < std::tie(y.distance_m, y.pair.a, y.pair.b);
   });
-  std::vector<bool> taken_a(a.size(), false), taken_b(b.size(), false);
+  std::vector<bool> taken_a(num_a, false), taken_b(num_b, false);
   std::vector<LandmarkPair> pairs;
-  for (const Offer& offer : offers) {
-    const auto i = static_cast<std::size_t>(offer.pair.a);
-    const auto j = static_cast<std::size_t>(offer.pair.b);
+  for (const Offer& o : offers) {
+    const auto i = static_cast<std::size_t>(o.pair.a);
+    const auto j = static_cast<std::size_t>(o.pair.b);
     if (taken_a[i] || taken_b[j]) continue;
     taken_a[i] = taken_b[j] = true;
-    pairs.push_back(offer.pair);
+    pairs.push_back(o.pair);
   }
   std::sort(pairs.begin(), pairs.end(),
             [](const LandmarkPair& x, const LandmarkPair& y) { return x.a < y.a; });
   return pairs;
+}
+
+}  // namespace
+
+std::vector<LandmarkPair> pair_landmarks(const IndexedPoints& a, const IndexedPoints& b,
+                                         const geometry::Pose2& T_a_b, double gate_m) {
+  std::vector<Offer> offers;
+  const Eigen::Matrix2d R_a_b = rotation(T_a_b);
+  for (std::size_t j = 0; j < b.size(); ++j) {
+    offer(a, static_cast<std::int32_t>(j), R_a_b * b[j] + T_a_b.translation_m(), gate_m, offers);
+  }
+  return nearest_pairs_of(std::move(offers), a.size(), b.size());
+}
+
+std::vector<LandmarkPair> pair_landmarks_near(const IndexedPoints& a, const IndexedPoints& b,
+                                              const geometry::Pose2& T_a_b, double gate_m,
+                                              const Vector2d& p_a, double radius_m) {
+  std::vector<Offer> offers;
+  const Eigen::Matrix2d R_a_b = rotation(T_a_b);
+  for (const std::int32_t j : b.within(transform_back(T_a_b, p_a), radius_m)) {
+    offer(a, j, R_a_b * b[static_cast<std::size_t>(j)] + T_a_b.translation_m(), gate_m, offers);
+  }
+  return nearest_pairs_of(std::move(offers), a.size(), b.size());
 }
 
 void remove_common_residuals(const IndexedPoints& a, std::vector<LandmarkPair>& pairs) {

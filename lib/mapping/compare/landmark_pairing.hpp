@@ -2,10 +2,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "geometry/point_grid.hpp"
 #include "geometry/pose2.hpp"
 #include "mapping/landmark.hpp"
 
@@ -14,7 +16,7 @@ namespace orchard::mapping {
 /// Where landmarks stand, in their order.
 std::vector<Eigen::Vector2d> places_of(const std::vector<Landmark>& landmarks);
 
-/// Points with the grid that finds them.
+/// Points that stay where they are, with the grid that finds them.
 class IndexedPoints {
  public:
   explicit IndexedPoints(std::vector<Eigen::Vector2d> points);
@@ -33,9 +35,35 @@ class IndexedPoints {
   std::vector<std::int32_t> nearest_few(const Eigen::Vector2d& p, double radius_m,
                                         std::size_t count) const;
 
+  /// Calls visit(index) for all points in the cells within `radius_m` (a superset of the disc).
+  template <class Visit>
+  void near(const Eigen::Vector2d& p, double radius_m, Visit&& visit) const {
+    if (points_.empty()) return;
+    const std::size_t x_last = column(p.x() + radius_m), y_last = line(p.y() + radius_m);
+    for (std::size_t y = line(p.y() - radius_m); y <= y_last; ++y) {
+      // the cells of a line follow each other
+      const std::uint32_t* const of_line = begins_.data() + y * num_columns_;
+      const std::uint32_t end = of_line[x_last + 1];
+      for (std::uint32_t k = of_line[column(p.x() - radius_m)]; k < end; ++k) visit(by_cell_[k]);
+    }
+  }
+
  private:
+  std::size_t column(double x_m) const {
+    return clamped((x_m - corner_.x()) / cell_m_, num_columns_);
+  }
+  std::size_t line(double y_m) const { return clamped((y_m - corner_.y()) / cell_m_, num_lines_); }
+  static std::size_t clamped(double index, std::size_t num) {
+    return index <= 0.0 ? 0
+                        : static_cast<std::size_t>(std::min(index, static_cast<double>(num - 1)));
+  }
+
   std::vector<Eigen::Vector2d> points_;
-  geometry::PointGrid grid_;
+  Eigen::Vector2d corner_{0.0, 0.0};
+  double cell_m_ = 2.0;
+  std::size_t num_columns_ = 1, num_lines_ = 1;
+  std::vector<std::uint32_t> begins_;  ///< of each cell, line by line, into by_cell_; and the end
+  std::vector<std::int32_t> by_cell_;  ///< indices, in rising order within a cell
 };
 
 /// The same thing in two maps.
@@ -49,6 +77,11 @@ struct LandmarkPair {
 /// first. In rising order of a.
 std::vector<LandmarkPair> pair_landmarks(const IndexedPoints& a, const IndexedPoints& b,
                                          const geometry::Pose2& T_a_b, double gate_m);
+
+/// The same of the points of b that come to lie within `radius_m` of a place.
+std::vector<LandmarkPair> pair_landmarks_near(const IndexedPoints& a, const IndexedPoints& b,
+                                              const geometry::Pose2& T_a_b, double gate_m,
+                                              const Eigen::Vector2d& p_a, double radius_m);
 
 /// Takes out of each residual what its neighbours have in common: two maps of one drive each are
 /// bent a little against each other. Fewer than 12 pairs stay as they are.

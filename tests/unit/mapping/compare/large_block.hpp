@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "mapping/compare/coverage.hpp"
+#include "unit/mapping/compare/two_drives.hpp"
+
+namespace orchard::mapping {
+
+/// As drive_through(), for blocks of many thousand trees: every tree beside an alley that was
+/// driven is looked at as often as any other, and nothing hides one. `drive.rate` and `reach_m` say
+/// how often.
+inline DrivenMap drive_through_large(const Block& block, const Drive& drive, Dice& dice) {
+  constexpr double kStep_m = 0.5;
+  constexpr int kLooksPerStep = 5;  // ten per second at 1 m/s
+  DrivenMap map;
+  const double phase = dice.uniform(0, 6.28);
+  const auto bent = [&](const Eigen::Vector2d& p) -> Eigen::Vector2d {
+    return transform(
+        drive.T_map_block,
+        p + drive.bend_m * Eigen::Vector2d(std::sin(0.07 * p.y() + phase),
+                                           std::sin(0.06 * p.x() + 0.1 * p.y() + phase)));
+  };
+  std::int64_t utime = 1000000;
+  for (int alley = drive.first_alley; alley <= drive.last_alley; ++alley) {
+    const bool is_forward = (alley - drive.first_alley) % 2 == 0;
+    const double y_m = (alley - 0.5) * block.row_spacing_m;
+    const double length_m = drive.along_max_m - drive.along_min_m;
+    for (double s_m = 0.0; s_m <= length_m; s_m += kStep_m) {
+      const double x_m = is_forward ? drive.along_min_m + s_m : drive.along_max_m - s_m;
+      const Eigen::Vector2d p = bent({x_m, y_m});
+      pose::PoseEstimate pose;
+      pose.utime = utime += 500000;
+      pose.x_m = p.x();
+      pose.y_m = p.y();
+      pose.yaw_rad = std::remainder((is_forward ? 0.0 : 3.14159265) + drive.T_map_block.yaw_rad,
+                                    6.283185307179586);
+      map.trajectory.push_back(pose);
+    }
+  }
+  for (std::size_t i = 0; i < block.trees.size(); ++i) {
+    const TrueTree& t = block.trees[i];
+    if (!t.stands || t.p.x() < drive.along_min_m || t.p.x() > drive.along_max_m) continue;
+    int num_seen = 0;
+    for (const int alley : {t.row, t.row + 1}) {
+      if (alley < drive.first_alley || alley > drive.last_alley) continue;
+      const double aside_m = 0.5 * block.row_spacing_m;
+      const double in_reach_m = 2.0 * std::sqrt(drive.reach_m * drive.reach_m - aside_m * aside_m);
+      const int num_looks = static_cast<int>(in_reach_m / kStep_m) * kLooksPerStep;
+      for (int look = 0; look < num_looks; ++look) num_seen += dice.uniform(0, 1) < drive.rate;
+    }
+    if (num_seen < 3) continue;
+    Landmark l;
+    l.id = static_cast<std::int32_t>(map.landmarks.size()) + 1;
+    l.label = detection::Label::kTree;
+    l.num_observations = num_seen;
+    const Eigen::Vector2d p = bent(t.p) + Eigen::Vector2d(dice.normal(drive.position_sd_m),
+                                                          dice.normal(drive.position_sd_m));
+    l.x_m = p.x();
+    l.y_m = p.y();
+    l.se_x_m = l.se_y_m = 0.005;
+    l.width_m = t.width_m + dice.normal(drive.width_sd_m);
+    l.roc_mean = 0.9;
+    l.probability = 0.99;
+    map.landmarks.push_back(l);
+    map.tree_of.push_back(static_cast<int>(i));
+  }
+  return map;
+}
+
+}  // namespace orchard::mapping

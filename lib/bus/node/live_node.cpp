@@ -31,6 +31,10 @@ constexpr int kQuiet_ms = 30;
 constexpr std::chrono::milliseconds kLookAround{300};
 constexpr std::chrono::seconds kGiveWay{3};
 
+/// Over so many seconds it is said how much came too late; a few do at every start.
+constexpr std::size_t kLateSeconds = 10;
+constexpr std::int64_t kLateFew = 2;
+
 /// Messages taken from LCM before one is handed over, so that a flood cannot starve the node.
 constexpr int kDrainMost = 200;
 
@@ -159,6 +163,8 @@ void LiveNode::report() {
   }
   const std::int64_t num_dropped = bus_.num_dropped() + inbox_.num_dropped();
   num_dropped_lately_ = num_dropped - std::exchange(num_dropped_before_, num_dropped);
+  num_late_.push_back(node_.counts().num_late);
+  if (num_late_.size() > kLateSeconds + 1) num_late_.pop_front();
   const std::int64_t num_published = host_.num_published();
   outputs_flow_ = num_published > std::exchange(num_published_before_, num_published);
   report_.send(status());
@@ -260,6 +266,11 @@ Status LiveNode::status() const {
   add(inputs_level, inputs);
   add(Level::kWaiting, waiting_text());
   add(Level::kWarning, neighbours_.text(now));
+  if (!num_late_.empty() && num_late_.back() - num_late_.front() > kLateFew) {
+    add(Level::kWarning, std::to_string(num_late_.back() - num_late_.front()) +
+                             " messages of the last " + std::to_string(kLateSeconds) +
+                             " s came too late to be used");
+  }
   if (num_dropped_lately_ > 0) {
     add(Level::kWarning, std::to_string(num_dropped_lately_) +
                              " datagrams or messages dropped in the last second: crafted, or more "

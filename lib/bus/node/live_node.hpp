@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <string>
 
 #include "bus/bus.hpp"
@@ -64,6 +65,7 @@ class LiveNode {
   std::int64_t num_published_before_ = 0;
   std::int64_t num_dropped_before_ = 0;
   std::int64_t num_dropped_lately_ = 0;
+  std::deque<std::int64_t> num_late_;  ///< of the node, by the second: the last ten
   std::string waited_for_before_;
   std::string logged_warning_;
   std::string logged_missing_;

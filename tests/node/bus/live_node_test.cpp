@@ -65,5 +65,37 @@ TEST(LiveNode, TheLastSaveIsFinalAndKnowsWhatWasLost) {
   EXPECT_EQ(traffic.num_seq_gaps, 0) << "the first image to arrive is where its count begins";
 }
 
+/// Finds what it is given too late, and ends when STATUS says so or has not for long enough.
+class Latecomer : public Recorder {
+ public:
+  NodeCounts counts() const override {
+    NodeCounts counts;
+    counts.num_late = num_late;
+    return counts;
+  }
+  void overhear(const Status& status) override {
+    num_late += 3;
+    ++num_heard;
+    said = status.text;
+    level = status.level;
+    if (said.find("too late") != std::string::npos || num_heard > 20) raise(SIGTERM);
+  }
+
+  std::int64_t num_late = 0;
+  int num_heard = 0;
+  std::string said;
+  Level level = Level::kOk;
+};
+
+TEST(LiveNode, SaysThatMessagesCameTooLateToBeUsed) {
+  Latecomer node;
+  StopSignal stop;
+  Bus bus("memq://");
+  LiveNode live(bus, node, "orchard-recorder", io::EffectiveConfig{}, {});
+  live.run(stop);
+  EXPECT_NE(node.said.find("came too late to be used"), std::string::npos) << node.said;
+  EXPECT_GE(node.level, Level::kWarning);
+}
+
 }  // namespace
 }  // namespace orchard::bus

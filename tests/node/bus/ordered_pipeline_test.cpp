@@ -55,6 +55,10 @@ std::vector<int> sums_of_squares(int num) {
 TEST(OrderedPipeline, GivesTheSameForAnyNumberOfThreads) {
   for (const int num_threads : {1, 2, 3, 8}) {
     Squares squares(5);
+    squares.before = [](int batch) {  // some take much longer than those after them
+      std::atomic<int> spent{0};
+      while (spent < (batch % 5 == 0 ? 100'000 : 0)) ++spent;
+    };
     squares.run(num_threads, 500);
     EXPECT_EQ(squares.seen, sums_of_squares(500)) << num_threads;
   }

@@ -61,7 +61,7 @@ int run_node_process(int argc, char** argv, ProcessInfo info, io::ConfigFile& co
     Bus bus(url);
     log_start(url, options);
     if (options.lockstep) {
-      LockstepNode(bus, make_node, save).run(stop);
+      LockstepNode(bus, make_node, save, info.name, options.config).run(stop);
     } else {
       const std::unique_ptr<Node> node = make_node();
       LiveNode(bus, *node, info.name, options.config, save, info.alone).run(stop);

@@ -24,8 +24,12 @@ std::int8_t node_number(std::string_view name) {
                               std::string(name) + "\"");
 }
 
-LockstepNode::LockstepNode(Bus& bus, MakeNode make_node, SaveHook save)
-    : bus_(bus), make_node_(std::move(make_node)), save_(std::move(save)) {
+LockstepNode::LockstepNode(Bus& bus, MakeNode make_node, SaveHook save, const std::string& name,
+                           const io::EffectiveConfig& config)
+    : bus_(bus),
+      report_(bus, name, config),
+      make_node_(std::move(make_node)),
+      save_(std::move(save)) {
   restart();
   number_ = node_number(node_->name());
   for (const Channel channel : node_->inputs()) {
@@ -39,10 +43,25 @@ LockstepNode::LockstepNode(Bus& bus, MakeNode make_node, SaveHook save)
 void LockstepNode::run(StopSignal& stop) {
   spdlog::info("lockstep: ready for orchard-log-player");
   while (!stop.raised()) {
-    if (!stop.wait(bus_.fileno(), -1)) continue;
-    while (bus_.handle(0) && !stop.raised()) {
+    if (report_.due()) report_.send(status());
+    if (!stop.wait(bus_.fileno(), report_.ms_until_due())) continue;
+    while (bus_.handle(0) && !stop.raised() && !report_.due()) {
     }
   }
+}
+
+Status LockstepNode::status() const {
+  Status status;
+  status.num_good = host_->num_handled();
+  status.num_bad = bus_.counts().num_bad();
+  status.num_late = node_->counts().num_late;
+  status.num_published = host_->num_published();
+  status.text = "in a lockstep replay";
+  if (const std::string warning = node_->warning(); !warning.empty()) {
+    status.level = Level::kWarning;
+    status.text += "; " + warning;
+  }
+  return status;
 }
 
 void LockstepNode::restart() {

@@ -7,12 +7,14 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "bus/bus.hpp"
 #include "bus/node/node_host.hpp"
 #include "bus/node/process.hpp"
+#include "bus/node/process_report.hpp"
 #include "bus/node/stop_signal.hpp"
 
 namespace orchard::bus {
@@ -22,11 +24,13 @@ std::int8_t node_number(std::string_view name);
 
 /// A node that takes turns with orchard-log-player: each input is answered by its outputs and an
 /// ACK; an input that comes again (its ACK or an output was lost) is answered with the same
-/// outputs again and is not handled twice. A BEGIN after inputs makes a fresh node.
+/// outputs again and is not handled twice. A BEGIN after inputs makes a fresh node. STATUS goes out
+/// as ever, on the network of the replay.
 class LockstepNode {
  public:
   using MakeNode = std::function<std::unique_ptr<Node>()>;
-  LockstepNode(Bus& bus, MakeNode make_node, SaveHook save);
+  LockstepNode(Bus& bus, MakeNode make_node, SaveHook save, const std::string& name,
+               const io::EffectiveConfig& config);
 
   /// Runs until a stop is asked for. Throws BusError, and what the node throws.
   void run(StopSignal& stop);
@@ -49,8 +53,10 @@ class LockstepNode {
   bool comes_too_early(Channel channel, std::int32_t seq) const;
   void answer(Channel channel, Key key, const std::function<void()>& consume);
   void send(const Reply& reply);
+  Status status() const;
 
   Bus& bus_;
+  ProcessReport report_;
   MakeNode make_node_;
   SaveHook save_;
   std::unique_ptr<Node> node_;

@@ -135,10 +135,12 @@ class Exchange {
     promised_.clear();
     outputs_.clear();
     if (!expected.empty()) waiting_[id] = std::move(expected);
-    // The last flush may save a large map, which takes its time.
-    const int num_tries = options_.num_tries * (id.channel == Channel::kReplay ? 12 : 1);
+    // The last flush may save the map of a day, on a machine that has other things to do.
+    const bool is_mark = id.channel == Channel::kReplay;
+    const int num_tries = options_.num_tries * (is_mark ? 120 : 1);
     for (int i = 0; i < num_tries; ++i) {
       if (i > 0) ++num_resent_;
+      if (is_mark && options_.say && i % 100 == 99) options_.say(what_is_missing() + "; waits on");
       bus_.publish(id.channel, bytes);
       auto pause = Clock::now() + std::chrono::milliseconds(options_.timeout_ms);
       while (!done() && Clock::now() < pause) {
@@ -147,7 +149,7 @@ class Exchange {
       }
       if (done()) return drop_strangers();
     }
-    throw LockstepError(what_is_missing());
+    throw LockstepError(what_is_missing() + "; given up after sending it again and again");
   }
 
   /// What no node says it sent does not belong to this replay.
@@ -179,7 +181,7 @@ class Exchange {
               " was announced but not received";
     }
     if (!last_refusal_.empty()) text += "; the last message refused was " + last_refusal_;
-    return text + "; given up after sending it again and again";
+    return text;
   }
 
   std::string name_of(std::int8_t number) const {

@@ -29,6 +29,7 @@ echo "ok: three start orders, twice each"
 start "$work/player.out" "$bin/fake_player" "$work/log" "$url" "$work/out" 100
 player=$started
 for role in mapper detector pose; do node "$role" "$url"; done
+"$bin/status_watch" "${url/:7667/:17667}" orchard-fake 0 "in a lockstep replay" || fail "no STATUS in a replay"
 wait "$player" || fail "player first: $(cat "$work/player.out")"
 cmp "$work/expected" "$work/out" || fail "player first: derived.lcm differs"
 stop_all

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "view/live_map.hpp"
 
+#include <set>
+
+#include "view/map_data.hpp"
+
 namespace orchard::view {
 
 using mapping::Landmark;
@@ -22,25 +26,43 @@ void LiveMap::touch(std::int32_t id, Entry& entry) {
   id_of_revision_[entry.revision] = id;
 }
 
+void LiveMap::put(const Landmark& landmark) {
+  Entry& entry = entries_[landmark.id];
+  if (!entry.is_removed && is_same(landmark, entry.landmark)) return;
+  entry.landmark = landmark;
+  entry.is_removed = false;
+  touch(landmark.id, entry);
+}
+
+void LiveMap::remove(std::int32_t id) {
+  const auto found = entries_.find(id);
+  if (found == entries_.end() || found->second.is_removed) return;
+  found->second.is_removed = true;
+  touch(id, found->second);
+}
+
 void LiveMap::take(const mapping::MapTile& tile) {
   for (const Landmark& landmark : tile.landmarks) {
     if (landmark.num_observations < min_observations_) continue;
-    Entry& entry = entries_[landmark.id];
     Landmark now = landmark;
     if (now.row == 0) {
-      now.row = entry.landmark.row;
-      now.position = entry.landmark.position;
+      const Landmark& before = entries_[landmark.id].landmark;
+      now.row = before.row;
+      now.position = before.position;
     }
-    if (!entry.is_removed && is_same(now, entry.landmark)) continue;
-    entry.landmark = now;
-    entry.is_removed = false;
-    touch(landmark.id, entry);
+    put(now);
   }
-  for (const std::int32_t id : tile.removed_ids) {
-    const auto found = entries_.find(id);
-    if (found == entries_.end() || found->second.is_removed) continue;
-    found->second.is_removed = true;
-    touch(id, found->second);
+  for (const std::int32_t id : tile.removed_ids) remove(id);
+}
+
+void LiveMap::show(const std::vector<Landmark>& landmarks) {
+  std::set<std::int32_t> ids;
+  for (const Landmark& landmark : landmarks) {
+    ids.insert(landmark.id);
+    put(landmark);
+  }
+  for (const auto& [id, entry] : entries_) {
+    if (ids.count(id) == 0) remove(id);
   }
 }
 
@@ -71,6 +93,15 @@ LiveMap::Changes LiveMap::changes_since(std::int64_t revision, std::size_t num_m
     changes.revision = at->first;
   }
   return changes;
+}
+
+std::string landmark_changes_json(const LiveMap::Changes& changes) {
+  std::string removed;
+  for (const std::int32_t id : changes.removed_ids) {
+    removed += (removed.empty() ? "" : ",") + std::to_string(id);
+  }
+  return "\"landmarks\":" + landmark_columns_json(changes.landmarks, {}) + ",\"removed\":[" +
+         removed + "]";
 }
 
 std::vector<Landmark> LiveMap::landmarks() const {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -18,6 +19,9 @@ class LiveMap {
   explicit LiveMap(int min_observations) : min_observations_(min_observations) {}
 
   void take(const mapping::MapTile& tile);
+
+  /// Exactly these from now on, however often they were seen; the rest is removed.
+  void show(const std::vector<mapping::Landmark>& landmarks);
 
   /// Rows and positions found here, as find_rows() numbers them; tiles bring none until the end.
   void number(const std::vector<mapping::Landmark>& numbered);
@@ -43,6 +47,8 @@ class LiveMap {
     bool is_removed = false;
     std::int64_t revision = 0;
   };
+  void put(const mapping::Landmark& landmark);
+  void remove(std::int32_t id);
   void touch(std::int32_t id, Entry& entry);
 
   int min_observations_;
@@ -50,5 +56,8 @@ class LiveMap {
   std::map<std::int64_t, std::int32_t> id_of_revision_;  ///< the newest of each id
   std::int64_t revision_ = 0;
 };
+
+/// `"landmarks": columns, "removed": [id]`, without braces.
+std::string landmark_changes_json(const LiveMap::Changes& changes);
 
 }  // namespace orchard::view

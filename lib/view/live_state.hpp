@@ -13,20 +13,15 @@
 #include "laser/scan.hpp"
 #include "view/live_map.hpp"
 #include "view/live_path.hpp"
+#include "view/look_json.hpp"
 #include "vision/image.hpp"
 
 namespace orchard::view {
 
-/// A picture as a browser takes it.
-struct ShownPicture {
-  std::int64_t utime = 0;
-  const char* type = "image/jpeg";  ///< or image/bmp
-  std::string bytes;
-};
-
 /// What somebody who looks on has been told already.
 struct Seen {
   std::int64_t map = 0, path_generation = -1, pose = 0, scan = 0, look = 0, rows = 0, status = 0;
+  std::int64_t corrections = 0;
   std::size_t num_path_points = 0;
 };
 
@@ -35,8 +30,8 @@ struct Seen {
 /// Events are JSON objects, each with "kind": "map" {"landmarks" in columns, "removed"}, "path"
 /// {"is_new", "points" [x, y, ...]}, "pose" {"utime", "x", "y", "yaw", "covariance" xx xy yy},
 /// "scan"
-/// {"points" [x, y, ...]}, "look" (see look_json()), "rows" {"rows", "ways"}, "status". Map frame,
-/// metres.
+/// {"points" [x, y, ...]}, "look" (see look_json()), "rows" {"rows", "ways"}, "status",
+/// "corrections". Map frame, metres.
 class LiveState {
  public:
   /// Landmarks of one event at most.
@@ -55,10 +50,15 @@ class LiveState {
   /// place.
   void take_rows(const std::vector<mapping::Landmark>& numbered, std::string rows_and_ways);
 
+  /// The map as people corrected it, from now on in the place of what MAP says; `event` is a whole
+  /// event of kind "corrections" (corrections_json()).
+  void take_corrected(const std::vector<mapping::Landmark>& corrected, std::string event);
+
   /// A whole event of kind "status", which the caller has made.
   void take_status(std::string event);
 
   std::vector<mapping::Landmark> landmarks() const { return map_.landmarks(); }
+  /// Of what MAP said, whatever people corrected.
   std::int64_t map_revision() const { return map_.revision(); }
 
   /// The events that are new to somebody, oldest kind first; at most one of each kind. `seen` is
@@ -71,14 +71,15 @@ class LiveState {
  private:
   void place_scan();
   void show(const vision::Image& image);
-  std::string look_json() const;
 
   detection::Rig rig_;
   LiveMap map_;
+  std::optional<LiveMap> corrected_;  ///< shown in its place once somebody has corrected it
   LivePath path_;
-  std::int64_t num_poses_ = 0, num_scans_ = 0, num_looks_ = 0, num_rows_ = 0, num_status_ = 0;
+  std::int64_t num_poses_ = 0, num_scans_ = 0, num_looks_ = 0, num_rows_ = 0, num_status_ = 0,
+               num_corrections_ = 0;
   std::optional<laser::Scan> waiting_scan_;
-  std::string scan_event_, rows_event_, status_event_;
+  std::string scan_event_, rows_event_, status_event_, corrections_event_;
   std::deque<vision::Image> images_;  ///< the last few, for the DETECTIONS that they belong to
   std::shared_ptr<const ShownPicture> shown_;
   detection::Detections detections_;  ///< of the picture shown

@@ -76,14 +76,14 @@ std::string path_json(const std::vector<pose::PoseEstimate>* path) {
   return line_json(thinned_line(line, kPathTolerance_m));
 }
 
+}  // namespace
+
 std::string georeference_json(const geometry::Georeference& g) {
   return "{\"latitude_deg\":" + fixed_text(g.latitude_deg, 8) +
          ",\"longitude_deg\":" + fixed_text(g.longitude_deg, 8) +
          ",\"yaw_rad\":" + fixed_text(g.yaw_rad, 6) +
          ",\"residual_rms_m\":" + fixed_text(g.residual_rms_m, 3) + "}";
 }
-
-}  // namespace
 
 std::string json_text(const std::string& text) {
   return nlohmann::json(text).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
@@ -133,6 +133,21 @@ std::string rows_and_ways_json(const std::vector<mapping::Row>& rows,
          ",\"ways\":" + array_json(graph.edges, way_json);
 }
 
+std::string names_and_notes_json(const std::map<std::int32_t, std::string>& row_names,
+                                 const std::map<std::int32_t, std::vector<std::string>>& notes) {
+  std::string text = "\"row_names\":{";
+  for (const auto& [row, name] : row_names) {
+    if (text.back() != '{') text += ',';
+    text += "\"" + std::to_string(row) + "\":" + json_text(name);
+  }
+  text += "},\"notes\":{";
+  for (const auto& [id, texts] : notes) {
+    if (text.back() != '{') text += ',';
+    text += "\"" + std::to_string(id) + "\":" + array_json(texts, json_text);
+  }
+  return text + "}";
+}
+
 std::string map_data_json(const MapData& map_data) {
   std::string text = "{\"title\":" + json_text(map_data.title) +
                      ",\"version\":" + json_text(map_data.version) +
@@ -144,7 +159,10 @@ std::string map_data_json(const MapData& map_data) {
   }
   text += ",\n\"landmarks\":" + landmark_columns_json(*map_data.landmarks, map_data.georeference) +
           ",\n" + rows_and_ways_json(*map_data.rows, *map_data.graph) +
-          ",\n\"paths\":" + array_json(map_data.paths, path_json) + ",\n\"photos\":{";
+          ",\n\"paths\":" + array_json(map_data.paths, path_json) + ",\n" +
+          names_and_notes_json(map_data.row_names, map_data.notes) + ",\n\"photo_ids\":" +
+          array_json(map_data.photo_ids, [](std::int32_t id) { return std::to_string(id); }) +
+          ",\"photos\":{";
   const char* separator = "";
   for (const auto& [id, jpeg] : map_data.photographs) {
     text += separator + ("\"" + std::to_string(id)) + "\":\"" +

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -29,6 +30,10 @@ struct MapData {
   std::optional<geometry::Georeference> georeference;
   /// JPEG files by the landmarks' ids.
   std::vector<std::pair<std::int32_t, const std::vector<std::uint8_t>*>> photographs{};
+  std::vector<std::int32_t> photo_ids{};  ///< whose photographs the page's server has
+  std::map<std::int32_t, std::string>
+      row_names{};  ///< any text; of rows that people call otherwise
+  std::map<std::int32_t, std::vector<std::string>> notes{};  ///< any text; by landmark
 };
 
 /// How far the path that the page draws may lie from the robot's [m]: under a pixel of a view 10 m
@@ -38,9 +43,10 @@ inline constexpr double kPathTolerance_m = 0.01;
 /// The map as JSON in columns: {"title", "version", "first_utime", "last_utime", "warnings",
 /// "georeference", "landmarks": {"id": [...], "label": [0 tree, 1 object, 2 unseen], "x": [m],
 /// ...}, "rows": [{"number", "spacing", "line": [x, y, ...], "gaps": [[position, x, y], ...]}],
-/// "ways": [{"kind", "width", "line"}], "paths": [[x, y, ...]],
-/// "photos": {id: base 64 of a JPEG}}. All of `map_data` must be set but
-/// georeference. Equal maps give equal text; text from outside is made valid Unicode.
+/// "ways": [{"kind", "width", "line"}], "paths": [[x, y, ...]], "row_names": {row: text},
+/// "notes": {id: [text]}, "photo_ids": [id], "photos": {id: base 64 of a JPEG}}. All of `map_data`
+/// must be set but georeference. Equal maps give equal text; text from outside is made valid
+/// Unicode.
 std::string map_data_json(const MapData& map_data);
 
 /// The part {"rows", "ways"} of it alone, without braces.
@@ -50,6 +56,13 @@ std::string rows_and_ways_json(const std::vector<mapping::Row>& rows,
 /// One array of the landmarks' columns, without georeference: {"id": [...], ...}.
 std::string landmark_columns_json(const std::vector<mapping::Landmark>& landmarks,
                                   const std::optional<geometry::Georeference>& georeference);
+
+/// `"row_names": {row: text}, "notes": {id: [text]}`, without braces.
+std::string names_and_notes_json(const std::map<std::int32_t, std::string>& row_names,
+                                 const std::map<std::int32_t, std::vector<std::string>>& notes);
+
+/// `{"latitude_deg", "longitude_deg", "yaw_rad", "residual_rms_m"}`.
+std::string georeference_json(const geometry::Georeference& georeference);
 
 /// A text from outside as a JSON string in ASCII.
 std::string json_text(const std::string& text);

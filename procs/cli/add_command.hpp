@@ -49,10 +49,12 @@ void add_export(CLI::App& app, Run& run);
 void add_farm(CLI::App& app, Run& run);
 void add_field(CLI::App& app, Run& run);
 void add_growers(CLI::App& app, Run& run);
+void add_import_edits(CLI::App& app, Run& run);
 void add_merge(CLI::App& app, Run& run);
 void add_plan(CLI::App& app, Run& run);
 void add_publish(CLI::App& app, Run& run);
 void add_report(CLI::App& app, Run& run);
+void add_view(CLI::App& app, Run& run);
 
 /// Options of every command that lays one map on another.
 void add_alignment_options(CLI::App& command, mapping::MapAlignmentConfig& config);

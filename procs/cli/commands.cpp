@@ -272,11 +272,13 @@ void add_all_commands(CLI::App& app, Run& run) {
   add_evaluate(app, run);
   add_compare(app, run);
   add_merge(app, run);
+  add_view(app, run);
   add_growers(app, run);
   add_plan(app, run);
   add_report(app, run);
   add_publish(app, run);
   add_export(app, run);
+  add_import_edits(app, run);
   add_overlay(app, run);
   add_log(app, run);
   add_field(app, run);

@@ -36,6 +36,11 @@ class LiveBox {
     return state_.map_revision() - before;
   }
 
+  void take_corrected(const std::vector<mapping::Landmark>& corrected, std::string event) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    state_.take_corrected(corrected, std::move(event));
+  }
+
   std::vector<std::string> events_for(view::Seen& seen, bool& is_more) const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return state_.events_for(seen, is_more);

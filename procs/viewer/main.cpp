@@ -21,6 +21,9 @@ int main(int argc, char** argv) {
   info.options.push_back({"--folder", "DIR",
                           "of the map or recording: how much of its disk is left",
                           &options.folder});
+  info.options.push_back({"--edit", "DIR",
+                          "the map's folder: whoever sees the page may correct the map",
+                          &options.edit_folder});
   orchard::io::RigFile rig;
   orchard::procs::ViewerProcess viewer;
   return orchard::bus::run_node_process(argc, argv, info, rig,

@@ -7,10 +7,10 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdlib>
 #include <stdexcept>
 #include <thread>
 
-#include "view/map_data.hpp"
 #include "view/page.hpp"
 
 namespace orchard::procs {
@@ -20,6 +20,9 @@ constexpr std::chrono::milliseconds kEventPeriod{150};  ///< a person sees no mo
 constexpr std::chrono::seconds kAliveAfter{10};  ///< of silence a comment shows that it lives
 constexpr int kThreads = PageServer::kStreamsMost + 12;
 constexpr int kNextPorts = 20;
+constexpr char kEditPath[] = "/api/edit";
+constexpr std::size_t kEditMost_bytes = 16384;
+constexpr std::size_t kParametersMost = 8, kParameterMost_bytes = 100;
 
 /// What a client that does not read may leave unread in the kernel [bytes].
 constexpr int kSendBuffer = 256 * 1024;
@@ -34,22 +37,6 @@ void limit_files() {
   setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-/// The page before anything is known.
-std::string empty_page(const std::string& version) {
-  const std::vector<mapping::Landmark> landmarks;
-  const std::vector<mapping::Row> rows;
-  const mapping::NavigationGraph graph;
-  view::MapData data;
-  data.title = "Live";
-  data.version = version;
-  data.landmarks = &landmarks;
-  data.rows = &rows;
-  data.graph = &graph;
-  std::string json = view::map_data_json(data);
-  json.insert(1, "\"mode\":\"live\",");
-  return view::page_html("Orchard, live", json, view::PageSource::kServer);
-}
-
 std::string cookie_token(const httplib::Request& request) {
   const std::string cookies = request.get_header_value("Cookie");
   const std::string name = "orchard_token=";
@@ -59,21 +46,40 @@ std::string cookie_token(const httplib::Request& request) {
   return cookies.substr(at + name.size(), end == std::string::npos ? end : end - at - name.size());
 }
 
+/// Whether a browser sends this on behalf of this server's page: JSON cannot be sent from another
+/// one without asking first, and what asks is refused; a browser that says where it comes from must
+/// say here.
+bool is_from_own_page(const httplib::Request& request) {
+  if (request.get_header_value("Content-Type").rfind("application/json", 0) != 0) return false;
+  const std::string origin = request.get_header_value("Origin");
+  return origin.empty() || origin == "http://" + request.get_header_value("Host");
+}
+
+PageContent::Parameters parameters_of(const httplib::Request& request) {
+  PageContent::Parameters parameters;
+  for (const auto& [name, value] : request.params) {
+    if (parameters.size() >= kParametersMost) break;
+    if (name.size() <= kParameterMost_bytes && value.size() <= kParameterMost_bytes) {
+      parameters[name] = value;
+    }
+  }
+  return parameters;
+}
+
 }  // namespace
 
 struct PageServer::Impl {
-  Impl(LiveBox& live_box, const PageServerOptions& given)
-      : box(live_box), options(given), page(empty_page(given.version)) {}
+  Impl(PageContent& shown, const PageServerOptions& given) : content(shown), options(given) {}
 
   void set_up();
   void bind();
   httplib::Server::HandlerResponse admit(const httplib::Request& request,
                                          httplib::Response& response) const;
-  void stream(httplib::Response& response);
+  void stream(const httplib::Request& request, httplib::Response& response);
+  void answer(const std::optional<PageAnswer>& answer, httplib::Response& response) const;
 
-  LiveBox& box;
+  PageContent& content;
   PageServerOptions options;
-  std::string page;
   std::string url;
   httplib::Server server;
   std::atomic<bool> is_stopping{false};
@@ -89,8 +95,12 @@ httplib::Server::HandlerResponse PageServer::Impl::admit(const httplib::Request&
     response.set_content(words, "text/plain");
     return Handled::Handled;
   };
-  if (request.method != "GET" && request.method != "HEAD") {
+  const bool is_edit = request.method == "POST" && request.path == kEditPath && content.can_edit();
+  if (request.method != "GET" && request.method != "HEAD" && !is_edit) {
     return refuse(405, "This server is for looking on only.\n");
+  }
+  if (is_edit && !is_from_own_page(request)) {
+    return refuse(403, "Only this server's own page may edit.\n");
   }
   if (options.token.empty()) {
     const bool is_ours =
@@ -109,7 +119,18 @@ httplib::Server::HandlerResponse PageServer::Impl::admit(const httplib::Request&
   return Handled::Unhandled;
 }
 
-void PageServer::Impl::stream(httplib::Response& response) {
+void PageServer::Impl::answer(const std::optional<PageAnswer>& answer,
+                              httplib::Response& response) const {
+  response.set_header("Cache-Control", "no-store");
+  if (!answer) {
+    response.status = 404;
+    return;
+  }
+  response.status = answer->status;
+  response.set_content(answer->body, answer->type);
+}
+
+void PageServer::Impl::stream(const httplib::Request& request, httplib::Response& response) {
   if (num_streams.fetch_add(1) >= kStreamsMost) {
     --num_streams;
     response.status = 503;
@@ -122,6 +143,7 @@ void PageServer::Impl::stream(httplib::Response& response) {
     std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
   };
   const auto client = std::make_shared<Client>();
+  client->seen.map = std::atoll(request.get_param_value("map").c_str());  // what the page has
   response.set_header("Cache-Control", "no-store");
   response.set_chunked_content_provider(
       "text/event-stream",
@@ -130,9 +152,9 @@ void PageServer::Impl::stream(httplib::Response& response) {
         bool is_more = false;
         std::string text;
         // Who comes again, after a break, is told everything anew.
-        if (!client->is_greeted) text = "retry: 1000\ndata: {\"kind\":\"hello\"}\n\n";
+        if (!client->is_greeted) text = "retry: 1000\ndata: " + content.hello() + "\n\n";
         client->is_greeted = true;
-        for (const std::string& event : box.events_for(client->seen, is_more)) {
+        for (const std::string& event : content.events_for(client->seen, is_more)) {
           text += "data: " + event + "\n\n";
         }
         const auto now = std::chrono::steady_clock::now();
@@ -149,7 +171,7 @@ void PageServer::Impl::stream(httplib::Response& response) {
 
 void PageServer::Impl::set_up() {
   server.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
-  server.set_payload_max_length(1024);
+  server.set_payload_max_length(kEditMost_bytes);
   server.set_read_timeout(std::chrono::seconds(3));
   server.set_write_timeout(std::chrono::seconds(3));
   server.set_keep_alive_timeout(2);
@@ -167,17 +189,17 @@ void PageServer::Impl::set_up() {
   server.Get("/", [this](const httplib::Request&, httplib::Response& response) {
     response.set_header("Content-Security-Policy",
                         view::page_policy(view::PageSource::kServer) + "; frame-ancestors 'none'");
-    response.set_content(page, "text/html; charset=utf-8");
+    response.set_content(content.page(), "text/html; charset=utf-8");
   });
-  server.Get("/api/stream",
-             [this](const httplib::Request&, httplib::Response& response) { stream(response); });
-  server.Get("/api/picture", [this](const httplib::Request&, httplib::Response& response) {
-    response.set_header("Cache-Control", "no-store");
-    if (const auto picture = box.picture()) {
-      response.set_content(picture->bytes, picture->type);
-    } else {
-      response.status = 404;
-    }
+  server.Get("/api/stream", [this](const httplib::Request& request, httplib::Response& response) {
+    stream(request, response);
+  });
+  server.Get(R"(/api/([a-z]{1,16}))",
+             [this](const httplib::Request& request, httplib::Response& response) {
+               answer(content.get(request.matches[1], parameters_of(request)), response);
+             });
+  server.Post(kEditPath, [this](const httplib::Request& request, httplib::Response& response) {
+    answer(content.edit(request.body), response);
   });
 }
 
@@ -195,8 +217,8 @@ void PageServer::Impl::bind() {
         std::to_string(options.port) + "/";
 }
 
-PageServer::PageServer(LiveBox& box, const PageServerOptions& options)
-    : impl_(std::make_unique<Impl>(box, options)) {
+PageServer::PageServer(PageContent& content, const PageServerOptions& options)
+    : impl_(std::make_unique<Impl>(content, options)) {
   if (options.token.empty() && !is_loopback(options.address)) {
     throw std::runtime_error("--listen " + options.address +
                              " lets other hosts look on: give a token with --token-file");

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "viewer/live_box.hpp"
+#include "viewer/page_content.hpp"
 
 namespace orchard::procs {
 
@@ -14,21 +14,21 @@ struct PageServerOptions {
   int port = 8420;
   bool may_move = true;  ///< to one of the next ports when that one is taken
   std::string token;     ///< who asks from elsewhere must know it; empty: nobody else is let in
-  std::string version;
 };
 
-/// Serves the page and its events over HTTP, read-only, in threads of its own.
+/// Serves a page and its events over HTTP, in threads of its own.
 ///
-/// `/` the page; `/api/stream` events as they come (server-sent events); `/api/picture` the picture
-/// of the last "look". Everything else is 404, every other method than GET 405.
+/// `/` the page; `/api/stream` events as they come (server-sent events); `/api/NAME` what the
+/// content has there, else 404. Every other method than GET is 405, but for POST to `/api/edit`
+/// where the content can be edited, from its own page.
 class PageServer {
  public:
   /// Streams at once at most, each of which holds a thread; one more is told to come later (503).
   static constexpr int kStreamsMost = 32;
 
   /// Throws std::runtime_error when the address cannot be had, or is no loopback one and there is
-  /// no token. `box` outlives this.
-  PageServer(LiveBox& box, const PageServerOptions& options);
+  /// no token. `content` outlives this.
+  PageServer(PageContent& content, const PageServerOptions& options);
   ~PageServer();
 
   /// "http://127.0.0.1:8420/"

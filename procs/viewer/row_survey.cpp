@@ -17,8 +17,8 @@ constexpr int kRestPerWork = 20;  ///< so that it takes a twentieth of a core at
 
 }  // namespace
 
-RowSurvey::RowSurvey(LiveBox& box, const mapping::RowsConfig& config)
-    : box_(box), config_(config), thread_([this] { run(); }) {}
+RowSurvey::RowSurvey(LiveBox& box, const mapping::RowsConfig& config, MapEditor* editor)
+    : box_(box), config_(config), editor_(editor), thread_([this] { run(); }) {}
 
 RowSurvey::~RowSurvey() {
   {
@@ -36,14 +36,29 @@ void RowSurvey::run() {
   while (!wake_.wait_for(lock, rest, [this] { return is_stopping_; })) {
     const std::int64_t revision = box_.map_revision();
     rest = kPeriodLeast;
-    if (revision == surveyed) continue;
+    std::optional<std::vector<mapping::Correction>> others;
+    if (editor_ != nullptr) others = editor_->if_changed();
+    if (others) corrections_ = std::move(*others);
+    if (revision == surveyed && !others) continue;
     lock.unlock();
     const Clock::time_point begin = Clock::now();
     std::vector<mapping::Landmark> landmarks = box_.landmarks();
-    const std::vector<mapping::Row> rows = mapping::find_rows(landmarks, config_);
-    mapping::number_landmarks(rows, landmarks);
+    std::vector<mapping::Row> rows;
+    if (config_.enabled) {
+      rows = mapping::find_rows(landmarks, config_);
+      mapping::number_landmarks(rows, landmarks);
+    }
+    const std::vector<mapping::Landmark> numbered = landmarks;
+    if (!corrections_.empty()) {
+      io::StoredMap mapped;
+      mapped.landmarks = std::move(landmarks);
+      io::CorrectedMapFolder corrected = io::corrected_map_of(std::move(mapped), corrections_);
+      box_.take_corrected(corrected.corrected.landmarks, corrections_event(corrected));
+      landmarks = std::move(corrected.corrected.landmarks);
+      rows = std::move(corrected.rows);
+    }
     const std::int64_t num_own = box_.take_rows(
-        landmarks, view::rows_and_ways_json(rows, mapping::navigation_graph(landmarks, rows)));
+        numbered, view::rows_and_ways_json(rows, mapping::navigation_graph(landmarks, rows)));
     surveyed = revision + num_own;  // its own numbers are no news; what came meanwhile is
     rest = std::max<Clock::duration>(kPeriodLeast, kRestPerWork * (Clock::now() - begin));
     lock.lock();

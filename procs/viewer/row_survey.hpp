@@ -7,14 +7,17 @@
 
 #include "mapping/rows/rows_config.hpp"
 #include "viewer/live_box.hpp"
+#include "viewer/map_editor.hpp"
 
 namespace orchard::procs {
 
 /// Finds the rows of the growing map from time to time, in a thread of its own: over a large map
-/// that takes seconds, and only the finished map carries numbers.
+/// that takes seconds, and only the finished map carries numbers. What people corrected, on the
+/// page or elsewhere, is applied to it.
 class RowSurvey {
  public:
-  RowSurvey(LiveBox& box, const mapping::RowsConfig& config);
+  /// `editor`: of the map's folder; null: nobody corrects it.
+  RowSurvey(LiveBox& box, const mapping::RowsConfig& config, MapEditor* editor);
   ~RowSurvey();
   RowSurvey(const RowSurvey&) = delete;
   RowSurvey& operator=(const RowSurvey&) = delete;
@@ -24,6 +27,8 @@ class RowSurvey {
 
   LiveBox& box_;
   mapping::RowsConfig config_;
+  MapEditor* editor_;
+  std::vector<mapping::Correction> corrections_;
   std::mutex mutex_;
   std::condition_variable wake_;
   bool is_stopping_ = false;

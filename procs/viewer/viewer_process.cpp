@@ -19,6 +19,8 @@ namespace {
 constexpr int kNice = 10;
 constexpr std::size_t kTokenLeast = 12;
 
+}  // namespace
+
 std::string read_token(const std::string& path) {
   std::ifstream file(path);
   std::string token;
@@ -33,8 +35,6 @@ std::string read_token(const std::string& path) {
   }
   return token;
 }
-
-}  // namespace
 
 PageServerOptions parse_listen(const std::string& listen) {
   PageServerOptions options;
@@ -63,12 +63,13 @@ std::unique_ptr<bus::Node> ViewerProcess::make_node(const io::Config& config,
   setpriority(PRIO_PROCESS, 0, kNice);
   PageServerOptions server = parse_listen(options.listen);
   if (!options.token_file.empty()) server.token = read_token(options.token_file);
-  server.version = std::string(bus::version());
+  if (!options.edit_folder.empty()) editor_ = std::make_unique<MapEditor>(options.edit_folder);
   const detection::Rig rig(config.laser, config.camera, config.detector);
   box_ = std::make_unique<LiveBox>(view::LiveState(rig, config.mapper.min_observations));
-  server_ = std::make_unique<PageServer>(*box_, server);
-  if (config.mapper.rows.enabled) {
-    survey_ = std::make_unique<RowSurvey>(*box_, config.mapper.rows);
+  page_ = std::make_unique<LivePage>(*box_, editor_.get(), std::string(bus::version()));
+  server_ = std::make_unique<PageServer>(*page_, server);
+  if (config.mapper.rows.enabled || editor_) {
+    survey_ = std::make_unique<RowSurvey>(*box_, config.mapper.rows, editor_.get());
   }
   spdlog::info("the page is at {}{}", server_->url(), server.token.empty() ? "" : "?token=...");
   return std::make_unique<ViewerNode>(*box_, config.camera.enabled, options.folder);

@@ -7,6 +7,7 @@
 #include "bus/node/node.hpp"
 #include "io/config/config.hpp"
 #include "viewer/live_box.hpp"
+#include "viewer/live_page.hpp"
 #include "viewer/page_server.hpp"
 #include "viewer/row_survey.hpp"
 
@@ -17,6 +18,8 @@ struct ViewerOptions {
   std::string listen;      ///< "ADDRESS", "ADDRESS:PORT", ":PORT"; empty: 127.0.0.1:8420 or next
   std::string token_file;  ///< whose first line is the token
   std::string folder;      ///< whose disk is watched
+  std::string
+      edit_folder;  ///< of the map, which people may correct on the page; empty: they may not
 };
 
 /// A viewer with everything round its node: the server, the survey of rows.
@@ -27,11 +30,16 @@ class ViewerProcess {
 
  private:
   std::unique_ptr<LiveBox> box_;
+  std::unique_ptr<MapEditor> editor_;
+  std::unique_ptr<LivePage> page_;
   std::unique_ptr<RowSurvey> survey_;
   std::unique_ptr<PageServer> server_;
 };
 
 /// Address and port of a --listen. Throws io::FileError for one that is none.
 PageServerOptions parse_listen(const std::string& listen);
+
+/// The token that a file's first line is. Throws io::FileError for one that is too weak.
+std::string read_token(const std::string& path);
 
 }  // namespace orchard::procs

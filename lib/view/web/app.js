@@ -30,6 +30,26 @@ class App {
     document.addEventListener("keydown", (event) => { if (event.key === "Escape") this.select(-1); });
   }
 
+  takeCorrections(event) {
+    this.model.setNames(event.row_names, event.notes);
+    showCorrections(event.list);
+    if (this.editor) this.editor.show(event);
+  }
+
+  // Lists and what is said of the one selected, after the map has changed.
+  refreshLists() {
+    showSummary(this.model, this.data);
+    showRows(this.model, (row) => this.showRow(row), this.editor && ((row) => this.editor.renameRow(row)));
+    this.refreshDetails();
+    this.redraw();
+  }
+
+  refreshDetails() {
+    if (this.selectedId === null) return;
+    const i = this.model.withId(this.selectedId);
+    if (i >= 0) this.details.showLandmark(i); else this.select(-1);
+  }
+
   setMenu(isOpen) {
     byId("menu").hidden = !isOpen;
     byId("menu-button").setAttribute("aria-expanded", String(isOpen));
@@ -67,9 +87,9 @@ class App {
   insets() {
     if (this.view.width <= 640) {
       const details = byId("details");
-      return { left: 16, right: 62, top: byId("head").offsetHeight + 40, bottom: Math.max(50, details.offsetHeight + 16, byId("live").offsetHeight + 16) };
+      return { left: 16, right: 62, top: byId("head").offsetHeight + 40, bottom: Math.max(50, details.offsetHeight + 16, byId("live").offsetHeight + byId("player").offsetHeight + 16) };
     }
-    return { left: 350, right: byId("details").hidden && byId("live").hidden ? 70 : 384, top: 30, bottom: 30 };
+    return { left: 350, right: byId("details").hidden && byId("live").hidden ? 70 : 384, top: 30, bottom: 30 + byId("player").offsetHeight };
   }
 
   fit() {
@@ -117,6 +137,7 @@ class App {
   click(sx, sy) {
     const x = this.view.toMapX(sx), y = this.view.toMapY(sy), within_m = 16 / this.view.scale;
     const i = this.model.nearest(x, y, within_m);
+    if (this.editor && this.editor.takeClick(x, y, i)) return;
     if (i >= 0) { this.select(i); return; }
     for (const row of this.model.rows) {
       const gap = row.gaps.find((other) => Math.hypot(other[1] - x, other[2] - y) <= within_m);

@@ -10,8 +10,8 @@ function certaintyText(model, i) {
 
 function landmarkTitle(model, i) {
   const { label, row, position, id } = model.columns;
-  if (position[i] > 0) return `Row ${row[i]}, tree ${position[i]}`;
-  if (row[i] > 0) return `Row ${row[i]}, no number`;
+  if (position[i] > 0) return `Row ${model.rowName(row[i])}, tree ${position[i]}`;
+  if (row[i] > 0) return `Row ${model.rowName(row[i])}, no number`;
   return `${kClassTitles[label[i]]} ${id[i]}`;
 }
 
@@ -34,10 +34,12 @@ function landmarkFacts(model, i) {
   if (c.se_x[i] > 0 || c.se_y[i] > 0) {
     facts.push(["Standard error", `${(1000 * c.se_x[i]).toFixed(1)}, ${(1000 * c.se_y[i]).toFixed(1)} mm`]);
   }
-  if (model.georeference && c.latitude.length > i) {
+  if (model.georeference && c.latitude[i]) {
     facts.push(["Latitude, longitude", `${c.latitude[i].toFixed(7)}, ${c.longitude[i].toFixed(7)}`]);
   }
   facts.push(["Seen", `${wholeNumber(c.n[i])} times`], ["Mean confidence", c.roc[i].toFixed(3)]);
+  const id = String(c.id[i]);
+  if (Object.hasOwn(model.notes, id)) model.notes[id].forEach((words) => facts.push(["Note", words]));
   return facts;
 }
 
@@ -49,6 +51,8 @@ class Details {
     this.select = select;
     this.close = close;
     this.box = byId("details");
+    this.actions = () => []; // buttons for landmark i; for a gap of a row
+    this.gapActions = () => [];
   }
 
   hide() { this.box.hidden = true; }
@@ -66,11 +70,14 @@ class Details {
       }
     }
     this.show(landmarkTitle(model, i), this.theme.colourOfClass(model.columns.label[i]), landmarkFacts(model, i), steps,
-      this.photo(model.columns.id[i], landmarkTitle(model, i)));
+      this.photo(model.columns.id[i], landmarkTitle(model, i)), this.actions(i));
   }
 
   // Its photograph, where the map has one.
   photo(id, title) {
+    if (this.model.photoIds.has(id)) {
+      return [element("img", { className: "photo", alt: `Photograph of ${title}`, src: `api/photo?id=${id}` })];
+    }
     const jpeg = Object.hasOwn(this.model.photos, id) ? this.model.photos[id] : "";
     if (!/^[A-Za-z0-9+/]+=*$/.test(jpeg)) return [];
     return [element("img", { className: "photo", alt: `Photograph of ${title}`, src: `data:image/jpeg;base64,${jpeg}` })];
@@ -78,7 +85,8 @@ class Details {
 
   showGap(row, gap) {
     const facts = [["Class", "Gap: no tree stands here"], ["Place x, y", `${gap[1].toFixed(2)}, ${gap[2].toFixed(2)} m`]];
-    this.show(`Row ${row.number}, place ${gap[0]}`, this.theme.colours.gap, facts, []);
+    this.show(`Row ${this.model.rowName(row.number)}, place ${gap[0]}`, this.theme.colours.gap, facts, [], [],
+      this.gapActions(row, gap));
   }
 
   // The nearest tree of the row before or after, over gaps.
@@ -90,7 +98,7 @@ class Details {
     return -1;
   }
 
-  show(title, colour, facts, steps, pictures = []) {
+  show(title, colour, facts, steps, pictures = [], actions = []) {
     const close = element("button", { type: "button", className: "icon", title: "Close", textContent: "×" });
     close.addEventListener("click", () => this.close());
     const swatch = element("span", { className: "swatch" });
@@ -98,7 +106,8 @@ class Details {
     const table = element("table", {}, ...facts.map(([what, value]) =>
       element("tr", {}, element("td", { textContent: what }), element("td", { textContent: value }))));
     this.box.replaceChildren(
-      element("header", {}, swatch, element("div", {}, element("h2", { textContent: title })), close), ...pictures, table,
+      element("header", {}, swatch, element("div", {}, element("h2", { textContent: title })), close), ...pictures,
+      ...(actions.length > 0 ? [element("div", { className: "steps actions" }, ...actions)] : []), table,
       ...(steps.length > 0 ? [element("div", { className: "steps" }, ...steps)] : []));
     this.box.hidden = false;
   }

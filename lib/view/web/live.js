@@ -27,7 +27,8 @@ class Live {
     if (event.kind === "hello") {
       model.replace({ landmarks: {}, paths: [[]] });
     } else if (event.kind === "map") {
-      this.takeLandmarks(event);
+      takeLandmarks(model, event);
+      this.isListDue = true;
     } else if (event.kind === "rows") {
       model.setRows(event.rows, event.ways);
       this.isListDue = true;
@@ -40,21 +41,13 @@ class Live {
       this.scan = event.points;
     } else if (event.kind === "look") {
       this.panels.showLook(event, this.app.theme);
+    } else if (event.kind === "corrections") {
+      this.app.takeCorrections(event);
+      this.isListDue = true;
     } else if (event.kind === "status") {
       this.panels.showStatus(event);
     }
     this.showSoon();
-  }
-
-  takeLandmarks(event) {
-    const columns = event.landmarks;
-    columns.id.forEach((id, k) => {
-      const values = {};
-      for (const name of Object.keys(columns)) values[name] = columns[name][k];
-      this.app.model.put(values);
-    });
-    event.removed.forEach((id) => this.app.model.remove(id));
-    this.isListDue = true;
   }
 
   // At most once per picture on the screen; lists and numbers of the panel once a second.
@@ -65,19 +58,31 @@ class Live {
     this.isListWaiting = true;
     setTimeout(() => {
       this.isListWaiting = this.isListDue = false;
-      showSummary(app.model, app.data);
-      showRows(app.model, (row) => app.showRow(row));
-      const i = app.selectedId === null ? -1 : app.model.withId(app.selectedId);
-      if (i >= 0) app.details.showLandmark(i);
+      app.refreshLists();
     }, 1000);
   }
 
   paint(context, view, theme) {
-    context.fillStyle = theme.colours.scan;
-    for (let k = 0; k + 1 < this.scan.length; k += 2) {
-      context.fillRect(view.toScreenX(this.scan[k]) - 1, view.toScreenY(this.scan[k + 1]) - 1, 2, 2);
-    }
+    paintScan(context, view, theme, this.scan);
     if (this.pose) paintRobot(context, view, theme, this.pose);
+  }
+}
+
+// Landmarks of an event, as the server tells what changed.
+function takeLandmarks(model, event) {
+  const columns = event.landmarks;
+  columns.id.forEach((id, k) => {
+    const values = { length: 0, direction: 0 }; // not sent where nothing is long
+    for (const name of Object.keys(columns)) values[name] = columns[name][k];
+    model.put(values);
+  });
+  event.removed.forEach((id) => model.remove(id));
+}
+
+function paintScan(context, view, theme, points) {
+  context.fillStyle = theme.colours.scan;
+  for (let k = 0; k + 1 < points.length; k += 2) {
+    context.fillRect(view.toScreenX(points[k]) - 1, view.toScreenY(points[k + 1]) - 1, 2, 2);
   }
 }
 

@@ -3,7 +3,7 @@
 const kHistory = 60; // seconds of a plot: STATUS comes once a second
 
 class LivePanels {
-  constructor(box) {
+  constructor(box, title = "Live") {
     this.box = box;
     box.hidden = false;
     this.picture = element("canvas", { id: "look", hidden: true });
@@ -11,7 +11,7 @@ class LivePanels {
     this.confidences = element("div", { id: "confidences" });
     this.processes = element("div", { id: "processes" });
     this.disk = element("small", {});
-    const line = element("div", { className: "live-line" }, element("strong", { textContent: "Live" }), this.connection,
+    const line = element("div", { className: "live-line" }, element("strong", { textContent: title }), this.connection,
       this.disk);
     box.replaceChildren(line, this.picture, this.confidences, this.processes);
     this.history = new Map(); // by process: {rates, latencies, lost}

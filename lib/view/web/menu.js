@@ -51,8 +51,8 @@ function showLegend(theme, shown, changed) {
   byId("legend").replaceChildren(...lines);
 }
 
-// `show(row)` moves the view to a row.
-function showRows(model, show) {
+// `show(row)` moves the view to a row; `rename(row)`, where people may, gives it a name.
+function showRows(model, show, rename = null) {
   const head = element("tr", {}, ...["Row", "Trees", "Gaps", "Every", "Trunk"].map((words) =>
     element("th", { textContent: words })));
   const widths = new Map();
@@ -63,11 +63,13 @@ function showRows(model, show) {
     widths.get(row).push(model.columns.width[i]);
   }
   const lines = model.rows.map((row) => {
-    const button = element("button", { type: "button", textContent: `Row ${row.number}` });
+    const button = element("button", { type: "button", textContent: `Row ${model.rowName(row.number)}` });
     button.addEventListener("click", () => show(row));
+    const pen = element("button", { type: "button", className: "rename", title: "What people call it", textContent: "✎" });
+    if (rename) pen.addEventListener("click", () => rename(row));
     const trunk = widths.get(row.number) || [];
     const mean = trunk.length > 0 ? trunk.reduce((sum, width) => sum + width, 0) / trunk.length : 0;
-    return element("tr", {}, element("td", {}, button), element("td", { textContent: wholeNumber(trunk.length) }),
+    return element("tr", {}, element("td", {}, button, ...(rename ? [" ", pen] : [])), element("td", { textContent: wholeNumber(trunk.length) }),
       element("td", { textContent: wholeNumber(row.gaps.length) }),
       element("td", { textContent: `${row.spacing.toFixed(2)} m` }),
       element("td", { textContent: mean > 0 ? `${(100 * mean).toFixed(1)} cm` : "" }));

@@ -33,8 +33,19 @@ class MapModel {
     this.paths = data.paths || [];
     this.georeference = data.georeference || null;
     this.photos = data.photos || {};
+    this.photoIds = new Set(data.photo_ids || []);
+    this.setNames(data.row_names || {}, data.notes || {});
     this.setRows(data.rows || [], data.ways || []);
   }
+
+  // Names of rows by number, words about landmarks by id.
+  setNames(rowNames, notes) {
+    this.rowNames = rowNames;
+    this.notes = notes;
+    this.touch();
+  }
+
+  rowName(row) { return Object.hasOwn(this.rowNames, row) ? this.rowNames[row] : String(row); }
 
   setRows(rows, ways) {
     this.rows = rows;

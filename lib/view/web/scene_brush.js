@@ -193,6 +193,6 @@ class SceneBrush {
     const length = Math.hypot(bx - ax, by - ay) || 1;
     const sx = ax - (bx - ax) / length * 24, sy = ay - (by - ay) / length * 24;
     if (sx < -20 || sy < -20 || sx > view.width + 20 || sy > view.height + 20) return;
-    placer.write(String(row.number), sx, sy, theme.colours.ground, "", theme.colours.tree);
+    placer.write(this.model.rowName(row.number), sx, sy, theme.colours.ground, "", theme.colours.tree);
   }
 }

@@ -47,6 +47,7 @@ void add_live(CLI::App& app, Run& run) {
                 "devices that play this log, each in its own protocol, instead of the rig's")
             ->type_name("LOG")
             ->excludes("--sim");
+        command.add_flag("--edit", o.edit, "people may correct the map on the page");
         command.add_option("--seed", o.seed, "of the simulated scene")->capture_default_str();
         command.add_option("--speed", o.speed, "of the simulated drive, times real time")
             ->capture_default_str();

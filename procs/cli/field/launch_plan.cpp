@@ -138,8 +138,10 @@ std::vector<ChildPlan> plan_launch(const LiveOptions& options, const io::Config&
 
   // Looks on only: nobody waits for it.
   if (!options.viewer_address.empty()) {
-    add("orchard-viewer", kRecorder,
-        {"--listen", options.viewer_address, "--folder", options.out_folder});
+    std::vector<std::string> words{"--listen", options.viewer_address, "--folder",
+                                   options.out_folder};
+    if (options.edit) words.insert(words.end(), {"--edit", options.out_folder});
+    add("orchard-viewer", kRecorder, words);
   }
 
   const std::set<std::string> only = named(options.only, plans);

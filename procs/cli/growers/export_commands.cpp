@@ -3,6 +3,7 @@
 
 #include "cli/add_command.hpp"
 #include "cli/growers/export.hpp"
+#include "cli/growers/import_edits.hpp"
 
 namespace orchard::cli {
 
@@ -38,6 +39,31 @@ void add_export(CLI::App& app, Run& run) {
                 {"landmarks", "extents", "path", "rows", "gaps", "alleys", "headlands", "nodes"}));
         command.add_flag("--as-mapped", o.as_mapped, "without what people corrected");
         command.add_flag("--overwrite", o.overwrite, "replace FILE where it is there already");
+        command.add_flag("--json", o.json, "for programs");
+      });
+}
+
+void add_import_edits(CLI::App& app, Run& run) {
+  add_command<ImportEditsOptions>(
+      app, run, "import-edits", "Take a map's GeoPackage back that was edited in QGIS",
+      "  orchard export out/drive --format gpkg --out block.gpkg     (edit it in QGIS, save)\n"
+      "  orchard import-edits out/drive block.gpkg --who Ana\n"
+      "  orchard import-edits out/drive one_row.gpkg --keep-missing --dry-run\n"
+      "In comes a GeoPackage of this map (map.gpkg, or one of `orchard export`) in which trees "
+      "were\n"
+      "deleted, added, moved, renumbered, or got another class or note, or rows another name. Out "
+      "go\n"
+      "corrections, as `orchard edit` makes them; the map stays as it is. What contradicts the map "
+      "or\n"
+      "what others have said since is a conflict: it is said, left out, and the exit code is 3.\n",
+      run_import_edits, [](CLI::App& command, ImportEditsOptions& o) {
+        command.add_option("map", o.map_folder, "map folder")->required()->type_name("FOLDER");
+        command.add_option("edited", o.edited_path, "GeoPackage")->required()->type_name("GPKG");
+        command.add_option("--who", o.who, "who edited it; without it the user of the system")
+            ->type_name("NAME");
+        command.add_flag("--keep-missing", o.keep_missing,
+                         "what the file lacks was not deleted: it is a part of the map");
+        command.add_flag("--dry-run", o.dry_run, "only say what would be added");
         command.add_flag("--json", o.json, "for programs");
       });
 }

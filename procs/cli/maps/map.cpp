@@ -5,7 +5,6 @@
 #include <cinttypes>
 #include <cstdio>
 #include <filesystem>
-#include <memory>
 #include <numeric>
 #include <optional>
 #include <string_view>
@@ -17,37 +16,22 @@
 #include "cli/long_work.hpp"
 #include "cli/maps/map_corrections.hpp"
 #include "cli/maps/map_laying.hpp"
+#include "cli/maps/map_pipeline.hpp"
 #include "cli/maps/no_pose.hpp"
 #include "cli/maps/scan_timer.hpp"
-#include "detector/detector_node.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
-#include "io/file_memory.hpp"
 #include "io/log/log_series.hpp"
 #include "io/log/log_writer.hpp"
 #include "io/map/corrected_map.hpp"
 #include "io/map/map_folder.hpp"
 #include "log_player/replay_rig.hpp"
-#include "mapper/mapper_node.hpp"
-#include "pose/pose_node.hpp"
 
 namespace orchard::cli {
 namespace {
 
 using bus::Channel;
 using bus::ReplayReport;
-
-/// The three roles between a log and its map.
-struct Pipeline {
-  /// What the mapper keeps of a long drive lies in a file in `folder`.
-  Pipeline(const io::Config& config, const std::string& folder)
-      : detector(config), pose(config), mapper(config, std::make_shared<io::FileMemory>(folder)) {}
-  std::vector<bus::Node*> nodes() { return {&detector, &pose, &mapper}; }
-
-  procs::DetectorNode detector;
-  procs::PoseNode pose;
-  procs::MapperNode mapper;
-};
 
 io::LogPaths logs_of(const MapOptions& options) { return {options.log_paths}; }
 
@@ -89,7 +73,7 @@ std::uint64_t num_lost_bytes(const ReplayReport& report) {
 }
 
 std::vector<std::pair<std::string, std::int64_t>> counts_of(const ReplayReport& report,
-                                                            Pipeline& pipeline) {
+                                                            MapPipeline& pipeline) {
   std::vector<std::pair<std::string, std::int64_t>> counts{
       {"events", report.num_events},
       {"unknown_channel", report.num_unknown_channel},
@@ -205,7 +189,7 @@ int run_map(const MapOptions& options) {
     require_corrections_of(options.out_folder, *previous);
   }
   make_folder(options.out_folder);
-  Pipeline pipeline(config, options.out_folder);
+  MapPipeline pipeline(config, options.out_folder);
   LongWork work("mapping", !options.quiet);  // from here on Ctrl-C takes back what was begun
   const std::string derived_path = options.out_folder + "/derived.lcm";
   std::optional<io::LogWriter> derived;

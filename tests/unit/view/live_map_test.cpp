@@ -93,5 +93,23 @@ TEST(LiveMap, EveryOnlookerConverges) {
   }
 }
 
+TEST(LiveMap, ShowsExactlyWhatItIsTold) {
+  LiveMap map(1);
+  mapping::Landmark a, b;
+  a.id = 1, b.id = 2;
+  map.show({a, b});
+  const std::int64_t revision = map.revision();
+  map.show({a, b});
+  EXPECT_EQ(map.revision(), revision) << "nothing is new";
+  b.x_m = 1.0;
+  map.show({b});
+  const LiveMap::Changes changes = map.changes_since(revision, 10);
+  ASSERT_EQ(changes.landmarks.size(), 1u);
+  EXPECT_EQ(changes.landmarks[0].x_m, 1.0);
+  EXPECT_EQ(changes.removed_ids, std::vector<std::int32_t>{1});
+  map.show({a, b});
+  EXPECT_EQ(map.landmarks().size(), 2u);
+}
+
 }  // namespace
 }  // namespace orchard::view

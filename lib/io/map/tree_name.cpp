@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cli/growers/tree_name.hpp"
+#include "io/map/tree_name.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -8,7 +8,7 @@
 #include "detection/label_text.hpp"
 #include "io/file_error.hpp"
 
-namespace orchard::cli {
+namespace orchard::io {
 namespace {
 
 std::optional<std::int32_t> number_of(const std::string& text) {
@@ -22,18 +22,18 @@ struct RowAndTree {
   std::int32_t row = 0, position = 0;
 };
 
-RowAndTree row_and_tree(const io::CorrectedMapFolder& map, const std::string& name) {
+RowAndTree row_and_tree(const CorrectedMapFolder& map, const std::string& name) {
   const std::size_t slash = name.rfind('/');
   const auto position = number_of(name.substr(slash + 1));
   if (slash == std::string::npos || !position || *position < 1) {
-    throw io::FileError("\"" + name + "\" names no tree; give an id (17) or row/tree (3/14)");
+    throw FileError("\"" + name + "\" names no tree; give an id (17) or row/tree (3/14)");
   }
   return {row_named(map, name.substr(0, slash)), *position};
 }
 
 }  // namespace
 
-std::int32_t row_named(const io::CorrectedMapFolder& map, const std::string& name) {
+std::int32_t row_named(const CorrectedMapFolder& map, const std::string& name) {
   for (const auto& [row, row_name] : map.corrected.row_names) {
     if (row_name == name) return row;
   }
@@ -42,30 +42,29 @@ std::int32_t row_named(const io::CorrectedMapFolder& map, const std::string& nam
   const bool is_there = number && *number > 0 &&
                         std::any_of(landmarks.begin(), landmarks.end(),
                                     [&](const mapping::Landmark& l) { return l.row == *number; });
-  if (!is_there) throw io::FileError(map.mapped.name + " has no row \"" + name + "\"");
+  if (!is_there) throw FileError(map.mapped.name + " has no row \"" + name + "\"");
   return *number;
 }
 
-const mapping::Landmark& landmark_named(const io::CorrectedMapFolder& map,
-                                        const std::string& name) {
+const mapping::Landmark& landmark_named(const CorrectedMapFolder& map, const std::string& name) {
   const auto& landmarks = map.corrected.landmarks;
   if (const auto id = number_of(name)) {
     const auto found = std::find_if(landmarks.begin(), landmarks.end(),
                                     [&](const mapping::Landmark& l) { return l.id == *id; });
     if (found != landmarks.end()) return *found;
-    throw io::FileError(map.mapped.name + " has no landmark " + name +
-                        ", or it was deleted (`orchard edit MAP list`)");
+    throw FileError(map.mapped.name + " has no landmark " + name +
+                    ", or it was deleted (`orchard edit MAP list`)");
   }
   const RowAndTree number = row_and_tree(map, name);
   const auto found = std::find_if(landmarks.begin(), landmarks.end(), [&](const auto& l) {
     return l.row == number.row && l.position == number.position;
   });
   if (found != landmarks.end()) return *found;
-  throw io::FileError(map.mapped.name + " has no tree " + std::to_string(number.position) +
-                      " in row " + std::to_string(number.row));
+  throw FileError(map.mapped.name + " has no tree " + std::to_string(number.position) + " in row " +
+                  std::to_string(number.row));
 }
 
-Eigen::Vector2d gap_named(const io::CorrectedMapFolder& map, const std::string& name) {
+Eigen::Vector2d gap_named(const CorrectedMapFolder& map, const std::string& name) {
   const RowAndTree number = row_and_tree(map, name);
   for (const mapping::Row& row : map.rows) {
     if (row.number != number.row) continue;
@@ -73,8 +72,8 @@ Eigen::Vector2d gap_named(const io::CorrectedMapFolder& map, const std::string& 
       if (place.position == number.position && place.landmark_id == 0) return place.p_map;
     }
   }
-  throw io::FileError(map.mapped.name + " has no gap at tree " + std::to_string(number.position) +
-                      " of row " + std::to_string(number.row) + "; give the place with --at X Y");
+  throw FileError(map.mapped.name + " has no gap at tree " + std::to_string(number.position) +
+                  " of row " + std::to_string(number.row) + "; give the place with --at X Y");
 }
 
 std::string landmark_words(const mapping::Landmark& landmark) {
@@ -84,4 +83,4 @@ std::string landmark_words(const mapping::Landmark& landmark) {
   return words + ")";
 }
 
-}  // namespace orchard::cli
+}  // namespace orchard::io

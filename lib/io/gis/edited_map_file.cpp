@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/gis/edited_map_file.hpp"
+
+#include <gdal_priv.h>
+#include <ogrsf_frmts.h>
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <string>
+
+#include "detection/label_text.hpp"
+#include "io/file_error.hpp"
+#include "io/gis/gdal_errors.hpp"
+#include "io/gis/map_layers.hpp"
+#include "io/sane_limits.hpp"
+#include "text/printable_text.hpp"
+
+namespace orchard::io {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr std::size_t kLandmarksMost = 2000000;
+constexpr double kNumberMost = 2147483646.0;
+
+class EditedMapReader {
+ public:
+  EditedMapReader(const std::string& path,
+                  const std::optional<geometry::Georeference>& georeference)
+      : path_(path), georeference_(georeference) {
+    GDALAllRegister();
+    constexpr std::array<const char*, 2> kGeoPackage{"GPKG", nullptr};
+    dataset_.reset(GDALDataset::Open(path.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY,
+                                     kGeoPackage.data(), nullptr, nullptr));
+    if (!dataset_) {
+      throw FileError(path + " is no GeoPackage" +
+                      (errors_.first().empty() ? "" : " (" + errors_.first() + ")"));
+    }
+  }
+
+  EditedMapFile read() {
+    if (const char* number = dataset_->GetMetadataItem(kCorrectionsMetadata)) {
+      result_.num_corrections = std::max(0, std::atoi(number));
+    }
+    OGRLayer* landmarks = dataset_->GetLayerByName("landmarks");
+    if (landmarks == nullptr) {
+      throw FileError(path_ + " has no layer landmarks; give a map's GeoPackage, edited");
+    }
+    read_landmarks(*landmarks);
+    if (OGRLayer* rows = dataset_->GetLayerByName("rows")) read_rows(*rows);
+    if (!errors_.first().empty()) {
+      throw FileError(path_ + " cannot be read whole (" + errors_.first() + ")");
+    }
+    return std::move(result_);
+  }
+
+ private:
+  void read_landmarks(OGRLayer& layer) {
+    const OGRFeatureDefn& definition = *layer.GetLayerDefn();
+    for (const char* name : {"id", "class"}) {
+      if (definition.GetFieldIndex(name) < 0) {
+        throw FileError(path_ + ": landmarks has no column " + name + "; is it a map's?");
+      }
+    }
+    set_crs(layer);
+    layer.ResetReading();
+    while (const OGRFeatureUniquePtr feature{layer.GetNextFeature()}) {
+      at_ = path_ + ": feature " + std::to_string(feature->GetFID()) + " of landmarks";
+      if (result_.map.landmarks.size() >= kLandmarksMost) {
+        throw FileError(path_ + " holds over two million landmarks");
+      }
+      mapping::EditedLandmark l;
+      l.id = number(*feature, "id");
+      l.p_map = place(*feature);
+      l.label = label(*feature, l.id == 0);
+      l.width_m = real(*feature, "width_m");
+      if (l.width_m > kMaxWidth_m) throw FileError(at_ + ": width_m cannot be that number");
+      l.row = number(*feature, "row");
+      l.position = number(*feature, "position");
+      l.note = text(*feature, "note");
+      result_.map.landmarks.push_back(std::move(l));
+    }
+  }
+
+  void read_rows(OGRLayer& layer) {
+    layer.ResetReading();
+    while (const OGRFeatureUniquePtr feature{layer.GetNextFeature()}) {
+      at_ = path_ + ": feature " + std::to_string(feature->GetFID()) + " of rows";
+      const std::int32_t row = number(*feature, "row");
+      if (row > 0) result_.map.row_names[row] = text(*feature, "label");
+    }
+  }
+
+  void set_crs(OGRLayer& layer) {
+    const OGRSpatialReference* own = layer.GetSpatialRef();
+    const bool is_on_earth = own != nullptr && (own->IsGeographic() || own->IsProjected());
+    if (is_on_earth != georeference_.has_value()) {
+      throw FileError(path_ +
+                      (is_on_earth ? " lies on the earth, and the map does not know where"
+                                   : " lies nowhere on the earth, as the map does") +
+                      "; is it this map's?");
+    }
+    if (!is_on_earth) return;
+    OGRSpatialReference wgs84;
+    wgs84.importFromEPSG(4326);
+    wgs84.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    const std::unique_ptr<OGRSpatialReference> srs(own->Clone());
+    srs->SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    to_wgs84_.reset(OGRCreateCoordinateTransformation(srs.get(), &wgs84));
+    if (!to_wgs84_) throw FileError(path_ + ": its coordinate system is not known here");
+  }
+
+  Vector2d place(const OGRFeature& feature) const {
+    const OGRGeometry* geometry = feature.GetGeometryRef();
+    if (geometry == nullptr || geometry->IsEmpty() ||
+        wkbFlatten(geometry->getGeometryType()) != wkbPoint) {
+      throw FileError(at_ + " is no point; mend or delete it");
+    }
+    Vector2d p(geometry->toPoint()->getX(), geometry->toPoint()->getY());
+    if (to_wgs84_) {
+      if (!to_wgs84_->Transform(1, &p.x(), &p.y())) throw FileError(at_ + " lies nowhere on earth");
+      p = geometry::map_of(*georeference_, {p.y(), p.x()});
+    }
+    if (!(p.cwiseAbs().maxCoeff() <= kMaxCoordinate_m)) {
+      throw FileError(at_ + " lies farther away than any map reaches");
+    }
+    return p;
+  }
+
+  /// What was drawn anew and not named is a tree.
+  detection::Label label(const OGRFeature& feature, bool is_new) const {
+    const std::string word = text(feature, "class");
+    if (word.empty() && is_new) return detection::Label::kTree;
+    for (const auto label :
+         {detection::Label::kTree, detection::Label::kObject, detection::Label::kUnseen}) {
+      if (word == label_text(label)) return label;
+    }
+    throw FileError(at_ + ": class \"" + printable_text(word.substr(0, 40)) +
+                    "\" must be tree, object or unseen");
+  }
+
+  double real(const OGRFeature& feature, const char* name) const {
+    const int field = feature.GetDefnRef()->GetFieldIndex(name);
+    if (field < 0 || !feature.IsFieldSetAndNotNull(field)) return 0.0;
+    const double value = feature.GetFieldAsDouble(field);
+    if (!(value >= 0.0 && value <= kNumberMost)) {
+      throw FileError(at_ + ": " + name + " cannot be that number");
+    }
+    return value;
+  }
+  std::int32_t number(const OGRFeature& feature, const char* name) const {
+    const double value = real(feature, name);
+    if (value != std::floor(value)) throw FileError(at_ + ": " + name + " must be a whole number");
+    return static_cast<std::int32_t>(value);
+  }
+  static std::string text(const OGRFeature& feature, const char* name) {
+    const int field = feature.GetDefnRef()->GetFieldIndex(name);
+    if (field < 0 || !feature.IsFieldSetAndNotNull(field)) return {};
+    return feature.GetFieldAsString(field);
+  }
+
+  const std::string& path_;
+  const std::optional<geometry::Georeference>& georeference_;
+  GdalErrors errors_;
+  GDALDatasetUniquePtr dataset_;
+  std::unique_ptr<OGRCoordinateTransformation> to_wgs84_;
+  std::string at_;
+  EditedMapFile result_;
+};
+
+}  // namespace
+
+EditedMapFile read_edited_map(const std::string& path,
+                              const std::optional<geometry::Georeference>& georeference) {
+  return EditedMapReader(path, georeference).read();
+}
+
+}  // namespace orchard::io

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/map/map_edit.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <ctime>
+#include <utility>
+
+#include "detection/label_text.hpp"
+#include "io/file_error.hpp"
+#include "io/map/corrections_file.hpp"
+#include "io/map/tree_name.hpp"
+#include "io/sane_limits.hpp"
+#include "text/printable_text.hpp"
+
+namespace orchard::io {
+namespace {
+
+using Eigen::Vector2d;
+using mapping::Correction;
+using mapping::CorrectionKind;
+using mapping::CorrectionOutcome;
+using mapping::CorrectionTarget;
+using mapping::Landmark;
+
+detection::Label label_named(const std::string& word) {
+  for (const auto label : {detection::Label::kTree, detection::Label::kObject}) {
+    if (word == label_text(label)) return label;
+  }
+  throw FileError("\"" + word + "\" is no class; give tree or object");
+}
+
+constexpr int kPositionMost = 1000000;
+
+CorrectionTarget target_of(const Landmark& l) { return {l.id, {l.x_m, l.y_m}, l.label, l.width_m}; }
+
+/// Two looks at one thing: the better known one says where it stands.
+Vector2d place_of_all(const CorrectedMapFolder& map, const std::vector<std::string>& trees) {
+  Vector2d sum(0, 0);
+  double num = 0.0;
+  for (const std::string& tree : trees) {
+    const Landmark& l = landmark_named(map, tree);
+    const double n = std::max(1, l.num_observations);
+    sum += n * Vector2d(l.x_m, l.y_m);
+    num += n;
+  }
+  return sum / num;
+}
+
+/// The number that undo or redo means.
+std::int32_t number_to_turn(const MapEdit& edit, const std::vector<Correction>& corrections) {
+  const bool undoes = edit.kind == CorrectionKind::kUndo;
+  if (edit.of == 0) {
+    const std::int32_t last =
+        undoes ? mapping::last_to_undo(corrections) : mapping::last_to_redo(corrections);
+    if (last == 0) throw FileError(undoes ? "nothing to undo" : "nothing to redo");
+    return last;
+  }
+  const std::vector<bool> holds = mapping::corrections_that_hold(corrections);
+  for (std::size_t i = 0; i < corrections.size(); ++i) {
+    const Correction& c = corrections[i];
+    const bool is_step = c.kind == CorrectionKind::kUndo || c.kind == CorrectionKind::kRedo;
+    if (c.number != edit.of || is_step) continue;
+    if (holds[i] == undoes) return c.number;
+    throw FileError("correction " + std::to_string(c.number) +
+                    (undoes ? " is undone already" : " holds already"));
+  }
+  throw FileError("there is no correction " + std::to_string(edit.of) +
+                  " (`orchard edit MAP list`)");
+}
+
+/// A row's number; one that has no tree yet is new.
+std::int32_t row_to_give(const std::string& name, const CorrectedMapFolder& map) {
+  const int number = std::atoi(name.c_str());
+  const bool is_number = number > 0 && number < 1000000 && std::to_string(number) == name;
+  return is_number ? number : row_named(map, name);
+}
+
+Correction correction_of(const MapEdit& edit, const CorrectedMapFolder& map) {
+  Correction c;
+  c.kind = edit.kind;
+  c.number = map.corrections.empty() ? 1 : map.corrections.back().number + 1;
+  c.utime = std::int64_t{1000000} * static_cast<std::int64_t>(std::time(nullptr));
+  c.who = edit.who;
+  c.note = edit.note;
+  if (c.kind != CorrectionKind::kAdd) {
+    for (const std::string& tree : edit.trees) {
+      c.targets.push_back(target_of(landmark_named(map, tree)));
+    }
+  }
+  c.places_map = edit.places_map;
+  switch (c.kind) {
+    case CorrectionKind::kAdd:
+      if (c.places_map.empty() == edit.trees.empty()) {
+        throw FileError("give the place of what is missing: a gap (3/14) or --at X Y");
+      }
+      if (c.places_map.empty()) c.places_map = {gap_named(map, edit.trees.front())};
+      c.new_id = map.corrected.next_id;
+      c.label = label_named(edit.class_word);
+      c.width_m = edit.width_m;
+      break;
+    case CorrectionKind::kClass:
+      c.label = label_named(edit.class_word);
+      break;
+    case CorrectionKind::kMerge:
+      if (c.places_map.empty()) c.places_map = {place_of_all(map, edit.trees)};
+      break;
+    case CorrectionKind::kSplit:
+      c.new_id = map.corrected.next_id;
+      break;
+    case CorrectionKind::kRowName:
+      c.row = row_named(map, edit.row);
+      c.name = edit.name;
+      break;
+    case CorrectionKind::kRenumber:
+      c.row = row_to_give(edit.row, map);
+      c.position = edit.position;
+      break;
+    case CorrectionKind::kUndo:
+    case CorrectionKind::kRedo:
+      c.of = number_to_turn(edit, map.corrections);
+      break;
+    default:
+      break;
+  }
+  return c;
+}
+
+/// Throws where the map would not take it.
+void require_possible(const Correction& c, const CorrectedMapFolder& after) {
+  const mapping::CorrectionResult& result = after.corrected.results.back();
+  if (result.outcome == CorrectionOutcome::kConflict) throw FileError(result.reason);
+  if (result.outcome == CorrectionOutcome::kSatisfied) {
+    throw FileError("nothing to correct: " + result.reason);
+  }
+  if (c.kind == CorrectionKind::kSplit && (c.places_map[0] - c.places_map[1]).norm() < 0.01) {
+    throw FileError("the two parts stand in one place; give two with --at X1 Y1 X2 Y2");
+  }
+}
+
+/// As many trees and places as its kind needs, and texts that a file can hold: what comes from a
+/// page is no better than what comes from a network.
+void require_sound(const MapEdit& edit) {
+  for (const std::string* text : {&edit.who, &edit.note, &edit.name}) {
+    if (!is_correction_text(*text)) {
+      throw FileError("a text that is too long, no UTF-8 or of several lines cannot be noted");
+    }
+  }
+  struct Needs {
+    std::size_t trees_least, trees_most, places_least, places_most;
+  };
+  const auto needs = [&]() -> Needs {
+    switch (edit.kind) {
+      case CorrectionKind::kAdd:
+        return {0, 1, 0, 1};
+      case CorrectionKind::kMove:
+        return {1, 1, 1, 1};
+      case CorrectionKind::kMerge:
+        return {2, 100, 0, 1};
+      case CorrectionKind::kSplit:
+        return {1, 1, 2, 2};
+      case CorrectionKind::kRowName:
+      case CorrectionKind::kUndo:
+      case CorrectionKind::kRedo:
+        return {0, 0, 0, 0};
+      default:
+        return {1, 1, 0, 0};
+    }
+  }();
+  const std::size_t trees = edit.trees.size(), places = edit.places_map.size();
+  const std::string word = mapping::correction_word(edit.kind);
+  if (trees < needs.trees_least || trees > needs.trees_most) {
+    throw FileError(word + " needs " + std::to_string(needs.trees_least) + " to " +
+                    std::to_string(needs.trees_most) + " trees, not " + std::to_string(trees));
+  }
+  if (places < needs.places_least || places > needs.places_most) {
+    throw FileError(word + " needs " + std::to_string(needs.places_least) + " to " +
+                    std::to_string(needs.places_most) + " places, not " + std::to_string(places));
+  }
+  for (const Vector2d& p : edit.places_map) {
+    if (!(p.cwiseAbs().maxCoeff() <= kMaxCoordinate_m)) {
+      throw FileError("a place farther than any map reaches");
+    }
+  }
+  if (edit.position < 0 || edit.position > kPositionMost || edit.of < 0 ||
+      !(edit.width_m >= 0.0 && edit.width_m <= kMaxWidth_m)) {
+    throw FileError("a number that cannot be");
+  }
+  if (edit.kind == CorrectionKind::kNote && edit.note.empty()) {
+    throw FileError("a note without words");
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> MapEditEffect::new_conflicts() const {
+  std::vector<std::string> sentences;
+  for (std::size_t i = 0; i < before.corrections.size(); ++i) {
+    const auto& was = before.corrected.results[i];
+    const auto& is = after.corrected.results[i];
+    if (is.outcome != CorrectionOutcome::kConflict || was.outcome == is.outcome) continue;
+    sentences.push_back("correction " + std::to_string(is.number) + " (" +
+                        mapping::correction_word(before.corrections[i].kind) +
+                        ") is in conflict now: " + is.reason);
+  }
+  return sentences;
+}
+
+std::string MapEditEffect::words() const {
+  const Correction& c = correction;
+  std::string what;
+  for (const CorrectionTarget& target : c.targets) {
+    what += (what.empty() ? " " : " and ") + std::to_string(target.id);
+  }
+  if (c.new_id != 0) what += (what.empty() ? " " : ", new ") + std::to_string(c.new_id);
+  if (c.of != 0) what += " " + std::to_string(c.of);
+  if (c.kind == CorrectionKind::kRowName) what += " " + std::to_string(c.row) + ": " + c.name;
+  for (const Landmark& l : after.corrected.landmarks) {
+    if (l.id == c.new_id && l.row != 0) what += ", " + landmark_words(l);
+  }
+  return "correction " + std::to_string(c.number) + ": " + mapping::correction_word(c.kind) +
+         printable_text(what);
+}
+
+MapEditEffect edit_map(const std::string& folder, const StoredMap& mapped, const MapEdit& edit) {
+  require_sound(edit);
+  MapEditEffect effect;
+  const auto added = append_corrections(folder, [&](const std::vector<Correction>& corrections) {
+    effect.before = corrected_map_of(mapped, corrections);
+    const Correction c = correction_of(edit, effect.before);
+    std::vector<Correction> with = corrections;
+    with.push_back(c);
+    effect.after = corrected_map_of(mapped, std::move(with));
+    require_possible(c, effect.after);
+    return std::vector<Correction>{c};
+  });
+  effect.correction = added.front();
+  return effect;
+}
+
+}  // namespace orchard::io

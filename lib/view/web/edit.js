@@ -1,0 +1,142 @@
+// Corrections by hand: what people click becomes a line in the map's list of corrections, which the server keeps.
+
+class Editor {
+  constructor(app) {
+    this.app = app;
+    this.pick = null; // what the next clicks on the map are for: {count, wantsLandmark, places, done}
+    this.forms = new EditForms(element("div", {}));
+    this.status = element("p", { id: "edit-status" });
+    this.status.setAttribute("role", "status");
+    const button = (id, words, title, act) => {
+      const made = element("button", { type: "button", id, textContent: words, title });
+      made.addEventListener("click", act);
+      return made;
+    };
+    this.undoButton = button("undo", "↶ Undo", "Take the last correction back", () => this.send({ what: "undo" }));
+    this.redoButton = button("redo", "↷ Redo", "Let it hold again", () => this.send({ what: "redo" }));
+    this.undoButton.disabled = this.redoButton.disabled = true;
+    this.who = element("input", { id: "who", placeholder: "Your name", maxLength: 60, value: remembered("orchard-who") });
+    this.who.setAttribute("aria-label", "Your name, for the list of corrections");
+    this.who.addEventListener("change", () => remember("orchard-who", this.who.value));
+    byId("edit").replaceChildren(
+      element("div", { className: "steps" }, button("add", "+ Add", "Something stands there that the map lacks", () => this.add()),
+        this.undoButton, this.redoButton), this.who, this.forms.box, this.status);
+    byId("edit").hidden = false;
+    app.details.actions = (i) => this.actionsOf(i);
+    app.details.gapActions = (row, gap) => [this.action("add-here", "A tree stands here",
+      () => this.send({ what: "add", places_m: [[gap[1], gap[2]]] }))];
+    document.addEventListener("keydown", (event) => { if (event.key === "Escape") this.stopPicking(); });
+  }
+
+  action(id, words, act) {
+    const made = element("button", { type: "button", id: `edit-${id}`, textContent: words });
+    made.addEventListener("click", act);
+    return made;
+  }
+
+  actionsOf(i) {
+    const { columns } = this.app.model;
+    const id = String(columns.id[i]);
+    const isTree = columns.label[i] === kTree;
+    return [
+      this.action("delete", "Nothing is there", () => this.send({ what: "delete", trees: [id] })),
+      this.action("class", isTree ? "It is no tree" : "It is a tree",
+        () => this.send({ what: "class", trees: [id], class: isTree ? "object" : "tree" })),
+      this.action("move", "Move", () => this.pickPlaces(1, "Click where it stands.",
+        (places) => this.send({ what: "move", trees: [id], places_m: places }))),
+      this.action("merge", "Same as …", () => this.pickLandmark("Click the other one of the two.",
+        (other) => this.send({ what: "merge", trees: [id, String(other)] }))),
+      this.action("split", "Two things", () => this.pickPlaces(2, "Click where the one stands, then the other.",
+        (places) => this.send({ what: "split", trees: [id], places_m: places }))),
+      this.action("renumber", "Number", () => this.forms.ask(`Row and number of ${id}`,
+        [{ name: "row", label: "Row", value: columns.row[i] || "" },
+          { name: "position", label: "Tree", type: "number", value: columns.position[i] || "" }],
+        ({ row, position }) => this.send({ what: "renumber", trees: [id], row, position: Number(position) }))),
+      this.action("note", "Note", () => this.forms.ask(`Note on ${id}`, [{ name: "note", label: "Words" }],
+        ({ note }) => this.send({ what: "note", trees: [id], note }))),
+    ];
+  }
+
+  add() {
+    this.pickPlaces(1, "Click where the tree stands.", (places) => this.send({ what: "add", places_m: places }));
+  }
+
+  renameRow(row) {
+    this.forms.ask(`Name of row ${row.number}`, [{ name: "name", label: "Name", value: this.app.model.rowName(row.number) }],
+      ({ name }) => this.send({ what: "row", row: String(row.number), name }));
+  }
+
+  pickPlaces(count, words, done) { this.startPicking({ count, done, places: [] }, words); }
+  pickLandmark(words, done) { this.startPicking({ count: 1, wantsLandmark: true, done, places: [] }, words); }
+
+  startPicking(pick, words) {
+    this.pick = pick;
+    this.app.canvas.classList.add("picking");
+    this.forms.say(words, () => this.stopPicking());
+  }
+
+  stopPicking() {
+    if (!this.pick) return;
+    this.pick = null;
+    this.app.canvas.classList.remove("picking");
+    this.forms.clear();
+  }
+
+  // A click on the map; whether it was for an edit.
+  takeClick(x, y, i) {
+    const { pick } = this;
+    if (!pick) return false;
+    if (pick.wantsLandmark) {
+      if (i < 0) return true;
+      this.stopPicking();
+      pick.done(this.app.model.columns.id[i]);
+      return true;
+    }
+    pick.places.push([Number(x.toFixed(3)), Number(y.toFixed(3))]);
+    if (pick.places.length === pick.count) {
+      this.stopPicking();
+      pick.done(pick.places);
+    }
+    return true;
+  }
+
+  async send(edit) {
+    this.say("…", false);
+    try {
+      const answer = await fetch("api/edit", { method: "POST", headers: { "Content-Type": "application/json" },
+        body: JSON.stringify({ ...edit, who: this.who.value.trim() }) });
+      const told = await answer.json();
+      this.say(told.words || told.problem, !answer.ok);
+    } catch (error) {
+      this.say("Nothing was kept: the viewer does not answer.", true);
+    }
+  }
+
+  say(words, isBad) {
+    this.status.textContent = words;
+    this.status.className = isBad ? "state bad" : "state";
+  }
+
+  // What the server says of all corrections, this page's and others'.
+  show(event) {
+    this.undoButton.disabled = event.can_undo === 0;
+    this.redoButton.disabled = event.can_redo === 0;
+  }
+}
+
+function showCorrections(list) {
+  byId("corrections-box").hidden = list.length === 0;
+  byId("corrections").replaceChildren(...list.map((entry) => element("li", { className: entry.outcome.replace(" ", "-") },
+    `${entry.n}. ${entry.words}`,
+    element("small", { textContent: ` ${entry.who}, ${entry.when.slice(0, 10)}, ${entry.outcome}` +
+      `${entry.reason ? `: ${entry.reason}` : ""}${entry.note ? ` — ${entry.note}` : ""}` }))));
+}
+
+// What a browser keeps for this page; private windows may refuse.
+function remembered(key) {
+  try { return localStorage.getItem(key) || ""; } catch { return ""; }
+}
+
+function remember(key, value) {
+  try { localStorage.setItem(key, value); } catch { /* it is asked for again */ }
+}

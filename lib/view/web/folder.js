@@ -1,0 +1,18 @@
+// A map folder that is served: what people correct, here or elsewhere, comes as it is made.
+
+class FolderStream {
+  constructor(app) {
+    this.app = app;
+    const source = new EventSource(`api/stream?map=${app.data.revision}`);
+    source.onmessage = (message) => this.take(JSON.parse(message.data));
+  }
+
+  take(event) {
+    const { app } = this;
+    if (event.kind === "hello" && event.boot !== app.data.boot) location.reload(); // another server's map
+    else if (event.kind === "map") takeLandmarks(app.model, event);
+    else if (event.kind === "rows") app.model.setRows(event.rows, event.ways);
+    else if (event.kind === "corrections") app.takeCorrections(event);
+    app.refreshLists();
+  }
+}

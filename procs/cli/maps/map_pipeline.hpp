@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "detector/detector_node.hpp"
+#include "io/config/config.hpp"
+#include "io/file_memory.hpp"
+#include "mapper/mapper_node.hpp"
+#include "pose/pose_node.hpp"
+
+namespace orchard::cli {
+
+/// The three roles between a log and its map.
+struct MapPipeline {
+  /// What the mapper keeps of a long drive lies in a file in `folder`.
+  MapPipeline(const io::Config& config, const std::string& folder)
+      : detector(config), pose(config), mapper(config, std::make_shared<io::FileMemory>(folder)) {}
+  std::vector<bus::Node*> nodes() { return {&detector, &pose, &mapper}; }
+
+  procs::DetectorNode detector;
+  procs::PoseNode pose;
+  procs::MapperNode mapper;
+};
+
+}  // namespace orchard::cli

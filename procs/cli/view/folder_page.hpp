@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mutex>
+#include <string>
+
+#include "io/map/corrected_map.hpp"
+#include "view/live_map.hpp"
+#include "viewer/map_editor.hpp"
+#include "viewer/page_content.hpp"
+
+namespace orchard::cli {
+
+/// The page of a map folder with its corrections, those that somebody else makes meanwhile, too.
+class FolderPage : public procs::PageContent {
+ public:
+  /// Throws io::FileError. `can_edit`: who sees the page may correct the map.
+  FolderPage(const std::string& folder, bool can_edit);
+
+  std::string page() const override;
+  std::vector<std::string> events_for(view::Seen& seen, bool& is_more) const override;
+  std::string hello() const override;
+  /// `photo?id=17`
+  std::optional<procs::PageAnswer> get(const std::string& name,
+                                       const Parameters& parameters) override;
+  bool can_edit() const override { return can_edit_; }
+  procs::PageAnswer edit(const std::string& json) override;
+
+  /// Takes over what others have written beside the map since.
+  void look_for_corrections();
+
+ private:
+  void show(const io::CorrectedMapFolder& map);
+
+  std::string folder_, title_;
+  bool can_edit_;
+  std::string boot_;  ///< of this server: a page of another one loads itself anew
+  procs::MapEditor editor_;
+  mutable std::mutex mutex_;
+  io::CorrectedMapFolder map_;
+  std::vector<std::int32_t> photo_ids_;
+  view::LiveMap shown_{0};
+  std::string rows_event_, corrections_event_;
+  std::int64_t num_shown_ = 0;
+};
+
+}  // namespace orchard::cli

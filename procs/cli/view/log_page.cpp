@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/view/log_page.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <filesystem>
+#include <stdexcept>
+
+#include "bus/messages/codec.hpp"
+#include "bus/replay/in_process_replay.hpp"
+#include "cli/maps/map_pipeline.hpp"
+#include "detection/rig.hpp"
+#include "io/file_error.hpp"
+#include "io/map/map_folder.hpp"
+#include "mapping/rows/navigation_graph.hpp"
+#include "view/look_json.hpp"
+#include "view/map_data.hpp"
+#include "viewer/live_page.hpp"
+
+namespace orchard::cli {
+namespace {
+
+using bus::Channel;
+using procs::PageAnswer;
+
+std::string temporary_folder() {
+  std::error_code error;
+  const auto folder = std::filesystem::temp_directory_path(error);
+  return error ? "." : folder.string();
+}
+
+std::size_t number_of(const procs::PageContent::Parameters& parameters, const char* key) {
+  const auto at = parameters.find(key);
+  std::size_t value = 0;
+  if (at == parameters.end()) return 0;
+  std::from_chars(at->second.data(), at->second.data() + at->second.size(), value);
+  return value;
+}
+
+struct Stopped : std::runtime_error {
+  Stopped() : std::runtime_error("stopped") {}
+};
+
+/// A message of the log that is what it says; null where it is damaged.
+template <class Kind>
+std::optional<Kind> decoded(Channel channel, const std::vector<std::uint8_t>& data) {
+  auto result = bus::decode(channel, data.data(), data.size());
+  auto* message = std::get_if<bus::Message>(&result);
+  auto* kind = message ? std::get_if<Kind>(message) : nullptr;
+  return kind ? std::optional<Kind>(std::move(*kind)) : std::nullopt;
+}
+
+}  // namespace
+
+struct LogPage::Spill {
+  Spill() {
+    std::string name = temporary_folder() + "/orchard_view_XXXXXX";
+    fd = ::mkstemp(name.data());
+    if (fd < 0) throw io::FileError(temporary_folder() + " cannot be written; set TMPDIR");
+    ::unlink(name.c_str());
+  }
+  ~Spill() { ::close(fd); }
+  Spill(const Spill&) = delete;
+  Spill& operator=(const Spill&) = delete;
+
+  std::uint64_t append(const std::vector<std::uint8_t>& data) {
+    const std::uint64_t offset = end;
+    if (::pwrite(fd, data.data(), data.size(), static_cast<off_t>(offset)) !=
+        static_cast<ssize_t>(data.size())) {
+      throw io::FileError(temporary_folder() + " is full; set TMPDIR to a larger disk");
+    }
+    end += data.size();
+    return offset;
+  }
+  std::vector<std::uint8_t> read(std::uint64_t offset, std::uint64_t size) const {
+    std::vector<std::uint8_t> data(size);
+    const ssize_t got = ::pread(fd, data.data(), size, static_cast<off_t>(offset));
+    data.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
+    return data;
+  }
+
+  int fd = -1;
+  std::uint64_t end = 0;
+};
+
+LogPage::LogPage(const io::LogPaths& logs, const io::Config& config, const std::string& version)
+    : logs_(logs),
+      config_(config),
+      page_(procs::empty_page("drive", logs.names(), version, false)),
+      reader_(std::make_unique<io::LogSeries>(logs)),
+      spill_(std::make_unique<Spill>()),
+      record_(config.mapper.min_observations) {
+  thread_ = std::thread([this] {
+    try {
+      index();
+      map();
+      const std::lock_guard<std::mutex> lock(mutex_);
+      outcome_ = "ok";
+    } catch (const Stopped&) {
+    } catch (const std::exception& error) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      outcome_ = error.what();
+    }
+  });
+}
+
+LogPage::~LogPage() {
+  is_stopping_ = true;
+  thread_.join();
+}
+
+void LogPage::index() {
+  const std::string scan(bus::info(Channel::kScan).name);
+  const std::string image(bus::info(Channel::kImage).name);
+  Places scans, images;
+  {
+    const std::lock_guard<std::mutex> lock(log_mutex_);
+    while (const auto event = reader_->next()) {
+      if (is_stopping_) throw Stopped();
+      if (event->channel == scan) {
+        if (const auto message = decoded<laser::Scan>(Channel::kScan, event->data)) {
+          scans.emplace_back(message->utime, event->offset);
+        }
+      } else if (event->channel == image) {
+        if (const auto message = decoded<vision::Image>(Channel::kImage, event->data)) {
+          images.emplace_back(message->utime, event->offset);
+        }
+      }
+    }
+  }
+  std::sort(scans.begin(), scans.end());
+  std::sort(images.begin(), images.end());
+  const std::lock_guard<std::mutex> lock(mutex_);
+  scans_ = std::move(scans);
+  images_ = std::move(images);
+}
+
+void LogPage::map() {
+  MapPipeline pipeline(config_, temporary_folder());
+  bus::ReplayOptions replay;
+  replay.progress = [this](std::uint64_t done, std::uint64_t total) {
+    if (is_stopping_) throw Stopped();
+    const std::lock_guard<std::mutex> lock(mutex_);
+    share_ = total > 0 ? static_cast<double>(done) / static_cast<double>(total) : 0.0;
+  };
+  replay.on_derived = [this](Channel channel, std::int64_t utime,
+                             const std::vector<std::uint8_t>& data) {
+    auto result = bus::decode(channel, data.data(), data.size());
+    const auto* message = std::get_if<bus::Message>(&result);
+    if (message == nullptr) return;
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (const auto* seen = std::get_if<detection::Detections>(message)) {
+      record_.take(*seen);
+      detections_.push_back({utime, spill_->append(data), data.size()});
+    }
+    if (const auto* pose = std::get_if<pose::PoseEstimate>(message)) record_.take(*pose);
+    if (const auto* page = std::get_if<pose::TrajectoryPage>(message)) record_.take(*page);
+    if (const auto* tile = std::get_if<mapping::MapTile>(message)) record_.take(*tile);
+  };
+  const bus::ReplayReport report = bus::replay_in_process(logs_, pipeline.nodes(), replay);
+  io::MapSummary summary;
+  summary.first_utime = report.first_utime;
+  summary.last_utime = report.last_utime;
+  const io::MapFolderContent content = pipeline.mapper.content(summary);
+  const mapping::NavigationGraph graph =
+      mapping::navigation_graph(content.landmarks, content.rows, content.seen_free);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  record_.finish(content.landmarks);
+  finish_json_ = "," + view::rows_and_ways_json(content.rows, graph);
+  if (content.georeference) {
+    finish_json_ += ",\"georeference\":" + view::georeference_json(*content.georeference);
+  }
+  share_ = 1.0;
+}
+
+std::string LogPage::outcome() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return outcome_;
+}
+
+std::string LogPage::news(const Parameters& parameters) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  view::DriveSeen seen{number_of(parameters, "steps"), number_of(parameters, "changes"),
+                       number_of(parameters, "paths")};
+  const std::string text = record_.news_json(seen);
+  const bool has_failed = !outcome_.empty() && outcome_ != "ok";
+  return "{" + text + ",\"seen\":[" + std::to_string(seen.steps) + "," +
+         std::to_string(seen.changes) + "," + std::to_string(seen.paths) +
+         "],\"share\":" + std::to_string(share_) +
+         ",\"problem\":" + view::json_text(has_failed ? outcome_ : "") + finish_json_ + "}";
+}
+
+std::optional<std::string> LogPage::step(std::size_t at) const {
+  std::int64_t utime = 0;
+  std::optional<geometry::Pose2> pose;
+  std::optional<Stored> stored;
+  std::optional<std::uint64_t> scan_offset;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (at >= record_.num_steps()) return std::nullopt;
+    utime = record_.utime_of(at);
+    pose = record_.pose_at(at);
+    const auto found =
+        std::lower_bound(detections_.begin(), detections_.end(), utime,
+                         [](const Stored& s, std::int64_t t) { return s.utime < t; });
+    if (found != detections_.end() && found->utime == utime) stored = *found;
+    const auto scan =
+        std::lower_bound(scans_.begin(), scans_.end(), std::pair(utime, std::uint64_t{0}));
+    if (scan != scans_.end() && scan->first == utime) scan_offset = scan->second;
+  }
+  const detection::Rig rig(config_.laser, config_.camera, config_.detector);
+  std::string text = "{\"step\":" + std::to_string(at) + ",\"utime\":" + std::to_string(utime);
+  if (pose && scan_offset) {
+    std::optional<laser::Scan> scan;
+    {
+      const std::lock_guard<std::mutex> lock(log_mutex_);
+      scan = decoded<laser::Scan>(Channel::kScan, reader_->read_at(*scan_offset).data);
+    }
+    if (scan) text += ",\"points\":" + view::scan_points_json(*scan, *pose, rig);
+  }
+  if (stored) {
+    const auto detections = decoded<detection::Detections>(
+        Channel::kDetections, spill_->read(stored->offset, stored->size));
+    if (detections && detections->image_utime != 0) {
+      text += ",\"look\":{" + view::look_json(*detections, rig, "at=" + std::to_string(at)) + "}";
+    }
+  }
+  return text + "}";
+}
+
+std::optional<PageAnswer> LogPage::picture(std::size_t at) const {
+  std::optional<Stored> stored;
+  std::optional<std::uint64_t> offset;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (at >= record_.num_steps()) return std::nullopt;
+    const std::int64_t utime = record_.utime_of(at);
+    const auto found =
+        std::lower_bound(detections_.begin(), detections_.end(), utime,
+                         [](const Stored& s, std::int64_t t) { return s.utime < t; });
+    if (found == detections_.end() || found->utime != utime) return std::nullopt;
+    stored = *found;
+  }
+  const auto detections = decoded<detection::Detections>(
+      Channel::kDetections, spill_->read(stored->offset, stored->size));
+  if (!detections) return std::nullopt;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const auto found = std::lower_bound(images_.begin(), images_.end(),
+                                        std::pair(detections->image_utime, std::uint64_t{0}));
+    if (found == images_.end() || found->first != detections->image_utime) return std::nullopt;
+    offset = found->second;
+  }
+  std::optional<vision::Image> image;
+  {
+    const std::lock_guard<std::mutex> lock(log_mutex_);
+    image = decoded<vision::Image>(Channel::kImage, reader_->read_at(*offset).data);
+  }
+  if (!image) return std::nullopt;
+  const view::ShownPicture shown = view::shown_picture(*image);
+  return PageAnswer{200, shown.type, shown.bytes};
+}
+
+std::optional<PageAnswer> LogPage::get(const std::string& name, const Parameters& parameters) {
+  try {
+    if (name == "drive") return PageAnswer{200, "application/json", news(parameters)};
+    if (name == "picture") return picture(number_of(parameters, "at"));
+    if (name != "step") return std::nullopt;
+    auto text = step(number_of(parameters, "at"));
+    if (!text) return std::nullopt;
+    return PageAnswer{200, "application/json", std::move(*text)};
+  } catch (const io::FileError&) {
+    return std::nullopt;  // the log has been changed under us
+  }
+}
+
+}  // namespace orchard::cli

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/view/view.hpp"
+
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "bus/node/process.hpp"
+#include "bus/node/stop_signal.hpp"
+#include "cli/view/folder_page.hpp"
+#include "cli/view/log_page.hpp"
+#include "io/file_error.hpp"
+#include "log_player/replay_rig.hpp"
+#include "viewer/page_server.hpp"
+#include "viewer/viewer_process.hpp"
+
+extern char** environ;
+
+namespace orchard::cli {
+namespace {
+
+constexpr int kLook_ms = 500;  ///< for what others have written beside the map
+
+/// The user's browser, if there is one; whoever is not there is not missed.
+void open_in_browser(const std::string& url) {
+  std::string program = "xdg-open", address = url;
+  char* arguments[] = {program.data(), address.data(), nullptr};
+  posix_spawnattr_t attributes;
+  ::posix_spawnattr_init(&attributes);
+  sigset_t none;  // it shall end at Ctrl-C, which this program blocks
+  sigemptyset(&none);
+  ::posix_spawnattr_setsigmask(&attributes, &none);
+  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+  pid_t child = 0;
+  if (::posix_spawnp(&child, "xdg-open", nullptr, &attributes, arguments, environ) != 0) {
+    std::fprintf(stderr, "orchard view: no xdg-open to open a browser with\n");
+  }
+  ::posix_spawnattr_destroy(&attributes);
+}
+
+void require_sense(const ViewOptions& options, bool is_folder) {
+  if (options.edit && !is_folder) {
+    throw io::FileError(
+        "--edit is for a map folder; map the log first (`orchard map`), then "
+        "`orchard view FOLDER --edit`");
+  }
+  if (is_folder && options.paths.size() > 1) {
+    throw io::FileError("give one map folder, or the logs of one drive");
+  }
+}
+
+}  // namespace
+
+int run_view(const ViewOptions& options) {
+  const bool is_folder = std::filesystem::is_directory(options.paths.front());
+  require_sense(options, is_folder);
+  procs::PageServerOptions server = procs::parse_listen(options.listen);
+  if (!options.token_file.empty()) server.token = procs::read_token(options.token_file);
+  bus::StopSignal stop;  // before any thread: none of them takes the signals
+  std::unique_ptr<FolderPage> folder;
+  std::unique_ptr<LogPage> log;
+  if (is_folder) {
+    folder = std::make_unique<FolderPage>(options.paths.front(), options.edit);
+  } else {
+    const io::LogPaths logs(options.paths);
+    const procs::ReplayRig rig = procs::choose_rig(logs, options.config_path);
+    for (const std::string& note : rig.notes) {
+      std::fprintf(stderr, "orchard view: note: %s\n", note.c_str());
+    }
+    log = std::make_unique<LogPage>(logs, rig.config, ORCHARD_VERSION);
+  }
+  procs::PageContent& content =
+      folder ? static_cast<procs::PageContent&>(*folder) : static_cast<procs::PageContent&>(*log);
+  const procs::PageServer page(content, server);
+  std::printf("the page is at %s%s%s; Ctrl-C ends\n", page.url().c_str(),
+              server.token.empty() ? "" : "?token=...", options.edit ? " (edits are kept)" : "");
+  std::fflush(stdout);
+  if (options.open) open_in_browser(page.url());
+  bool is_told = false;
+  while (!stop.raised()) {
+    stop.wait(-1, kLook_ms);
+    while (::waitpid(-1, nullptr, WNOHANG) > 0) {  // the browser's starter
+    }
+    if (folder) folder->look_for_corrections();
+    if (log && !is_told && !log->outcome().empty()) {
+      is_told = true;
+      const std::string outcome = log->outcome();
+      if (outcome != "ok") std::fprintf(stderr, "orchard view: %s\n", outcome.c_str());
+    }
+  }
+  return bus::kExitOk;
+}
+
+}  // namespace orchard::cli

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace orchard::cli {
+
+/// `orchard view LOG|MAP_FOLDER`.
+struct ViewOptions {
+  std::vector<std::string> paths;  ///< a map folder, or the logs of one drive
+  std::string config_path;         ///< of a log: another rig than it was recorded with
+  std::string listen;              ///< "ADDRESS", "ADDRESS:PORT", ":PORT"
+  std::string token_file;
+  bool edit = false;  ///< of a map folder: who sees the page may correct the map
+  bool open = false;  ///< in the user's browser
+};
+
+/// Serves the page until Ctrl-C; returns the exit code. Throws io::FileError, io::ConfigError,
+/// std::runtime_error.
+int run_view(const ViewOptions& options);
+
+}  // namespace orchard::cli

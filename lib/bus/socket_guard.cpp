@@ -27,10 +27,10 @@ constexpr std::uint32_t kSizeAt = kUdpHeader + 8;
 constexpr std::uint32_t kOffsetAt = kUdpHeader + 12;
 constexpr std::uint32_t kNumberAt = kUdpHeader + 16;
 constexpr std::uint32_t kFragmentHeader = kUdpHeader + 20;
-constexpr std::uint32_t kNameMost = 64;  // with its zero
+constexpr std::uint32_t kNameMax = 64;  // with its zero
 
 /// The largest message of the protocol (lcmtypes/README.md).
-constexpr std::uint32_t kMessageMost = 16U << 20;
+constexpr std::uint32_t kMessageMax = 16U << 20;
 
 constexpr std::uint32_t kPassAll = 0x40000;
 
@@ -43,8 +43,8 @@ void put(Program& program, int code, std::uint32_t k, std::uint8_t jump_true = 0
 
 /// Passes a datagram with a zero among the bytes of its name. A load from beyond its end drops it.
 void put_name_check(Program& program, std::uint32_t name_at) {
-  for (std::uint32_t i = 0; i < kNameMost; ++i) {
-    const auto to_pass = static_cast<std::uint8_t>(2 * (kNameMost - 1 - i) + 1);
+  for (std::uint32_t i = 0; i < kNameMax; ++i) {
+    const auto to_pass = static_cast<std::uint8_t>(2 * (kNameMax - 1 - i) + 1);
     put(program, BPF_LD | BPF_B | BPF_ABS, name_at + i);
     put(program, BPF_JMP | BPF_JEQ | BPF_K, 0, to_pass, 0);
   }
@@ -64,10 +64,10 @@ Program make_program() {
   put(program, BPF_JMP | BPF_JEQ | BPF_K, kFragment, 1, 0);
   put(program, BPF_RET | BPF_K, 0);
   put(program, BPF_LD | BPF_W | BPF_ABS, kSizeAt);
-  put(program, BPF_JMP | BPF_JGT | BPF_K, kMessageMost, 5, 0);
+  put(program, BPF_JMP | BPF_JGT | BPF_K, kMessageMax, 5, 0);
   // Beyond this, offset and length together would wrap at 2^32.
   put(program, BPF_LD | BPF_W | BPF_ABS, kOffsetAt);
-  put(program, BPF_JMP | BPF_JGT | BPF_K, kMessageMost, 3, 0);
+  put(program, BPF_JMP | BPF_JGT | BPF_K, kMessageMax, 3, 0);
   put(program, BPF_LD | BPF_H | BPF_ABS, kNumberAt);
   put(program, BPF_JMP | BPF_JEQ | BPF_K, 0, 2, 0);
   put(program, BPF_RET | BPF_K, kPassAll);

@@ -40,15 +40,16 @@ void ConsistencyMonitor::add(std::int64_t utime, const std::vector<double>& offs
   if (first_utime_ == INT64_MIN) first_utime_ = utime;
   if (raised_) raised_us_ += utime - last_utime_;
   last_utime_ = utime;
-  for (const double offset_px : offsets_px) looks_.push_back({utime, offset_px});
-  while (!looks_.empty() && timing::seconds(utime - looks_.front().utime) > kDisagreementWindow_s) {
-    looks_.pop_front();
+  for (const double offset_px : offsets_px) observations_.push_back({utime, offset_px});
+  while (!observations_.empty() &&
+         timing::seconds(utime - observations_.front().utime) > kDisagreementWindow_s) {
+    observations_.pop_front();
   }
   const bool is_long = timing::seconds(utime - first_utime_) >= kDisagreementWindow_s;
-  if (!is_long || num_looks() < kObjectsMin) return;  // too little to change its mind
+  if (!is_long || num_observations() < kObjectsMin) return;  // too little to change its mind
   std::vector<double> values;
-  values.reserve(looks_.size());
-  for (const Look& look : looks_) values.push_back(look.offset_px);
+  values.reserve(observations_.size());
+  for (const Observation& observation : observations_) values.push_back(observation.offset_px);
   median_px_ = geometry::median(std::move(values));
   const double size_deg = std::abs(degrees(median_px_));
   raised_ = size_deg >= (raised_ ? kClear_deg : kWarn_deg);

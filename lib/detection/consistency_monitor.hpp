@@ -31,9 +31,9 @@ class ConsistencyMonitor {
   /// each object's middle [px]. Empty when the picture showed none.
   void add(std::int64_t utime, const std::vector<double>& offsets_px);
 
-  /// The running median [px]; 0 while there are too few looks in too little time.
+  /// The running median [px]; 0 while there are too few observations in too little time.
   double median_px() const { return median_px_; }
-  int num_looks() const { return static_cast<int>(looks_.size()); }
+  int num_observations() const { return static_cast<int>(observations_.size()); }
   bool is_raised() const { return raised_; }
 
   /// The disagreement now as a sentence for a person; empty when all is well.
@@ -42,7 +42,7 @@ class ConsistencyMonitor {
   std::string whole_run() const;
 
  private:
-  struct Look {
+  struct Observation {
     std::int64_t utime;
     double offset_px;
   };
@@ -51,7 +51,7 @@ class ConsistencyMonitor {
 
   ConsistencyConfig config_;
   double focal_px_;
-  std::deque<Look> looks_;
+  std::deque<Observation> observations_;
   std::int64_t first_utime_ = INT64_MIN;
   std::int64_t last_utime_ = INT64_MIN;
   double median_px_ = 0.0;

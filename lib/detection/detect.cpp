@@ -62,8 +62,9 @@ double roc_of_width(const laser::Segment& segment, double bearing_step_rad,
   return laser::roc_laser(segment.width_m, segment.range_m, bearing_step_rad, measured);
 }
 
-/// Share of a trunk that shows, if it is one: of the width on which its circle and the model agree.
-double visible_share(const laser::Segment& segment, const laser::WidthConfig& trunks) {
+/// Fraction of a trunk that shows, if it is one: of the width on which its circle and the model
+/// agree.
+double visible_fraction(const laser::Segment& segment, const laser::WidthConfig& trunks) {
   if (!segment.circle) return segment.width_m / trunks.mean_m;
   const double model_m2 = std::pow(std::max(trunks.sd_m, trunks.sd_floor_m), 2);
   const double weight = model_m2 / (model_m2 + segment.width_sd_m * segment.width_sd_m);
@@ -84,7 +85,7 @@ LaserVerdict judge_by_laser(const laser::Segment& segment, double roc_laser,
     if (too_wide) return LaserVerdict::kObject;
     const bool shows = config.visible_fraction_min < 1.0 &&
                        roc_laser >= config.roc_laser_threshold &&
-                       visible_share(segment, config.width) >= config.visible_fraction_min;
+                       visible_fraction(segment, config.width) >= config.visible_fraction_min;
     return shows ? LaserVerdict::kCandidate : LaserVerdict::kHidden;
   }
   return roc_laser >= config.roc_laser_threshold ? LaserVerdict::kCandidate : LaserVerdict::kObject;
@@ -158,7 +159,7 @@ void decide(Detection& d, double roc_tree, const Rig& rig) {
   d.label = label_of(roc_tree, rig.detector.tree_threshold);
 }
 
-AdaptationLook look_at(const Detection& d, const std::optional<vision::WindowLight>& light) {
+AdaptationObservation look_at(const Detection& d, const std::optional<vision::WindowLight>& light) {
   return {d.centre_x_m, d.centre_y_m, d.width_m, d.roc_laser, d.roc_colour, d.roc_vision, light};
 }
 
@@ -269,7 +270,8 @@ DetectResult look_at_candidates(LaserFindings findings, vision::PictureReader* p
     d.roc_vision = static_cast<float>(roc_vision);
     decide(d, fuse_tree(d.roc_laser, roc_vision, rig.detector.laser_weight), rig);
     const bool is_whole = d.occlusion == 0;
-    if (rig.detector.adaptation.enabled && is_whole) result.looks.push_back(look_at(d, lights[i]));
+    if (rig.detector.adaptation.enabled && is_whole)
+      result.observations.push_back(look_at(d, lights[i]));
   }
   return result;
 }

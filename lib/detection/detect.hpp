@@ -33,11 +33,12 @@ struct LaserFindings {
 
 /// What a scan and its picture show.
 struct DetectResult {
-  Detections detections;              ///< seq is left 0: the sender's
-  bool image_needed = false;          ///< a candidate stands in its view
-  bool image_unusable = false;        ///< needed, but did not decode or of another size
-  bool intensities_missing = false;   ///< as in LaserFindings
-  std::vector<AdaptationLook> looks;  ///< at candidates; none unless adaptation is enabled
+  Detections detections;             ///< seq is left 0: the sender's
+  bool image_needed = false;         ///< a candidate stands in its view
+  bool image_unusable = false;       ///< needed, but did not decode or of another size
+  bool intensities_missing = false;  ///< as in LaserFindings
+  std::vector<AdaptationObservation>
+      observations;  ///< at candidates; none unless adaptation is enabled
 };
 
 /// The laser's half of the detector: segment, width. A rig without a camera needs no other.

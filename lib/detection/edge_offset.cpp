@@ -12,9 +12,9 @@ namespace {
 constexpr double kRocMin = 0.5;
 /// Two lines nearer than this are one, found from two windows.
 constexpr double kSameLine_px = 1.0;
-/// How well the picture's width must fit the laser's: a beam step and a pixel, and a share.
+/// How well the picture's width must fit the laser's: a beam step and a pixel, and a fraction.
 constexpr double kWidthTolerance_px = 1.5;
-constexpr double kWidthToleranceShare = 0.15;
+constexpr double kWidthToleranceFraction = 0.15;
 
 vision::PixelRect widened(const vision::PixelRect& window, double reach_px) {
   const int reach = static_cast<int>(std::ceil(reach_px));
@@ -62,7 +62,7 @@ std::vector<EdgeOffset> edge_offsets(const vision::EdgeMap& map, const TrunkView
   const auto left = lines_about(map, view.left_edge, view.left_x_px, reach_px, rig);
   const auto right = lines_about(map, view.right_edge, view.right_x_px, reach_px, rig);
   const double width_px = view.right_x_px - view.left_x_px;
-  const double tolerance_px = kWidthTolerance_px + kWidthToleranceShare * width_px;
+  const double tolerance_px = kWidthTolerance_px + kWidthToleranceFraction * width_px;
   std::vector<EdgeOffset> offsets;
   for (const vision::EdgeLine& l : left) {
     for (const vision::EdgeLine& r : right) {

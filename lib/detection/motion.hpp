@@ -13,6 +13,9 @@ struct Motion {
   double yaw_rate_radps = 0.0;  ///< about base z
 };
 
+/// An older motion says nothing of now.
+inline constexpr std::int64_t kMotionAgeMax_us = 200'000;
+
 /// How base moves from each beam of a scan to the exposure of its picture.
 ///
 /// A beam's own time counts: at 0.5 rad/s the last beam of a 75 ms sweep sees a trunk 37 mrad

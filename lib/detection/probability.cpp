@@ -8,13 +8,13 @@
 namespace orchard::detection {
 namespace {
 
-constexpr double kZMost = 5.0;
-constexpr double kLogOddsMost = 5.0;
+constexpr double kZMax = 5.0;
+constexpr double kLogOddsMax = 5.0;
 
-double log_odds(double share) {
-  if (share <= 0.0) return -kLogOddsMost;
-  if (share >= 1.0) return kLogOddsMost;
-  return std::clamp(std::log(share / (1.0 - share)), -kLogOddsMost, kLogOddsMost);
+double log_odds(double fraction) {
+  if (fraction <= 0.0) return -kLogOddsMax;
+  if (fraction >= 1.0) return kLogOddsMax;
+  return std::clamp(std::log(fraction / (1.0 - fraction)), -kLogOddsMax, kLogOddsMax);
 }
 
 double score(const std::vector<double>& weights, const ProbabilityFeatures& features) {
@@ -40,8 +40,8 @@ ViewKind view_kind(const Detection& d) {
 
 ProbabilityFeatures probability_features(const Detection& d, double width_mean_m) {
   const double z = d.roc_laser > 0.0f
-                       ? std::min(kZMost, std::sqrt(std::max(0.0, -2.0 * std::log(d.roc_laser))))
-                       : kZMost;
+                       ? std::min(kZMax, std::sqrt(std::max(0.0, -2.0 * std::log(d.roc_laser))))
+                       : kZMax;
   const double hidden_sides =
       (d.occlusion & kOccludedRight ? 1.0 : 0.0) + (d.occlusion & kOccludedLeft ? 1.0 : 0.0);
   return {1.0,

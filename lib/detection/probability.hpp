@@ -8,7 +8,7 @@
 
 namespace orchard::detection {
 
-/// What kind of look a detection is, and with that which weights speak about it.
+/// What kind of observation a detection is, and with that which weights speak about it.
 enum class ViewKind {
   kJudged,     ///< a trunk to the laser, and judged
   kLaserOnly,  ///< the laser alone: UNSEEN but whole, or too far from a trunk's width to be looked
@@ -26,7 +26,7 @@ using ProbabilityFeatures = std::array<double, kNumJudgedFeatures>;
 /// from roc_laser = exp(-z^2 / 2) and the side of `width_mean_m` it lies on, within 5.
 ProbabilityFeatures probability_features(const Detection& detection, double width_mean_m);
 
-/// Probabilities of one look; unknown is the rest to 1.
+/// Probabilities of one observation; unknown is the rest to 1.
 struct TreeProbability {
   double tree = 0.0;
   double object = 0.0;

@@ -18,14 +18,12 @@ constexpr double kTurnMargin = 1.1;
 
 /// No robot maps trees faster: where the wheels do not say how far it moved between two
 /// observations of a trunk, it has moved by less.
-constexpr double kSpeedMost_mps = 2.0;
+constexpr double kSpeedMax_mps = 2.0;
 
-/// An older motion says nothing of now.
-constexpr std::int64_t kMotionAgeMost_us = 200'000;
-constexpr std::size_t kMotionsMost = 1024;
+constexpr std::size_t kMotionsMax = 1024;
 
 /// Sweeps of the second scanner that wait while the first is silent.
-constexpr std::size_t kRearWaitingMost = 50;
+constexpr std::size_t kRearWaitingMax = 50;
 
 /// Two trunks cannot stand in one another.
 bool is_same(const Detection& a, const Detection& b, const std::optional<Motion>& motion) {
@@ -33,7 +31,7 @@ bool is_same(const Detection& a, const Detection& b, const std::optional<Motion>
   PlanePoint b_then{b.centre_x_m, b.centre_y_m};  // in base as it was when `a` was seen
   if (motion) b_then = after_motion(b_then, *motion, since_s);
   const double apart_m = std::hypot(a.centre_x_m - b_then.x_m, a.centre_y_m - b_then.y_m);
-  const double unknown_m = motion ? 0.0 : kSpeedMost_mps * std::abs(since_s);
+  const double unknown_m = motion ? 0.0 : kSpeedMax_mps * std::abs(since_s);
   return apart_m < 0.5 * (a.width_m + b.width_m) + unknown_m;
 }
 
@@ -76,7 +74,7 @@ std::vector<Detections> RearJoiner::add_front(Detections detections, std::int64_
 std::vector<Detections> RearJoiner::add_rear(Detections detections) {
   const std::int64_t utime = detections.utime;
   queue_.push(kRear, utime, {std::move(detections), 0});
-  if (queue_.size(kRear) > kRearWaitingMost) queue_.take(kRear);
+  if (queue_.size(kRear) > kRearWaitingMax) queue_.take(kRear);
   return release(false);
 }
 
@@ -88,7 +86,7 @@ std::vector<Detections> RearJoiner::add(const Motion& motion) {
                        [](std::int64_t utime, const Motion& other) { return utime < other.utime; });
   motions_.insert(after, motion);
   std::vector<Detections> decided = release(false);
-  if (motions_.size() > kMotionsMost) motions_.pop_front();
+  if (motions_.size() > kMotionsMax) motions_.pop_front();
   return decided;
 }
 
@@ -99,7 +97,7 @@ std::optional<Motion> RearJoiner::motion_at(std::int64_t utime) const {
                        [](std::int64_t time, const Motion& other) { return time < other.utime; });
   if (after == motions_.begin()) return std::nullopt;
   const Motion& motion = *(after - 1);
-  if (utime - motion.utime > kMotionAgeMost_us) return std::nullopt;
+  if (utime - motion.utime > kMotionAgeMax_us) return std::nullopt;
   return motion;
 }
 

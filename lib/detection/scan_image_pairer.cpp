@@ -16,8 +16,6 @@ constexpr std::size_t kMaxImages = 64;
 constexpr std::size_t kMaxMotions = 1024;
 /// Nor must scans, whatever time the others say it is: at most so many wait.
 constexpr std::size_t kMaxScans = 256;
-/// An older motion says nothing of now.
-constexpr std::int64_t kMotionAgeMax_us = 200'000;
 
 }  // namespace
 

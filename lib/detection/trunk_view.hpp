@@ -41,7 +41,7 @@ std::optional<Eigen::Vector2d> project_beam(double range_m, double bearing_rad, 
 /// least as wide: what `colour_model: appearance` judges. Inside the picture.
 vision::PixelRect trunk_window(const TrunkView& view, const Rig& rig);
 
-/// The part of the picture in which its windows lie, with the rim that their edges need.
+/// The part of the picture in which its windows lie, with the border that their edges need.
 vision::PixelRect windows_area(const TrunkView& view, const Rig& rig);
 
 /// The part of the picture that judging the trunk reads.

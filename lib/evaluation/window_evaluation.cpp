@@ -61,11 +61,11 @@ WindowEvaluation evaluate_windows(const std::vector<ScoredWindow>& windows, doub
     by_group[window.group].push_back(&window);
     ++(window.is_trunk ? result.num_trunk : result.num_other);
     if (window.appearance >= confidence_min) {
-      (window.is_trunk ? result.found_share : result.false_share) += 1.0;
+      (window.is_trunk ? result.found_fraction : result.false_fraction) += 1.0;
     }
   }
-  result.found_share /= std::max(1, result.num_trunk);
-  result.false_share /= std::max(1, result.num_other);
+  result.found_fraction /= std::max(1, result.num_trunk);
+  result.false_fraction /= std::max(1, result.num_other);
   result.num_groups = static_cast<int>(by_group.size());
   if (by_group.empty()) return result;
   std::vector<Group> groups;
@@ -87,7 +87,7 @@ std::string window_summary(const WindowEvaluation& e) {
   summary += fmt::format(
       "from a confidence of {:.2f} on: {:.1f} % of the windows on trunks, {:.1f} % of those "
       "elsewhere\n",
-      e.confidence_min, 100.0 * e.found_share, 100.0 * e.false_share);
+      e.confidence_min, 100.0 * e.found_fraction, 100.0 * e.false_fraction);
   return summary;
 }
 
@@ -103,8 +103,8 @@ std::string window_json(const WindowEvaluation& e) {
                                     {"windows_on_trunks", e.num_trunk},
                                     {"windows_elsewhere", e.num_other},
                                     {"confidence_min", e.confidence_min},
-                                    {"found_share", e.found_share},
-                                    {"false_share", e.false_share},
+                                    {"found_share", e.found_fraction},
+                                    {"false_share", e.false_fraction},
                                     {"left_out", e.left_out}};
   return json.dump(2) + "\n";
 }

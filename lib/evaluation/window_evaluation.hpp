@@ -32,8 +32,8 @@ struct WindowEvaluation {
   AreaEstimate hue_interval;
   AreaEstimate paper_hue_interval;
   double confidence_min = 0.5;
-  double found_share = 0.0;           ///< of the windows on trunks, from confidence_min on
-  double false_share = 0.0;           ///< of the windows elsewhere
+  double found_fraction = 0.0;        ///< of the windows on trunks, from confidence_min on
+  double false_fraction = 0.0;        ///< of the windows elsewhere
   std::vector<std::string> left_out;  ///< pictures that could not be used, and why
 };
 

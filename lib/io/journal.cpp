@@ -24,11 +24,11 @@ constexpr std::size_t kJournalHeaderBytes = 24;
 constexpr std::uint32_t kBlockMark = 0x314B424Au;  // "JBK1"
 constexpr std::size_t kBlockHeaderBytes = 16;
 constexpr std::size_t kRecordHeaderBytes = 5;
-/// Records that share a block; one of them may be as large as the largest message.
-constexpr std::size_t kBlockMost = std::size_t{1} << 20;
-constexpr std::size_t kBlockReadMost = std::size_t{32} << 20;
+/// Records that fraction a block; one of them may be as large as the largest message.
+constexpr std::size_t kBlockMax = std::size_t{1} << 20;
+constexpr std::size_t kBlockReadMax = std::size_t{32} << 20;
 /// Blocks that wait for a disk that takes none: 64 MB, a quarter of an hour.
-constexpr std::size_t kWaitingMost = 64;
+constexpr std::size_t kWaitingMax = 64;
 
 template <class Unsigned>
 void put(std::string& to, Unsigned value) {
@@ -148,8 +148,8 @@ JournalReading read_journal(const std::string& path, std::int64_t identity,
     if (left >= kBlockHeaderBytes) {
       file.read(block_header.data(), kBlockHeaderBytes);
       const std::uint64_t size = get32(block_header.data() + 8);
-      const bool believed = get32(block_header.data()) == kBlockMark && size <= kBlockReadMost &&
-                            get32(block_header.data() + 4) <= kBlockReadMost;
+      const bool believed = get32(block_header.data()) == kBlockMark && size <= kBlockReadMax &&
+                            get32(block_header.data() + 4) <= kBlockReadMax;
       end = believed ? offset + kBlockHeaderBytes + size : offset + kBlockHeaderBytes;
       if (believed && end <= file_size) {
         stored.resize(size);
@@ -209,8 +209,8 @@ void Journal::begin_anew(std::int64_t identity) {
 }
 
 void Journal::add(std::uint8_t kind, const void* bytes, std::size_t size) {
-  if (waiting_.empty() || waiting_.back().records.size() > kBlockMost) waiting_.emplace_back();
-  if (waiting_.size() > kWaitingMost) {
+  if (waiting_.empty() || waiting_.back().records.size() > kBlockMax) waiting_.emplace_back();
+  if (waiting_.size() > kWaitingMax) {
     num_dropped_ += waiting_.front().count;
     waiting_.erase(waiting_.begin());
   }

@@ -83,7 +83,7 @@ class RangeSums {
     const Lanes half_chord2_m2 = c_.radius_m * c_.radius_m - across_m * across_m;
     // Beams that graze or miss the circle have no weight.
     const Lanes half_chord_m = half_chord2_m2.max(min_half_chord2_m2_).sqrt();
-    const Lanes share =
+    const Lanes fraction =
         valid * (half_chord_m * weight_by_half_chord_ - kFromWeight).max(0.0).min(1.0);
     const Lanes inverse = 1.0 / half_chord_m;
     const Lanes slope = across_m * inverse;
@@ -97,7 +97,7 @@ class RangeSums {
     const Lanes squared = residual * residual;
     const Lanes least = kHuber * kHuber * variance;
     const Lanes huber = (least / squared.max(least)).sqrt();
-    const Lanes weight = share * huber / variance;
+    const Lanes weight = fraction * huber / variance;
     const Lanes weighted_range = weight * by_range, weighted_bearing = weight * by_bearing;
     const Lanes weighted_radius = weight * by_radius;
     sums_[0] += weighted_range * by_range;
@@ -110,7 +110,7 @@ class RangeSums {
     sums_[7] += weighted_bearing * residual;
     sums_[8] += weighted_radius * residual;
     sums_[9] += weight * squared;
-    for (Eigen::Index lane = 0; lane < kLanes; ++lane) count_ += share[lane] > 1e-12 ? 1 : 0;
+    for (Eigen::Index lane = 0; lane < kLanes; ++lane) count_ += fraction[lane] > 1e-12 ? 1 : 0;
   }
 
   Normal normal() const {

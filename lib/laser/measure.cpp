@@ -20,8 +20,8 @@ constexpr std::size_t kFewestBeamsOfAShape = 5;
 /// Largest chi2 per degree of freedom of an accepted circle.
 constexpr double kWorstFit = 4.0;
 
-/// What is thinner than this share of a beam step is measured as this wide: a spot wider than the
-/// step leaves nothing else of a hair.
+/// What is thinner than this fraction of a beam step is measured as this wide: a spot wider than
+/// the step leaves nothing else of a hair.
 constexpr double kThinnest_beams = 0.1;
 
 /// Half the angle that a circle may fill: the scanner is not inside it.

@@ -17,7 +17,7 @@ constexpr double kBin_m = 0.1;
 /// No robot reaches farther from its scanner than 3 m.
 constexpr std::size_t kNumBins = 30;
 /// Part of the view that is the robot itself at most; the rest is the world.
-constexpr double kOwnViewMost = 0.2;
+constexpr double kOwnViewMax = 0.2;
 /// How often the world may come nearer than a range that it keeps clear of.
 constexpr double kRarely = 0.05;
 /// What came along is there more often than not, beside it at least this often.
@@ -66,26 +66,27 @@ void OwnReturns::add(const Scan& scan) {
   }
 }
 
-/// Of each beam the share of scans with something nearer than so many bins; 0 where it is hidden.
-std::vector<double> OwnReturns::shares_within(std::size_t num_bins) const {
-  std::vector<double> shares(last_m_.size(), 0.0);
-  for (std::size_t i = 0; i < shares.size(); ++i) {
+/// Of each beam the fraction of scans with something nearer than so many bins; 0 where it is
+/// hidden.
+std::vector<double> OwnReturns::fractions_within(std::size_t num_bins) const {
+  std::vector<double> fractions(last_m_.size(), 0.0);
+  for (std::size_t i = 0; i < fractions.size(); ++i) {
     if (config_.blind.contains(bearing_rad(i))) continue;
     int num = 0;
     for (std::size_t bin = 0; bin < num_bins; ++bin) num += num_returns_[i * kNumBins + bin];
-    shares[i] = static_cast<double>(num) / num_scans_;
+    fractions[i] = static_cast<double>(num) / num_scans_;
   }
-  return shares;
+  return fractions;
 }
 
 /// How near the world comes; none where it comes as near as the robot itself.
 std::optional<std::size_t> OwnReturns::clear_bins() const {
   for (std::size_t num_bins = kNumBins; num_bins > 0; --num_bins) {
-    std::vector<double> shares = shares_within(num_bins);
+    std::vector<double> fractions = fractions_within(num_bins);
     const auto world =
-        shares.begin() +
-        static_cast<std::ptrdiff_t>((1.0 - kOwnViewMost) * static_cast<double>(shares.size()));
-    std::nth_element(shares.begin(), world, shares.end());
+        fractions.begin() +
+        static_cast<std::ptrdiff_t>((1.0 - kOwnViewMax) * static_cast<double>(fractions.size()));
+    std::nth_element(fractions.begin(), world, fractions.end());
     if (*world <= kRarely) return num_bins;
   }
   return std::nullopt;
@@ -95,24 +96,25 @@ std::optional<OwnReturn> OwnReturns::found() const {
   if (num_scans_ < kScansMin) return std::nullopt;
   const auto num_bins = clear_bins();
   if (!num_bins) return std::nullopt;
-  const BlindSector sector = hiding(shares_within(*num_bins));
+  const BlindSector sector = hiding(fractions_within(*num_bins));
   if (sector.half_width_rad == 0.0) return std::nullopt;
   return OwnReturn{kBin_m * static_cast<double>(*num_bins), sector};
 }
 
 /// The narrowest sector round all beams that show what came along; of no width for none.
-BlindSector OwnReturns::hiding(const std::vector<double>& shares) const {
+BlindSector OwnReturns::hiding(const std::vector<double>& fractions) const {
   struct Arc {
     double from_rad, length_rad;
   };
   std::vector<Arc> arcs;
   const double step_rad = std::abs(bearing_step_rad_);
-  const std::size_t num = shares.size();
+  const std::size_t num = fractions.size();
   for (std::size_t first = 0; first < num; ++first) {
-    if (shares[first] < kSometimes) continue;
+    if (fractions[first] < kSometimes) continue;
     std::size_t last = first;
     int num_often = 0;
-    for (; last < num && shares[last] >= kSometimes; ++last) num_often += shares[last] >= kOften;
+    for (; last < num && fractions[last] >= kSometimes; ++last)
+      num_often += fractions[last] >= kOften;
     if (num_often >= config_.min_beams) {
       const double middle = 0.5 * static_cast<double>(first + last - 1);
       const double length_rad = step_rad * static_cast<double>(last - first);

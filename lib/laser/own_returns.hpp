@@ -44,9 +44,9 @@ class OwnReturns {
  private:
   bool has_moved(const Scan& scan) const;
   double bearing_rad(std::size_t beam) const;
-  std::vector<double> shares_within(std::size_t num_bins) const;
+  std::vector<double> fractions_within(std::size_t num_bins) const;
   std::optional<std::size_t> clear_bins() const;
-  BlindSector hiding(const std::vector<double>& shares) const;
+  BlindSector hiding(const std::vector<double>& fractions) const;
 
   OwnReturnsConfig config_;
   double bearing_min_rad_ = 0.0;

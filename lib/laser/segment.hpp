@@ -43,7 +43,8 @@ struct Segment {
   /// The circle through its visible arc, laser frame; of SegmentationConfig::min_beams_circle beams
   /// or more (twice that with a side hidden), and only if one fits.
   std::optional<CircleFit> circle;
-  /// Share of the circle's angular width that shows; 1 unless a side is hidden and a circle known.
+  /// Fraction of the circle's angular width that shows; 1 unless a side is hidden and a circle
+  /// known.
   double visible_fraction = 1.0;
   // The shape, of five beams or more; else 0.
   double circle_rms_m = 0.0;  ///< of its points about the circle; 0 = no circle fits

@@ -13,8 +13,8 @@ constexpr double kTreeRateOfTrees = 0.8;
 /// Fraction of an object's observations that are labelled TREE.
 constexpr double kTreeRateOfObjects = 0.2;
 
-/// Fractions of looks in which a reflector flashes: tape is turned away or dirty in every other
-/// one, and hardly anything else is as bright.
+/// Fractions of observations in which a reflector flashes: tape is turned away or dirty in every
+/// other one, and hardly anything else is as bright.
 constexpr double kFlashRateOfTrees = 0.5;
 constexpr double kFlashRateOfObjects = 0.02;
 
@@ -27,17 +27,18 @@ double logit(double p) { return std::log(p / (1.0 - p)); }
 
 void merge_association_positions(LandmarkRecord& into, const LandmarkRecord& from) {
   const double total = into.association_information + from.association_information;
-  const double share = from.association_information / total;
+  const double fraction = from.association_information / total;
   const double dx = from.association_x_m - into.association_x_m;
   const double dy = from.association_y_m - into.association_y_m;
-  into.scatter_m2 = static_cast<float>((1.0 - share) * into.scatter_m2 + share * from.scatter_m2 +
-                                       share * (1.0 - share) * 0.5 * (dx * dx + dy * dy));
-  into.association_x_m += share * dx;
-  into.association_y_m += share * dy;
+  into.scatter_m2 =
+      static_cast<float>((1.0 - fraction) * into.scatter_m2 + fraction * from.scatter_m2 +
+                         fraction * (1.0 - fraction) * 0.5 * (dx * dx + dy * dy));
+  into.association_x_m += fraction * dx;
+  into.association_y_m += fraction * dy;
   into.association_information = static_cast<float>(total);
 }
 
-/// What a look weighs whose width is a hint at most.
+/// What an observation weighs whose width is a hint at most.
 constexpr double kHint = 0.01;
 constexpr double kWidthSdMin_m = 0.002;
 
@@ -50,7 +51,7 @@ void merge_widths(LandmarkRecord& into, const LandmarkRecord& from) {
   into.width_chi2 += static_cast<float>(
       from.width_chi2 +
       between_m * between_m / (1.0 / into.width_information + 1.0 / from.width_information));
-  into.width_looks += from.width_looks;
+  into.width_observations += from.width_observations;
   if (from.last_scan > into.last_scan) {
     into.width_x_base_m = from.width_x_base_m;
     into.width_y_base_m = from.width_y_base_m;
@@ -94,45 +95,45 @@ void fuse_association_position(LandmarkRecord& r, const Eigen::Vector2d& p_align
                                double variance_m2) {
   const double information = 1.0 / variance_m2;
   const double total = r.association_information + information;
-  const double share = information / total;
+  const double fraction = information / total;
   const Eigen::Vector2d delta = p_aligned - r.association_position();
   r.scatter_m2 =
-      static_cast<float>((1.0 - share) * (r.scatter_m2 + share * 0.5 * delta.squaredNorm()));
-  r.association_x_m += share * delta.x();
-  r.association_y_m += share * delta.y();
+      static_cast<float>((1.0 - fraction) * (r.scatter_m2 + fraction * 0.5 * delta.squaredNorm()));
+  r.association_x_m += fraction * delta.x();
+  r.association_y_m += fraction * delta.y();
   r.association_information = static_cast<float>(total);
 }
 
 void fuse_width(LandmarkRecord& r, const detection::Detection& d, int fewest_beams) {
   const double sd_m = std::max(d.width_sd_m, kWidthSdMin_m);
-  double share = 1.0;
-  if (r.width_looks > 0.0f) {
+  double fraction = 1.0;
+  if (r.width_observations > 0.0f) {
     const double moved_m =
         std::hypot(d.centre_x_m - r.width_x_base_m, d.centre_y_m - r.width_y_base_m);
-    share = std::min(1.0, moved_m / std::max(beam_m(d), kWidthSdMin_m));
+    fraction = std::min(1.0, moved_m / std::max(beam_m(d), kWidthSdMin_m));
   }
   // the narrowest that always meets enough beams at this range, with one to spare
   const double least_m =
       d.num_beams > 0 ? d.width_m - (d.num_beams - fewest_beams - 1) * beam_m(d) : 0.0;
   const double known_m = r.width_information > 0.0f ? r.width_m : d.width_m;
   if (d.occlusion != 0 || known_m < least_m) {
-    share = std::min(share, kHint);
+    fraction = std::min(fraction, kHint);
   }
-  share = std::max(share, 1e-3 * kHint);
-  const double information = share / (sd_m * sd_m);
+  fraction = std::max(fraction, 1e-3 * kHint);
+  const double information = fraction / (sd_m * sd_m);
   const double before_m = r.width_m;
   r.width_information += static_cast<float>(information);
   r.width_m += static_cast<float>(information / r.width_information * (d.width_m - before_m));
   r.width_chi2 += static_cast<float>(information * (d.width_m - before_m) *
                                      (d.width_m - static_cast<double>(r.width_m)));
-  r.width_looks += static_cast<float>(share);
+  r.width_observations += static_cast<float>(fraction);
   r.width_x_base_m = static_cast<float>(d.centre_x_m);
   r.width_y_base_m = static_cast<float>(d.centre_y_m);
 }
 
 double width_sd_m(const LandmarkRecord& r) {
   if (!(r.width_information > 0.0f)) return 0.0;
-  const double freedom = std::max(1.0, r.width_looks - 1.0);
+  const double freedom = std::max(1.0, r.width_observations - 1.0);
   return std::sqrt(std::max(1.0, r.width_chi2 / freedom) / r.width_information);
 }
 

@@ -25,10 +25,10 @@ struct LandmarkRecord {
   float association_information = 0.0f;  ///< 1 / m2
   float scatter_m2 = 0.0f;               ///< of the aligned observations about it, per axis
   float width_m = 0.0f;
-  float width_information = 0.0f;  ///< 1 / m2
-  float width_chi2 = 0.0f;         ///< of the widths about their mean, by their own variances
-  float width_looks = 0.0f;        ///< how many widths that differ that mean is of
-  float width_x_base_m = 0.0f;     ///< where in base the last of them was seen
+  float width_information = 0.0f;   ///< 1 / m2
+  float width_chi2 = 0.0f;          ///< of the widths about their mean, by their own variances
+  float width_observations = 0.0f;  ///< how many widths that differ that mean is of
+  float width_x_base_m = 0.0f;      ///< where in base the last of them was seen
   float width_y_base_m = 0.0f;
   float log_odds = 0.0f;               ///< of being a tree: sum of the evidence of its observations
   std::int32_t num_observations = 0;   ///< N of eq. 13
@@ -59,13 +59,14 @@ void fuse_association_position(LandmarkRecord& record, const Eigen::Vector2d& p_
 /// Adds an observation's width to the mean width, weighted by its variance.
 ///
 /// A width is a count of beams, so it errs anew only when the beams fall anew: from a place in base
-/// less than one beam away from the last, a look counts by that share. And where a thing as wide as
-/// the mean is not always met by more than `fewest_beams`, the looks that make it too narrow may be
-/// missing: the others, and those of which a side is hidden, count for next to nothing.
+/// less than one beam away from the last, an observation counts by that fraction. And where a thing
+/// as wide as the mean is not always met by more than `fewest_beams`, the observations that make it
+/// too narrow may be missing: the others, and those of which a side is hidden, count for next to
+/// nothing.
 void fuse_width(LandmarkRecord& record, const detection::Detection& d, int fewest_beams);
 
-/// Standard error of the mean width [m]: by the looks' own variances, or by how they scatter where
-/// that is more (trunks are not round). 0 for a record without a width.
+/// Standard error of the mean width [m]: by the observations' own variances, or by how they scatter
+/// where that is more (trunks are not round). 0 for a record without a width.
 double width_sd_m(const LandmarkRecord& record);
 
 /// Adds one composed observation to the paper's statistics (Welford) and to the log odds.
@@ -83,7 +84,7 @@ void merge(LandmarkRecord& into, const LandmarkRecord& from, double log_odds_max
 /// Standard error of the mean in x and y [m], with N - 1: Shalal et al. 2013, eq. 13. 0 for N = 1.
 Eigen::Vector2d standard_error_m(const LandmarkRecord& record);
 
-/// Fractions of the looks at a tree, and at anything else, that are labelled TREE.
+/// Fractions of the observations of a tree, and at anything else, that are labelled TREE.
 struct TreeRates {
   double of_trees = 0.0;
   double of_objects = 0.0;

@@ -87,7 +87,7 @@ class Mapper {
   /// trees with ten observations or more, of their newest 512. None without such a tree.
   std::optional<double> tree_scatter_m() const;
 
-  /// How many landmarks' looks do not agree on a class.
+  /// How many landmarks' observations do not agree on a class.
   SplitVotes votes() const;
 
   /// All landmarks with at least `min_observations`, in order of id, their positions of all that is

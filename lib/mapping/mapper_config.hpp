@@ -7,7 +7,7 @@
 
 namespace orchard::mapping {
 
-/// What a look says of a landmark's class.
+/// What an observation says of a landmark's class.
 enum class Evidence {
   kLabels,       ///< its label, by the shares below
   kProbability,  ///< its calibrated probability_tree

@@ -14,20 +14,22 @@ namespace {
 /// most a tenth of a metre or two in it.
 constexpr std::int64_t kBeyondEnds_us = 100'000;
 
-double turn(double from_rad, double to_rad, double share) {
-  return geometry::wrap_angle_rad(from_rad + share * geometry::wrap_angle_rad(to_rad - from_rad));
+double turn(double from_rad, double to_rad, double fraction) {
+  return geometry::wrap_angle_rad(from_rad +
+                                  fraction * geometry::wrap_angle_rad(to_rad - from_rad));
 }
 
-/// `share` of the way from one pose to another; utime and seq are those of the first.
-pose::PoseEstimate between(const pose::PoseEstimate& a, const pose::PoseEstimate& b, double share) {
+/// `fraction` of the way from one pose to another; utime and seq are those of the first.
+pose::PoseEstimate between(const pose::PoseEstimate& a, const pose::PoseEstimate& b,
+                           double fraction) {
   pose::PoseEstimate pose = a;
-  pose.x_m += share * (b.x_m - a.x_m);
-  pose.y_m += share * (b.y_m - a.y_m);
-  pose.yaw_rad = turn(a.yaw_rad, b.yaw_rad, share);
-  pose.pitch_rad = turn(a.pitch_rad, b.pitch_rad, share);
-  pose.roll_rad = turn(a.roll_rad, b.roll_rad, share);
+  pose.x_m += fraction * (b.x_m - a.x_m);
+  pose.y_m += fraction * (b.y_m - a.y_m);
+  pose.yaw_rad = turn(a.yaw_rad, b.yaw_rad, fraction);
+  pose.pitch_rad = turn(a.pitch_rad, b.pitch_rad, fraction);
+  pose.roll_rad = turn(a.roll_rad, b.roll_rad, fraction);
   for (std::size_t i = 0; i < pose.covariance.size(); ++i) {
-    pose.covariance[i] += share * (b.covariance[i] - a.covariance[i]);
+    pose.covariance[i] += fraction * (b.covariance[i] - a.covariance[i]);
   }
   return pose;
 }
@@ -145,9 +147,9 @@ std::optional<pose::PoseEstimate> PoseTrack::at(std::int64_t utime) const {
   const pose::PoseEstimate& a = poses_[after - 1];
   const pose::PoseEstimate& b = poses_[after];
   if (b.utime - a.utime > gap_max_us_) return std::nullopt;
-  const double share =
+  const double fraction =
       static_cast<double>(utime - a.utime) / static_cast<double>(b.utime - a.utime);
-  pose::PoseEstimate pose = between(a, b, share);
+  pose::PoseEstimate pose = between(a, b, fraction);
   pose.utime = utime;
   return pose;
 }

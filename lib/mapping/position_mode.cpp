@@ -39,9 +39,9 @@ struct Points {
 
   /// The weights times a Gaussian kernel about a centre.
   void kernel_weights(const Eigen::Vector2d& centre, double kernel_m, Eigen::ArrayXd& out) const {
-    constexpr double kLeast = -30.0;  // never 0: far points still lead
+    constexpr double kMin = -30.0;  // never 0: far points still lead
     const double scale = -0.5 / (kernel_m * kernel_m);
-    out = (((x_m - centre.x()).square() + (y_m - centre.y()).square()) * scale).max(kLeast);
+    out = (((x_m - centre.x()).square() + (y_m - centre.y()).square()) * scale).max(kMin);
     for (double& a : out) a = exponential(a);
     out *= weight;
   }

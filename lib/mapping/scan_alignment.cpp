@@ -79,13 +79,13 @@ ScanAlignment align_scan(const std::vector<AlignmentPoint>& points,
       const auto landmark = nearest(p, reach_m);
       if (!landmark) continue;
       const Eigen::Vector2d residual = *landmark - p;
-      const double share = kernel(residual.norm(), kernel_m);
+      const double fraction = kernel(residual.norm(), kernel_m);
       const double variance_m2 = point.sd_m * point.sd_m + 0.25 * kernel_m * kernel_m;
       const Eigen::Vector2d arm = p - robot_map - alignment.x_y_yaw.head<2>();
       const Eigen::Matrix<double, 2, 3> jacobian = geometry::point_jacobian(arm);
-      information += share / variance_m2 * jacobian.transpose() * jacobian;
-      gradient += share / variance_m2 * jacobian.transpose() * residual;
-      support += share;
+      information += fraction / variance_m2 * jacobian.transpose() * jacobian;
+      gradient += fraction / variance_m2 * jacobian.transpose() * residual;
+      support += fraction;
     }
     if (support < 1.5) {
       alignment.x_y_yaw.setZero();

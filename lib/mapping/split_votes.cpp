@@ -9,15 +9,15 @@
 namespace orchard::mapping {
 namespace {
 
-/// Looks from which their share says something.
-constexpr int kLooksMin = 10;
+/// Observations from which their fraction says something.
+constexpr int kObservationsMin = 10;
 
 }  // namespace
 
 SplitVotes split_votes(const MapState& map) {
   using detection::Label;
   const TreeRates rates = tree_rates(map.config);
-  // the share of TREE that says nothing, and halfway from it to what either class gives
+  // the fraction of TREE that says nothing, and halfway from it to what either class gives
   const double for_tree = std::log(rates.of_trees / rates.of_objects);
   const double for_object = std::log((1.0 - rates.of_objects) / (1.0 - rates.of_trees));
   const double neither = for_object / (for_tree + for_object);
@@ -26,7 +26,7 @@ SplitVotes split_votes(const MapState& map) {
   SplitVotes votes;
   for (std::int32_t i = 0; i < map.landmarks.num_indices(); ++i) {
     const LandmarkRecord& r = map.landmarks[i];
-    if (r.is_removed || r.num_observations < kLooksMin) continue;
+    if (r.is_removed || r.num_observations < kObservationsMin) continue;
     int num_tree = 0, num_judged = 0;
     for (const std::int32_t k :
          map.observations.newest_of(r.last_observation, kPositionSamplesMax)) {
@@ -35,10 +35,10 @@ SplitVotes split_votes(const MapState& map) {
       ++num_judged;
       if (label == Label::kTree) ++num_tree;
     }
-    if (num_judged < kLooksMin || num_tree == 0) continue;
+    if (num_judged < kObservationsMin || num_tree == 0) continue;
     ++votes.num_told;
-    const double share = static_cast<double>(num_tree) / num_judged;
-    if (share > least && share < most) ++votes.num_split;
+    const double fraction = static_cast<double>(num_tree) / num_judged;
+    if (fraction > least && fraction < most) ++votes.num_split;
   }
   return votes;
 }

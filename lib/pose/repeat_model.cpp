@@ -7,8 +7,8 @@
 namespace orchard::pose {
 namespace {
 
-/// What one visit tells of another, in looks.
-constexpr double kLooksWorth = 2.0;
+/// What one visit tells of another, in observations.
+constexpr double kObservationsWorth = 2.0;
 
 constexpr double kClumpReachMax_m = 1.0;
 constexpr double kClumpReachSpacings = 0.6;
@@ -54,7 +54,8 @@ double detection_rate(double num_seen, double num_chances) {
 double probability_seen_again(double rate, double rate_min) {
   if (rate >= 1.0 || rate_min <= 0.0) return 1.0;
   if (rate <= 0.0 || rate_min >= 1.0) return 0.0;
-  const double below = beta_cdf(kLooksWorth * rate, kLooksWorth * (1.0 - rate), rate_min);
+  const double below =
+      beta_cdf(kObservationsWorth * rate, kObservationsWorth * (1.0 - rate), rate_min);
   return std::clamp(1.0 - below, 0.0, 1.0);
 }
 

@@ -8,16 +8,16 @@ namespace orchard::pose {
 ///
 /// A trunk is seen at most of its chances, from all sides and on every day. A sucker or a twig is
 /// seen at few: another visit drives another line, and a scanner that nods by a degree cuts another
-/// part of it. What the chances of one visit tell of those of another is therefore worth few looks,
-/// however many there were.
+/// part of it. What the chances of one visit tell of those of another is therefore worth few
+/// observations, however many there were.
 
-/// Detection rate by `num_seen` of `num_chances` looks (>= 0), half a look either way added
-/// (Jeffreys' prior); within (0, 1).
+/// Detection rate by `num_seen` of `num_chances` observations (>= 0), half an observation either
+/// way added (Jeffreys' prior); within (0, 1).
 double detection_rate(double num_seen, double num_chances);
 
 /// Probability that another visit sees at more than `rate_min` of its chances what one visit saw at
 /// `rate` of its own (both in [0, 1]). The other visit's rate is Beta(2 rate, 2 (1 - rate)): of the
-/// same mean, and as wide as two looks leave it.
+/// same mean, and as wide as two observations leave it.
 double probability_seen_again(double rate, double rate_min);
 
 /// Probability that another visit shows the same one of a clump's parts, of which `num_others` lie

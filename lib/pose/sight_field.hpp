@@ -18,8 +18,8 @@ struct Sighting {
 };
 
 /// Where a scanner would see a trunk that nothing hides: learnt from where it has seen any, since
-/// how it is mounted and how far round it looks are not told. Points are in base, or in any frame
-/// that goes with it.
+/// how it is mounted and how far round it observations are not told. Points are in base, or in any
+/// frame that goes with it.
 class SightField {
  public:
   explicit SightField(double sure_range_m) : sure_range_m_(sure_range_m) {}

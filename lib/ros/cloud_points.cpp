@@ -9,7 +9,7 @@
 namespace orchard::ros {
 namespace {
 
-constexpr double kMostSeconds = 10.0;  // no sweep lasts as long
+constexpr double kMaxSeconds = 10.0;  // no sweep lasts as long
 
 /// A field of every point that lies within the point.
 class FieldReader {
@@ -120,7 +120,7 @@ std::optional<CloudPoints> read_points(const PointCloud& cloud) {
       point.bearing_rad = std::atan2(y_m, x_m);
       if (result.has_time) {
         point.time_s = time.of(bytes);
-        if (!(std::abs(point.time_s) < kMostSeconds)) result.has_time = false;
+        if (!(std::abs(point.time_s) < kMaxSeconds)) result.has_time = false;
       }
       if (ring.is_there()) {
         const double number = ring.of(bytes);

@@ -13,9 +13,9 @@
 namespace orchard::ros {
 namespace {
 
-constexpr std::size_t kLeastPoints = 20;
-constexpr double kLeastStep_rad = 2e-4;  // finer than any scanner; below it two lines lie as one
-constexpr double kMostStep_rad = 0.1;
+constexpr std::size_t kMinPoints = 20;
+constexpr double kMinStep_rad = 2e-4;  // finer than any scanner; below it two lines lie as one
+constexpr double kMaxStep_rad = 0.1;
 constexpr double kTurn_rad = 2.0 * geometry::kPi;
 constexpr double kFarthest_m = 100.0;
 
@@ -41,13 +41,13 @@ std::optional<double> step_of(const Line& line) {
   std::sort(bearings_rad.begin(), bearings_rad.end());
   for (std::size_t i = 1; i < bearings_rad.size(); ++i) {
     const double gap_rad = bearings_rad[i] - bearings_rad[i - 1];
-    if (gap_rad > kLeastStep_rad) gaps_rad.push_back(gap_rad);
+    if (gap_rad > kMinStep_rad) gaps_rad.push_back(gap_rad);
   }
-  if (gaps_rad.size() + 1 < kLeastPoints) return std::nullopt;
+  if (gaps_rad.size() + 1 < kMinPoints) return std::nullopt;
   const auto middle = gaps_rad.begin() + static_cast<std::ptrdiff_t>(gaps_rad.size() / 2);
   std::nth_element(gaps_rad.begin(), middle, gaps_rad.end());
   const double median_rad = *middle;
-  if (median_rad > kMostStep_rad) return std::nullopt;
+  if (median_rad > kMaxStep_rad) return std::nullopt;
   // A scanner counts its bearings in whole units: a mean over many steps knows more than one step.
   // Bearings tremble: what one gap is too short its neighbour is too long, so all count.
   double sum_rad = 0.0, num_steps = 0.0;
@@ -127,7 +127,7 @@ std::variant<laser::Scan, NotUsed> slice_cloud(const PointCloud& cloud, const Cl
   const std::optional<double> step_rad =
       points->has_lines ? step_of(longest_line(*points, -kAnyHeight_m, kAnyHeight_m))
                         : step_of(line);
-  if (!step_rad || line.size() < kLeastPoints)
+  if (!step_rad || line.size() < kMinPoints)
     return NotUsed{"a slice with fewer than 20 points of one line"};
 
   laser::Scan scan;

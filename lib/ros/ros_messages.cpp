@@ -10,7 +10,7 @@
 namespace orchard::ros {
 namespace {
 
-constexpr std::size_t kMostFields = 256;
+constexpr std::size_t kMaxFields = 256;
 
 NotUsed cut_short() { return {"shorter than its type says"}; }
 
@@ -272,7 +272,7 @@ std::variant<PointCloud, NotUsed> decode_point_cloud(const void* data, std::size
   cloud.height = reader.number<std::uint32_t>();
   cloud.width = reader.number<std::uint32_t>();
   const std::size_t num_fields = reader.count(13);
-  if (num_fields > kMostFields) return NotUsed{"more than 256 fields a point"};
+  if (num_fields > kMaxFields) return NotUsed{"more than 256 fields a point"};
   for (std::size_t i = 0; i < num_fields && reader.ok(); ++i) {
     PointField field;
     field.name = reader.text();

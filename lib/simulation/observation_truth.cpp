@@ -65,9 +65,9 @@ struct Outline {
       const auto& b = c[(i + 1) % 4];
       const double across_a = dx * a[1] - dy * a[0], across_b = dx * b[1] - dy * b[0];
       if (across_a == across_b || (across_a > 0.0) == (across_b > 0.0)) continue;
-      const double share = across_a / (across_a - across_b);
+      const double fraction = across_a / (across_a - across_b);
       const double along_m =
-          dx * (a[0] + share * (b[0] - a[0])) + dy * (a[1] + share * (b[1] - a[1]));
+          dx * (a[0] + fraction * (b[0] - a[0])) + dy * (a[1] + fraction * (b[1] - a[1]));
       if (along_m > 0.0) nearest_m = std::min(nearest_m, along_m);
     }
     return std::isfinite(nearest_m) ? nearest_m : distance_m;

@@ -28,7 +28,7 @@ constexpr double kPathStep_m = 0.05;
 /// A path is kept anew when it was corrected; after each so many only half as often.
 constexpr std::size_t kPathsPerStride = 100;
 
-bool looks_same(const Landmark& a, const Landmark& b) {
+bool observations_same(const Landmark& a, const Landmark& b) {
   return a.label == b.label && std::abs(a.x_m - b.x_m) < kSeen_m &&
          std::abs(a.y_m - b.y_m) < kSeen_m && std::abs(a.width_m - b.width_m) < kSeen_m &&
          std::abs(a.probability - b.probability) < kSeenProbability && a.row == b.row &&
@@ -97,7 +97,7 @@ void DriveRecord::finish(const std::vector<Landmark>& landmarks) {
 
 void DriveRecord::put(std::size_t step, const Landmark& landmark, bool exactly) {
   const auto found = shown_.find(landmark.id);
-  if (found != shown_.end() && !exactly && looks_same(found->second, landmark)) return;
+  if (found != shown_.end() && !exactly && observations_same(found->second, landmark)) return;
   shown_[landmark.id] = landmark;
   if (!changes_.empty()) step = std::max(step, changes_.back().step);
   changes_.push_back({step, false, landmark});
@@ -135,13 +135,13 @@ std::optional<DriveRecord::Pose> DriveRecord::full_pose_at(std::size_t step) con
     return after->utime == utime ? std::optional<Pose>(*after) : std::nullopt;
   }
   const Pose &a = *std::prev(after), &b = *after;
-  const double share =
+  const double fraction =
       static_cast<double>(utime - a.utime) / static_cast<double>(b.utime - a.utime);
   Pose p = b;
   p.utime = utime;
-  p.x_m = a.x_m + share * (b.x_m - a.x_m);
-  p.y_m = a.y_m + share * (b.y_m - a.y_m);
-  p.yaw_rad = a.yaw_rad + share * std::remainder(b.yaw_rad - a.yaw_rad, 2.0 * M_PI);
+  p.x_m = a.x_m + fraction * (b.x_m - a.x_m);
+  p.y_m = a.y_m + fraction * (b.y_m - a.y_m);
+  p.yaw_rad = a.yaw_rad + fraction * std::remainder(b.yaw_rad - a.yaw_rad, 2.0 * M_PI);
   return p;
 }
 

@@ -7,15 +7,15 @@ namespace orchard::view {
 namespace {
 
 /// Of the last poses so many are kept to place scans with: some seconds of any localiser.
-constexpr std::size_t kRecentMost = 200;
+constexpr std::size_t kRecentMax = 200;
 
 }  // namespace
 
 void LivePath::take(const pose::PoseEstimate& pose) {
   if (last_ && pose.utime < last_->utime) recent_.clear();  // a clock that was set back
   last_ = pose;
-  if (recent_.size() >= kRecentMost) {
-    recent_.erase(recent_.begin(), recent_.begin() + kRecentMost / 2);
+  if (recent_.size() >= kRecentMax) {
+    recent_.erase(recent_.begin(), recent_.begin() + kRecentMax / 2);
   }
   recent_.push_back(pose);
   add_point({pose.x_m, pose.y_m});
@@ -37,12 +37,12 @@ std::optional<geometry::Pose2> LivePath::pose_at(std::int64_t utime) const {
     const pose::PoseEstimate &before = recent_[k - 1], &after = recent_[k];
     if (utime < before.utime || utime > after.utime) continue;
     const auto whole_us = static_cast<double>(after.utime - before.utime);
-    const double share =
+    const double fraction =
         whole_us > 0.0 ? static_cast<double>(utime - before.utime) / whole_us : 1.0;
     const double turn_rad = std::remainder(after.yaw_rad - before.yaw_rad, 2.0 * M_PI);
-    return geometry::Pose2{before.x_m + share * (after.x_m - before.x_m),
-                           before.y_m + share * (after.y_m - before.y_m),
-                           before.yaw_rad + share * turn_rad};
+    return geometry::Pose2{before.x_m + fraction * (after.x_m - before.x_m),
+                           before.y_m + fraction * (after.y_m - before.y_m),
+                           before.yaw_rad + fraction * turn_rad};
   }
   if (!recent_.empty() && recent_.back().utime == utime) {
     return geometry::Pose2{recent_.back().x_m, recent_.back().y_m, recent_.back().yaw_rad};
@@ -53,7 +53,7 @@ std::optional<geometry::Pose2> LivePath::pose_at(std::int64_t utime) const {
 void LivePath::add_point(const Eigen::Vector2d& p) {
   if (!points_.empty() && (p - points_.back()).norm() < step_m_) return;
   points_.push_back(p);
-  if (points_.size() < kPointsMost) return;
+  if (points_.size() < kPointsMax) return;
   std::vector<Eigen::Vector2d> fewer;
   for (std::size_t k = 0; k < points_.size(); k += 2) fewer.push_back(points_[k]);
   points_ = std::move(fewer);

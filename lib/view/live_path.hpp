@@ -17,7 +17,7 @@ namespace orchard::view {
 class LivePath {
  public:
   /// Points that the path has at most; beyond, every second is left out and the step doubles.
-  static constexpr std::size_t kPointsMost = 20000;
+  static constexpr std::size_t kPointsMax = 20000;
 
   void take(const pose::PoseEstimate& pose);
 

@@ -11,7 +11,7 @@ namespace orchard::view {
 namespace {
 
 /// Pictures that wait for their DETECTIONS: a detector is never farther behind.
-constexpr std::size_t kImagesMost = 12;
+constexpr std::size_t kImagesMax = 12;
 
 }  // namespace
 
@@ -41,7 +41,7 @@ void LiveState::place_scan() {
 
 void LiveState::take(const vision::Image& image) {
   images_.push_back(image);
-  if (images_.size() > kImagesMost) images_.pop_front();
+  if (images_.size() > kImagesMax) images_.pop_front();
   // Without a detector the picture itself is all there is to show.
   if (detections_.utime == 0) show(image);
 }
@@ -58,7 +58,7 @@ void LiveState::take(const detection::Detections& detections) {
 
 void LiveState::show(const vision::Image& image) {
   shown_ = std::make_shared<ShownPicture>(shown_picture(image));
-  ++num_looks_;
+  ++num_observations_;
 }
 
 void LiveState::take_rows(const std::vector<mapping::Landmark>& numbered,
@@ -114,9 +114,9 @@ std::vector<std::string> LiveState::events_for(Seen& seen, bool& is_more) const 
                      shortest_text(p.covariance[3]) + "]}");
   }
   if (is_new(seen.scan, num_scans_)) events.push_back(scan_event_);
-  if (is_new(seen.look, num_looks_)) {
+  if (is_new(seen.observation, num_observations_)) {
     events.push_back("{\"kind\":\"look\"," +
-                     look_json(detections_, rig_, "n=" + std::to_string(num_looks_)) + "}");
+                     look_json(detections_, rig_, "n=" + std::to_string(num_observations_)) + "}");
   }
   return events;
 }

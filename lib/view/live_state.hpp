@@ -20,7 +20,8 @@ namespace orchard::view {
 
 /// What somebody who looks on has been told already.
 struct Seen {
-  std::int64_t map = 0, path_generation = -1, pose = 0, scan = 0, look = 0, rows = 0, status = 0;
+  std::int64_t map = 0, path_generation = -1, pose = 0, scan = 0, observation = 0, rows = 0,
+               status = 0;
   std::int64_t corrections = 0;
   std::size_t num_path_points = 0;
 };
@@ -76,8 +77,8 @@ class LiveState {
   LiveMap map_;
   std::optional<LiveMap> corrected_;  ///< shown in its place once somebody has corrected it
   LivePath path_;
-  std::int64_t num_poses_ = 0, num_scans_ = 0, num_looks_ = 0, num_rows_ = 0, num_status_ = 0,
-               num_corrections_ = 0;
+  std::int64_t num_poses_ = 0, num_scans_ = 0, num_observations_ = 0, num_rows_ = 0,
+               num_status_ = 0, num_corrections_ = 0;
   std::optional<laser::Scan> waiting_scan_;
   std::string scan_event_, rows_event_, status_event_, corrections_event_;
   std::deque<vision::Image> images_;  ///< the last few, for the DETECTIONS that they belong to

@@ -14,10 +14,10 @@ using Row = std::vector<std::int16_t>;
 
 constexpr int kLanes = cv::v_int16x8::nlanes;
 /// Columns left of the picture in a row, so that a pixel's neighbours always exist.
-constexpr int kRim_px = kLanes;
+constexpr int kBorder_px = kLanes;
 /// tan(22.5 deg) x 2^15, where OpenCV too parts across from slanting.
 constexpr std::int16_t kTan22 = 13573;
-constexpr std::int16_t kMostGradient = 2 * 4 * 255;
+constexpr std::int16_t kMaxGradient = 2 * 4 * 255;
 
 enum Mark : std::uint8_t { kNone = 0, kWeak = 1, kStrong = 2 };
 
@@ -37,8 +37,8 @@ void fill_gradient(const std::uint8_t* grey, int width_px, int height_px, int y,
   const std::uint8_t* above = row_at(y - 1);
   const std::uint8_t* here = row_at(y);
   const std::uint8_t* below = row_at(y + 1);
-  std::int16_t* s = smooth.data() + kRim_px;
-  std::int16_t* d = slope.data() + kRim_px;
+  std::int16_t* s = smooth.data() + kBorder_px;
+  std::int16_t* d = slope.data() + kBorder_px;
   for (int x = 0; x < width_px; ++x) {
     s[x] = static_cast<std::int16_t>(above[x] + 2 * here[x] + below[x]);
     d[x] = static_cast<std::int16_t>(below[x] - above[x]);
@@ -47,9 +47,9 @@ void fill_gradient(const std::uint8_t* grey, int width_px, int height_px, int y,
   d[-1] = d[0];
   s[width_px] = s[width_px - 1];
   d[width_px] = d[width_px - 1];
-  std::int16_t* dx = out.dx.data() + kRim_px;
-  std::int16_t* dy = out.dy.data() + kRim_px;
-  std::int16_t* size = out.size.data() + kRim_px;
+  std::int16_t* dx = out.dx.data() + kBorder_px;
+  std::int16_t* dy = out.dy.data() + kBorder_px;
+  std::int16_t* size = out.size.data() + kBorder_px;
   for (int x = 0; x < width_px; ++x) {
     const auto across = static_cast<std::int16_t>(s[x + 1] - s[x - 1]);
     const auto down = static_cast<std::int16_t>(d[x - 1] + 2 * d[x] + d[x + 1]);
@@ -69,7 +69,7 @@ void mark_ridges(const GradientRow& above, const GradientRow& here, const Gradie
   const v_int16x8 zero = cv::v_setzero_s16(), one = cv::v_setall_s16(1);
   const v_int16x8 lowest = cv::v_setall_s16(low), highest = cv::v_setall_s16(high);
   for (int x = 0; x < width_px; x += kLanes) {
-    const int i = kRim_px + x;
+    const int i = kBorder_px + x;
     const std::int16_t* up = above.size.data() + i;
     const std::int16_t* level = here.size.data() + i;
     const std::int16_t* down = below.size.data() + i;
@@ -113,7 +113,8 @@ bool has_weak_neighbour(const std::uint8_t* mark, std::ptrdiff_t step) {
   return (any & three) != 0;
 }
 
-/// Makes every weak mark strong that hangs together with a strong one. Marks have a rim of kNone.
+/// Makes every weak mark strong that hangs together with a strong one. Marks have a border of
+/// kNone.
 void spread_strong(std::vector<std::uint8_t>& marks, std::size_t stride) {
   std::vector<std::uint8_t*> waiting;
   waiting.reserve(1024);
@@ -142,7 +143,7 @@ void spread_strong(std::vector<std::uint8_t>& marks, std::size_t stride) {
 
 std::int16_t whole_size(double threshold) {
   return static_cast<std::int16_t>(
-      std::clamp(std::floor(threshold), 0.0, static_cast<double>(kMostGradient)));
+      std::clamp(std::floor(threshold), 0.0, static_cast<double>(kMaxGradient)));
 }
 
 }  // namespace
@@ -153,8 +154,8 @@ std::vector<std::uint8_t> canny(const std::uint8_t* grey, int width_px, int heig
   const auto height = static_cast<std::size_t>(height_px);
   std::vector<std::uint8_t> edges(width * height);
   if (edges.empty()) return edges;
-  // A rim on both sides, and whole steps of kLanes.
-  const std::size_t stride = (width + kLanes - 1) / kLanes * kLanes + 2 * kRim_px;
+  // A border on both sides, and whole steps of kLanes.
+  const std::size_t stride = (width + kLanes - 1) / kLanes * kLanes + 2 * kBorder_px;
   Row smooth(stride), slope(stride);
   GradientRow above(stride), here(stride), below(stride);
   std::vector<std::uint8_t> marks(stride * (height + 2));
@@ -166,13 +167,13 @@ std::vector<std::uint8_t> canny(const std::uint8_t* grey, int width_px, int heig
       std::fill(below.size.begin(), below.size.end(), std::int16_t{0});
     }
     mark_ridges(above, here, below, width_px, whole_size(low), whole_size(high),
-                marks.data() + stride * static_cast<std::size_t>(y + 1) + kRim_px);
+                marks.data() + stride * static_cast<std::size_t>(y + 1) + kBorder_px);
     std::swap(above, here);
     std::swap(here, below);
   }
   spread_strong(marks, stride);
   for (std::size_t y = 0; y < height; ++y) {
-    const std::uint8_t* from = marks.data() + stride * (y + 1) + kRim_px;
+    const std::uint8_t* from = marks.data() + stride * (y + 1) + kBorder_px;
     std::uint8_t* to = edges.data() + width * y;
     for (std::size_t x = 0; x < width; ++x) to[x] = from[x] == kStrong ? 255 : 0;
   }

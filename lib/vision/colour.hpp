@@ -39,7 +39,7 @@ struct ColourEvidence {
 };
 
 /// The rule of Shalal et al. 2013, figure 8: the dominant hue must be a trunk's; roc_colour is the
-/// share of the window's pixels that are coloured and have a trunk's hue.
+/// fraction of the window's pixels that are coloured and have a trunk's hue.
 ColourEvidence colour_confidence(const HueHistogram& histogram, const ColourConfig& config);
 
 }  // namespace orchard::vision

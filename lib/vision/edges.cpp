@@ -65,10 +65,10 @@ int num_rows_of(const std::vector<EdgePoint>& points) {
 PixelRect edge_reading_area(const PixelRect& window, const PixelRect& picture,
                             const EdgeConfig& config) {
   // Half a median, one pixel of the gradient, one of its thinning.
-  const int rim = config.median_size_px / 2 + 2;
-  return intersection(
-      {window.x_px - rim, window.y_px - rim, window.width_px + 2 * rim, window.height_px + 2 * rim},
-      picture);
+  const int border = config.median_size_px / 2 + 2;
+  return intersection({window.x_px - border, window.y_px - border, window.width_px + 2 * border,
+                       window.height_px + 2 * border},
+                      picture);
 }
 
 EdgeMap edge_map(const PixelBlock& pixels, const EdgeConfig& config) {

@@ -38,7 +38,7 @@ PixelRect edge_reading_area(const PixelRect& window, const PixelRect& picture,
 /// Looks for a trunk's edge in a window: the straight line that covers most rows, and among equals
 /// the one nearest to `expected_x_px`.
 ///
-/// roc is (1 - lambda_min / lambda_max) of the edge pixels on the line times the share of the
+/// roc is (1 - lambda_min / lambda_max) of the edge pixels on the line times the fraction of the
 /// window's rows that have one, or R^2 with LineFit::kRegression. No line with fewer than
 /// config.min_points pixels or with more tilt than config.max_tilt_deg. Throws
 /// std::invalid_argument when the window does not lie inside the map.

@@ -11,9 +11,9 @@
 namespace orchard::vision {
 namespace {
 
-// Fancy upsampling mixes a chroma sample with its neighbours, and the codec treats the rim of what
-// it decodes as the rim of the picture. A chroma sample spans four pixels at most: that many more
-// on each side keep the pixels that are asked for equal to those of a whole decode.
+// Fancy upsampling mixes a chroma sample with its neighbours, and the codec treats the border of
+// what it decodes as the border of the picture. A chroma sample spans four pixels at most: that
+// many more on each side keep the pixels that are asked for equal to those of a whole decode.
 constexpr int kMargin_px = 4;
 constexpr int kMaxScans = 64;
 

@@ -84,23 +84,23 @@ std::vector<EdgePoint> points_of_best_line(const std::vector<EdgePoint>& points,
   int best_points = 0;
   double best_distance_px = 0.0, best_top = 0.0, best_slope = 0.0;
   // A column for every place at which a line within the window's tolerance may cross the top row.
-  const int rim = max_shift + reach + 1;
-  std::vector<int> padded(static_cast<std::size_t>(width_px + 2 * (rim + reach)));
+  const int border = max_shift + reach + 1;
+  std::vector<int> padded(static_cast<std::size_t>(width_px + 2 * (border + reach)));
   int* const columns = padded.data() + reach;
   for (int shift = -max_shift; shift <= max_shift; shift += kShiftStep_px) {
     const double slope = static_cast<double>(shift) / last_row;
     // Nothing lies outside the columns from which the window's corners are reached.
-    const int first = rim - std::max(shift, 0) - reach;
-    const int last = rim + width_px - std::min(shift, 0) + reach;
+    const int first = border - std::max(shift, 0) - reach;
+    const int last = border + width_px - std::min(shift, 0) + reach;
     std::fill(padded.begin(), padded.end(), 0);
     for (const EdgePoint& p : points) {
-      ++columns[static_cast<int>(p.x_px - slope * p.y_px + (rim + 0.5))];
+      ++columns[static_cast<int>(p.x_px - slope * p.y_px + (border + 0.5))];
     }
     int num_points = 0;
     for (int i = first; i <= last; ++i) {
       num_points += columns[i + reach];
       if (num_points > 0 && num_points >= best_points) {
-        const int top = i - rim;
+        const int top = i - border;
         const double distance_px = std::abs(top + slope * middle_y_px - expected_x_px);
         if (num_points > best_points || distance_px < best_distance_px) {
           best_points = num_points;

@@ -8,7 +8,7 @@
 namespace orchard::vision {
 namespace {
 
-constexpr int kLeastSide_px = 5;
+constexpr int kMinSide_px = 5;
 constexpr double kBlack = 4.0, kWhite = 251.0;  // as JPEG gives them back
 constexpr double kNoise_grey = 1.0;
 
@@ -27,7 +27,7 @@ std::vector<double> brightness(const PixelBlock& block) {
 Sharpness sharpness(const PixelBlock& block) {
   const int width = block.area.width_px, height = block.area.height_px;
   Sharpness result;
-  if (width < kLeastSide_px || height < kLeastSide_px) return result;
+  if (width < kMinSide_px || height < kMinSide_px) return result;
   const std::vector<double> grey = brightness(block);
   const auto at = [&](int x, int y) {
     return grey[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +

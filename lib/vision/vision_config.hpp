@@ -44,13 +44,13 @@ void describe(Visitor& v, ColourConfig& c) {
 }
 
 enum class LineFit {
-  kTotalLeastSquares,  ///< straight edge by search and total least squares: any direction
-  kRegression,         ///< the paper's words: linear regression of x on y, goodness R^2
+  kTotalMinSquares,  ///< straight edge by search and total least squares: any direction
+  kRegression,       ///< the paper's words: linear regression of x on y, goodness R^2
 };
 
 /// The edge rule of the paper's figure 9. Section `detector.edges`.
 struct EdgeConfig {
-  LineFit fit = LineFit::kTotalLeastSquares;
+  LineFit fit = LineFit::kTotalMinSquares;
   double canny_low = 40;
   double canny_high = 100;
   int median_size_px = 3;    ///< odd

@@ -17,7 +17,7 @@ namespace {
 constexpr auto kSilence = std::chrono::seconds(1);
 constexpr auto kHang = std::chrono::seconds(4);
 constexpr int kDatagram_bytes = 60000;
-constexpr std::size_t kMostFramesAtOnce = 8;
+constexpr std::size_t kMaxFramesAtOnce = 8;
 
 /// A log's pictures as a camera.
 class LogCamera : public io::CameraSource {
@@ -101,12 +101,12 @@ std::vector<pollfd> CameraDriver::files() {
 
 bus::Driver::Clock::time_point CameraDriver::deadline() {
   // A camera that is silent must be noticed although nothing happens.
-  const auto look = source_->fileno() < 0 ? Clock::time_point::max() : heard_ + kHang;
-  return std::min(source_->deadline(), std::max(look, Clock::now()));
+  const auto observation = source_->fileno() < 0 ? Clock::time_point::max() : heard_ + kHang;
+  return std::min(source_->deadline(), std::max(observation, Clock::now()));
 }
 
 void CameraDriver::step(const bus::Outbox& send) {
-  for (std::size_t i = 0; i < kMostFramesAtOnce; ++i) {
+  for (std::size_t i = 0; i < kMaxFramesAtOnce; ++i) {
     std::optional<device::CameraFrame> frame = source_->take();
     if (!frame) break;
     heard_ = Clock::now();

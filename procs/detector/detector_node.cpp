@@ -147,15 +147,16 @@ void DetectorNode::send_detections(const detection::ScanImagePair& pair, const b
   detection::DetectResult& result = judged.result;
   if (result.image_needed) health_.note_looked_at(*pair.image, !result.image_unusable);
   const std::int64_t utime = result.detections.utime;
-  const auto looks = std::move(result.looks);
+  const auto observations = std::move(result.observations);
   send_result(std::move(result), detection::turn_us(pair.scan), send);
-  adapt(utime, looks, send);
+  adapt(utime, observations, send);
 }
 
-void DetectorNode::adapt(std::int64_t utime, const std::vector<detection::AdaptationLook>& looks,
+void DetectorNode::adapt(std::int64_t utime,
+                         const std::vector<detection::AdaptationObservation>& observations,
                          const bus::Outbox& send) {
   if (!adaptation_) return;
-  const auto steps = adaptation_->add(utime, looks);
+  const auto steps = adaptation_->add(utime, observations);
   if (steps.empty()) return;
   const detection::AdaptedModel& model = adaptation_->model();
   if (rig_.detector.width.mean_m != model.width_mean_m) ++width_model_;

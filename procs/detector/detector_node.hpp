@@ -58,7 +58,7 @@ class DetectorNode : public bus::Node {
   detection::DetectResult detect_alone(const laser::Scan& scan, const detection::Rig& rig);
   JudgedPair judge(const detection::ScanImagePair& pair);
   void send_detections(const detection::ScanImagePair& pair, const bus::Outbox& send);
-  void adapt(std::int64_t utime, const std::vector<detection::AdaptationLook>& looks,
+  void adapt(std::int64_t utime, const std::vector<detection::AdaptationObservation>& observations,
              const bus::Outbox& send);
   void send_result(detection::DetectResult result, std::int64_t turn_us, const bus::Outbox& send);
   void send_views(std::vector<detection::Detections> views, const bus::Outbox& send);

@@ -19,15 +19,15 @@ constexpr std::int64_t kMovedMin = 20;
 }  // namespace
 
 void BeamTimes::note_scan(const laser::Scan& scan) {
-  turn_share_ = 0.0;
+  turn_fraction_ = 0.0;
   std::vector<double> ranges_m;
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     if (scan.valid(i) && scan.ranges_m[i] < scan.range_max_m) ranges_m.push_back(scan.ranges_m[i]);
   }
   if (scan.beam_period_us > 0.0 || ranges_m.empty()) return;
   reach_m_ = geometry::median(std::move(ranges_m));
-  turn_share_ = std::min(1.0, static_cast<double>(scan.ranges_m.size()) *
-                                  std::abs(scan.bearing_step_rad) / (2.0 * geometry::kPi));
+  turn_fraction_ = std::min(1.0, static_cast<double>(scan.ranges_m.size()) *
+                                     std::abs(scan.bearing_step_rad) / (2.0 * geometry::kPi));
 }
 
 void BeamTimes::note_pose(std::int64_t utime, const geometry::Pose2& T_map_base) {
@@ -35,10 +35,11 @@ void BeamTimes::note_pose(std::int64_t utime, const geometry::Pose2& T_map_base)
   const bool follows = utime_ != 0 && since_s > 0.0 && since_s <= gap_max_s_;
   // A scanner turns once from a scan to the next at most: what base moves meanwhile is the most
   // that it moves during the part of the turn that shows something.
-  if (turn_share_ > 0.0 && follows) {
+  if (turn_fraction_ > 0.0 && follows) {
     const double turned_rad = geometry::wrap_angle_rad(T_map_base.yaw_rad - yaw_rad_);
-    const double moved_m = turn_share_ * (std::hypot(T_map_base.x_m - x_m_, T_map_base.y_m - y_m_) +
-                                          std::abs(turned_rad) * reach_m_);
+    const double moved_m =
+        turn_fraction_ * (std::hypot(T_map_base.x_m - x_m_, T_map_base.y_m - y_m_) +
+                          std::abs(turned_rad) * reach_m_);
     ++num_scans_;
     if (moved_m > range_sd_m_) {
       ++num_moved_;

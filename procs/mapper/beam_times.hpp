@@ -26,16 +26,17 @@ class BeamTimes {
 
   template <class Archive>
   void persist(Archive& archive) {
-    archive(turn_share_, reach_m_, utime_, x_m_, y_m_, yaw_rad_, num_scans_, num_moved_,
+    archive(turn_fraction_, reach_m_, utime_, x_m_, y_m_, yaw_rad_, num_scans_, num_moved_,
             sum_moved_m_);
   }
 
  private:
   double range_sd_m_;
   double gap_max_s_;
-  double turn_share_ = 0.0;  ///< of a turn that a scan without beam times covers; 0 = it has them
-  double reach_m_ = 0.0;     ///< median range of that scan
-  std::int64_t utime_ = 0;   ///< and pose of the last scan; 0 = none
+  double turn_fraction_ =
+      0.0;                  ///< of a turn that a scan without beam times covers; 0 = it has them
+  double reach_m_ = 0.0;    ///< median range of that scan
+  std::int64_t utime_ = 0;  ///< and pose of the last scan; 0 = none
   double x_m_ = 0.0;
   double y_m_ = 0.0;
   double yaw_rad_ = 0.0;

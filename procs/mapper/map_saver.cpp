@@ -17,7 +17,7 @@ namespace orchard::procs {
 namespace {
 
 /// Drawing more than this takes over 0.1 s, and the node waits meanwhile: it is left to the end.
-constexpr std::size_t kDrawnLiveMost = 3000;
+constexpr std::size_t kDrawnLiveMax = 3000;
 
 /// So many more landmarks, one save more between two numberings.
 constexpr std::size_t kNumberedEachSave = 1000;
@@ -30,7 +30,7 @@ void MapSaver::save(const MapperNode& mapper, const bus::SaveRequest& request) {
   // finds them all.
   const bool live = request.kind != bus::SaveKind::kFinal;
   const bool quick =
-      request.kind == bus::SaveKind::kQuick || mapper.num_landmarks() > kDrawnLiveMost;
+      request.kind == bus::SaveKind::kQuick || mapper.num_landmarks() > kDrawnLiveMax;
   if (live && quick && !saved_table_.empty()) {
     save_table(numbered_landmarks(mapper));
   } else {

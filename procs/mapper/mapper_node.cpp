@@ -335,8 +335,8 @@ std::optional<geometry::Georeference> MapperNode::georeference() const {
   return georeference;
 }
 
-/// A reflector flashes in most looks, and nothing else does: where that is not so, the threshold
-/// lies within what the reflectors return.
+/// A reflector flashes in most observations, and nothing else does: where that is not so, the
+/// threshold lies within what the reflectors return.
 const std::string& MapperNode::votes_text() const {
   const std::size_t num = mapper_.num_observations();
   if (!has_reflectors_ || (!is_flushed_ && 8 * num < 9 * num_voted_)) return votes_text_;

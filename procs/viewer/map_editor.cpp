@@ -21,8 +21,8 @@ using mapping::CorrectionKind;
 using mapping::CorrectionOutcome;
 
 /// Corrections that a page lists at most; the file has them all.
-constexpr std::size_t kListedMost = 200;
-constexpr int kJsonDepthMost = 8;
+constexpr std::size_t kListedMax = 200;
+constexpr int kJsonDepthMax = 8;
 
 PageAnswer problem(int status, const std::string& words) {
   return {status, "application/json", "{\"problem\":" + view::json_text(words) + "}"};
@@ -33,7 +33,7 @@ class Fields {
  public:
   explicit Fields(const std::string& text) {
     const auto shallow = [](int depth, Json::parse_event_t, Json&) {
-      return depth < kJsonDepthMost;
+      return depth < kJsonDepthMax;
     };
     json_ = Json::parse(text, shallow, false);
     if (!json_.is_object()) throw io::FileError("an edit is a JSON object");
@@ -178,7 +178,7 @@ std::optional<std::vector<Correction>> MapEditor::if_changed() {
 std::string corrections_event(const io::CorrectedMapFolder& map) {
   std::string text = "{\"kind\":\"corrections\",\"list\":[";
   const std::size_t total = map.corrections.size();
-  for (std::size_t k = 0; k < std::min(total, kListedMost); ++k) {
+  for (std::size_t k = 0; k < std::min(total, kListedMax); ++k) {
     const Correction& c = map.corrections[total - 1 - k];
     const mapping::CorrectionResult& result = map.corrected.results.at(total - 1 - k);
     text += std::string(k > 0 ? "," : "") + "{\"n\":" + std::to_string(c.number) +

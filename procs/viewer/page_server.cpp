@@ -18,22 +18,22 @@ namespace {
 
 constexpr std::chrono::milliseconds kEventPeriod{150};  ///< a person sees no more
 constexpr std::chrono::seconds kAliveAfter{10};  ///< of silence a comment shows that it lives
-constexpr int kThreads = PageServer::kStreamsMost + 12;
+constexpr int kThreads = PageServer::kStreamsMax + 12;
 constexpr int kNextPorts = 20;
 constexpr char kEditPath[] = "/api/edit";
-constexpr std::size_t kEditMost_bytes = 16384;
-constexpr std::size_t kParametersMost = 8, kParameterMost_bytes = 100;
+constexpr std::size_t kEditMax_bytes = 16384;
+constexpr std::size_t kParametersMax = 8, kParameterMax_bytes = 100;
 
 /// What a client that does not read may leave unread in the kernel [bytes].
 constexpr int kSendBuffer = 256 * 1024;
 
 /// Connections at once, with those that wait: more are refused by the kernel.
-constexpr rlim_t kFilesMost = 512;
+constexpr rlim_t kFilesMax = 512;
 
 void limit_files() {
   rlimit limit{};
-  if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur <= kFilesMost) return;
-  limit.rlim_cur = kFilesMost;
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur <= kFilesMax) return;
+  limit.rlim_cur = kFilesMax;
   setrlimit(RLIMIT_NOFILE, &limit);
 }
 
@@ -58,8 +58,8 @@ bool is_from_own_page(const httplib::Request& request) {
 PageContent::Parameters parameters_of(const httplib::Request& request) {
   PageContent::Parameters parameters;
   for (const auto& [name, value] : request.params) {
-    if (parameters.size() >= kParametersMost) break;
-    if (name.size() <= kParameterMost_bytes && value.size() <= kParameterMost_bytes) {
+    if (parameters.size() >= kParametersMax) break;
+    if (name.size() <= kParameterMax_bytes && value.size() <= kParameterMax_bytes) {
       parameters[name] = value;
     }
   }
@@ -131,7 +131,7 @@ void PageServer::Impl::answer(const std::optional<PageAnswer>& answer,
 }
 
 void PageServer::Impl::stream(const httplib::Request& request, httplib::Response& response) {
-  if (num_streams.fetch_add(1) >= kStreamsMost) {
+  if (num_streams.fetch_add(1) >= kStreamsMax) {
     --num_streams;
     response.status = 503;
     response.set_content("As many look on already as can.\n", "text/plain");
@@ -171,7 +171,7 @@ void PageServer::Impl::stream(const httplib::Request& request, httplib::Response
 
 void PageServer::Impl::set_up() {
   server.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
-  server.set_payload_max_length(kEditMost_bytes);
+  server.set_payload_max_length(kEditMax_bytes);
   server.set_read_timeout(std::chrono::seconds(3));
   server.set_write_timeout(std::chrono::seconds(3));
   server.set_keep_alive_timeout(2);

@@ -24,7 +24,7 @@ struct PageServerOptions {
 class PageServer {
  public:
   /// Streams at once at most, each of which holds a thread; one more is told to come later (503).
-  static constexpr int kStreamsMost = 32;
+  static constexpr int kStreamsMax = 32;
 
   /// Throws std::runtime_error when the address cannot be had, or is no loopback one and there is
   /// no token. `content` outlives this.

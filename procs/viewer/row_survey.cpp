@@ -12,7 +12,7 @@ namespace orchard::procs {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::chrono::seconds kPeriodLeast{2};
+constexpr std::chrono::seconds kPeriodMin{2};
 constexpr int kRestPerWork = 20;  ///< so that it takes a twentieth of a core at most
 
 }  // namespace
@@ -31,11 +31,11 @@ RowSurvey::~RowSurvey() {
 
 void RowSurvey::run() {
   std::int64_t surveyed = 0;
-  Clock::duration rest = kPeriodLeast;
+  Clock::duration rest = kPeriodMin;
   std::unique_lock<std::mutex> lock(mutex_);
   while (!wake_.wait_for(lock, rest, [this] { return is_stopping_; })) {
     const std::int64_t revision = box_.map_revision();
-    rest = kPeriodLeast;
+    rest = kPeriodMin;
     std::optional<std::vector<mapping::Correction>> others;
     if (editor_ != nullptr) others = editor_->if_changed();
     if (others) corrections_ = std::move(*others);
@@ -60,7 +60,7 @@ void RowSurvey::run() {
     const std::int64_t num_own = box_.take_rows(
         numbered, view::rows_and_ways_json(rows, mapping::navigation_graph(landmarks, rows)));
     surveyed = revision + num_own;  // its own numbers are no news; what came meanwhile is
-    rest = std::max<Clock::duration>(kPeriodLeast, kRestPerWork * (Clock::now() - begin));
+    rest = std::max<Clock::duration>(kPeriodMin, kRestPerWork * (Clock::now() - begin));
     lock.lock();
   }
 }

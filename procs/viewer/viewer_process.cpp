@@ -17,7 +17,7 @@ namespace {
 
 /// Others measure; this one only shows.
 constexpr int kNice = 10;
-constexpr std::size_t kTokenLeast = 12;
+constexpr std::size_t kTokenMin = 12;
 
 }  // namespace
 
@@ -28,9 +28,8 @@ std::string read_token(const std::string& path) {
   const bool is_plain =
       token.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_") ==
       std::string::npos;
-  if (!file || token.size() < kTokenLeast || !is_plain) {
-    throw io::FileError(path + ": its first line must be a token of " +
-                        std::to_string(kTokenLeast) +
+  if (!file || token.size() < kTokenMin || !is_plain) {
+    throw io::FileError(path + ": its first line must be a token of " + std::to_string(kTokenMin) +
                         " letters, digits, - or _ at least; make one with: openssl rand -hex 16");
   }
   return token;

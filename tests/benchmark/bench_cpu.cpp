@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What share of one core detector, pose and mapper need together while a robot drives: user and
+// What fraction of one core detector, pose and mapper need together while a robot drives: user and
 // system time of the real processes, fed over multicast at field rate.
 #include <chrono>
 #include <cstdio>
@@ -58,11 +58,11 @@ int main() {
   double total = 0.0;
   std::string parts;
   for (std::size_t i = 0; i < processes.size(); ++i) {
-    const double share = (processes[i].cpu_s() - before_s[i]) / elapsed_s;
-    total += share;
+    const double fraction = (processes[i].cpu_s() - before_s[i]) / elapsed_s;
+    total += fraction;
     char text[80];
     std::snprintf(text, sizeof text, "%s%s %.1f %%", parts.empty() ? "" : ", ",
-                  processes[i].name().c_str(), 100.0 * share);
+                  processes[i].name().c_str(), 100.0 * fraction);
     parts += text;
   }
   std::printf("over %.1f s: %s\n", elapsed_s, parts.c_str());

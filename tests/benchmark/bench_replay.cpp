@@ -115,7 +115,7 @@ std::vector<bus::Node*> pointers(const std::vector<std::unique_ptr<bus::Node>>& 
 }
 
 /// Where the time of an in-process replay goes.
-void print_shares(const FieldDrive& drive) {
+void print_fractions(const FieldDrive& drive) {
   std::vector<std::unique_ptr<bus::Node>> timed;
   for (auto& node : make_nodes(drive.config)) {
     timed.push_back(std::make_unique<TimedNode>(std::move(node)));
@@ -164,7 +164,7 @@ Replayed bench_in_process(const FieldDrive& drive, bool& met) {
   const double factor = geometry::median(factors);
   met &= bench::print_result("replay in one process, one core", factor_text(factor),
                              ">= " + factor_text(kInProcessTarget), factor >= kInProcessTarget);
-  print_shares(drive);
+  print_fractions(drive);
   return replayed;
 }
 
@@ -223,15 +223,15 @@ void bench_lockstep(const FieldDrive& drive, const Replayed& expected,
 
 void bench_logplayer(const FieldDrive& drive, const bench::TemporaryFolder& folder) {
   for (const int capacity : {30, 0}) {
-    std::vector<double> shares;
+    std::vector<double> fractions;
     for (int i = 0; i < 3; ++i) {
       const std::int64_t received =
           bench::count_played(drive.log_path, drive.config.lcm.url, capacity, folder);
-      shares.push_back(1.0 -
-                       static_cast<double>(received) / static_cast<double>(drive.messages.size()));
+      fractions.push_back(1.0 - static_cast<double>(received) /
+                                    static_cast<double>(drive.messages.size()));
     }
     char text[64];
-    std::snprintf(text, sizeof text, "%.1f %%", 100.0 * geometry::median(shares));
+    std::snprintf(text, sizeof text, "%.1f %%", 100.0 * geometry::median(fractions));
     bench::print_figure("lcm-logplayer --speed=0 loses of the same log, subscriber's queue " +
                             (capacity > 0 ? "of " + std::to_string(capacity) + " (LCM's default)"
                                           : std::string("without limit")),

@@ -149,9 +149,9 @@ std::array<Run, 3> drive(const io::Config& config, std::uint64_t seed,
                                   Subject(config, true)};
   while (const auto sensed = simulator.next()) {
     if (const auto* image = std::get_if<vision::Image>(&*sensed)) {
-      const double share = (static_cast<double>(image->utime) - first) / duration;
+      const double fraction = (static_cast<double>(image->utime) - first) / duration;
       const vision::Image changed =
-          in_light(*image, {share * drift.blue, share * drift.red, share * drift.green});
+          in_light(*image, {fraction * drift.blue, fraction * drift.red, fraction * drift.green});
       subjects[0].handle(*image, truth);
       subjects[1].handle(changed, truth);
       subjects[2].handle(changed, truth);

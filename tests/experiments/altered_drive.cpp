@@ -75,7 +75,7 @@ LaidMap read_laid(const std::string& folder, const test::AlteredDrive& altered) 
 
 /// Rows of the map with three of the clear trees or more.
 int num_rows(const std::vector<test::ClearTree>& clear_trees, const test::MappedDrive& drive) {
-  constexpr int kTreesLeast = 3;
+  constexpr int kTreesMin = 3;
   std::map<int, int> trees_of;
   for (const test::ClearTree& tree : clear_trees) {
     for (const mapping::Landmark& landmark : drive.map) {
@@ -84,17 +84,17 @@ int num_rows(const std::vector<test::ClearTree>& clear_trees, const test::Mapped
     }
   }
   int num = 0;
-  for (const auto& [row, num_trees] : trees_of) num += num_trees >= kTreesLeast ? 1 : 0;
+  for (const auto& [row, num_trees] : trees_of) num += num_trees >= kTreesMin ? 1 : 0;
   return num;
 }
 
 void judge(const test::AlteredDrive& altered, const test::Alteration& alteration,
            const std::string& map, const std::string& laser_map) {
   const auto recording = test::tracked_messages_of(altered);
-  const auto trees = test::find_clear_trees(recording, alteration.share);
+  const auto trees = test::find_clear_trees(recording, alteration.fraction);
   const LaidMap laid = read_laid(map, altered), alone = read_laid(laser_map, altered);
-  const auto found = test::compare(trees, laid.drive.map, alteration.share);
-  const auto alone_found = test::compare(trees, alone.drive.map, alteration.share);
+  const auto found = test::compare(trees, laid.drive.map, alteration.fraction);
+  const auto alone_found = test::compare(trees, alone.drive.map, alteration.fraction);
   const auto scatter = test::tree_scatter(recording, laid.drive, trees);
   const auto same = test::same_trees(trees, laid.drive, alone.drive);
   std::printf("%-15s %5zu %5zu %5d %5d %6.3f %5d %6.3f   %5d %5d %6.3f %4d/%-4d %5d\n",

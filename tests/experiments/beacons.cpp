@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Are thin poles with reflectors found, whatever stands close behind them? 15 poles of 70 mm in two
-// rows, a board or a bush 4 to 15 cm behind each, reflectors that bloom and flash in most looks;
-// `reflector: only` and no other key. tests/experiments/beacons.sh runs it.
+// rows, a board or a bush 4 to 15 cm behind each, reflectors that bloom and flash in most
+// observations; `reflector: only` and no other key. tests/experiments/beacons.sh runs it.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -17,7 +17,8 @@ using namespace orchard;
 
 constexpr int kNumPoles = 15;
 constexpr double kDiameter_m = 0.07;
-constexpr double kDark = 0.2;  ///< share of looks in which a reflector is turned away or dirty
+constexpr double kDark =
+    0.2;  ///< fraction of observations in which a reflector is turned away or dirty
 
 struct Result {
   int found = 0, extra = 0, objects = 0;

@@ -32,7 +32,7 @@ struct Figure {
     inside += std::abs(error) <= 1.96 * sd;
   }
   double rms() const { return std::sqrt(sum2 / count); }
-  double share() const { return 100.0 * inside / count; }
+  double fraction() const { return 100.0 * inside / count; }
 };
 
 calibration::BoardConfig board_of(bool charuco) {
@@ -93,7 +93,7 @@ void run(const geometry::CameraIntrinsics& lens, bool charuco, int first, int la
   const auto print = [](const char* what, const Figure& figure, const char* limit) {
     std::printf(
         "  %-22s max %8.4f  rms %8.4f  wanted at most %-6s  in its 95 %% interval: %5.1f %%\n",
-        what, figure.largest, figure.rms(), limit, figure.share());
+        what, figure.largest, figure.rms(), limit, figure.fraction());
   };
   print("focal length error %", focal, "0.5");
   print("principal point px", centre, "1.5");

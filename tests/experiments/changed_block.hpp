@@ -20,7 +20,7 @@ struct DayChanges {
 /// What truly happened to each tree of the block, by its index; no entry: nothing. A tree that
 /// moved stands half a metre to one and a half farther along its row, one that grew is 20 to 60 mm
 /// wider (two standard deviations).
-inline std::map<int, Change> change_block(Block& block, const DayChanges& share, Dice& dice) {
+inline std::map<int, Change> change_block(Block& block, const DayChanges& fraction, Dice& dice) {
   std::map<int, Change> truth;
   int num_felled = 0;
   std::vector<int> gaps;
@@ -32,11 +32,11 @@ inline std::map<int, Change> change_block(Block& block, const DayChanges& share,
       continue;
     }
     const double die = dice.uniform(0, 1);
-    if (die < share.felled) {
+    if (die < fraction.felled) {
       t.stands = false;
       truth[index] = Change::kMissing;
       ++num_felled;
-    } else if (die < share.felled + share.moved) {
+    } else if (die < fraction.felled + fraction.moved) {
       const double way_m = dice.uniform(0.5, 1.5) * (dice.uniform(0, 1) < 0.5 ? 1.0 : -1.0);
       const Eigen::Vector2d p = t.p + Eigen::Vector2d(way_m, dice.normal(0.05));
       const bool is_free = std::all_of(
@@ -45,7 +45,7 @@ inline std::map<int, Change> change_block(Block& block, const DayChanges& share,
       if (!is_free) continue;
       t.p = p;
       truth[index] = Change::kMoved;
-    } else if (die < share.felled + share.moved + share.grown) {
+    } else if (die < fraction.felled + fraction.moved + fraction.grown) {
       t.width_m += std::max(0.01, 0.04 + dice.normal(0.01));
       truth[index] = Change::kGrown;
     }

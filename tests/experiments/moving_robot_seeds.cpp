@@ -31,7 +31,7 @@ struct Sum {
   double square_m2 = 0.0;
   double most_m = 0.0;  ///< largest excess over stop and go of a seed's RMS
   int num = 0, found = 0, trees = 0, right_class = 0;
-  long looks = 0, judged = 0;
+  long observations = 0, judged = 0;
 
   void add(const Outcome& o, double stopped_m) {
     square_m2 += o.map.trees.num * o.map.trees.rms_m * o.map.trees.rms_m;
@@ -39,7 +39,7 @@ struct Sum {
     most_m = std::max(most_m, o.map.trees.rms_m - stopped_m);
     trees += o.map.num_trees;
     right_class += o.map.confusion[1][1];
-    looks += o.num_tree_looks;
+    observations += o.num_tree_observations;
     judged += o.num_judged_tree;
   }
   double rms_mm() const { return num > 0 ? 1e3 * std::sqrt(square_m2 / num) : 0.0; }
@@ -78,11 +78,12 @@ int compare(Config config, unsigned long first, unsigned long last) {
               "trees");
   for (int i = 0; i < kNumVariants; ++i) {
     const Sum& s = sums[static_cast<std::size_t>(i)];
-    std::printf(
-        "%-56s %9.1f %+9.1f %+10.1f %10.1f%% %4d/%d\n", kNames[i], s.rms_mm(),
-        s.rms_mm() - sums[0].rms_mm(), 1e3 * s.most_m,
-        s.looks > 0 ? 100.0 * static_cast<double>(s.judged) / static_cast<double>(s.looks) : 0.0,
-        s.right_class, s.trees);
+    std::printf("%-56s %9.1f %+9.1f %+10.1f %10.1f%% %4d/%d\n", kNames[i], s.rms_mm(),
+                s.rms_mm() - sums[0].rms_mm(), 1e3 * s.most_m,
+                s.observations > 0
+                    ? 100.0 * static_cast<double>(s.judged) / static_cast<double>(s.observations)
+                    : 0.0,
+                s.right_class, s.trees);
   }
   const bool kept =
       sums[2].rms_mm() - sums[0].rms_mm() <= 10.0 && sums[4].rms_mm() - sums[0].rms_mm() <= 10.0;
@@ -100,7 +101,7 @@ int find_delays(const Config& config, unsigned long first, unsigned long last) {
           {orchard::test::drive(seed, config, {0.0375, delay_s})}, config);
       worst_ms = std::max(worst_ms, 1e3 * std::abs(found.delay_s - delay_s));
       std::printf("%-8lu %10.1f %10.2f %8.2f %8d %10.2f\n", seed, 1e3 * delay_s,
-                  1e3 * found.delay_s, 1e3 * found.se_s, found.num_looks, found.offset_px);
+                  1e3 * found.delay_s, 1e3 * found.se_s, found.num_observations, found.offset_px);
     }
   }
   std::printf("worst error %.2f ms; within 5 ms: %s\n", worst_ms, worst_ms <= 5.0 ? "yes" : "NO");

@@ -23,7 +23,7 @@ namespace {
 
 using namespace orchard;
 
-constexpr double kGapLeast_s = 15.0;
+constexpr double kGapMin_s = 15.0;
 
 /// A fix is good where its error is one that its claim bears out.
 constexpr double kGood_sigma = 3.0;
@@ -58,11 +58,11 @@ double nees2(const pose::PoseEstimate& pose, const simulation::Pose2& truth) {
   return e.dot(P.inverse() * e);
 }
 
-/// Errors outside of gaps, and in each as a share of the way driven in it.
+/// Errors outside of gaps, and in each as a fraction of the way driven in it.
 struct Judged {
   Errors outside, inside;
-  double share_worst = 0.0;
-  int num_shares_good = 0;
+  double fraction_worst = 0.0;
+  int num_fractions_good = 0;
 };
 
 Judged judge(const std::vector<PathPoint>& path, const std::vector<Gap>& gaps,
@@ -83,9 +83,9 @@ Judged judge(const std::vector<PathPoint>& path, const std::vector<Gap>& gaps,
     }
   }
   for (std::size_t i = 0; i < gaps.size(); ++i) {
-    const double share = in_gap[i].rms_m() / std::max(gaps[i].way_m, 1.0);
-    judged.share_worst = std::max(judged.share_worst, share);
-    if (share <= 0.01) ++judged.num_shares_good;
+    const double fraction = in_gap[i].rms_m() / std::max(gaps[i].way_m, 1.0);
+    judged.fraction_worst = std::max(judged.fraction_worst, fraction);
+    if (fraction <= 0.01) ++judged.num_fractions_good;
   }
   return judged;
 }
@@ -120,7 +120,7 @@ void run(const io::Config& config, simulation::SceneKind kind, unsigned long see
   int num_fixes = 0, num_good_left_out = 0;
   double nees_live = 0.0, nees_smooth = 0.0;
   const auto add_gap = [&](double now_s) {
-    if (now_s - last_fix_s < kGapLeast_s) return;
+    if (now_s - last_fix_s < kGapMin_s) return;
     double way_m = 0.0;
     for (double t = last_fix_s; t < now_s; t += 0.5) {
       const auto a = simulator.scene().path.pose_at(t);
@@ -194,8 +194,8 @@ void run(const io::Config& config, simulation::SceneKind kind, unsigned long see
       "%4lu %5d %3zu  %7.3f %7.3f %7.3f  %7.3f %7.3f %7.3f  %5.2f %3d  %4d %5.1f  %6.2f %6.2f  "
       "%s\n",
       seed, num_fixes, gaps.size(), now.outside.rms_m(), now.outside.most_m, now.inside.rms_m(),
-      then.outside.rms_m(), then.outside.most_m, then.inside.rms_m(), 100.0 * then.share_worst,
-      then.num_shares_good, num_good_left_out, left_out_most_s, nees_live, nees_smooth,
+      then.outside.rms_m(), then.outside.most_m, then.inside.rms_m(), 100.0 * then.fraction_worst,
+      then.num_fractions_good, num_good_left_out, left_out_most_s, nees_live, nees_smooth,
       localiser->warning().c_str());
   std::fflush(stdout);
 }

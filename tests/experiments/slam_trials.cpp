@@ -135,8 +135,8 @@ World rows(std::uint64_t seed) {
 }
 
 /// What a scan holds of the trees.
-detection::Detections look(const World& world, std::uint64_t seed, std::int64_t utime,
-                           const Eigen::Vector3d& T_map_base, Random& random) {
+detection::Detections observe(const World& world, std::uint64_t seed, std::int64_t utime,
+                              const Eigen::Vector3d& T_map_base, Random& random) {
   detection::Detections seen;
   seen.utime = utime;
   const Eigen::Vector3d T = geometry::compose(T_map_base, {world.laser_x_m, 0.0, 0.0});
@@ -227,7 +227,7 @@ Result drive(const World& world, std::uint64_t seed, const std::string& dump) {
     slam.add(odometry);
     if (step % kOdometryPerScan != 0) continue;
     Random scan(seed, Stream::kScan, static_cast<std::uint64_t>(step));
-    slam.add(look(world, seed, utime, vector_of(pose), scan));
+    slam.add(observe(world, seed, utime, vector_of(pose), scan));
     ++result.scans;
     const std::string warning = slam.warning();
     result.lost += warning.rfind("LOST", 0) == 0;

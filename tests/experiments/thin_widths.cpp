@@ -14,9 +14,9 @@ namespace {
 
 using namespace orchard;
 
-constexpr int kNumLooks = 30;
+constexpr int kNumObservations = 30;
 constexpr double kRangeSpread =
-    0.15;  ///< the robot passes: looks are from this much nearer to farther
+    0.15;  ///< the robot passes: observations are from this much nearer to farther
 
 struct Row {
   int num = 0;
@@ -31,12 +31,12 @@ double spot_m(const simulation::ScannerConfig& scanner, double range_m) {
   return (scanner.spot_m + scanner.spot_rad * range_m) * (1.0 - (2.0 * fewest - 1.0) / kNumRays);
 }
 
-/// One trunk, looked at from `kNumLooks` places.
+/// One trunk, looked at from `kNumObservations` places.
 bool trunk(double diameter_m, double range_m, const simulation::ScannerConfig& scanner, bool wall,
            const detection::Rig& rig, simulation::Random& random, Row& row) {
   mapping::LandmarkRecord record;
   double information = 0.0;
-  for (int look = 0; look < kNumLooks; ++look) {
+  for (int observation = 0; observation < kNumObservations; ++observation) {
     const double r_m = range_m * (1.0 + kRangeSpread * random.uniform(-1.0, 1.0));
     const double bearing_rad = random.uniform(-0.3, 0.3);
     const double d_m = r_m + 0.5 * diameter_m;

@@ -10,7 +10,8 @@ namespace {
 
 const char* const kHelp =
     "two_map_trials MODE FIRST_SEED LAST_SEED\n"
-    "Blocks of 10 rows of 30 trees (4 m x 2 m, 8 % missing), mapped by drives whose looks, noise "
+    "Blocks of 10 rows of 30 trees (4 m x 2 m, 8 % missing), mapped by drives whose observations, "
+    "noise "
     "and\n"
     "slow bends are simulated without scans.\n"
     "  changes  one block before and after changes, and unchanged: what compare finds\n"

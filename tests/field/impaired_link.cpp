@@ -32,7 +32,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Frame = std::vector<unsigned char>;
 
-constexpr int kFrameMost_bytes = 65600;
+constexpr int kFrameMax_bytes = 65600;
 
 struct Impairment {
   double loss = 0.0;
@@ -81,7 +81,7 @@ class Link {
 
   /// Takes every frame that waits at one end.
   void take(int end) {
-    Frame frame(kFrameMost_bytes);
+    Frame frame(kFrameMax_bytes);
     for (;;) {
       const ssize_t size = recv(fds_[end], frame.data(), frame.size(), MSG_DONTWAIT);
       if (size <= 0) return;
@@ -128,8 +128,8 @@ class Link {
   }
 
  private:
-  void hold(int end, const Frame& frame, double share) {
-    const std::chrono::duration<double, std::milli> wait(share * impairment_.jitter_ms);
+  void hold(int end, const Frame& frame, double fraction) {
+    const std::chrono::duration<double, std::milli> wait(fraction * impairment_.jitter_ms);
     waiting_.emplace(Clock::now() + std::chrono::duration_cast<Clock::duration>(wait),
                      std::make_pair(end, frame));
   }

@@ -15,8 +15,8 @@
 namespace orchard::bus {
 namespace {
 
-constexpr int kQueue = 500;       // beyond it LCM drops what arrives
-constexpr int kMostAtOnce = 200;  // then STATUS and a stop have their turn
+constexpr int kQueue = 500;      // beyond it LCM drops what arrives
+constexpr int kMaxAtOnce = 200;  // then STATUS and a stop have their turn
 constexpr auto kSilence = std::chrono::seconds(1);
 
 }  // namespace
@@ -72,7 +72,7 @@ std::vector<pollfd> BotCoreDriver::files() { return {{lcm_get_fileno(inbox_->lcm
 Driver::Clock::time_point BotCoreDriver::deadline() { return Clock::time_point::max(); }
 
 void BotCoreDriver::step(const Outbox& send) {
-  for (int i = 0; i < kMostAtOnce; ++i) {
+  for (int i = 0; i < kMaxAtOnce; ++i) {
     if (lcm_handle_timeout(inbox_->lcm, 0) <= 0) break;
     if (inbox_->pending) std::rethrow_exception(std::exchange(inbox_->pending, nullptr));
   }

@@ -10,7 +10,7 @@
 namespace orchard::bus {
 namespace {
 
-constexpr std::size_t kMostKinds = 100;
+constexpr std::size_t kMaxKinds = 100;
 constexpr std::int64_t kLongestStep_us = 1'000'000;
 
 using device::CameraFrame;
@@ -211,7 +211,7 @@ void BotCoreTranslator::ignore(const std::string& channel, const std::string& wh
   const auto found = ignored_.find(kind);
   if (found != ignored_.end()) {
     ++found->second;
-  } else if (ignored_.size() < kMostKinds) {
+  } else if (ignored_.size() < kMaxKinds) {
     ignored_[kind] = 1;
   }
 }

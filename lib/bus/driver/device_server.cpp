@@ -26,7 +26,7 @@ namespace {
 constexpr std::size_t kLineHolds_bytes = 64 * 1024;
 
 /// A terminal that nobody has open says so to every poll: it is looked at now and then instead.
-constexpr std::chrono::milliseconds kLook{10};
+constexpr std::chrono::milliseconds kObservation{10};
 
 [[noreturn]] void throw_errno(const std::string& what) {
   throw std::system_error(errno, std::generic_category(), what);
@@ -141,7 +141,7 @@ DeviceServer::Clock::time_point DeviceServer::deadline() {
   if (const auto utime = device_->deadline()) {
     due = start_ + std::chrono::microseconds(*utime - start_utime_);
   }
-  return !is_tcp_ && line_ >= 0 && is_hung_up_ ? std::min(due, Clock::now() + kLook) : due;
+  return !is_tcp_ && line_ >= 0 && is_hung_up_ ? std::min(due, Clock::now() + kObservation) : due;
 }
 
 void DeviceServer::step() {

@@ -9,7 +9,7 @@ namespace {
 
 /// Two clocks are not read at one instant: a process may be put aside between the readings. What is
 /// below is no step that would matter to a stamp.
-constexpr std::int64_t kLeastStep_us = 1000;
+constexpr std::int64_t kMinStep_us = 1000;
 
 /// Readings that are tried for a pair that lies close together.
 constexpr int kNumReadings = 5;
@@ -36,7 +36,7 @@ Reading read_both() {
     if (best_gap_us >= 0 && gap_us >= best_gap_us) continue;
     best = {utime, utime - before_us - gap_us / 2};
     best_gap_us = gap_us;
-    if (gap_us < kLeastStep_us / 10) break;
+    if (gap_us < kMinStep_us / 10) break;
   }
   return best;
 }
@@ -48,7 +48,7 @@ HostClock::HostClock() : offset_us_(read_both().offset_us) {}
 std::int64_t HostClock::now() {
   const Reading reading = read_both();
   const std::int64_t step_us = reading.offset_us - offset_us_;
-  if (step_us > kLeastStep_us || step_us < -kLeastStep_us) {
+  if (step_us > kMinStep_us || step_us < -kMinStep_us) {
     step_us_ += step_us;
     offset_us_ = reading.offset_us;
   }

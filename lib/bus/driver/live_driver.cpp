@@ -17,7 +17,7 @@ std::string join(const std::vector<std::string>& names) {
 }
 
 /// How long a poll may last that nothing else ends: STATUS is due once a second.
-constexpr std::chrono::seconds kWaitMost{1};
+constexpr std::chrono::seconds kWaitMax{1};
 
 timespec to_timespec(std::chrono::nanoseconds time) {
   const auto ns = std::max<std::int64_t>(0, time.count());
@@ -56,7 +56,7 @@ void LiveDriver::run(StopSignal& stop) {
   if (bar_) bar_->finish();
   if (driver_.ended()) spdlog::info("the source has ended after {} messages", num_published_);
   while (driver_.ended() && options_.hold && !stop.raised()) {
-    wait({}, Clock::now() + kWaitMost, stop);
+    wait({}, Clock::now() + kWaitMax, stop);
   }
   report_.send(status());
 }
@@ -97,7 +97,7 @@ void LiveDriver::wait(std::vector<pollfd> files, Clock::time_point until, const 
   const Clock::time_point now = Clock::now();
   const Clock::time_point end =
       std::min(until, now + std::chrono::milliseconds(report_.ms_until_due()));
-  const timespec timeout = to_timespec(std::min<Clock::duration>(end - now, kWaitMost));
+  const timespec timeout = to_timespec(std::min<Clock::duration>(end - now, kWaitMax));
   if (ppoll(files.data(), files.size(), &timeout, nullptr) <= 0) return;
   if ((files[lcm].revents & POLLIN) != 0) bus_.handle(0);
 }

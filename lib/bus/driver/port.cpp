@@ -27,10 +27,10 @@ constexpr std::chrono::milliseconds kRetryPeriod{500};
 /// How long a connection over TCP may take to be made.
 constexpr std::chrono::milliseconds kConnectWait{1000};
 
-constexpr std::size_t kReadMost_bytes = 64 * 1024;
+constexpr std::size_t kReadMax_bytes = 64 * 1024;
 
 /// What waits to be sent when a device does not read; commands are a few dozen bytes.
-constexpr std::size_t kUnsentMost_bytes = 64 * 1024;
+constexpr std::size_t kUnsentMax_bytes = 64 * 1024;
 
 constexpr std::pair<int, speed_t> kBauds[] = {
     {4800, B4800},     {9600, B9600},     {19200, B19200},   {38400, B38400},   {57600, B57600},
@@ -202,8 +202,8 @@ bool Port::finish_tcp() {
 void Port::read_into(std::string& bytes) {
   if (state_ != State::kOpen) return;
   const std::size_t before = bytes.size();
-  bytes.resize(before + kReadMost_bytes);
-  const ssize_t count = ::read(fileno_, bytes.data() + before, kReadMost_bytes);
+  bytes.resize(before + kReadMax_bytes);
+  const ssize_t count = ::read(fileno_, bytes.data() + before, kReadMax_bytes);
   const int error = errno;
   bytes.resize(before + static_cast<std::size_t>(count > 0 ? count : 0));
   if (count > 0) return;
@@ -227,7 +227,7 @@ void Port::write(std::string_view bytes) {
   if (count > 0) unsent_.erase(0, static_cast<std::size_t>(count));
   if (count < 0 && errno != EAGAIN && errno != EINTR)
     return close(name() + ": " + std::strerror(errno));
-  if (unsent_.size() > kUnsentMost_bytes) close(name() + ": the device does not read");
+  if (unsent_.size() > kUnsentMax_bytes) close(name() + ": the device does not read");
 }
 
 void Port::close(const std::string& reason) {

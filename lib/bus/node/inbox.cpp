@@ -8,24 +8,24 @@ namespace orchard::bus {
 namespace {
 
 /// A gap larger than this is no matter of a network's order.
-constexpr std::int64_t kGapMost = 64;
-constexpr std::size_t kParkedMost = 128;
+constexpr std::int64_t kGapMax = 64;
+constexpr std::size_t kParkedMax = 128;
 
 }  // namespace
 
 void Inbox::add(Arrival arrival) {
   Lane& lane = lane_of(arrival.message);
   const bool is_image = channel_of(arrival.message) == Channel::kImage;
-  if (is_image && lane.num_ready >= kImagesMost) drop_oldest_image();
-  if (lane.num_ready + lane.parked.size() >= kMessagesMost ||
-      num_bytes_ + arrival.num_bytes > kBytesMost) {
+  if (is_image && lane.num_ready >= kImagesMax) drop_oldest_image();
+  if (lane.num_ready + lane.parked.size() >= kMessagesMax ||
+      num_bytes_ + arrival.num_bytes > kBytesMax) {
     ++num_dropped_;
     return;
   }
   num_bytes_ += arrival.num_bytes;
   const std::int32_t seq = seq_of(arrival.message);
   const std::int64_t gap = lane.last_seq ? std::int64_t{seq} - *lane.last_seq : 1;
-  if (gap < 2 || gap > kGapMost || lane.parked.size() >= kParkedMost) {
+  if (gap < 2 || gap > kGapMax || lane.parked.size() >= kParkedMax) {
     pass(lane, std::move(arrival));
   } else {
     const auto after = std::upper_bound(
@@ -40,7 +40,7 @@ void Inbox::add(Arrival arrival) {
 void Inbox::pass(Lane& lane, Arrival arrival) {
   const std::int32_t seq = seq_of(arrival.message);
   // A duplicate or one of long ago leaves the count where it is; a source begun again does not.
-  if (!lane.last_seq || seq > *lane.last_seq || *lane.last_seq - seq > kGapMost) {
+  if (!lane.last_seq || seq > *lane.last_seq || *lane.last_seq - seq > kGapMax) {
     lane.last_seq = seq;
   }
   ++lane.num_ready;

@@ -21,10 +21,10 @@ class Inbox {
   /// How long a message waits for one before it that is missing: networks swap within less.
   static constexpr std::chrono::milliseconds kReorderWait{60};
   /// Messages of a channel, and bytes of all, that wait at most: what is more is dropped.
-  static constexpr std::size_t kMessagesMost = 2000;
-  static constexpr std::size_t kBytesMost = 64 << 20;
+  static constexpr std::size_t kMessagesMax = 2000;
+  static constexpr std::size_t kBytesMax = 64 << 20;
   /// Pictures that wait for a slow node; of more the oldest is dropped, since the newest matter.
-  static constexpr std::size_t kImagesMost = 4;
+  static constexpr std::size_t kImagesMax = 4;
 
   struct Arrival {
     Clock::time_point time;

@@ -14,14 +14,14 @@ using Seconds = std::chrono::duration<double>;
 /// A channel is stale after so many of its usual periods, and not before half a second: a busy
 /// machine may delay ten scans a second by a few of theirs.
 constexpr double kPeriodsSilent = 3.0;
-constexpr Seconds kSilentLeast{0.5};
+constexpr Seconds kSilentMin{0.5};
 
 /// Gaps that must be known before a period is.
-constexpr std::size_t kGapsLeast = 2;
+constexpr std::size_t kGapsMin = 2;
 
 constexpr std::size_t kSecondsCounted = 10;
 
-std::string share(const char* what, std::int64_t num, std::int64_t num_all) {
+std::string fraction(const char* what, std::int64_t num, std::int64_t num_all) {
   if (num <= 0) return {};
   const double percent =
       100.0 * static_cast<double>(num) / static_cast<double>(std::max(num, num_all));
@@ -38,7 +38,7 @@ void InputWatch::note(Channel channel, Clock::time_point now) {
 
 /// The median: one long silence does not make the next one usual.
 std::optional<Seconds> InputWatch::period(const Input& input) {
-  if (input.num_gaps < kGapsLeast) return std::nullopt;
+  if (input.num_gaps < kGapsMin) return std::nullopt;
   auto gaps = input.gaps;
   const std::size_t num = std::min(input.num_gaps, gaps.size());
   const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(num / 2);
@@ -49,7 +49,7 @@ std::optional<Seconds> InputWatch::period(const Input& input) {
 std::optional<InputWatch::Clock::time_point> InputWatch::stale_from(const Input& input) {
   const std::optional<Seconds> usual = period(input);
   if (!usual) return std::nullopt;
-  const Seconds silence = std::max(kSilentLeast, kPeriodsSilent * *usual);
+  const Seconds silence = std::max(kSilentMin, kPeriodsSilent * *usual);
   return *input.last + std::chrono::duration_cast<Clock::duration>(silence);
 }
 
@@ -111,24 +111,24 @@ std::string InputWatch::text(Channel channel, Clock::time_point now) const {
   const std::int64_t num_used =
       input.seconds.size() > 1 ? input.seconds.back().num_used - input.seconds.front().num_used : 0;
   const std::int64_t num_sent = num_used + counts.num_lost;
-  std::string shares = share("lost", counts.num_lost, num_sent) +
-                       share("late", counts.num_reordered, num_sent) +
-                       share("duplicate", counts.num_duplicate, num_sent);
+  std::string fractions = fraction("lost", counts.num_lost, num_sent) +
+                          fraction("late", counts.num_reordered, num_sent) +
+                          fraction("duplicate", counts.num_duplicate, num_sent);
   if (counts.num_leaps > 0) {
-    shares += ", " + std::to_string(counts.num_leaps) + " refused: they leap in time or number";
+    fractions += ", " + std::to_string(counts.num_leaps) + " refused: they leap in time or number";
   }
-  if (counts.num_contests > 2) shares += ", from two sources";
+  if (counts.num_contests > 2) fractions += ", from two sources";
   if (counts.num_restarts > 0) {
-    shares += ", its source began again";
+    fractions += ", its source began again";
     if (counts.clock_change_s != 0.0) {
-      shares += " and its clock was set by " + fixed_text(counts.clock_change_s, 1) + " s";
+      fractions += " and its clock was set by " + fixed_text(counts.clock_change_s, 1) + " s";
     }
   }
   if (input.stale) {
     return name + " is STALE: silent for " + fixed_text(Seconds(now - *input.last).count(), 1) +
-           " s (came every " + fixed_text(period(input)->count(), 2) + " s)" + shares;
+           " s (came every " + fixed_text(period(input)->count(), 2) + " s)" + fractions;
   }
-  return shares.empty() ? "" : name + " in the last 10 s: " + shares.substr(2);
+  return fractions.empty() ? "" : name + " in the last 10 s: " + fractions.substr(2);
 }
 
 }  // namespace orchard::bus

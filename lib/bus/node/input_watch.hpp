@@ -14,8 +14,8 @@
 
 namespace orchard::bus {
 
-/// How the input channels of a live process fare: which came and has fallen silent, and what share
-/// of each was lost lately. The clock is that of arrival.
+/// How the input channels of a live process fare: which came and has fallen silent, and what
+/// fraction of each was lost lately. The clock is that of arrival.
 class InputWatch {
  public:
   using Clock = std::chrono::steady_clock;

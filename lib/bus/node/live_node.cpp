@@ -18,12 +18,12 @@ constexpr std::chrono::seconds kSavePeriod{1};
 constexpr std::chrono::seconds kFullSavePeriod{30};
 
 /// How long a due save lets waiting messages go first.
-constexpr std::chrono::milliseconds kSaveDelayMost{100};
+constexpr std::chrono::milliseconds kSaveDelayMax{100};
 
 /// After a stop: what was sent before still counts, and LCM's thread may not have read it all. So
 /// long it is taken in, and worked off.
-constexpr std::chrono::milliseconds kTakeInMost{500};
-constexpr std::chrono::milliseconds kWorkOffMost{1000};
+constexpr std::chrono::milliseconds kTakeInMax{500};
+constexpr std::chrono::milliseconds kWorkOffMax{1000};
 constexpr int kQuiet_ms = 30;
 
 /// How long one that may only run alone listens for another before it begins, and how long it
@@ -36,7 +36,7 @@ constexpr std::size_t kLateSeconds = 10;
 constexpr std::int64_t kLateFew = 2;
 
 /// Messages taken from LCM before one is handed over, so that a flood cannot starve the node.
-constexpr int kDrainMost = 200;
+constexpr int kDrainMax = 200;
 
 const char* publisher_of(Channel channel) {
   switch (channel) {
@@ -123,11 +123,11 @@ void LiveNode::wait(StopSignal& stop) {
 }
 
 void LiveNode::use_up() {
-  const Clock::time_point taken_in = Clock::now() + kTakeInMost;
+  const Clock::time_point taken_in = Clock::now() + kTakeInMax;
   while (Clock::now() < taken_in && bus_.handle(kQuiet_ms)) {
   }
   inbox_.release_all();
-  const Clock::time_point worked_off = Clock::now() + kWorkOffMost;
+  const Clock::time_point worked_off = Clock::now() + kWorkOffMax;
   while (Clock::now() < worked_off && handle_next()) {
   }
   if (inbox_.size() > 0) spdlog::warn("{} messages were left unused at the stop", inbox_.size());
@@ -196,7 +196,7 @@ void LiveNode::take(const Message& message, Bytes bytes) {
 }
 
 void LiveNode::drain() {
-  for (int i = 0; i < kDrainMost && bus_.handle(0); ++i) {
+  for (int i = 0; i < kDrainMax && bus_.handle(0); ++i) {
   }
 }
 
@@ -214,7 +214,7 @@ void LiveNode::save_when_due() {
   if (!save_ || !changed_) return;
   const bool idle = inbox_.size() == 0;
   const Clock::time_point now = Clock::now();
-  if (now < (idle ? next_save_ : next_save_ + kSaveDelayMost)) return;
+  if (now < (idle ? next_save_ : next_save_ + kSaveDelayMax)) return;
   next_save_ = now + kSavePeriod;
   const bool full = idle && now >= next_full_save_;
   save_now(full ? SaveKind::kFull : SaveKind::kQuick);

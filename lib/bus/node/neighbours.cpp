@@ -20,7 +20,7 @@ constexpr std::chrono::seconds kConfigGoneAfter{25};
 constexpr std::chrono::seconds kClockStepSaid{60};
 
 /// Names come from outside: only so many are remembered.
-constexpr std::size_t kProcessesMost = 64;
+constexpr std::size_t kProcessesMax = 64;
 
 /// STATUS that are compared for the offset of clocks.
 constexpr std::size_t kOffsets = 4;
@@ -46,7 +46,7 @@ bool Neighbours::note(const Status& status, std::int64_t wall_utime, Clock::time
   });
   const bool is_new = known == processes_.end() || now - known->heard > kGoneAfter;
   if (known == processes_.end()) {
-    if (processes_.size() >= kProcessesMost) {
+    if (processes_.size() >= kProcessesMax) {
       processes_.erase(
           std::min_element(processes_.begin(), processes_.end(),
                            [](const Process& a, const Process& b) { return a.heard < b.heard; }));
@@ -62,7 +62,7 @@ bool Neighbours::note(const Status& status, std::int64_t wall_utime, Clock::time
 }
 
 void Neighbours::note(const ConfigNotice& notice, Clock::time_point now) {
-  if (configs_.size() >= kProcessesMost && configs_.count(notice.name) == 0) configs_.clear();
+  if (configs_.size() >= kProcessesMax && configs_.count(notice.name) == 0) configs_.clear();
   configs_[notice.name] = {notice.hash, now};
 }
 

@@ -22,17 +22,17 @@ constexpr std::int64_t kBeforeFirst_us = 1'000'000;
 
 /// However slow a channel is, so much ahead of how it kept its time needs others that agree: more
 /// than a link that catches up skips.
-constexpr std::int64_t kAheadMost_us = 2'000'000;
+constexpr std::int64_t kAheadMax_us = 2'000'000;
 
 /// A number may go on so many times as fast as the channel's rate says: a source that was slow
 /// for long, and whose rate is known from that.
-constexpr std::int64_t kRateMost = 4;
+constexpr std::int64_t kRateMax = 4;
 
 /// Of what was accepted last, so many steps tell how a channel keeps its time.
-constexpr std::size_t kStepsLeast = 7;
+constexpr std::size_t kStepsMin = 7;
 
 /// Longer than a robot pauses in a drive; what leaps farther needs others that agree.
-constexpr std::int64_t kPauseMost_us = std::int64_t{4} * 3600 * 1'000'000;
+constexpr std::int64_t kPauseMax_us = std::int64_t{4} * 3600 * 1'000'000;
 
 /// A channel that was silent for so many messages of the others does not say what time it is.
 constexpr std::int64_t kTimeGoodFor = 1000;
@@ -76,7 +76,7 @@ bool SequenceGate::follows(const Stamp& last, const Stamp& next) {
 bool SequenceGate::is_pause(const Stamp& last, const Stamp& next) {
   if (!last.arrival_us || !next.arrival_us) return false;
   const std::int64_t passed_us = next.utime - last.utime;
-  return passed_us > 0 && passed_us <= kPauseMost_us &&
+  return passed_us > 0 && passed_us <= kPauseMax_us &&
          std::abs(*next.arrival_us - *last.arrival_us - passed_us) <= kLeap_us;
 }
 
@@ -84,7 +84,7 @@ void SequenceGate::Pace::note(const Stamp& before, const Stamp& stamp) {
   if (!before.arrival_us || !stamp.arrival_us || stamp.seq <= before.seq) return;
   const std::int64_t lead_us = stamp.utime - *stamp.arrival_us;
   const bool is_clock_set =
-      num_ >= kStepsLeast && std::abs(lead_us - expected_lead_us(steps_, num_)) > kAheadMost_us;
+      num_ >= kStepsMin && std::abs(lead_us - expected_lead_us(steps_, num_)) > kAheadMax_us;
   if (is_clock_set) num_ = 0;
   steps_[num_++ % kRecent] = {lead_us, (stamp.utime - before.utime) / (stamp.seq - before.seq)};
 }
@@ -102,17 +102,17 @@ std::int64_t SequenceGate::Pace::median(std::int64_t Step::*of) const {
 bool SequenceGate::Pace::is_early(const Stamp& last, const Stamp& next) const {
   if (!last.arrival_us || !next.arrival_us) return false;
   const std::int64_t lead_us = next.utime - *next.arrival_us;
-  if (num_ < kStepsLeast) return lead_us - (last.utime - *last.arrival_us) > kAheadMost_us;
+  if (num_ < kStepsMin) return lead_us - (last.utime - *last.arrival_us) > kAheadMax_us;
   const std::int64_t period_us = median(&Step::period_us);
   const std::int64_t few_us =
-      period_us > 0 ? std::min(kNumToBelieve * period_us, kAheadMost_us) : kAheadMost_us;
+      period_us > 0 ? std::min(kNumToBelieve * period_us, kAheadMax_us) : kAheadMax_us;
   return lead_us - expected_lead_us(steps_, num_) > few_us;
 }
 
 bool SequenceGate::Pace::skips(const Stamp& last, const Stamp& next) const {
-  if (num_ < kStepsLeast) return false;
+  if (num_ < kStepsMin) return false;
   const std::int64_t num_skipped = std::int64_t{next.seq} - last.seq - kNumToBelieve;
-  return num_skipped * median(&Step::period_us) > kRateMost * (next.utime - last.utime);
+  return num_skipped * median(&Step::period_us) > kRateMax * (next.utime - last.utime);
 }
 
 bool SequenceGate::others_are_at(Channel channel, std::int64_t utime) const {

@@ -9,8 +9,8 @@
 namespace orchard::bus {
 namespace {
 
-constexpr std::size_t kSamplesMost = 4096;
-constexpr std::size_t kSamplesLeast = 20;
+constexpr std::size_t kSamplesMax = 4096;
+constexpr std::size_t kSamplesMin = 20;
 
 /// Half of the delays of a channel lie within this of each other, or its log was not recorded as it
 /// was measured: it was played faster, or its times are made up.
@@ -26,9 +26,9 @@ constexpr std::int64_t kApart_us = 300'000;
 constexpr std::array<Channel, 5> kPrompt = {Channel::kScan, Channel::kScanRear, Channel::kImage,
                                             Channel::kOdometry, Channel::kImu};
 
-std::int64_t quantile(std::vector<std::int64_t> values, double share) {
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+std::int64_t quantile(std::vector<std::int64_t> values, double fraction) {
+  const auto at = values.begin() +
+                  static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
@@ -55,7 +55,7 @@ void ArrivalDelays::add(Channel channel, std::int64_t utime, std::int64_t record
   Sample& sample = samples_[static_cast<std::size_t>(channel)];
   if (sample.num++ % sample.every != 0) return;
   sample.delays_us.push_back(recorded_utime - utime);
-  if (sample.delays_us.size() < kSamplesMost) return;
+  if (sample.delays_us.size() < kSamplesMax) return;
   sample.every *= 2;
   for (std::size_t i = 1; 2 * i < sample.delays_us.size(); ++i) {
     sample.delays_us[i] = sample.delays_us[2 * i];
@@ -67,7 +67,7 @@ std::vector<std::string> ArrivalDelays::warnings() const {
   std::vector<Delay> delays;
   for (const Channel channel : kPrompt) {
     const std::vector<std::int64_t>& all = samples_[static_cast<std::size_t>(channel)].delays_us;
-    if (all.size() < kSamplesLeast) continue;
+    if (all.size() < kSamplesMin) continue;
     if (quantile(all, 0.75) - quantile(all, 0.25) > kSteady_us) continue;
     delays.push_back({channel, quantile(all, 0.5)});
   }

@@ -22,7 +22,7 @@ struct Stopped {};
 
 /// Messages that may follow from one input and are kept until it is done: strangers must not fill
 /// the memory.
-constexpr std::size_t kOutputsMost = 100'000;
+constexpr std::size_t kOutputsMax = 100'000;
 
 /// One message as acknowledgements name it. For REPLAY, seq tells BEGIN and END apart.
 struct MessageId {
@@ -241,8 +241,8 @@ class Exchange {
   void on_output(const Message& message, Bytes bytes) {
     const MessageId id{channel_of(message), seq_of(message)};
     announced_.erase(id);
-    if (is_past(id)) return;                      // sent again
-    if (outputs_.size() >= kOutputsMost) return;  // no input causes so many
+    if (is_past(id)) return;                     // sent again
+    if (outputs_.size() >= kOutputsMax) return;  // no input causes so many
     outputs_.emplace(
         id, Output{id.channel, id.seq, utime_of(message), {bytes.data, bytes.data + bytes.size}});
   }

@@ -9,7 +9,7 @@ namespace orchard::bus {
 namespace {
 
 constexpr int kPortsApart = 10'000;
-constexpr int kPortMost = 65'535;
+constexpr int kPortMax = 65'535;
 
 /// Those of a URL that names none (LCM's own default).
 constexpr std::string_view kDefaultAddress = "239.255.76.67";
@@ -31,7 +31,7 @@ std::string lockstep_url(const std::string& lcm_url) {
     const auto read = std::from_chars(text, network.data() + network.size(), port);
     if (read.ec != std::errc()) return lcm_url;  // LCM says what is wrong with it
   }
-  port += port + kPortsApart <= kPortMost ? kPortsApart : -kPortsApart;
+  port += port + kPortsApart <= kPortMax ? kPortsApart : -kPortsApart;
   return std::string(kScheme) + address + ":" + std::to_string(port) + lcm_url.substr(end);
 }
 

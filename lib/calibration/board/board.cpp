@@ -173,7 +173,7 @@ std::optional<BoardView> find_charuco(const cv::Mat& grey, const BoardConfig& bo
   BoardView view;
   bool one_row = true, one_column = true;
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    // a corner that two looks disagree on was pulled away by something else
+    // a corner that two observations disagree on was pulled away by something else
     if (far[i] || distance_px(corners[i], coarse[i]) > most_moved_px) continue;
     add_corner(corners[i], places[i], board, view);
     one_row = one_row && view.corners_m.back().y_m == view.corners_m[0].y_m;

@@ -19,7 +19,7 @@ constexpr double kDirectionGate = 0.25;     ///< of n . R l on the grid
 constexpr int kMaxStarts = 60;              ///< rotations that are refined
 constexpr double kWideGate_m = 0.30;        ///< of a line's distance from the board at first
 constexpr double kGate_m = 0.04;            ///< and at last
-constexpr double kLeastRivalGate_m = 0.01;  ///< however well the best mount fits
+constexpr double kMinRivalGate_m = 0.01;    ///< however well the best mount fits
 constexpr double kOutsideBoard_m = 0.06;    ///< that a line's middle may lie outside
 constexpr double kSameRotation_rad = 0.17;  ///< two mounts nearer than this are one
 constexpr double kSameShift_m = 0.10;
@@ -241,7 +241,7 @@ Association associate_board_lines(const std::vector<MountView>& views,
   const double num_missing = static_cast<double>(views.size()) - best.num_fitting;
   const double best_rms_m =
       kGate_m * std::sqrt(std::max(0.0, best_cost - num_missing) / std::max(1, best.num_fitting));
-  const double rival_gate_m = std::clamp(3.0 * best_rms_m, kLeastRivalGate_m, kGate_m);
+  const double rival_gate_m = std::clamp(3.0 * best_rms_m, kMinRivalGate_m, kGate_m);
   for (const Mount& mount : all) {
     if (same_mount(mount, best.mount)) continue;
     Association rival;

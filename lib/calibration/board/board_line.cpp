@@ -92,15 +92,15 @@ class LineFinder {
 
   /// The beams' own noise against the stated one, from second differences of neighbours.
   double estimate_noise(const std::vector<Beams>& runs) const {
-    std::vector<double> shares;
+    std::vector<double> fractions;
     for (const Beams& run : runs) {
       for (std::size_t i = 1; i + 1 < run.size(); ++i) {
         const double bend = run[i - 1].range_m - 2.0 * run[i].range_m + run[i + 1].range_m;
         const double stated = search_.range_sd_m + search_.range_sd_fraction * run[i].range_m;
-        if (stated > 0.0) shares.push_back(std::abs(bend) / (0.6745 * std::sqrt(6.0) * stated));
+        if (stated > 0.0) fractions.push_back(std::abs(bend) / (0.6745 * std::sqrt(6.0) * stated));
       }
     }
-    return std::clamp(geometry::median(std::move(shares)), 0.02, 1.0);
+    return std::clamp(geometry::median(std::move(fractions)), 0.02, 1.0);
   }
 
   double tolerance_m(const Beam& beam) const { return 4.5 * sd_m(beam.range_m) + 1e-3; }

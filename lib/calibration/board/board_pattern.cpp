@@ -29,11 +29,12 @@ BoardPattern::BoardPattern(const BoardConfig& board) : board_(board), outline_(o
   }
 }
 
-bool BoardPattern::marker_is_white(int marker, double column_share, double row_share) const {
-  const auto cell = [this](double share) {
-    return std::clamp(static_cast<int>(share * marker_cells_), 0, marker_cells_ - 1);
+bool BoardPattern::marker_is_white(int marker, double column_fraction, double row_fraction) const {
+  const auto cell = [this](double fraction) {
+    return std::clamp(static_cast<int>(fraction * marker_cells_), 0, marker_cells_ - 1);
   };
-  const int index = (marker * marker_cells_ + cell(row_share)) * marker_cells_ + cell(column_share);
+  const int index =
+      (marker * marker_cells_ + cell(row_fraction)) * marker_cells_ + cell(column_fraction);
   return markers_[static_cast<std::size_t>(index)] != 0;
 }
 
@@ -50,12 +51,13 @@ std::optional<bool> BoardPattern::is_white(double x_m, double y_m) const {
   }
   if ((column + row) % 2 == 0) return false;
   if (board_.kind == BoardConfig::kChessboard) return true;
-  const double marker_share = board_.marker_m / board_.square_m;
-  const double column_share = (across - column - 0.5) / marker_share + 0.5;
-  const double row_share = (down - row - 0.5) / marker_share + 0.5;
-  if (column_share < 0.0 || column_share >= 1.0 || row_share < 0.0 || row_share >= 1.0) return true;
+  const double marker_fraction = board_.marker_m / board_.square_m;
+  const double column_fraction = (across - column - 0.5) / marker_fraction + 0.5;
+  const double row_fraction = (down - row - 0.5) / marker_fraction + 0.5;
+  if (column_fraction < 0.0 || column_fraction >= 1.0 || row_fraction < 0.0 || row_fraction >= 1.0)
+    return true;
   // white squares before this one, row by row
-  return marker_is_white((row * board_.columns + column) / 2, column_share, row_share);
+  return marker_is_white((row * board_.columns + column) / 2, column_fraction, row_fraction);
 }
 
 }  // namespace orchard::calibration

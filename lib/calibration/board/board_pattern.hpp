@@ -19,7 +19,7 @@ class BoardPattern {
   std::optional<bool> is_white(double x_m, double y_m) const;
 
  private:
-  bool marker_is_white(int marker, double column_share, double row_share) const;
+  bool marker_is_white(int marker, double column_fraction, double row_fraction) const;
 
   BoardConfig board_;
   BoardOutline outline_;

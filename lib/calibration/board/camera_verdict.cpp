@@ -67,8 +67,8 @@ class Judge {
                          (num_empty > 1 ? "s" : "") +
                          " of the picture, where the lens bends most; show it there");
     }
-    if (coverage.share() < rules_.least_coverage) {
-      reasons_.push_back("only " + fixed_text(100.0 * coverage.share(), 0) +
+    if (coverage.fraction() < rules_.least_coverage) {
+      reasons_.push_back("only " + fixed_text(100.0 * coverage.fraction(), 0) +
                          " % of the picture was covered by the board, " +
                          fixed_text(100.0 * rules_.least_coverage, 0) +
                          " % are needed; move it all over the picture");
@@ -188,7 +188,7 @@ class Judge {
 
 }  // namespace
 
-double CameraCoverage::share() const {
+double CameraCoverage::fraction() const {
   if (corners.empty()) return 0.0;
   const auto seen = std::count_if(corners.begin(), corners.end(), [](int n) { return n > 0; });
   return static_cast<double>(seen) / static_cast<double>(corners.size());

@@ -10,7 +10,7 @@
 namespace orchard::calibration {
 namespace {
 
-constexpr std::size_t kMostPairs = 10;
+constexpr std::size_t kMaxPairs = 10;
 
 bool same_corners(const BoardView& a, const BoardView& b) {
   if (a.corners_m.size() != b.corners_m.size()) return false;
@@ -70,7 +70,7 @@ std::vector<StillView> still_views(const std::vector<BoardPair>& pairs, double s
   std::vector<StillView> views;
   for (std::size_t first = 0; first < pairs.size();) {
     std::size_t last = first + 1;
-    while (last < pairs.size() && last - first < kMostPairs &&
+    while (last < pairs.size() && last - first < kMaxPairs &&
            same_corners(pairs[first].board, pairs[last].board) &&
            same_shape(pairs[first].scan, pairs[last].scan) &&
            largest_shift_px(pairs[first].board, pairs[last].board) <= shift_max_px &&

@@ -12,9 +12,9 @@ namespace orchard::calibration {
 namespace {
 
 /// Where a view shows the board, how large and how tilted; each number varies by about 1.
-using Look = std::array<double, 5>;
+using Observation = std::array<double, 5>;
 
-Look look_of(const BoardView& view, int width_px, int height_px) {
+Observation observation_of(const BoardView& view, int width_px, int height_px) {
   const auto n = static_cast<double>(view.corners_px.size());
   double x_px = 0.0, y_px = 0.0;
   for (const ImagePoint& corner : view.corners_px) {
@@ -32,19 +32,19 @@ Look look_of(const BoardView& view, int width_px, int height_px) {
     picture.emplace_back(static_cast<float>(view.corners_px[i].x_px / width_px),
                          static_cast<float>(view.corners_px[i].y_px / width_px));
   }
-  Look look{2.0 * x_px / width_px, 2.0 * y_px / height_px, 0.0, 0.0, 0.0};
+  Observation observation{2.0 * x_px / width_px, 2.0 * y_px / height_px, 0.0, 0.0, 0.0};
   const cv::Mat H = cv::findHomography(board, picture);
-  if (H.empty()) return look;
+  if (H.empty()) return observation;
   const double size =
       std::abs(H.at<double>(0, 0) * H.at<double>(1, 1) - H.at<double>(0, 1) * H.at<double>(1, 0));
-  look[2] = 0.5 * std::log(std::max(size, 1e-6));
+  observation[2] = 0.5 * std::log(std::max(size, 1e-6));
   // perspective: how much nearer one end of the board is than the other
-  look[3] = 3.0 * std::clamp(H.at<double>(2, 0), -1.0, 1.0);
-  look[4] = 3.0 * std::clamp(H.at<double>(2, 1), -1.0, 1.0);
-  return look;
+  observation[3] = 3.0 * std::clamp(H.at<double>(2, 0), -1.0, 1.0);
+  observation[4] = 3.0 * std::clamp(H.at<double>(2, 1), -1.0, 1.0);
+  return observation;
 }
 
-double distance2(const Look& a, const Look& b) {
+double distance2(const Observation& a, const Observation& b) {
   double sum = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
   return sum;
@@ -59,15 +59,16 @@ std::vector<std::size_t> select_spread(const std::vector<NamedView>& views, int 
     for (std::size_t i = 0; i < views.size(); ++i) selected.push_back(i);
     return selected;
   }
-  std::vector<Look> looks;
-  for (const NamedView& view : views) looks.push_back(look_of(view.view, width_px, height_px));
+  std::vector<Observation> observations;
+  for (const NamedView& view : views)
+    observations.push_back(observation_of(view.view, width_px, height_px));
   // the one farthest from all that were taken, again and again
   std::vector<double> nearest2(views.size(), std::numeric_limits<double>::max());
   std::size_t next = 0;
   while (selected.size() < count) {
     selected.push_back(next);
     for (std::size_t i = 0; i < views.size(); ++i) {
-      nearest2[i] = std::min(nearest2[i], distance2(looks[i], looks[next]));
+      nearest2[i] = std::min(nearest2[i], distance2(observations[i], observations[next]));
     }
     next = static_cast<std::size_t>(std::max_element(nearest2.begin(), nearest2.end()) -
                                     nearest2.begin());

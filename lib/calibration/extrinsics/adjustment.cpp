@@ -16,11 +16,11 @@ namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-constexpr double kHuber = 2.5;           ///< sigmas from which a beam counts less
-constexpr double kEdgeGate_m = 0.05;     ///< an end farther from any edge is not one of the board
-constexpr double kLeastIncidence = 0.1;  ///< cosine; a grazing beam's noise is not taken as none
-constexpr int kMountSize = 6;            ///< delta, turn
-constexpr int kViewSize = 7;             ///< turn and shift of the board, range error
+constexpr double kHuber = 2.5;         ///< sigmas from which a beam counts less
+constexpr double kEdgeGate_m = 0.05;   ///< an end farther from any edge is not one of the board
+constexpr double kMinIncidence = 0.1;  ///< cosine; a grazing beam's noise is not taken as none
+constexpr int kMountSize = 6;          ///< delta, turn
+constexpr int kViewSize = 7;           ///< turn and shift of the board, range error
 
 Eigen::Vector3d bearing_vector(double bearing_rad) {
   return {std::cos(bearing_rad), std::sin(bearing_rad), 0.0};
@@ -203,7 +203,7 @@ class Adjustment {
       const double range_m = view.line.ranges_m[k];
       const Eigen::Vector3d bearing = bearing_vector(view.line.bearings_rad[k]);
       const double incidence =
-          std::max(kLeastIncidence, std::abs(normal.dot(out_.mount.R_camera_laser * bearing)));
+          std::max(kMinIncidence, std::abs(normal.dot(out_.mount.R_camera_laser * bearing)));
       const double sd_m = out_.beam_factor * incidence / averaged *
                           (noise_.beam_sd_m + noise_.beam_sd_fraction * range_m);
       problem.AddResidualBlock(

@@ -36,7 +36,7 @@ struct MountAdjustment {
   double beam_factor = 1.0;      ///< the beams' noise, found against stated
   double scan_factor = 1.0;      ///< the same of whole scans
   double scan_redundancy = 0.0;  ///< degrees of freedom behind scan_factor
-  double scale = 0.0;            ///< share by which all ranges to the board are too long
+  double scale = 0.0;            ///< fraction by which all ranges to the board are too long
   double scale_sd = 0.0;
   struct View {
     double rms_m = 0.0;         ///< of its points about its board

@@ -20,7 +20,7 @@ constexpr double kSearchOffset_px = 12.0;
 constexpr double kSearchOffsetStep_px = 0.5;
 constexpr double kVoteWidth_px = 2.0;
 constexpr double kTukey_px = 3.0;
-constexpr double kAgreeingMin = 0.4;  ///< share of looks; fewer agree by chance
+constexpr double kAgreeingMin = 0.4;  ///< fraction of observations; fewer agree by chance
 
 struct Line {
   double delay_s = 0.0;
@@ -31,16 +31,16 @@ struct Line {
   }
 };
 
-double least_residual(const DelayLook& look, const Line& line) {
-  double least = line.residual(look.offsets_px.front(), look.rate_px_per_s);
-  for (const double offset_px : look.offsets_px) {
-    const double r = line.residual(offset_px, look.rate_px_per_s);
+double least_residual(const DelayObservation& observation, const Line& line) {
+  double least = line.residual(observation.offsets_px.front(), observation.rate_px_per_s);
+  for (const double offset_px : observation.offsets_px) {
+    const double r = line.residual(offset_px, observation.rate_px_per_s);
     if (std::abs(r) < std::abs(least)) least = r;
   }
   return least;
 }
 
-Line most_agreed(const std::vector<DelayLook>& looks) {
+Line most_agreed(const std::vector<DelayObservation>& observations) {
   Line best;
   double best_votes = -1.0;
   const int num_delays = static_cast<int>(std::lround(kSearch_s / kSearchStep_s));
@@ -49,8 +49,8 @@ Line most_agreed(const std::vector<DelayLook>& looks) {
     for (int k = -num_offsets; k <= num_offsets; ++k) {
       const Line line{i * kSearchStep_s, k * kSearchOffsetStep_px};
       double votes = 0.0;
-      for (const DelayLook& look : looks) {
-        const double u = least_residual(look, line) / kVoteWidth_px;
+      for (const DelayObservation& observation : observations) {
+        const double u = least_residual(observation, line) / kVoteWidth_px;
         if (std::abs(u) < 1.0) votes += (1.0 - u * u) * (1.0 - u * u);
       }
       if (votes > best_votes) {
@@ -73,14 +73,14 @@ struct Fit {
 };
 
 /// Iterated weighted least squares; nothing when the rates do not tell delay from offset.
-std::optional<Fit> refine(const std::vector<DelayLook>& looks, Line line) {
+std::optional<Fit> refine(const std::vector<DelayObservation>& observations, Line line) {
   Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
   for (int round = 0; round < 30; ++round) {
     normal.setZero();
     Eigen::Vector2d right = Eigen::Vector2d::Zero();
-    for (const DelayLook& look : looks) {
-      const double r = least_residual(look, line);
-      const Eigen::Vector2d row(-look.rate_px_per_s, 1.0);
+    for (const DelayObservation& observation : observations) {
+      const double r = least_residual(observation, line);
+      const Eigen::Vector2d row(-observation.rate_px_per_s, 1.0);
       normal += tukey_weight(r) * row * row.transpose();
       right += tukey_weight(r) * r * row;
     }
@@ -90,12 +90,12 @@ std::optional<Fit> refine(const std::vector<DelayLook>& looks, Line line) {
     line.offset_px += step(1);
     if (std::abs(step(0)) < 1e-7 && std::abs(step(1)) < 1e-5) break;
   }
-  // What one picture's looks get wrong they get wrong together.
+  // What one picture's observations get wrong they get wrong together.
   std::map<std::int32_t, Eigen::Vector2d> scores;
-  for (const DelayLook& look : looks) {
-    const double r = least_residual(look, line);
-    const auto at = scores.try_emplace(look.picture, Eigen::Vector2d::Zero()).first;
-    at->second += tukey_weight(r) * r * Eigen::Vector2d(-look.rate_px_per_s, 1.0);
+  for (const DelayObservation& observation : observations) {
+    const double r = least_residual(observation, line);
+    const auto at = scores.try_emplace(observation.picture, Eigen::Vector2d::Zero()).first;
+    at->second += tukey_weight(r) * r * Eigen::Vector2d(-observation.rate_px_per_s, 1.0);
   }
   Eigen::Matrix2d meat = Eigen::Matrix2d::Zero();
   for (const auto& [picture, score] : scores) meat += score * score.transpose();
@@ -103,35 +103,38 @@ std::optional<Fit> refine(const std::vector<DelayLook>& looks, Line line) {
   return Fit{line, inverse * meat * inverse};
 }
 
-void require_looks(const std::vector<DelayLook>& looks, const DelayOptions& options) {
-  const int num = static_cast<int>(looks.size());
-  if (num < options.min_looks) {
-    throw std::runtime_error(fmt::format(
-        "only {} looks at trunks with both edges in the picture ({} are needed, within {:.0f} m or "
-        "less); drive past trunks with the camera on them",
-        num, options.min_looks, 5.0));
+void require_observations(const std::vector<DelayObservation>& observations,
+                          const DelayOptions& options) {
+  const int num = static_cast<int>(observations.size());
+  if (num < options.min_observations) {
+    throw std::runtime_error(
+        fmt::format("only {} observations at trunks with both edges in the picture ({} are needed, "
+                    "within {:.0f} m or "
+                    "less); drive past trunks with the camera on them",
+                    num, options.min_observations, 5.0));
   }
-  const auto num_turning =
-      static_cast<int>(std::count_if(looks.begin(), looks.end(), [&](const DelayLook& look) {
-        return std::abs(look.yaw_rate_radps) >= options.turning_radps;
+  const auto num_turning = static_cast<int>(std::count_if(
+      observations.begin(), observations.end(), [&](const DelayObservation& observation) {
+        return std::abs(observation.yaw_rate_radps) >= options.turning_radps;
       }));
-  if (num_turning < options.min_turning_looks) {
-    throw std::runtime_error(fmt::format(
-        "the robot hardly turned: {} of {} looks at a yaw rate of {:.1f} rad/s or more, so a delay "
-        "cannot be told; drive curves to both sides past trunks",
-        num_turning, num, options.turning_radps));
+  if (num_turning < options.min_turning_observations) {
+    throw std::runtime_error(
+        fmt::format("the robot hardly turned: {} of {} observations at a yaw rate of {:.1f} rad/s "
+                    "or more, so a delay "
+                    "cannot be told; drive curves to both sides past trunks",
+                    num_turning, num, options.turning_radps));
   }
 }
 
 }  // namespace
 
-std::vector<DelayLook> look_at_delay(const detection::LaserFindings& findings,
-                                     const vision::Image& image, const detection::Rig& rig,
-                                     const detection::Motion& motion, double reach_px,
-                                     std::int32_t picture) {
-  std::vector<DelayLook> looks;
+std::vector<DelayObservation> look_at_delay(const detection::LaserFindings& findings,
+                                            const vision::Image& image, const detection::Rig& rig,
+                                            const detection::Motion& motion, double reach_px,
+                                            std::int32_t picture) {
+  std::vector<DelayObservation> observations;
   const auto to_exposure = detection::to_picture(findings, image, rig, motion);
-  if (!to_exposure) return looks;
+  if (!to_exposure) return observations;
   detection::ScanToPicture before = *to_exposure, after = *to_exposure;
   before.first_beam_dt_s -= kRateStep_s;
   after.first_beam_dt_s += kRateStep_s;
@@ -141,64 +144,69 @@ std::vector<DelayLook> look_at_delay(const detection::LaserFindings& findings,
     const auto early = detection::view_of(segment, rig, before);
     const auto late = detection::view_of(segment, rig, after);
     if (!early || !late) continue;
-    DelayLook look;
-    look.picture = picture;
-    look.yaw_rate_radps = motion.yaw_rate_radps;
-    look.rate_px_per_s =
+    DelayObservation observation;
+    observation.picture = picture;
+    observation.yaw_rate_radps = motion.yaw_rate_radps;
+    observation.rate_px_per_s =
         0.5 * (late->left_x_px + late->right_x_px - early->left_x_px - early->right_x_px) /
         (2.0 * kRateStep_s);
-    for (const auto& offset : seen.offsets) look.offsets_px.push_back(offset.middle_px());
-    looks.push_back(std::move(look));
+    for (const auto& offset : seen.offsets) observation.offsets_px.push_back(offset.middle_px());
+    observations.push_back(std::move(observation));
   }
-  return looks;
+  return observations;
 }
 
-DelayEstimate estimate_delay(const std::vector<DelayLook>& looks, const DelayOptions& options) {
-  require_looks(looks, options);
-  const auto fit = refine(looks, most_agreed(looks));
+DelayEstimate estimate_delay(const std::vector<DelayObservation>& observations,
+                             const DelayOptions& options) {
+  require_observations(observations, options);
+  const auto fit = refine(observations, most_agreed(observations));
   DelayEstimate estimate;
-  estimate.num_all = static_cast<int>(looks.size());
+  estimate.num_all = static_cast<int>(observations.size());
   std::map<std::int32_t, int> pictures;
   double sum_px2 = 0.0;
-  for (const DelayLook& look : looks) {
-    const double r = fit ? least_residual(look, fit->line) : kTukey_px;
+  for (const DelayObservation& observation : observations) {
+    const double r = fit ? least_residual(observation, fit->line) : kTukey_px;
     if (std::abs(r) >= kTukey_px) continue;
-    ++estimate.num_looks;
-    ++pictures[look.picture];
+    ++estimate.num_observations;
+    ++pictures[observation.picture];
     sum_px2 += r * r;
-    if (std::abs(look.yaw_rate_radps) >= options.turning_radps) ++estimate.num_turning;
+    if (std::abs(observation.yaw_rate_radps) >= options.turning_radps) ++estimate.num_turning;
   }
   if (!fit) {
-    throw std::runtime_error(fmt::format(
-        "{} looks cannot tell a delay from a camera that is turned: the robot turned to one side "
-        "at one rate; drive curves to both sides, faster and slower ones",
-        estimate.num_all));
+    throw std::runtime_error(
+        fmt::format("{} observations cannot tell a delay from a camera that is turned: the robot "
+                    "turned to one side "
+                    "at one rate; drive curves to both sides, faster and slower ones",
+                    estimate.num_all));
   }
-  if (estimate.num_looks >= kAgreeingMin * estimate.num_all &&
-      estimate.num_turning < options.min_turning_looks) {
+  if (estimate.num_observations >= kAgreeingMin * estimate.num_all &&
+      estimate.num_turning < options.min_turning_observations) {
     throw std::runtime_error(fmt::format(
-        "of the looks that agree with one delay only {} are of curves ({} are needed): those while "
+        "of the observations that agree with one delay only {} are of curves ({} are needed): "
+        "those while "
         "turning contradict one another; check that ODOMETRY's yaw rate has the right sign and "
         "size, and that its clock is that of the laser",
-        estimate.num_turning, options.min_turning_looks));
+        estimate.num_turning, options.min_turning_observations));
   }
-  if (estimate.num_looks < kAgreeingMin * estimate.num_all) {
-    throw std::runtime_error(fmt::format(
-        "only {} of {} looks agree with one delay ({:.0f} % are needed); check camera.phi_rad, "
-        "camera.delta_m and laser.mount_* first (orchard calibrate laser-camera)",
-        estimate.num_looks, estimate.num_all, 100.0 * kAgreeingMin));
+  if (estimate.num_observations < kAgreeingMin * estimate.num_all) {
+    throw std::runtime_error(
+        fmt::format("only {} of {} observations agree with one delay ({:.0f} % are needed); check "
+                    "camera.phi_rad, "
+                    "camera.delta_m and laser.mount_* first (orchard calibrate laser-camera)",
+                    estimate.num_observations, estimate.num_all, 100.0 * kAgreeingMin));
   }
   estimate.delay_s = fit->line.delay_s;
   estimate.se_s = std::sqrt(fit->covariance(0, 0));
   estimate.offset_px = fit->line.offset_px;
   estimate.offset_se_px = std::sqrt(fit->covariance(1, 1));
-  estimate.residual_sd_px = std::sqrt(sum_px2 / std::max(1, estimate.num_looks - 2));
+  estimate.residual_sd_px = std::sqrt(sum_px2 / std::max(1, estimate.num_observations - 2));
   estimate.num_pictures = static_cast<int>(pictures.size());
   if (estimate.se_s > options.max_se_s) {
-    throw std::runtime_error(fmt::format(
-        "{} looks in {} pictures tell the delay to {:.1f} ms only; drive more and faster curves to "
-        "both sides past trunks",
-        estimate.num_looks, estimate.num_pictures, 1e3 * estimate.se_s));
+    throw std::runtime_error(
+        fmt::format("{} observations in {} pictures tell the delay to {:.1f} ms only; drive more "
+                    "and faster curves to "
+                    "both sides past trunks",
+                    estimate.num_observations, estimate.num_pictures, 1e3 * estimate.se_s));
   }
   return estimate;
 }

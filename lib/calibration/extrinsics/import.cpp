@@ -110,8 +110,8 @@ geometry::LaserCameraExtrinsics import_mount(const std::string& text, LaserAxes 
     R = R * R_toolbox_ours;
     extrinsics.phi_rad = geometry::paper_angles_rad(R);
   }
-  constexpr double kLeastAhead = 0.5;  // 60 degrees
-  if (R(2, 0) < kLeastAhead) {
+  constexpr double kMinAhead = 0.5;  // 60 degrees
+  if (R(2, 0) < kMinAhead) {
     throw std::runtime_error(
         std::string("under these axes the camera looks away from where the scanner looks "
                     "forward: try --axes ") +

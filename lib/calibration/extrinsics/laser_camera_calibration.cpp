@@ -85,7 +85,7 @@ class Calibration {
     Association association = associate_board_lines(views_, outline_);
     const int wanted =
         std::max(options_.min_views,
-                 static_cast<int>(std::ceil(options_.min_fitting_share * num_with_line)));
+                 static_cast<int>(std::ceil(options_.min_fitting_fraction * num_with_line)));
     if (association.num_fitting < wanted && find_board_scale(views_, outline_, association)) {
       return wrong_size();
     }
@@ -151,9 +151,9 @@ class Calibration {
         [&](const auto& view) { return view.disagreement <= options_.disagreement_max; });
     const double num_left_out =
         static_cast<double>(chosen.size()) - static_cast<double>(num_agreeing);
-    if (num_left_out > options_.outlier_share_max * static_cast<double>(chosen.size()))
+    if (num_left_out > options_.outlier_fraction_max * static_cast<double>(chosen.size()))
       return false;
-    // ranges that are too long by a share mean a board that is larger by it
+    // ranges that are too long by a fraction mean a board that is larger by it
     const double size = best_size / (1.0 - adjusted->scale);
     const double sd = size * std::hypot(adjusted->scale_sd, options_.noise.scale_sd_fraction);
     constexpr double kSure = 3.0;
@@ -200,7 +200,7 @@ class Calibration {
       out_.views[used[worst]].fate = Fate::kOutlier;
       used.erase(used.begin() + static_cast<std::ptrdiff_t>(worst));
       const double left_out = static_cast<double>(num_first - used.size());
-      if (left_out > options_.outlier_share_max * static_cast<double>(num_first) ||
+      if (left_out > options_.outlier_fraction_max * static_cast<double>(num_first) ||
           static_cast<int>(used.size()) < options_.min_views) {
         if (find_board_scale(views_, outline_, association)) return wrong_size();
         return "the views contradict each other: " + std::to_string(num_first - used.size()) +

@@ -15,14 +15,14 @@ namespace orchard::calibration {
 
 /// When a laser-camera calibration is believed.
 struct LaserCameraOptions {
-  int min_views = 6;                ///< with the board in picture and scan
-  double min_fitting_share = 0.5;   ///< of the views in which the scanner saw a line of its size
-  double shift_sd_max_m = 0.020;    ///< a mount less certain in any direction is refused
-  double turn_sd_max_rad = 0.0175;  ///< 1 degree
-  double disagreement_max = 5.5;    ///< sigmas from which a view is an outlier
-  double outlier_share_max = 0.34;  ///< more of them and nothing is believed
-  double board_scale_max = 0.02;    ///< a board that the ranges make this much larger is not it
-  bool use_edges = false;           ///< the outline is measured: ends of lines lie on it
+  int min_views = 6;                   ///< with the board in picture and scan
+  double min_fitting_fraction = 0.5;   ///< of the views in which the scanner saw a line of its size
+  double shift_sd_max_m = 0.020;       ///< a mount less certain in any direction is refused
+  double turn_sd_max_rad = 0.0175;     ///< 1 degree
+  double disagreement_max = 5.5;       ///< sigmas from which a view is an outlier
+  double outlier_fraction_max = 0.34;  ///< more of them and nothing is believed
+  double board_scale_max = 0.02;       ///< a board that the ranges make this much larger is not it
+  bool use_edges = false;              ///< the outline is measured: ends of lines lie on it
   RangeNoise noise;
 };
 

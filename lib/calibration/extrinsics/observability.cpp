@@ -13,7 +13,7 @@ namespace orchard::calibration {
 namespace {
 
 constexpr double kDeg = geometry::kPi / 180.0;
-constexpr double kLeastSpread = 0.05;  ///< of normals: 3 degrees
+constexpr double kMinSpread = 0.05;  ///< of normals: 3 degrees
 constexpr double kSameOrientation_rad = 6.0 * kDeg;
 constexpr double kMoved_m = 0.05;
 
@@ -72,9 +72,9 @@ std::string camera_direction(const Eigen::Vector3d& direction_camera) {
 }
 
 std::string degenerate_motion(const BoardMotion& motion) {
-  if (motion.out_of_plane >= kLeastSpread) return {};
+  if (motion.out_of_plane >= kMinSpread) return {};
   constexpr double kHardlyTilted_deg = 16.0;
-  if (motion.out_of_line < kLeastSpread || motion.tilt_max_deg < kHardlyTilted_deg) {
+  if (motion.out_of_line < kMinSpread || motion.tilt_max_deg < kHardlyTilted_deg) {
     if (motion.moved_m < kMoved_m) {
       return "the board never moved: all views show it in one place and one orientation, which "
              "determines one of six unknowns; hold it in other places, tilted to all sides";

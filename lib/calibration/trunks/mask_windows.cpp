@@ -10,9 +10,9 @@
 namespace orchard::calibration {
 namespace {
 
-constexpr int kTries = 50;              // for a window elsewhere, before the row is given up
-constexpr int kRowsPerWindow = 20;      // tries for a row with a trunk
-constexpr double kMinTrunkShare = 0.6;  // of a window on a trunk
+constexpr int kTries = 50;                 // for a window elsewhere, before the row is given up
+constexpr int kRowsPerWindow = 20;         // tries for a row with a trunk
+constexpr double kMinTrunkFraction = 0.6;  // of a window on a trunk
 
 class Uniform {
  public:
@@ -90,8 +90,8 @@ std::optional<vision::PixelRect> window_on(const Run& run, int row, const TrunkM
     return std::nullopt;
   }
   const double widest = std::min<double>(window.width_px, run.width_px);
-  const double share = static_cast<double>(counts.in(window)) / (widest * window.height_px);
-  return share >= kMinTrunkShare ? std::optional(window) : std::nullopt;
+  const double fraction = static_cast<double>(counts.in(window)) / (widest * window.height_px);
+  return fraction >= kMinTrunkFraction ? std::optional(window) : std::nullopt;
 }
 
 std::optional<vision::PixelRect> window_elsewhere(vision::PixelRect window, const TrunkMask& mask,

@@ -23,7 +23,7 @@ struct MaskWindowOptions {
   double aspect_min = 1.0;   ///< height over width, of the flattest windows
   double aspect_max = 3.0;   ///< and of the tallest
   double width_scale = 1.0;  ///< of the trunk's own width in the row
-  double scatter = 0.15;     ///< windows are off by up to this share of their width, either way
+  double scatter = 0.15;     ///< windows are off by up to this fraction of their width, either way
   int min_width_px = 6;      ///< narrower parts of a trunk are left out
   std::uint64_t seed = 1;    ///< where they lie follows from it
 };

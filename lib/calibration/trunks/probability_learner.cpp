@@ -17,12 +17,12 @@ namespace {
 
 using detection::ViewKind;
 
-constexpr int kLeastLooks = 20;
+constexpr int kMinOfAKind = 20;
 constexpr int kCorrelationSteps = 50;
 
 using TrueThing = std::pair<int, int>;  // recording, place in its truth
 
-/// Looks of one kind as the regression wants them.
+/// Observations of one kind as the regression wants them.
 MultinomialData data_of(const std::vector<ProbabilitySample>& samples, ViewKind view,
                         std::size_t num_features, const ProbabilityLearnOptions& options,
                         const std::vector<char>& is_kept) {
@@ -42,7 +42,7 @@ MultinomialData data_of(const std::vector<ProbabilitySample>& samples, ViewKind 
       data.features(static_cast<Eigen::Index>(f), static_cast<Eigen::Index>(k)) = features[f];
     }
     data.outcomes.push_back(static_cast<int>(sample.outcome));
-    // what is a look at nothing is a cluster of its own
+    // what is an observation of nothing is a cluster of its own
     int cluster = next++;
     if (sample.thing >= 0) {
       cluster = clusters.try_emplace({sample.recording, sample.thing}, cluster).first->second;
@@ -78,7 +78,7 @@ ProbabilityFit fit_weights(const std::vector<ProbabilitySample>& samples,
   return fit;
 }
 
-/// The looks at one thing as the mapper adds them up.
+/// The observations of one thing as the mapper adds them up.
 struct ThingEvidence {
   bool is_tree = false;
   double labelled_sum = 0.0, unseen_sum = 0.0;
@@ -106,9 +106,9 @@ ThingLoss loss_of_things(const std::map<TrueThing, ThingEvidence>& things,
   return {sum / n, std::sqrt(std::max(0.0, sum2 / n - sum * sum / (n * n)) / n)};
 }
 
-/// The prior is the share of trees among things. The correlation is the largest that is not worse
-/// than the best by more than a standard error: few things are wrong, so the data alone would ask
-/// for certainty.
+/// The prior is the fraction of trees among things. The correlation is the largest that is not
+/// worse than the best by more than a standard error: few things are wrong, so the data alone would
+/// ask for certainty.
 void fit_evidence(const std::vector<ProbabilitySample>& samples,
                   const std::vector<double>& probabilities, ProbabilityFit& fit) {
   double num_trees = 0.0, num = 0.0;
@@ -126,12 +126,12 @@ void fit_evidence(const std::vector<ProbabilitySample>& samples,
     if (probabilities[i] < 0.0 || sample.thing < 0) continue;
     ThingEvidence& thing = things[{sample.recording, sample.thing}];
     thing.is_tree = sample.outcome == Outcome::kTree;
-    detection::Detection look = sample.detection;
-    look.probability_tree = static_cast<float>(probabilities[i]);
-    look.probability_object = static_cast<float>(1.0 - probabilities[i]);
-    // as the mapper does: labelled looks count alone once there is one
-    const bool labelled = look.label != detection::Label::kUnseen;
-    (labelled ? thing.labelled_sum : thing.unseen_sum) += mapping::evidence_of(look, config);
+    detection::Detection observation = sample.detection;
+    observation.probability_tree = static_cast<float>(probabilities[i]);
+    observation.probability_object = static_cast<float>(1.0 - probabilities[i]);
+    // as the mapper does: labelled observations count alone once there is one
+    const bool labelled = observation.label != detection::Label::kUnseen;
+    (labelled ? thing.labelled_sum : thing.unseen_sum) += mapping::evidence_of(observation, config);
     ++(labelled ? thing.num_labelled : thing.num_unseen);
   }
   fit.num_things = static_cast<int>(things.size());
@@ -159,10 +159,10 @@ void check(const std::vector<ProbabilitySample>& samples) {
     if (detection::view_kind(sample.detection) != ViewKind::kJudged) continue;
     ++(sample.outcome == Outcome::kTree ? num_trees : num_others);
   }
-  if (num_trees >= kLeastLooks && num_others >= kLeastLooks) return;
+  if (num_trees >= kMinOfAKind && num_others >= kMinOfAKind) return;
   throw std::runtime_error("there are " + std::to_string(num_trees) +
-                           " judged looks at trees and " + std::to_string(num_others) +
-                           " at other things; at least " + std::to_string(kLeastLooks) +
+                           " judged observations at trees and " + std::to_string(num_others) +
+                           " at other things; at least " + std::to_string(kMinOfAKind) +
                            " of each are needed to learn probabilities");
 }
 

@@ -18,20 +18,20 @@ struct Weighted {
   double range_m = 0.0, width_m = 0.0, weight = 0.0;
 };
 
-/// A trunk's looks with one beam to spare, by its width in the nearer half of them.
-std::vector<Weighted> usable(std::vector<SpotLook> looks, int fewest_beams) {
+/// A trunk's observations with one beam to spare, by its width in the nearer half of them.
+std::vector<Weighted> usable(std::vector<SpotObservation> observations, int fewest_beams) {
   std::vector<double> ranges_m, widths_m;
-  for (const SpotLook& look : looks) ranges_m.push_back(look.range_m);
+  for (const SpotObservation& observation : observations) ranges_m.push_back(observation.range_m);
   const double middle_m = geometry::median(std::move(ranges_m));
-  for (const SpotLook& look : looks) {
-    if (look.range_m <= middle_m) widths_m.push_back(look.width_m);
+  for (const SpotObservation& observation : observations) {
+    if (observation.range_m <= middle_m) widths_m.push_back(observation.width_m);
   }
   const double width_m = geometry::median(std::move(widths_m));
   std::vector<Weighted> used;
-  for (const SpotLook& look : looks) {
-    const double beam_m = look.range_m * std::abs(look.beam_step_rad);
+  for (const SpotObservation& observation : observations) {
+    const double beam_m = observation.range_m * std::abs(observation.beam_step_rad);
     if (width_m < (fewest_beams + 1) * beam_m) continue;
-    used.push_back({look.range_m, look.width_m, 6.0 / (beam_m * beam_m)});
+    used.push_back({observation.range_m, observation.width_m, 6.0 / (beam_m * beam_m)});
   }
   return used;
 }
@@ -40,10 +40,12 @@ std::vector<Weighted> usable(std::vector<SpotLook> looks, int fewest_beams) {
 
 bool SpotGrowth::significant() const { return std::abs(divergence_rad) > kSignificant * se_rad; }
 
-std::optional<SpotGrowth> spot_growth(const std::vector<SpotLook>& looks, int fewest_beams) {
-  std::map<int, std::vector<SpotLook>> of_thing;
-  for (const SpotLook& look : looks) of_thing[look.thing].push_back(look);
-  // about each trunk's own means; what one trunk's looks get wrong they get wrong together
+std::optional<SpotGrowth> spot_growth(const std::vector<SpotObservation>& observations,
+                                      int fewest_beams) {
+  std::map<int, std::vector<SpotObservation>> of_thing;
+  for (const SpotObservation& observation : observations)
+    of_thing[observation.thing].push_back(observation);
+  // about each trunk's own means; what one trunk's observations get wrong they get wrong together
   struct Sums {
     double xx = 0.0, xy = 0.0;
   };
@@ -52,19 +54,19 @@ std::optional<SpotGrowth> spot_growth(const std::vector<SpotLook>& looks, int fe
   for (const auto& [thing, all] : of_thing) {
     const std::vector<Weighted> used = usable(all, fewest_beams);
     double weight = 0.0, range_m = 0.0, width_m = 0.0;
-    for (const Weighted& look : used) {
-      weight += look.weight;
-      range_m += look.weight * look.range_m;
-      width_m += look.weight * look.width_m;
+    for (const Weighted& observation : used) {
+      weight += observation.weight;
+      range_m += observation.weight * observation.range_m;
+      width_m += observation.weight * observation.width_m;
     }
     if (used.size() < 2) continue;
     range_m /= weight;
     width_m /= weight;
     Sums of_this;
-    for (const Weighted& look : used) {
-      const double x_m = look.range_m - range_m;
-      of_this.xx += look.weight * x_m * x_m;
-      of_this.xy += look.weight * x_m * (look.width_m - width_m);
+    for (const Weighted& observation : used) {
+      const double x_m = observation.range_m - range_m;
+      of_this.xx += observation.weight * x_m * x_m;
+      of_this.xy += observation.weight * x_m * (observation.width_m - width_m);
     }
     xx += of_this.xx;
     xy += of_this.xy;

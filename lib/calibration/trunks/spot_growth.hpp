@@ -7,7 +7,7 @@
 namespace orchard::calibration {
 
 /// One width of one of several trunks.
-struct SpotLook {
+struct SpotObservation {
   int thing = 0;
   double range_m = 0.0;
   double beam_step_rad = 0.0;
@@ -26,8 +26,10 @@ struct SpotGrowth {
 /// Fits width = its trunk's own + divergence x range, by least squares weighted as counts of beams
 /// are known. What the spot is wide as it leaves cannot be told from the trunks being thicker.
 ///
-/// Takes only looks at which a trunk of that width always meets more than `fewest_beams`: farther
-/// off, those that make it too narrow are missing. None where ranges or looks are too few to tell.
-std::optional<SpotGrowth> spot_growth(const std::vector<SpotLook>& looks, int fewest_beams);
+/// Takes only observations of which a trunk of that width always meets more than `fewest_beams`:
+/// farther off, those that make it too narrow are missing. None where ranges or observations are
+/// too few to tell.
+std::optional<SpotGrowth> spot_growth(const std::vector<SpotObservation>& observations,
+                                      int fewest_beams);
 
 }  // namespace orchard::calibration

@@ -12,13 +12,14 @@
 namespace orchard::calibration {
 namespace {
 
-constexpr std::size_t kMaxLooks = 12;  // at one thing
+constexpr std::size_t kMaxObservations = 12;  // at one thing
 
-/// Looks at a thing, evenly spread over all of them.
-std::vector<std::size_t> spread(const std::vector<std::size_t>& looks) {
-  if (looks.size() <= kMaxLooks) return looks;
+/// Observations of a thing, evenly spread over all of them.
+std::vector<std::size_t> spread(const std::vector<std::size_t>& observations) {
+  if (observations.size() <= kMaxObservations) return observations;
   std::vector<std::size_t> some;
-  for (std::size_t i = 0; i < kMaxLooks; ++i) some.push_back(looks[i * looks.size() / kMaxLooks]);
+  for (std::size_t i = 0; i < kMaxObservations; ++i)
+    some.push_back(observations[i * observations.size() / kMaxObservations]);
   return some;
 }
 
@@ -31,11 +32,11 @@ bool may_be_trunk(const ThingSeen& seen, const TrunkModel& model) {
              model.width_spread * model.width_mean_m;
 }
 
-double mean_confidence(const ThingSeen& seen, const std::vector<TrunkObservation>& looks,
+double mean_confidence(const ThingSeen& seen, const std::vector<TrunkObservation>& observations,
                        const vision::AppearanceConfig& config) {
   double sum = 0.0, n = 0.0;
-  for (const std::size_t i : spread(seen.looks)) {
-    for (const WindowLook& window : looks[i].on) {
+  for (const std::size_t i : spread(seen.observations)) {
+    for (const WindowObservation& window : observations[i].on) {
       sum += vision::appearance_confidence(window.features, config);
       n += 1.0;
     }
@@ -45,7 +46,7 @@ double mean_confidence(const ThingSeen& seen, const std::vector<TrunkObservation
 
 }  // namespace
 
-TrunkAppearance learn_trunk_appearance(const std::vector<TrunkObservation>& looks,
+TrunkAppearance learn_trunk_appearance(const std::vector<TrunkObservation>& observations,
                                        const TrunkModel& model,
                                        const vision::ColourConfig& colour) {
   vision::ColourConfig interval = colour;
@@ -53,7 +54,7 @@ TrunkAppearance learn_trunk_appearance(const std::vector<TrunkObservation>& look
   interval.hue_max_deg = model.hue_max_deg;
   std::vector<AppearanceSample> samples;
   std::vector<double> hue_trunk, hue_other;
-  const auto take = [&](const WindowLook& window, bool is_trunk, int group) {
+  const auto take = [&](const WindowObservation& window, bool is_trunk, int group) {
     samples.push_back({window.features, is_trunk, group});
     const double roc = vision::colour_confidence(window.hues, interval).roc;
     (is_trunk ? hue_trunk : hue_other).push_back(roc);
@@ -65,10 +66,12 @@ TrunkAppearance learn_trunk_appearance(const std::vector<TrunkObservation>& look
       doubtful.push_back(thing);
       continue;
     }
-    for (const std::size_t i : spread(seen.looks)) {
-      for (const auto& window : looks[i].on) take(window, seen.is_trunk, static_cast<int>(thing));
+    for (const std::size_t i : spread(seen.observations)) {
+      for (const auto& window : observations[i].on)
+        take(window, seen.is_trunk, static_cast<int>(thing));
       if (!seen.is_trunk) continue;
-      for (const auto& window : looks[i].beside) take(window, false, static_cast<int>(thing));
+      for (const auto& window : observations[i].beside)
+        take(window, false, static_cast<int>(thing));
     }
   }
   TrunkAppearance appearance;
@@ -76,9 +79,9 @@ TrunkAppearance learn_trunk_appearance(const std::vector<TrunkObservation>& look
   const std::size_t num_sure = samples.size();
   for (const std::size_t thing : doubtful) {
     const ThingSeen& seen = model.things[thing];
-    if (mean_confidence(seen, looks, appearance.fit.config) > kSurelyNone) continue;
-    for (const std::size_t i : spread(seen.looks)) {
-      for (const auto& window : looks[i].on) take(window, false, static_cast<int>(thing));
+    if (mean_confidence(seen, observations, appearance.fit.config) > kSurelyNone) continue;
+    for (const std::size_t i : spread(seen.observations)) {
+      for (const auto& window : observations[i].on) take(window, false, static_cast<int>(thing));
     }
   }
   if (samples.size() > num_sure) appearance.fit = learn_appearance(samples);
@@ -86,16 +89,16 @@ TrunkAppearance learn_trunk_appearance(const std::vector<TrunkObservation>& look
   return appearance;
 }
 
-std::optional<vision::WindowLight> trunk_light(const std::vector<TrunkObservation>& looks,
+std::optional<vision::WindowLight> trunk_light(const std::vector<TrunkObservation>& observations,
                                                const TrunkModel& model) {
   std::vector<double> blue, red, green;
   for (const ThingSeen& seen : model.things) {
     std::vector<double> of_thing[3];
-    for (const std::size_t i : seen.looks) {
-      if (!seen.is_trunk || !looks[i].light) continue;
-      of_thing[0].push_back(looks[i].light->blue);
-      of_thing[1].push_back(looks[i].light->red);
-      of_thing[2].push_back(looks[i].light->green);
+    for (const std::size_t i : seen.observations) {
+      if (!seen.is_trunk || !observations[i].light) continue;
+      of_thing[0].push_back(observations[i].light->blue);
+      of_thing[1].push_back(observations[i].light->red);
+      of_thing[2].push_back(observations[i].light->green);
     }
     if (of_thing[0].empty()) continue;
     blue.push_back(geometry::median(std::move(of_thing[0])));

@@ -21,13 +21,13 @@ struct TrunkAppearance {
 /// light: it teaches only if what the rest teaches takes it for none. At most a dozen looks at each
 /// thing, spread evenly, so that none weighs too much.
 ///
-/// `looks` are those of estimate_trunk_model, `colour` what they were measured with. Throws
+/// `observations` are those of estimate_trunk_model, `colour` what they were measured with. Throws
 /// std::runtime_error with one sentence when there are too few windows of a kind.
-TrunkAppearance learn_trunk_appearance(const std::vector<TrunkObservation>& looks,
+TrunkAppearance learn_trunk_appearance(const std::vector<TrunkObservation>& observations,
                                        const TrunkModel& model, const vision::ColourConfig& colour);
 
 /// The trunks' colour on the whole: the median over trunks, or none without usable pixels.
-std::optional<vision::WindowLight> trunk_light(const std::vector<TrunkObservation>& looks,
+std::optional<vision::WindowLight> trunk_light(const std::vector<TrunkObservation>& observations,
                                                const TrunkModel& model);
 
 }  // namespace orchard::calibration

@@ -15,9 +15,10 @@
 namespace orchard::calibration {
 namespace {
 
-/// Without poses a thing is followed from look to look, for this long at most.
+/// Without poses a thing is followed from observation to observation, for this long at most.
 constexpr std::int64_t kLostAfter_us = 1'000'000;
-/// A look beyond this many robust standard deviations is a mistake of segmentation, not scatter.
+/// An observation beyond this many robust standard deviations is a mistake of segmentation, not
+/// scatter.
 constexpr double kOutlier = 3.5;
 
 struct Thing {
@@ -30,18 +31,19 @@ double hue_distance_deg(double a_deg, double b_deg) {
   return std::abs(std::remainder(a_deg - b_deg, 360.0));
 }
 
-std::vector<Thing> follow_things(const std::vector<TrunkObservation>& looks,
+std::vector<Thing> follow_things(const std::vector<TrunkObservation>& observations,
                                  const TrunkModelOptions& options) {
   std::vector<Thing> things;
-  for (std::size_t i = 0; i < looks.size(); ++i) {
-    const TrunkObservation& look = looks[i];
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    const TrunkObservation& observation = observations[i];
     Thing* nearest = nullptr;
     double nearest_m = options.gate_m;
     for (Thing& thing : things) {
-      if (thing.seen.log != look.log || thing.in_map != look.in_map) continue;
-      if (thing.last_utime == look.utime) continue;  // one look per scan
-      if (!look.in_map && look.utime - thing.last_utime > kLostAfter_us) continue;
-      const double distance_m = std::hypot(thing.seen.x_m - look.x_m, thing.seen.y_m - look.y_m);
+      if (thing.seen.log != observation.log || thing.in_map != observation.in_map) continue;
+      if (thing.last_utime == observation.utime) continue;  // one observation per scan
+      if (!observation.in_map && observation.utime - thing.last_utime > kLostAfter_us) continue;
+      const double distance_m =
+          std::hypot(thing.seen.x_m - observation.x_m, thing.seen.y_m - observation.y_m);
       if (distance_m < nearest_m) {
         nearest_m = distance_m;
         nearest = &thing;
@@ -50,23 +52,24 @@ std::vector<Thing> follow_things(const std::vector<TrunkObservation>& looks,
     if (!nearest) {
       things.emplace_back();
       nearest = &things.back();
-      nearest->seen.log = look.log;
-      nearest->in_map = look.in_map;
+      nearest->seen.log = observation.log;
+      nearest->in_map = observation.in_map;
     }
-    nearest->seen.looks.push_back(i);
-    nearest->last_utime = look.utime;
-    const double share = look.in_map ? 1.0 / static_cast<double>(nearest->seen.looks.size()) : 1.0;
-    nearest->seen.x_m += share * (look.x_m - nearest->seen.x_m);
-    nearest->seen.y_m += share * (look.y_m - nearest->seen.y_m);
+    nearest->seen.observations.push_back(i);
+    nearest->last_utime = observation.utime;
+    const double fraction =
+        observation.in_map ? 1.0 / static_cast<double>(nearest->seen.observations.size()) : 1.0;
+    nearest->seen.x_m += fraction * (observation.x_m - nearest->seen.x_m);
+    nearest->seen.y_m += fraction * (observation.y_m - nearest->seen.y_m);
   }
   for (Thing& thing : things) {
     std::vector<double> widths_m;
     vision::HueHistogram hues;
-    for (const std::size_t i : thing.seen.looks) {
-      widths_m.push_back(looks[i].width_m);
-      add(looks[i].hues, hues);
+    for (const std::size_t i : thing.seen.observations) {
+      widths_m.push_back(observations[i].width_m);
+      add(observations[i].hues, hues);
     }
-    thing.seen.num_observations = static_cast<int>(thing.seen.looks.size());
+    thing.seen.num_observations = static_cast<int>(thing.seen.observations.size());
     thing.seen.median_width_m = geometry::midpoint_median(std::move(widths_m));
     thing.seen.dominant_hue_deg = vision::dominant_hue_deg(hues, options.hue_bins);
   }
@@ -90,19 +93,20 @@ std::vector<std::size_t> largest_population(const std::vector<Thing>& things,
     return !taken[i] && things[i].seen.num_observations >= options.min_observations;
   };
   std::vector<std::size_t> best;
-  int most_looks = 0;
+  int most_observations = 0;
   for (std::size_t i = 0; i < things.size(); ++i) {
     if (!counts(i)) continue;
     std::vector<std::size_t> group;
-    int num_looks = 0;
+    int num_observations = 0;
     for (std::size_t k = 0; k < things.size(); ++k) {
       if (!counts(k) || !alike(things[k].seen, things[i].seen, has_hue, options)) continue;
       group.push_back(k);
-      num_looks += things[k].seen.num_observations;
+      num_observations += things[k].seen.num_observations;
     }
-    if (group.size() > best.size() || (group.size() == best.size() && num_looks > most_looks)) {
+    if (group.size() > best.size() ||
+        (group.size() == best.size() && num_observations > most_observations)) {
       best = std::move(group);
-      most_looks = num_looks;
+      most_observations = num_observations;
     }
   }
   return best;
@@ -158,9 +162,9 @@ void compare_populations(const std::vector<Thing>& things, const std::vector<std
         " are needed): a mixed orchard, or posts like trunks; pick the trunks with --list and "
         "--trees");
   }
-  const double share =
+  const double fraction =
       static_cast<double>(trunks.size()) / static_cast<double>(trunks.size() + others.size());
-  if (share < options.share_min) {
+  if (fraction < options.fraction_min) {
     model.warnings.push_back(what + " are about as many as the " + std::to_string(trunks.size()) +
                              " taken for trunks; check with --list, and pick with --trees");
   }
@@ -233,21 +237,23 @@ std::vector<std::size_t> find_trunks(const std::vector<Thing>& things, bool has_
   return trunks;
 }
 
-/// Takes what the spot adds with range off the widths of all looks; none where it adds nothing.
-std::vector<double> widths_without_spot(const std::vector<TrunkObservation>& looks,
+/// Takes what the spot adds with range off the widths of all observations; none where it adds
+/// nothing.
+std::vector<double> widths_without_spot(const std::vector<TrunkObservation>& observations,
                                         const TrunkModelOptions& options, TrunkModel& model) {
-  std::vector<SpotLook> of_trunks;
+  std::vector<SpotObservation> of_trunks;
   for (std::size_t thing = 0; thing < model.things.size(); ++thing) {
     if (!model.things[thing].is_trunk) continue;
-    for (const std::size_t i : model.things[thing].looks) {
-      of_trunks.push_back(
-          {static_cast<int>(thing), looks[i].range_m, looks[i].beam_step_rad, looks[i].width_m});
+    for (const std::size_t i : model.things[thing].observations) {
+      of_trunks.push_back({static_cast<int>(thing), observations[i].range_m,
+                           observations[i].beam_step_rad, observations[i].width_m});
     }
   }
   model.spot = spot_growth(of_trunks, options.fewest_beams);
   const double growth = model.spot && model.spot->significant() ? model.spot->divergence_rad : 0.0;
   std::vector<double> all_m;
-  for (const TrunkObservation& look : looks) all_m.push_back(look.width_m - growth * look.range_m);
+  for (const TrunkObservation& observation : observations)
+    all_m.push_back(observation.width_m - growth * observation.range_m);
   return all_m;
 }
 
@@ -275,15 +281,15 @@ void measure_width(const std::vector<double>& all_m, std::vector<std::size_t>& u
 
 }  // namespace
 
-TrunkModel estimate_trunk_model(const std::vector<TrunkObservation>& looks,
+TrunkModel estimate_trunk_model(const std::vector<TrunkObservation>& observations,
                                 const TrunkModelOptions& options) {
   TrunkModel model;
   model.is_picked = !options.picked.empty() || !options.picked_places.empty();
   model.width_spread = options.width_spread;
-  model.has_hue = std::any_of(looks.begin(), looks.end(), [](const TrunkObservation& look) {
-    return look.hues.num_coloured > 0;
-  });
-  std::vector<Thing> things = follow_things(looks, options);
+  model.has_hue = std::any_of(
+      observations.begin(), observations.end(),
+      [](const TrunkObservation& observation) { return observation.hues.num_coloured > 0; });
+  std::vector<Thing> things = follow_things(observations, options);
   const std::vector<std::size_t> trunks = find_trunks(things, model.has_hue, options);
   for (const std::size_t i : trunks) things[i].seen.is_trunk = true;
 
@@ -292,19 +298,19 @@ TrunkModel estimate_trunk_model(const std::vector<TrunkObservation>& looks,
     model.things.push_back(thing.seen);
     if (!thing.seen.is_trunk) continue;
     ++model.num_trunks;
-    used.insert(used.end(), thing.seen.looks.begin(), thing.seen.looks.end());
+    used.insert(used.end(), thing.seen.observations.begin(), thing.seen.observations.end());
   }
-  const std::vector<double> all_m = widths_without_spot(looks, options, model);
+  const std::vector<double> all_m = widths_without_spot(observations, options, model);
   measure_width(all_m, used, model);
   model.num_observations = static_cast<int>(used.size());
-  std::vector<WidthLook> widths;
+  std::vector<WidthObservation> widths;
   for (const std::size_t i : used) {
-    widths.push_back({looks[i].range_m, looks[i].beam_step_rad, all_m[i]});
+    widths.push_back({observations[i].range_m, observations[i].beam_step_rad, all_m[i]});
   }
   model.width_by_range = width_by_range(std::move(widths));
   if (model.has_hue) {
     vision::HueHistogram hues;
-    for (const std::size_t i : used) add(looks[i].hues, hues);
+    for (const std::size_t i : used) add(observations[i].hues, hues);
     const HueInterval interval = hue_interval(hues, options.hue_tail, options.hue_margin_deg);
     model.hue_min_deg = interval.min_deg;
     model.hue_max_deg = interval.max_deg;

@@ -44,9 +44,9 @@ vision::PixelBlock cut(const vision::PixelBlock& pixels, const vision::PixelRect
 }
 
 /// What the picture shows of one segment; false when it does not show it in full.
-bool look(TrunkObservation& seen, const laser::Segment& segment, const vision::Image& image,
-          const std::vector<vision::PixelRect>& taken, const detection::Rig& rig,
-          const ObserveOptions& options) {
+bool observe(TrunkObservation& seen, const laser::Segment& segment, const vision::Image& image,
+             const std::vector<vision::PixelRect>& taken, const detection::Rig& rig,
+             const ObserveOptions& options) {
   const auto view = detection::view_of(segment, rig);
   if (!view) return false;
   const vision::PixelRect picture = detection::picture_of(rig);
@@ -67,9 +67,10 @@ bool look(TrunkObservation& seen, const laser::Segment& segment, const vision::I
   for (const double exposure_ev : vision::kLearntExposures_ev) {
     exposures.push_back(vision::exposed(*pixels, exposure_ev));
   }
-  const auto look_at = [&](const vision::PixelRect& rect, std::vector<WindowLook>& looks) {
+  const auto look_at = [&](const vision::PixelRect& rect,
+                           std::vector<WindowObservation>& observations) {
     for (const vision::PixelBlock& block : exposures) {
-      looks.push_back(
+      observations.push_back(
           {vision::appearance_features(block, rect), vision::hue_histogram(block, rect, colour)});
     }
   };
@@ -110,7 +111,7 @@ std::vector<TrunkObservation> observe_trunks(const laser::Scan& scan, const visi
     observation.range_m = segment.range_m;
     observation.beam_step_rad = scan.bearing_step_rad;
     observation.width_m = segment.width_m;
-    if (rig.has_camera && !look(observation, segment, *image, taken, rig, options)) continue;
+    if (rig.has_camera && !observe(observation, segment, *image, taken, rig, options)) continue;
     observations.push_back(std::move(observation));
   }
   return observations;

@@ -15,12 +15,12 @@
 namespace orchard::calibration {
 
 /// What a window of the picture shows, for either colour model.
-struct WindowLook {
+struct WindowObservation {
   vision::AppearanceFeatures features{};
   vision::HueHistogram hues;
 };
 
-/// One look at something that stands alone: no model of trunks has judged it yet.
+/// One observation of something that stands alone: no model of trunks has judged it yet.
 struct TrunkObservation {
   int log = 0;             ///< which of several logs it is from
   std::int64_t utime = 0;  ///< of the scan [us]
@@ -32,8 +32,8 @@ struct TrunkObservation {
   double width_m = 0.0;       ///< as the rig's width mode measures it
   vision::HueHistogram hues;  ///< of its colour window; num_pixels is 0 without a camera
   std::optional<vision::WindowLight> light;  ///< of its colour window
-  std::vector<WindowLook> on;                ///< between its edges, at every kLearntExposures_ev
-  std::vector<WindowLook> beside;            ///< at the same height, off everything the laser sees
+  std::vector<WindowObservation> on;         ///< between its edges, at every kLearntExposures_ev
+  std::vector<WindowObservation> beside;     ///< at the same height, off everything the laser sees
   vision::PixelBlock crop;                   ///< it and what is around it; empty unless asked for
 };
 

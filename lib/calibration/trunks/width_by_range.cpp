@@ -10,7 +10,7 @@ namespace orchard::calibration {
 namespace {
 
 constexpr std::size_t kMaxBins = 6;
-constexpr std::size_t kMinLooks = 12;
+constexpr std::size_t kMinPerBin = 12;
 /// Ranges that differ by less say nothing of growth.
 constexpr double kMinRatio = 1.5;
 
@@ -20,18 +20,21 @@ struct Moments {
   double beam_m2 = 0.0;
 };
 
-Moments moments_of(const std::vector<WidthLook>& looks, std::size_t first, std::size_t last) {
+Moments moments_of(const std::vector<WidthObservation>& observations, std::size_t first,
+                   std::size_t last) {
   Moments m;
-  m.bin = {looks[first].range_m, looks[last - 1].range_m, static_cast<int>(last - first), 0.0, 0.0};
+  m.bin = {observations[first].range_m, observations[last - 1].range_m,
+           static_cast<int>(last - first), 0.0, 0.0};
   const auto n = static_cast<double>(last - first);
   for (std::size_t i = first; i < last; ++i) {
-    const double beam_m = looks[i].range_m * looks[i].beam_step_rad;
-    m.bin.mean_m += looks[i].width_m / n;
+    const double beam_m = observations[i].range_m * observations[i].beam_step_rad;
+    m.bin.mean_m += observations[i].width_m / n;
     m.beam_m2 += beam_m * beam_m / n;
   }
   double squares_m2 = 0.0;
   for (std::size_t i = first; i < last; ++i) {
-    squares_m2 += (looks[i].width_m - m.bin.mean_m) * (looks[i].width_m - m.bin.mean_m);
+    squares_m2 +=
+        (observations[i].width_m - m.bin.mean_m) * (observations[i].width_m - m.bin.mean_m);
   }
   m.bin.sd_m = n > 1.0 ? std::sqrt(squares_m2 / (n - 1.0)) : 0.0;
   return m;
@@ -41,7 +44,7 @@ Moments moments_of(const std::vector<WidthLook>& looks, std::size_t first, std::
 std::pair<double, double> fit(const std::vector<Moments>& bins) {
   double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
   for (const Moments& m : bins) {
-    const double weight = m.bin.num_looks, variance = m.bin.sd_m * m.bin.sd_m;
+    const double weight = m.bin.num_observations, variance = m.bin.sd_m * m.bin.sd_m;
     n += weight;
     x += weight * m.beam_m2;
     y += weight * variance;
@@ -57,21 +60,22 @@ std::pair<double, double> fit(const std::vector<Moments>& bins) {
 
 }  // namespace
 
-WidthByRange width_by_range(std::vector<WidthLook> looks) {
+WidthByRange width_by_range(std::vector<WidthObservation> observations) {
   WidthByRange result;
-  if (looks.empty()) return result;
-  std::sort(looks.begin(), looks.end(), [](const WidthLook& a, const WidthLook& b) {
-    return std::tie(a.range_m, a.width_m) < std::tie(b.range_m, b.width_m);
-  });
+  if (observations.empty()) return result;
+  std::sort(observations.begin(), observations.end(),
+            [](const WidthObservation& a, const WidthObservation& b) {
+              return std::tie(a.range_m, a.width_m) < std::tie(b.range_m, b.width_m);
+            });
   const std::size_t num_bins =
-      std::clamp<std::size_t>(looks.size() / kMinLooks, std::size_t{1}, kMaxBins);
+      std::clamp<std::size_t>(observations.size() / kMinPerBin, std::size_t{1}, kMaxBins);
   std::vector<Moments> bins;
   for (std::size_t i = 0; i < num_bins; ++i) {
-    bins.push_back(
-        moments_of(looks, i * looks.size() / num_bins, (i + 1) * looks.size() / num_bins));
+    bins.push_back(moments_of(observations, i * observations.size() / num_bins,
+                              (i + 1) * observations.size() / num_bins));
     result.bins.push_back(bins.back().bin);
   }
-  result.sd_m = moments_of(looks, 0, looks.size()).bin.sd_m;
+  result.sd_m = moments_of(observations, 0, observations.size()).bin.sd_m;
   result.has_growth = num_bins >= 3 && bins.front().beam_m2 > 0.0 &&
                       bins.back().beam_m2 > kMinRatio * kMinRatio * bins.front().beam_m2;
   if (!result.has_growth) return result;

@@ -45,14 +45,14 @@ constexpr double kSameThing_m = 0.4;
 constexpr std::int64_t kLostAfter_us = 600'000;
 /// The newest looks at a thing weigh at least this much, so that changing light shows.
 constexpr double kNewestWeight = 0.1;
-/// Of one thing no more looks count: something seen once or twice, a part of a bush, says little,
-/// and what stands there for long says no more than a trunk that is driven past.
-constexpr int kMostLooks = 10;
-/// A model is good while this part of the good share is confirmed.
+/// Of one thing no more observations count: something seen once or twice, a part of a bush, says
+/// little, and what stands there for long says no more than a trunk that is driven past.
+constexpr int kMaxObservations = 10;
+/// A model is good while this part of the good fraction is confirmed.
 constexpr double kStillGood = 0.9;
-constexpr double kGoodShareGain = 0.1;
+constexpr double kGoodFractionGain = 0.1;
 /// Groups smaller than this are stragglers, no population.
-constexpr double kPopulationShare = 0.25;
+constexpr double kPopulationFraction = 0.25;
 /// Populations must differ by this much at least to matter: a fraction of the width, a log.
 constexpr double kWidthApart = 0.1;
 constexpr double kColourApart = 0.12;
@@ -67,10 +67,10 @@ double middle_of(std::vector<double> values) {
   return sum / static_cast<double>(values.size() - 2 * cut);
 }
 
-/// A value moved towards the middle of what trees say: by a share of the way, by `most` at most.
-double moved(double value, const std::vector<double>& values, double share, double most) {
+/// A value moved towards the middle of what trees say: by a fraction of the way, by `most` at most.
+double moved(double value, const std::vector<double>& values, double fraction, double most) {
   const double way = middle_of(values) - value;
-  return value + std::clamp(share * way, -most, most);
+  return value + std::clamp(fraction * way, -most, most);
 }
 
 double bounded(double value, double centre, double limit) {
@@ -78,7 +78,7 @@ double bounded(double value, double centre, double limit) {
 }
 
 bool two_populations(const std::vector<double>& values, double separation_max, double apart) {
-  const auto groups = find_two_groups(values, kPopulationShare, 0.0);
+  const auto groups = find_two_groups(values, kPopulationFraction, 0.0);
   return groups && groups->separation > separation_max &&
          groups->high_mean - groups->low_mean > apart;
 }
@@ -95,9 +95,9 @@ vision::ChannelGains undoing(const Light& light) {
   return {green * std::exp(-light.blue), green, green * std::exp(-light.red)};
 }
 
-void Adaptation::Follower::add(double look) {
-  ++num_looks;
-  value += std::max(1.0 / num_looks, kNewestWeight) * (look - value);
+void Adaptation::Follower::add(double observation) {
+  ++num_observations;
+  value += std::max(1.0 / num_observations, kNewestWeight) * (observation - value);
 }
 
 Adaptation::Adaptation(const AdaptationConfig& config, double width_mean_m) : config_(config) {
@@ -110,12 +110,12 @@ Adaptation::Adaptation(const AdaptationConfig& config, double width_mean_m) : co
   }
 }
 
-std::vector<AdaptationStep> Adaptation::add(std::int64_t utime,
-                                            const std::vector<AdaptationLook>& looks) {
+std::vector<AdaptationStep> Adaptation::add(
+    std::int64_t utime, const std::vector<AdaptationObservation>& observations) {
   std::vector<AdaptationStep> steps;
   if (utime <= last_utime_) return steps;  // a scan of the past teaches nothing
   last_utime_ = utime;
-  for (const AdaptationLook& look : looks) follow(utime, look);
+  for (const AdaptationObservation& observation : observations) follow(utime, observation);
   if (considered_utime_ == INT64_MIN) considered_utime_ = utime;
   const std::int64_t period_us = timing::microseconds(config_.period_s);
   const std::int64_t since_us = utime - considered_utime_;
@@ -130,12 +130,12 @@ std::vector<AdaptationStep> Adaptation::add(std::int64_t utime,
   return steps;
 }
 
-void Adaptation::follow(std::int64_t utime, const AdaptationLook& look) {
+void Adaptation::follow(std::int64_t utime, const AdaptationObservation& observation) {
   Thing* nearest = nullptr;
   double nearest_m = kSameThing_m;
   for (Thing& thing : things_) {
     if (thing.last_utime == utime || utime - thing.last_utime > kLostAfter_us) continue;
-    const double distance_m = std::hypot(thing.x_m - look.x_m, thing.y_m - look.y_m);
+    const double distance_m = std::hypot(thing.x_m - observation.x_m, thing.y_m - observation.y_m);
     if (distance_m < nearest_m) {
       nearest_m = distance_m;
       nearest = &thing;
@@ -143,30 +143,30 @@ void Adaptation::follow(std::int64_t utime, const AdaptationLook& look) {
   }
   if (!nearest) nearest = &things_.emplace_back();
   nearest->last_utime = utime;
-  nearest->x_m = look.x_m;
-  nearest->y_m = look.y_m;
-  teach(*nearest, look);
+  nearest->x_m = observation.x_m;
+  nearest->y_m = observation.y_m;
+  teach(*nearest, observation);
 }
 
-void Adaptation::teach(Thing& thing, const AdaptationLook& look) const {
-  ++thing.num_looks;
-  const bool by_laser = look.roc_laser >= kTeachingRocLaser;
-  const bool by_camera = look.roc_vision >= kTeachingRocVision;
+void Adaptation::teach(Thing& thing, const AdaptationObservation& observation) const {
+  ++thing.num_observations;
+  const bool by_laser = observation.roc_laser >= kTeachingRocLaser;
+  const bool by_camera = observation.roc_vision >= kTeachingRocVision;
   if (by_laser) ++thing.num_by_laser;
   if (by_laser && by_camera) ++thing.num_confirmed;
-  if (by_camera) thing.width_m.add(look.width_m);
-  if (!by_laser || !look.light || look.roc_colour < kTeachingRocColour) return;
-  thing.raw_blue.add(look.light->blue);
-  thing.raw_red.add(look.light->red);
-  thing.raw_green.add(look.light->green);
+  if (by_camera) thing.width_m.add(observation.width_m);
+  if (!by_laser || !observation.light || observation.roc_colour < kTeachingRocColour) return;
+  thing.raw_blue.add(observation.light->blue);
+  thing.raw_red.add(observation.light->red);
+  thing.raw_green.add(observation.light->green);
   if (!reference_) return;
-  const double blue = look.light->blue - reference_->blue;
-  const double red = look.light->red - reference_->red;
+  const double blue = observation.light->blue - reference_->blue;
+  const double red = observation.light->red - reference_->red;
   if (std::abs(blue - model_.light.blue) > kColourGate) return;
   if (std::abs(red - model_.light.red) > kColourGate) return;
   thing.blue.add(blue);
   thing.red.add(red);
-  thing.green.add(look.light->green - reference_->green);
+  thing.green.add(observation.light->green - reference_->green);
   thing.blue_residual.add(blue - model_.light.blue);
   thing.red_residual.add(red - model_.light.red);
 }
@@ -175,7 +175,7 @@ void Adaptation::teach(Thing& thing, const AdaptationLook& look) const {
 void Adaptation::find_reference() {
   std::vector<double> blue, red, green;
   for (const Thing& thing : things_) {
-    if (thing.raw_blue.num_looks == 0) continue;
+    if (thing.raw_blue.num_observations == 0) continue;
     blue.push_back(thing.raw_blue.value);
     red.push_back(thing.raw_red.value);
     green.push_back(thing.raw_green.value);
@@ -189,22 +189,22 @@ Adaptation::Evidence Adaptation::gather() const {
   const auto enough = static_cast<std::size_t>(kWindowTrees);
   int num_judged = 0, num_confirmed = 0;
   for (auto thing = things_.rbegin(); thing != things_.rend(); ++thing) {
-    if (thing->width_m.num_looks > 0 && evidence.widths_m.size() < enough) {
+    if (thing->width_m.num_observations > 0 && evidence.widths_m.size() < enough) {
       evidence.widths_m.push_back(thing->width_m.value);
     }
-    if (thing->blue.num_looks > 0 && evidence.blue.size() < enough) {
+    if (thing->blue.num_observations > 0 && evidence.blue.size() < enough) {
       evidence.blue.push_back(thing->blue.value);
       evidence.red.push_back(thing->red.value);
       evidence.green.push_back(thing->green.value);
       evidence.blue_residual.push_back(thing->blue_residual.value);
       evidence.red_residual.push_back(thing->red_residual.value);
     }
-    if (2 * thing->num_by_laser < thing->num_looks) continue;
+    if (2 * thing->num_by_laser < thing->num_observations) continue;
     if (evidence.num_by_laser >= kWindowTrees) continue;
     ++evidence.num_by_laser;
-    const int num_looks = std::min(thing->num_by_laser, kMostLooks);
-    num_judged += num_looks;
-    if (2 * thing->num_confirmed >= thing->num_by_laser) num_confirmed += num_looks;
+    const int num_observations = std::min(thing->num_by_laser, kMaxObservations);
+    num_judged += num_observations;
+    if (2 * thing->num_confirmed >= thing->num_by_laser) num_confirmed += num_observations;
   }
   if (evidence.num_by_laser > 0) {
     evidence.confident_share = static_cast<double>(num_confirmed) / num_judged;
@@ -247,13 +247,14 @@ AdaptationStep Adaptation::step_of(AdaptationAction action, AdaptationReason rea
 /// Keeps the model's last good state; gives whether far less is confirmed than there. Then the
 /// model goes back, and what was seen with the abandoned one is forgotten.
 bool Adaptation::go_back(const Evidence& evidence, std::vector<AdaptationStep>& steps) {
-  const double share = evidence.confident_share;
-  if (share >= kStillGood * good_share_) {
-    good_share_ += (good_share_ == 0.0 ? 1.0 : kGoodShareGain) * (share - good_share_);
+  const double fraction = evidence.confident_share;
+  if (fraction >= kStillGood * good_fraction_) {
+    good_fraction_ +=
+        (good_fraction_ == 0.0 ? 1.0 : kGoodFractionGain) * (fraction - good_fraction_);
     last_good_ = model_;
     return false;
   }
-  if (share >= kCollapseFraction * good_share_) return false;
+  if (fraction >= kCollapseFraction * good_fraction_) return false;
   const bool has_moved = !same(model_, last_good_);
   if (!has_moved && same(model_, calibrated_)) return true;
   model_ = has_moved ? last_good_ : calibrated_;
@@ -286,20 +287,21 @@ void Adaptation::consider(double dt_s, std::vector<AdaptationStep>& steps) {
     steps.push_back(step_of(action, obstacle, evidence));
   }
   const AdaptedModel before = model_;
-  const double share = std::min(dt_s / config_.smoothing_s, 1.0);
+  const double fraction = std::min(dt_s / config_.smoothing_s, 1.0);
   if (width == AdaptationReason::kNone) {
     const double mean_m = calibrated_.width_mean_m;
-    model_.width_mean_m = bounded(moved(model_.width_mean_m, evidence.widths_m, share,
+    model_.width_mean_m = bounded(moved(model_.width_mean_m, evidence.widths_m, fraction,
                                         config_.width_rate_per_s * dt_s * mean_m),
                                   mean_m, config_.width_limit * mean_m);
   }
   if (light == AdaptationReason::kNone) {
     Light& l = model_.light;
     const double most = config_.colour_rate_per_s * dt_s;
-    l.blue = bounded(moved(l.blue, evidence.blue, share, most), 0.0, config_.colour_limit);
-    l.red = bounded(moved(l.red, evidence.red, share, most), 0.0, config_.colour_limit);
-    l.green = bounded(moved(l.green, evidence.green, share, config_.brightness_rate_per_s * dt_s),
-                      0.0, config_.brightness_limit);
+    l.blue = bounded(moved(l.blue, evidence.blue, fraction, most), 0.0, config_.colour_limit);
+    l.red = bounded(moved(l.red, evidence.red, fraction, most), 0.0, config_.colour_limit);
+    l.green =
+        bounded(moved(l.green, evidence.green, fraction, config_.brightness_rate_per_s * dt_s), 0.0,
+                config_.brightness_limit);
   }
   if (!same(model_, before)) {
     steps.push_back(step_of(AdaptationAction::kStep, AdaptationReason::kNone, evidence));

@@ -13,7 +13,7 @@
 namespace orchard::detection {
 
 /// What one scan and its picture say of one candidate: everything the models can learn from.
-struct AdaptationLook {
+struct AdaptationObservation {
   double x_m = 0.0;  ///< of its centre in base
   double y_m = 0.0;
   double width_m = 0.0;
@@ -31,31 +31,32 @@ struct AdaptationLook {
 /// the middle of all things leads; steps are bounded per second
 /// of message time and in all. Few trees, sensors that disagree or two populations freeze a model;
 /// when far less is confirmed than before it goes back to where it was last good, and if that does
-/// not help, to the calibration. A function of the looks in their order only.
+/// not help, to the calibration. A function of the observations in their order only.
 class Adaptation {
  public:
   Adaptation(const AdaptationConfig& config, double width_mean_m);
 
-  /// Takes the looks of one scan, scans in order of time; gives what happened to the model.
-  std::vector<AdaptationStep> add(std::int64_t utime, const std::vector<AdaptationLook>& looks);
+  /// Takes the observations of one scan, scans in order of time; gives what happened to the model.
+  std::vector<AdaptationStep> add(std::int64_t utime,
+                                  const std::vector<AdaptationObservation>& observations);
 
   /// What the next scan is to be judged with.
   const AdaptedModel& model() const { return model_; }
 
  private:
-  /// A value that follows the looks at one thing.
+  /// A value that follows the observations of one thing.
   struct Follower {
     double value = 0.0;
-    int num_looks = 0;
-    void add(double look);
+    int num_observations = 0;
+    void add(double observation);
   };
-  /// One thing, followed from look to look.
+  /// One thing, followed from observation to observation.
   struct Thing {
     std::int64_t last_utime = 0;
     double x_m = 0.0;  ///< in base, when last seen
     double y_m = 0.0;
-    int num_looks = 0;
-    int num_by_laser = 0;   ///< looks with the laser sure
+    int num_observations = 0;
+    int num_by_laser = 0;   ///< observations with the laser sure
     int num_confirmed = 0;  ///< of them, with the camera sure
     Follower width_m;
     Follower blue, red, green;             ///< against the reference
@@ -70,8 +71,8 @@ class Adaptation {
     double confident_share = 0.0;
   };
 
-  void follow(std::int64_t utime, const AdaptationLook& look);
-  void teach(Thing& thing, const AdaptationLook& look) const;
+  void follow(std::int64_t utime, const AdaptationObservation& observation);
+  void teach(Thing& thing, const AdaptationObservation& observation) const;
   void find_reference();
   Evidence gather() const;
   void consider(double dt_s, std::vector<AdaptationStep>& steps);
@@ -85,7 +86,7 @@ class Adaptation {
   AdaptedModel calibrated_;
   AdaptedModel model_;
   AdaptedModel last_good_;
-  double good_share_ = 0.0;  ///< confirmed where the model was last good
+  double good_fraction_ = 0.0;  ///< confirmed where the model was last good
   AdaptationReason frozen_ = AdaptationReason::kNone;
   std::optional<vision::WindowLight> reference_;
   std::deque<Thing> things_;  ///< in order of first sight

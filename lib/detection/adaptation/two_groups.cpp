@@ -24,12 +24,13 @@ Moments moments_of(const std::vector<double>& values, std::size_t first, std::si
 
 }  // namespace
 
-std::optional<TwoGroups> find_two_groups(std::vector<double> values, double min_share,
+std::optional<TwoGroups> find_two_groups(std::vector<double> values, double min_fraction,
                                          double sd_floor) {
   if (values.size() < 4) return std::nullopt;
   std::sort(values.begin(), values.end());
   const auto n = static_cast<double>(values.size());
-  const auto least = std::max<std::size_t>(2, static_cast<std::size_t>(std::ceil(min_share * n)));
+  const auto least =
+      std::max<std::size_t>(2, static_cast<std::size_t>(std::ceil(min_fraction * n)));
   std::optional<TwoGroups> best;
   for (std::size_t cut = least; cut + least <= values.size(); ++cut) {
     const Moments low = moments_of(values, 0, cut);

@@ -16,12 +16,12 @@ class FrameWatch {
   }
 
   /// Ten pictures in a row were the same.
-  bool is_frozen() const { return num_same_ >= kMostSame; }
+  bool is_frozen() const { return num_same_ >= kMaxSame; }
 
   void restart() { num_same_ = 0; }
 
  private:
-  static constexpr int kMostSame = 9;
+  static constexpr int kMaxSame = 9;
   std::vector<std::uint8_t> last_;
   int num_same_ = 0;
 };

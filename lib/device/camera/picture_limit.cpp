@@ -16,7 +16,7 @@ constexpr int kBestQuality = 90;
 constexpr int kWorstQuality =
     25;                   // below, blocks of 8 pixels hide the edges that trunks are found by
 constexpr int kRise = 5;  // from one picture to the next
-constexpr int kMostPixels_px = 16384;
+constexpr int kMaxPixels_px = 16384;
 
 using Handle = std::unique_ptr<void, int (*)(void*)>;
 using Bytes = std::vector<std::uint8_t>;
@@ -84,7 +84,7 @@ std::optional<Planes> planes_of(CameraFrame& frame) {
                           : frame.format == PixelFormat::kYuyv ? 2
                                                                : 3;
   const bool is_possible = frame.width_px >= 1 && frame.height_px >= 1 &&
-                           frame.width_px <= kMostPixels_px && frame.height_px <= kMostPixels_px &&
+                           frame.width_px <= kMaxPixels_px && frame.height_px <= kMaxPixels_px &&
                            frame.row_bytes >= pixel_bytes * frame.width_px;
   if (!is_possible) return std::nullopt;
   const std::size_t least_bytes = static_cast<std::size_t>(frame.height_px - 1) * frame.row_bytes +

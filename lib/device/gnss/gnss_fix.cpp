@@ -22,7 +22,7 @@ enum Quality : std::int8_t {
 };
 
 constexpr double kUnknownHeightVariance_m2 = 1e4;
-constexpr double kMostOfRtk_m = 1.0;  // an RTK solution that claims more does not speak of itself
+constexpr double kMaxOfRtk_m = 1.0;  // an RTK solution that claims more does not speak of itself
 
 bool is_rtk(std::int8_t quality) { return quality == kRtkFixed || quality == kRtkFloat; }
 
@@ -79,7 +79,7 @@ std::array<double, 6> enu_covariance(const GpsdFix& fix, const GpsdNoise* noise)
   } else {
     return covariance;
   }
-  if (is_rtk(gga_quality(fix)) && std::max(east_sd_m, north_sd_m) > kMostOfRtk_m) return covariance;
+  if (is_rtk(gga_quality(fix)) && std::max(east_sd_m, north_sd_m) > kMaxOfRtk_m) return covariance;
   covariance[0] = geometry::square(east_sd_m);
   covariance[3] = geometry::square(north_sd_m);
   covariance[5] = fix.mode == 3 && fix.epv_m && *fix.epv_m > 0.0 ? geometry::square(*fix.epv_m)

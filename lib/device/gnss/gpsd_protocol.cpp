@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kLongestLine_bytes = 32768;  // SKY of a receiver of four systems: about 15 kB
 constexpr std::int64_t kSilence_us = 2'000'000;
-constexpr int kMostUnanswered = 5;
+constexpr int kMaxUnanswered = 5;
 constexpr std::int64_t kNoiseAge_us = 1'500'000;
 constexpr double kImplausibleLead_s = 2.0;
 constexpr std::size_t kShownBytes = 60;
@@ -80,7 +80,7 @@ void GpsdProtocol::host_clock_stepped(std::int64_t step_us) {
 }
 
 std::string GpsdProtocol::failure() const {
-  return num_unanswered_ > kMostUnanswered ? "gpsd no longer answers" : "";
+  return num_unanswered_ > kMaxUnanswered ? "gpsd no longer answers" : "";
 }
 
 std::string GpsdProtocol::condition() const {

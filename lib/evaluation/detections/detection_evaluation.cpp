@@ -16,8 +16,8 @@ using detection::Label;
 
 constexpr std::array<double, 9> kRangeEdgesM{0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0};
 
-bool is_called_tree(const ObservationPair& look) {
-  return look.detection && look.detection->label == Label::kTree;
+bool is_called_tree(const ObservationPair& observation) {
+  return observation.detection && observation.detection->label == Label::kTree;
 }
 
 class ErrorSum {
@@ -40,7 +40,7 @@ class ErrorSum {
   ErrorSummary sum_;
 };
 
-Slice slice_of(const std::vector<ObservationPair>& looks, DetectionRules rules,
+Slice slice_of(const std::vector<ObservationPair>& observations, DetectionRules rules,
                const std::string& name, double from_m, double to_m) {
   Slice slice;
   slice.name = name;
@@ -48,8 +48,9 @@ Slice slice_of(const std::vector<ObservationPair>& looks, DetectionRules rules,
   slice.to_m = to_m;
   rules.range_max_m = to_m;
   std::vector<ObservationPair> inside;
-  for (const ObservationPair& look : looks) {
-    if (look.range_m() >= from_m && look.range_m() < to_m) inside.push_back(look);
+  for (const ObservationPair& observation : observations) {
+    if (observation.range_m() >= from_m && observation.range_m() < to_m)
+      inside.push_back(observation);
   }
   slice.counts = count_labels(inside, rules);
   slice.centre = centre_errors(inside, rules, from_m, to_m);
@@ -83,47 +84,49 @@ Counts& operator+=(Counts& into, const Counts& more) {
   return into;
 }
 
-Counts count_labels(const std::vector<ObservationPair>& looks, const DetectionRules& rules) {
+Counts count_labels(const std::vector<ObservationPair>& observations, const DetectionRules& rules) {
   Counts counts;
-  for (const ObservationPair& look : looks)
-    count_observation(look, is_called_tree(look), rules, counts);
+  for (const ObservationPair& observation : observations)
+    count_observation(observation, is_called_tree(observation), rules, counts);
   return counts;
 }
 
-ErrorSummary centre_errors(const std::vector<ObservationPair>& looks, const DetectionRules& rules,
-                           double from_m, double to_m) {
+ErrorSummary centre_errors(const std::vector<ObservationPair>& observations,
+                           const DetectionRules& rules, double from_m, double to_m) {
   DetectionRules within = rules;
   within.range_max_m = to_m;
   ErrorSum sum;
-  for (const ObservationPair& look : looks) {
-    if (!is_called_tree(look) || !look.is_tree() || !counts_as_tree(look, within)) continue;
-    if (look.truth->range_m >= from_m) sum.add(look.centre_error_m);
+  for (const ObservationPair& observation : observations) {
+    if (!is_called_tree(observation) || !observation.is_tree() ||
+        !counts_as_tree(observation, within))
+      continue;
+    if (observation.truth->range_m >= from_m) sum.add(observation.centre_error_m);
   }
   return sum.summary();
 }
 
-std::vector<Forecast> forecasts_of(const std::vector<ObservationPair>& looks) {
+std::vector<Forecast> forecasts_of(const std::vector<ObservationPair>& observations) {
   std::vector<Forecast> forecasts;
-  for (const ObservationPair& look : looks) {
-    if (!look.detection) continue;
-    const Detection& d = *look.detection;
+  for (const ObservationPair& observation : observations) {
+    if (!observation.detection) continue;
+    const Detection& d = *observation.detection;
     if (d.probability_tree + d.probability_object <= 0.0f) continue;
-    forecasts.push_back({std::clamp<double>(d.probability_tree, 0.0, 1.0), look.is_tree()});
+    forecasts.push_back({std::clamp<double>(d.probability_tree, 0.0, 1.0), observation.is_tree()});
   }
   return forecasts;
 }
 
-DetectionEvaluation evaluate_detections(const std::vector<ObservationPair>& looks,
+DetectionEvaluation evaluate_detections(const std::vector<ObservationPair>& observations,
                                         const std::vector<std::string>& names,
                                         const DetectionRules& rules) {
   DetectionEvaluation evaluation;
   evaluation.rules = rules;
-  evaluation.num_looks = static_cast<int>(looks.size());
-  evaluation.counts = count_labels(looks, rules);
+  evaluation.num_observations = static_cast<int>(observations.size());
+  evaluation.counts = count_labels(observations, rules);
   for (std::size_t i = 0; i + 1 < kRangeEdgesM.size(); ++i) {
     const std::string name =
         fmt::format("{:.0f} to {:.0f} m", kRangeEdgesM[i], kRangeEdgesM[i + 1]);
-    Slice slice = slice_of(looks, rules, name, kRangeEdgesM[i], kRangeEdgesM[i + 1]);
+    Slice slice = slice_of(observations, rules, name, kRangeEdgesM[i], kRangeEdgesM[i + 1]);
     const Counts& c = slice.counts;
     if (c.num_right + c.num_wrong + c.num_missed > 0) {
       evaluation.by_range.push_back(std::move(slice));
@@ -131,24 +134,25 @@ DetectionEvaluation evaluate_detections(const std::vector<ObservationPair>& look
   }
   for (std::size_t i = 0; i < names.size(); ++i) {
     std::vector<ObservationPair> own;
-    for (const ObservationPair& look : looks) {
-      if (look.recording == static_cast<int>(i)) own.push_back(look);
+    for (const ObservationPair& observation : observations) {
+      if (observation.recording == static_cast<int>(i)) own.push_back(observation);
     }
     evaluation.by_recording.push_back(slice_of(own, rules, names[i], 0.0, rules.range_max_m));
   }
-  evaluation.tests = score_tests(looks, rules);
-  const auto forecasts = forecasts_of(looks);
+  evaluation.tests = score_tests(observations, rules);
+  const auto forecasts = forecasts_of(observations);
   evaluation.has_probability = !forecasts.empty();
   evaluation.reliability = reliability(forecasts);
   return evaluation;
 }
 
-std::vector<bool> was_observed(const std::vector<ObservationPair>& looks, std::size_t num_things,
-                               const DetectionRules& rules) {
+std::vector<bool> was_observed(const std::vector<ObservationPair>& observations,
+                               std::size_t num_things, const DetectionRules& rules) {
   std::vector<bool> result(num_things, false);
-  for (const ObservationPair& look : looks) {
-    if (!look.truth || look.truth->object < 0 || !counts(look, rules)) continue;
-    const auto thing = static_cast<std::size_t>(look.truth->object);
+  for (const ObservationPair& observation : observations) {
+    if (!observation.truth || observation.truth->object < 0 || !counts(observation, rules))
+      continue;
+    const auto thing = static_cast<std::size_t>(observation.truth->object);
     if (thing < num_things) result[thing] = true;
   }
   return result;

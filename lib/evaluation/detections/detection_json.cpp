@@ -68,7 +68,7 @@ std::string detection_json(const DetectionEvaluation& e) {
                     {"in_picture", e.rules.in_picture},
                     {"gate_m", e.rules.gate_m},
                     {"num_scans", e.num_scans},
-                    {"num_looks", e.num_looks},
+                    {"num_looks", e.num_observations},
                     {"observations", counts_json(e.counts)},
                     {"by_range", slices_json(e.by_range)},
                     {"by_recording", slices_json(e.by_recording)},

@@ -27,7 +27,7 @@ PlotSeries bins(const std::string& name, const Reliability& r) {
 Plot diagram(const DetectionEvaluation& e) {
   Plot plot{"Reliability of the probabilities",
             "stated probability of a tree",
-            "share of trees",
+            "fraction of trees",
             0,
             1,
             0,
@@ -51,8 +51,8 @@ Plot scores_by_range(const DetectionEvaluation& e) {
     precision.points.push_back({middle_m, slice.counts.precision()});
     recall.points.push_back({middle_m, slice.counts.recall()});
   }
-  return {"Class tree by range", "range (m)", "share", 0,
-          far_end_m(e),          0,           1,       {f1, precision, recall}};
+  return {"Class tree by range", "range (m)", "fraction", 0,
+          far_end_m(e),          0,           1,          {f1, precision, recall}};
 }
 
 Plot errors_by_range(const DetectionEvaluation& e) {

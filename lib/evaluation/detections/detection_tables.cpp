@@ -64,7 +64,8 @@ std::string detection_tables(const DetectionEvaluation& e) {
                     test.mean_of_trees, test.mean_of_others, test.area, test.best_threshold,
                     test.best.precision(), test.best.recall(), test.best.f1());
   }
-  text += "(of trees, of others: mean rate of confidence; threshold: the best on these looks)\n";
+  text +=
+      "(of trees, of others: mean rate of confidence; threshold: the best on these observations)\n";
   if (e.has_probability) {
     add_reliability(text, "probability per observation", e.reliability);
   } else {

@@ -42,7 +42,7 @@ Point axis_in_laser(const TrueObservation& t) {
 
 void match_scan(const Detections& message, const std::vector<const TrueObservation*>& truth,
                 const geometry::Pose2& T_base_laser, int recording, double gate_m,
-                std::vector<ObservationPair>& looks) {
+                std::vector<ObservationPair>& observations) {
   std::vector<Point> true_points, found_points;
   for (const TrueObservation* t : truth) true_points.push_back(axis_in_laser(*t));
   for (const Detection& d : message.trunks) {
@@ -50,31 +50,31 @@ void match_scan(const Detections& message, const std::vector<const TrueObservati
   }
   const Assignment assignment = assign(true_points, found_points, gate_m);
   std::vector<char> used(found_points.size(), 0);
-  ObservationPair look;
-  look.recording = recording;
-  look.scan_utime = message.utime;
-  look.has_image = message.image_utime != 0;
+  ObservationPair observation;
+  observation.recording = recording;
+  observation.scan_utime = message.utime;
+  observation.has_image = message.image_utime != 0;
   for (std::size_t i = 0; i < truth.size(); ++i) {
-    look.truth = *truth[i];
-    look.detection.reset();
-    look.centre_error_m = 0.0;
+    observation.truth = *truth[i];
+    observation.detection.reset();
+    observation.centre_error_m = 0.0;
     if (assignment[i] != kUnmatched) {
       const auto k = static_cast<std::size_t>(assignment[i]);
       used[k] = 1;
-      look.detection = message.trunks[k];
-      look.detection_index = k;
-      look.centre_error_m = std::hypot(found_points[k].x_m - true_points[i].x_m,
-                                       found_points[k].y_m - true_points[i].y_m);
+      observation.detection = message.trunks[k];
+      observation.detection_index = k;
+      observation.centre_error_m = std::hypot(found_points[k].x_m - true_points[i].x_m,
+                                              found_points[k].y_m - true_points[i].y_m);
     }
-    looks.push_back(look);
+    observations.push_back(observation);
   }
-  look.truth.reset();
-  look.centre_error_m = 0.0;
+  observation.truth.reset();
+  observation.centre_error_m = 0.0;
   for (std::size_t k = 0; k < used.size(); ++k) {
     if (used[k]) continue;
-    look.detection = message.trunks[k];
-    look.detection_index = k;
-    looks.push_back(look);
+    observation.detection = message.trunks[k];
+    observation.detection_index = k;
+    observations.push_back(observation);
   }
 }
 

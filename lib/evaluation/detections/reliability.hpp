@@ -17,7 +17,7 @@ struct ReliabilityBin {
   double to = 0.0;    ///< exclusive, but for 1
   int num = 0;
   double mean_probability = 0.0;  ///< 0 when empty
-  double frequency = 0.0;         ///< share that came true; 0 when empty
+  double frequency = 0.0;         ///< fraction that came true; 0 when empty
 };
 
 /// Whether probabilities mean what they say: the reliability diagram and its one number.

@@ -44,19 +44,19 @@ void thin(std::vector<std::array<double, 2>>& curve) {
   curve = std::move(kept);
 }
 
-ScoreTest run_test(const std::vector<ObservationPair>& looks, const DetectionRules& rules,
+ScoreTest run_test(const std::vector<ObservationPair>& observations, const DetectionRules& rules,
                    const char* name, const std::function<double(const Detection&)>& score_of) {
   ScoreTest test;
   test.name = name;
   std::vector<Scored> scored;
   int num_asked = 0;  // trees that count, detected or not
   int num_trees = 0, num_others = 0;
-  for (const ObservationPair& look : looks) {
-    const bool asked = counts_as_tree(look, rules);
+  for (const ObservationPair& observation : observations) {
+    const bool asked = counts_as_tree(observation, rules);
     if (asked) ++num_asked;
-    if (!look.detection || look.range_m() >= rules.range_max_m) continue;
-    if (look.is_tree() && !asked) continue;
-    const double score = score_of(*look.detection);
+    if (!observation.detection || observation.range_m() >= rules.range_max_m) continue;
+    if (observation.is_tree() && !asked) continue;
+    const double score = score_of(*observation.detection);
     scored.push_back({score, asked});
     (asked ? test.mean_of_trees : test.mean_of_others) += score;
     ++(asked ? num_trees : num_others);
@@ -88,49 +88,51 @@ ScoreTest run_test(const std::vector<ObservationPair>& looks, const DetectionRul
 
 }  // namespace
 
-bool counts(const ObservationPair& look, const DetectionRules& rules) {
-  if (!look.truth) return false;
-  const simulation::TrueObservation& t = *look.truth;
+bool counts(const ObservationPair& observation, const DetectionRules& rules) {
+  if (!observation.truth) return false;
+  const simulation::TrueObservation& t = *observation.truth;
   return t.range_m < rules.range_max_m && t.num_beams >= rules.num_beams_min &&
          t.hidden_fraction <= rules.hidden_max &&
-         (!rules.in_picture || (t.in_picture && look.has_image));
+         (!rules.in_picture || (t.in_picture && observation.has_image));
 }
 
-bool counts_as_tree(const ObservationPair& look, const DetectionRules& rules) {
-  return look.is_tree() && counts(look, rules);
+bool counts_as_tree(const ObservationPair& observation, const DetectionRules& rules) {
+  return observation.is_tree() && counts(observation, rules);
 }
 
-void count_observation(const ObservationPair& look, bool is_called_tree,
+void count_observation(const ObservationPair& observation, bool is_called_tree,
                        const DetectionRules& rules, Counts& counts) {
-  if (look.is_tree()) {
-    if (!counts_as_tree(look, rules)) return;
+  if (observation.is_tree()) {
+    if (!counts_as_tree(observation, rules)) return;
     if (is_called_tree) {
       ++counts.num_right;
       return;
     }
     ++counts.num_missed;
-    if (!look.detection) ++counts.num_not_detected;
-    if (look.detection && look.detection->label == Label::kUnseen) ++counts.num_unseen;
-  } else if (is_called_tree && look.range_m() < rules.range_max_m) {
+    if (!observation.detection) ++counts.num_not_detected;
+    if (observation.detection && observation.detection->label == Label::kUnseen)
+      ++counts.num_unseen;
+  } else if (is_called_tree && observation.range_m() < rules.range_max_m) {
     ++counts.num_wrong;
-    if (look.truth) ++counts.num_wrong_on_object;
+    if (observation.truth) ++counts.num_wrong_on_object;
   }
 }
 
-std::vector<ScoreTest> score_tests(const std::vector<ObservationPair>& looks,
+std::vector<ScoreTest> score_tests(const std::vector<ObservationPair>& observations,
                                    const DetectionRules& rules) {
   std::vector<ScoreTest> tests{
-      run_test(looks, rules, "colour only", [](const Detection& d) { return d.roc_colour; }),
-      run_test(looks, rules, "edges only", [](const Detection& d) { return d.roc_edges; }),
-      run_test(looks, rules, "colour and edges", [](const Detection& d) { return d.roc_vision; }),
-      run_test(looks, rules, "laser only", [](const Detection& d) { return d.roc_laser; }),
-      run_test(looks, rules, "everything", [](const Detection& d) { return d.roc_tree; })};
+      run_test(observations, rules, "colour only", [](const Detection& d) { return d.roc_colour; }),
+      run_test(observations, rules, "edges only", [](const Detection& d) { return d.roc_edges; }),
+      run_test(observations, rules, "colour and edges",
+               [](const Detection& d) { return d.roc_vision; }),
+      run_test(observations, rules, "laser only", [](const Detection& d) { return d.roc_laser; }),
+      run_test(observations, rules, "everything", [](const Detection& d) { return d.roc_tree; })};
   const bool has_probability =
-      std::any_of(looks.begin(), looks.end(), [](const ObservationPair& look) {
-        return look.detection && look.detection->probability_tree > 0.0f;
+      std::any_of(observations.begin(), observations.end(), [](const ObservationPair& observation) {
+        return observation.detection && observation.detection->probability_tree > 0.0f;
       });
   if (has_probability) {
-    tests.push_back(run_test(looks, rules, "probability",
+    tests.push_back(run_test(observations, rules, "probability",
                              [](const Detection& d) { return d.probability_tree; }));
   }
   return tests;

@@ -17,12 +17,12 @@ Iterator not_before(const std::vector<TrackPose>& poses, std::int64_t utime) {
 }
 
 TrackPose interpolate(const TrackPose& before, const TrackPose& after, std::int64_t utime) {
-  const double share =
+  const double fraction =
       static_cast<double>(utime - before.utime) / static_cast<double>(after.utime - before.utime);
   const double turn_rad = geometry::wrap_angle_rad(after.yaw_rad - before.yaw_rad);
-  return {utime, before.x_m + share * (after.x_m - before.x_m),
-          before.y_m + share * (after.y_m - before.y_m),
-          geometry::wrap_angle_rad(before.yaw_rad + share * turn_rad)};
+  return {utime, before.x_m + fraction * (after.x_m - before.x_m),
+          before.y_m + fraction * (after.y_m - before.y_m),
+          geometry::wrap_angle_rad(before.yaw_rad + fraction * turn_rad)};
 }
 
 void associate_between(const Track& estimate, const Track& truth,

@@ -48,7 +48,7 @@ struct TrajectoryRules {
   double delta = 1.0;               ///< of RPE, from pose to pose
   DeltaUnit unit = DeltaUnit::kMetres;
   bool all_pairs = false;        ///< RPE from every pose on, not one stretch after the other
-  double delta_tolerance = 0.1;  ///< all_pairs: least exactness of a stretch, as a share of it
+  double delta_tolerance = 0.1;  ///< all_pairs: least exactness of a stretch, as a fraction of it
 };
 
 /// Spread of a set of errors; all 0 for an empty set.

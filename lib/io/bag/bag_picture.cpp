@@ -12,7 +12,7 @@
 namespace orchard::io {
 namespace {
 
-constexpr std::uint32_t kMostPixels_px = 16384;  // along a side
+constexpr std::uint32_t kMaxPixels_px = 16384;  // along a side
 
 /// How the pixels of an encoding lie, and what turns them into BGR; -1: nothing needs to.
 struct Pixels {
@@ -58,7 +58,7 @@ vision::Image image_of(const cv::Mat& pixels, std::int64_t utime) {
 }
 
 bool is_sane(std::uint32_t width_px, std::uint32_t height_px) {
-  return width_px > 0 && height_px > 0 && width_px <= kMostPixels_px && height_px <= kMostPixels_px;
+  return width_px > 0 && height_px > 0 && width_px <= kMaxPixels_px && height_px <= kMaxPixels_px;
 }
 
 /// The size that a PNG's header states lies within bounds: asked before anything is decoded.

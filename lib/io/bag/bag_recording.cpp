@@ -75,12 +75,12 @@ std::size_t BagRecording::Impl::topic_number(const BagTopic& topic) {
 }
 
 void BagRecording::Impl::ignore(std::size_t topic, const std::string& why) {
-  constexpr std::size_t kMostKinds = 200;
+  constexpr std::size_t kMaxKinds = 200;
   const std::string kind = topics[topic].found.name.substr(0, 128) + ": " + why;
   const auto known = ignored.find(kind);
   if (known != ignored.end()) {
     ++known->second;
-  } else if (ignored.size() < kMostKinds) {
+  } else if (ignored.size() < kMaxKinds) {
     ignored[kind] = 1;
   }
 }
@@ -88,7 +88,7 @@ void BagRecording::Impl::ignore(std::size_t topic, const std::string& why) {
 /// Looks at every message of a file once.
 void BagRecording::Impl::index(std::size_t file,
                                const std::function<void(std::uint64_t)>& progress) {
-  constexpr std::size_t kMostTopics = 60000;
+  constexpr std::size_t kMaxTopics = 60000;
   BagReader& reader = *readers[file];
   std::vector<std::size_t> number_of;  // by the reader's own numbers
   while (const auto message = reader.next()) {
@@ -98,7 +98,7 @@ void BagRecording::Impl::index(std::size_t file,
     const std::size_t topic = number_of[message->topic];
     ++topics[topic].found.num_messages;
     progress(reader.position());
-    if (topics[topic].type == MessageType::kNone || topic > kMostTopics) continue;
+    if (topics[topic].type == MessageType::kNone || topic > kMaxTopics) continue;
     const auto header =
         ros::decode_header(message->data, message->size, reader.topics()[message->topic].wire);
     if (const auto* none = std::get_if<NotUsed>(&header)) {
@@ -225,8 +225,8 @@ Decoded BagRecording::Impl::decode(const Entry& entry, const BagMessage& message
 BagRecording::BagRecording(const std::vector<std::string>& paths, const BagOptions& options,
                            const Progress& progress)
     : impl_(std::make_unique<Impl>()) {
-  constexpr std::size_t kMostFiles = 10000;
-  if (paths.empty() || paths.size() > kMostFiles) throw FileError("no bag, or more than 10000");
+  constexpr std::size_t kMaxFiles = 10000;
+  if (paths.empty() || paths.size() > kMaxFiles) throw FileError("no bag, or more than 10000");
   impl_->paths = paths;
   impl_->slice = options.slice;
   std::uint64_t total = 0, done = 0;

@@ -29,12 +29,12 @@ class McapFormat : public RecordFormat {
 
   std::optional<std::uint64_t> record_size(const std::uint8_t* bytes,
                                            std::size_t size) const override {
-    constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 40;
+    constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 40;
     if (size < kHeadBytes) return 0;
     ByteFields fields(bytes, size);
     const auto opcode = fields.number<std::uint8_t>();
     const auto length = fields.number<std::uint64_t>();
-    if (opcode == 0 || length > kMostBytes) return std::nullopt;
+    if (opcode == 0 || length > kMaxBytes) return std::nullopt;
     return kHeadBytes + length;
   }
 

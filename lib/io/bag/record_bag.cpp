@@ -12,8 +12,8 @@ namespace orchard::io {
 namespace {
 
 constexpr std::size_t kMaxChunkBytes = std::size_t{256} << 20;
-constexpr std::size_t kMostLosses = 100;
-constexpr std::size_t kMostTopics = 10000;
+constexpr std::size_t kMaxLosses = 100;
+constexpr std::size_t kMaxTopics = 10000;
 constexpr std::size_t kRecentChunks = 8;  // of several topics, whose times differ by little
 constexpr std::size_t kHeadBytes = std::size_t{1} << 17;  // enough to know any record's size
 
@@ -151,7 +151,7 @@ std::optional<BagMessage> RecordBag::message_of(const MessageRecord& record,
 }
 
 void RecordBag::add_topic(const TopicRecord& record) {
-  if (topic_of_id_.count(record.id) > 0 || topic_of_id_.size() >= kMostTopics) return;
+  if (topic_of_id_.count(record.id) > 0 || topic_of_id_.size() >= kMaxTopics) return;
   // Several publishers of one topic have a number each.
   const auto same = std::find_if(topics_.begin(), topics_.end(), [&](const BagTopic& topic) {
     return topic.name == record.topic.name && topic.type == record.topic.type &&
@@ -191,7 +191,7 @@ void RecordBag::go_on_behind_damage(const std::string& why) {
 
 void RecordBag::lose(const std::string& what) {
   const bool is_known = std::find(losses_.begin(), losses_.end(), what) != losses_.end();
-  if (!is_known && losses_.size() < kMostLosses) losses_.push_back(what);
+  if (!is_known && losses_.size() < kMaxLosses) losses_.push_back(what);
 }
 
 }  // namespace orchard::io

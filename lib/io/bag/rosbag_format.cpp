@@ -11,7 +11,7 @@
 namespace orchard::io {
 namespace {
 
-constexpr std::uint32_t kMostHeaderBytes = 1u << 16;
+constexpr std::uint32_t kMaxHeaderBytes = 1u << 16;
 
 enum Operation : std::uint8_t {
   kMessage = 0x02,
@@ -62,7 +62,7 @@ class RosbagFormat : public RecordFormat {
     const auto header_size = fields.number<std::uint32_t>();
     if (!fields.ok()) return 0;
     // Every header names its operation: "op=" and a byte.
-    if (header_size < 8 || header_size > kMostHeaderBytes) return std::nullopt;
+    if (header_size < 8 || header_size > kMaxHeaderBytes) return std::nullopt;
     fields.take(header_size);
     const auto data_size = fields.number<std::uint32_t>();
     if (!fields.ok()) return 0;

@@ -13,8 +13,8 @@
 namespace orchard::io {
 namespace {
 
-constexpr std::size_t kMostLosses = 100;
-constexpr std::size_t kMostTopics = 10000;
+constexpr std::size_t kMaxLosses = 100;
+constexpr std::size_t kMaxTopics = 10000;
 
 using Database = std::unique_ptr<sqlite3, int (*)(sqlite3*)>;
 using Statement = std::unique_ptr<sqlite3_stmt, int (*)(sqlite3_stmt*)>;
@@ -67,7 +67,7 @@ struct SqliteBag::Impl {
     const Statement rows =
         prepare(database.get(), path, "SELECT id, name, type, serialization_format FROM topics");
     int code = SQLITE_DONE;
-    while (topics.size() < kMostTopics && (code = sqlite3_step(rows.get())) == SQLITE_ROW) {
+    while (topics.size() < kMaxTopics && (code = sqlite3_step(rows.get())) == SQLITE_ROW) {
       BagTopic topic;
       topic.name = text(rows.get(), 1);
       topic.type = text(rows.get(), 2);
@@ -88,7 +88,7 @@ struct SqliteBag::Impl {
   }
 
   void lose(const std::string& what) {
-    if (losses.size() < kMostLosses) losses.push_back(what);
+    if (losses.size() < kMaxLosses) losses.push_back(what);
   }
 
   std::optional<BagMessage> message(sqlite3_stmt* statement) {

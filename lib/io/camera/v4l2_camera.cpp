@@ -17,7 +17,7 @@ using device::PixelFormat;
 
 constexpr auto kRetry = std::chrono::milliseconds(500);
 constexpr std::uint32_t kNumBuffers = 4;
-constexpr std::uint32_t kMostFormats = 64;
+constexpr std::uint32_t kMaxFormats = 64;
 
 struct Format {
   std::uint32_t fourcc;
@@ -134,7 +134,7 @@ std::string V4l2Camera::open() {
 
 std::string V4l2Camera::choose_format() {
   std::set<std::uint32_t> offered;
-  for (std::uint32_t i = 0; i < kMostFormats; ++i) {
+  for (std::uint32_t i = 0; i < kMaxFormats; ++i) {
     auto description = capture<v4l2_fmtdesc>();
     description.index = i;
     if (call(VIDIOC_ENUM_FMT, &description) < 0) break;

@@ -12,7 +12,7 @@ namespace orchard::io {
 namespace {
 
 /// The largest of the vectors that are read has five numbers; longer ones are not kept.
-constexpr std::size_t kMostNumbers = 16;
+constexpr std::size_t kNumbersMax = 16;
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 bool is_name(char c) {
@@ -34,7 +34,7 @@ std::optional<std::vector<double>> numbers_of(std::string_view text) {
       closed = true;
       ++i;
     } else {
-      if (closed || (!open && !numbers.empty()) || numbers.size() == kMostNumbers) {
+      if (closed || (!open && !numbers.empty()) || numbers.size() == kNumbersMax) {
         return std::nullopt;
       }
       double value = 0.0;

@@ -13,7 +13,7 @@ namespace orchard::io {
 namespace {
 
 /// A rig has some 10 kB. What is a thousand times that is another file, or one that never ends.
-constexpr std::size_t kConfigBytesMost = 1 << 20;
+constexpr std::size_t kConfigBytesMax = 1 << 20;
 
 /// Presents all sections of a configuration, which must outlive what is given.
 ConfigSchema schema_of(Config& c) {
@@ -40,9 +40,9 @@ LoadedConfig parse_config_with_warnings(const std::string& yaml, const std::stri
 
 LoadedConfig load_config_with_warnings(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  std::string text(kConfigBytesMost + 1, '\0');
+  std::string text(kConfigBytesMax + 1, '\0');
   if (!file || !file.read(text.data(), static_cast<std::streamsize>(text.size())).eof()) {
-    if (file.gcount() > static_cast<std::streamsize>(kConfigBytesMost)) {
+    if (file.gcount() > static_cast<std::streamsize>(kConfigBytesMax)) {
       throw ConfigError({path + ": is larger than any configuration (1 MiB); is it one?"});
     }
     throw ConfigError({path + ": cannot be read; give an existing file with --config"});

@@ -225,15 +225,15 @@ void Canvas::text(PixelPoint position, const std::string& text, const TextStyle&
   if (!is_drawable(position)) return;
   cairo_t* cairo = page_->cairo;
   const std::string drawn = drawn_text(text);
-  const double share = style.anchor == TextAnchor::kStart    ? 0.0
-                       : style.anchor == TextAnchor::kMiddle ? 0.5
-                                                             : 1.0;
+  const double fraction = style.anchor == TextAnchor::kStart    ? 0.0
+                          : style.anchor == TextAnchor::kMiddle ? 0.5
+                                                                : 1.0;
   cairo_save(cairo);
   cairo_select_font_face(cairo, kFont, CAIRO_FONT_SLANT_NORMAL, weight_of(style.is_bold));
   cairo_set_font_size(cairo, style.size_px);
   cairo_translate(cairo, position.x, position.y);
   if (style.is_upward) cairo_rotate(cairo, -0.5 * kPi);
-  const double begin_px = -share * text_width_px(drawn, style.size_px, style.is_bold);
+  const double begin_px = -fraction * text_width_px(drawn, style.size_px, style.is_bold);
   if (style.halo_colour) {
     cairo_move_to(cairo, begin_px, 0.0);
     cairo_text_path(cairo, drawn.c_str());

@@ -86,9 +86,10 @@ void draw_landmark(const MapFrame& frame, const Landmark& l, const Sizes& sizes,
                    LabelPlacement& placement, Canvas& canvas) {
   const Style style = style_of(l.label);
   if (l.length_m > 0.0) {
-    std::vector<PixelPoint> rim;
-    for (const Eigen::Vector2d& p : mapping::outline_of(l)) rim.push_back(frame.at(p.x(), p.y()));
-    return canvas.polygon(rim, style.fill, style.stroke);
+    std::vector<PixelPoint> border;
+    for (const Eigen::Vector2d& p : mapping::outline_of(l))
+      border.push_back(frame.at(p.x(), p.y()));
+    return canvas.polygon(border, style.fill, style.stroke);
   }
   const PixelPoint p = frame.at(l.x_m, l.y_m);
   const double r = radius_px(frame, l, sizes);
@@ -105,9 +106,9 @@ void draw_row_numbers(const MapFrame& frame, const std::vector<mapping::Row>& ro
     const PixelPoint first = frame.at(row.places[0].p_map.x(), row.places[0].p_map.y());
     const PixelPoint second = frame.at(row.places[1].p_map.x(), row.places[1].p_map.y());
     const double dx = first.x - second.x, dy = first.y - second.y;
-    const double share = kOut_px / std::max(1e-9, std::hypot(dx, dy));
-    draw_label({first.x + share * dx, first.y + share * dy}, 0.0, "R" + std::to_string(row.number),
-               kAxisTextPx, kRowText, placement, &canvas);
+    const double fraction = kOut_px / std::max(1e-9, std::hypot(dx, dy));
+    draw_label({first.x + fraction * dx, first.y + fraction * dy}, 0.0,
+               "R" + std::to_string(row.number), kAxisTextPx, kRowText, placement, &canvas);
   }
 }
 
@@ -166,8 +167,8 @@ std::string map_figure(const std::vector<Landmark>& landmarks,
   for (const Landmark& l : landmarks) {
     points.push_back({l.x_m, l.y_m});
     if (l.length_m == 0.0) continue;
-    const std::vector<Eigen::Vector2d> rim = mapping::outline_of(l);
-    points.insert(points.end(), rim.begin(), rim.end());
+    const std::vector<Eigen::Vector2d> border = mapping::outline_of(l);
+    points.insert(points.end(), border.begin(), border.end());
   }
   for (const pose::PoseEstimate& p : trajectory) points.push_back({p.x_m, p.y_m});
   for (const mapping::NavigationNode& node : graph.nodes) points.push_back(node.p_map);

@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kMinTickXPx = 60.0, kMinTickYPx = 40.0;
 constexpr double kTick_px = 5.0;
-constexpr double kLeastStepPx = 1.0;  // of a line that is drawn
-constexpr double kLeastRange = 1e-3;
+constexpr double kMinStepPx = 1.0;  // of a line that is drawn
+constexpr double kMinRange = 1e-3;
 constexpr Colour kGrid{228, 228, 228};
 
 /// The middle of a pixel, where a line one pixel wide is sharp.
@@ -54,12 +54,11 @@ int decimals_of(double step) {
 }
 
 PlotAxes::PlotAxes(const PixelBox& box, AxisRange x, AxisRange y)
-    : box_(box), x_(widened(x, kLeastRange)), y_(widened(y, kLeastRange)) {}
+    : box_(box), x_(widened(x, kMinRange)), y_(widened(y, kMinRange)) {}
 
 PlotAxes PlotAxes::equal_scale(const PixelBox& box, AxisRange x, AxisRange y) {
-  const double per_px =
-      std::max({std::abs(x.to - x.from) / box.width(), std::abs(y.to - y.from) / box.height(),
-                kLeastRange / box.width()});
+  const double per_px = std::max({std::abs(x.to - x.from) / box.width(),
+                                  std::abs(y.to - y.from) / box.height(), kMinRange / box.width()});
   return {box, widened(x, per_px * box.width()), widened(y, per_px * box.height())};
 }
 
@@ -99,8 +98,7 @@ void PlotAxes::draw_line(const std::vector<PixelPoint>& values, Colour colour, d
   std::vector<PixelPoint> points;
   for (const PixelPoint& value : values) {
     const PixelPoint p = at(value.x, value.y);
-    if (!points.empty() &&
-        std::hypot(p.x - points.back().x, p.y - points.back().y) < kLeastStepPx) {
+    if (!points.empty() && std::hypot(p.x - points.back().x, p.y - points.back().y) < kMinStepPx) {
       continue;
     }
     points.push_back(p);

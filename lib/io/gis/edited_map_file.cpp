@@ -22,8 +22,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr std::size_t kLandmarksMost = 2000000;
-constexpr double kNumberMost = 2147483646.0;
+constexpr std::size_t kLandmarksMax = 2000000;
+constexpr double kNumberMax = 2147483646.0;
 
 class EditedMapReader {
  public:
@@ -68,7 +68,7 @@ class EditedMapReader {
     layer.ResetReading();
     while (const OGRFeatureUniquePtr feature{layer.GetNextFeature()}) {
       at_ = path_ + ": feature " + std::to_string(feature->GetFID()) + " of landmarks";
-      if (result_.map.landmarks.size() >= kLandmarksMost) {
+      if (result_.map.landmarks.size() >= kLandmarksMax) {
         throw FileError(path_ + " holds over two million landmarks");
       }
       mapping::EditedLandmark l;
@@ -145,7 +145,7 @@ class EditedMapReader {
     const int field = feature.GetDefnRef()->GetFieldIndex(name);
     if (field < 0 || !feature.IsFieldSetAndNotNull(field)) return 0.0;
     const double value = feature.GetFieldAsDouble(field);
-    if (!(value >= 0.0 && value <= kNumberMost)) {
+    if (!(value >= 0.0 && value <= kNumberMax)) {
       throw FileError(at_ + ": " + name + " cannot be that number");
     }
     return value;

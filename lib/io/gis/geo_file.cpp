@@ -296,10 +296,10 @@ void GeoFile::add(const std::vector<GeoValue>& values,
   if (points_map.size() == 1) line.getPoint(0, &point);
   OGRPolygon area;
   if (m.begun.geometry == GeoGeometry::kArea) {
-    OGRLinearRing rim;
-    rim.addSubLineString(&line);
-    rim.closeRings();
-    area.addRing(&rim);
+    OGRLinearRing border;
+    border.addSubLineString(&line);
+    border.closeRings();
+    area.addRing(&border);
   }
   const OGRGeometry& geometry = points_map.size() == 1 ? static_cast<const OGRGeometry&>(point)
                                 : area.IsEmpty()       ? static_cast<const OGRGeometry&>(line)

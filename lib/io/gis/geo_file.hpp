@@ -90,7 +90,7 @@ class GeoFile {
   void begin_layer(const GeoLayer& layer);
 
   /// One feature: a value per field, and its points (one for kPoint, two or more
-  /// for kLine; of kArea its rim, three or more, the first not again).
+  /// for kLine; of kArea its border, three or more, the first not again).
   void add(const std::vector<GeoValue>& values, const std::vector<Eigen::Vector2d>& points_map);
 
   /// Layers that were left out.

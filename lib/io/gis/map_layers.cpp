@@ -124,12 +124,12 @@ void write_extents(const MapLayers& map, GeoFile& file) {
                      {"direction_deg", GeoType::kReal}},
                     qml_text(style)});
   for (const mapping::Landmark& l : *map.landmarks) {
-    const std::vector<Eigen::Vector2d> rim = mapping::outline_of(l);
-    if (l.label != Label::kObject || rim.empty()) continue;
+    const std::vector<Eigen::Vector2d> border = mapping::outline_of(l);
+    if (l.label != Label::kObject || border.empty()) continue;
     const bool is_long = l.length_m > 0.0;
     file.add({integer(l.id), l.width_m, is_long ? GeoValue(l.length_m) : GeoValue(),
               is_long ? GeoValue(l.direction_rad * 180.0 / geometry::kPi) : GeoValue()},
-             rim);
+             border);
   }
 }
 

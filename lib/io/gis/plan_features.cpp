@@ -22,8 +22,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr std::size_t kNumFeaturesMost = 2000000;
-constexpr std::size_t kNumPointsMost = 100000;  ///< of one line
+constexpr std::size_t kNumFeaturesMax = 2000000;
+constexpr std::size_t kNumPointsMax = 100000;  ///< of one line
 constexpr std::size_t kLongestName = 64;
 constexpr double kWidestCrown_m = 15.0;  ///< a closed line no wider is a tree as drawings have it
 
@@ -163,7 +163,7 @@ class PlanFeatureReader {
       if (!feature) break;
       at_ = path_ + ": feature " + std::to_string(number) +
             (is_folder ? " of layer " + std::string(layer.GetName()) : std::string());
-      if (result_.trees.size() + result_.lines.size() >= kNumFeaturesMost) {
+      if (result_.trees.size() + result_.lines.size() >= kNumFeaturesMax) {
         throw FileError(path_ + " holds over two million features; give one block");
       }
       PlanFeature f;
@@ -195,7 +195,7 @@ class PlanFeatureReader {
   static bool has_several(OGRLayer& layer, int field) {
     layer.ResetReading();
     std::string first;
-    for (std::size_t k = 0; k < kNumFeaturesMost; ++k) {
+    for (std::size_t k = 0; k < kNumFeaturesMax; ++k) {
       const OGRFeatureUniquePtr feature(layer.GetNextFeature());
       if (!feature) return false;
       const std::string value = feature->GetFieldAsString(field);
@@ -286,8 +286,8 @@ class PlanFeatureReader {
     if (flat != wkbLineString) return false;
     const OGRLineString* line = geometry.toLineString();
     if (line->getNumPoints() < 2) return false;
-    if (static_cast<std::size_t>(line->getNumPoints()) > kNumPointsMost) {
-      throw FileError(at_ + " is a line of over " + std::to_string(kNumPointsMost) + " points");
+    if (static_cast<std::size_t>(line->getNumPoints()) > kNumPointsMax) {
+      throw FileError(at_ + " is a line of over " + std::to_string(kNumPointsMax) + " points");
     }
     if (driver_ == "DXF" && line->get_IsClosed()) {
       OGREnvelope box;

@@ -16,7 +16,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kFarthest_m = 20000.0;  ///< from the middle of one block
-constexpr double kLocalMost_m = 100000.0;
+constexpr double kLocalMax_m = 100000.0;
 
 /// Amid all points; of degrees where no block crosses the date line unnoticed.
 Vector2d middle_of(const PlanFeatures& features) {
@@ -52,7 +52,7 @@ void to_metres(PlanFeatures& features, StoredPlan& stored) {
                           " km from the middle of the plan; is its coordinate system right "
                           "(--crs)?");
         }
-        if (!stored.georeference && p.cwiseAbs().maxCoeff() > kLocalMost_m) {
+        if (!stored.georeference && p.cwiseAbs().maxCoeff() > kLocalMax_m) {
           throw FileError(stored.name + ": x " + fixed_text(p.x(), 1) + ", y " +
                           fixed_text(p.y(), 1) +
                           " are coordinates of a country's or zone's system, and the file does "

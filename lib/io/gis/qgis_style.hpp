@@ -11,9 +11,9 @@ struct QgisSymbol {
   const char* value;   ///< of the field that tells kinds apart; "" where there is one kind
   const char* legend;  ///< in words
   const char* shape;   ///< of a marker: circle, square, diamond, cross_fill ...; of a line: solid,
-                      ///< dash; of an area: solid
+                       ///< dash; of an area: solid
   const char* colour;
-  double size_mm;  ///< of a marker; of a line its width, of an area its rim's
+  double size_mm;  ///< of a marker; of a line its width, of an area its border's
 };
 
 /// A layer's style as QGIS keeps it (QML, of QGIS 3): points, lines or areas by kind, and a label.

@@ -22,10 +22,10 @@ using mapping::CorrectionKind;
 using mapping::CorrectionTarget;
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kLineMost_bytes = 65536;
-constexpr std::size_t kTargetsMost = 100;
+constexpr std::size_t kLineMax_bytes = 65536;
+constexpr std::size_t kTargetsMax = 100;
 
-constexpr std::int64_t kMostInt = std::numeric_limits<std::int32_t>::max() - 1;
+constexpr std::int64_t kMaxInt = std::numeric_limits<std::int32_t>::max() - 1;
 
 double metres(double value) { return rounded(value, 1e4); }
 
@@ -55,7 +55,7 @@ class Line {
       fail(std::string(key) + " must be a whole number");
     }
     const auto value = json[key].get<std::int64_t>();
-    if (value < lo || value > kMostInt) fail(std::string(key) + " cannot be that number");
+    if (value < lo || value > kMaxInt) fail(std::string(key) + " cannot be that number");
     return value;
   }
   std::int32_t integer(const char* key, std::int64_t lo) {
@@ -188,7 +188,7 @@ Correction correction_of(Line& line) {
       c.label = line.label();
       break;
     case CorrectionKind::kMerge:
-      c.targets = line.targets(2, kTargetsMost);
+      c.targets = line.targets(2, kTargetsMax);
       c.places_map = line.places(1);
       break;
     case CorrectionKind::kSplit:
@@ -219,7 +219,7 @@ Correction correction_of(Line& line) {
 }  // namespace
 
 bool is_correction_text(const std::string& text) {
-  if (text.size() > kCorrectionTextMost_bytes || printable_text(text) != text) return false;
+  if (text.size() > kCorrectionTextMax_bytes || printable_text(text) != text) return false;
   try {
     return !Json(text).dump().empty();
   } catch (const Json::exception&) {
@@ -263,7 +263,7 @@ StoredCorrections parse_corrections(std::string_view text, const std::string& na
     const std::size_t end = text.find('\n', begin);
     if (end == std::string_view::npos) break;
     const std::string place = name + ":" + std::to_string(line);
-    if (end - begin > kLineMost_bytes) throw FileError(place + ": the line is too long");
+    if (end - begin > kLineMax_bytes) throw FileError(place + ": the line is too long");
     Line fields(text.substr(begin, end - begin), place);
     Correction c = correction_of(fields);
     const std::int32_t last = stored.list.empty() ? 0 : stored.list.back().number;

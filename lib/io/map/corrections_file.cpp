@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostBytes = std::size_t{64} << 20;
+constexpr std::size_t kMaxBytes = std::size_t{64} << 20;
 
 std::string path_in(const std::string& folder) {
   return (fs::path(folder) / kCorrectionsFile).string();
@@ -48,7 +48,7 @@ class LockedFile {
     struct stat status {};
     if (::fstat(fd_, &status) != 0) fail(path_, "be read");
     if (!S_ISREG(status.st_mode)) throw FileError(path_ + " is no regular file; move it away");
-    if (static_cast<std::size_t>(status.st_size) > kMostBytes) {
+    if (static_cast<std::size_t>(status.st_size) > kMaxBytes) {
       throw FileError(path_ + " is larger than any list of corrections; is it one?");
     }
     std::string text(static_cast<std::size_t>(status.st_size), '\0');
@@ -120,13 +120,13 @@ StoredCorrections read_corrections(const std::string& folder) {
   ssize_t got = 0;
   while ((got = ::read(fd, part, sizeof(part))) > 0 || (got < 0 && errno == EINTR)) {
     if (got > 0) text.append(part, static_cast<std::size_t>(got));
-    if (text.size() > kMostBytes) break;
+    if (text.size() > kMaxBytes) break;
   }
   const int error = errno;
   ::close(fd);
   errno = error;
   if (got < 0) fail(path, "be read");
-  if (text.size() > kMostBytes) {
+  if (text.size() > kMaxBytes) {
     throw FileError(path + " is larger than any list of corrections; is it one?");
   }
   return parse_corrections(text, path);

@@ -15,7 +15,7 @@ namespace orchard::io {
 /// made them. Lines are only ever added.
 inline constexpr char kCorrectionsFile[] = "corrections.jsonl";
 
-inline constexpr std::size_t kCorrectionTextMost_bytes = 2000;  ///< of a note, a name, a person
+inline constexpr std::size_t kCorrectionTextMax_bytes = 2000;  ///< of a note, a name, a person
 
 struct StoredCorrections {
   std::vector<mapping::Correction> list;

@@ -30,11 +30,11 @@ detection::Label label_named(const std::string& word) {
   throw FileError("\"" + word + "\" is no class; give tree or object");
 }
 
-constexpr int kPositionMost = 1000000;
+constexpr int kPositionMax = 1000000;
 
 CorrectionTarget target_of(const Landmark& l) { return {l.id, {l.x_m, l.y_m}, l.label, l.width_m}; }
 
-/// Two looks at one thing: the better known one says where it stands.
+/// Two observations of one thing: the better known one says where it stands.
 Vector2d place_of_all(const CorrectedMapFolder& map, const std::vector<std::string>& trees) {
   Vector2d sum(0, 0);
   double num = 0.0;
@@ -182,7 +182,7 @@ void require_sound(const MapEdit& edit) {
       throw FileError("a place farther than any map reaches");
     }
   }
-  if (edit.position < 0 || edit.position > kPositionMost || edit.of < 0 ||
+  if (edit.position < 0 || edit.position > kPositionMax || edit.of < 0 ||
       !(edit.width_m >= 0.0 && edit.width_m <= kMaxWidth_m)) {
     throw FileError("a number that cannot be");
   }

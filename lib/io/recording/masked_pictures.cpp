@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kMaskMaxBytes = std::uintmax_t{16} << 20;
 constexpr int kMaskMaxSide_px = 8192;
-constexpr int kLeastRed = 64;  // darker pixels of a mask are its background
+constexpr int kMinRed = 64;  // darker pixels of a mask are its background
 
 using Range = std::pair<long, long>;  // first and last number
 
@@ -177,7 +177,7 @@ MaskedPicture read_masked_picture(const MaskedPicturePaths& paths) {
   result.mask.trunk.reserve(mask.bgr.size() / 3);
   for (std::size_t i = 0; i + 2 < mask.bgr.size(); i += 3) {
     const int blue = mask.bgr[i], green = mask.bgr[i + 1], red = mask.bgr[i + 2];
-    const bool is_trunk = red >= kLeastRed && red >= 2 * green && red >= 2 * blue;
+    const bool is_trunk = red >= kMinRed && red >= 2 * green && red >= 2 * blue;
     result.mask.trunk.push_back(is_trunk ? 1 : 0);
   }
   if (std::count(result.mask.trunk.begin(), result.mask.trunk.end(), 1) == 0) {

@@ -9,7 +9,7 @@ namespace orchard::io {
 namespace {
 
 constexpr std::string_view kRawBytesMagic = "ORCHRAW1";
-constexpr std::uint32_t kEventMost_bytes = 1 << 20;
+constexpr std::uint32_t kEventMax_bytes = 1 << 20;
 constexpr std::size_t kHeader_bytes = 13;
 
 template <class Integer>
@@ -60,7 +60,7 @@ std::optional<RawEvent> RawBytesReader::next() {
   RawEvent event;
   event.utime = static_cast<std::int64_t>(get_big_endian(header.data(), 8));
   const auto size = static_cast<std::uint32_t>(get_big_endian(header.data() + 9, 4));
-  if (!is_kind(header[8]) || size > kEventMost_bytes) {
+  if (!is_kind(header[8]) || size > kEventMax_bytes) {
     throw FileError(path_ + ": damaged: an event of a kind or size that cannot be");
   }
   event.kind = static_cast<RawKind>(header[8]);

@@ -15,7 +15,7 @@ namespace {
 
 using mapping::Landmark;
 
-constexpr Colour kTree{70, 150, 80}, kTreeRim{25, 90, 40}, kGap{224, 140, 20},
+constexpr Colour kTree{70, 150, 80}, kTreeBorder{25, 90, 40}, kGap{224, 140, 20},
     kOther{150, 150, 150};
 constexpr Colour kRowText{60, 110, 70}, kBar{90, 150, 105};
 constexpr double kTreePx = 4.0, kTreeManyPx = 2.5, kGapPx = 3.5;
@@ -37,7 +37,7 @@ struct Block {
 std::vector<LegendItem> legend_of(const Block& block, const ReportTexts& texts) {
   std::vector<LegendItem> items;
   items.push_back({texts.legend_tree, [](PixelPoint centre, Canvas& canvas) {
-                     canvas.circle(centre, kTreePx, kTree, kTreeRim);
+                     canvas.circle(centre, kTreePx, kTree, kTreeBorder);
                    }});
   if (!block.gaps.empty()) {
     items.push_back({texts.legend_gap,
@@ -57,8 +57,8 @@ void draw_row_numbers(const Block& block, const MapFrame& frame, LabelPlacement&
     const Eigen::Vector2d& last = trees.rbegin()->second;
     const PixelPoint from = frame.at(first.x(), first.y()), to = frame.at(last.x(), last.y());
     const double length_px = std::hypot(from.x - to.x, from.y - to.y);
-    const double share = length_px > 0.0 ? kOut_px / length_px : 0.0;
-    draw_label({from.x + share * (from.x - to.x), from.y + share * (from.y - to.y)}, 0.0,
+    const double fraction = length_px > 0.0 ? kOut_px / length_px : 0.0;
+    draw_label({from.x + fraction * (from.x - to.x), from.y + fraction * (from.y - to.y)}, 0.0,
                block.row_short + std::to_string(number), kText_px, kRowText, placement, &canvas);
   }
 }
@@ -84,7 +84,7 @@ void draw_block(const Block& block, const MapFrame& frame, Canvas& canvas) {
     if (l.label != detection::Label::kTree) continue;
     const PixelPoint p = frame.at(l.x_m, l.y_m);
     const double radius_px = std::max(block.tree_px, 0.5 * l.width_m * frame.px_per_m());
-    canvas.circle(p, radius_px, kTree, kTreeRim);
+    canvas.circle(p, radius_px, kTree, kTreeBorder);
     take(p, radius_px);
   }
   draw_row_numbers(block, frame, placement, canvas);
@@ -138,7 +138,7 @@ DocumentFigure diameter_figure(const mapping::DiameterHistogram& histogram,
               const PixelPoint low = axes.at(class_cm * static_cast<double>(i), 0.0);
               const PixelPoint high =
                   axes.at(class_cm * static_cast<double>(i + 1), histogram.counts[i]);
-              canvas.rectangle({low.x + 0.5, high.y, high.x - 0.5, low.y}, kBar, kTreeRim, 0.5);
+              canvas.rectangle({low.x + 0.5, high.y, high.x - 0.5, low.y}, kBar, kTreeBorder, 0.5);
             }
           }};
 }

@@ -13,18 +13,18 @@
 namespace orchard::laser {
 namespace {
 
-constexpr std::size_t kMostThinBeams = 2;
+constexpr std::size_t kMaxThinBeams = 2;
 /// Penalty per circle or line, in chi2: noise alone gains this much in about 1 of 1000 splits.
 constexpr double kPartCost = 18.0;
-constexpr std::array<double, kMostThinBeams> kThinCosts{15.0, 18.0};
+constexpr std::array<double, kMaxThinBeams> kThinCosts{15.0, 18.0};
 /// Largest fraction of the beams that may be clutter.
 constexpr double kMaxClutterFraction = 0.25;
 /// Smallest fraction of the beams in a part: fewer are the mixed border of a trunk.
-constexpr double kLeastShare = 1.0 / 6.0;
+constexpr double kMinFraction = 1.0 / 6.0;
 /// After this many consecutive lengths without a circle, longer ones are not tried; the first ones
 /// may all lie on a trunk's border.
-constexpr int kMostMisfits = 3;
-constexpr int kMostMisfitsAtFirst = 8;
+constexpr int kMaxMisfits = 3;
+constexpr int kMaxMisfitsAtFirst = 8;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
@@ -47,25 +47,25 @@ void BestSplit::go_on(std::size_t from, std::size_t to, double cost, bool is_cir
 void BestSplit::find_explanations(const Candidate& candidate) {
   const std::size_t n = positions_.size();
   const std::size_t fewest = std::max<std::size_t>(
-      kMinPartBeams, static_cast<std::size_t>(std::ceil(kLeastShare * static_cast<double>(n))));
+      kMinPartBeams, static_cast<std::size_t>(std::ceil(kMinFraction * static_cast<double>(n))));
   for (auto& explanations : explanations_) explanations.assign(n + 1, {kInfinity, 0, false});
   explanations_[0][0].cost = 0.0;
   for (std::size_t from = 0; from < n; ++from) {
-    for (std::size_t thin = 1; thin <= std::min(kMostThinBeams, n - from); ++thin) {
+    for (std::size_t thin = 1; thin <= std::min(kMaxThinBeams, n - from); ++thin) {
       go_on(from, from + thin, kThinCosts[thin - 1], false);
     }
-    const bool is_first = from <= kMostThinBeams;  // else it is the last
+    const bool is_first = from <= kMaxThinBeams;  // else it is the last
     if (!is_first && explanations_[1][from].cost == kInfinity) continue;
     const std::size_t least = from + fewest;
-    int num_misfits = kMostMisfitsAtFirst;
+    int num_misfits = kMaxMisfitsAtFirst;
     // The circle of one beam more or less is near: warm start.
     std::optional<CircleFit> last;
-    for (std::size_t to = is_first ? least : std::max(least, n - kMostThinBeams); to <= n; ++to) {
+    for (std::size_t to = is_first ? least : std::max(least, n - kMaxThinBeams); to <= n; ++to) {
       const auto circle = fit_.good(part(candidate, from, to), last);
       if (circle) {
         last = circle;
         go_on(from, to, kPartCost + circle->chi2 - circle->dof, true);
-        num_misfits = kMostMisfits;
+        num_misfits = kMaxMisfits;
       } else if (--num_misfits == 0) {
         break;
       }

@@ -93,7 +93,7 @@ void Album::take_scans() {
         pictures_.begin(), pictures_.end(),
         [&scan](const WaitingPicture& waiting) { return waiting.image.utime == scan.image_utime; });
     if (of_it != pictures_.end()) {
-      look(scan, of_it->image);
+      observe(scan, of_it->image);
       // Scans come in order of time: what is older than this one's picture is nobody's.
       pictures_.erase(pictures_.begin(), of_it);
     }
@@ -102,7 +102,7 @@ void Album::take_scans() {
   scans_.erase(scans_.begin(), scans_.begin() + static_cast<std::ptrdiff_t>(num_done));
 }
 
-void Album::look(const WaitingScan& scan, const vision::Image& image) {
+void Album::observe(const WaitingScan& scan, const vision::Image& image) {
   const double dt_s =
       1e-6 * static_cast<double>(scan.image_utime - scan.utime) - rig_.camera_delay_s;
   const std::vector<Framing> framings = frame_subjects(scan.subjects, rig_, scan.motion, dt_s);

@@ -77,7 +77,7 @@ class Album {
     void persist(StateArchive& archive) { archive(x_m, y_m, last_utime, best); }
   };
   void take_scans();
-  void look(const WaitingScan& scan, const vision::Image& image);
+  void observe(const WaitingScan& scan, const vision::Image& image);
   std::size_t passing_at(double x_m, double y_m, std::int64_t utime);
   void make_room();
 

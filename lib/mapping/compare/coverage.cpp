@@ -22,15 +22,16 @@ using Rates = std::array<double, kNumRanges>;
 /// Rates that are not negative and explain the observations per second of looking best; what the
 /// trees do not tell apart goes to the nearer distances (least squares by coordinates: the problem
 /// is convex and has few unknowns).
-Rates fit_rates(const std::vector<Rates>& shares, const std::vector<double>& per_second) {
+Rates fit_rates(const std::vector<Rates>& fractions, const std::vector<double>& per_second) {
   constexpr int kSweeps = 300;
   Rates rates{};
   std::array<Rates, kNumRanges> products{};
   Rates targets{};
-  for (std::size_t i = 0; i < shares.size(); ++i) {
+  for (std::size_t i = 0; i < fractions.size(); ++i) {
     for (std::size_t j = 0; j < kNumRanges; ++j) {
-      targets[j] += shares[i][j] * per_second[i];
-      for (std::size_t k = 0; k < kNumRanges; ++k) products[j][k] += shares[i][j] * shares[i][k];
+      targets[j] += fractions[i][j] * per_second[i];
+      for (std::size_t k = 0; k < kNumRanges; ++k)
+        products[j][k] += fractions[i][j] * fractions[i][k];
     }
   }
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -54,21 +55,21 @@ DetectionMap::DetectionMap(const std::vector<Landmark>& landmarks,
   if (trajectories.empty()) return;
   is_known_ = true;
   raster_.emplace_back(landmarks, trajectories, view);
-  std::vector<Rates> shares;
+  std::vector<Rates> fractions;
   std::vector<double> per_second;
   for (const Landmark& l : landmarks) {
     if (l.label == detection::Label::kObject) continue;
-    const VisibilityGrid::Seconds looks = raster_.front().at({l.x_m, l.y_m});
+    const VisibilityGrid::Seconds observations = raster_.front().at({l.x_m, l.y_m});
     double total_s = 0.0;
-    for (const float s : looks) total_s += s;
+    for (const float s : observations) total_s += s;
     if (total_s <= 0.0) continue;
-    Rates share{};
-    for (std::size_t j = 0; j < kNumRanges; ++j) share[j] = looks[j] / total_s;
-    shares.push_back(share);
+    Rates fraction{};
+    for (std::size_t j = 0; j < kNumRanges; ++j) fraction[j] = observations[j] / total_s;
+    fractions.push_back(fraction);
     per_second.push_back(l.num_observations / total_s);
   }
   num_mapped_min_ = view.min_observations;
-  rate_per_s_ = fit_rates(shares, per_second);
+  rate_per_s_ = fit_rates(fractions, per_second);
   std::vector<double> deviations;
   for (const Landmark& l : landmarks) {
     const double expected = expected_observations({l.x_m, l.y_m});
@@ -87,9 +88,9 @@ DetectionMap::DetectionMap(const std::vector<Landmark>& landmarks,
 
 double DetectionMap::expected_observations(const Vector2d& p_map) const {
   if (!is_known_) return 0.0;
-  const VisibilityGrid::Seconds looks = raster_.front().at(p_map);
+  const VisibilityGrid::Seconds observations = raster_.front().at(p_map);
   double sum = 0.0;
-  for (std::size_t j = 0; j < kNumRanges; ++j) sum += looks[j] * rate_per_s_[j];
+  for (std::size_t j = 0; j < kNumRanges; ++j) sum += observations[j] * rate_per_s_[j];
   return sum;
 }
 

@@ -93,8 +93,8 @@ double expected_by_chance(const IndexedPoints& a, double num_b, double gate_m) {
     y0 = std::min(y0, p.y()), y1 = std::max(y1, p.y());
   }
   const double area_m2 = (x1 - x0 + 2.0) * (y1 - y0 + 2.0);
-  const double share = geometry::kPi * gate_m * gate_m * static_cast<double>(a.size()) / area_m2;
-  return std::min(0.9, share) * num_b;
+  const double fraction = geometry::kPi * gate_m * gate_m * static_cast<double>(a.size()) / area_m2;
+  return std::min(0.9, fraction) * num_b;
 }
 
 Eigen::Matrix3d covariance_of(const IndexedPoints& b, const MapAlignment& alignment) {

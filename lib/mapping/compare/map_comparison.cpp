@@ -57,19 +57,19 @@ double width_change_m(const Landmark& a, const Landmark& b) {
 
 /// Factor on the scatter of a pair with fewer observations than usual.
 double noise_factor(const Landmark& a, const Landmark& b, double typical) {
-  const double share =
+  const double fraction =
       1.0 / std::max(1, a.num_observations) + 1.0 / std::max(1, b.num_observations);
-  return std::sqrt(0.5 + 0.5 * std::max(1.0, share / typical));
+  return std::sqrt(0.5 + 0.5 * std::max(1.0, fraction / typical));
 }
 
 double typical_variance(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
                         const std::vector<LandmarkPair>& pairs) {
-  std::vector<double> shares;
+  std::vector<double> fractions;
   for (const LandmarkPair& pair : pairs) {
-    shares.push_back(1.0 / std::max(1, a[static_cast<std::size_t>(pair.a)].num_observations) +
-                     1.0 / std::max(1, b[static_cast<std::size_t>(pair.b)].num_observations));
+    fractions.push_back(1.0 / std::max(1, a[static_cast<std::size_t>(pair.a)].num_observations) +
+                        1.0 / std::max(1, b[static_cast<std::size_t>(pair.b)].num_observations));
   }
-  return std::max(1e-9, geometry::median(std::move(shares)));
+  return std::max(1e-9, geometry::median(std::move(fractions)));
 }
 
 bool are_trees(const Landmark& a, const Landmark& b) {

@@ -16,8 +16,8 @@ using Eigen::Vector2d;
 
 /// A map cannot know a place better than this [m], whatever its standard errors say.
 constexpr double kFloor_m = 0.01;
-/// Scatter of one look where a single one leaves no standard error [m].
-constexpr double kOneLook_m = 0.03;
+/// Scatter of one observation where a single one leaves no standard error [m].
+constexpr double kOneObservation_m = 0.03;
 
 /// Sum of squares about the mean that a standard error stands for: eq. 13 backwards.
 double sum_of_squares(double se_m, int n) { return se_m * se_m * n * (n - 1.0); }
@@ -35,7 +35,7 @@ Matrix2d covariance_of(const Landmark& l) {
   Matrix2d c;
   c << l.covariance[0], l.covariance[1], l.covariance[1], l.covariance[2];
   if (!(c.determinant() > 0.0)) {
-    const double one_m = kOneLook_m / std::sqrt(std::max(1, l.num_observations));
+    const double one_m = kOneObservation_m / std::sqrt(std::max(1, l.num_observations));
     const double x_m = l.se_x_m > 0.0 ? l.se_x_m : one_m, y_m = l.se_y_m > 0.0 ? l.se_y_m : one_m;
     c << x_m * x_m, 0.0, 0.0, y_m * y_m;
   }

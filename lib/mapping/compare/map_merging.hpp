@@ -22,13 +22,13 @@ struct KeptId {
 
 /// Takes map b into `merged`, which it is laid on by `alignment` (of merged and b).
 ///
-/// Things that lie upon each other become one: n and mean roc of all looks; standard errors of all
-/// looks as of one sample (Chan et al. 1979, from each map's n, mean and standard error); position
-/// and width weighted by what each map knows of them; class and probability by the sum of the log
-/// odds, each within what files can hold. A thing that no map held an observation of keeps 0. Ids
-/// are those of `merged`; what is new gets merged.next_id and on, in order of its id in b. Row and
-/// position stay as `merged` has them; of new things they are 0. Returns the ids of b, in its
-/// order.
+/// Things that lie upon each other become one: n and mean roc of all observations; standard errors
+/// of all observations as of one sample (Chan et al. 1979, from each map's n, mean and standard
+/// error); position and width weighted by what each map knows of them; class and probability by the
+/// sum of the log odds, each within what files can hold. A thing that no map held an observation of
+/// keeps 0. Ids are those of `merged`; what is new gets merged.next_id and on, in order of its id
+/// in b. Row and position stay as `merged` has them; of new things they are 0. Returns the ids of
+/// b, in its order.
 std::vector<KeptId> merge_into(MergedMap& merged, const std::vector<Landmark>& b,
                                const MapAlignment& alignment);
 

@@ -29,13 +29,13 @@ int pose_weight(const LandmarkRecord& r) { return std::min(r.num_all, kPoseWeigh
 
 bool ExistenceFilter::was_free_before(const Vector2d& p_map, double width_m, double sd_m) const {
   double log_odds = log_odds_of_return();  // the observation itself
-  for (const Look& look : looks_) {
-    const Vector2d base_map(look.T_map_base.x_m, look.T_map_base.y_m);
+  for (const Observation& observation : observations_) {
+    const Vector2d base_map(observation.T_map_base.x_m, observation.T_map_base.y_m);
     if ((base_map - p_map).norm() > kBeamReach_m) continue;
     const Vector2d p_base =
-        Eigen::Rotation2Dd(look.T_map_base.yaw_rad).inverse() * (p_map - base_map);
-    log_odds += log_odds_of(
-        look.free_space->at(p_base, width_m, std::hypot(sd_m, sd_at(look.T_map_base, p_map))));
+        Eigen::Rotation2Dd(observation.T_map_base.yaw_rad).inverse() * (p_map - base_map);
+    log_odds += log_odds_of(observation.free_space->at(
+        p_base, width_m, std::hypot(sd_m, sd_at(observation.T_map_base, p_map))));
   }
   return log_odds < kLogOddsGone;
 }
@@ -89,8 +89,8 @@ void ExistenceFilter::update(const std::shared_ptr<const FreeSpace>& free_space,
 
   const Evidence all = evidence_of(update.changed_ids, T_map_base, *free_space, landmarks);
   if (all.against_pose > all.for_pose) return;
-  looks_.push_back({T_map_base, free_space});
-  if (looks_.size() > kLooksBack) looks_.pop_front();
+  observations_.push_back({T_map_base, free_space});
+  if (observations_.size() > kLooksBack) observations_.pop_front();
   std::vector<std::int32_t> gone;
   for (const Evidence::OfLandmark& evidence : all.of_landmarks) {
     landmarks.change(evidence.index, [&](LandmarkRecord& r) {
@@ -109,22 +109,22 @@ void ExistenceFilter::update(const std::shared_ptr<const FreeSpace>& free_space,
 }
 
 void ExistenceFilter::persist(StateArchive& archive) {
-  std::uint64_t num_looks = looks_.size();
-  archive(last_utime_, num_looks);
+  std::uint64_t num_observations = observations_.size();
+  archive(last_utime_, num_observations);
   if (archive.is_reading()) {
-    looks_.clear();
-    for (; num_looks > 0; --num_looks) {
-      Look look;
+    observations_.clear();
+    for (; num_observations > 0; --num_observations) {
+      Observation observation;
       std::vector<std::uint8_t> bytes;
-      archive(look.T_map_base, bytes);
-      look.free_space = std::make_shared<FreeSpace>(FreeSpace::unpack(bytes));
-      looks_.push_back(std::move(look));
+      archive(observation.T_map_base, bytes);
+      observation.free_space = std::make_shared<FreeSpace>(FreeSpace::unpack(bytes));
+      observations_.push_back(std::move(observation));
     }
     return;
   }
-  for (Look& look : looks_) {
-    std::vector<std::uint8_t> bytes = look.free_space->pack();
-    archive(look.T_map_base, bytes);
+  for (Observation& observation : observations_) {
+    std::vector<std::uint8_t> bytes = observation.free_space->pack();
+    archive(observation.T_map_base, bytes);
   }
 }
 

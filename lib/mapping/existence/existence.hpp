@@ -51,7 +51,7 @@ class ExistenceFilter {
                        const LandmarkTable& landmarks) const;
 
   /// A scan whose pose was trusted.
-  struct Look {
+  struct Observation {
     pose::PoseEstimate T_map_base;
     std::shared_ptr<const FreeSpace> free_space;
   };
@@ -59,7 +59,7 @@ class ExistenceFilter {
   ExistenceConfig config_;
   Eigen::Vector2d p_base_laser_;
   std::optional<std::int64_t> last_utime_;  ///< of the last scan that counted
-  std::deque<Look> looks_;                  ///< the newest ones
+  std::deque<Observation> observations_;    ///< the newest ones
 };
 
 }  // namespace orchard::mapping

@@ -44,7 +44,7 @@ FreeSpace::FreeSpace(const laser::Scan& scan, const laser::LaserConfig& laser,
       beam_period_s_(1e-6 * scan.beam_period_us),
       reach_m_(kBeamReach_m),
       sigmas_(kPosition_sigma),
-      share_(kPassFraction),
+      fraction_(kPassFraction),
       no_return_m_(0.5 * scan.range_max_m) {
   codes_.assign(scan.ranges_m.size(), kSaysNothing);
   const double per_m = kFarthest / reach_m_;
@@ -80,7 +80,7 @@ std::vector<std::uint8_t> FreeSpace::pack() const {
         bytes.insert(bytes.end(), first, first + size);
       },
       utime_, laser_, bearing_middle_rad_, bearing_step_rad_, beam_period_s_, reach_m_, sigmas_,
-      share_, no_return_m_, velocity_.x(), velocity_.y(), velocity_.z());
+      fraction_, no_return_m_, velocity_.x(), velocity_.y(), velocity_.z());
   bytes.insert(bytes.end(), codes_.begin(), codes_.end());
   return bytes;
 }
@@ -96,7 +96,7 @@ FreeSpace FreeSpace::unpack(const std::vector<std::uint8_t>& bytes) {
       },
       free_space.utime_, free_space.laser_, free_space.bearing_middle_rad_,
       free_space.bearing_step_rad_, free_space.beam_period_s_, free_space.reach_m_,
-      free_space.sigmas_, free_space.share_, free_space.no_return_m_, free_space.velocity_.x(),
+      free_space.sigmas_, free_space.fraction_, free_space.no_return_m_, free_space.velocity_.x(),
       free_space.velocity_.y(), free_space.velocity_.z());
   free_space.codes_.assign(bytes.begin() + static_cast<std::ptrdiff_t>(next), bytes.end());
   return free_space;
@@ -157,7 +157,7 @@ FreeSpaceAnswer FreeSpace::at(const Vector2d& p_base, double width_m, double sd_
     num_own_past += is_own && is_past;
   }
   const bool sees_past =
-      num_own >= kFewestAcross && num_own_past == num_own && num_past >= share_ * num;
+      num_own >= kFewestAcross && num_own_past == num_own && num_past >= fraction_ * num;
   if (!sees_past) return {};
   return {FreeSpaceVerdict::kPassesThrough, num_own};
 }

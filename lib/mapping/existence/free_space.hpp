@@ -67,7 +67,7 @@ class FreeSpace {
   double beam_period_s_ = 0.0;
   double reach_m_ = 0.0;
   double sigmas_ = 0.0;
-  double share_ = 0.0;
+  double fraction_ = 0.0;
   double no_return_m_ = 0.0;  ///< up to which no return counts as going on
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();
   std::vector<std::uint8_t> codes_;

@@ -20,9 +20,9 @@ constexpr double kStray = 0.1;
 /// A robot that has seen nothing of a place for longer comes back there [us].
 constexpr std::int64_t kVisitGap_us = 20'000'000;
 /// Nobody stands still for longer [us].
-constexpr std::int64_t kStandsMost_us = 120'000'000;
+constexpr std::int64_t kStandsMax_us = 120'000'000;
 /// Observations that are enough to know when a thing was seen.
-constexpr std::size_t kVisitObservationsMost = 2000;
+constexpr std::size_t kVisitObservationsMax = 2000;
 /// Where one of so many trees of rows, or more, is one of a pair, pairs are stems.
 constexpr double kTreesPerPair = 10.0;
 
@@ -43,8 +43,8 @@ struct Visit {
 /// When a landmark was seen, if that was once and not for long.
 std::optional<Visit> only_visit(const MapState& map, std::int32_t id) {
   const std::vector<std::int32_t> newest =
-      map.observations.newest_of(map.landmarks[id - 1].last_observation, kVisitObservationsMost);
-  if (newest.empty() || newest.size() == kVisitObservationsMost) return std::nullopt;
+      map.observations.newest_of(map.landmarks[id - 1].last_observation, kVisitObservationsMax);
+  if (newest.empty() || newest.size() == kVisitObservationsMax) return std::nullopt;
   const auto utime_of = [&](std::int32_t k) {
     return map.observations.pose(map.observations[k].scan).utime;
   };
@@ -55,7 +55,7 @@ std::optional<Visit> only_visit(const MapState& map, std::int32_t id) {
     seen.first_us = std::min(seen.first_us, utime);
     seen.last_us = std::max(seen.last_us, utime);
   }
-  if (seen.last_us - seen.first_us > kStandsMost_us) return std::nullopt;
+  if (seen.last_us - seen.first_us > kStandsMax_us) return std::nullopt;
   return seen;
 }
 

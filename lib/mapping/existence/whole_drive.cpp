@@ -14,18 +14,18 @@ namespace orchard::mapping {
 namespace {
 
 /// What was seen so often was no stray observation.
-constexpr int kStrayObservationsMost = 30;
+constexpr int kStrayObservationsMax = 30;
 /// What overlaps a thing that was seen more than ten times as often is a view of that which went
 /// wrong: half hidden, or of two things in one.
 constexpr double kStrayFraction = 0.1;
 /// Wider things than this are no trunks and posts [m]: others may stand within their extent.
-constexpr double kCompactMost_m = 1.5;
+constexpr double kCompactMax_m = 1.5;
 
 /// Log odds that a landmark stands there, by every scan with a view of its place.
 double log_odds_of_drive(const MapState& map, const LandmarkRecord& r, SeenGround& ground) {
   std::vector<std::int32_t> seen_in;
   for (const std::int32_t k :
-       map.observations.newest_of(r.last_observation, kStrayObservationsMost)) {
+       map.observations.newest_of(r.last_observation, kStrayObservationsMax)) {
     seen_in.push_back(map.observations[k].scan);
   }
   std::sort(seen_in.begin(), seen_in.end());
@@ -59,9 +59,9 @@ bool is_within_another(const MapState& map, std::int32_t index) {
   if (r.is_clump) return false;
   const bool is_tree = label_of(r, map.config) == detection::Label::kTree;
   bool is_within = false;
-  map.landmarks.near(r.association_position(), 0.5 * (r.width_m + kCompactMost_m),
+  map.landmarks.near(r.association_position(), 0.5 * (r.width_m + kCompactMax_m),
                      [&](std::int32_t i, const LandmarkRecord& other) {
-                       if (i == index || other.is_clump || other.width_m > kCompactMost_m) return;
+                       if (i == index || other.is_clump || other.width_m > kCompactMax_m) return;
                        if (r.num_all >= kStrayFraction * other.num_all) return;
                        if (is_tree && label_of(other, map.config) != detection::Label::kTree)
                          return;
@@ -79,7 +79,7 @@ std::vector<std::int32_t> stray_landmarks(const MapState& map, SeenGround& groun
   std::vector<std::int32_t> strays;
   for (std::int32_t i = 0; i < map.landmarks.num_indices(); ++i) {
     const LandmarkRecord& r = map.landmarks[i];
-    if (r.is_removed || r.num_all >= kStrayObservationsMost) continue;
+    if (r.is_removed || r.num_all >= kStrayObservationsMax) continue;
     if (is_within_another(map, i) || log_odds_of_drive(map, r, ground) < kLogOddsGone) {
       strays.push_back(i);
     }

@@ -14,8 +14,8 @@ namespace orchard::mapping {
 double extent_radius_m(const LandmarkRecord& record);
 
 /// The landmark that is one clump with landmark `index`: neither is a tree, and nothing passes
-/// between their rims. Together they are no larger than the widest thing that a scan reports: what
-/// is longer is several here, and one in the map's files (long_things.hpp). -1 for none.
+/// between their borders. Together they are no larger than the widest thing that a scan reports:
+/// what is longer is several here, and one in the map's files (long_things.hpp). -1 for none.
 std::int32_t touching_object(const LandmarkTable& landmarks, std::int32_t index,
                              const MapperConfig& config);
 

@@ -27,7 +27,7 @@ double gap_m(const Landmark& a, const Landmark& b) {
   return (at(b) - at(a)).norm() - 0.5 * (a.width_m + b.width_m);
 }
 
-/// Whether every place from one rim to the other was seen to be blocked.
+/// Whether every place from one border to the other was seen to be blocked.
 bool is_shut(const Vector2d& from, const Vector2d& to, const SeenAs& is_blocked) {
   const double between_m = (to - from).norm();
   const auto num = static_cast<int>(std::ceil((between_m - kHedgeTouch_m) / kHedgeTouch_m));

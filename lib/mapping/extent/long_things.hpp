@@ -15,9 +15,9 @@ using SeenAs = std::function<bool(const Eigen::Vector2d& p_map)>;
 /// Joins the parts of what is longer than `widest_m`, the widest thing that a scan reports: of a
 /// hedge or a wall the scans show bits, each as a thing of its own.
 ///
-/// Two things are one where nothing was ever seen to pass between them: their rims touch, or every
-/// place between, no farther than `widest_m`, was seen to be blocked: scans met something there,
-/// too often for it to be free. A straight stretch of such things, no wider than `widest_m`,
+/// Two things are one where nothing was ever seen to pass between them: their borders touch, or
+/// every place between, no farther than `widest_m`, was seen to be blocked: scans met something
+/// there, too often for it to be free. A straight stretch of such things, no wider than `widest_m`,
 /// becomes one object with length and direction, under its lowest id. Stretches in line with each
 /// other are one where no way between them was seen free: gates are seen through. What is shorter
 /// stays as it is; so do all that `stands_alone` names: trees of rows, and what a camera called a

@@ -18,16 +18,16 @@ std::vector<Eigen::Vector2d> outline_of(const Landmark& l) {
   const Eigen::Vector2d along(std::cos(l.direction_rad), std::sin(l.direction_rad));
   const Eigen::Vector2d half = 0.5 * std::max(0.0, l.length_m - l.width_m) * along;
   const Eigen::Vector2d middle(l.x_m, l.y_m);
-  std::vector<Eigen::Vector2d> rim;
+  std::vector<Eigen::Vector2d> border;
   for (const double end : {1.0, -1.0}) {
     for (int i = 0; i <= kChordsOfHalf; ++i) {
       const double angle_rad =
           l.direction_rad + kHalfTurn_rad * (static_cast<double>(i) / kChordsOfHalf - 0.5 * end);
-      rim.push_back(middle + end * half +
-                    0.5 * l.width_m * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad)));
+      border.push_back(middle + end * half +
+                       0.5 * l.width_m * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad)));
     }
   }
-  return rim;
+  return border;
 }
 
 }  // namespace orchard::mapping

@@ -10,7 +10,7 @@ namespace orchard::mapping {
 namespace {
 
 /// Fewer observations tell too little of how they scatter.
-constexpr int kObservationsLeast = 10;
+constexpr int kObservationsMin = 10;
 /// Of the trees of rows this fraction scatters no more: a few have suckers or lean.
 constexpr double kOfTrees = 0.9;
 
@@ -20,7 +20,7 @@ double scatter_m(const Landmark& l) {
 }
 
 bool tells(const Landmark& l) {
-  return l.label == detection::Label::kTree && l.num_observations >= kObservationsLeast;
+  return l.label == detection::Label::kTree && l.num_observations >= kObservationsMin;
 }
 
 }  // namespace

@@ -17,8 +17,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kOnePlace_m = 0.1;          ///< no two trees are planted so near
-constexpr std::size_t kNumProblemsMost = 8;  ///< that are spelt out
+constexpr double kOnePlace_m = 0.1;         ///< no two trees are planted so near
+constexpr std::size_t kNumProblemsMax = 8;  ///< that are spelt out
 
 Vector2d main_direction(const std::vector<PlannedTree>& trees) {
   Vector2d mean(0.0, 0.0);
@@ -64,7 +64,7 @@ void number_unnamed(PlannedRow& row) {
 }
 
 void add_problem(BuiltPlan& built, std::string problem) {
-  if (built.problems.size() < kNumProblemsMost) built.problems.push_back(std::move(problem));
+  if (built.problems.size() < kNumProblemsMax) built.problems.push_back(std::move(problem));
 }
 
 void look_for_doubles(BuiltPlan& built) {
@@ -174,7 +174,7 @@ BuiltPlan plan_of_trees(const std::vector<LoosePlannedTree>& trees) {
 }
 
 BuiltPlan plan_of_lines(const std::vector<PlannedLine>& lines, double spacing_m) {
-  constexpr std::size_t kNumTreesMost = 2000000;
+  constexpr std::size_t kNumTreesMax = 2000000;
   BuiltPlan built;
   std::set<std::string> names;
   const bool is_named = std::any_of(lines.begin(), lines.end(),
@@ -193,7 +193,7 @@ BuiltPlan plan_of_lines(const std::vector<PlannedLine>& lines, double spacing_m)
       const double length_m = (points[k + 1] - points[k]).norm();
       // the line's own end is a place, too, where it is a hair short of one
       const double hair_m = k + 2 == points.size() ? 0.02 * spacing_m : 0.0;
-      for (; next_m <= length_m + hair_m && num_trees < kNumTreesMost; next_m += spacing_m) {
+      for (; next_m <= length_m + hair_m && num_trees < kNumTreesMax; next_m += spacing_m) {
         const Vector2d step = (points[k + 1] - points[k]).stableNormalized();
         row.trees.push_back({std::to_string(row.trees.size() + 1), points[k] + next_m * step});
         ++num_trees;
@@ -206,9 +206,9 @@ BuiltPlan plan_of_lines(const std::vector<PlannedLine>& lines, double spacing_m)
     }
     built.plan.rows.push_back(std::move(row));
   }
-  if (num_trees >= kNumTreesMost) {
+  if (num_trees >= kNumTreesMax) {
     add_problem(built, "trees every " + fixed_text(spacing_m, 3) + " m would be over " +
-                           std::to_string(kNumTreesMost));
+                           std::to_string(kNumTreesMax));
     return built;
   }
   look_for_doubles(built);

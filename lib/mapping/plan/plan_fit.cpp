@@ -26,8 +26,8 @@ constexpr double kOddsNeeded = 4.0 * 7.0;
 constexpr double kExplainedFraction = 0.5;  ///< of the mapped trees
 constexpr std::size_t kNumTurns = 6;        ///< directions that are followed up
 constexpr std::size_t kNumShifts = 40;      ///< shifts of each
-constexpr std::size_t kNumPlacementsMost = 12;
-constexpr double kPositionSdLeast_m = 0.03;
+constexpr std::size_t kNumPlacementsMax = 12;
+constexpr double kPositionSdMin_m = 0.03;
 
 class PlanFitter {
  public:
@@ -180,7 +180,7 @@ class PlanFitter {
         b.push_back(planned_[static_cast<std::size_t>(pair.b)]);
         apart_m.push_back(pair.residual_m.norm());
       }
-      const double scale_m = std::max(kPositionSdLeast_m, geometry::median(apart_m));
+      const double scale_m = std::max(kPositionSdMin_m, geometry::median(apart_m));
       for (const double m : apart_m) weights.push_back(1.0 / (1.0 + m * m / (scale_m * scale_m)));
       placement.T_map_plan = geometry::fit_rigid(a, b, weights).T_a_b;
     }
@@ -212,7 +212,7 @@ class PlanFitter {
       deviations_m.push_back(pair.residual_m.x());
       deviations_m.push_back(pair.residual_m.y());
     }
-    return std::max(kPositionSdLeast_m, geometry::robust_sd(std::move(deviations_m)));
+    return std::max(kPositionSdMin_m, geometry::robust_sd(std::move(deviations_m)));
   }
 
   PlanFit judge(std::vector<PlanPlacement> placements) {
@@ -251,7 +251,7 @@ class PlanFitter {
     fit.verdict = rivals.empty() ? AlignmentVerdict::kAligned : AlignmentVerdict::kAmbiguous;
     fit.placements.push_back(placements[best]);
     for (const auto& [log_odds, k] : rivals) {
-      if (fit.placements.size() < kNumPlacementsMost) fit.placements.push_back(placements[k]);
+      if (fit.placements.size() < kNumPlacementsMax) fit.placements.push_back(placements[k]);
     }
     if (!rivals.empty()) {
       const PlanPlacement& rival = placements[rivals.front().second];

@@ -13,7 +13,7 @@ using Eigen::Vector2d;
 
 constexpr double kShiftedPrior = 3.9;   ///< one row in fifty is set out wrongly, as log-odds
 constexpr double kFarthestShift = 1.2;  ///< of a spacing, along
-constexpr std::size_t kNumTriedMost = 400;
+constexpr std::size_t kNumTriedMax = 400;
 
 Vector2d aside_of(const Vector2d& along) { return {-along.y(), along.x()}; }
 
@@ -58,10 +58,10 @@ class RowShifter {
         shifts.push_back({along_m, d.dot(aside_of(row_.along[k])), 1});
       }
     }
-    if (shifts.size() <= kNumTriedMost) return shifts;
+    if (shifts.size() <= kNumTriedMax) return shifts;
     std::vector<RowShift> some;  // of a long row some tell as much as all
-    for (std::size_t k = 0; k < kNumTriedMost; ++k) {
-      some.push_back(shifts[k * shifts.size() / kNumTriedMost]);
+    for (std::size_t k = 0; k < kNumTriedMax; ++k) {
+      some.push_back(shifts[k * shifts.size() / kNumTriedMax]);
     }
     return some;
   }

@@ -13,15 +13,15 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kBeside_m = 0.1;  ///< between the lines that are tried
-constexpr int kTurnMost = 2;       ///< of those from one station to the next
+constexpr int kTurnMax = 2;        ///< of those from one station to the next
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Distance from a point to a piece of a line.
 double distance_m(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
   const Vector2d d = b - a;
   const double square = d.squaredNorm();
-  const double share = square > 0.0 ? std::clamp((p - a).dot(d) / square, 0.0, 1.0) : 0.0;
-  return (p - (a + share * d)).norm();
+  const double fraction = square > 0.0 ? std::clamp((p - a).dot(d) / square, 0.0, 1.0) : 0.0;
+  return (p - (a + fraction * d)).norm();
 }
 
 /// Stations by offsets: how far from everything one is there.
@@ -51,7 +51,7 @@ class ClearanceTable {
   }
 
   /// What nobody saw free is as good as full. Close to a landmark nobody needs to have: that is
-  /// no place for a vehicle's middle, and its rim is the limit.
+  /// no place for a vehicle's middle, and its border is the limit.
   void limit_to_seen(const LinePoint& at, const SeenFree& seen_free,
                      std::vector<double>& row) const {
     std::vector<int> unseen;
@@ -84,8 +84,8 @@ std::vector<int> best_offsets(const ClearanceTable& table, std::size_t first, st
     for (int k = -reach; k <= reach; ++k) {
       if (!allowed(s, k)) continue;
       double through = s == first ? kInfinity : -1.0;
-      for (int j = std::max(-reach, k - kTurnMost);
-           s > first && j <= std::min(reach, k + kTurnMost); ++j) {
+      for (int j = std::max(-reach, k - kTurnMax); s > first && j <= std::min(reach, k + kTurnMax);
+           ++j) {
         through = std::max(through, widest[table.index(j)]);
       }
       next[table.index(k)] = std::min(through, table.at(s, k));
@@ -103,8 +103,8 @@ std::vector<int> best_offsets(const ClearanceTable& table, std::size_t first, st
     for (int k = -reach; k <= reach; ++k) {
       if (!allowed(s, k) || table.at(s, k) < clearance_m) continue;
       double least = s == first ? 0.0 : kInfinity;
-      for (int j = std::max(-reach, k - kTurnMost);
-           s > first && j <= std::min(reach, k + kTurnMost); ++j) {
+      for (int j = std::max(-reach, k - kTurnMax); s > first && j <= std::min(reach, k + kTurnMax);
+           ++j) {
         const double through = cost[table.index(j)] + 4.0 * (k - j) * (k - j);
         if (through >= least) continue;
         least = through;
@@ -128,8 +128,8 @@ std::vector<int> best_offsets(const ClearanceTable& table, std::size_t first, st
 std::optional<int> next_offset(const ClearanceTable& table, std::size_t station, int from,
                                double clearance_m) {
   std::optional<int> best;
-  for (int k = std::max(-table.reach(), from - kTurnMost);
-       k <= std::min(table.reach(), from + kTurnMost); ++k) {
+  for (int k = std::max(-table.reach(), from - kTurnMax);
+       k <= std::min(table.reach(), from + kTurnMax); ++k) {
     if (table.at(station, k) < clearance_m) continue;
     if (!best || std::abs(k) < std::abs(*best)) best = k;
   }

@@ -25,7 +25,7 @@ class Obstacles {
  public:
   explicit Obstacles(const std::vector<Landmark>& landmarks);
 
-  /// From a point to the nearest rim [m], `reach_m` at most; below 0 inside of one.
+  /// From a point to the nearest border [m], `reach_m` at most; below 0 inside of one.
   double clearance_m(const Eigen::Vector2d& p_map, double reach_m) const;
 
   /// The same of a line: of its nearest point.

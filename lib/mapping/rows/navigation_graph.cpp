@@ -29,8 +29,9 @@ std::optional<double> right_distance_m(const LinePoint& at, const Line& line) {
   for (std::size_t i = 1; i < line.size(); ++i) {
     const double a = at.along.dot(line[i - 1] - at.p), b = at.along.dot(line[i] - at.p);
     if ((a > 0.0) == (b > 0.0) && a != 0.0 && b != 0.0) continue;
-    const double share = a == b ? 0.0 : a / (a - b);
-    const double d_m = right_of(at.along).dot(line[i - 1] + share * (line[i] - line[i - 1]) - at.p);
+    const double fraction = a == b ? 0.0 : a / (a - b);
+    const double d_m =
+        right_of(at.along).dot(line[i - 1] + fraction * (line[i] - line[i - 1]) - at.p);
     if (d_m > 0.0 && (!nearest_m || d_m < *nearest_m)) nearest_m = d_m;
   }
   return nearest_m;

@@ -38,10 +38,10 @@ struct NavigationGraph {
 
 /// The ways between rows that stand beside each other, and round their ends.
 ///
-/// Each is the line that keeps farthest from every landmark's rim and was seen free on both sides;
-/// where there is none at least 2 kHalfWayMin_m wide, no way is published. Rows farther apart than
-/// 2.5 times the usual distance have no alley between them; outside of the outermost rows nothing
-/// is known to be free. Alleys reach up to half an alley beyond the ends of the rows.
+/// Each is the line that keeps farthest from every landmark's border and was seen free on both
+/// sides; where there is none at least 2 kHalfWayMin_m wide, no way is published. Rows farther
+/// apart than 2.5 times the usual distance have no alley between them; outside of the outermost
+/// rows nothing is known to be free. Alleys reach up to half an alley beyond the ends of the rows.
 NavigationGraph navigation_graph(const std::vector<Landmark>& landmarks,
                                  const std::vector<Row>& rows, const SeenFree& seen_free = {});
 

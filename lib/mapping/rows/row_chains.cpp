@@ -14,12 +14,12 @@ namespace {
 
 constexpr std::int32_t kNone = -1;
 /// Trees nearer than this along a row stand in one place.
-constexpr double kLeastStep_spacings = 0.3;
+constexpr double kMinStep_spacings = 0.3;
 /// A step sideways costs more than one along: the next tree is ahead.
 constexpr double kCostBeside = 3.0;
 
 /// A row does not turn by more than this (cosine of 30 degrees) from one tree to the next.
-constexpr double kTurnMost_cos = 0.866;
+constexpr double kTurnMax_cos = 0.866;
 
 struct Step {
   double along_m = 0.0;   ///< positive ahead
@@ -75,8 +75,8 @@ class Linker {
   bool in_line(std::int32_t i, std::int32_t j) const {
     const Eigen::Vector2d &u = directions_[index(i)], &v = directions_[index(j)];
     const Eigen::Vector2d way = (p_map_[index(j)] - p_map_[index(i)]).normalized();
-    return u.dot(v) > kTurnMost_cos && std::abs(way.dot(u)) > kTurnMost_cos &&
-           std::abs(way.dot(v)) > kTurnMost_cos;
+    return u.dot(v) > kTurnMax_cos && std::abs(way.dot(u)) > kTurnMax_cos &&
+           std::abs(way.dot(v)) > kTurnMax_cos;
   }
 
   /// Median distance to the nearest tree beside, in another row.
@@ -106,7 +106,7 @@ class Linker {
       if (!in_line(i, j)) return;
       const Step s = step(i, j);
       const double along_m = ahead ? s.along_m : -s.along_m;
-      if (along_m < kLeastStep_spacings * spacing_m_ || along_m > reach_m) return;
+      if (along_m < kMinStep_spacings * spacing_m_ || along_m > reach_m) return;
       const double beside_m = std::abs(s.beside_m);
       if (beside_m > std::min(0.35 * row_spacing_m_, 0.15 * spacing_m_ + 0.15 * along_m)) {
         return;

@@ -22,7 +22,7 @@ constexpr double kExactStep = 2.1;
 /// What an empty place takes from them: ln(0.1) + 1.
 constexpr double kEmptyPlace = 1.3;
 /// However far off, a step costs no more: something else was taken for a tree.
-constexpr double kStepCostMost = 4.0;
+constexpr double kStepCostMax = 4.0;
 /// Spacings that differ by less are one.
 constexpr double kSameSpacing = 0.15;
 /// Log odds of a row: two good steps of the orchard's own spacing, or three of another.
@@ -68,9 +68,9 @@ std::optional<double> beside_m(const std::vector<Vector2d>& p_map, const RowChai
     std::optional<double> nearest_m;
     for (std::size_t k = 1; k < other.size(); ++k) {
       const Vector2d &a = at(p_map, other[k - 1]), d = at(p_map, other[k]) - a;
-      const double share = d.dot(at(p_map, i) - a) / std::max(1e-9, d.squaredNorm());
-      if (share < 0.0 || share > 1.0) continue;
-      const double distance_m = (a + share * d - at(p_map, i)).norm();
+      const double fraction = d.dot(at(p_map, i) - a) / std::max(1e-9, d.squaredNorm());
+      if (fraction < 0.0 || fraction > 1.0) continue;
+      const double distance_m = (a + fraction * d - at(p_map, i)).norm();
       if (!nearest_m || distance_m < *nearest_m) nearest_m = distance_m;
     }
     if (nearest_m) distances_m.push_back(*nearest_m);
@@ -100,7 +100,7 @@ double pitch_m(const std::vector<Vector2d>& p_map, const std::vector<RowChain>& 
 double step_log_odds(double spacings) {
   const double places = std::max(1.0, std::round(spacings));
   const double off = (spacings - places) / kEvidenceSd_spacings;
-  return std::max(-kStepCostMost,
+  return std::max(-kStepCostMax,
                   kExactStep - 0.5 * off * off / places - kEmptyPlace * (places - 1.0));
 }
 

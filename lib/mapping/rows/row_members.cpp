@@ -22,7 +22,7 @@ constexpr double kStrengthWorth = 4.0;
 /// Standard deviation of a step about the spacing.
 constexpr double kMemberSd_spacings = 0.2;
 /// So many of a chain may stand between two of its places.
-constexpr std::size_t kMostBetween = 12;
+constexpr std::size_t kMaxBetween = 12;
 
 /// How near a chain's end and another's beginning are that may be one row, and how far beside.
 constexpr double kMend_spacings = 3.0;
@@ -214,7 +214,7 @@ RowChain in_places(const std::vector<Vector2d>& p_map, const std::vector<double>
   std::vector<std::int32_t> before(chain.size(), -1);
   std::size_t end = 0;
   for (std::size_t i = 0; i < chain.size(); ++i) {
-    for (std::size_t j = i > kMostBetween ? i - kMostBetween - 1 : 0; j < i; ++j) {
+    for (std::size_t j = i > kMaxBetween ? i - kMaxBetween - 1 : 0; j < i; ++j) {
       const double step_m = (p_map[index(chain[i])] - p_map[index(chain[j])]).norm();
       const double through_j = worth[j] - step_cost(step_m / spacing_m);
       if (through_j <= worth[i]) continue;

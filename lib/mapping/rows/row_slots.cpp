@@ -57,8 +57,8 @@ std::optional<double> place_beside(const Vector2d& p, const Vector2d& along,
   while (k + 1 < chain.size() && ahead_m[k] < 0.0) ++k;
   const double step_m = ahead_m[k] - ahead_m[k - 1];
   if (step_m <= 0.0) return std::nullopt;
-  const double share = -ahead_m[k - 1] / step_m;
-  const double place = places[k - 1] + share * (places[k] - places[k - 1]);
+  const double fraction = -ahead_m[k - 1] / step_m;
+  const double place = places[k - 1] + fraction * (places[k] - places[k - 1]);
   if (place < -4.0 || place > places.back() + 1.0) return std::nullopt;
   return place;
 }
@@ -104,13 +104,13 @@ int places_late(double start, const Headland& line, int r) {
 /// along the line: a missing first tree has a chance of one in ten, beginnings scatter by a fifth
 /// of a place, and most headlands lie square to the rows.
 double cost_of(const Headland& line, const std::vector<double>& starts, int first, int last) {
-  constexpr double kCostMissing = 2.3, kCostMost = 7.0, kScatter = 0.2, kCostSlope = 6.0;
+  constexpr double kCostMissing = 2.3, kCostMax = 7.0, kScatter = 0.2, kCostSlope = 6.0;
   double cost = std::abs(line.slope) > 0.05 ? kCostSlope : 0.0;
   for (int r = first; r <= last; ++r) {
     const double start = starts[static_cast<std::size_t>(r)];
     const int late = places_late(start, line, r);
     const double off = (start - line.at(r) - late) / kScatter;
-    cost += std::min(kCostMost, kCostMissing * late + 0.5 * off * off);
+    cost += std::min(kCostMax, kCostMissing * late + 0.5 * off * off);
   }
   return cost;
 }

@@ -90,7 +90,7 @@ void Fusion::add(const Odometry& odometry) {
   odometry_ = odometry;
   if (smoother_) {
     smoother_->add(motion_heard(), filter_.mean().head<3>());
-    if (const auto pose = smoother_->look()) {
+    if (const auto pose = smoother_->observe()) {
       if (const auto changes = smoother_->wheel_changes()) filter_.set_wheel_changes(*changes);
       filter_.adopt(pose->T_map_base, pose->covariance, pose->receiver_error_m);
     }

@@ -10,8 +10,8 @@
 namespace orchard::pose {
 namespace {
 
-constexpr std::size_t kSightsLeast = 10;
-constexpr double kSpreadLeast_m = 5.0;
+constexpr std::size_t kSightsMin = 10;
+constexpr double kSpreadMin_m = 5.0;
 constexpr double kSpreadScatter = 20.0;
 constexpr double kOutlierMedians = 4.0;
 constexpr int kRounds = 30;
@@ -31,12 +31,12 @@ geometry::RigidFit2 fit(const std::vector<AntennaSight>& sights,
 }  // namespace
 
 std::optional<GnssAlignment> align_to_gnss(const std::vector<AntennaSight>& sights) {
-  if (sights.size() < kSightsLeast) return std::nullopt;
+  if (sights.size() < kSightsMin) return std::nullopt;
   std::vector<double> trusts(sights.size(), 1.0);
   std::vector<double> off_m(sights.size());
   geometry::RigidFit2 best;
   double median_m = 0.0;
-  const auto look = [&] {
+  const auto observe = [&] {
     best = fit(sights, trusts);
     for (std::size_t i = 0; i < sights.size(); ++i) {
       off_m[i] = (sights[i].p_enu_m - transform(best.T_a_b, sights[i].p_map_m)).norm();
@@ -45,7 +45,7 @@ std::optional<GnssAlignment> align_to_gnss(const std::vector<AntennaSight>& sigh
   };
   // Geman and McClure's weights at the scale of the median, which shrinks as outliers lose theirs.
   for (int round = 0; round < kRounds; ++round) {
-    look();
+    observe();
     for (std::size_t i = 0; i < sights.size(); ++i) {
       const double scale2 = std::max(median_m * median_m, sights[i].variance_m2);
       const double trust = scale2 / (scale2 + off_m[i] * off_m[i]);
@@ -59,7 +59,7 @@ std::optional<GnssAlignment> align_to_gnss(const std::vector<AntennaSight>& sigh
     is_used[i] = off_m[i] <= most_m ? 1 : 0;
     trusts[i] = is_used[i];
   }
-  look();
+  observe();
   GnssAlignment alignment;
   double sum2 = 0.0;
   for (std::size_t i = 0; i < sights.size(); ++i) {
@@ -70,11 +70,11 @@ std::optional<GnssAlignment> align_to_gnss(const std::vector<AntennaSight>& sigh
     ++alignment.num_used;
     sum2 += off_m[i] * off_m[i];
   }
-  if (alignment.num_used < static_cast<int>(kSightsLeast)) return std::nullopt;
+  if (alignment.num_used < static_cast<int>(kSightsMin)) return std::nullopt;
   alignment.x_y_yaw = best.T_a_b.vector();
   alignment.residual_rms_m = std::sqrt(sum2 / alignment.num_used);
   const double spread_wanted_m = std::max(
-      kSpreadLeast_m, kSpreadScatter * alignment.residual_rms_m / std::sqrt(alignment.num_used));
+      kSpreadMin_m, kSpreadScatter * alignment.residual_rms_m / std::sqrt(alignment.num_used));
   if (std::sqrt(best.mean_square_b_m2) < spread_wanted_m) return std::nullopt;
   return alignment;
 }

@@ -12,7 +12,7 @@ namespace {
 /// A fix that stays the same to the last digit over so much travel is frozen [m].
 constexpr double kFreezeTravel_m = 0.5;
 
-constexpr std::size_t kLeastSteps = 7;
+constexpr std::size_t kMinSteps = 7;
 
 }  // namespace
 
@@ -30,7 +30,7 @@ void GnssMonitor::add_step_error(const Eigen::Vector2d& error_m) {
 
 std::optional<double> GnssMonitor::scatter_m() const {
   const std::size_t count = std::min(num_steps_, kNumSteps);
-  if (count < kLeastSteps) return std::nullopt;
+  if (count < kMinSteps) return std::nullopt;
   const std::vector<double> steps2(steps2_.begin(),
                                    steps2_.begin() + static_cast<std::ptrdiff_t>(count));
   // A step has twice the variance of a fix, on two axes: its square is exponential with mean

@@ -8,17 +8,17 @@
 namespace orchard::pose {
 namespace {
 
-constexpr std::size_t kPairsMost = 200;
+constexpr std::size_t kPairsMax = 200;
 constexpr double kStartSpreadSigma = 6.0;
 
 /// A receiver's errors last: over so short a way there are no more than so many different ones.
-constexpr double kIndependentMost = 4.0;
+constexpr double kIndependentMax = 4.0;
 
 }  // namespace
 
 std::optional<LocalFrame> HeadingStart::add(const Eigen::Vector2d& p_local_m,
                                             const Eigen::Vector2d& p_map_m, double variance_m2) {
-  if (pairs_.size() == kPairsMost) pairs_.erase(pairs_.begin());
+  if (pairs_.size() == kPairsMax) pairs_.erase(pairs_.begin());
   pairs_.push_back({p_local_m, p_map_m, variance_m2});
 
   std::vector<Eigen::Vector2d> p_local_all_m, p_map_all_m;
@@ -40,15 +40,15 @@ std::optional<LocalFrame> HeadingStart::add(const Eigen::Vector2d& p_local_m,
   // Receivers claim too much: what the points scatter counts if it is more.
   const double believed = std::max(variance, misfit2);
   if (reach2 < kStartSpreadSigma * kStartSpreadSigma * believed) {
-    if (pairs_.size() == kPairsMost && misfit2 > variance) {
+    if (pairs_.size() == kPairsMax && misfit2 > variance) {
       // A jump or a long drift in it: what comes next may do better without the oldest.
-      pairs_.erase(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(kPairsMost / 2));
+      pairs_.erase(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(kPairsMax / 2));
     }
     return std::nullopt;
   }
   LocalFrame frame;
   frame.x_y_yaw = fit.T_a_b.vector();
-  frame.yaw_variance = believed / (std::min(n, kIndependentMost) * fit.mean_square_b_m2);
+  frame.yaw_variance = believed / (std::min(n, kIndependentMax) * fit.mean_square_b_m2);
   frame.position_variance = believed / n;
   frame.centre_local_m = fit.mean_b;
   return frame;

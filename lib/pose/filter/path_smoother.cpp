@@ -21,14 +21,14 @@ constexpr double kKeyframeTravel_m = 1.5;
 constexpr double kKeyframeTurn_rad = 0.5;
 
 /// Slower than this a turn per metre is told by a turn in time no more [m/s].
-constexpr double kSpeedLeast_mps = 0.1;
+constexpr double kSpeedMin_mps = 0.1;
 
 /// Solved when the way has grown by this fraction: the cost per metre stays constant.
 constexpr double kGrowth = 0.1;
-constexpr int kKeyframesLeast = 20;
+constexpr int kKeyframesMin = 20;
 
 /// A way that leaves out more of the positions than this fraction is not believed.
-constexpr double kLeftOutMost = 0.2;
+constexpr double kLeftOutMax = 0.2;
 
 /// So far without a position is a gap, and so far behind it both place and heading are known [m].
 constexpr double kGap_m = 20.0;
@@ -112,10 +112,10 @@ void PathSmoother::place(const Eigen::Vector3d& T_map_local) {
   apply_georeference(T_map_local, graph_);
 }
 
-std::optional<SmoothedPose> PathSmoother::look() {
+std::optional<SmoothedPose> PathSmoother::observe() {
   if (!graph_.georeferenced || graph_.keyframes.empty()) return std::nullopt;
-  const bool has_grown = static_cast<double>(graph_.keyframes.size()) >=
-                         num_solved_ * (1.0 + kGrowth) + kKeyframesLeast;
+  const bool has_grown =
+      static_cast<double>(graph_.keyframes.size()) >= num_solved_ * (1.0 + kGrowth) + kKeyframesMin;
   const bool is_due = due_travel_m_ && graph_.keyframes.back().travel_m >= *due_travel_m_;
   if (!has_grown && !is_due) return std::nullopt;
   if (!solve()) return std::nullopt;
@@ -150,7 +150,7 @@ bool PathSmoother::solve() {
   // First without the robust loss: it keeps what lies far behind a gap where the filter had it.
   if (!solve_graph(graph_, true, config_).solved) return false;
   const FixesLeftOut out = left_out();
-  if (out.num_left_out > kLeftOutMost * out.num_fixes) {
+  if (out.num_left_out > kLeftOutMax * out.num_fixes) {
     graph_ = std::move(before);  // a way that most positions contradict is none
     return false;
   }
@@ -167,14 +167,14 @@ std::optional<WheelChanges> PathSmoother::wheel_changes() const {
     if (dt_s > 0.0) speeds_mps.push_back(now.motion.travel_m / dt_s);
   }
   if (speeds_mps.empty()) return std::nullopt;
-  const double speed_mps = std::max(geometry::median(speeds_mps), kSpeedLeast_mps);
-  // Of a process that forgets in kSlipTravel_m, a step over an interval has this share of twice its
-  // variance.
-  const double share = 2.0 * (1.0 - std::exp(-kCalibrationTravel_m / kSlipTravel_m));
+  const double speed_mps = std::max(geometry::median(speeds_mps), kSpeedMin_mps);
+  // Of a process that forgets in kSlipTravel_m, a step over an interval has this fraction of twice
+  // its variance.
+  const double fraction = 2.0 * (1.0 - std::exp(-kCalibrationTravel_m / kSlipTravel_m));
   const Eigen::Vector3d& walk = graph_.calibration_walk_sd;
   WheelChanges changes;
-  changes.slip_sd = walk[0] / std::sqrt(share);
-  changes.turn_slip_sd = walk[1] / std::sqrt(share);
+  changes.slip_sd = walk[0] / std::sqrt(fraction);
+  changes.turn_slip_sd = walk[1] / std::sqrt(fraction);
   changes.curvature_walk = walk[2] / speed_mps / std::sqrt(kCalibrationTravel_m);
   return changes;
 }

@@ -40,7 +40,7 @@ class PathSmoother {
   void place(const Eigen::Vector3d& T_map_local);
 
   /// Solves when the way has grown by a tenth, and some metres after a gap; where base is then.
-  std::optional<SmoothedPose> look();
+  std::optional<SmoothedPose> observe();
 
   /// Solves with all that there is.
   void finish();

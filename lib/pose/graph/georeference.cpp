@@ -26,7 +26,7 @@ constexpr std::size_t kNumPositionsMin = 4;
 constexpr double kSpreadSigma = 6.0;
 
 /// Fraction of the positions that must fit the path: now and then signals are reflected.
-constexpr double kFitLeast = 0.8;
+constexpr double kFitMin = 0.8;
 
 constexpr int kRounds = 5;
 
@@ -36,7 +36,7 @@ constexpr std::int64_t kReceiverErrorFor_us = 2'000'000;
 /// A step between fixes tells of the receiver alone if it took no longer [s].
 constexpr double kReceiverStep_s = 2.0;
 
-constexpr std::size_t kStepsLeast = 20;
+constexpr std::size_t kStepsMin = 20;
 
 /// A fix farther from the path than this, by what it claims, has no say [sigma].
 constexpr double kLeftOut_sigma = 5.0;
@@ -86,7 +86,7 @@ std::optional<Eigen::Vector3d> find_georeference(const SlamGraph& graph, double 
       if (off_m <= off_most_m) ++num_fit;
     }
   }
-  if (static_cast<double>(num_fit) < kFitLeast * static_cast<double>(p_graph.size())) {
+  if (static_cast<double>(num_fit) < kFitMin * static_cast<double>(p_graph.size())) {
     return std::nullopt;
   }
   return fit.T_a_b.vector();
@@ -125,7 +125,7 @@ ReceiverModel judge_receiver(const SlamGraph& graph) {
       p_before = p;
     }
   }
-  if (steps2.size() < kStepsLeast) return model;
+  if (steps2.size() < kStepsMin) return model;
   // Of errors without memory the square of a step is exponential: its median is ln 2 of its mean.
   const double shown = geometry::median(steps2) / (2.0 * std::log(2.0));
   if (shown > 4.0) {

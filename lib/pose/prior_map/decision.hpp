@@ -32,7 +32,7 @@ inline constexpr double kThereFraction = 0.8;
 /// A position with a larger standard deviation is lost [m]; see also kLostSpacings.
 inline constexpr double kLostSd_m = 1.0;
 
-/// A place dead-reckoned to more than this share of the trees' spacing may be a tree off.
+/// A place dead-reckoned to more than this fraction of the trees' spacing may be a tree off.
 inline constexpr double kLostSpacings = 0.3;
 
 inline constexpr int kJudgedTrees = 4;  ///< fewer say nothing of the place

@@ -24,7 +24,7 @@ constexpr double kLocalGate2 = geometry::kChiSquare2_999;
 constexpr double kMatchM = 0.5;         ///< a trunk is never farther from where it was seen before
 constexpr double kNewTrunkM = 0.6;      ///< nothing begins nearer to a trunk than this
 constexpr int kSureSightings = 3;       ///< that make a trunk
-constexpr double kSureShare = 0.5;      ///< of the scans that should have shown it
+constexpr double kSureFraction = 0.5;   ///< of the scans that should have shown it
 constexpr int kMissedForgotten = 5;     ///< scans in a row without what is not sure yet
 constexpr double kUnsureTravelM = 3.0;  ///< what is not sure by then, and unseen since, is dropped
 constexpr std::size_t kMaxTrunks = 60;
@@ -32,7 +32,7 @@ constexpr double kViewTravelM = 0.5;
 constexpr double kViewTurnRad = 0.3;
 constexpr std::size_t kMaxViews = 200;
 constexpr int kJudgedTrunks = 3;  ///< fewer expected ones say nothing of the motion
-constexpr double kBrokenShare = 0.34;
+constexpr double kBrokenFraction = 0.34;
 /// A trunk is judged by after so many scans: one that began after the robot was moved would say
 /// that all is well.
 constexpr int kOldScans = 10;
@@ -104,7 +104,7 @@ void LocalTrunkMap::observe(const std::vector<Sighting>& sightings, const SightF
     if (entry.num_missed_in_a_row >= kMissedForgotten && !is_sure(entry)) remove(i);
   }
   if (num_expected >= kJudgedTrunks) {
-    num_broken_scans_ = num_seen < kBrokenShare * num_expected ? num_broken_scans_ + 1 : 0;
+    num_broken_scans_ = num_seen < kBrokenFraction * num_expected ? num_broken_scans_ + 1 : 0;
   }
   // with nothing known of before, all of a scan is new
   surprised_ = num_before > 0 && num_surprises >= kSurprises && num_surprises > num_matched;
@@ -119,7 +119,7 @@ void LocalTrunkMap::observe(const std::vector<Sighting>& sightings, const SightF
 }
 
 bool LocalTrunkMap::is_sure(const Entry& entry) const {
-  return entry.num_seen >= kSureSightings && entry.num_seen >= kSureShare * entry.num_expected;
+  return entry.num_seen >= kSureSightings && entry.num_seen >= kSureFraction * entry.num_expected;
 }
 
 int LocalTrunkMap::match(const Sighting& sighting, const std::vector<bool>& taken,
@@ -262,7 +262,7 @@ std::vector<LocalTrunkMap::Trunk> LocalTrunkMap::trunks(double clump_reach_m) co
     trunk.covariance = P_.block<2, 2>(at, at);
     if (entry.width_weight > 0.0) {
       trunk.width_m = entry.width_sum / entry.width_weight;
-      // what the widths scatter beyond what they state is how the thing looks from its sides
+      // what the widths scatter beyond what they state is how the thing observations from its sides
       const double n = entry.num_widths;
       const double mean_m = entry.width_sum_m / n;
       const double excess_m2 = entry.width_sum_m2 / n - mean_m * mean_m - entry.width_noise_m2 / n;

@@ -23,7 +23,7 @@ constexpr double kMaxTrunkM = 3.0;
 constexpr double kMaxSpacingM = 50.0;
 constexpr double kMinSpacingM = 0.05;
 
-/// Fraction of a visit's looks from which on a thing is a trunk to it (LocalTrunkMap).
+/// Fraction of a visit's observations from which on a thing is a trunk to it (LocalTrunkMap).
 constexpr double kSeenMostly = 0.5;
 
 /// Neighbours of one landmark that make pairs with it: bounds what a dense map costs.
@@ -100,10 +100,10 @@ std::vector<PriorLandmark> without_doubles(const std::vector<PriorLandmark>& lan
       continue;
     }
     PriorLandmark& one = merged[static_cast<std::size_t>(kept[static_cast<std::size_t>(into)])];
-    const double share = here.weight / std::max(1e-9, one.weight + here.weight);
-    one.p_map += share * (here.p_map - one.p_map);
+    const double fraction = here.weight / std::max(1e-9, one.weight + here.weight);
+    one.p_map += fraction * (here.p_map - one.p_map);
     if (one.width_m > 0.0 && here.width_m > 0.0) {
-      one.width_m += share * (here.width_m - one.width_m);
+      one.width_m += fraction * (here.width_m - one.width_m);
     }
     one.weight += here.weight;
     one.sd_m = std::max(one.sd_m, here.sd_m);

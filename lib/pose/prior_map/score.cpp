@@ -36,7 +36,7 @@ constexpr double kMappedRate = 0.1;
 /// field of view is known about only.
 constexpr double kUnseenFraction = 0.1;
 
-constexpr double kLeastWidthEvidence = -2.0;  ///< a trunk may have grown or been measured badly
+constexpr double kMinWidthEvidence = -2.0;  ///< a trunk may have grown or been measured badly
 
 /// Views that must have had a landmark in sight for it to be missing.
 constexpr int kMissingViews = 3;
@@ -161,8 +161,8 @@ double PlaceScorer::width_evidence(const LocalTrunkMap::Trunk& trunk,
       trunk.width_sd_m * trunk.width_sd_m + config_.width_sd_m * config_.width_sd_m;
   const double other2 = same2 + 2.0 * population2;
   const double apart_m = trunk.width_m - landmark.width_m;
-  return std::max(kLeastWidthEvidence, 0.5 * std::log(other2 / same2) -
-                                           0.5 * apart_m * apart_m * (1.0 / same2 - 1.0 / other2));
+  return std::max(kMinWidthEvidence, 0.5 * std::log(other2 / same2) -
+                                         0.5 * apart_m * apart_m * (1.0 / same2 - 1.0 / other2));
 }
 
 std::vector<int> PlaceScorer::order_from(const Eigen::Vector2d& p_local) const {

@@ -38,7 +38,8 @@ constexpr double kSureRepeat = 0.5;
 constexpr double kTurnTravelM = 6.0;
 constexpr double kTurnS = 6.0;
 
-/// The errors of the wheels wander by this share of their first standard deviation per root second.
+/// The errors of the wheels wander by this fraction of their first standard deviation per root
+/// second.
 constexpr double kWander = 0.01;
 
 }  // namespace

@@ -22,17 +22,18 @@ constexpr double kUnknownShiftSd_m = 0.5;
 constexpr double kUnknownTurnSd_rad = 0.3;
 
 /// Of the variance of an expectation that is left along a direction of which a fit tells nothing.
-constexpr double kUntoldShare = 0.25;
+constexpr double kUntoldFraction = 0.25;
 
 /// The scan is moved by so many kernels to each side: exp(-0.5 * 1.5^2) = 0.32 is left of the fit
 /// of points that tell of it.
 constexpr double kProbeKernels = 1.5;
-/// Share that points on something without end along the direction seem to have, by their noise.
-constexpr double kShareByChance = 0.045;
+/// Fraction that points on something without end along the direction seem to have, by their noise.
+constexpr double kFractionByChance = 0.045;
 
-/// Share of the points that tell of a shift along a direction, from what the shift does to the fit.
-double telling_share(const ScanMatcher& matcher, const std::vector<SurfacePoint>& points,
-                     const ScanMatch& match, const Eigen::Vector2d& direction, double kernel_m) {
+/// Fraction of the points that tell of a shift along a direction, from what the shift does to the
+/// fit.
+double telling_fraction(const ScanMatcher& matcher, const std::vector<SurfacePoint>& points,
+                        const ScanMatch& match, const Eigen::Vector2d& direction, double kernel_m) {
   const double shift_m = kProbeKernels * kernel_m;
   double drop = 0.0;
   for (const double side : {-1.0, 1.0}) {
@@ -41,7 +42,8 @@ double telling_share(const ScanMatcher& matcher, const std::vector<SurfacePoint>
     drop += 0.5 * (match.score - matcher.score(points, moved, kernel_m));
   }
   const double drop_of_telling = 1.0 - std::exp(-0.5 * kProbeKernels * kProbeKernels);
-  return std::clamp((drop / drop_of_telling - kShareByChance) / (1.0 - kShareByChance), 0.0, 1.0);
+  return std::clamp((drop / drop_of_telling - kFractionByChance) / (1.0 - kFractionByChance), 0.0,
+                    1.0);
 }
 
 }  // namespace
@@ -64,7 +66,7 @@ Eigen::Vector3d place_of(const ScanMatch& match, const Eigen::Matrix3d& covarian
     const double untold = axes.eigenvalues()(axis) / (kUnknownShiftSd_m * kUnknownShiftSd_m);
     const Eigen::Vector2d direction = axes.eigenvectors().col(axis);
     const bool has_slid = std::abs(apart.dot(direction)) > kUnknownShiftSd_m;
-    if (!has_slid || !(untold > kUntoldShare)) continue;
+    if (!has_slid || !(untold > kUntoldFraction)) continue;
     place.head<2>() -= apart.dot(direction) * direction;
   }
   return place.allFinite() ? place : match.T_map_base;
@@ -81,12 +83,12 @@ Eigen::Matrix3d covariance_of(const ScanMatcher& matcher, const std::vector<Surf
   for (int axis = 0; axis < 2; ++axis) {
     const Eigen::Vector2d direction = axes.eigenvectors().col(axis);
     const double claimed = std::max(0.0, axes.eigenvalues()(axis)) / weight;
-    const double share = telling_share(matcher, points, match, direction, kScoreKernel_m);
-    if (!(claimed > 0.0) || share >= claimed) continue;
-    // scales what is said along the direction, and its ties to the turn, by share / claimed
+    const double fraction = telling_fraction(matcher, points, match, direction, kScoreKernel_m);
+    if (!(claimed > 0.0) || fraction >= claimed) continue;
+    // scales what is said along the direction, and its ties to the turn, by fraction / claimed
     Eigen::Matrix3d scale = Eigen::Matrix3d::Identity();
     scale.topLeftCorner<2, 2>() -=
-        (1.0 - std::sqrt(share / claimed)) * direction * direction.transpose();
+        (1.0 - std::sqrt(fraction / claimed)) * direction * direction.transpose();
     information = scale * information * scale;
   }
   const double floor_m2 = kResidualSd_m * kResidualSd_m;

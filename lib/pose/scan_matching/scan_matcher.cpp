@@ -46,7 +46,7 @@ constexpr double kDoneShift_m = 2e-4;
 constexpr double kDoneTurn_rad = 2e-5;
 constexpr int kPairsMin = 5;
 /// What a smooth surface is taken to say along itself while iterating: it steadies the steps.
-constexpr double kAlongShare = 0.05;
+constexpr double kAlongFraction = 0.05;
 
 constexpr double kSearchTurnStep_rad = 0.05;
 constexpr double kSearchKernel_m = 0.3;
@@ -113,12 +113,12 @@ void ScanMatcher::iterate(const std::vector<SurfacePoint>& points, double pair_m
       Eigen::Matrix2d metric = across;
       if (partner->flat) {
         across = partner->normal * partner->normal.transpose();
-        metric = (1.0 - kAlongShare) * across + kAlongShare * Eigen::Matrix2d::Identity();
+        metric = (1.0 - kAlongFraction) * across + kAlongFraction * Eigen::Matrix2d::Identity();
       }
       const double r2 = residual.dot(metric * residual);
       // Geman-McClure
-      const double share = kernel2 / (kernel2 + r2);
-      const double weight = share * share;
+      const double fraction = kernel2 / (kernel2 + r2);
+      const double weight = fraction * fraction;
       Eigen::Matrix<double, 2, 3> J;
       J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
       const Eigen::Matrix<double, 3, 2> Jt = weight * J.transpose();

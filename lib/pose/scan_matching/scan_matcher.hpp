@@ -17,7 +17,7 @@ inline constexpr double kScoreKernel_m = 0.15;
 struct ScanMatch {
   Eigen::Vector3d T_map_base = Eigen::Vector3d::Zero();
   double score = 0.0;    ///< how well the points fit, 0 to 1
-  double matched = 0.0;  ///< share of the points that have a partner
+  double matched = 0.0;  ///< fraction of the points that have a partner
   /// Of (x, y) in map and the turn about the robot, in units of one over the residual variance;
   /// without what smooth surfaces say along themselves.
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();

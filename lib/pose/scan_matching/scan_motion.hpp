@@ -21,7 +21,7 @@ struct MeasuredMotion {
   std::int64_t utime_to = 0;
   Eigen::Vector3d T_from_to = Eigen::Vector3d::Zero();   ///< x [m], y [m], yaw [rad]
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of T_from_to
-  double matched = 0.0;   ///< share of the later scan's points that fit what was seen before
+  double matched = 0.0;   ///< fraction of the later scan's points that fit what was seen before
   bool reliable = false;  ///< false: the motion is what was expected, or a guess
 };
 

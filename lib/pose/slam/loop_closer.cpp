@@ -122,7 +122,7 @@ std::optional<ClosureQuery> LoopCloser::query(const SlamMap& map) const {
   return query;
 }
 
-void LoopCloser::look(SlamMap& map) {
+void LoopCloser::observe(SlamMap& map) {
   const double travel_m = map.graph.keyframes.back().travel_m;
   if (travel_m - last_travel_m_ < kClosureEvery_m ||
       static_cast<double>(map.graph.keyframes.size()) < num_keyframes_ * (1.0 + kTryGrowth)) {

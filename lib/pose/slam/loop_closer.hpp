@@ -19,7 +19,7 @@ class LoopCloser {
   explicit LoopCloser(const SlamConfig& config) : config_(config) {}
 
   /// Looks for a loop closure at the newest keyframe, at most every kClosureEvery_m of travel.
-  void look(SlamMap& map);
+  void observe(SlamMap& map);
 
   /// Looks for one at the newest keyframe, however short the travel since the last one.
   void close(SlamMap& map);

@@ -138,7 +138,7 @@ void TrunkSlam::add(const detection::Detections& seen, const ScanSource& scan) {
                               (1.0 + c[1]) * motion_.yaw_rate_radps() - c[2]};
   tracker_.match(scan_points(seen, state, config_), map_);
   if (added) correct();
-  if (has_scan && scan_closer_.look(map_)) tracker_.correct_window(map_);
+  if (has_scan && scan_closer_.observe(map_)) tracker_.correct_window(map_);
   watch(seen.utime);
 }
 
@@ -192,7 +192,7 @@ void TrunkSlam::correct() {
     const Eigen::Vector3d moved = between(a.T_map_base, b.T_map_base);
     if (dt_s > 0.0) motion_.set_velocity(moved.x() / dt_s, moved.z() / dt_s);
   }
-  closer_.look(map_);
+  closer_.observe(map_);
   const double solve_at = map_.num_solved * (1.0 + kSolveGrowth) + kSolveKeyframesMin;
   if (static_cast<double>(keyframes.size()) >= solve_at) map_.solve(SolveReason::kGrowth);
 }

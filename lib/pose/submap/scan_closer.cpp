@@ -248,7 +248,7 @@ std::optional<RelativePose> ScanCloser::find(const SlamMap& map) {
   return verified(map, place.T_map_submap, recent, old);
 }
 
-bool ScanCloser::look(SlamMap& map) {
+bool ScanCloser::observe(SlamMap& map) {
   const Keyframe& now = map.graph.keyframes.back();
   if (!scans_.has(map.newest()) || now.travel_m - asked_m_ < kAskEvery_m ||
       position_sd_m(now.covariance) < kAskSd_m || is_held_by_old_trunks(map)) {

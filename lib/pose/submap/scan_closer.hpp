@@ -24,7 +24,7 @@ class ScanCloser {
 
   /// Looks for a closure at the newest keyframe, as often and as wide as its covariance asks for.
   /// True if the graph has a new factor.
-  bool look(SlamMap& map);
+  bool observe(SlamMap& map);
 
   /// Drops the closures that the finished graph contradicts; true if there were any.
   bool drop_contradicted(SlamMap& map);

@@ -10,7 +10,7 @@
 namespace orchard::simulation {
 namespace {
 
-constexpr std::size_t kMostUnsent_bytes = 4096;  // a small controller's buffer
+constexpr std::size_t kMaxUnsent_bytes = 4096;  // a small controller's buffer
 
 std::string text_of(const pose::Odometry& odometry) {
   std::array<char, 100> text{};
@@ -52,7 +52,7 @@ void ControllerDevice::measured(const device::Measurement& measurement) {
   for (const char byte : line) sum ^= static_cast<unsigned char>(byte);
   std::array<char, 8> end{};
   std::snprintf(end.data(), end.size(), "*%02X\r\n", sum);
-  if (to_send_.size() < kMostUnsent_bytes) to_send_ += line + end.data();
+  if (to_send_.size() < kMaxUnsent_bytes) to_send_ += line + end.data();
 }
 
 }  // namespace orchard::simulation

@@ -12,7 +12,7 @@
 namespace orchard::simulation {
 namespace {
 
-constexpr double kBackOfBoard = 0.45;  ///< share of the light that bare wood sends back
+constexpr double kBackOfBoard = 0.45;  ///< fraction of the light that bare wood sends back
 
 /// Grey levels of a wall of things behind the board: soft stains and hard edges.
 float clutter_at(float x, float y, std::uint32_t seed, float contrast) {
@@ -64,7 +64,7 @@ calibration::GreyPicture BoardPainter::take(const std::optional<Eigen::Isometry3
   const Ray* ray = rays_.data();
   for (int v = 0; v < height_px; ++v) {
     for (int u = 0; u < width_px; ++u) {
-      double sum = 0.0, clutter = -1.0;  // behind the board one look per pixel is enough
+      double sum = 0.0, clutter = -1.0;  // behind the board one observation per pixel is enough
       for (int i = 0; i < samples; ++i, ++ray) {
         double grey = -1.0;
         if (T_camera_board) {

@@ -44,8 +44,8 @@ double ray_wall(const Eigen::Vector2d& ray, const Wall& wall) {
   const double cross = ray.x() * along.y() - ray.y() * along.x();
   if (std::abs(cross) < 1e-12) return kNoHit;
   const double range_m = (wall.from_m.x() * along.y() - wall.from_m.y() * along.x()) / cross;
-  const double share = (wall.from_m.x() * ray.y() - wall.from_m.y() * ray.x()) / cross;
-  return range_m > 0.0 && share >= 0.0 && share <= 1.0 ? range_m : kNoHit;
+  const double fraction = (wall.from_m.x() * ray.y() - wall.from_m.y() * ray.x()) / cross;
+  return range_m > 0.0 && fraction >= 0.0 && fraction <= 1.0 ? range_m : kNoHit;
 }
 
 double ray_leg(const Eigen::Vector2d& ray, const Eigen::Vector2d& centre, double radius_m) {
@@ -226,11 +226,11 @@ Eigen::Isometry3d BoardScene::pose_at(double time_s, std::uint64_t index) const 
   const double into_s = time_s - static_cast<double>(number) * period_s;
   Eigen::Isometry3d T = poses_[number];
   if (into_s > config_.hold_s && number + 1 < poses_.size()) {
-    const double share = (into_s - config_.hold_s) / config_.move_s;
+    const double fraction = (into_s - config_.hold_s) / config_.move_s;
     const Eigen::Quaterniond from(poses_[number].linear()), to(poses_[number + 1].linear());
-    T = isometry(
-        from.slerp(share, to).toRotationMatrix(),
-        (1.0 - share) * poses_[number].translation() + share * poses_[number + 1].translation());
+    T = isometry(from.slerp(fraction, to).toRotationMatrix(),
+                 (1.0 - fraction) * poses_[number].translation() +
+                     fraction * poses_[number + 1].translation());
   }
   Random random(seed_, Stream::kBench, index);
   const Eigen::Vector3d turn(random.normal(), random.normal(), random.normal());

@@ -55,7 +55,7 @@ class ClutterBuilder {
       Cylinder& c = scene_.world.cylinders[i];
       if (scene_.truth[c.target].name[0] != 'P') continue;
       Random random(seed_, Stream::kPosts, kTrellisPosts + i);
-      c.appearance = post_look(random);
+      c.appearance = post_appearance(random);
     }
   }
 
@@ -87,10 +87,10 @@ class ClutterBuilder {
                      0.6 * orchard.trunk_width_m, 1.5 * orchard.trunk_width_m);
       post.radius_m = 0.5 * width_m;
       post.height_m = random.uniform(1.4, 2.2);
-      post.appearance = post_look(random);
-      for (const double share : {0.5, 0.35, 0.65}) {
+      post.appearance = post_appearance(random);
+      for (const double fraction : {0.5, 0.35, 0.65}) {
         post.x_m = trees_[i].x_m + random.uniform(-0.08, 0.08);
-        post.y_m = trees_[i].y_m + share * orchard.tree_spacing_m;
+        post.y_m = trees_[i].y_m + fraction * orchard.tree_spacing_m;
         if (!clear(post.x_m, post.y_m, post.radius_m + 0.2)) continue;
         add(post, detection::Label::kObject, "P" + std::to_string(++num_posts_));
         break;
@@ -99,30 +99,30 @@ class ClutterBuilder {
   }
 
   /// What posts are made of: galvanized steel, weathered timber, treated timber, concrete.
-  static Appearance post_look(Random& random) {
-    Appearance look;
-    look.texture = Appearance::Texture::kWood;
-    look.texture_seed = static_cast<std::uint32_t>(random.bits());
+  static Appearance post_appearance(Random& random) {
+    Appearance appearance;
+    appearance.texture = Appearance::Texture::kWood;
+    appearance.texture_seed = static_cast<std::uint32_t>(random.bits());
     const double kind = random.uniform();
     const auto paint = [&](double hue, double hue_sd, double saturation, double value) {
-      look.hue_deg = hue + random.uniform(-hue_sd, hue_sd);
-      look.saturation = saturation * random.uniform(0.7, 1.3);
-      look.value = value * random.uniform(0.85, 1.15);
+      appearance.hue_deg = hue + random.uniform(-hue_sd, hue_sd);
+      appearance.saturation = saturation * random.uniform(0.7, 1.3);
+      appearance.value = value * random.uniform(0.85, 1.15);
     };
     if (kind < 0.25) {
       paint(215.0, 15.0, 0.08, 0.72);
-      look.reflectivity = 0.6;
+      appearance.reflectivity = 0.6;
     } else if (kind < 0.5) {
       paint(38.0, 10.0, 0.10, 0.62);
-      look.reflectivity = 0.4;
+      appearance.reflectivity = 0.4;
     } else if (kind < 0.75) {
       paint(85.0, 20.0, 0.24, 0.50);
-      look.reflectivity = 0.35;
+      appearance.reflectivity = 0.35;
     } else {
       paint(48.0, 10.0, 0.05, 0.76);
-      look.reflectivity = 0.5;
+      appearance.reflectivity = 0.5;
     }
-    return look;
+    return appearance;
   }
 
   void add_stakes() {

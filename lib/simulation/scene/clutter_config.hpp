@@ -24,7 +24,7 @@ struct ClutterConfig {
   int num_vehicles = 0;
   double vehicle_speed_mps = 3.0;
   bool row_end_hedges = false;
-  double foliage = 0.0;  ///< share of a crown that leaves fill, for the camera; 0 = no crowns
+  double foliage = 0.0;  ///< fraction of a crown that leaves fill, for the camera; 0 = no crowns
   double reflector_tree_fraction = 0.0;  ///< trees with a reflector band (in intensities)
   double reflector_post_fraction = 0.0;
 };
@@ -55,7 +55,7 @@ void describe(Visitor& v, ClutterConfig& c) {
             "vehicles that stand in an alley until the robot is near, then drive off ahead of it");
   v.number("vehicle_speed_mps", c.vehicle_speed_mps, 0.5, 20, "m/s", "how fast they leave");
   v.flag("row_end_hedges", c.row_end_hedges, "hedges beyond both ends of the rows");
-  v.number("foliage", c.foliage, 0, 1, "1", "share of a crown that leaves fill; 0 = no crowns");
+  v.number("foliage", c.foliage, 0, 1, "1", "fraction of a crown that leaves fill; 0 = no crowns");
   v.number("reflector_tree_fraction", c.reflector_tree_fraction, 0, 1, "1",
            "trees with a reflector band");
   v.number("reflector_post_fraction", c.reflector_post_fraction, 0, 1, "1",

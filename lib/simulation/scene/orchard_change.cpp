@@ -28,9 +28,9 @@ class OrchardChanger {
   }
 
   void change() {
-    const int num_changed = share_of_trees(config_.fraction);
+    const int num_changed = fraction_of_trees(config_.fraction);
     const std::vector<int> felled(trees_.begin(), trees_.begin() + num_changed);
-    const int num_moved = std::min(share_of_trees(config_.moved_fraction),
+    const int num_moved = std::min(fraction_of_trees(config_.moved_fraction),
                                    static_cast<int>(trees_.size()) - num_changed);
     grow(num_changed + num_moved);
     for (int i = 0; i < num_moved; ++i) move(trees_[static_cast<std::size_t>(num_changed + i)]);
@@ -44,8 +44,8 @@ class OrchardChanger {
     return thing.label == detection::Label::kTree && !thing.moving;
   }
 
-  int share_of_trees(double share) const {
-    return static_cast<int>(std::lround(share * static_cast<double>(trees_.size())));
+  int fraction_of_trees(double fraction) const {
+    return static_cast<int>(std::lround(fraction * static_cast<double>(trees_.size())));
   }
 
   template <class T>
@@ -80,7 +80,7 @@ class OrchardChanger {
     std::vector<bool> grows(scene_.truth.size(), config_.grown_fraction >= 1.0);
     const auto first = std::min(trees_.size(), static_cast<std::size_t>(num_other));
     const auto last = std::min(
-        trees_.size(), first + static_cast<std::size_t>(share_of_trees(config_.grown_fraction)));
+        trees_.size(), first + static_cast<std::size_t>(fraction_of_trees(config_.grown_fraction)));
     for (std::size_t k = first; k < last; ++k) grows[static_cast<std::size_t>(trees_[k])] = true;
     // in the order of the truth: who is felled changes nobody's growth
     for (std::size_t i = 0; i < scene_.truth.size(); ++i) {

@@ -19,13 +19,13 @@ class OrchardSceneBuilder {
         config_(config),
         carry_(carry),
         place_(seed, Stream::kScene),
-        look_(seed, Stream::kAppearance) {
+        appearance_(seed, Stream::kAppearance) {
     World& world = scene_.world;
     world.indoors = false;
-    world.texture_seed = static_cast<std::uint32_t>(look_.bits());
-    world.light_azimuth_rad = look_.uniform(0.0, 2.0 * geometry::kPi);
-    world.light_elevation_rad = look_.uniform(0.5, 1.1);
-    world.ambient = look_.uniform(0.45, 0.6);
+    world.texture_seed = static_cast<std::uint32_t>(appearance_.bits());
+    world.light_azimuth_rad = appearance_.uniform(0.0, 2.0 * geometry::kPi);
+    world.light_elevation_rad = appearance_.uniform(0.5, 1.1);
+    world.ambient = appearance_.uniform(0.45, 0.6);
     row_length_m_ = (config.trees_per_row - 1) * config.tree_spacing_m;
   }
 
@@ -96,11 +96,11 @@ class OrchardSceneBuilder {
       twig.radius_m = place_.uniform(0.012, 0.05);
       twig.height_m = place_.uniform(0.35, 0.9);
       twig.target = target;
-      twig.appearance.hue_deg = look_.uniform(75.0, 115.0);
-      twig.appearance.saturation = look_.uniform(0.35, 0.6);
-      twig.appearance.value = look_.uniform(0.3, 0.55);
+      twig.appearance.hue_deg = appearance_.uniform(75.0, 115.0);
+      twig.appearance.saturation = appearance_.uniform(0.35, 0.6);
+      twig.appearance.value = appearance_.uniform(0.3, 0.55);
       twig.appearance.texture = Appearance::Texture::kLeaves;
-      twig.appearance.texture_seed = static_cast<std::uint32_t>(look_.bits());
+      twig.appearance.texture_seed = static_cast<std::uint32_t>(appearance_.bits());
       scene_.world.cylinders.push_back(twig);
     }
     scene_.truth.push_back(
@@ -125,34 +125,35 @@ class OrchardSceneBuilder {
   }
 
   Appearance bark() {
-    Appearance look;
-    look.hue_deg = look_.uniform(config_.bark_hue_min_deg, config_.bark_hue_max_deg);
-    look.saturation = look_.uniform(config_.bark_saturation_min, config_.bark_saturation_max);
-    look.value = look_.uniform(config_.bark_value_min, config_.bark_value_max);
-    look.texture =
+    Appearance appearance;
+    appearance.hue_deg = appearance_.uniform(config_.bark_hue_min_deg, config_.bark_hue_max_deg);
+    appearance.saturation =
+        appearance_.uniform(config_.bark_saturation_min, config_.bark_saturation_max);
+    appearance.value = appearance_.uniform(config_.bark_value_min, config_.bark_value_max);
+    appearance.texture =
         config_.rough_bark ? Appearance::Texture::kRoughBark : Appearance::Texture::kBark;
-    look.texture_seed = static_cast<std::uint32_t>(look_.bits());
-    return look;
+    appearance.texture_seed = static_cast<std::uint32_t>(appearance_.bits());
+    return appearance;
   }
 
   Appearance painted() {
-    Appearance look;
-    look.hue_deg = look_.uniform(200.0, 230.0);
-    look.saturation = look_.uniform(0.12, 0.30);
-    look.value = look_.uniform(0.70, 0.85);
-    look.texture_seed = static_cast<std::uint32_t>(look_.bits());
-    return look;
+    Appearance appearance;
+    appearance.hue_deg = appearance_.uniform(200.0, 230.0);
+    appearance.saturation = appearance_.uniform(0.12, 0.30);
+    appearance.value = appearance_.uniform(0.70, 0.85);
+    appearance.texture_seed = static_cast<std::uint32_t>(appearance_.bits());
+    return appearance;
   }
 
-  double jitter(double share) {
-    return place_.uniform(-config_.jitter_m, config_.jitter_m) * share;
+  double jitter(double fraction) {
+    return place_.uniform(-config_.jitter_m, config_.jitter_m) * fraction;
   }
 
   std::uint64_t seed_;
   const OrchardConfig& config_;
   const CarryConfig& carry_;
   Random place_;
-  Random look_;
+  Random appearance_;
   Scene scene_;
   double row_length_m_ = 0.0;
   int num_trees_ = 0;

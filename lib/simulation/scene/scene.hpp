@@ -58,7 +58,7 @@ struct Crown {
   double y_m = 0.0;
   double z_m = 0.0;  ///< of its middle above the ground
   double radius_m = 0.0;
-  double foliage = 0.5;  ///< share of it that leaves fill
+  double foliage = 0.5;  ///< fraction of it that leaves fill
   Appearance appearance;
 };
 
@@ -93,7 +93,7 @@ struct World {
   bool indoors = true;             ///< floor and walls, or grass, far trees and sky
   double light_azimuth_rad = 2.0;  ///< where the light comes from, map frame
   double light_elevation_rad = 0.7;
-  double ambient = 0.55;  ///< share of light that comes from everywhere
+  double ambient = 0.55;  ///< fraction of light that comes from everywhere
   std::uint32_t texture_seed = 0;
 };
 

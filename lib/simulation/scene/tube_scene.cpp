@@ -58,15 +58,15 @@ bool hidden(const Outline& o, const Outline& other) {
 class TubeSceneBuilder {
  public:
   TubeSceneBuilder(std::uint64_t seed, const RigConfig& rig)
-      : rig_(rig), place_(seed, Stream::kScene), look_(seed, Stream::kAppearance) {
+      : rig_(rig), place_(seed, Stream::kScene), appearance_(seed, Stream::kAppearance) {
     scene_.stepped = true;
     scene_.stop_period_s = rig.simulation.tubes.step_period_s;
     World& world = scene_.world;
-    world.texture_seed = static_cast<std::uint32_t>(look_.bits());
-    world.light_azimuth_rad = look_.uniform(0.0, 2.0 * geometry::kPi);
-    world.light_elevation_rad = look_.uniform(0.5, 1.0);
-    world.ambient = look_.uniform(0.50, 0.65);
-    tube_hue_deg_ = look_.uniform(26.0, 34.0);
+    world.texture_seed = static_cast<std::uint32_t>(appearance_.bits());
+    world.light_azimuth_rad = appearance_.uniform(0.0, 2.0 * geometry::kPi);
+    world.light_elevation_rad = appearance_.uniform(0.5, 1.0);
+    world.ambient = appearance_.uniform(0.50, 0.65);
+    tube_hue_deg_ = appearance_.uniform(26.0, 34.0);
   }
 
   Scene build() {
@@ -116,10 +116,10 @@ class TubeSceneBuilder {
     const double first_m = tubes.first_tube_m, spacing_m = tubes.tube_spacing_m;
     const double end_m = first_m + (kTubesPerRow - 1) * spacing_m;
     Appearance other = cardboard();
-    other.hue_deg =
-        look_.uniform() < 0.5 ? look_.uniform(200.0, 230.0) : look_.uniform(110.0, 150.0);
-    other.saturation = look_.uniform(0.45, 0.65);
-    const double side = look_.uniform() < 0.5 ? -1.0 : 1.0;
+    other.hue_deg = appearance_.uniform() < 0.5 ? appearance_.uniform(200.0, 230.0)
+                                                : appearance_.uniform(110.0, 150.0);
+    other.saturation = appearance_.uniform(0.45, 0.65);
+    const double side = appearance_.uniform() < 0.5 ? -1.0 : 1.0;
 
     // B1 outside one row, B2 and B4 between the rows near start and end, B3 outside the other
     const double out_min_m = row_x + 0.20, out_max_m = row_x + 0.50;
@@ -179,11 +179,11 @@ class TubeSceneBuilder {
 
   Appearance cardboard() {
     Appearance appearance;
-    appearance.hue_deg = tube_hue_deg_ + look_.uniform(-3.0, 3.0);
-    appearance.saturation = look_.uniform(0.38, 0.52);
-    appearance.value = look_.uniform(0.68, 0.82);
+    appearance.hue_deg = tube_hue_deg_ + appearance_.uniform(-3.0, 3.0);
+    appearance.saturation = appearance_.uniform(0.38, 0.52);
+    appearance.value = appearance_.uniform(0.68, 0.82);
     appearance.texture = Appearance::Texture::kCardboard;
-    appearance.texture_seed = static_cast<std::uint32_t>(look_.bits());
+    appearance.texture_seed = static_cast<std::uint32_t>(appearance_.bits());
     return appearance;
   }
 
@@ -194,7 +194,7 @@ class TubeSceneBuilder {
 
   const RigConfig& rig_;
   Random place_;
-  Random look_;
+  Random appearance_;
   double tube_hue_deg_ = 30.0;
   Scene scene_;
 };

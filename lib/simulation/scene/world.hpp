@@ -33,7 +33,7 @@ struct TrueObservation {
   double range_m = 0.0;          ///< to its middle, less half its width
   double bearing_rad = 0.0;      ///< of its middle, laser frame
   int num_beams = 0;             ///< whose axes truly hit it
-  double hidden_fraction = 0.0;  ///< share of its angular width behind nearer things
+  double hidden_fraction = 0.0;  ///< fraction of its angular width behind nearer things
   bool in_picture = false;       ///< its full width, at the height of the scan plane
 };
 

@@ -87,7 +87,7 @@ double CameraRenderer::sun_elevation_rad(const World& world) const {
                                                : light.sun_elevation_deg * geometry::kPi / 180.0;
 }
 
-/// Share of the sun at a place given in base axes from the camera's foot.
+/// Fraction of the sun at a place given in base axes from the camera's foot.
 float CameraRenderer::open(const Frame& frame, float x_m, float y_m, float z_m, int target) const {
   if (shadows_.empty()) return 1.0f;
   const Pose2& T = frame.T_map_camera;
@@ -97,9 +97,9 @@ float CameraRenderer::open(const Frame& frame, float x_m, float y_m, float z_m, 
                        static_cast<float>(T.y_m) + s * x_m + c * y_m, z_m, target);
 }
 
-void CameraRenderer::blend(Picture& picture, std::size_t pixel, const Bgr& colour, float share) {
+void CameraRenderer::blend(Picture& picture, std::size_t pixel, const Bgr& colour, float fraction) {
   float* p = &picture.bgr[3 * pixel];
-  const Bgr blended = mix({p[0], p[1], p[2]}, colour, share);
+  const Bgr blended = mix({p[0], p[1], p[2]}, colour, fraction);
   p[0] = blended.b;
   p[1] = blended.g;
   p[2] = blended.r;
@@ -115,14 +115,14 @@ void CameraRenderer::draw_background(const Frame& frame) const {
   float* pixel = frame.picture.bgr.data();
   for (const Ray& ray : rays_) {
     const float dx = c * ray.x - s * ray.y, dy = s * ray.x + c * ray.y;
-    const float ground_share =
+    const float ground_fraction =
         std::clamp((horizon - ray.slope) / ray.slope_height + 0.5f, 0.0f, 1.0f);
     Bgr colour;
-    if (ground_share < 1.0f) {
+    if (ground_fraction < 1.0f) {
       colour = backdrop_colour(world, std::atan2(dy, dx), ray.slope);
       if (frame.lighting != nullptr) colour = frame.lighting->emit(linear_of(colour));
     }
-    if (ground_share > 0.0f) {
+    if (ground_fraction > 0.0f) {
       const float distance_m = height_m / -std::min(ray.slope, horizon);
       const float footprint_m =
           distance_m * std::max(ray.width_rad, ray.slope_height * distance_m / height_m * 0.3f);
@@ -133,7 +133,7 @@ void CameraRenderer::draw_background(const Frame& frame) const {
         const float lit = shadows_.open(x_m, y_m, 0.0f, -2);
         ground = frame.lighting->shade(linear_of(ground), frame.sun_z, lit, 1.0f);
       }
-      colour = mix(colour, ground, ground_share);
+      colour = mix(colour, ground, ground_fraction);
     }
     *pixel++ = colour.b;
     *pixel++ = colour.g;
@@ -168,8 +168,8 @@ void CameraRenderer::draw_cylinder(const Frame& frame, const Cylinder& cylinder)
   const auto level_m = static_cast<float>(rig_.simulation.scanner.height_m);
   const float beside_rad =
       leans ? std::hypot(lean_x, lean_y) * cylinder.height_m / distance_m : 0.0f;
-  const Appearance& look = cylinder.appearance;
-  const Bgr base = from_hsv(look.hue_deg, look.saturation, look.value);
+  const Appearance& observation = cylinder.appearance;
+  const Bgr base = from_hsv(observation.hue_deg, observation.saturation, observation.value);
 
   for (int u = 0; u < width_px_; ++u) {
     if (columns_[u].azimuth_max_rad < azimuth_rad - half_rad - beside_rad ||
@@ -192,15 +192,16 @@ void CameraRenderer::draw_cylinder(const Frame& frame, const Cylinder& cylinder)
       const float t_m = along_m - inside_m;
       const float z_m = camera_height_m + t_m * r.slope;
       const float pixel_m = t_m * r.slope_height;
-      const float share = std::min(1.0f, beside) *
-                          std::clamp((top_m - z_m) / pixel_m + 0.5f, 0.0f, 1.0f) *
-                          std::clamp((z_m - foot_m) / pixel_m + 0.5f, 0.0f, 1.0f);
-      if (share <= 0.0f) continue;
+      const float fraction = std::min(1.0f, beside) *
+                             std::clamp((top_m - z_m) / pixel_m + 0.5f, 0.0f, 1.0f) *
+                             std::clamp((z_m - foot_m) / pixel_m + 0.5f, 0.0f, 1.0f);
+      if (fraction <= 0.0f) continue;
       // the normal where the ray enters
       const float nx = (t_m * r.x - x_m) / radius_m, ny = (t_m * r.y - y_m) / radius_m;
       const float lambert = std::max(0.0f, nx * frame.sun_x + ny * frame.sun_y);
       const float angle_rad = std::atan2(ny, nx) + static_cast<float>(T_map_camera.yaw_rad);
-      Bgr colour = surface_colour(look, base, angle_rad, radius_m, z_m - foot_m, t_m * r.width_rad);
+      Bgr colour =
+          surface_colour(observation, base, angle_rad, radius_m, z_m - foot_m, t_m * r.width_rad);
       if (frame.lighting == nullptr) {
         colour = colour * (ambient + (1.0f - ambient) * lambert);
       } else {
@@ -208,7 +209,7 @@ void CameraRenderer::draw_cylinder(const Frame& frame, const Cylinder& cylinder)
             lambert > 0.0f ? open(frame, t_m * r.x, t_m * r.y, z_m, cylinder.target) : 0.0f;
         colour = frame.lighting->shade(linear_of(colour), lambert, lit, kUprightSky);
       }
-      blend(frame.picture, static_cast<std::size_t>(v) * width_px_ + u, colour, share);
+      blend(frame.picture, static_cast<std::size_t>(v) * width_px_ + u, colour, fraction);
     }
   }
 }

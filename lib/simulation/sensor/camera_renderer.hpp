@@ -27,7 +27,7 @@ struct Exposure {
 };
 
 /// Draws worlds as a rig's camera sees them: one ray per pixel through the inverse of the lens
-/// distortion, edges blended by the share of the pixel that they cover.
+/// distortion, edges blended by the fraction of the pixel that they cover.
 class CameraRenderer {
  public:
   static constexpr float kNearest_m = 0.05f;
@@ -76,7 +76,7 @@ class CameraRenderer {
   void draw_crown(const Frame& frame, const Crown& crown) const;
   float open(const Frame& frame, float x_m, float y_m, float z_m, int target) const;
   void respond(const Lighting& lighting, const Exposure& exposure, Picture& picture) const;
-  static void blend(Picture& picture, std::size_t pixel, const Bgr& colour, float share);
+  static void blend(Picture& picture, std::size_t pixel, const Bgr& colour, float fraction);
   double sun_azimuth_rad(const World& world) const;
   double sun_elevation_rad(const World& world) const;
   const Ray& ray(int u, int v) const { return rays_[static_cast<std::size_t>(v) * width_px_ + u]; }

@@ -70,8 +70,8 @@ void CameraRenderer::draw_box(const Frame& frame, const Box& box) const {
   const auto foot_m = static_cast<float>(box.base_m);
   const auto top_m = static_cast<float>(box.base_m + box.height_m);
   const auto ambient = static_cast<float>(frame.world.ambient);
-  const Appearance& look = box.appearance;
-  const Bgr base = from_hsv(look.hue_deg, look.saturation, look.value);
+  const Appearance& observation = box.appearance;
+  const Bgr base = from_hsv(observation.hue_deg, observation.saturation, observation.value);
 
   for (int u = 0; u < width_px_; ++u) {
     if (columns_[u].azimuth_max_rad < azimuth_rad - half_rad ||
@@ -85,7 +85,7 @@ void CameraRenderer::draw_box(const Frame& frame, const Box& box) const {
       if (!crossing.hit) continue;
       float t_m = crossing.enter_m;
       float z_m = camera_m + t_m * r.slope;
-      float facing = 0.0f, along_m = 0.0f, up_m = z_m - foot_m, share = 1.0f;
+      float facing = 0.0f, along_m = 0.0f, up_m = z_m - foot_m, fraction = 1.0f;
       const float pixel_m = t_m * r.slope_height;
       if (z_m > top_m) {
         // over the near edge onto the lid
@@ -97,21 +97,21 @@ void CameraRenderer::draw_box(const Frame& frame, const Box& box) const {
         along_m = from[0] + t_m * towards[0];
         up_m = from[1] + t_m * towards[1];
       } else {
-        share = std::clamp((z_m - foot_m) / pixel_m + 0.5f, 0.0f, 1.0f);
-        if (share <= 0.0f) continue;
+        fraction = std::clamp((z_m - foot_m) / pixel_m + 0.5f, 0.0f, 1.0f);
+        if (fraction <= 0.0f) continue;
         const std::size_t other = 1 - crossing.axis;
         along_m = from[other] + t_m * towards[other];
         const float nx = crossing.axis == 0 ? c : -s, ny = crossing.axis == 0 ? s : c;
         facing = std::max(0.0f, crossing.sign * (nx * frame.sun_x + ny * frame.sun_y));
       }
-      Bgr colour = surface_colour(look, base, along_m, 1.0f, up_m, t_m * r.width_rad);
+      Bgr colour = surface_colour(observation, base, along_m, 1.0f, up_m, t_m * r.width_rad);
       if (frame.lighting == nullptr) {
         colour = colour * (ambient + (1.0f - ambient) * facing);
       } else {
         const float lit = facing > 0.0f ? open(frame, t_m * r.x, t_m * r.y, z_m, box.target) : 0.0f;
         colour = frame.lighting->shade(linear_of(colour), facing, lit, kUprightSky);
       }
-      blend(frame.picture, static_cast<std::size_t>(v) * width_px_ + u, colour, share);
+      blend(frame.picture, static_cast<std::size_t>(v) * width_px_ + u, colour, fraction);
     }
   }
 }
@@ -127,8 +127,8 @@ void CameraRenderer::draw_crown(const Frame& frame, const Crown& crown) const {
   const float half_rad = std::asin(std::min(1.0f, radius_m / distance_m));
   const float right_x = middle.y_m / distance_m, right_y = -middle.x_m / distance_m;
   const float up_m = static_cast<float>(crown.z_m - camera_height_m_);
-  const Appearance& look = crown.appearance;
-  Bgr base = from_hsv(look.hue_deg, look.saturation, look.value);
+  const Appearance& observation = crown.appearance;
+  Bgr base = from_hsv(observation.hue_deg, observation.saturation, observation.value);
   if (frame.lighting != nullptr) base = linear_of(base);
   const auto ambient = static_cast<float>(frame.world.ambient);
 
@@ -146,11 +146,11 @@ void CameraRenderer::draw_crown(const Frame& frame, const Crown& crown) const {
       const float off2 = across * across + above * above;
       if (off2 >= 1.0f) continue;
       const float a_m = across * radius_m, b_m = above * radius_m;
-      const float leaves = 0.6f * value_noise(a_m * 18.0f, b_m * 18.0f, look.texture_seed) +
-                           0.4f * value_noise(a_m * 5.0f, b_m * 5.0f, look.texture_seed + 1);
+      const float leaves = 0.6f * value_noise(a_m * 18.0f, b_m * 18.0f, observation.texture_seed) +
+                           0.4f * value_noise(a_m * 5.0f, b_m * 5.0f, observation.texture_seed + 1);
       const float dense = static_cast<float>(crown.foliage) * (1.3f - 0.9f * off2);
-      const float share = std::clamp(2.5f * (leaves + 2.0f * dense - 1.0f) + 0.5f, 0.0f, 1.0f);
-      if (share <= 0.0f) continue;
+      const float fraction = std::clamp(2.5f * (leaves + 2.0f * dense - 1.0f) + 0.5f, 0.0f, 1.0f);
+      if (fraction <= 0.0f) continue;
       const float front = std::sqrt(1.0f - off2);
       const float nx = -front * r.x - across * right_x, ny = -front * r.y - across * right_y;
       const float facing =
@@ -160,7 +160,7 @@ void CameraRenderer::draw_crown(const Frame& frame, const Crown& crown) const {
                              ? base * (gaps * (ambient + (1.0f - ambient) * facing))
                              : frame.lighting->shade(base, 0.3f + 0.7f * facing, gaps,
                                                      gaps * (0.6f + 0.3f * above));
-      blend(frame.picture, static_cast<std::size_t>(v) * width_px_ + u, colour, share);
+      blend(frame.picture, static_cast<std::size_t>(v) * width_px_ + u, colour, fraction);
     }
   }
 }

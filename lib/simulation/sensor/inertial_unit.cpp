@@ -39,8 +39,8 @@ double InertialUnit::yaw_rate_bias_radps(double time_s) const {
       std::clamp(time_s / kWalkStep_s, 0.0, static_cast<double>(bias_radps_.size() - 1));
   const auto before = std::min(static_cast<std::size_t>(at), bias_radps_.size() - 1);
   const std::size_t after = std::min(before + 1, bias_radps_.size() - 1);
-  const double share = at - static_cast<double>(before);
-  return (1.0 - share) * bias_radps_[before] + share * bias_radps_[after];
+  const double fraction = at - static_cast<double>(before);
+  return (1.0 - fraction) * bias_radps_[before] + fraction * bias_radps_[after];
 }
 
 pose::Imu InertialUnit::sample(const DrivePath& path, std::int64_t index, double time_s) const {

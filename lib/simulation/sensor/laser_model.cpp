@@ -234,7 +234,7 @@ Hit read_spot(const Hit* rays, double mixed_draw, const ScannerConfig& scanner) 
       std::max(1, static_cast<int>(std::ceil(scanner.return_fraction * kNumRays)));
   const bool split = num_far > 0 && num_near > kNumRays / 4 && num_far > kNumRays / 4;
   if (split && mixed_draw < scanner.mixed_probability) {
-    // a phase-shift scanner reads between two surfaces that share its spot
+    // a phase-shift scanner reads between two surfaces that fraction its spot
     return {(near_sum_m + far_sum_m) / (num_near + num_far), nearest.target,
             (near_strength + far_strength) / kNumRays};
   }
@@ -247,7 +247,7 @@ Hit read_spot(const Hit* rays, double mixed_draw, const ScannerConfig& scanner) 
 
 /// A hit from which on a thing shines back what beams beside it send.
 constexpr double kShines = 2.0;
-constexpr double kBloomShare = 0.5;  ///< of its strength that they get
+constexpr double kBloomFraction = 0.5;  ///< of its strength that they get
 
 /// What beams near a reflector read: the reflector, unless they meet something nearer.
 void bloom(const ScannerConfig& scanner, std::vector<Hit>& hits) {
@@ -261,7 +261,7 @@ void bloom(const ScannerConfig& scanner, std::vector<Hit>& hits) {
       Hit& hit = hits[static_cast<std::size_t>(k)];
       if (from.range_m >= hit.range_m) continue;
       hit = from;
-      hit.strength *= kBloomShare;
+      hit.strength *= kBloomFraction;
     }
   }
 }

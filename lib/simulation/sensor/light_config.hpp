@@ -26,7 +26,8 @@ void describe(Visitor& v, LightConfig& c) {
   v.flag("sun_from_seed", c.sun_from_seed, "true: the seed chooses the sun's direction");
   v.number("sun_azimuth_deg", c.sun_azimuth_deg, -360, 360, "deg", "from map x, to the left");
   v.number("sun_elevation_deg", c.sun_elevation_deg, 3, 90, "deg", "above the horizon");
-  v.number("sun_fraction", c.sun_fraction, 0, 1, "1", "direct share of the light towards the sun");
+  v.number("sun_fraction", c.sun_fraction, 0, 1, "1",
+           "direct fraction of the light towards the sun");
   v.flag("shadows", c.shadows, "cast shadows, dappled under crowns");
   v.number("temperature_k", c.temperature_k, 1500, 15000, "K", "colour temperature of the sun");
   v.number("shade_temperature_ratio", c.shade_temperature_ratio, 0.5, 4, "1",
@@ -43,9 +44,9 @@ void describe(Visitor& v, LightConfig& c) {
 struct CameraResponseConfig {
   double exposure_ev = 0.0;          ///< 0: white facing the sun just does not clip
   double white_balance_k = 5500.0;   ///< the light that it shows as neutral
-  double auto_exposure = 0.0;        ///< share of the light's drift that it takes back
+  double auto_exposure = 0.0;        ///< fraction of the light's drift that it takes back
   double auto_exposure_lag_s = 0.5;  ///< time constant with which it follows
-  double auto_white_balance = 0.0;   ///< share of the colour's drift that it takes back
+  double auto_white_balance = 0.0;   ///< fraction of the colour's drift that it takes back
   double vignetting = 0.0;           ///< light lost in the picture's corners
   double gamma = 2.2;
   double exposure_s = 0.0;  ///< smears the picture while the robot turns; 0 = sharp
@@ -55,10 +56,10 @@ template <class Visitor>
 void describe(Visitor& v, CameraResponseConfig& c) {
   v.number("exposure_ev", c.exposure_ev, -6, 6, "EV", "0: white that faces the sun is full scale");
   v.number("white_balance_k", c.white_balance_k, 1500, 15000, "K", "light it shows as neutral");
-  v.number("auto_exposure", c.auto_exposure, 0, 1, "1", "share of the light's drift taken back");
+  v.number("auto_exposure", c.auto_exposure, 0, 1, "1", "fraction of the light's drift taken back");
   v.number("auto_exposure_lag_s", c.auto_exposure_lag_s, 0, 60, "s", "time constant of it");
   v.number("auto_white_balance", c.auto_white_balance, 0, 1, "1",
-           "share of the colour's drift taken back, with the same lag");
+           "fraction of the colour's drift taken back, with the same lag");
   v.number("vignetting", c.vignetting, 0, 1, "1", "light lost in the corners");
   v.number("gamma", c.gamma, 1, 4, "1", "of the stored picture");
   v.number("exposure_s", c.exposure_s, 0, 0.1, "s", "smear while the robot turns; 0 = sharp");

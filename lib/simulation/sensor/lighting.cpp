@@ -75,12 +75,12 @@ float linear_of(float stored) {
   }();
   const float clamped = std::clamp(stored, 0.0f, 255.0f);
   const auto i = static_cast<std::size_t>(clamped);
-  const float share = clamped - static_cast<float>(i);
-  return table[i] + share * (table[i + 1] - table[i]);
+  const float fraction = clamped - static_cast<float>(i);
+  return table[i] + fraction * (table[i + 1] - table[i]);
 }
 
 Lighting::Lighting(const LightConfig& light, const CameraResponseConfig& response, double time_s)
-    : sun_share_(static_cast<float>(light.sun_fraction)),
+    : sun_fraction_(static_cast<float>(light.sun_fraction)),
       vignetting_(static_cast<float>(response.vignetting)) {
   const double lag_s = response.auto_exposure_lag_s;
   const double followed_ev =
@@ -106,8 +106,8 @@ float Lighting::store(float light) const {
   // square roots spread the dark end, where the curve is steep
   const float place = std::sqrt(x) * static_cast<float>(curve_.size() - 1);
   const auto i = std::min(static_cast<std::size_t>(place), curve_.size() - 2);
-  const float share = place - static_cast<float>(i);
-  return curve_[i] + share * (curve_[i + 1] - curve_[i]);
+  const float fraction = place - static_cast<float>(i);
+  return curve_[i] + fraction * (curve_[i + 1] - curve_[i]);
 }
 
 Bgr Lighting::store(const Bgr& light, float corner) const {

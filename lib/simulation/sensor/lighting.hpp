@@ -28,10 +28,10 @@ class Lighting {
   Lighting(const LightConfig& light, const CameraResponseConfig& response, double time_s);
 
   /// Linear light that a surface sends: `facing` is the cosine between its normal and the sun (0
-  /// when turned away), `open` the share of the sun that reaches it, `sky` the share of the sky
-  /// that it sees.
+  /// when turned away), `open` the fraction of the sun that reaches it, `sky` the fraction of the
+  /// sky that it sees.
   Bgr shade(const Bgr& albedo, float facing, float open, float sky) const {
-    const float direct = sun_share_ * facing * open, around = (1.0f - sun_share_) * sky;
+    const float direct = sun_fraction_ * facing * open, around = (1.0f - sun_fraction_) * sky;
     return {albedo.b * (direct * sun_.b + around * sky_.b),
             albedo.g * (direct * sun_.g + around * sky_.g),
             albedo.r * (direct * sun_.r + around * sky_.r)};
@@ -48,7 +48,7 @@ class Lighting {
  private:
   float store(float light) const;
 
-  float sun_share_;
+  float sun_fraction_;
   Bgr sun_, sky_;  ///< gains
   float gain_ = 1.0f;
   float vignetting_;

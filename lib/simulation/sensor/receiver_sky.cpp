@@ -15,7 +15,7 @@ constexpr double kDay_s = 86400.0;
 constexpr double kStepsPerTime = 10.0;
 
 /// A day is kept in at most so many numbers.
-constexpr double kStepsMost = 1e6;
+constexpr double kStepsMax = 1e6;
 
 enum Part : std::uint64_t { kGaps, kPauses, kReflections, kWander };
 
@@ -63,7 +63,7 @@ ReceiverSky::ReceiverSky(std::uint64_t seed, const SkyConfig& config) : config_(
   }
   if (config.wander_sd_m > 0.0) {
     Random random = stream(kWander);
-    const double steps = std::min(kStepsMost, kDay_s * kStepsPerTime / config.wander_time_s);
+    const double steps = std::min(kStepsMax, kDay_s * kStepsPerTime / config.wander_time_s);
     const double memory = std::exp(-kDay_s / steps / config.wander_time_s);
     const double fresh = std::sqrt(1.0 - memory * memory);
     Eigen::Vector2d now;

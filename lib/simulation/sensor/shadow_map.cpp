@@ -30,8 +30,8 @@ ShadowMap::ShadowMap(const World& world, double sun_azimuth_rad, double sun_elev
     x_max_m = std::max(x_max_m, c.x_m + kBeside_m);
     y_max_m = std::max(y_max_m, c.y_m + kBeside_m);
   }
-  constexpr double kMost_m = 400.0;
-  if (x_max_m < x_min_m_ || x_max_m - x_min_m_ > kMost_m || y_max_m - y_min_m_ > kMost_m) return;
+  constexpr double kMax_m = 400.0;
+  if (x_max_m < x_min_m_ || x_max_m - x_min_m_ > kMax_m || y_max_m - y_min_m_ > kMax_m) return;
   num_x_ = static_cast<int>((x_max_m - x_min_m_) / kCell_m) + 1;
   num_y_ = static_cast<int>((y_max_m - y_min_m_) / kCell_m) + 1;
   cells_.resize(static_cast<std::size_t>(num_x_) * num_y_);
@@ -93,7 +93,7 @@ void ShadowMap::add(const Crown& crown) {
       Cell* cell = at(middle_x_m + towards_x_ * along_m - towards_y_ * across_m,
                       middle_y_m + towards_y_ * along_m + towards_x_ * across_m);
       if (cell == nullptr) continue;
-      // the same leaves as drawn: gaps between clumps, more of them towards the rim
+      // the same leaves as drawn: gaps between clumps, more of them towards the border
       const auto a = static_cast<float>(along_m * sine_), b = static_cast<float>(across_m);
       const float leaves = 0.6f * value_noise(a * 9.0f, b * 9.0f, seed) +
                            0.4f * value_noise(a * 3.0f, b * 3.0f, seed + 1);

@@ -17,14 +17,14 @@ class ShadowMap {
   ShadowMap() = default;
   ShadowMap(const World& world, double sun_azimuth_rad, double sun_elevation_rad);
 
-  /// Share of the sun that reaches a place of the map, [0, 1]. `target` casts none on itself.
+  /// Fraction of the sun that reaches a place of the map, [0, 1]. `target` casts none on itself.
   float open(float x_m, float y_m, float z_m, int target) const;
 
   bool empty() const { return cells_.empty(); }
 
  private:
   struct Cell {
-    float crown = 1.0f;  ///< share that crowns leave open
+    float crown = 1.0f;  ///< fraction that crowns leave open
     float top_m = -1.0f;
     int target = -2;
   };

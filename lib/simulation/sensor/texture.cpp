@@ -19,7 +19,7 @@ float lattice(std::int32_t x, std::int32_t y, std::uint32_t seed) {
   return static_cast<float>(h >> 8) * (2.0f / 16777216.0f) - 1.0f;
 }
 
-/// Share of a pattern that is left when a pixel covers `footprint_m` of it.
+/// Fraction of a pattern that is left when a pixel covers `footprint_m` of it.
 float visible(float footprint_m, float size_m) {
   return 1.0f / (1.0f + 2.0f * footprint_m / size_m);
 }
@@ -29,8 +29,8 @@ float visible(float footprint_m, float size_m) {
 Bgr from_hsv(double hue_deg, double saturation, double value) {
   const auto channel = [&](double n) {
     const double k = std::fmod(n + hue_deg / 60.0 + 6.0, 6.0);
-    const double share = std::clamp(std::min(k, 4.0 - k), 0.0, 1.0);
-    return static_cast<float>(255.0 * (value - value * saturation * share));
+    const double fraction = std::clamp(std::min(k, 4.0 - k), 0.0, 1.0);
+    return static_cast<float>(255.0 * (value - value * saturation * fraction));
   };
   return {channel(1.0), channel(3.0), channel(5.0)};
 }

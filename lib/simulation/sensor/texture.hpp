@@ -15,9 +15,9 @@ struct Bgr {
 };
 
 inline Bgr operator*(const Bgr& c, float f) { return {c.b * f, c.g * f, c.r * f}; }
-inline Bgr mix(const Bgr& a, const Bgr& b, float share_of_b) {
-  return {a.b + (b.b - a.b) * share_of_b, a.g + (b.g - a.g) * share_of_b,
-          a.r + (b.r - a.r) * share_of_b};
+inline Bgr mix(const Bgr& a, const Bgr& b, float fraction_of_b) {
+  return {a.b + (b.b - a.b) * fraction_of_b, a.g + (b.g - a.g) * fraction_of_b,
+          a.r + (b.r - a.r) * fraction_of_b};
 }
 
 /// Hue [deg], saturation and value in [0, 1].

@@ -67,8 +67,8 @@ std::array<double, 3> channel_means(const cv::Mat& pixels) {
       for (std::size_t i = 0; i < kLanes; ++i) sums[i % 3] += lanes[i];
     }
   }
-  const double share = 1.0 / (static_cast<double>(pixels.rows) * pixels.cols);
-  return {sums[0] * share, sums[1] * share, sums[2] * share};
+  const double fraction = 1.0 / (static_cast<double>(pixels.rows) * pixels.cols);
+  return {sums[0] * fraction, sums[1] * fraction, sums[2] * fraction};
 }
 
 Tone tone_of(const cv::Mat& pixels) {
@@ -160,7 +160,7 @@ Planes planes_of(const std::array<cv::Mat, 3>& grids) {
 struct PartStatistics {
   double mean = 0.0;
   double sd = 0.0;
-  double in_columns = 0.0;  ///< share of the variance that lies between columns
+  double in_columns = 0.0;  ///< fraction of the variance that lies between columns
   double rows_sd = 0.0;     ///< standard deviation of the row means
   double across = 0.0;      ///< mean absolute difference of neighbours in a row
   double along = 0.0;       ///< and in a column
@@ -188,7 +188,7 @@ PartStatistics statistics_of(const Plane& plane, const Profile& profile, Part pa
 struct Step {
   double brightness = 0.0;  ///< absolute
   double colour = 0.0;      ///< absolute, red and blue together, at its own steepest column
-  double agreement = 0.0;   ///< share of rows that step the same way, at the steepest brightness
+  double agreement = 0.0;   ///< fraction of rows that step the same way, at the steepest brightness
 };
 
 double step_at(const Profile& profile, int col) {
@@ -218,7 +218,7 @@ Step step_about(int side, const Planes& planes, const std::array<Profile, 3>& pr
   return step;
 }
 
-/// The value that a share of the values of a part lies below.
+/// The value that a fraction of the values of a part lies below.
 struct Quantiles {
   double dark = 0.0, bright = 0.0;
 };

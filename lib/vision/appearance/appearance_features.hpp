@@ -26,11 +26,11 @@ inline constexpr std::array kAppearanceFeatureNames{
     "brightness_spread_beside", "red_spread_beside", "blue_spread_beside",
     // logs of mean gradients
     "gradient_across", "gradient_along", "gradient_across_beside", "gradient_along_beside",
-    // share of the variance that lies between columns
+    // fraction of the variance that lies between columns
     "brightness_in_columns", "blue_in_columns", "brightness_in_columns_beside",
     // steps of the column means at the window's sides: the weaker and the stronger side
     "brightness_step_weak", "brightness_step_strong", "colour_step_weak", "colour_step_strong",
-    // share of rows whose step at that column has the same sign
+    // fraction of rows whose step at that column has the same sign
     "step_agrees_weak", "step_agrees_strong",
     // middle against sides, and left half against right
     "brightness_bulge", "brightness_slant",

@@ -12,7 +12,7 @@ namespace {
 constexpr int kChannels = 3;
 
 /// The source lines that one line of the grid covers: whole ones in between, the first and the
-/// last by their share.
+/// last by their fraction.
 struct Cover {
   int first = 0;
   int last = 0;
@@ -34,13 +34,13 @@ std::vector<Cover> covers_of(int num_lines, int num_cells) {
     Cover& cover = covers[static_cast<std::size_t>(i)];
     cover.first = static_cast<int>(from);
     cover.last = std::clamp(static_cast<int>(std::ceil(to - 1e-9)) - 1, cover.first, num_lines - 1);
-    const auto share = [&](int line) {
+    const auto fraction = [&](int line) {
       return static_cast<float>((std::min(to, line + 1.0) - std::max(from, line + 0.0)) /
                                 lines_per_cell);
     };
-    cover.first_weight = share(cover.first);
+    cover.first_weight = fraction(cover.first);
     cover.weight = static_cast<float>(1.0 / lines_per_cell);
-    cover.last_weight = share(cover.last);
+    cover.last_weight = fraction(cover.last);
   }
   return covers;
 }

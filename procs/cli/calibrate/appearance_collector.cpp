@@ -23,20 +23,20 @@ std::vector<bus::Channel> AppearanceCollector::inputs() const {
 
 void AppearanceCollector::handle(const bus::Message& input, const bus::Outbox&) {
   if (const auto* scan = std::get_if<laser::Scan>(&input)) {
-    for (const auto& pair : pairer_.add(*scan)) look(pair);
+    for (const auto& pair : pairer_.add(*scan)) observe(pair);
   } else if (const auto* image = std::get_if<vision::Image>(&input)) {
-    for (const auto& pair : pairer_.add(*image)) look(pair);
+    for (const auto& pair : pairer_.add(*image)) observe(pair);
   } else if (const auto* odometry = std::get_if<pose::Odometry>(&input)) {
     const detection::Motion motion{odometry->utime, odometry->speed_mps, odometry->yaw_rate_radps};
-    for (const auto& pair : pairer_.add(motion)) look(pair);
+    for (const auto& pair : pairer_.add(motion)) observe(pair);
   }
 }
 
 void AppearanceCollector::flush(const bus::Outbox&) {
-  for (const auto& pair : pairer_.flush()) look(pair);
+  for (const auto& pair : pairer_.flush()) observe(pair);
 }
 
-void AppearanceCollector::look(const detection::ScanImagePair& pair) {
+void AppearanceCollector::observe(const detection::ScanImagePair& pair) {
   if (!pair.image || num_pairs_++ % stride_ != 0) return;
   detection::LaserFindings findings = detection::find_by_laser(pair.scan, rig_);
   findings.detections.image_utime = pair.image->utime;

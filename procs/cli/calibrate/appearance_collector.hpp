@@ -33,7 +33,7 @@ class AppearanceCollector : public bus::Node {
   const std::vector<SeenWindow>& windows() const { return windows_; }
 
  private:
-  void look(const detection::ScanImagePair& pair);
+  void observe(const detection::ScanImagePair& pair);
 
   detection::Rig rig_;
   detection::ScanImagePairer pairer_;

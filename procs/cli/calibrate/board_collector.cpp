@@ -19,7 +19,7 @@ std::vector<bus::Channel> BoardCollector::inputs() const {
 void BoardCollector::handle(const bus::Message& input, const bus::Outbox&) {
   if (const auto* scan = std::get_if<laser::Scan>(&input)) {
     ++num_scans_;
-    for (const auto& pair : pairer_.add(*scan)) look(pair);
+    for (const auto& pair : pairer_.add(*scan)) observe(pair);
   } else if (const auto* image = std::get_if<vision::Image>(&input)) {
     ++num_images_;
     if (image->width_px != intrinsics_.width_px || image->height_px != intrinsics_.height_px) {
@@ -27,15 +27,15 @@ void BoardCollector::handle(const bus::Message& input, const bus::Outbox&) {
       wrong_size_ = std::to_string(image->width_px) + "x" + std::to_string(image->height_px);
       return;
     }
-    for (const auto& pair : pairer_.add(*image)) look(pair);
+    for (const auto& pair : pairer_.add(*image)) observe(pair);
   }
 }
 
 void BoardCollector::flush(const bus::Outbox&) {
-  for (const auto& pair : pairer_.flush()) look(pair);
+  for (const auto& pair : pairer_.flush()) observe(pair);
 }
 
-void BoardCollector::look(const detection::ScanImagePair& pair) {
+void BoardCollector::observe(const detection::ScanImagePair& pair) {
   if (!pair.image) return;
   ++num_pairs_;
   const auto grey = calibration::grey_of(*pair.image);

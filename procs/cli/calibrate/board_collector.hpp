@@ -34,7 +34,7 @@ class BoardCollector : public bus::Node {
   const std::string& wrong_size() const { return wrong_size_; }
 
  private:
-  void look(const detection::ScanImagePair& pair);
+  void observe(const detection::ScanImagePair& pair);
 
   geometry::CameraIntrinsics intrinsics_;
   calibration::BoardConfig board_;

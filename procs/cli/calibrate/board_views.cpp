@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Of a log's pictures: a board is moved slowly, and each costs some 20 ms.
-constexpr std::size_t kMostSearched = 400;
+constexpr std::size_t kMaxSearched = 400;
 
 /// Adds pictures one by one and holds them to one size.
 class Search {
@@ -109,7 +109,7 @@ void search_log(const std::string& path, Search& search, bool quiet) {
                         std::string(image_channel));
   }
   io::ProgressBar bar("looking for the board", !quiet);
-  const std::size_t num = std::min(offsets.size(), kMostSearched);
+  const std::size_t num = std::min(offsets.size(), kMaxSearched);
   std::int64_t first_utime = 0;
   int num_refused = 0;
   for (std::size_t i = 0; i < num; ++i) {

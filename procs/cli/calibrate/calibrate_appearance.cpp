@@ -27,7 +27,7 @@ namespace {
 using calibration::AppearanceSample;
 
 /// More things than a drive has: keeps the groups of two drives apart.
-constexpr int kThingsMost = 100000;
+constexpr int kThingsMax = 100000;
 
 void add_samples(const CalibrateAppearanceOptions& options, const io::Config& config, std::size_t i,
                  std::vector<AppearanceSample>& samples) {
@@ -44,16 +44,18 @@ void add_samples(const CalibrateAppearanceOptions& options, const io::Config& co
     throw io::FileError(options.observation_paths[i] + " holds no scan with a picture of " +
                         options.log_paths[i] + ": not one time is the same");
   }
-  std::map<std::pair<std::int64_t, std::size_t>, const evaluation::ObservationPair*> looks;
-  for (const evaluation::ObservationPair& look : found.pairs) {
-    if (look.detection) looks[{look.scan_utime, look.detection_index}] = &look;
+  std::map<std::pair<std::int64_t, std::size_t>, const evaluation::ObservationPair*> observations;
+  for (const evaluation::ObservationPair& observation : found.pairs) {
+    if (observation.detection)
+      observations[{observation.scan_utime, observation.detection_index}] = &observation;
   }
   for (const SeenWindow& window : collector.windows()) {
-    const auto at = looks.find({window.utime, window.index});
-    if (at == looks.end()) continue;
-    const evaluation::ObservationPair& look = *at->second;
-    const int thing = look.truth ? look.truth->object + 1 : 0;
-    samples.push_back({window.features, look.is_tree(), static_cast<int>(i) * kThingsMost + thing});
+    const auto at = observations.find({window.utime, window.index});
+    if (at == observations.end()) continue;
+    const evaluation::ObservationPair& observation = *at->second;
+    const int thing = observation.truth ? observation.truth->object + 1 : 0;
+    samples.push_back(
+        {window.features, observation.is_tree(), static_cast<int>(i) * kThingsMax + thing});
   }
 }
 

@@ -38,7 +38,7 @@ void print_coverage(const CameraCalibration& calibration) {
   const calibration::CameraVerdictRules rules;
   const auto coverage = calibration::coverage_of(calibration, rules.grid_columns, rules.grid_rows);
   std::printf("corners found in each part of the picture (%.0f %% covered):\n",
-              100.0 * coverage.share());
+              100.0 * coverage.fraction());
   for (int row = 0; row < coverage.rows; ++row) {
     for (int column = 0; column < coverage.columns; ++column) {
       std::printf("%6d",

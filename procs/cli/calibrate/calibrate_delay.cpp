@@ -29,7 +29,7 @@ constexpr double kSettled_s = 0.0005;
 constexpr double kOffsetWorthTelling_deg = 0.3;
 
 struct Round {
-  std::vector<calibration::DelayLook> looks;
+  std::vector<calibration::DelayObservation> observations;
   int num_pairs = 0;
   int num_moving = 0;
 };
@@ -49,7 +49,8 @@ Round look_at_logs(const CalibrateDelayOptions& options, const io::Config& confi
       if (!warnings.insert(warning).second) continue;
       std::fprintf(stderr, "orchard calibrate delay: warning: %s\n", warning.c_str());
     }
-    round.looks.insert(round.looks.end(), collector.looks().begin(), collector.looks().end());
+    round.observations.insert(round.observations.end(), collector.observations().begin(),
+                              collector.observations().end());
     round.num_pairs += collector.num_pairs();
     round.num_moving += collector.num_moving();
     next_picture = collector.next_picture();
@@ -74,7 +75,7 @@ double degrees(double offset_px, const io::Config& config) {
 
 void print(const calibration::DelayEstimate& e, double delay_s, const io::Config& config) {
   std::printf("looks at trunks   %d in %d pictures, %d while turning (%d more disagree)\n",
-              e.num_looks, e.num_pictures, e.num_turning, e.num_all - e.num_looks);
+              e.num_observations, e.num_pictures, e.num_turning, e.num_all - e.num_observations);
   std::printf("delay             %.1f ms, standard error %.1f ms\n", 1e3 * delay_s, 1e3 * e.se_s);
   std::printf("left over         %.2f px (%.2f deg) whatever the motion, standard error %.2f px\n",
               e.offset_px, degrees(e.offset_px, config), e.offset_se_px);
@@ -94,7 +95,8 @@ int run_calibrate_delay(const CalibrateDelayOptions& options) {
   std::set<std::string> warnings;
   try {
     for (int round = 0; round < kMaxRounds; ++round) {
-      estimate = calibration::estimate_delay(look_at_logs(options, config, warnings).looks, {});
+      estimate =
+          calibration::estimate_delay(look_at_logs(options, config, warnings).observations, {});
       config.camera.delay_s += estimate.delay_s;
       if (std::abs(config.camera.delay_s) > 0.5) {
         throw std::runtime_error("the delay found, " + fixed_text(config.camera.delay_s, 3) +
@@ -116,7 +118,7 @@ int run_calibrate_delay(const CalibrateDelayOptions& options) {
   }
 
   std::string note = "standard error " + fixed_text(1e3 * estimate.se_s, 1) + " ms, " +
-                     std::to_string(estimate.num_looks) + " looks in " +
+                     std::to_string(estimate.num_observations) + " observations in " +
                      std::filesystem::path(options.log_paths.front()).filename().string();
   if (options.log_paths.size() > 1) {
     note += " and " + std::to_string(options.log_paths.size() - 1) + " more";

@@ -35,12 +35,12 @@ constexpr const char* kFeatureNames[] = {"1",
                                          "roc_edges",
                                          "roc_edges is 0"};
 
-Outcome outcome_of(const evaluation::ObservationPair& look) {
-  if (!look.truth) return Outcome::kNeither;
-  return look.is_tree() ? Outcome::kTree : Outcome::kObject;
+Outcome outcome_of(const evaluation::ObservationPair& observation) {
+  if (!observation.truth) return Outcome::kNeither;
+  return observation.is_tree() ? Outcome::kTree : Outcome::kObject;
 }
 
-/// What each detection of a log was a look at.
+/// What each detection of a log was an observation of.
 void add_samples(const CalibrateProbabilityOptions& options, const io::Config& config,
                  std::size_t i, std::vector<ProbabilitySample>& samples) {
   const int recording = static_cast<int>(i);
@@ -51,10 +51,10 @@ void add_samples(const CalibrateProbabilityOptions& options, const io::Config& c
     throw io::FileError(options.observation_paths[i] + " holds no scan of " + options.log_paths[i] +
                         ": not one time is the same");
   }
-  for (const evaluation::ObservationPair& look : found.pairs) {
-    if (!look.detection) continue;
-    samples.push_back(
-        {*look.detection, outcome_of(look), recording, look.truth ? look.truth->object : -1});
+  for (const evaluation::ObservationPair& observation : found.pairs) {
+    if (!observation.detection) continue;
+    samples.push_back({*observation.detection, outcome_of(observation), recording,
+                       observation.truth ? observation.truth->object : -1});
   }
 }
 
@@ -89,9 +89,10 @@ void print_fit(const ProbabilityFit& fit, double error) {
   print_weights("what is judged", fit.judged_tree, fit.judged_object);
   print_weights("laser only", fit.laser_tree, fit.laser_object);
   std::printf(
-      "%d judged looks, %d by the laser only, of %d things in %d recordings\n"
+      "%d judged observations, %d by the laser only, of %d things in %d recordings\n"
       "%s: expected calibration error %.4f, log loss %.4f\n"
-      "landmarks: prior %.3f, trees' share of looks %.3f, correlation of looks %.3f\n",
+      "landmarks: prior %.3f, trees' fraction of observations %.3f, correlation of observations "
+      "%.3f\n",
       fit.num_judged, fit.num_laser, fit.num_things, fit.num_recordings,
       fit.num_recordings > 1 ? "cross-validated over recordings"
                              : "on the recording it was learnt from (give more than one)",
@@ -123,7 +124,7 @@ int run_calibrate_probability(const CalibrateProbabilityOptions& options) {
   if (!options.quiet) print_fit(fit, error);
 
   const std::string out = options.out_path.empty() ? options.config_path : options.out_path;
-  const std::string note = std::to_string(fit.num_judged + fit.num_laser) + " looks in " +
+  const std::string note = std::to_string(fit.num_judged + fit.num_laser) + " observations in " +
                            std::to_string(fit.num_recordings) + " recordings, from " +
                            std::filesystem::path(options.log_paths.front()).filename().string() +
                            "; calibration error " + fixed_text(error, 4) + " where left out";

@@ -32,7 +32,7 @@ namespace {
 
 std::vector<calibration::TrunkObservation> look_at_logs(const CalibrateTrunksOptions& options,
                                                         const io::Config& config) {
-  std::vector<calibration::TrunkObservation> looks;
+  std::vector<calibration::TrunkObservation> observations;
   int num_pairs = 0;
   for (std::size_t i = 0; i < options.log_paths.size(); ++i) {
     procs::PoseNode pose(config);
@@ -47,7 +47,7 @@ std::vector<calibration::TrunkObservation> look_at_logs(const CalibrateTrunksOpt
       std::fprintf(stderr, "orchard calibrate: warning: %s\n", warning.c_str());
     }
     const auto seen = collector.observations();
-    looks.insert(looks.end(), seen.begin(), seen.end());
+    observations.insert(observations.end(), seen.begin(), seen.end());
     num_pairs += collector.num_pairs();
   }
   if (num_pairs == 0) {
@@ -57,7 +57,7 @@ std::vector<calibration::TrunkObservation> look_at_logs(const CalibrateTrunksOpt
                                "both (camera.enabled: false for a rig without a camera)"
                              : " holds no usable scan"));
   }
-  return looks;
+  return observations;
 }
 
 void print_table(const calibration::TrunkModel& model) {
@@ -70,7 +70,7 @@ void print_table(const calibration::TrunkModel& model) {
                 1e3 * thing.median_width_m, thing.dominant_hue_deg,
                 thing.is_trunk ? "a trunk" : "something else");
   }
-  std::printf("%d trunks, %d looks: width %.2f mm, sd %.2f mm", model.num_trunks,
+  std::printf("%d trunks, %d observations: width %.2f mm, sd %.2f mm", model.num_trunks,
               model.num_observations, 1e3 * model.width_mean_m, 1e3 * model.width_sd_m);
   if (model.has_hue) std::printf(", hue %.1f to %.1f deg", model.hue_min_deg, model.hue_max_deg);
   std::printf("\n");
@@ -79,8 +79,8 @@ void print_table(const calibration::TrunkModel& model) {
 void print_width_by_range(const calibration::WidthByRange& width) {
   std::printf("%16s %6s %9s %7s\n", "range m", "looks", "width mm", "sd mm");
   for (const calibration::WidthBin& bin : width.bins) {
-    std::printf("%7.2f - %6.2f %6d %9.2f %7.2f\n", bin.range_min_m, bin.range_max_m, bin.num_looks,
-                1e3 * bin.mean_m, 1e3 * bin.sd_m);
+    std::printf("%7.2f - %6.2f %6d %9.2f %7.2f\n", bin.range_min_m, bin.range_max_m,
+                bin.num_observations, 1e3 * bin.mean_m, 1e3 * bin.sd_m);
   }
   if (width.has_growth) {
     std::printf("sd^2 = (%.2f mm)^2 + (%.2f x range x beam step)^2\n", 1e3 * width.sd_m,
@@ -145,11 +145,13 @@ calibration::TrunkModelOptions rules_of(const CalibrateTrunksOptions& options,
 
 /// The appearance model, when it is asked for or better than the hue interval. Says which and why.
 std::optional<vision::AppearanceConfig> choose_appearance(
-    const std::vector<calibration::TrunkObservation>& looks, const calibration::TrunkModel& model,
-    const io::Config& config, const CalibrateTrunksOptions& options, std::string& note) {
+    const std::vector<calibration::TrunkObservation>& observations,
+    const calibration::TrunkModel& model, const io::Config& config,
+    const CalibrateTrunksOptions& options, std::string& note) {
   if (!model.has_hue || options.colour_model == ColourChoice::kHueInterval) return std::nullopt;
   try {
-    const auto learnt = calibration::learn_trunk_appearance(looks, model, config.detector.colour);
+    const auto learnt =
+        calibration::learn_trunk_appearance(observations, model, config.detector.colour);
     const std::string text = fmt::format(
         "area under the ROC curve, {} windows on trunks, {} elsewhere: appearance {:.4f} "
         "(trunks left out), hue interval {:.4f}",
@@ -199,15 +201,15 @@ int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
   const io::Config config = load_rig(options.config_path);
   if (options.log_paths.empty()) throw io::FileError("no log was given to learn trunks from");
   const calibration::TrunkModelOptions rules = rules_of(options, config);
-  const auto looks = look_at_logs(options, config);
+  const auto observations = look_at_logs(options, config);
   calibration::TrunkModel model;
   try {
-    model = calibration::estimate_trunk_model(looks, rules);
+    model = calibration::estimate_trunk_model(observations, rules);
   } catch (const std::runtime_error& error) {
     throw io::FileError(options.log_paths.front() + ": " + error.what());
   }
   if (!options.list_folder.empty()) {
-    write_trunk_list(options.list_folder, model, looks);
+    write_trunk_list(options.list_folder, model, observations);
     std::printf("%zu things written to %s/index.html and things.csv; nothing else was changed\n",
                 model.things.size(), options.list_folder.c_str());
     return bus::kExitOk;
@@ -222,7 +224,7 @@ int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
   }
 
   std::string note = std::to_string(model.num_trunks) + " trunks, " +
-                     std::to_string(model.num_observations) + " looks in " +
+                     std::to_string(model.num_observations) + " observations in " +
                      std::filesystem::path(options.log_paths.front()).filename().string();
   if (options.log_paths.size() > 1) {
     note += " and " + std::to_string(options.log_paths.size() - 1) + " more";
@@ -234,14 +236,14 @@ int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
     values.push_back({"laser.spot_rad", fixed_text(spot_rad_of(model, config), 4)});
   }
   if (model.has_hue) {
-    if (const auto appearance = choose_appearance(looks, model, config, options, note)) {
+    if (const auto appearance = choose_appearance(observations, model, config, options, note)) {
       const auto more = appearance_values(*appearance);
       values.insert(values.end(), more.begin(), more.end());
     } else if (config.detector.colour_model != detection::ColourModel::kHueInterval) {
       values.push_back({"detector.colour_model", "hue_interval"});
     }
   }
-  if (const auto light = calibration::trunk_light(looks, model)) add_light(*light, values);
+  if (const auto light = calibration::trunk_light(observations, model)) add_light(*light, values);
   const std::string out = options.out_path.empty() ? options.config_path : options.out_path;
   io::edit_config_file(options.config_path, out, values, "orchard calibrate trunks", note);
   if (!options.quiet) std::printf("written to %s\n", out.c_str());

@@ -31,14 +31,14 @@ void DelayCollector::handle(const bus::Message& input, const bus::Outbox&) {
     pairs = pairer_.add(
         detection::Motion{odometry->utime, odometry->speed_mps, odometry->yaw_rate_radps});
   }
-  for (const auto& pair : pairs) look(pair);
+  for (const auto& pair : pairs) observe(pair);
 }
 
 void DelayCollector::flush(const bus::Outbox&) {
-  for (const auto& pair : pairer_.flush()) look(pair);
+  for (const auto& pair : pairer_.flush()) observe(pair);
 }
 
-void DelayCollector::look(const detection::ScanImagePair& pair) {
+void DelayCollector::observe(const detection::ScanImagePair& pair) {
   if (!pair.image) return;
   ++num_pairs_;
   if (!pair.motion) return;
@@ -46,7 +46,7 @@ void DelayCollector::look(const detection::ScanImagePair& pair) {
   const auto findings = detection::find_by_laser(pair.scan, rig_);
   for (auto& seen : calibration::look_at_delay(findings, *pair.image, rig_, *pair.motion, reach_px_,
                                                next_picture_)) {
-    looks_.push_back(std::move(seen));
+    observations_.push_back(std::move(seen));
   }
   ++next_picture_;
 }

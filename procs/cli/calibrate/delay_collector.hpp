@@ -25,13 +25,13 @@ class DelayCollector : public bus::Node {
   void handle(const bus::Message& input, const bus::Outbox& send) override;
   void flush(const bus::Outbox& send) override;
 
-  const std::vector<calibration::DelayLook>& looks() const { return looks_; }
+  const std::vector<calibration::DelayObservation>& observations() const { return observations_; }
   std::int32_t next_picture() const { return next_picture_; }
   int num_pairs() const { return num_pairs_; }
   int num_moving() const { return num_moving_; }  ///< of the pairs, with ODOMETRY at their time
 
  private:
-  void look(const detection::ScanImagePair& pair);
+  void observe(const detection::ScanImagePair& pair);
 
   detection::Rig rig_;
   detection::ScanImagePairer pairer_;
@@ -39,7 +39,7 @@ class DelayCollector : public bus::Node {
   std::int32_t next_picture_;
   int num_pairs_ = 0;
   int num_moving_ = 0;
-  std::vector<calibration::DelayLook> looks_;
+  std::vector<calibration::DelayObservation> observations_;
 };
 
 }  // namespace orchard::cli

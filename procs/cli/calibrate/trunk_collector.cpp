@@ -27,10 +27,10 @@ std::optional<Pose2> pose_at(const std::vector<pose::PoseEstimate>& poses, std::
   if (after == poses.begin()) return std::nullopt;
   const pose::PoseEstimate &a = *(after - 1), &b = *after;
   if (b.utime - a.utime > gap_max_us) return std::nullopt;
-  const double share =
+  const double fraction =
       static_cast<double>(utime - a.utime) / static_cast<double>(b.utime - a.utime);
-  return Pose2{a.x_m + share * (b.x_m - a.x_m), a.y_m + share * (b.y_m - a.y_m),
-               a.yaw_rad + share * geometry::wrap_angle_rad(b.yaw_rad - a.yaw_rad)};
+  return Pose2{a.x_m + fraction * (b.x_m - a.x_m), a.y_m + fraction * (b.y_m - a.y_m),
+               a.yaw_rad + fraction * geometry::wrap_angle_rad(b.yaw_rad - a.yaw_rad)};
 }
 
 }  // namespace
@@ -53,31 +53,31 @@ void TrunkCollector::handle(const bus::Message& input, const bus::Outbox&) {
   if (const auto* pose = std::get_if<pose::PoseEstimate>(&input)) {
     poses_.push_back(*pose);
   } else if (const auto* scan = std::get_if<laser::Scan>(&input)) {
-    if (!rig_.has_camera) return look({*scan, nullptr, std::nullopt});
-    for (const auto& pair : pairer_.add(*scan)) look(pair);
+    if (!rig_.has_camera) return observe({*scan, nullptr, std::nullopt});
+    for (const auto& pair : pairer_.add(*scan)) observe(pair);
   } else if (const auto* image = std::get_if<vision::Image>(&input)) {
-    for (const auto& pair : pairer_.add(*image)) look(pair);
+    for (const auto& pair : pairer_.add(*image)) observe(pair);
   }
 }
 
 void TrunkCollector::flush(const bus::Outbox&) {
-  for (const auto& pair : pairer_.flush()) look(pair);
+  for (const auto& pair : pairer_.flush()) observe(pair);
 }
 
 std::vector<calibration::TrunkObservation> TrunkCollector::observations() const {
-  std::vector<calibration::TrunkObservation> looks = in_base_;
-  for (calibration::TrunkObservation& look : looks) {
-    const auto T_map_base = pose_at(poses_, look.utime, pose_gap_max_us_);
+  std::vector<calibration::TrunkObservation> observations = in_base_;
+  for (calibration::TrunkObservation& observation : observations) {
+    const auto T_map_base = pose_at(poses_, observation.utime, pose_gap_max_us_);
     if (!T_map_base) continue;
-    const Eigen::Vector2d p_map = transform(*T_map_base, {look.x_m, look.y_m});
-    look.x_m = p_map.x();
-    look.y_m = p_map.y();
-    look.in_map = true;
+    const Eigen::Vector2d p_map = transform(*T_map_base, {observation.x_m, observation.y_m});
+    observation.x_m = p_map.x();
+    observation.y_m = p_map.y();
+    observation.in_map = true;
   }
-  return looks;
+  return observations;
 }
 
-void TrunkCollector::look(const detection::ScanImagePair& pair) {
+void TrunkCollector::observe(const detection::ScanImagePair& pair) {
   if (pair.image || !rig_.has_camera) ++num_pairs_;
   calibration::ObserveOptions options;
   options.min_beams = kMinBeams;

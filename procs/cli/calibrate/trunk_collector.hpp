@@ -20,12 +20,12 @@ class TrunkCollector : public bus::Node {
   void handle(const bus::Message& input, const bus::Outbox& send) override;
   void flush(const bus::Outbox& send) override;
 
-  /// All looks in order of time; in map when poses around their time are known.
+  /// All observations in order of time; in map when poses around their time are known.
   std::vector<calibration::TrunkObservation> observations() const;
   int num_pairs() const { return num_pairs_; }
 
  private:
-  void look(const detection::ScanImagePair& pair);
+  void observe(const detection::ScanImagePair& pair);
 
   detection::Rig rig_;
   detection::ScanImagePairer pairer_;

@@ -14,13 +14,14 @@ namespace {
 
 constexpr int kPictureHeight_px = 160;
 
-/// The nearest look that has a picture, or none.
-const calibration::TrunkObservation* best_look(
-    const calibration::ThingSeen& thing, const std::vector<calibration::TrunkObservation>& looks) {
+/// The nearest observation that has a picture, or none.
+const calibration::TrunkObservation* best_observation(
+    const calibration::ThingSeen& thing,
+    const std::vector<calibration::TrunkObservation>& observations) {
   const calibration::TrunkObservation* best = nullptr;
-  for (const std::size_t i : thing.looks) {
-    if (looks[i].crop.area.empty()) continue;
-    if (!best || looks[i].range_m < best->range_m) best = &looks[i];
+  for (const std::size_t i : thing.observations) {
+    if (observations[i].crop.area.empty()) continue;
+    if (!best || observations[i].range_m < best->range_m) best = &observations[i];
   }
   return best;
 }
@@ -45,7 +46,7 @@ std::string row(const char* format, int number, const calibration::ThingSeen& t)
 }  // namespace
 
 void write_trunk_list(const std::string& folder, const calibration::TrunkModel& model,
-                      const std::vector<calibration::TrunkObservation>& looks) {
+                      const std::vector<calibration::TrunkObservation>& observations) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) {
@@ -61,7 +62,7 @@ void write_trunk_list(const std::string& folder, const calibration::TrunkModel& 
       "<h1>Things seen</h1>\n<p>Pick the trunks by their numbers: <code>--trees 3,7,9-20</code>. "
       "Green rows are what was taken for trunks.</p>\n"
       "<table>\n<tr><th>number</th><th>taken for</th><th>log</th><th>x (m)</th><th>y (m)</th>"
-      "<th>looks</th><th>width (mm)</th><th>hue (deg)</th><th>nearest look</th></tr>\n";
+      "<th>looks</th><th>width (mm)</th><th>hue (deg)</th><th>nearest observation</th></tr>\n";
   int number = 0;
   for (const calibration::ThingSeen& thing : model.things) {
     ++number;
@@ -71,7 +72,7 @@ void write_trunk_list(const std::string& folder, const calibration::TrunkModel& 
         row("<td>{}</td><td>{}</td><td>{}</td><td>{:.2f}</td><td>{:.2f}</td><td>{}</td>"
             "<td>{:.0f}</td><td>{:.0f}</td>",
             number, thing);
-    if (const auto* best = best_look(thing, looks)) {
+    if (const auto* best = best_observation(thing, observations)) {
       const std::string name = "thing_" + std::to_string(number) + ".png";
       write_picture(folder + "/" + name, best->crop);
       html += "<td><img src=\"" + name + "\" alt=\"thing " + std::to_string(number) + "\"></td>";

@@ -9,10 +9,10 @@
 namespace orchard::cli {
 
 /// Writes a page for a person to pick trunks from: `index.html` with one picture per thing (its
-/// nearest look) and its number, place, width, hue and looks; `things.csv` with the same; and the
-/// pictures. `looks` are those of the model. Throws io::FileError when the folder cannot be
-/// written.
+/// nearest observation) and its number, place, width, hue and observations; `things.csv` with the
+/// same; and the pictures. `observations` are those of the model. Throws io::FileError when the
+/// folder cannot be written.
 void write_trunk_list(const std::string& folder, const calibration::TrunkModel& model,
-                      const std::vector<calibration::TrunkObservation>& looks);
+                      const std::vector<calibration::TrunkObservation>& observations);
 
 }  // namespace orchard::cli

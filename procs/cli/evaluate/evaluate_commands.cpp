@@ -72,7 +72,7 @@ void add_window_options(CLI::App& command, EvaluateWindowsOptions& o) {
       ->capture_default_str();
   command
       .add_option("--scatter", windows.scatter,
-                  "windows are off by up to this share of their width")
+                  "windows are off by up to this fraction of their width")
       ->check(CLI::Range(0.0, 0.9))
       ->capture_default_str();
   command.add_option("--seed", windows.seed, "where windows lie follows from it")
@@ -125,7 +125,7 @@ void add_detections(CLI::App& evaluate, Run& run) {
             ->capture_default_str();
         command
             .add_option("--hidden", o.rules.hidden_max,
-                        "count what has at most this share behind nearer things")
+                        "count what has at most this fraction behind nearer things")
             ->check(CLI::Range(0.0, 1.0))
             ->capture_default_str();
         command

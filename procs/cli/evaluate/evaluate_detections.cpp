@@ -21,9 +21,9 @@ namespace {
 namespace fs = std::filesystem;
 using evaluation::ObservationPair;
 
-/// All looks of all recordings, and the landmarks of those with a truth.
+/// All observations of all recordings, and the landmarks of those with a truth.
 struct Material {
-  std::vector<ObservationPair> looks;
+  std::vector<ObservationPair> observations;
   std::vector<std::string> names;
   int num_scans = 0;
   bool has_landmarks = false;
@@ -45,7 +45,7 @@ void check_counts(const EvaluateDetectionsOptions& options) {
 }
 
 void add_landmarks(const EvaluateDetectionsOptions& options, std::size_t i,
-                   const std::vector<ObservationPair>& looks, Material& material) {
+                   const std::vector<ObservationPair>& observations, Material& material) {
   const std::string& path = options.paths[i];
   if (!fs::is_directory(path)) {
     throw io::FileError(path + " is no map folder: --truth judges the landmarks of its map.csv");
@@ -53,7 +53,7 @@ void add_landmarks(const EvaluateDetectionsOptions& options, std::size_t i,
   const auto truth = io::read_truth_csv(options.truth_paths[i]);
   const auto landmarks = io::read_map_csv((fs::path(path) / "map.csv").string());
   const auto result = evaluation::evaluate_landmarks(
-      landmarks, truth, evaluation::was_observed(looks, truth.size(), options.rules),
+      landmarks, truth, evaluation::was_observed(observations, truth.size(), options.rules),
       options.rules.gate_m, &material.forecasts);
   material.has_landmarks = true;
   material.landmarks.counts += result.counts;
@@ -79,8 +79,9 @@ void add_recording(const EvaluateDetectionsOptions& options, std::size_t i, Mate
   if (!options.truth_paths.empty()) add_landmarks(options, i, found.pairs, material);
   material.names.push_back(fs::path(options.paths[i]).filename().string());
   material.num_scans += found.num_scans;
-  material.looks.insert(material.looks.end(), std::make_move_iterator(found.pairs.begin()),
-                        std::make_move_iterator(found.pairs.end()));
+  material.observations.insert(material.observations.end(),
+                               std::make_move_iterator(found.pairs.begin()),
+                               std::make_move_iterator(found.pairs.end()));
 }
 
 }  // namespace
@@ -92,7 +93,7 @@ int run_evaluate_detections(const EvaluateDetectionsOptions& given) {
   Material material;
   for (std::size_t i = 0; i < options.paths.size(); ++i) add_recording(options, i, material);
   evaluation::DetectionEvaluation result =
-      evaluation::evaluate_detections(material.looks, material.names, options.rules);
+      evaluation::evaluate_detections(material.observations, material.names, options.rules);
   result.num_scans = material.num_scans;
   if (material.has_landmarks) {
     material.landmarks.reliability = evaluation::reliability(material.forecasts);

@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::chrono::seconds kLongLife{10};
 constexpr std::chrono::milliseconds kFirstWait{200};
-constexpr std::chrono::milliseconds kWaitMost{5000};
+constexpr std::chrono::milliseconds kWaitMax{5000};
 
 /// In the child, between fork and exec: only what is safe there.
 [[noreturn]] void become(const std::vector<char*>& arguments, int log) {
@@ -101,7 +101,7 @@ std::string ChildProcess::take_end(int status) {
   if (stopping_ || *exit_code_ == bus::kExitOk || is_mistake) return text;
   if (Clock::now() - started_ > kLongLife) wait_ = std::chrono::milliseconds(0);
   restart_at_ = Clock::now() + wait_;
-  wait_ = std::min(std::max(2 * wait_, kFirstWait), kWaitMost);
+  wait_ = std::min(std::max(2 * wait_, kFirstWait), kWaitMax);
   return text;
 }
 

@@ -35,7 +35,7 @@ namespace fs = std::filesystem;
 constexpr std::int64_t kPlayAfter_us = 3'000'000;
 
 /// How long a stage may take to stop; the mapper then writes its whole folder.
-constexpr std::chrono::seconds kStopMost{20};
+constexpr std::chrono::seconds kStopMax{20};
 
 /// The processes of this machine, with what happened to them last.
 class Launch {
@@ -106,7 +106,7 @@ class Launch {
   }
 
   bool stop_stage(int stage, const std::function<void()>& meanwhile) {
-    const Clock::time_point end = Clock::now() + kStopMost;
+    const Clock::time_point end = Clock::now() + kStopMax;
     bool well = true;
     for (const auto& child : children_) {
       if (child->plan().stage == stage) child->ask_to_stop();

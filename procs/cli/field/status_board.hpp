@@ -46,6 +46,6 @@ constexpr double kSilent_s = 2.5;
 
 /// A difference between the clocks of two hosts that measurements would feel [s]: at 1 m/s it moves
 /// what was seen by 2 cm.
-constexpr double kClockOffsetMost_s = 0.02;
+constexpr double kClockOffsetMax_s = 0.02;
 
 }  // namespace orchard::cli

@@ -39,7 +39,7 @@ std::string remarks(const ProcessView& process) {
     text += (text.empty() ? "" : "; ") + words;
   };
   if (process.age_s > kSilent_s) add("no STATUS for " + seconds_text(process.age_s));
-  if (std::abs(process.clock_offset_s) > kClockOffsetMost_s) {
+  if (std::abs(process.clock_offset_s) > kClockOffsetMax_s) {
     char words[96];
     std::snprintf(words, sizeof(words), "its clock is %.3f s %s: synchronise the hosts (chrony)",
                   std::abs(process.clock_offset_s),
@@ -68,7 +68,7 @@ std::string state_word(const ProcessView& process) {
 bool needs_attention(const ProcessView& process) {
   const std::string word = state_word(process);
   return (word != "ok" && word != "waiting") ||
-         std::abs(process.clock_offset_s) > kClockOffsetMost_s;
+         std::abs(process.clock_offset_s) > kClockOffsetMax_s;
 }
 
 std::string status_table(const std::vector<ProcessView>& processes, std::size_t width,

@@ -85,9 +85,10 @@ void add_tree_words(EditCommands& words) {
   label.add_option("class", words.options().class_word, "tree or object")
       ->required()
       ->check(CLI::IsMember({"tree", "object"}));
-  CLI::App& merge = words.add(CorrectionKind::kMerge, "Two or more landmarks are one thing",
-                              "  orchard edit out/drive merge 17 18\n"
-                              "The first keeps its id; it stands where most looks saw it.\n");
+  CLI::App& merge =
+      words.add(CorrectionKind::kMerge, "Two or more landmarks are one thing",
+                "  orchard edit out/drive merge 17 18\n"
+                "The first keeps its id; it stands where most observations saw it.\n");
   merge.add_option("trees", words.options().trees, "ids, or row/tree")
       ->required()
       ->expected(2, 100)

@@ -18,7 +18,7 @@ namespace {
 using mapping::PlanDeviation;
 using mapping::PlanFinding;
 
-constexpr int kLinesMost = 60;
+constexpr int kLinesMax = 60;
 
 std::size_t index_of(PlanDeviation deviation) { return static_cast<std::size_t>(deviation); }
 
@@ -161,14 +161,14 @@ void print_match(const LaidPlan& laid, const std::vector<mapping::Landmark>& lan
   for (const PlanDeviation deviation :
        {PlanDeviation::kMissing, PlanDeviation::kOutOfPlace, PlanDeviation::kExtra}) {
     for (const PlanFinding& f : match.findings) {
-      if (f.deviation != deviation || num_lines >= kLinesMost) continue;
+      if (f.deviation != deviation || num_lines >= kLinesMax) continue;
       if (num_lines++ == 0) {
         std::printf("\ndeviation          row        tree      id          x          y\n");
       }
       std::fputs(line_of(laid, f, landmarks).c_str(), stdout);
     }
   }
-  if (num_lines >= kLinesMost) std::printf("... more in plan.csv (--out DIR)\n");
+  if (num_lines >= kLinesMax) std::printf("... more in plan.csv (--out DIR)\n");
 }
 
 }  // namespace orchard::cli

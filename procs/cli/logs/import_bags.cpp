@@ -17,7 +17,7 @@
 namespace orchard::cli {
 namespace {
 
-constexpr std::size_t kMostKinds = 100;  // of what is refused; a detail may be any number
+constexpr std::size_t kMaxKinds = 100;  // of what is refused; a detail may be any number
 
 /// The files, those of rosbag2's folders in their order.
 std::vector<std::string> files_of(const std::vector<std::string>& paths) {
@@ -67,7 +67,7 @@ int import_bags(const ImportOptions& options) {
             ++next_seq[channel];
             return message;
           }
-          if (refused.size() < kMostKinds) {
+          if (refused.size() < kMaxKinds) {
             ++refused[std::string(bus::info(channel).name) + ": " + objection];
           }
         }

@@ -18,7 +18,7 @@ namespace {
 using mapping::Change;
 using mapping::MapChange;
 
-constexpr int kLinesMost = 60;
+constexpr int kLinesMax = 60;
 
 void require_views(const CompareOptions& options, const io::StoredMap& map,
                    const std::string& path) {
@@ -69,14 +69,14 @@ void print_table(const io::ComparisonContent& content) {
   for (const Change change :
        {Change::kMissing, Change::kNew, Change::kMoved, Change::kGrown, Change::kThinner}) {
     for (const MapChange& c : content.comparison.changes) {
-      if (c.change != change || num_lines >= kLinesMost) continue;
+      if (c.change != change || num_lines >= kLinesMax) continue;
       if (num_lines++ == 0) {
         std::printf("\nchange     confidence    id_a    id_b  row/tree          x          y\n");
       }
       print_change(content, c);
     }
   }
-  if (num_lines >= kLinesMost) std::printf("... more in compare.csv (--out DIR)\n");
+  if (num_lines >= kLinesMax) std::printf("... more in compare.csv (--out DIR)\n");
 }
 
 }  // namespace

@@ -151,8 +151,8 @@ void check_buffers(Findings& findings, const UdpmUrl& url) {
 /// Between machines a picture travels in pieces: what is left of broken ones must not fill the
 /// memory for whole ones.
 void check_fragments(Findings& findings, const UdpmUrl& url) {
-  constexpr std::int64_t kTimeMost_s = 5;
-  constexpr std::int64_t kMemoryLeast_bytes = 16 << 20;
+  constexpr std::int64_t kTimeMax_s = 5;
+  constexpr std::int64_t kMemoryMin_bytes = 16 << 20;
   const auto time_s = kernel_setting("net/ipv4/ipfrag_time");
   const auto memory = kernel_setting("net/ipv4/ipfrag_high_thresh");
   if (!time_s || !memory) {
@@ -161,7 +161,7 @@ void check_fragments(Findings& findings, const UdpmUrl& url) {
   }
   const std::string text = "pieces of broken messages are kept for " + std::to_string(*time_s) +
                            " s in " + std::to_string(*memory) + " bytes";
-  if (*time_s <= kTimeMost_s && *memory >= kMemoryLeast_bytes) {
+  if (*time_s <= kTimeMax_s && *memory >= kMemoryMin_bytes) {
     findings.add(Verdict::kOk, text);
   } else if (url.ttl == 0) {
     findings.add(Verdict::kOk, text + "; on one machine no message is cut into pieces");

@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using procs::PageAnswer;
 
-constexpr std::uintmax_t kPhotoMost_bytes = std::uintmax_t{4} << 20;
+constexpr std::uintmax_t kPhotoMax_bytes = std::uintmax_t{4} << 20;
 
 mapping::NavigationGraph graph_of(const io::CorrectedMapFolder& map) {
   return mapping::navigation_graph(map.corrected.landmarks, map.rows,
@@ -112,7 +112,7 @@ std::optional<PageAnswer> FolderPage::get(const std::string& name, const Paramet
   if (!std::binary_search(photo_ids_.begin(), photo_ids_.end(), id)) return std::nullopt;
   const fs::path path = fs::path(folder_) / io::photo_path(id);
   std::error_code failure;
-  if (!fs::is_regular_file(path, failure) || fs::file_size(path, failure) > kPhotoMost_bytes) {
+  if (!fs::is_regular_file(path, failure) || fs::file_size(path, failure) > kPhotoMax_bytes) {
     return std::nullopt;
   }
   std::ifstream file(path, std::ios::binary);

@@ -144,7 +144,7 @@ void LogPage::map() {
   replay.progress = [this](std::uint64_t done, std::uint64_t total) {
     if (is_stopping_) throw Stopped();
     const std::lock_guard<std::mutex> lock(mutex_);
-    share_ = total > 0 ? static_cast<double>(done) / static_cast<double>(total) : 0.0;
+    fraction_ = total > 0 ? static_cast<double>(done) / static_cast<double>(total) : 0.0;
   };
   replay.on_derived = [this](Channel channel, std::int64_t utime,
                              const std::vector<std::uint8_t>& data) {
@@ -173,7 +173,7 @@ void LogPage::map() {
   if (content.georeference) {
     finish_json_ += ",\"georeference\":" + view::georeference_json(*content.georeference);
   }
-  share_ = 1.0;
+  fraction_ = 1.0;
 }
 
 std::string LogPage::outcome() const {
@@ -189,7 +189,7 @@ std::string LogPage::news(const Parameters& parameters) const {
   const bool has_failed = !outcome_.empty() && outcome_ != "ok";
   return "{" + text + ",\"seen\":[" + std::to_string(seen.steps) + "," +
          std::to_string(seen.changes) + "," + std::to_string(seen.paths) +
-         "],\"share\":" + std::to_string(share_) +
+         "],\"share\":" + std::to_string(fraction_) +
          ",\"problem\":" + view::json_text(has_failed ? outcome_ : "") + finish_json_ + "}";
 }
 

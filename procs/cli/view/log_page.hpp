@@ -67,7 +67,7 @@ class LogPage : public procs::PageContent {
   std::vector<Stored> detections_;
   std::string finish_json_;  ///< rows, ways, place on the earth: once it is mapped
   std::string outcome_;
-  double share_ = 0.0;
+  double fraction_ = 0.0;
   std::atomic<bool> is_stopping_{false};
   std::thread thread_;
 };

@@ -23,7 +23,7 @@ extern char** environ;
 namespace orchard::cli {
 namespace {
 
-constexpr int kLook_ms = 500;  ///< for what others have written beside the map
+constexpr int kObservation_ms = 500;  ///< for what others have written beside the map
 
 /// The user's browser, if there is one; whoever is not there is not missed.
 void open_in_browser(const std::string& url) {
@@ -82,7 +82,7 @@ int run_view(const ViewOptions& options) {
   if (options.open) open_in_browser(page.url());
   bool is_told = false;
   while (!stop.raised()) {
-    stop.wait(-1, kLook_ms);
+    stop.wait(-1, kObservation_ms);
     while (::waitpid(-1, nullptr, WNOHANG) > 0) {  // the browser's starter
     }
     if (folder) folder->look_for_corrections();

@@ -388,7 +388,7 @@ TEST(MapperNode, SatelliteFixesSayWhereTheMapLies) {
   EXPECT_EQ(node.warning(), "");
 }
 
-/// A reflector flashes in half of the looks or more, bark in hardly any: a sixth is neither.
+/// A reflector flashes in half of the observations or more, bark in hardly any: a sixth is neither.
 TEST(MapperNode, SaysWhereReflectorsDoNotTell) {
   for (const int period : {1, 2, 6}) {
     io::Config config;

@@ -31,9 +31,9 @@ struct Pictures {
 
   Pictures() {
     const calibration::BoardConfig chessboard;
-    simulation::BoardPictureConfig look;
-    look.samples_per_side = 3;
-    const simulation::BoardPainter painter(lens, chessboard, look);
+    simulation::BoardPictureConfig observation;
+    observation.samples_per_side = 3;
+    const simulation::BoardPainter painter(lens, chessboard, observation);
     simulation::Random random(301);
     for (const auto& pose : simulation::show_board(lens, chessboard, 18, {}, random)) {
       board.push_back(painter.take(pose, random));

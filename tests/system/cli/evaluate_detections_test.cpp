@@ -49,13 +49,13 @@ TEST_F(EvaluateDetections, TubesAreFoundScanByScan) {
 
 TEST_F(EvaluateDetections, ProbabilitiesAreLearntAndThenStated) {
   // What the laser refuses no camera judges; of the rest one tube per scene is of another colour.
-  std::vector<std::string> drives, derived, looks;
+  std::vector<std::string> drives, derived, observations;
   for (const std::string seed : {"5", "6", "7", "8"}) {
     drives.push_back(path("drive_" + seed + ".lcm"));
-    looks.push_back(path("looks_" + seed + ".csv"));
+    observations.push_back(path("looks_" + seed + ".csv"));
     derived.push_back(path("map_" + seed + "/derived.lcm"));
     ASSERT_EQ(orchard({"simulate", "--scene", "tubes", "--seed", seed, "--config", config(),
-                       "--out", drives.back(), "--observations", looks.back()})
+                       "--out", drives.back(), "--observations", observations.back()})
                   .exit_code,
               0);
     ASSERT_EQ(orchard({"map", drives.back(), "--config", config(), "--out", path("map_" + seed)})
@@ -66,7 +66,7 @@ TEST_F(EvaluateDetections, ProbabilitiesAreLearntAndThenStated) {
     std::vector<std::string> arguments{"calibrate", "probability"};
     arguments.insert(arguments.end(), logs.begin(), logs.end());
     arguments.push_back("--observations");
-    arguments.insert(arguments.end(), looks.begin(), looks.end());
+    arguments.insert(arguments.end(), observations.begin(), observations.end());
     for (const std::string& a : {std::string("--config"), config(), std::string("--out"), rig}) {
       arguments.push_back(a);
     }

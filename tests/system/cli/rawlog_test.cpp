@@ -56,8 +56,8 @@ CObservationImage::Ptr to_mrpt(const vision::Image& image) {
 /// The way since the start of a robot that stands while it looks and goes on between.
 double travelled_m(std::int64_t since_start_us) {
   if (since_start_us < 0) return 0.0;
-  const double share = (static_cast<double>(since_start_us % 1000000) * 1e-6 - 0.4) / 0.4;
-  return kStep_m * (static_cast<double>(since_start_us / 1000000) + std::clamp(share, 0.0, 1.0));
+  const double fraction = (static_cast<double>(since_start_us % 1000000) * 1e-6 - 0.4) / 0.4;
+  return kStep_m * (static_cast<double>(since_start_us / 1000000) + std::clamp(fraction, 0.0, 1.0));
 }
 
 CObservationOdometry::Ptr odometry_at(std::int64_t start_utime, std::int64_t utime) {

@@ -34,7 +34,7 @@ class Judge : public bus::Node {
                    std::hypot(object.x_m - p.x_m, object.y_m - p.y_m) < kGate_m;
           });
       if (!at_tree) continue;
-      ++outcome_.num_tree_looks;
+      ++outcome_.num_tree_observations;
       if (d.label == detection::Label::kTree) ++outcome_.num_judged_tree;
     }
   }
@@ -62,17 +62,18 @@ Outcome map_run(const RobotRun& run, const io::Config& config) {
 calibration::DelayEstimate measure_delay(const std::vector<RobotRun>& runs, io::Config config) {
   calibration::DelayEstimate estimate;
   for (int round = 0; round < 6; ++round) {
-    std::vector<calibration::DelayLook> looks;
+    std::vector<calibration::DelayObservation> observations;
     std::int32_t next_picture = 0;
     for (const RobotRun& run : runs) {
       cli::DelayCollector collector(config, next_picture);
       Wiring wiring({&collector});
       for (const bus::Message& message : run.messages) wiring.put(message);
       wiring.flush();
-      looks.insert(looks.end(), collector.looks().begin(), collector.looks().end());
+      observations.insert(observations.end(), collector.observations().begin(),
+                          collector.observations().end());
       next_picture = collector.next_picture();
     }
-    estimate = calibration::estimate_delay(looks, {});
+    estimate = calibration::estimate_delay(observations, {});
     config.camera.delay_s += estimate.delay_s;
     if (std::abs(estimate.delay_s) < 0.0005) break;
   }

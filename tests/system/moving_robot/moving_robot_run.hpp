@@ -10,10 +10,11 @@ namespace orchard::test {
 /// What came of a run.
 struct Outcome {
   evaluation::MapEvaluation map;
-  int num_tree_looks = 0;   ///< detections of true trees that the camera judged
-  int num_judged_tree = 0;  ///< of them TREE
+  int num_tree_observations = 0;  ///< detections of true trees that the camera judged
+  int num_judged_tree = 0;        ///< of them TREE
   double judged_tree() const {
-    return num_tree_looks > 0 ? static_cast<double>(num_judged_tree) / num_tree_looks : 0.0;
+    return num_tree_observations > 0 ? static_cast<double>(num_judged_tree) / num_tree_observations
+                                     : 0.0;
   }
 };
 

@@ -26,7 +26,7 @@ struct Alteration {
   const char* name;
   const char* what;
   void (*apply)(AlteredDrive&, std::uint64_t seed);
-  double share = 1.0;  ///< of the scans of a place that are left
+  double fraction = 1.0;  ///< of the scans of a place that are left
 };
 
 /// All of them; the first leaves the drive as it is.

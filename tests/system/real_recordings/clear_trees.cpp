@@ -21,7 +21,7 @@ constexpr int kRounds = 15;
 constexpr double kClearSupport = 15.0;
 constexpr double kApart_m = 1.0;
 constexpr double kReach_m = 0.5;
-constexpr int kObservationsLeast = 10;
+constexpr int kObservationsMin = 10;
 
 struct Point {
   double x_m = 0.0;
@@ -103,7 +103,7 @@ std::string text(const char* format, Values... values) {
 }  // namespace
 
 std::vector<ClearTree> find_clear_trees(const std::vector<io::SensorMessage>& recording,
-                                        double share) {
+                                        double fraction) {
   const std::vector<Point> points = observations(recording);
   const Density density(points);
   std::vector<ClearTree> peaks;
@@ -112,7 +112,7 @@ std::vector<ClearTree> find_clear_trees(const std::vector<io::SensorMessage>& re
                    [](const ClearTree& a, const ClearTree& b) { return a.support > b.support; });
   std::vector<ClearTree> apart;
   for (const ClearTree& peak : peaks) {
-    if (peak.support < share * kClearSupport) break;
+    if (peak.support < fraction * kClearSupport) break;
     const bool is_known = std::any_of(apart.begin(), apart.end(), [&](const ClearTree& other) {
       return distance_m({peak.x_m, peak.y_m}, {other.x_m, other.y_m}) <= kApart_m;
     });
@@ -137,10 +137,10 @@ bool is_same_place(const ClearTree& a, const ClearTree& b) {
 }
 
 ClearTreeComparison compare(const std::vector<ClearTree>& clear_trees,
-                            const std::vector<mapping::Landmark>& map, double share) {
+                            const std::vector<mapping::Landmark>& map, double fraction) {
   std::vector<Point> landmarks;
   for (const mapping::Landmark& l : map) {
-    if (l.label != detection::Label::kTree || l.num_observations < share * kObservationsLeast)
+    if (l.label != detection::Label::kTree || l.num_observations < fraction * kObservationsMin)
       continue;
     landmarks.push_back({l.x_m, l.y_m});
   }

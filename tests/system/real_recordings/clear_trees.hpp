@@ -20,12 +20,12 @@ struct ClearTree {
 /// range jumps, keeps what is narrow and stands free, puts it where the recording's own track says
 /// base was, and climbs to the peaks of the density (Gaussian, 0.15 m). Peaks at least 1 m apart
 /// that 15 or more observations support, the best supported first; of a drive whose scans were
-/// thinned to `share` of what they were, that share of 15.
+/// thinned to `share` of what they were, that fraction of 15.
 ///
 /// The limits are those of pullally_drive_1; the laser sits in base's origin. Scans of whose time
 /// there is no POSE_FIX are left out.
 std::vector<ClearTree> find_clear_trees(const std::vector<io::SensorMessage>& recording,
-                                        double share = 1.0);
+                                        double fraction = 1.0);
 
 /// How a map has the clear trees.
 struct ClearTreeComparison {
@@ -42,7 +42,7 @@ struct ClearTreeComparison {
 bool is_same_place(const ClearTree& a, const ClearTree& b);
 
 ClearTreeComparison compare(const std::vector<ClearTree>& clear_trees,
-                            const std::vector<mapping::Landmark>& map, double share = 1.0);
+                            const std::vector<mapping::Landmark>& map, double fraction = 1.0);
 
 /// What people read of a comparison: three lines, and one per tree that has not exactly one.
 std::string report(const std::vector<ClearTree>& clear_trees,

@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kJump_m = 0.25;
 constexpr double kNear_m = 0.9, kFar_m = 7.0;
-constexpr double kBearingMost_rad = 2.44;  // beams straight behind see the robot itself
-constexpr double kWidthLeast_m = 0.08, kWidthMost_m = 0.40;
+constexpr double kBearingMax_rad = 2.44;  // beams straight behind see the robot itself
+constexpr double kWidthMin_m = 0.08, kWidthMax_m = 0.40;
 
 }  // namespace
 
@@ -30,9 +30,8 @@ std::vector<Eigen::Vector2d> free_standing(const laser::Scan& scan) {
     const double bearing_rad = scan.bearing_rad(0.5 * static_cast<double>(first + last));
     const auto is_behind = [&](float range_m) { return range_m == 0.0f || range_m > mean_m; };
     if (!is_behind(r[first - 1]) || !is_behind(r[last + 1])) continue;
-    if (mean_m <= kNear_m || mean_m >= kFar_m || std::abs(bearing_rad) >= kBearingMost_rad)
-      continue;
-    if (width_m <= kWidthLeast_m || width_m >= kWidthMost_m) continue;
+    if (mean_m <= kNear_m || mean_m >= kFar_m || std::abs(bearing_rad) >= kBearingMax_rad) continue;
+    if (width_m <= kWidthMin_m || width_m >= kWidthMax_m) continue;
     const double centre_m = mean_m + 0.5 * width_m;
     points.emplace_back(centre_m * std::cos(bearing_rad), centre_m * std::sin(bearing_rad));
   }

@@ -18,7 +18,7 @@ constexpr double kSaturation = 30.0;     // returns at which a place counts half
 constexpr double kLateSaturation = 2.0;  // than there is
 constexpr double kReach_m = 3.0;
 constexpr double kTurn_rad = 0.6;
-constexpr double kLeastOverlap = 0.3;
+constexpr double kMinOverlap = 0.3;
 
 using Points = std::vector<Eigen::Vector2d>;
 using Cell = std::pair<int, int>;
@@ -164,7 +164,7 @@ std::optional<ReturnConsistency> return_consistency(
       }
     }
   }
-  if (result.best_overlap < kLeastOverlap) return std::nullopt;
+  if (result.best_overlap < kMinOverlap) return std::nullopt;
   result.shift_m = best.head<2>().norm();
   result.turn_rad = best.z();
   return result;

@@ -16,7 +16,7 @@ namespace orchard::test {
 struct ReturnConsistency {
   double shift_m = 0.0;  ///< of the middle of the last returns
   double turn_rad = 0.0;
-  double overlap = 0.0;       ///< share of the last returns on the first, as the path lays them
+  double overlap = 0.0;       ///< fraction of the last returns on the first, as the path lays them
   double best_overlap = 0.0;  ///< the same with that shift and turn
 };
 

@@ -18,13 +18,13 @@ namespace {
 constexpr double kReach_m = 5.0;
 constexpr double kOfOneTree_m = 1.0;
 constexpr double kSamePlace_m = 0.5;
-constexpr std::size_t kObservationsLeast = 10;
+constexpr std::size_t kObservationsMin = 10;
 
 std::vector<Eigen::Vector2d> tree_places(const std::vector<mapping::Landmark>& map) {
   std::vector<Eigen::Vector2d> places;
   for (const mapping::Landmark& l : map) {
     if (l.label != detection::Label::kTree ||
-        l.num_observations < static_cast<int>(kObservationsLeast)) {
+        l.num_observations < static_cast<int>(kObservationsMin)) {
       continue;
     }
     places.emplace_back(l.x_m, l.y_m);
@@ -111,7 +111,7 @@ TreeScatter tree_scatter(const std::vector<io::SensorMessage>& recording, const 
   }
   TreeScatter scatter;
   for (std::vector<double>& d : distances_m) {
-    if (d.size() < kObservationsLeast) continue;
+    if (d.size() < kObservationsMin) continue;
     std::sort(d.begin(), d.end());
     scatter.medians_m.push_back(geometry::median(d));
     scatter.num_observations += static_cast<int>(d.size());

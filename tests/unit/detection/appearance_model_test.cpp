@@ -27,18 +27,18 @@ DetectorConfig redness() {
   return config;
 }
 
-Detections look(const std::vector<Tube>& tubes, const Rig& rig) {
+Detections observe(const std::vector<Tube>& tubes, const Rig& rig) {
   const vision::Image image = test::picture_of_tubes(tubes, rig);
   return detect(test::scan_of(tubes), &image, rig).detections;
 }
 
 TEST(AppearanceModel, ItsConfidenceIsRocColourAndGatesTheEdges) {
   const Rig rig = test::tube_rig(redness());
-  const auto brown = look({brown_tube(1.5, 0.3)}, rig).trunks.at(0);
+  const auto brown = observe({brown_tube(1.5, 0.3)}, rig).trunks.at(0);
   EXPECT_EQ(brown.label, Label::kTree);
   EXPECT_GT(brown.roc_colour, 0.95f);
   EXPECT_GT(brown.roc_edges, 0.5f);
-  const auto blue = look({blue_tube(1.5, 0.3)}, rig).trunks.at(0);
+  const auto blue = observe({blue_tube(1.5, 0.3)}, rig).trunks.at(0);
   EXPECT_EQ(blue.label, Label::kObject);
   EXPECT_LT(blue.roc_colour, 0.05f);
   EXPECT_EQ(blue.roc_edges, 0.0f);
@@ -48,7 +48,7 @@ TEST(AppearanceModel, NeighboursInTheSameScanChangeNothing) {
   const Rig rig = test::tube_rig(redness());
   const std::vector<Tube> both{brown_tube(1.5, 0.4), blue_tube(1.2, -0.3)};
   const vision::Image image = test::picture_of_tubes(both, rig);
-  for (const Detection& d : look(both, rig).trunks) {
+  for (const Detection& d : observe(both, rig).trunks) {
     const bool is_brown = d.bearing_rad > 0.0;
     const Tube tube = is_brown ? both[0] : both[1];
     // The same picture, but only one of the two in the scan: less of it is decoded.
@@ -76,7 +76,7 @@ TEST(AppearanceModel, RocColourIsTheConfidenceOfTheWindowBetweenTheEdges) {
   ASSERT_TRUE(pixels.has_value());
   const double confidence = vision::appearance_confidence(
       vision::appearance_features(*pixels, window), rig.detector.appearance);
-  EXPECT_NEAR(look(tubes, rig).trunks.at(0).roc_colour, confidence, 1e-6);
+  EXPECT_NEAR(observe(tubes, rig).trunks.at(0).roc_colour, confidence, 1e-6);
 }
 
 }  // namespace

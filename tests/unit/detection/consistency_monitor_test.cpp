@@ -45,13 +45,13 @@ TEST(ConsistencyMonitor, WarnsAfterItsWindowAndClearsWithHysteresis) {
   EXPECT_NE(monitor.whole_run().find("disagreed by 5."), std::string::npos) << monitor.whole_run();
 }
 
-TEST(ConsistencyMonitor, FewLooksSayNothing) {
+TEST(ConsistencyMonitor, FewObservationsSayNothing) {
   ConsistencyMonitor monitor({}, kFocal_px);
   for (int i = 0; i < 100; ++i) {
     monitor.add(1'000'000 + 500'000 * i,
                 i % 4 == 0 ? std::vector<double>{9.0} : std::vector<double>{});
   }
-  EXPECT_EQ(monitor.num_looks(), 10);
+  EXPECT_EQ(monitor.num_observations(), 10);
   EXPECT_EQ(monitor.warning(), "");
   EXPECT_EQ(monitor.whole_run(), "");
 }

@@ -35,7 +35,7 @@ const Detection& at(const Detections& detections, double x_m, double y_m) {
   return best ? *best : kNone;
 }
 
-Detections look(const std::vector<Tube>& tubes, const Rig& rig) {
+Detections observe(const std::vector<Tube>& tubes, const Rig& rig) {
   const vision::Image image = picture_of_tubes(tubes, rig);
   const DetectResult result = detect(scan_of(tubes), &image, rig);
   EXPECT_FALSE(result.image_unusable);
@@ -44,7 +44,7 @@ Detections look(const std::vector<Tube>& tubes, const Rig& rig) {
 
 TEST(Detect, ATubeOfTheRightWidthAndColourIsATree) {
   const Rig rig = tube_rig();
-  const Detections found = look({brown_tube(1.5, 0.3)}, rig);
+  const Detections found = observe({brown_tube(1.5, 0.3)}, rig);
   ASSERT_EQ(found.trunks.size(), 1u);
   const Detection& d = found.trunks[0];
   EXPECT_EQ(d.label, Label::kTree);
@@ -62,9 +62,9 @@ TEST(Detect, ATubeOfTheRightWidthAndColourIsATree) {
   EXPECT_EQ(found.image_utime, 1'000'000);
 }
 
-TEST(Detect, AnotherColourIsAnObjectWhoseEdgesNobodyLooksAt) {
+TEST(Detect, AnotherColourIsAnObjectWhoseEdgesNobodyObservationsAt) {
   const Rig rig = tube_rig();
-  const Detections found = look({blue_tube(1.5, 0.3)}, rig);
+  const Detections found = observe({blue_tube(1.5, 0.3)}, rig);
   const Detection& d = at(found, 1.5, 0.3);
   EXPECT_EQ(d.label, Label::kObject);
   EXPECT_GT(d.roc_laser, 0.5f);
@@ -76,7 +76,7 @@ TEST(Detect, AnotherColourIsAnObjectWhoseEdgesNobodyLooksAt) {
 
 TEST(Detect, AnotherWidthIsAnObjectEvenOutOfTheCamerasView) {
   const Rig rig = tube_rig();
-  const Detections found = look({brown_tube(1.5, 0.3, 0.17), brown_tube(0.0, 1.5, 0.17)}, rig);
+  const Detections found = observe({brown_tube(1.5, 0.3, 0.17), brown_tube(0.0, 1.5, 0.17)}, rig);
   for (const auto& [x_m, y_m] : {std::pair{1.5, 0.3}, std::pair{0.0, 1.5}}) {
     const Detection& d = at(found, x_m, y_m);
     EXPECT_EQ(d.label, Label::kObject);
@@ -87,7 +87,7 @@ TEST(Detect, AnotherWidthIsAnObjectEvenOutOfTheCamerasView) {
 
 TEST(Detect, ACandidateTheCameraDoesNotSeeIsUnseen) {
   const Rig rig = tube_rig();
-  const Detections beside = look({brown_tube(0.0, 1.5)}, rig);
+  const Detections beside = observe({brown_tube(0.0, 1.5)}, rig);
   EXPECT_EQ(at(beside, 0.0, 1.5).label, Label::kUnseen);
   EXPECT_EQ(at(beside, 0.0, 1.5).roc_tree, 0.0f);
   const auto without = detect(scan_of({brown_tube(1.5, 0.3)}), nullptr, rig);
@@ -108,7 +108,7 @@ TEST(Detect, ATubeThatEndsAtThePicturesBorderIsLookedAt) {
     const double side_rad = -std::atan((column_px - principal_px) / camera.intrinsics.fc_px[0]);
     const double middle_rad = side_rad + std::asin(0.045 / 1.5);
     const Tube tube = brown_tube(1.5 * std::cos(middle_rad), 1.5 * std::sin(middle_rad));
-    return at(look({tube}, rig), tube.x_m, tube.y_m).label;
+    return at(observe({tube}, rig), tube.x_m, tube.y_m).label;
   };
   for (double principal_px = 158.0; principal_px < 162.0; principal_px += 0.3) {
     EXPECT_EQ(label_where_its_side_is(0.0, principal_px), Label::kTree) << principal_px;
@@ -119,7 +119,7 @@ TEST(Detect, ATubeThatEndsAtThePicturesBorderIsLookedAt) {
 TEST(Detect, ATreeHalfHiddenByAnotherIsNotTakenForAnObject) {
   const Rig rig = tube_rig();
   const std::vector<Tube> tubes{brown_tube(1.0, 0.0), brown_tube(2.0, 0.11)};
-  const Detections found = look(tubes, rig);
+  const Detections found = observe(tubes, rig);
   EXPECT_EQ(at(found, 1.0, 0.0).label, Label::kTree);
   for (const Detection& d : found.trunks) {
     if (d.range_m < 1.5) continue;
@@ -158,7 +158,7 @@ TEST(Detect, TheLaserMountIsComposedInFull) {
   mount.mount_yaw_rad = 0.3;
   const Rig rig = tube_rig({}, true, mount);
   const std::vector<Tube> tubes{brown_tube(1.5, 0.3)};
-  const Detections found = look(tubes, rig);
+  const Detections found = observe(tubes, rig);
   const double x_m = 0.25 + 1.5 * std::cos(0.3) - 0.3 * std::sin(0.3);
   const double y_m = -0.1 + 1.5 * std::sin(0.3) + 0.3 * std::cos(0.3);
   EXPECT_NEAR(at(found, x_m, y_m).centre_x_m, x_m, 0.01);
@@ -176,11 +176,11 @@ TEST(Detect, EachDetectionHasTheTimeOfItsMiddleBeam) {
 
 TEST(Detect, TheCovarianceIsThatOfRangeAndBearing) {
   const Rig rig = tube_rig();
-  const Detection ahead = look({brown_tube(2.0, 0.0)}, rig).trunks.at(0);
+  const Detection ahead = observe({brown_tube(2.0, 0.0)}, rig).trunks.at(0);
   EXPECT_GT(ahead.covariance[0], 0.0);
   EXPECT_GT(ahead.covariance[2], 0.0);
   EXPECT_NEAR(ahead.covariance[1], 0.0, 0.02 * ahead.covariance[0]);
-  const Detection beside = look({brown_tube(0.0, 2.0)}, rig).trunks.at(0);
+  const Detection beside = observe({brown_tube(0.0, 2.0)}, rig).trunks.at(0);
   EXPECT_NEAR(beside.covariance[0], ahead.covariance[2], 0.05 * ahead.covariance[2]);
   EXPECT_NEAR(beside.covariance[2], ahead.covariance[0], 0.05 * ahead.covariance[0]);
 }

@@ -100,25 +100,25 @@ TEST(DetectionEvaluation, CountsAsAPersonWouldByHand) {
 
 TEST(DetectionEvaluation, RulesDecideWhatCounts) {
   const Scene scene;
-  const auto looks = pair_observations(scene.messages, scene.truth, 0).pairs;
+  const auto observations = pair_observations(scene.messages, scene.truth, 0).pairs;
   DetectionRules rules;
   rules.range_max_m = 6.0;
-  EXPECT_EQ(count_labels(looks, rules).num_right, 4);
+  EXPECT_EQ(count_labels(observations, rules).num_right, 4);
   rules.hidden_max = 1.0;
-  EXPECT_EQ(count_labels(looks, rules).num_right, 5);
+  EXPECT_EQ(count_labels(observations, rules).num_right, 5);
   rules.num_beams_min = 1;
-  EXPECT_EQ(count_labels(looks, rules).num_unseen, 2);
+  EXPECT_EQ(count_labels(observations, rules).num_unseen, 2);
   rules.in_picture = false;
-  EXPECT_EQ(count_labels(looks, rules).num_missed, 5);
+  EXPECT_EQ(count_labels(observations, rules).num_missed, 5);
 }
 
 TEST(DetectionEvaluation, CentreErrorsSeeThroughTheMount) {
   const Scene scene;
-  const auto looks = pair_observations(scene.messages, scene.truth, 0).pairs;
-  const ErrorSummary near = centre_errors(looks, {}, 1.0, 2.0);
+  const auto observations = pair_observations(scene.messages, scene.truth, 0).pairs;
+  const ErrorSummary near = centre_errors(observations, {}, 1.0, 2.0);
   EXPECT_EQ(near.num, 1);
   EXPECT_NEAR(near.rms_m, 0.012, 1e-9);
-  const ErrorSummary far = centre_errors(looks, {}, 2.0, 3.0);
+  const ErrorSummary far = centre_errors(observations, {}, 2.0, 3.0);
   EXPECT_EQ(far.num, 2);
   EXPECT_NEAR(far.rms_m, 0.009 / std::sqrt(2.0), 1e-9);
 }
@@ -134,18 +134,18 @@ TEST(DetectionEvaluation, ScansAreMatchedByTime) {
 
 TEST(DetectionEvaluation, AScoreAloneIsJudgedAtItsBestThreshold) {
   // trees 0.9, 0.8, 0.3; others 0.5, 0.1: the best is 0.3 with one wrong (F1 6/7)
-  std::vector<ObservationPair> looks;
+  std::vector<ObservationPair> observations;
   const auto add = [&](Label label, float roc_colour) {
-    ObservationPair look;
-    look.has_image = true;
-    look.truth = thing(0, label, 2.0, 0.0);
-    look.detection = detection_of(*look.truth, Label::kObject);
-    look.detection->roc_colour = roc_colour;
-    looks.push_back(look);
+    ObservationPair observation;
+    observation.has_image = true;
+    observation.truth = thing(0, label, 2.0, 0.0);
+    observation.detection = detection_of(*observation.truth, Label::kObject);
+    observation.detection->roc_colour = roc_colour;
+    observations.push_back(observation);
   };
   for (const float roc : {0.9f, 0.8f, 0.3f}) add(Label::kTree, roc);
   for (const float roc : {0.5f, 0.1f}) add(Label::kObject, roc);
-  const DetectionEvaluation e = evaluate_detections(looks, {"a"}, {});
+  const DetectionEvaluation e = evaluate_detections(observations, {"a"}, {});
   const ScoreTest& colour = e.tests[0];
   EXPECT_EQ(colour.name, "colour only");
   EXPECT_NEAR(colour.mean_of_trees, 2.0 / 3.0, 1e-6);
@@ -182,8 +182,8 @@ TEST(DetectionEvaluation, LandmarksOnlyOfWhatWasLookedAt) {
 TEST(DetectionReport, TablesPlotsAndJsonSayTheSame) {
   Scene scene;
   for (Detection& d : scene.messages[0].trunks) d.probability_tree = 0.7f;
-  const auto looks = pair_observations(scene.messages, scene.truth, 0).pairs;
-  const DetectionEvaluation e = evaluate_detections(looks, {"a<b"}, {});
+  const auto observations = pair_observations(scene.messages, scene.truth, 0).pairs;
+  const DetectionEvaluation e = evaluate_detections(observations, {"a<b"}, {});
   EXPECT_THAT(detection_tables(e),
               HasSubstr("per observation           0.6000    0.5000    0.5455"));
   const std::vector<Plot> plots = detection_plots(e);

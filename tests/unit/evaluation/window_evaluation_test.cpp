@@ -23,8 +23,8 @@ TEST(WindowEvaluation, CountsAndAreasOfAHandfulOfWindows) {
   EXPECT_DOUBLE_EQ(e.appearance.area, 0.75);
   EXPECT_DOUBLE_EQ(e.hue_interval.area, 0.0);
   EXPECT_DOUBLE_EQ(e.paper_hue_interval.area, 0.5);
-  EXPECT_DOUBLE_EQ(e.found_share, 0.5);
-  EXPECT_DOUBLE_EQ(e.false_share, 0.5);
+  EXPECT_DOUBLE_EQ(e.found_fraction, 0.5);
+  EXPECT_DOUBLE_EQ(e.false_fraction, 0.5);
   // Draws are of whole groups: (0,0) gives 1, (1,1) gives 0, a mixed one 0.75.
   EXPECT_DOUBLE_EQ(e.appearance.low, 0.0);
   EXPECT_DOUBLE_EQ(e.appearance.high, 1.0);

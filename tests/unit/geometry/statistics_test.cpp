@@ -51,7 +51,7 @@ TEST(Statistics, RobustSdIsThatOfANormalDistributionDespiteOutliers) {
   EXPECT_NEAR(robust_sd(deviations), 0.3, 0.02);
 }
 
-TEST(Statistics, GatesHoldTheStatedShareOfTheChiSquareDistribution) {
+TEST(Statistics, GatesHoldTheStatedFractionOfTheChiSquareDistribution) {
   EXPECT_NEAR(1.0 - std::exp(-0.5 * kChiSquare2_997), 0.9973, 1e-4);
   EXPECT_NEAR(1.0 - std::exp(-0.5 * kChiSquare2_999), 0.999, 1e-4);
 }

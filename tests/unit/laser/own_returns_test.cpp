@@ -43,9 +43,9 @@ void show_world(Scan& scan, std::mt19937& random) {
 }
 
 /// Something from bearing to bearing that `share` of the scans show.
-void show_own(Scan& scan, double from_rad, double to_rad, float range_m, double share,
+void show_own(Scan& scan, double from_rad, double to_rad, float range_m, double fraction,
               std::mt19937& random) {
-  if (std::uniform_real_distribution<>(0.0, 1.0)(random) > share) return;
+  if (std::uniform_real_distribution<>(0.0, 1.0)(random) > fraction) return;
   std::normal_distribution<float> noise_m(0.0f, 0.01f);
   for (std::size_t i = beam_at(scan, from_rad); i <= beam_at(scan, to_rad); ++i) {
     scan.ranges_m[i] = range_m + noise_m(random);

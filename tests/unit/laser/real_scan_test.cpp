@@ -114,7 +114,7 @@ TEST(RealScan, GrassBeforeATrunkDoesNotPartIt) {
   EXPECT_EQ(around(segments_of(exact_scan({{trunk, twig}, {}}, urg())), 1.9).size(), 1u);
 }
 
-TEST(RealScan, ABladeAtTheRimLeavesTheSideKnownToABeamOrTwo) {
+TEST(RealScan, ABladeAtTheBorderLeavesTheSideKnownToABeamOrTwo) {
   const Disc trunk{2.0, 0.0, 0.12};
   const Disc blade{1.2, 1.2 * 0.058, 0.007};
   const auto found = around(segments_of(exact_scan({{trunk, blade}, {}}, urg())), 1.9);
@@ -357,8 +357,8 @@ TEST(RealScan, ThePapersWidthStaysThePapers) {
   EXPECT_EQ(num_checked, 2);
 }
 
-/// Share of seeds whose 95 % ellipse contains the true centre.
-double coverage(const Scanner& scanner, double hidden_share, int num_seeds, int& num_fitted) {
+/// Fraction of seeds whose 95 % ellipse contains the true centre.
+double coverage(const Scanner& scanner, double hidden_fraction, int num_seeds, int& num_fitted) {
   int inside = 0;
   num_fitted = 0;
   for (int seed = 0; seed < num_seeds; ++seed) {
@@ -368,9 +368,9 @@ double coverage(const Scanner& scanner, double hidden_share, int num_seeds, int&
     const double bearing_rad = 2.0 * noise.uniform() - 1.0;
     const Disc trunk{centre_m * std::cos(bearing_rad), centre_m * std::sin(bearing_rad), radius_m};
     Things things{{trunk}, {}};
-    if (hidden_share > 0.0) {
+    if (hidden_fraction > 0.0) {
       const double half_rad = std::asin(radius_m / centre_m);
-      const double from_rad = bearing_rad + half_rad * (1.0 - 2.0 * hidden_share);
+      const double from_rad = bearing_rad + half_rad * (1.0 - 2.0 * hidden_fraction);
       things.walls.push_back(screen(0.5 * centre_m, from_rad, from_rad + 0.5));
     }
     for (const Segment& s :
@@ -392,12 +392,12 @@ TEST(CircleFit, NinetyFivePercentEllipsesHoldTheTruth) {
   for (const Scanner& scanner : {urg(), test::field_scanner(), test::vlp16_slice()}) {
     for (const double hidden : {0.0, 0.3, 0.5}) {
       int num_fitted = 0;
-      const double share = coverage(scanner, hidden, kSeeds, num_fitted);
-      EXPECT_GT(share, 0.92) << scanner.step_rad << " " << hidden;
-      EXPECT_LT(share, 0.985) << scanner.step_rad << " " << hidden;
+      const double fraction = coverage(scanner, hidden, kSeeds, num_fitted);
+      EXPECT_GT(fraction, 0.92) << scanner.step_rad << " " << hidden;
+      EXPECT_LT(fraction, 0.985) << scanner.step_rad << " " << hidden;
       EXPECT_GT(num_fitted, hidden > 0.0 ? kSeeds / 2 : kSeeds * 9 / 10) << hidden;
-      RecordProperty("coverage", std::to_string(share));
-      std::printf("  step %.4f rad, hidden %.1f: %.3f of %d\n", scanner.step_rad, hidden, share,
+      RecordProperty("coverage", std::to_string(fraction));
+      std::printf("  step %.4f rad, hidden %.1f: %.3f of %d\n", scanner.step_rad, hidden, fraction,
                   num_fitted);
     }
   }

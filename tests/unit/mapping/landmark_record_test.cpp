@@ -30,8 +30,8 @@ std::vector<Sample> samples(std::uint64_t seed, int n) {
   return all;
 }
 
-/// A look of 10 mm at something that moves on in base by more than a beam each time.
-detection::Detection width_look(double width_m, double along_m = 0.0) {
+/// An observation of 10 mm at something that moves on in base by more than a beam each time.
+detection::Detection width_observation(double width_m, double along_m = 0.0) {
   detection::Detection d;
   d.width_m = width_m;
   d.width_sd_m = 0.01;
@@ -43,7 +43,7 @@ LandmarkRecord record_of(const std::vector<Sample>& all, Label label) {
   LandmarkRecord r;
   for (const Sample& s : all) {
     fuse_association_position(r, s.p_map, 1e-3);
-    fuse_width(r, width_look(0.1 + 0.02 * s.roc, 0.1 * r.num_all), 1);
+    fuse_width(r, width_observation(0.1 + 0.02 * s.roc, 0.1 * r.num_all), 1);
     accumulate(r, s.p_map, s.roc, label, label == Label::kTree ? 0.25 : -0.25);
     ++r.num_all;
   }
@@ -173,7 +173,7 @@ double probability_from(const std::vector<double>& observations, const MapperCon
   return probability_of_tree(r, config);
 }
 
-TEST(LandmarkRecord, ProbabilityIsBayesOfCalibratedLooks) {
+TEST(LandmarkRecord, ProbabilityIsBayesOfCalibratedObservations) {
   MapperConfig config;
   config.evidence = Evidence::kProbability;
   config.evidence_base_rate = 0.4;
@@ -190,7 +190,7 @@ TEST(LandmarkRecord, ProbabilityIsBayesOfCalibratedLooks) {
   EXPECT_NEAR(probability_from({0.4, 0.4}, config), 0.7, 1e-6);
 }
 
-TEST(LandmarkRecord, OnceTheCameraLooksItsLooksAloneSpeak) {
+TEST(LandmarkRecord, OnceTheCameraObservationsItsObservationsAloneSpeak) {
   MapperConfig config;
   config.evidence = Evidence::kProbability;
   LandmarkRecord r, later;
@@ -217,7 +217,7 @@ TEST(LandmarkRecord, OnceTheCameraLooksItsLooksAloneSpeak) {
   EXPECT_NEAR(probability_of_tree(merged, config), 0.2, 1e-6);
 }
 
-TEST(LandmarkRecord, AFlashOutweighsLooksWithoutOne) {
+TEST(LandmarkRecord, AFlashOutweighsObservationsWithoutOne) {
   MapperConfig config;
   config.flash_tells = true;
   detection::Detection flash, dim;
@@ -233,20 +233,20 @@ TEST(LandmarkWidth, IsTheMeanOfCountsAndItsStandardErrorHolds) {
   // a trunk of 3.3 beams is met by three or four: the mean is right, and as sure as it says
   constexpr double kBeam_m = 0.02, kWidth_m = 3.3 * kBeam_m;
   double squares = 0.0;
-  constexpr int kSeeds = 200, kLooks = 40;
+  constexpr int kSeeds = 200, kObservations = 40;
   for (int seed = 0; seed < kSeeds; ++seed) {
     std::mt19937_64 bits(static_cast<std::uint64_t>(seed));
     LandmarkRecord r;
-    for (int look = 0; look < kLooks; ++look) {
+    for (int observation = 0; observation < kObservations; ++observation) {
       const double phase = static_cast<double>(bits() >> 11) * 0x1p-53;
       const int num_beams = static_cast<int>(std::floor(kWidth_m / kBeam_m + phase));
-      detection::Detection d = width_look(num_beams * kBeam_m, 0.1 * look);
+      detection::Detection d = width_observation(num_beams * kBeam_m, 0.1 * observation);
       d.width_sd_m = kBeam_m / std::sqrt(6.0);
       d.num_beams = num_beams;
       fuse_width(r, d, 1);
     }
     squares += std::pow((r.width_m - kWidth_m) / width_sd_m(r), 2) / kSeeds;
-    EXPECT_NEAR(width_sd_m(r), kBeam_m / std::sqrt(6.0 * kLooks), 0.5e-3);
+    EXPECT_NEAR(width_sd_m(r), kBeam_m / std::sqrt(6.0 * kObservations), 0.5e-3);
   }
   // by their phases alone it is 6 p (1 - p), 1.26 of three tenths; where looks scatter, 1
   EXPECT_GT(squares, 0.7);
@@ -255,23 +255,25 @@ TEST(LandmarkWidth, IsTheMeanOfCountsAndItsStandardErrorHolds) {
 
 TEST(LandmarkWidth, StandingStillTellsNothingNew) {
   LandmarkRecord once, often;
-  fuse_width(once, width_look(0.10), 1);
-  for (int look = 0; look < 1000; ++look) fuse_width(often, width_look(0.10), 1);
+  fuse_width(once, width_observation(0.10), 1);
+  for (int observation = 0; observation < 1000; ++observation)
+    fuse_width(often, width_observation(0.10), 1);
   EXPECT_NEAR(width_sd_m(often), width_sd_m(once), 1e-3);
 }
 
-TEST(LandmarkWidth, FarLooksThatOnlyTheWidestPassSayNothing) {
-  // 70 mm fill 1.4 beams of 50 mm: with two beams at least only looks of 100 mm are handed over
+TEST(LandmarkWidth, FarObservationsThatOnlyTheWidestPassSayNothing) {
+  // 70 mm fill 1.4 beams of 50 mm: with two beams at least only observations of 100 mm are handed
+  // over
   LandmarkRecord r;
-  for (int look = 0; look < 60; ++look) {
-    detection::Detection far = width_look(0.10, 0.1 * look);
+  for (int observation = 0; observation < 60; ++observation) {
+    detection::Detection far = width_observation(0.10, 0.1 * observation);
     far.width_sd_m = 0.05 / std::sqrt(6.0);
     far.num_beams = 2;
     fuse_width(r, far, 2);
   }
   EXPECT_GT(width_sd_m(r), 0.02);  // nobody knows
-  for (int look = 0; look < 20; ++look) {
-    detection::Detection near = width_look(0.07, 10.0 - 0.1 * look);
+  for (int observation = 0; observation < 20; ++observation) {
+    detection::Detection near = width_observation(0.07, 10.0 - 0.1 * observation);
     near.width_sd_m = 0.01 / std::sqrt(6.0);
     near.num_beams = 7;
     fuse_width(r, near, 2);
@@ -279,7 +281,7 @@ TEST(LandmarkWidth, FarLooksThatOnlyTheWidestPassSayNothing) {
   EXPECT_NEAR(r.width_m, 0.07, 0.002);
 }
 
-TEST(LandmarkRecord, ALookThatNothingJudgedSaysNothing) {
+TEST(LandmarkRecord, AObservationThatNothingJudgedSaysNothing) {
   MapperConfig config;
   config.evidence = Evidence::kProbability;
   detection::Detection d;

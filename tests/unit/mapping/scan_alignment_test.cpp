@@ -51,7 +51,7 @@ Eigen::Matrix3d prior() {
 
 /// Two rows 4 m apart with a tree every 3 m or so, and a scan of them from a pose that is wrong.
 struct Situation {
-  Situation(std::uint64_t seed, double clutter_share) {
+  Situation(std::uint64_t seed, double clutter_fraction) {
     Random random(seed);
     robot_map = random.in_square(0.5);
     error << random.uniform(-kShiftSd_m, kShiftSd_m), random.uniform(-kShiftSd_m, kShiftSd_m),
@@ -65,8 +65,8 @@ struct Situation {
         scan.push_back({p + random.in_square(0.005), 0.01});
       }
     }
-    const auto num_clutter =
-        static_cast<int>(clutter_share / (1.0 - clutter_share) * static_cast<double>(scan.size()));
+    const auto num_clutter = static_cast<int>(clutter_fraction / (1.0 - clutter_fraction) *
+                                              static_cast<double>(scan.size()));
     for (int k = 0; k < num_clutter; ++k) scan.push_back({random.in_square(8.0), 0.01});
   }
 
@@ -80,10 +80,10 @@ struct Situation {
   std::vector<AlignmentPoint> scan;
 };
 
-int num_recovered(double clutter_share) {
+int num_recovered(double clutter_fraction) {
   int recovered = 0;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
-    const Situation s(seed, clutter_share);
+    const Situation s(seed, clutter_fraction);
     const Eigen::Vector3d left = s.align().x_y_yaw - s.error;
     if (left.head<2>().norm() < 0.01 && std::abs(left.z()) < geometry::kPi / 360.0) ++recovered;
   }

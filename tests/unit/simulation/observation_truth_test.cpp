@@ -140,7 +140,7 @@ TEST(ObservationTruth, IsWhatMarchingAlongTheRaysFinds) {
       // grazing beams may fall on either side of the march's step
       EXPECT_NEAR(seen.num_beams, num_beams[seen.object], seen.object < 18 ? 1 : 3)
           << "seed " << seed << " object " << seen.object;
-      // the share of fine rays on the thing alone that meet something else before
+      // the fraction of fine rays on the thing alone that meet something else before
       const double distance_m = seen.range_m + 0.5 * seen.width_m;
       const double reach_rad =
           std::min(1.2, 0.8 * seen.width_m / (distance_m - 0.4 * seen.width_m));

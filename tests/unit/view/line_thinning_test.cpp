@@ -15,8 +15,8 @@ using Line = std::vector<Eigen::Vector2d>;
 double distance_m(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   const Eigen::Vector2d along = b - a;
   const double length2 = along.squaredNorm();
-  const double share = length2 > 0.0 ? std::clamp((p - a).dot(along) / length2, 0.0, 1.0) : 0.0;
-  return (p - a - share * along).norm();
+  const double fraction = length2 > 0.0 ? std::clamp((p - a).dot(along) / length2, 0.0, 1.0) : 0.0;
+  return (p - a - fraction * along).norm();
 }
 
 double distance_m(const Eigen::Vector2d& p, const Line& line) {

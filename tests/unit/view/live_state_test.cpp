@@ -106,8 +106,8 @@ TEST(LiveState, APathThatIsCorrectedIsToldAnew) {
 TEST(LivePath, IsBoundedHoweverLongTheDrive) {
   LivePath path;
   for (int k = 0; k < 200000; ++k) path.take(make_pose(k, 0.1 * k, 0.0));
-  EXPECT_LT(path.points().size(), LivePath::kPointsMost);
-  EXPECT_GT(path.points().size(), LivePath::kPointsMost / 4);
+  EXPECT_LT(path.points().size(), LivePath::kPointsMax);
+  EXPECT_GT(path.points().size(), LivePath::kPointsMax / 4);
   EXPECT_NEAR(path.points().back().x(), 20000.0, 5.0);
 }
 

@@ -34,7 +34,7 @@ TEST(Colour, AnotherColourFailsAndHasNoRoc) {
   EXPECT_EQ(evidence.roc, 0.0);
 }
 
-TEST(Colour, RocIsTheShareOfTheWindowWithATrunksHue) {
+TEST(Colour, RocIsTheFractionOfTheWindowWithATrunksHue) {
   cv::Mat picture = plain(30.0);
   picture.rowRange(0, 5) = cv::Scalar(bgr_of(210.0, 0.5, 0.7));   // another colour
   picture.rowRange(5, 8) = cv::Scalar(bgr_of(30.0, 0.02, 0.7));   // too pale

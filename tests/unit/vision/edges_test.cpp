@@ -25,15 +25,15 @@ cv::Mat half_planes(double x_px, double tilt_deg) {
   return picture;
 }
 
-EdgeLine look(const cv::Mat& picture, const PixelRect& window, double expected_x_px,
-              const EdgeConfig& config = {}) {
+EdgeLine observe(const cv::Mat& picture, const PixelRect& window, double expected_x_px,
+                 const EdgeConfig& config = {}) {
   return find_edge(edge_map(test::block_of(picture), config), window, expected_x_px, config);
 }
 
 constexpr PixelRect kWindow{30, 10, 20, 41};
 
 TEST(Edges, AVerticalEdgeIsFoundInFull) {
-  const EdgeLine edge = look(half_planes(40, 0), kWindow, 38.0);
+  const EdgeLine edge = observe(half_planes(40, 0), kWindow, 38.0);
   ASSERT_TRUE(edge.found);
   EXPECT_NEAR(edge.x_px, 40.0, 1.0);
   EXPECT_NEAR(edge.tilt_rad, 0.0, 0.5 * kDeg);
@@ -42,7 +42,7 @@ TEST(Edges, AVerticalEdgeIsFoundInFull) {
 
 TEST(Edges, TheTiltIsMeasured) {
   for (const double tilt_deg : {-15.0, -6.0, 4.0, 12.0}) {
-    const EdgeLine edge = look(half_planes(40, tilt_deg), kWindow, 40.0);
+    const EdgeLine edge = observe(half_planes(40, tilt_deg), kWindow, 40.0);
     ASSERT_TRUE(edge.found) << tilt_deg;
     EXPECT_NEAR(edge.tilt_rad / kDeg, tilt_deg, 1.5);
     EXPECT_GT(edge.roc, 0.9);
@@ -50,21 +50,21 @@ TEST(Edges, TheTiltIsMeasured) {
 }
 
 TEST(Edges, TooMuchTiltIsNoTrunk) {
-  EXPECT_LT(look(half_planes(40, 40), kWindow, 40.0).roc, 0.5);
-  EXPECT_LT(look(half_planes(40, 89), kWindow, 40.0).roc, 0.2);
+  EXPECT_LT(observe(half_planes(40, 40), kWindow, 40.0).roc, 0.5);
+  EXPECT_LT(observe(half_planes(40, 89), kWindow, 40.0).roc, 0.2);
 }
 
 TEST(Edges, APlainWindowHasNone) {
   const cv::Mat picture(60, 80, CV_8UC3, cv::Scalar(90, 90, 90));
-  const EdgeLine edge = look(picture, kWindow, 40.0);
+  const EdgeLine edge = observe(picture, kWindow, 40.0);
   EXPECT_FALSE(edge.found);
   EXPECT_EQ(edge.roc, 0.0);
 }
 
-TEST(Edges, RocFallsWithTheShareOfRowsCovered) {
+TEST(Edges, RocFallsWithTheFractionOfRowsCovered) {
   cv::Mat picture = half_planes(40, 0);
   picture.rowRange(30, 60) = cv::Scalar(90, 90, 90);
-  const EdgeLine edge = look(picture, kWindow, 40.0);
+  const EdgeLine edge = observe(picture, kWindow, 40.0);
   ASSERT_TRUE(edge.found);
   EXPECT_NEAR(edge.roc, 20.0 / 41.0, 0.08);
 }
@@ -72,14 +72,14 @@ TEST(Edges, RocFallsWithTheShareOfRowsCovered) {
 TEST(Edges, AStraightEdgeIsFoundAmongOthers) {
   cv::Mat picture = half_planes(40, 0);
   cv::line(picture, {31, 12}, {36, 25}, cv::Scalar(255, 255, 255), 1);
-  const EdgeLine edge = look(picture, kWindow, 40.0);
+  const EdgeLine edge = observe(picture, kWindow, 40.0);
   ASSERT_TRUE(edge.found);
   EXPECT_NEAR(edge.x_px, 40.0, 1.0);
   EXPECT_GT(edge.roc, 0.95);
 }
 
 TEST(Edges, APartOfThePictureHasTheWholesEdges) {
-  // With equal thresholds there is no hysteresis, which alone reaches farther than the rim.
+  // With equal thresholds there is no hysteresis, which alone reaches farther than the border.
   const cv::Mat picture = test::busy_picture(160, 120, 21);
   EdgeConfig config;
   config.canny_low = 99.0;
@@ -107,7 +107,7 @@ TEST(Edges, TheSmallestWindowsAreLookedAt) {
   for (const auto& [width_px, height_px] :
        {std::pair{1, 1}, std::pair{2, 1}, std::pair{1, 7}, std::pair{3, 3}}) {
     const cv::Mat picture = test::busy_picture(width_px, height_px, 4);
-    const EdgeLine edge = look(picture, {0, 0, width_px, height_px}, 0.0);
+    const EdgeLine edge = observe(picture, {0, 0, width_px, height_px}, 0.0);
     EXPECT_GE(edge.roc, 0.0);
     EXPECT_LE(edge.roc, 1.0);
   }
@@ -118,11 +118,11 @@ TEST(Edges, RocStaysWithinItsBoundsOnAnyPicture) {
   config.min_points = 2;
   config.canny_low = 5.0;
   config.canny_high = 10.0;
-  for (const LineFit fit : {LineFit::kTotalLeastSquares, LineFit::kRegression}) {
+  for (const LineFit fit : {LineFit::kTotalMinSquares, LineFit::kRegression}) {
     config.fit = fit;
     for (unsigned seed = 0; seed < 60; ++seed) {
       const cv::Mat picture = test::busy_picture(30, 40, seed);
-      const EdgeLine edge = look(picture, {5, 5, 12, 30}, 11.0, config);
+      const EdgeLine edge = observe(picture, {5, 5, 12, 30}, 11.0, config);
       EXPECT_GE(edge.roc, 0.0);
       EXPECT_LE(edge.roc, 1.0);
       EXPECT_LE(std::abs(edge.tilt_rad), config.max_tilt_deg * kDeg + 1e-12);
@@ -131,14 +131,14 @@ TEST(Edges, RocStaysWithinItsBoundsOnAnyPicture) {
 }
 
 TEST(Edges, RefusesAWindowOutsideTheMap) {
-  EXPECT_THROW(look(half_planes(40, 0), {70, 0, 20, 20}, 75.0), std::invalid_argument);
+  EXPECT_THROW(observe(half_planes(40, 0), {70, 0, 20, 20}, 75.0), std::invalid_argument);
 }
 
 TEST(Edges, ThePapersRegressionGivesNothingForAPerfectTrunk) {
   EdgeConfig paper;
   paper.fit = LineFit::kRegression;
-  EXPECT_LT(look(half_planes(40, 0), kWindow, 40.0, paper).roc, 0.05);
-  EXPECT_GT(look(half_planes(40, 12), kWindow, 40.0, paper).roc, 0.9);
+  EXPECT_LT(observe(half_planes(40, 0), kWindow, 40.0, paper).roc, 0.05);
+  EXPECT_GT(observe(half_planes(40, 12), kWindow, 40.0, paper).roc, 0.9);
 }
 
 TEST(Edges, ParallelFallsToZeroAtItsTolerance) {

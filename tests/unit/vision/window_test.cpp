@@ -29,7 +29,7 @@ TEST(Window, IsCentred) {
   EXPECT_EQ(window->x_px, 93);
 }
 
-TEST(Window, IsClippedAtTheRimAndNoneBeyondHalf) {
+TEST(Window, IsClippedAtTheBorderAndNoneBeyondHalf) {
   const auto window = at(4, 120, 1.0);
   ASSERT_TRUE(window.has_value());
   EXPECT_EQ(window->x_px, 0);

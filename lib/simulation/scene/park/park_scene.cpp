@@ -27,10 +27,10 @@ constexpr int kNumPlaceTries = 200;
 class ParkBuilder {
  public:
   ParkBuilder(std::uint64_t seed, const ParkConfig& config)
-      : config_(config), place_(seed, Stream::kParkScene), look_(seed, Stream::kAppearance) {
+      : config_(config), place_(seed, Stream::kParkScene), appearance_(seed, Stream::kAppearance) {
     World& world = scene_.world;
     world.indoors = false;
-    world.texture_seed = static_cast<std::uint32_t>(look_.bits());
+    world.texture_seed = static_cast<std::uint32_t>(appearance_.bits());
     scene_.path = make_park_path(seed, config);
     const double end_s = scene_.path.duration_s();
     for (double t_s = 0.0; t_s <= end_s; t_s += 1.0 / config.speed_mps) {
@@ -62,7 +62,7 @@ class ParkBuilder {
     trunk.height_m = 3.0;
     trunk.target = scene_.world.num_targets++;
     trunk.appearance.texture = Appearance::Texture::kRoughBark;
-    trunk.appearance.texture_seed = static_cast<std::uint32_t>(look_.bits());
+    trunk.appearance.texture_seed = static_cast<std::uint32_t>(appearance_.bits());
     const std::size_t number = scene_.truth.size();
     scene_.truth.push_back(
         {detection::Label::kTree, p->x(), p->y(), width_m, "T" + std::to_string(number + 1)});
@@ -87,7 +87,7 @@ class ParkBuilder {
       twig.height_m = place_.uniform(0.5, 1.6);
       twig.target = target;
       twig.appearance.texture = Appearance::Texture::kLeaves;
-      twig.appearance.texture_seed = static_cast<std::uint32_t>(look_.bits());
+      twig.appearance.texture_seed = static_cast<std::uint32_t>(appearance_.bits());
       scene_.world.cylinders.push_back(twig);
     }
     scene_.truth.push_back({detection::Label::kObject, p->x(), p->y(), size_m,
@@ -125,7 +125,7 @@ class ParkBuilder {
 
   const ParkConfig& config_;
   Random place_;
-  Random look_;
+  Random appearance_;
   Scene scene_;
   std::vector<Eigen::Vector2d> way_points_;
   geometry::PointGrid way_{4.0};

@@ -104,10 +104,10 @@ DrivePath path_along(const Places& at, double speed_mps) {
 class YardBuilder {
  public:
   YardBuilder(std::uint64_t seed, const YardConfig& config)
-      : config_(config), place_(seed, Stream::kScene), look_(seed, Stream::kAppearance) {
+      : config_(config), place_(seed, Stream::kScene), appearance_(seed, Stream::kAppearance) {
     World& world = scene_.world;
     world.indoors = false;
-    world.texture_seed = static_cast<std::uint32_t>(look_.bits());
+    world.texture_seed = static_cast<std::uint32_t>(appearance_.bits());
     Places way = corners();
     // the corners outside the block differ from drive to drive
     for (std::size_t i = 1; i < way.size(); ++i) {
@@ -237,7 +237,7 @@ class YardBuilder {
 
   const YardConfig& config_;
   Random place_;
-  Random look_;
+  Random appearance_;
   Scene scene_;
   Places driven_;
 };

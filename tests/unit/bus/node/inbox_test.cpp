@@ -74,11 +74,11 @@ TEST(Inbox, ASourceThatBeginsAgainOrLeapsIsNotHeldUp) {
 TEST(Inbox, IsBoundedInMessagesAndBytes) {
   Inbox many;
   for (int i = 0; i < 100'000; ++i) many.add(scan(i, Time()));
-  EXPECT_EQ(many.size(), Inbox::kMessagesMost);
-  EXPECT_EQ(many.num_dropped(), 100'000 - static_cast<std::int64_t>(Inbox::kMessagesMost));
+  EXPECT_EQ(many.size(), Inbox::kMessagesMax);
+  EXPECT_EQ(many.num_dropped(), 100'000 - static_cast<std::int64_t>(Inbox::kMessagesMax));
   pose::Odometry other;
   many.add({Time(), other, 100});
-  EXPECT_EQ(many.size(), Inbox::kMessagesMost + 1) << "a flood on one channel leaves the others";
+  EXPECT_EQ(many.size(), Inbox::kMessagesMax + 1) << "a flood on one channel leaves the others";
 
   Inbox large;
   for (int i = 0; i < 1000; ++i) large.add(scan(i, Time(), 1 << 20));
@@ -89,7 +89,7 @@ TEST(Inbox, IsBoundedInMessagesAndBytes) {
 
   Inbox gaps;
   for (int i = 0; i < 100'000; ++i) gaps.add(scan(2 * i, Time()));
-  EXPECT_LE(gaps.size(), Inbox::kMessagesMost);
+  EXPECT_LE(gaps.size(), Inbox::kMessagesMax);
 }
 
 }  // namespace

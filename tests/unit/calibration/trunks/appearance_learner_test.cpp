@@ -58,7 +58,7 @@ double area_on(const std::vector<AppearanceSample>& samples, const vision::Appea
   return roc_area(trunk, other);
 }
 
-TEST(RocArea, IsTheShareOfPairsInOrder) {
+TEST(RocArea, IsTheFractionOfPairsInOrder) {
   EXPECT_DOUBLE_EQ(roc_area({3, 4}, {1, 2}), 1.0);
   EXPECT_DOUBLE_EQ(roc_area({1, 2}, {3, 4}), 0.0);
   EXPECT_DOUBLE_EQ(roc_area({1, 3}, {2, 4}), 0.25);
@@ -99,17 +99,17 @@ TEST(AppearanceLearner, FindsTheLawThatMadeTheWindows) {
 
 TEST(AppearanceLearner, ItsConfidenceMeansWhatItSays) {
   const AppearanceFit fit = learn_appearance(samples_of_law(3, 12, 300, 2.0));
-  std::array<double, 5> said{}, true_share{}, count{};
+  std::array<double, 5> said{}, true_fraction{}, count{};
   for (const AppearanceSample& s : samples_of_law(4, 60, 200, 2.0)) {
     const double p = vision::appearance_confidence(s.features, fit.config);
     const auto bin = std::min<std::size_t>(4, static_cast<std::size_t>(5.0 * p));
     said[bin] += p;
-    true_share[bin] += s.is_trunk ? 1.0 : 0.0;
+    true_fraction[bin] += s.is_trunk ? 1.0 : 0.0;
     count[bin] += 1.0;
   }
   for (std::size_t bin = 0; bin < 5; ++bin) {
     ASSERT_GT(count[bin], 200.0);
-    EXPECT_NEAR(said[bin] / count[bin], true_share[bin] / count[bin], 0.05) << bin;
+    EXPECT_NEAR(said[bin] / count[bin], true_fraction[bin] / count[bin], 0.05) << bin;
   }
 }
 

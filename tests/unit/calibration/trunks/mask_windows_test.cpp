@@ -17,7 +17,7 @@ TrunkMask leaning_trunk() {
   return mask;
 }
 
-double trunk_share(const TrunkMask& mask, const vision::PixelRect& w) {
+double trunk_fraction(const TrunkMask& mask, const vision::PixelRect& w) {
   double sum = 0.0;
   for (int y = w.y_px; y < w.y_px + w.height_px; ++y) {
     for (int x = w.x_px; x < w.x_px + w.width_px; ++x) {
@@ -37,8 +37,8 @@ TEST(MaskWindows, LieOnTheTrunkAndElsewhereAtTheSameHeights) {
     EXPECT_FALSE(off.is_trunk);
     EXPECT_TRUE((vision::PixelRect{0, 0, 200, 300}).contains(on.window));
     EXPECT_TRUE((vision::PixelRect{0, 0, 200, 300}).contains(off.window));
-    EXPECT_GT(trunk_share(mask, on.window), 0.5);
-    EXPECT_EQ(trunk_share(mask, off.window), 0.0);
+    EXPECT_GT(trunk_fraction(mask, on.window), 0.5);
+    EXPECT_EQ(trunk_fraction(mask, off.window), 0.0);
     EXPECT_EQ(on.window.y_px, off.window.y_px);
     EXPECT_EQ(on.window.width_px, off.window.width_px);
     EXPECT_EQ(on.window.height_px, off.window.height_px);

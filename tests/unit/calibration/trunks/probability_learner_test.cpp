@@ -42,7 +42,7 @@ TEST(MultinomialFit, RecoversTheWeightsThatMadeTheData) {
   }
 }
 
-TEST(MultinomialFit, ACopyOfEachLookMakesNobodySurer) {
+TEST(MultinomialFit, ACopyOfEachObservationMakesNobodySurer) {
   simulation::Random random(12);
   MultinomialData once, twice;
   once.features.resize(2, 500);
@@ -76,14 +76,15 @@ TEST(MultinomialFit, SeparableOrMissingOutcomesStayFinite) {
 
 /// Looks at things of a class each: the class decides colour and width, with overlap; some are of
 /// the laser only.
-std::vector<ProbabilitySample> looks(std::uint64_t seed, int num_recordings, int num_things) {
+std::vector<ProbabilitySample> observations(std::uint64_t seed, int num_recordings,
+                                            int num_things) {
   simulation::Random random(seed);
   std::vector<ProbabilitySample> samples;
   for (int recording = 0; recording < num_recordings; ++recording) {
     for (int thing = 0; thing < num_things; ++thing) {
       const bool is_tree = random.uniform() < 0.6;
-      const double own = random.normal();  // what all looks at this thing share
-      for (int look = 0; look < 8; ++look) {
+      const double own = random.normal();  // what all observations of this thing share
+      for (int observation = 0; observation < 8; ++observation) {
         ProbabilitySample sample;
         sample.recording = recording;
         sample.thing = thing;
@@ -93,8 +94,8 @@ std::vector<ProbabilitySample> looks(std::uint64_t seed, int num_recordings, int
         d.num_beams = static_cast<int>(30.0 / d.range_m);
         d.width_m = 0.1 + (is_tree ? 0.0 : 0.015) + 0.01 * random.normal();
         d.roc_laser = std::exp(-0.5 * std::pow((d.width_m - 0.1) / 0.01, 2));
-        d.label = look == 0 ? Label::kUnseen : Label::kObject;
-        if (look > 0) {
+        d.label = observation == 0 ? Label::kUnseen : Label::kObject;
+        if (observation > 0) {
           const double score = (is_tree ? 1.0 : -1.0) + own + random.normal();
           d.roc_colour = static_cast<float>(1.0 / (1.0 + std::exp(-score)));
           d.roc_edges = static_cast<float>(random.uniform(0.2, 0.9));
@@ -119,9 +120,9 @@ double calibration_error(const std::vector<ProbabilitySample>& samples,
   return error / static_cast<double>(samples.size());
 }
 
-TEST(ProbabilityLearner, IsCalibratedOnLooksItNeverSaw) {
-  const ProbabilityFit fit = learn_probability(looks(1, 5, 60), {0.1, 1.0, 10});
-  EXPECT_LT(calibration_error(looks(2, 5, 60), fit.config), 0.05);
+TEST(ProbabilityLearner, IsCalibratedOnObservationsItNeverSaw) {
+  const ProbabilityFit fit = learn_probability(observations(1, 5, 60), {0.1, 1.0, 10});
+  EXPECT_LT(calibration_error(observations(2, 5, 60), fit.config), 0.05);
   EXPECT_EQ(fit.num_recordings, 5);
   EXPECT_EQ(fit.num_laser, 300);
   EXPECT_EQ(fit.num_judged, 2100);
@@ -129,8 +130,8 @@ TEST(ProbabilityLearner, IsCalibratedOnLooksItNeverSaw) {
 }
 
 TEST(ProbabilityLearner, MoreColourIsMoreTree) {
-  const ProbabilityFit fit = learn_probability(looks(1, 5, 60), {0.1, 1.0, 10});
-  Detection d = looks(1, 1, 1)[1].detection;
+  const ProbabilityFit fit = learn_probability(observations(1, 5, 60), {0.1, 1.0, 10});
+  Detection d = observations(1, 1, 1)[1].detection;
   double last = 0.0;
   for (const float colour : {0.02f, 0.2f, 0.5f, 0.8f, 0.98f}) {
     d.roc_colour = colour;
@@ -141,8 +142,8 @@ TEST(ProbabilityLearner, MoreColourIsMoreTree) {
   }
 }
 
-TEST(ProbabilityLearner, LooksThatShareTheirErrorsCountForLess) {
-  std::vector<ProbabilitySample> alike = looks(3, 5, 60);
+TEST(ProbabilityLearner, ObservationsThatFractionTheirErrorsCountForLess) {
+  std::vector<ProbabilitySample> alike = observations(3, 5, 60);
   const ProbabilityFit of_alike = learn_probability(alike, {0.1, 1.0, 10});
   EXPECT_GT(of_alike.correlation, 0.1);
   // the same looks shared out anew within each class are independent
@@ -164,13 +165,14 @@ TEST(ProbabilityLearner, LooksThatShareTheirErrorsCountForLess) {
 }
 
 TEST(ProbabilityLearner, SameSamplesSameBits) {
-  const auto a = learn_probability(looks(4, 3, 30), {}), b = learn_probability(looks(4, 3, 30), {});
+  const auto a = learn_probability(observations(4, 3, 30), {}),
+             b = learn_probability(observations(4, 3, 30), {});
   EXPECT_EQ(a.config.judged_tree, b.config.judged_tree);
   EXPECT_EQ(a.config.laser_object, b.config.laser_object);
 }
 
 TEST(ProbabilityLearner, RefusesTooLittle) {
-  auto few = looks(1, 1, 2);
+  auto few = observations(1, 1, 2);
   EXPECT_THROW(learn_probability(few, {}), std::runtime_error);
   EXPECT_THROW(learn_probability({}, {}), std::runtime_error);
 }

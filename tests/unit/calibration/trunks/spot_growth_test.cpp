@@ -13,9 +13,10 @@ constexpr double kStep_rad = 0.00436;
 
 /// Counts of beams, each at a phase of its own, of trunks that a diverging beam makes wider; those
 /// of fewer than `fewest_beams` were never handed over.
-std::vector<SpotLook> looks_with(double divergence_rad, int fewest_beams, std::uint64_t seed) {
+std::vector<SpotObservation> observations_with(double divergence_rad, int fewest_beams,
+                                               std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  std::vector<SpotLook> looks;
+  std::vector<SpotObservation> observations;
   for (int thing = 0; thing < 20; ++thing) {
     const double width_m = 0.10 + 0.002 * thing;
     for (int i = 0; i < 60; ++i) {
@@ -23,10 +24,10 @@ std::vector<SpotLook> looks_with(double divergence_rad, int fewest_beams, std::u
       const double phase = static_cast<double>(random() >> 11) * 0x1p-53;
       const double beams = std::floor((width_m + divergence_rad * range_m) / beam_m + phase);
       if (beams < fewest_beams) continue;
-      looks.push_back({thing, range_m, kStep_rad, beams * beam_m});
+      observations.push_back({thing, range_m, kStep_rad, beams * beam_m});
     }
   }
-  return looks;
+  return observations;
 }
 
 TEST(SpotGrowth, IsTheDivergenceWithinItsStandardError) {
@@ -34,7 +35,7 @@ TEST(SpotGrowth, IsTheDivergenceWithinItsStandardError) {
     double squares = 0.0;
     constexpr int kSeeds = 40;
     for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-      const auto growth = spot_growth(looks_with(divergence_rad, 4, seed), 4);
+      const auto growth = spot_growth(observations_with(divergence_rad, 4, seed), 4);
       ASSERT_TRUE(growth);
       EXPECT_LT(growth->se_rad, 0.001);
       squares += std::pow((growth->divergence_rad - divergence_rad) / growth->se_rad, 2) / kSeeds;
@@ -48,7 +49,7 @@ TEST(SpotGrowth, IsTheDivergenceWithinItsStandardError) {
 TEST(SpotGrowth, NeedsSeveralTrunksAtSeveralRanges) {
   EXPECT_FALSE(spot_growth({}, 4));
   EXPECT_FALSE(spot_growth({{0, 1.0, kStep_rad, 0.1}, {0, 2.0, kStep_rad, 0.1}}, 4));
-  std::vector<SpotLook> alike;
+  std::vector<SpotObservation> alike;
   for (int i = 0; i < 30; ++i) alike.push_back({i % 10, 2.0, kStep_rad, 0.1});
   EXPECT_FALSE(spot_growth(alike, 4));
 }

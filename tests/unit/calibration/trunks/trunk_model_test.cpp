@@ -35,33 +35,33 @@ struct Kind {
   double width_m, width_sd_m, hue_deg;
 };
 
-/// `looks_each` looks at things of several kinds that stand 2 m apart.
-std::vector<TrunkObservation> looks_at(const std::vector<Kind>& kinds, int looks_each,
-                                       unsigned seed) {
+/// `observations_each` looks at things of several kinds that stand 2 m apart.
+std::vector<TrunkObservation> observations_at(const std::vector<Kind>& kinds, int observations_each,
+                                              unsigned seed) {
   std::mt19937_64 random(seed);
-  std::vector<TrunkObservation> looks;
-  for (int i = 0; i < looks_each; ++i) {
+  std::vector<TrunkObservation> observations;
+  for (int i = 0; i < observations_each; ++i) {
     double x_m = 0.0;
     for (const Kind& kind : kinds) {
       for (int k = 0; k < kind.count; ++k, x_m += 2.0) {
-        TrunkObservation look;
-        look.utime = i * 100'000;
-        look.x_m = x_m + 0.02 * normal(random);
-        look.y_m = 0.02 * normal(random);
-        look.in_map = true;
-        look.width_m = kind.width_m + kind.width_sd_m * normal(random);
-        look.hues = hues_around(kind.hue_deg, 3.0, random);
-        looks.push_back(look);
+        TrunkObservation observation;
+        observation.utime = i * 100'000;
+        observation.x_m = x_m + 0.02 * normal(random);
+        observation.y_m = 0.02 * normal(random);
+        observation.in_map = true;
+        observation.width_m = kind.width_m + kind.width_sd_m * normal(random);
+        observation.hues = hues_around(kind.hue_deg, 3.0, random);
+        observations.push_back(observation);
       }
     }
   }
-  return looks;
+  return observations;
 }
 
 TEST(TrunkModel, MeasuresTheDominantKindAndLeavesTheOthersOut) {
-  const auto looks =
-      looks_at({{24, 0.09, 0.008, 30.0}, {6, 0.17, 0.008, 30.0}, {6, 0.09, 0.008, 210.0}}, 8, 1);
-  const TrunkModel model = estimate_trunk_model(looks, {});
+  const auto observations = observations_at(
+      {{24, 0.09, 0.008, 30.0}, {6, 0.17, 0.008, 30.0}, {6, 0.09, 0.008, 210.0}}, 8, 1);
+  const TrunkModel model = estimate_trunk_model(observations, {});
   EXPECT_EQ(model.num_trunks, 24);
   EXPECT_EQ(model.things.size(), 36u);
   EXPECT_NEAR(model.width_mean_m, 0.09, 0.0015);
@@ -75,21 +75,22 @@ TEST(TrunkModel, MeasuresTheDominantKindAndLeavesTheOthersOut) {
 
 TEST(TrunkModel, ThePapersTrees) {  // section 6.2: 230.15 mm, sd 20.45 mm
   const TrunkModel model =
-      estimate_trunk_model(looks_at({{20, 0.23015, 0.02045, 31.0}}, 30, 2), {});
+      estimate_trunk_model(observations_at({{20, 0.23015, 0.02045, 31.0}}, 30, 2), {});
   EXPECT_NEAR(model.width_mean_m, 0.23015, 0.003);
   EXPECT_NEAR(model.width_sd_m, 0.02045, 0.003);
 }
 
 TEST(TrunkModel, OutliersDoNotMoveIt) {
-  auto looks = looks_at({{20, 0.09, 0.006, 30.0}}, 10, 4);
-  for (std::size_t i = 0; i < looks.size(); i += 12) looks[i].width_m = 0.02;
-  const TrunkModel model = estimate_trunk_model(looks, {});
+  auto observations = observations_at({{20, 0.09, 0.006, 30.0}}, 10, 4);
+  for (std::size_t i = 0; i < observations.size(); i += 12) observations[i].width_m = 0.02;
+  const TrunkModel model = estimate_trunk_model(observations, {});
   EXPECT_NEAR(model.width_mean_m, 0.09, 0.0015);
   EXPECT_NEAR(model.width_sd_m, 0.006, 0.001);
 }
 
 TEST(TrunkModel, WarnsOfFewTrunks) {
-  const TrunkModel model = estimate_trunk_model(looks_at({{5, 0.09, 0.006, 30.0}}, 8, 5), {});
+  const TrunkModel model =
+      estimate_trunk_model(observations_at({{5, 0.09, 0.006, 30.0}}, 8, 5), {});
   EXPECT_EQ(model.num_trunks, 5);
   ASSERT_EQ(model.warnings.size(), 1u);
   EXPECT_NE(model.warnings[0].find("only 5 trunks"), std::string::npos);
@@ -97,36 +98,36 @@ TEST(TrunkModel, WarnsOfFewTrunks) {
 
 TEST(TrunkModel, RefusesToLearnFromNothing) {
   EXPECT_THROW(estimate_trunk_model({}, {}), std::runtime_error);
-  EXPECT_THROW(estimate_trunk_model(looks_at({{5, 0.09, 0.006, 30.0}}, 2, 5), {}),
+  EXPECT_THROW(estimate_trunk_model(observations_at({{5, 0.09, 0.006, 30.0}}, 2, 5), {}),
                std::runtime_error);
 }
 
-TEST(TrunkModel, WithoutPosesThingsAreFollowedFromLookToLook) {
+TEST(TrunkModel, WithoutPosesThingsAreFollowedFromObservationToObservation) {
   std::mt19937_64 random(6);
-  std::vector<TrunkObservation> looks;
-  for (int i = 0; i < 60; ++i) {  // 0.1 m per look past trunks 2 m apart
+  std::vector<TrunkObservation> observations;
+  for (int i = 0; i < 60; ++i) {  // 0.1 m per observation past trunks 2 m apart
     for (int k = 0; k < 8; ++k) {
       const double x_m = 2.0 * k - 0.1 * i;
       if (x_m < 0.0 || x_m > 3.0) continue;
-      TrunkObservation look;
-      look.utime = i * 100'000;
-      look.x_m = x_m;
-      look.y_m = 1.0;
-      look.width_m = 0.09 + 0.004 * normal(random);
-      looks.push_back(look);
+      TrunkObservation observation;
+      observation.utime = i * 100'000;
+      observation.x_m = x_m;
+      observation.y_m = 1.0;
+      observation.width_m = 0.09 + 0.004 * normal(random);
+      observations.push_back(observation);
     }
   }
-  const TrunkModel model = estimate_trunk_model(looks, {});
+  const TrunkModel model = estimate_trunk_model(observations, {});
   EXPECT_EQ(model.num_trunks, 4);  // at 2, 4, 6 and 8 m; the one at 0 m was seen once
   EXPECT_FALSE(model.has_hue);
 }
 
 TEST(TrunkModel, ThingsOfDifferentLogsAreDifferent) {
-  auto looks = looks_at({{6, 0.09, 0.006, 30.0}}, 5, 7);
-  auto second = looks;
-  for (auto& look : second) look.log = 1;
-  looks.insert(looks.end(), second.begin(), second.end());
-  EXPECT_EQ(estimate_trunk_model(looks, {}).num_trunks, 12);
+  auto observations = observations_at({{6, 0.09, 0.006, 30.0}}, 5, 7);
+  auto second = observations;
+  for (auto& observation : second) observation.log = 1;
+  observations.insert(observations.end(), second.begin(), second.end());
+  EXPECT_EQ(estimate_trunk_model(observations, {}).num_trunks, 12);
 }
 
 TEST(HueInterval, IsCircular) {
@@ -166,28 +167,29 @@ bool warns_of(const TrunkModel& model, const std::string& words) {
 }
 
 TEST(TrunkModel, PicksByNumberAreTheTrunks) {
-  const auto looks = looks_at({{24, 0.09, 0.004, 30.0}, {6, 0.17, 0.004, 210.0}}, 8, 5);
+  const auto observations =
+      observations_at({{24, 0.09, 0.004, 30.0}, {6, 0.17, 0.004, 210.0}}, 8, 5);
   TrunkModelOptions options;
   options.wanted_trunks = 5;
   options.picked = {25, 26, 27, 28, 30};
-  const TrunkModel model = estimate_trunk_model(looks, options);
+  const TrunkModel model = estimate_trunk_model(observations, options);
   EXPECT_EQ(model.num_trunks, 5);
   EXPECT_NEAR(model.width_mean_m, 0.17, 0.003);
   EXPECT_FALSE(model.things[28].is_trunk);
   options.picked = {31};
-  EXPECT_THROW(estimate_trunk_model(looks, options), std::runtime_error);
+  EXPECT_THROW(estimate_trunk_model(observations, options), std::runtime_error);
 }
 
 TEST(TrunkModel, PicksByPlaceAreTheTrunksThatStandThere) {
-  const auto looks = looks_at({{4, 0.09, 0.004, 30.0}, {3, 0.17, 0.004, 30.0}}, 8, 6);
+  const auto observations = observations_at({{4, 0.09, 0.004, 30.0}, {3, 0.17, 0.004, 30.0}}, 8, 6);
   TrunkModelOptions options;
   options.picked_places = {{7, 8.05, 0.0}, {9, 12.0, 0.1}};
-  const TrunkModel model = estimate_trunk_model(looks, options);
+  const TrunkModel model = estimate_trunk_model(observations, options);
   EXPECT_EQ(model.num_trunks, 2);
   EXPECT_NEAR(model.width_mean_m, 0.17, 0.004);
   options.picked_places.push_back({11, 40.0, 0.0});
   try {
-    estimate_trunk_model(looks, options);
+    estimate_trunk_model(observations, options);
     FAIL() << "a place where nothing stands";
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what()).find("landmark 11"), std::string::npos) << error.what();
@@ -196,21 +198,22 @@ TEST(TrunkModel, PicksByPlaceAreTheTrunksThatStandThere) {
 
 TEST(TrunkModel, WarnsWhenTwoPopulationsDoNotSeparate) {
   // Clear of each other in hue: nothing to say.
-  const auto apart = looks_at({{24, 0.12, 0.004, 30.0}, {8, 0.12, 0.004, 200.0}}, 8, 7);
+  const auto apart = observations_at({{24, 0.12, 0.004, 30.0}, {8, 0.12, 0.004, 200.0}}, 8, 7);
   EXPECT_TRUE(estimate_trunk_model(apart, {}).warnings.empty());
   // Wide scatter of both: the second group begins where the first ends.
   std::vector<Kind> kinds;
   for (int i = 0; i < 40; ++i) kinds.push_back({1, 0.10 + 0.002 * i, 0.001, 30.0});
-  EXPECT_TRUE(warns_of(estimate_trunk_model(looks_at(kinds, 8, 8), {}), "do not separate"));
+  EXPECT_TRUE(warns_of(estimate_trunk_model(observations_at(kinds, 8, 8), {}), "do not separate"));
 }
 
 TEST(TrunkModel, WarnsWhenTheOthersAreAsMany) {
-  const auto looks = looks_at({{24, 0.12, 0.004, 30.0}, {20, 0.12, 0.004, 200.0}}, 8, 9);
-  EXPECT_TRUE(warns_of(estimate_trunk_model(looks, {}), "about as many"));
+  const auto observations =
+      observations_at({{24, 0.12, 0.004, 30.0}, {20, 0.12, 0.004, 200.0}}, 8, 9);
+  EXPECT_TRUE(warns_of(estimate_trunk_model(observations, {}), "about as many"));
 }
 
 TEST(TrunkModel, WarnsOfAMixedOrchard) {
-  const auto mixed = looks_at({{12, 0.10, 0.002, 30.0}, {12, 0.125, 0.002, 30.0}}, 8, 10);
+  const auto mixed = observations_at({{12, 0.10, 0.002, 30.0}, {12, 0.125, 0.002, 30.0}}, 8, 10);
   EXPECT_TRUE(warns_of(estimate_trunk_model(mixed, {}), "two kinds"));
 }
 

@@ -11,19 +11,19 @@ namespace {
 using test::blue_tube;
 using test::brown_tube;
 
-TEST(TrunkObservation, LooksAtEverythingWhateverItsWidthAndColour) {
+TEST(TrunkObservation, ObservationsAtEverythingWhateverItsWidthAndColour) {
   const auto rig = test::tube_rig();
   const std::vector<test::Tube> tubes{brown_tube(1.5, 0.5), brown_tube(1.5, 0.0, 0.17),
                                       blue_tube(1.5, -0.5)};
   const auto image = test::picture_of_tubes(tubes, rig);
-  const auto looks = observe_trunks(test::scan_of(tubes), &image, rig, {4, false});
-  ASSERT_EQ(looks.size(), 3u);  // from right to left
-  EXPECT_NEAR(vision::dominant_hue_deg(looks[0].hues, 36), 215.0, 6.0);
-  EXPECT_NEAR(looks[1].width_m, 0.17, 0.01);
-  EXPECT_NEAR(vision::dominant_hue_deg(looks[2].hues, 36), 27.0, 6.0);
-  EXPECT_NEAR(looks[2].x_m, 1.5, 0.015);
-  EXPECT_NEAR(looks[2].y_m, 0.5, 0.015);
-  EXPECT_FALSE(looks[2].in_map);
+  const auto observations = observe_trunks(test::scan_of(tubes), &image, rig, {4, false});
+  ASSERT_EQ(observations.size(), 3u);  // from right to left
+  EXPECT_NEAR(vision::dominant_hue_deg(observations[0].hues, 36), 215.0, 6.0);
+  EXPECT_NEAR(observations[1].width_m, 0.17, 0.01);
+  EXPECT_NEAR(vision::dominant_hue_deg(observations[2].hues, 36), 27.0, 6.0);
+  EXPECT_NEAR(observations[2].x_m, 1.5, 0.015);
+  EXPECT_NEAR(observations[2].y_m, 0.5, 0.015);
+  EXPECT_FALSE(observations[2].in_map);
 }
 
 TEST(TrunkObservation, LeavesOutWhatIsHiddenThinOrOutOfView) {
@@ -37,10 +37,10 @@ TEST(TrunkObservation, LeavesOutWhatIsHiddenThinOrOutOfView) {
 TEST(TrunkObservation, ARigWithACameraLearnsNothingWithoutAPicture) {
   const std::vector<test::Tube> tubes{brown_tube(1.5, 0.5)};
   EXPECT_TRUE(observe_trunks(test::scan_of(tubes), nullptr, test::tube_rig(), {4, false}).empty());
-  const auto looks =
+  const auto observations =
       observe_trunks(test::scan_of(tubes), nullptr, test::tube_rig({}, false), {4, false});
-  ASSERT_EQ(looks.size(), 1u);
-  EXPECT_EQ(looks[0].hues.num_pixels, 0);
+  ASSERT_EQ(observations.size(), 1u);
+  EXPECT_EQ(observations[0].hues.num_pixels, 0);
 }
 
 }  // namespace

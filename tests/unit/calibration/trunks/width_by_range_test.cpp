@@ -18,50 +18,51 @@ double normal(std::mt19937_64& random) {
 }
 
 /// Looks whose scatter follows the law with sd_m and growth, from 1 m to `far_m`.
-std::vector<WidthLook> looks_with(double sd_m, double growth, double far_m, int n) {
+std::vector<WidthObservation> observations_with(double sd_m, double growth, double far_m, int n) {
   std::mt19937_64 random(11);
-  std::vector<WidthLook> looks;
+  std::vector<WidthObservation> observations;
   for (int i = 0; i < n; ++i) {
     const double range_m = 1.0 + (far_m - 1.0) * i / n;
     const double sd = std::hypot(sd_m, growth * range_m * kStep_rad);
-    looks.push_back({range_m, kStep_rad, 0.12 + sd * normal(random)});
+    observations.push_back({range_m, kStep_rad, 0.12 + sd * normal(random)});
   }
-  return looks;
+  return observations;
 }
 
 TEST(WidthByRange, FindsTheLawThatScatterFollows) {
-  const WidthByRange width = width_by_range(looks_with(0.010, 0.8, 6.0, 3000));
+  const WidthByRange width = width_by_range(observations_with(0.010, 0.8, 6.0, 3000));
   ASSERT_TRUE(width.has_growth);
   EXPECT_NEAR(width.sd_m, 0.010, 0.001);
   EXPECT_NEAR(width.sd_per_beam_step, 0.8, 0.08);
   ASSERT_EQ(width.bins.size(), 6u);
-  int num_looks = 0;
+  int num_observations = 0;
   for (const WidthBin& bin : width.bins) {
-    num_looks += bin.num_looks;
+    num_observations += bin.num_observations;
     const double middle_m = 0.5 * (bin.range_min_m + bin.range_max_m);
     EXPECT_NEAR(bin.mean_m, 0.12, 0.002);
     EXPECT_NEAR(bin.sd_m, std::hypot(0.010, 0.8 * middle_m * kStep_rad), 0.0015);
   }
-  EXPECT_EQ(num_looks, 3000);
+  EXPECT_EQ(num_observations, 3000);
 }
 
 TEST(WidthByRange, NeitherPartIsEverNegative) {
-  EXPECT_EQ(width_by_range(looks_with(0.0, 0.8, 6.0, 600)).has_growth, true);
-  EXPECT_LT(width_by_range(looks_with(0.0, 0.8, 6.0, 600)).sd_m, 0.003);
-  const WidthByRange flat = width_by_range(looks_with(0.010, 0.0, 6.0, 600));
+  EXPECT_EQ(width_by_range(observations_with(0.0, 0.8, 6.0, 600)).has_growth, true);
+  EXPECT_LT(width_by_range(observations_with(0.0, 0.8, 6.0, 600)).sd_m, 0.003);
+  const WidthByRange flat = width_by_range(observations_with(0.010, 0.0, 6.0, 600));
   EXPECT_NEAR(flat.sd_m, 0.010, 0.001);
   EXPECT_LT(flat.sd_per_beam_step, 0.25);
   // Scatter that falls with range is no growth.
-  std::vector<WidthLook> falling = looks_with(0.010, 0.0, 6.0, 600);
-  for (WidthLook& look : falling) look.width_m = 0.12 + (look.width_m - 0.12) / look.range_m;
+  std::vector<WidthObservation> falling = observations_with(0.010, 0.0, 6.0, 600);
+  for (WidthObservation& observation : falling)
+    observation.width_m = 0.12 + (observation.width_m - 0.12) / observation.range_m;
   EXPECT_EQ(width_by_range(falling).sd_per_beam_step, 0.0);
 }
 
 TEST(WidthByRange, OneRangeTellsNothingOfGrowth) {
-  const WidthByRange width = width_by_range(looks_with(0.010, 0.8, 1.2, 600));
+  const WidthByRange width = width_by_range(observations_with(0.010, 0.8, 1.2, 600));
   EXPECT_FALSE(width.has_growth);
   EXPECT_NEAR(width.sd_m, 0.010, 0.001);
-  EXPECT_FALSE(width_by_range(looks_with(0.010, 0.8, 6.0, 20)).has_growth);
+  EXPECT_FALSE(width_by_range(observations_with(0.010, 0.8, 6.0, 20)).has_growth);
   EXPECT_TRUE(width_by_range({}).bins.empty());
 }
 

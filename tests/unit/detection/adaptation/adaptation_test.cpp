@@ -17,15 +17,17 @@ class Drive {
  public:
   explicit Drive(const AdaptationConfig& config) : adaptation_(config, kWidth_m) {}
 
-  /// `look_of(thing number, time)` says what a scan shows; a thing is seen for two seconds.
-  void run(double duration_s, const std::function<AdaptationLook(int, double)>& look_of) {
+  /// `observation_of(thing number, time)` says what a scan shows; a thing is seen for two seconds.
+  void run(double duration_s,
+           const std::function<AdaptationObservation(int, double)>& observation_of) {
     for (const double end_s = now_s_ + duration_s; now_s_ < end_s; now_s_ += 0.1) {
       const int thing = static_cast<int>(now_s_ / 2.0);
-      AdaptationLook look = look_of(thing, now_s_);
-      look.x_m = 2.0 - (now_s_ - 2.0 * thing);
-      look.y_m = 1.0;
+      AdaptationObservation observation = observation_of(thing, now_s_);
+      observation.x_m = 2.0 - (now_s_ - 2.0 * thing);
+      observation.y_m = 1.0;
       const auto utime = static_cast<std::int64_t>(std::llround(now_s_ * 1e6)) + 1;
-      for (const AdaptationStep& step : adaptation_.add(utime, {look})) steps_.push_back(step);
+      for (const AdaptationStep& step : adaptation_.add(utime, {observation}))
+        steps_.push_back(step);
     }
   }
   const AdaptedModel& model() const { return adaptation_.model(); }
@@ -51,15 +53,15 @@ AdaptationConfig referenced() {
   return config;
 }
 
-AdaptationLook tree(double width_m = kWidth_m, const Light& light = {}) {
-  AdaptationLook look;
-  look.width_m = width_m;
-  look.roc_laser = 0.9;
-  look.roc_colour = 0.9;
-  look.roc_vision = 0.8;
-  look.light = vision::WindowLight{std::log(0.6) + light.blue, std::log(1.3) + light.red,
-                                   std::log(110.0) + light.green};
-  return look;
+AdaptationObservation tree(double width_m = kWidth_m, const Light& light = {}) {
+  AdaptationObservation observation;
+  observation.width_m = width_m;
+  observation.roc_laser = 0.9;
+  observation.roc_colour = 0.9;
+  observation.roc_vision = 0.8;
+  observation.light = vision::WindowLight{std::log(0.6) + light.blue, std::log(1.3) + light.red,
+                                          std::log(110.0) + light.green};
+  return observation;
 }
 
 /// Scatter of trees from a generator of whole numbers: the same on every machine.
@@ -141,14 +143,15 @@ TEST(Adaptation, ARowOfPostsDoesNotDragTheModelAway) {
   // then: the laser takes them for trunks, the camera does not.
   Drive drive(referenced());
   drive.run(1000, [](int thing, double) {
-    AdaptationLook look = tree(kWidth_m + 0.01 * scatter(thing, 0),
-                               {0.05 * scatter(thing, 1), 0.05 * scatter(thing, 2), 0.0});
+    AdaptationObservation observation =
+        tree(kWidth_m + 0.01 * scatter(thing, 0),
+             {0.05 * scatter(thing, 1), 0.05 * scatter(thing, 2), 0.0});
     if (thing % 10 < 3) {
-      look = tree(1.2 * kWidth_m, {0.28, -0.2, 0.3});
-      look.roc_colour = 0.3;
-      look.roc_vision = 0.3;
+      observation = tree(1.2 * kWidth_m, {0.28, -0.2, 0.3});
+      observation.roc_colour = 0.3;
+      observation.roc_vision = 0.3;
     }
-    return look;
+    return observation;
   });
   for (const auto& step : drive.steps()) {
     EXPECT_NEAR(step.model.width_mean_m, kWidth_m, 0.01);  // the trees' sigma
@@ -161,18 +164,18 @@ TEST(Adaptation, ARowOfPostsDoesNotDragTheModelAway) {
 TEST(Adaptation, WhatIsSeenBrieflySaysLittle) {
   Adaptation adaptation(referenced(), kWidth_m);
   for (int i = 0; i < 1200; ++i) {
-    AdaptationLook trunk = tree();
+    AdaptationObservation trunk = tree();
     trunk.x_m = 2.0 - 0.1 * (i % 20);
     trunk.y_m = 1.0;
-    std::vector<AdaptationLook> looks{trunk};
+    std::vector<AdaptationObservation> observations{trunk};
     if (i > 600 && i % 10 < 2) {  // one more twig of a hedge every second
-      AdaptationLook twig = tree();
+      AdaptationObservation twig = tree();
       twig.roc_colour = twig.roc_vision = 0.0;
       twig.x_m = 2.0;
       twig.y_m = -3.0;
-      looks.push_back(twig);
+      observations.push_back(twig);
     }
-    for (const AdaptationStep& step : adaptation.add(100'000 * (i + 1), looks)) {
+    for (const AdaptationStep& step : adaptation.add(100'000 * (i + 1), observations)) {
       EXPECT_NE(step.action, AdaptationAction::kRollback) << i;
       EXPECT_NE(step.action, AdaptationAction::kReset) << i;
       EXPECT_NE(step.reason, AdaptationReason::kConfidenceCollapsed) << i;
@@ -187,7 +190,7 @@ TEST(Adaptation, AThingLookedAtForeverCountsOnce) {
   // The robot stands before one post that fools both sensors.
   Adaptation standing(referenced(), kWidth_m);
   for (int i = 0; i < 3000; ++i) {
-    AdaptationLook post = tree(1.1 * kWidth_m, {0.2, 0.2, 0.2});
+    AdaptationObservation post = tree(1.1 * kWidth_m, {0.2, 0.2, 0.2});
     post.x_m = 1.5;
     standing.add(100'000 * i, {post});
   }
@@ -211,9 +214,9 @@ TEST(Adaptation, TooFewTreesFreezeAndMoreResume) {
 TEST(Adaptation, SensorsThatDisagreeFreeze) {
   Drive drive(referenced());
   drive.run(60, [](int thing, double) {
-    AdaptationLook look = tree(1.1 * kWidth_m, {0.2, 0.0, 0.0});
-    if (thing % 8 != 7) look.roc_vision = 0.2;
-    return look;
+    AdaptationObservation observation = tree(1.1 * kWidth_m, {0.2, 0.0, 0.0});
+    if (thing % 8 != 7) observation.roc_vision = 0.2;
+    return observation;
   });
   EXPECT_EQ(drive.count(AdaptationAction::kFreeze, AdaptationReason::kSensorsDisagree), 1);
   EXPECT_EQ(drive.model().width_mean_m, kWidth_m);
@@ -237,9 +240,9 @@ TEST(Adaptation, GoesBackWhenConfidenceCollapses) {
   ASSERT_LT(good, -0.02);
   // Something goes wrong: colour runs on while the camera confirms ever less.
   drive.run(40, [](int thing, double t_s) {
-    AdaptationLook look = tree(kWidth_m, {-0.06 - 0.006 * (t_s - 60.0), 0.0, 0.0});
-    if (thing % 10 >= 2) look.roc_vision = 0.3;
-    return look;
+    AdaptationObservation observation = tree(kWidth_m, {-0.06 - 0.006 * (t_s - 60.0), 0.0, 0.0});
+    if (thing % 10 >= 2) observation.roc_vision = 0.3;
+    return observation;
   });
   ASSERT_GE(drive.count(AdaptationAction::kRollback, AdaptationReason::kConfidenceCollapsed), 1);
   for (const auto& step : drive.steps()) {
@@ -249,9 +252,9 @@ TEST(Adaptation, GoesBackWhenConfidenceCollapses) {
   }
   // And when that does not help, to the calibration, exactly.
   drive.run(200, [](int, double) {
-    AdaptationLook look = tree(kWidth_m, {-0.05, 0.0, 0.0});
-    look.roc_vision = 0.1;
-    return look;
+    AdaptationObservation observation = tree(kWidth_m, {-0.05, 0.0, 0.0});
+    observation.roc_vision = 0.1;
+    return observation;
   });
   EXPECT_EQ(drive.count(AdaptationAction::kReset, AdaptationReason::kConfidenceCollapsed), 1);
   EXPECT_EQ(drive.model().width_mean_m, kWidth_m);

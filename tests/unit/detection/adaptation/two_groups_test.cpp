@@ -11,7 +11,7 @@ TEST(TwoGroups, FindsWhereTwoGroupsPart) {
   ASSERT_TRUE(groups);
   EXPECT_NEAR(groups->low_mean, 1.0, 1e-12);
   EXPECT_NEAR(groups->high_mean, 5.0, 1e-12);
-  EXPECT_NEAR(groups->low_share, 3.0 / 8.0, 1e-12);
+  EXPECT_NEAR(groups->low_fraction, 3.0 / 8.0, 1e-12);
   EXPECT_NEAR(groups->threshold, 3.0, 1e-12);
   // s1^2 = 0.04, s2^2 = 0.025, by hand
   EXPECT_NEAR(groups->separation, 4.0 / 0.18027756, 1e-6);

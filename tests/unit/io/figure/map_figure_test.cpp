@@ -75,7 +75,7 @@ TEST(MapFigure, LandmarksStandTrueToScale) {
   EXPECT_NEAR(objects[0].x, right.x, 0.3);
   EXPECT_NEAR(objects[0].y, top.y, 0.3);
   EXPECT_NEAR(2.0 * std::sqrt(origin.area / M_PI), 0.4 * px_per_m - 1.0, 1.5)
-      << "the true width, less the rim";
+      << "the true width, less the border";
   expect_whole(page);
 }
 

@@ -47,7 +47,7 @@ TEST(OverlayFigure, PointsAndEdgesStandOnTheirPixels) {
   EXPECT_EQ(middle_of(sheet, 100, 88), cv::Vec3b(255, 255, 255));  // the tick
 }
 
-TEST(OverlayFigure, EdgesThatTheDetectorDidNotLookAtShow) {
+TEST(OverlayFigure, EdgesThatTheDetectorDidNotObservationAtShow) {
   const cv::Mat sheet = drawn(one_candidate(false));
   EXPECT_EQ(middle_of(sheet, 103, 120), cv::Vec3b(150, 150, 0));
   // The table has no number for them.

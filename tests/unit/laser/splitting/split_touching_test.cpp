@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What touches: stems beside and behind each other, stakes, blades, flat things. Truth is the
-// geometry the rays were cast at; shares of seeds, with noise a scanner of the field has.
+// geometry the rays were cast at; fractions of seeds, with noise a scanner of the field has.
 #include <gtest/gtest.h>
 
 #include <algorithm>

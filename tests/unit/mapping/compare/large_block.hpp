@@ -14,7 +14,7 @@ namespace orchard::mapping {
 /// how often.
 inline DrivenMap drive_through_large(const Block& block, const Drive& drive, Dice& dice) {
   constexpr double kStep_m = 0.5;
-  constexpr int kLooksPerStep = 5;  // ten per second at 1 m/s
+  constexpr int kObservationsPerStep = 5;  // ten per second at 1 m/s
   DrivenMap map;
   const double phase = dice.uniform(0, 6.28);
   const auto bent = [&](const Eigen::Vector2d& p) -> Eigen::Vector2d {
@@ -48,8 +48,9 @@ inline DrivenMap drive_through_large(const Block& block, const Drive& drive, Dic
       if (alley < drive.first_alley || alley > drive.last_alley) continue;
       const double aside_m = 0.5 * block.row_spacing_m;
       const double in_reach_m = 2.0 * std::sqrt(drive.reach_m * drive.reach_m - aside_m * aside_m);
-      const int num_looks = static_cast<int>(in_reach_m / kStep_m) * kLooksPerStep;
-      for (int look = 0; look < num_looks; ++look) num_seen += dice.uniform(0, 1) < drive.rate;
+      const int num_observations = static_cast<int>(in_reach_m / kStep_m) * kObservationsPerStep;
+      for (int observation = 0; observation < num_observations; ++observation)
+        num_seen += dice.uniform(0, 1) < drive.rate;
     }
     if (num_seen < 3) continue;
     Landmark l;

@@ -34,9 +34,9 @@ double error_m(const MapAlignment& alignment, const geometry::Pose2& T_a_b, cons
   return error;
 }
 
-void change_some(Block& block, double share, Dice& dice) {
+void change_some(Block& block, double fraction, Dice& dice) {
   for (TrueTree& t : block.trees) {
-    if (dice.uniform(0, 1) < share) t.stands = !t.stands;
+    if (dice.uniform(0, 1) < fraction) t.stands = !t.stands;
   }
 }
 
@@ -83,7 +83,7 @@ TEST(MapAlignment, FindsAnyPlaceOfPartlyOverlappingMaps) {
   }
 }
 
-TEST(MapAlignment, RobotsThatShareTwoRowsAreLaidRightAndThoseThatShareNoneAreRefused) {
+TEST(MapAlignment, RobotsThatFractionTwoRowsAreLaidRightAndThoseThatFractionNoneAreRefused) {
   MapAlignmentConfig config;
   config.any_place = true;
   for (int seed = 1; seed <= 2; ++seed) {

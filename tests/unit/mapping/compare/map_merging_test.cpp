@@ -16,16 +16,16 @@ namespace {
 using detection::Label;
 using Eigen::Vector2d;
 
-/// A landmark as the paper's statistics make it of single looks.
-Landmark landmark_of(const std::vector<Vector2d>& looks, double roc) {
+/// A landmark as the paper's statistics make it of single observations.
+Landmark landmark_of(const std::vector<Vector2d>& observations, double roc) {
   Landmark l;
   l.id = 1;
   l.label = Label::kTree;
-  const auto n = static_cast<double>(looks.size());
+  const auto n = static_cast<double>(observations.size());
   Vector2d mean(0, 0), sum(0, 0);
-  for (const Vector2d& p : looks) mean += p / n;
-  for (const Vector2d& p : looks) sum += (p - mean).cwiseProduct(p - mean);
-  l.num_observations = static_cast<int>(looks.size());
+  for (const Vector2d& p : observations) mean += p / n;
+  for (const Vector2d& p : observations) sum += (p - mean).cwiseProduct(p - mean);
+  l.num_observations = static_cast<int>(observations.size());
   l.x_m = mean.x();
   l.y_m = mean.y();
   l.se_x_m = std::sqrt(sum.x() / (n * (n - 1)));
@@ -43,7 +43,7 @@ MapAlignment aligned(const DrivenMap& a, const DrivenMap& b) {
   return alignment;
 }
 
-TEST(Merging, StatisticsAreThoseOfAllLooksTogether) {
+TEST(Merging, StatisticsAreThoseOfAllObservationsTogether) {
   Dice dice(1);
   std::vector<Vector2d> first, second, all;
   for (int i = 0; i < 5; ++i) first.push_back({2.0 + dice.normal(0.03), 1.0 + dice.normal(0.02)});

@@ -71,7 +71,7 @@ struct Drive {
   int first_alley = 0, last_alley = 10;
   double along_min_m = -3.0, along_max_m = 61.0;
   double reach_m = 5.5;
-  double rate = 0.6;  ///< that a look finds a tree in reach
+  double rate = 0.6;  ///< that an observation finds a tree in reach
   double position_sd_m = 0.03, width_sd_m = 0.006, bend_m = 0.05;
   geometry::Pose2 T_map_block;  ///< the drive's frame
 };
@@ -82,8 +82,8 @@ struct DrivenMap {
   std::vector<int> tree_of;  ///< index into the block, per landmark
 };
 
-/// Simulates by looks of its own: ten per second at 1 m/s, each tree in reach is found with a
-/// fixed chance unless a nearer trunk stands in the line of sight. A tree found three times or
+/// Simulates by observations of its own: ten per second at 1 m/s, each tree in reach is found with
+/// a fixed chance unless a nearer trunk stands in the line of sight. A tree found three times or
 /// more is mapped, with noise and a slow bend of the whole map.
 inline DrivenMap drive_through(Block& block, const Drive& drive, Dice& dice, int first_id = 1) {
   DrivenMap map;
@@ -132,7 +132,8 @@ inline DrivenMap drive_through(Block& block, const Drive& drive, Dice& dice, int
         if (std::abs(e.x() * d.y() - e.y() * d.x()) / range_m < 0.5 * o.width_m) hidden = true;
       }
       if (hidden) continue;
-      for (int look = 0; look < 5; ++look) num_seen[i] += dice.uniform(0, 1) < drive.rate;
+      for (int observation = 0; observation < 5; ++observation)
+        num_seen[i] += dice.uniform(0, 1) < drive.rate;
     }
   }
   int id = first_id;

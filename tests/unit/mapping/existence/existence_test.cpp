@@ -245,7 +245,7 @@ TEST(Existence, BeamsClearAWalkersWayWhileItWalks) {
   EXPECT_EQ(twice.landmarks(20).size(), 42u);
 }
 
-TEST(Existence, WhatWalksBesideTheRobotLeavesNothingThoughNoScanLooksThereAgain) {
+TEST(Existence, WhatWalksBesideTheRobotLeavesNothingThoughNoScanObservationsThereAgain) {
   // overtakes the robot slowly, one leg ahead of the other: no later scan looks behind
   const auto things_at = [](double time_s) {
     std::vector<Thing> things = two_rows();

@@ -154,9 +154,9 @@ TEST(LongThings, DiscsAlongTheMiddleLineCoverIt) {
   const auto places = middle_line(l);
   const Vector2d along(std::cos(0.7), std::sin(0.7)), across(-along.y(), along.x());
   for (double s_m = -4.2; s_m <= 4.2; s_m += 0.05) {
-    const Vector2d rim = Vector2d(2.0, 1.0) + s_m * along + 0.28 * across;
+    const Vector2d border = Vector2d(2.0, 1.0) + s_m * along + 0.28 * across;
     double nearest_m = 1e9;
-    for (const Vector2d& p : places) nearest_m = std::min(nearest_m, (p - rim).norm());
+    for (const Vector2d& p : places) nearest_m = std::min(nearest_m, (p - border).norm());
     EXPECT_LE(nearest_m, 0.3) << s_m;
   }
 }

@@ -81,7 +81,7 @@ TEST(Plan, AnotherOrchardIsRefused) {
   EXPECT_EQ(match.fit.verdict, AlignmentVerdict::kNone);
 }
 
-TEST(Plan, WhereTheDriveDidNotLookNothingIsMissing) {
+TEST(Plan, WhereTheDriveDidNotObservationNothingIsMissing) {
   Dice dice(10);
   Planting planting;
   planting.missing = 0.0;

@@ -8,7 +8,7 @@ namespace {
 
 using Indices = std::vector<std::int32_t>;
 
-TEST(IdKeeping, TheLargestShareOfObservationsDecides) {
+TEST(IdKeeping, TheLargestFractionOfObservationsDecides) {
   // new 0 has two observations of then 4 and one of then 2; new 1 has three of then 2
   EXPECT_EQ(keep_indices({4, 4, 2, 2, 2, 2}, {0, 0, 0, 1, 1, 1}, 2, 5), (Indices{4, 2}));
 }

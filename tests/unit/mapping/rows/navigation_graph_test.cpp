@@ -76,14 +76,14 @@ TEST(NavigationGraph, WhatStandsInAnAlleyNarrowsIt) {
   post.width_m = 0.4;
   p.landmarks.push_back(post);
   const NavigationGraph graph = navigation_graph(p.landmarks, p.rows);
-  // 2.5 m from the post's rim to those of the other row; a tenth for the steps of the search
+  // 2.5 m from the post's border to those of the other row; a tenth for the steps of the search
   EXPECT_GE(graph.edges[0].width_m, 2.4);
   EXPECT_LE(graph.edges[0].width_m, 2.6);
   EXPECT_NEAR(graph.edges[1].width_m, 3.8, 1e-9);
 }
 
-/// From a landmark's rim to a way [m].
-double rim_to_way_m(const Landmark& l, const NavigationEdge& way) {
+/// From a landmark's border to a way [m].
+double border_to_way_m(const Landmark& l, const NavigationEdge& way) {
   double nearest_m = 1e9;
   for (std::size_t i = 1; i < way.line_map.size(); ++i) {
     for (int k = 0; k <= 100; ++k) {  // by walking it, not by the formula under test
@@ -114,8 +114,8 @@ TEST(NavigationGraph, NoWayTouchesAnythingWhateverStandsAbout) {
     for (const NavigationEdge& way : navigation_graph(p.landmarks, p.rows).edges) {
       ++num_ways;
       for (const Landmark& l : p.landmarks) {
-        EXPECT_GE(rim_to_way_m(l, way), 0.5 * way.width_m - 1e-6) << "seed " << seed;
-        EXPECT_GE(rim_to_way_m(l, way), 0.3) << "seed " << seed;
+        EXPECT_GE(border_to_way_m(l, way), 0.5 * way.width_m - 1e-6) << "seed " << seed;
+        EXPECT_GE(border_to_way_m(l, way), 0.3) << "seed " << seed;
       }
     }
   }

@@ -29,12 +29,12 @@ struct Plan {
   int num_places = 25;
   double row_spacing_m = 4.0;
   double tree_spacing_m = 2.0;
-  double unequal = 0.12;  ///< steps differ from the spacing by up to this share
+  double unequal = 0.12;  ///< steps differ from the spacing by up to this fraction
   double bend_m = 0.0;    ///< radius of the middle row; 0 = straight
   double heading_rad = 0.3;
   double missing = 0.1;
   double noise_m = 0.03;
-  double post_share = 0.2;  ///< of the steps have a post halfway
+  double post_fraction = 0.2;  ///< of the steps have a post halfway
 };
 
 Planted plant(const Plan& plan, std::mt19937_64& random) {
@@ -79,7 +79,7 @@ Planted plant(const Plan& plan, std::mt19937_64& random) {
         block.numbers[add(along_m, across_m, Label::kTree)] = {row + 1, position + 1};
       }
       const double step_m = plan.tree_spacing_m * uniform(1.0 - plan.unequal, 1.0 + plan.unequal);
-      if (uniform(0, 1) < plan.post_share) add(along_m + 0.5 * step_m, across_m, Label::kObject);
+      if (uniform(0, 1) < plan.post_fraction) add(along_m + 0.5 * step_m, across_m, Label::kObject);
       along_m += step_m;
     }
   }
@@ -203,7 +203,7 @@ TEST(Rows, GapsStandWhereTreesAreMissing) {
   Plan plan;
   plan.num_rows = 3;
   plan.num_places = 12;
-  plan.unequal = plan.noise_m = plan.missing = plan.post_share = 0.0;
+  plan.unequal = plan.noise_m = plan.missing = plan.post_fraction = 0.0;
   plan.heading_rad = 0.0;
   std::mt19937_64 random(1);
   Planted block = plant(plan, random);
@@ -372,7 +372,7 @@ TEST(Rows, WhatStandsInLineByChanceIsNoRow) {
     plan.row_spacing_m = 4.3;
     plan.tree_spacing_m = 3.2;
     plan.heading_rad = 0.0;
-    plan.post_share = 0.0;
+    plan.post_fraction = 0.0;
     Planted block = plant(plan, random);
     const auto add = [&](int id, double x_m, double y_m) {
       Landmark l;

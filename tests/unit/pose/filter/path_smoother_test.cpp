@@ -41,7 +41,7 @@ TEST(PathSmoother, AGapIsFilledFromBothItsEnds) {
       position.by_receiver = true;
       smoother.add(odometry.utime, position, guess);
     }
-    smoother.look();
+    smoother.observe();
   }
   ASSERT_TRUE(smoother.take_correction());  // at the gap's end at the latest
   smoother.finish();

@@ -86,7 +86,7 @@ TEST(Submaps, SumUpTheirKeyframesObservations) {
 }
 
 TEST(Submaps, TheDerivativeByTheOdometryCalibrationIsKept) {
-  // speed and turn too large by a share each: the motion over a submap as with one long keyframe
+  // speed and turn too large by a fraction each: the motion over a submap as with one long keyframe
   SlamGraph graph;
   graph.calibrations.push_back(OdometryCalibration::Zero());
   RelativeMotion whole;

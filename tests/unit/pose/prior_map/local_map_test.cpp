@@ -26,8 +26,8 @@ std::vector<Eigen::Vector2d> trees() {
   return trees;
 }
 
-std::vector<Sighting> look(const std::vector<Eigen::Vector2d>& trees, const Eigen::Vector3d& T,
-                           double sd_m, simulation::Random& random) {
+std::vector<Sighting> observe(const std::vector<Eigen::Vector2d>& trees, const Eigen::Vector3d& T,
+                              double sd_m, simulation::Random& random) {
   std::vector<Sighting> sightings;
   for (const Eigen::Vector2d& tree : trees) {
     Sighting s;
@@ -60,7 +60,7 @@ struct Drive {
     }
   }
   void scan() {
-    const auto sightings = look(trees(), T, 0.02, random);
+    const auto sightings = observe(trees(), T, 0.02, random);
     field.learn(sightings);
     map.observe(sightings, field);
   }
@@ -149,7 +149,7 @@ TEST(LocalTrunkMap, WhatIsSeenOnceIsNoTrunk) {
   Sighting passer;
   passer.p_base = {2.0, 0.0};
   passer.covariance = 1e-4 * Eigen::Matrix2d::Identity();
-  auto sightings = look(trees(), run.T, 0.02, run.random);
+  auto sightings = observe(trees(), run.T, 0.02, run.random);
   sightings.push_back(passer);
   run.map.observe(sightings, run.field);
   EXPECT_EQ(run.map.trunks().size(), before);

@@ -115,7 +115,7 @@ TEST(PriorMapLocaliser, FindsItsPlaceFromNothing) {
   }
 }
 
-TEST(PriorMapLocaliser, RowsThatLookAlikeAreAmbiguousAndGiveNoPose) {
+TEST(PriorMapLocaliser, RowsThatObservationAlikeAreAmbiguousAndGiveNoPose) {
   PriorWorldOptions options = small();
   options.jitter_m = options.missing_fraction = options.width_sd_m = 0.0;
   const PriorWorld world = prior_world(1, options);

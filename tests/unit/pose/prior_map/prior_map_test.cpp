@@ -112,7 +112,7 @@ Sighting at(double x_m, double y_m, double width_m) {
   return s;
 }
 
-TEST(SightField, LearnsWhereTheScannerLooksAndHowFar) {
+TEST(SightField, LearnsWhereTheScannerObservationsAndHowFar) {
   SightField field(4.0);
   EXPECT_FALSE(field.covers({2.0, 0.0}));
   for (int i = 0; i < 20; ++i) field.learn({at(3.0, 0.1, 0.1)});

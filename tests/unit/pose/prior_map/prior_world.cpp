@@ -25,9 +25,9 @@ constexpr double kSweepS = 0.067;
 constexpr double kCarryS = 5.0;
 
 /// What a scan at T_map_base shows, in the order of its beams.
-detection::Detections look(const PriorWorld& world, const Eigen::Vector3d& T_map_base,
-                           double yaw_rate_radps, double speed_mps,
-                           const PriorDriveOptions& options, Random& noise) {
+detection::Detections observe(const PriorWorld& world, const Eigen::Vector3d& T_map_base,
+                              double yaw_rate_radps, double speed_mps,
+                              const PriorDriveOptions& options, Random& noise) {
   struct Shape {
     double bearing_rad, half_rad, range_m, width_m;
   };
@@ -195,7 +195,7 @@ void drive(const PriorWorld& world, const std::vector<Eigen::Vector3d>& way,
       if (!told(odometry, T, driven_m)) return false;
     }
     if (seq++ % kOdometryPerScan != 0) return true;
-    detection::Detections seen = look(world, T, yaw_rate_radps, speed_mps, options, scans);
+    detection::Detections seen = observe(world, T, yaw_rate_radps, speed_mps, options, scans);
     seen.utime = utime;
     seen.seq = seq / kOdometryPerScan;
     for (detection::Detection& trunk : seen.trunks) trunk.utime += utime;

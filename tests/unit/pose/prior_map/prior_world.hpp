@@ -36,7 +36,7 @@ PriorWorld prior_world(std::uint64_t seed, const PriorWorldOptions& options = {}
 std::vector<PriorLandmark> mapped(const PriorWorld& world, std::uint64_t seed, double sd_m = 0.04,
                                   double width_sd_m = 0.006);
 
-/// The block some time later: this share of its trees is gone, and as many stand elsewhere.
+/// The block some time later: this fraction of its trees is gone, and as many stand elsewhere.
 PriorWorld changed(const PriorWorld& world, std::uint64_t seed, double fraction);
 
 /// T_map_base along the way through all alleys, half a circle from each to the next, every 2 cm.

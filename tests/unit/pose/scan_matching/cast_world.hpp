@@ -42,8 +42,8 @@ struct CastWorld {
       const double determinant = direction.x() * -side.y() + side.x() * direction.y();
       if (std::abs(determinant) < 1e-12) continue;
       const double hit = (to.x() * -side.y() + side.x() * to.y()) / determinant;
-      const double share = (direction.x() * to.y() - direction.y() * to.x()) / determinant;
-      if (hit > 0.0 && share >= 0.0 && share <= 1.0) range = std::min(range, hit);
+      const double fraction = (direction.x() * to.y() - direction.y() * to.x()) / determinant;
+      if (hit > 0.0 && fraction >= 0.0 && fraction <= 1.0) range = std::min(range, hit);
     }
     return range;
   }

@@ -47,7 +47,7 @@ int count_elsewhere(const std::vector<TruthObject>& of, const std::vector<TruthO
   }));
 }
 
-TEST(OrchardChange, FellsAndPlantsTheShareAndLeavesTheRest) {
+TEST(OrchardChange, FellsAndPlantsTheFractionAndLeavesTheRest) {
   SimulationConfig config = block();
   const Scene before = scene_of(config, 5);
   const auto num_trees = std::count_if(before.truth.begin(), before.truth.end(), tree);

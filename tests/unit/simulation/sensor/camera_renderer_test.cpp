@@ -37,14 +37,14 @@ World white_cylinder(double x_m, double y_m, double radius_m) {
 /// between two columns [px].
 std::optional<double> edge_column(const Picture& with, const Picture& without, int v, int u_outside,
                                   int u_inside) {
-  const auto share = [&](int u) {
+  const auto fraction = [&](int u) {
     const std::size_t i = 3 * (static_cast<std::size_t>(v) * with.width_px + u);
     const double inside = 255.0 - without.bgr[i];
     return (with.bgr[i] - without.bgr[i]) / inside;
   };
   const int step = u_inside > u_outside ? 1 : -1;
   for (int u = u_outside; u != u_inside; u += step) {
-    const double a = share(u), b = share(u + step);
+    const double a = fraction(u), b = fraction(u + step);
     if (a < 0.5 && b >= 0.5) return u + step * (0.5 - a) / (b - a);
   }
   return std::nullopt;
@@ -135,12 +135,12 @@ TEST(Texture, BarkIsRestlessAlongTheTrunkFromSomeMetresAway) {
     double sum = 0.0;
     int n = 0;
     for (std::uint32_t seed = 1; seed <= 40; ++seed) {
-      Appearance look;
-      look.texture = texture;
-      look.texture_seed = seed;
+      Appearance appearance;
+      appearance.texture = texture;
+      appearance.texture_seed = seed;
       for (float height_m = 0.0f; height_m < 0.5f; height_m += 0.015f, ++n) {
         const auto green = [&](float h_m) {
-          return surface_colour(look, base, 0.3f, 0.06f, h_m, footprint_m).g;
+          return surface_colour(appearance, base, 0.3f, 0.06f, h_m, footprint_m).g;
         };
         sum += std::abs(std::log(green(height_m + 0.015f) / green(height_m)));
       }

@@ -69,7 +69,7 @@ TEST(Lighting, AutomaticExposureFollowsLateAndInPart) {
   EXPECT_NEAR(light_temperature_k(light, 60.0), 5500.0, 1e-9);
 }
 
-TEST(Lighting, SunAndSkyShareTheLight) {
+TEST(Lighting, SunAndSkyFractionTheLight) {
   LightConfig light;
   light.sun_fraction = 0.8;
   const Lighting lighting(light, {}, 0.0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Truth: the definitions of the processes (share of time, autocorrelation of a Gauss-Markov error,
-// lengths of gaps), over whole days.
+// Truth: the definitions of the processes (fraction of time, autocorrelation of a Gauss-Markov
+// error, lengths of gaps), over whole days.
 #include "simulation/sensor/receiver_sky.hpp"
 
 #include <gtest/gtest.h>
@@ -43,7 +43,7 @@ TEST(ReceiverSky, GapsLastAsLongAsConfigured) {
   }
 }
 
-TEST(ReceiverSky, BurstsAndPausesShareTheTime) {
+TEST(ReceiverSky, BurstsAndPausesFractionTheTime) {
   SkyConfig config;
   config.burst_s = 6.0;
   config.pause_s = 3.0;
@@ -70,7 +70,7 @@ TEST(ReceiverSky, WanderingErrorForgetsItselfInItsTime) {
   EXPECT_NEAR(later / variance, std::exp(-1.0), 0.08);
 }
 
-TEST(ReceiverSky, ReflectionsTakeTheirShareAndHoldTheirError) {
+TEST(ReceiverSky, ReflectionsTakeTheirFractionAndHoldTheirError) {
   SkyConfig config;
   config.multipath_fraction = 0.05;
   const ReceiverSky sky(9, config);

@@ -33,7 +33,7 @@ TEST(AreaGrid, IsTheMeanOverEachCellAsOpenCvHasIt) {
   EXPECT_LT(num_different, num_values / 500);
 }
 
-TEST(AreaGrid, AFractionOfAPixelCountsByItsShare) {
+TEST(AreaGrid, AFractionOfAPixelCountsByItsFraction) {
   // Three columns on two cells: the middle one belongs to both by halves.
   cv::Mat pixels(1, 3, CV_8UC3);
   pixels.at<cv::Vec3b>(0, 0) = {0, 30, 90};

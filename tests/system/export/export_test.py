@@ -135,7 +135,7 @@ class Export(unittest.TestCase):
             self.assertAlmostEqual(float(gaps[0]["X"]), wanted[0], 6, word)
             self.assertAlmostEqual(float(gaps[0]["Y"]), wanted[1], 6, word)
         for word in ("geojson", "csv", "flatgeobuf"):
-            self.assertIn("left out: path, rows, gaps", self.export(word, "--overwrite"))
+            self.assertIn("left out: extents, path, rows, gaps", self.export(word, "--overwrite"))
             said = json.loads(self.export(word, "--layer", "rows", "--json", "--overwrite"))
             self.assertEqual(said["layers"], {"rows": 2}, word)
             self.assertIn("landmarks", said["left_out"])

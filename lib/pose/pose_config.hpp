@@ -52,7 +52,7 @@ void describe(Visitor& v, PoseConfig& c) {
   v.choice("motion", c.motion, {"wheels", "scans"},
            "modes odometry, slam, prior_map: motion from ODOMETRY | from the scans");
   v.expert().number("reorder_window_s", c.reorder_window_s, 0, 10, "s",
-                    "message time that one channel may lag another");
+                    "message time that one channel may lag another; GNSS always half a second");
   v.number("fix_position_sd_m", c.fix_position_sd_m, 1e-6, 100, "m",
            "of a fix that states no covariance");
   v.number("fix_yaw_sd_rad", c.fix_yaw_sd_rad, 1e-6, 3.2, "rad",

@@ -91,7 +91,9 @@ void Fusion::add(const Odometry& odometry) {
   if (smoother_) {
     smoother_->add(motion_heard(), filter_.mean().head<3>());
     if (const auto pose = smoother_->observe()) {
-      if (const auto changes = smoother_->wheel_changes()) filter_.set_wheel_changes(*changes);
+      // where the gyro tells the turns, they say nothing of the wheels
+      const auto changes = smoother_->wheel_changes();
+      if (changes && !config_.fusion.use_imu) filter_.set_wheel_changes(*changes);
       filter_.adopt(pose->T_map_base, pose->covariance, pose->receiver_error_m);
     }
   }
@@ -222,12 +224,15 @@ void Fusion::place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covari
   is_placed_ = true;
 }
 
-void Fusion::smooth(const PositionSight& sight) {
+void Fusion::smooth(const PositionSight& sight, std::optional<double> yaw_rad, double yaw_sd_rad) {
   AbsolutePosition position;
   position.lever_base_m = sight.p_base_m;
   position.p_map = sight.p_map_m;
   position.covariance = sight.covariance;
   position.by_receiver = sight.by_receiver;
+  position.has_yaw = yaw_rad.has_value();
+  position.yaw_rad = yaw_rad.value_or(0.0);
+  position.yaw_sd_rad = yaw_sd_rad;
   smoother_->add(*utime_, position, filter_.mean().head<3>());
 }
 
@@ -275,7 +280,7 @@ void Fusion::add(const PoseFix& fix) {
   }
   if (!odometry_) return;
   take_position(sight);
-  smooth(sight);
+  smooth(sight, fix.has_yaw ? std::optional(fix.yaw_rad) : std::nullopt, std::sqrt(yaw_variance));
   if (is_placed_ && fix.has_yaw) filter_.correct_yaw(fix.yaw_rad, yaw_variance);
 }
 

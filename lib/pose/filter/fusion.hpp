@@ -46,7 +46,8 @@ class Fusion : public Localiser {
   bool is_left_out(const PositionSight& sight);
   void start(const LocalFrame& T_map_local);
   void place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance);
-  void smooth(const PositionSight& sight);
+  void smooth(const PositionSight& sight, std::optional<double> yaw_rad = std::nullopt,
+              double yaw_sd_rad = 1.0);
   Odometry motion_heard() const;
   void move_to(std::int64_t utime, double speed_mps, double yaw_rate_radps);
   void move_to(std::int64_t utime);

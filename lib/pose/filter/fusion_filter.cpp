@@ -32,6 +32,9 @@ constexpr double kNoiseTime_s = 0.1;
 
 /// A heading so unsure is lost: a chord turned by it is none any more [rad].
 constexpr double kLostYaw_rad = 1.0;
+/// Over a shorter way since the last fix a chord is still one, and the fix may tell the heading
+/// [m].
+constexpr double kLostArm_m = 10.0;
 
 enum Index {
   kX = 0,
@@ -159,11 +162,12 @@ void FusionFilter::adopt(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& 
 }
 
 void FusionFilter::forget_lost_heading() {
-  if (covariance_(kYaw, kYaw) < geometry::square(kLostYaw_rad)) return;
+  const double variance = covariance_(kYaw, kYaw);
+  if (variance < geometry::square(kLostYaw_rad)) return;
+  if (covariance_.block<2, 1>(kX, kYaw).norm() < kLostArm_m * variance) return;
   covariance_.topLeftCorner<2, 2>() +=
       covariance_.block<2, 1>(kX, kYaw).squaredNorm() * Eigen::Matrix2d::Identity();
-  const double yaw_variance =
-      std::min(covariance_(kYaw, kYaw), geometry::square(geometry::kPi) / 3.0);
+  const double yaw_variance = std::min(variance, geometry::square(geometry::kPi) / 3.0);
   covariance_.row(kYaw).setZero();
   covariance_.col(kYaw).setZero();
   covariance_(kYaw, kYaw) = yaw_variance;

@@ -148,14 +148,21 @@ bool PathSmoother::solve() {
   due_travel_m_.reset();
   SlamGraph before = graph_;
   // First without the robust loss: it keeps what lies far behind a gap where the filter had it.
-  if (!solve_graph(graph_, true, config_).solved) return false;
-  const FixesLeftOut out = left_out();
+  GraphSolution solution = solve_graph(graph_, true, config_);
+  if (!solution.solved) return false;
+  FixesLeftOut out = left_out();
+  if (out.num_left_out > kLeftOutMax * out.num_fixes) {  // gross fixes bent that start
+    graph_ = before;
+    solution = solve_graph(graph_, false, config_);
+    if (!solution.solved) return false;
+    out = left_out();
+  }
   if (out.num_left_out > kLeftOutMax * out.num_fixes) {
     graph_ = std::move(before);  // a way that most positions contradict is none
     return false;
   }
   corrected_ = true;
-  return true;
+  return solution.calibration_covariance.has_value();  // else it does not know how sure it is
 }
 
 std::optional<WheelChanges> PathSmoother::wheel_changes() const {

@@ -15,15 +15,9 @@ namespace {
 constexpr double kBeamLogOddsMax = 8.0;
 
 /// Scans that a new thing's place is looked up in: a minute's, at most.
-constexpr std::size_t kLooksBack = 240;
+constexpr std::size_t kObservationsMax = 240;
 
 using Eigen::Vector2d;
-
-/// The weight of a landmark in whether a scan's pose can be trusted is its number of observations,
-/// up to this.
-constexpr int kPoseWeightMax = 100;
-
-int pose_weight(const LandmarkRecord& r) { return std::min(r.num_all, kPoseWeightMax); }
 
 }  // namespace
 
@@ -63,7 +57,7 @@ ExistenceFilter::Evidence ExistenceFilter::evidence_of(const std::vector<std::in
     all.of_landmarks.push_back({id - 1, log_odds_of_return()});
   landmarks.near(laser_map, kBeamReach_m, [&](std::int32_t i, const LandmarkRecord& r) {
     if (r.last_scan == scan) {
-      all.for_pose += pose_weight(r);
+      all.for_pose += pose_weight(r.num_all);
       return;
     }
     const Vector2d p_map = r.association_position();
@@ -72,7 +66,7 @@ ExistenceFilter::Evidence ExistenceFilter::evidence_of(const std::vector<std::in
     const FreeSpaceAnswer answer = free_space.at(p_base, r.width_m, sd_m);
     if (answer.verdict == FreeSpaceVerdict::kUnknown) return;
     const bool passes = answer.verdict == FreeSpaceVerdict::kPassesThrough;
-    (passes ? all.against_pose : all.for_pose) += pose_weight(r);
+    (passes ? all.against_pose : all.for_pose) += pose_weight(r.num_all);
     all.of_landmarks.push_back({i, log_odds_of(answer)});
   });
   return all;
@@ -90,7 +84,7 @@ void ExistenceFilter::update(const std::shared_ptr<const FreeSpace>& free_space,
   const Evidence all = evidence_of(update.changed_ids, T_map_base, *free_space, landmarks);
   if (all.against_pose > all.for_pose) return;
   observations_.push_back({T_map_base, free_space});
-  if (observations_.size() > kLooksBack) observations_.pop_front();
+  if (observations_.size() > kObservationsMax) observations_.pop_front();
   std::vector<std::int32_t> gone;
   for (const Evidence::OfLandmark& evidence : all.of_landmarks) {
     landmarks.change(evidence.index, [&](LandmarkRecord& r) {

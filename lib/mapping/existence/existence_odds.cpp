@@ -16,6 +16,10 @@ constexpr double kPassRateGone = 0.7;
 /// Beams across a thing from which on their evidence counts in full.
 constexpr int kFullBeams = 6;
 
+/// The weight of a landmark in whether a scan's pose can be trusted is its number of observations,
+/// up to this.
+constexpr int kPoseWeightMax = 100;
+
 }  // namespace
 
 double log_odds_of_return() { return std::log((1.0 - kPassRate) / (1.0 - kPassRateGone)); }
@@ -34,5 +38,7 @@ double log_odds_of(const FreeSpaceAnswer& answer, BeamWeight weight) {
   }
   return 0.0;
 }
+
+int pose_weight(int num_observations) { return std::min(num_observations, kPoseWeightMax); }
 
 }  // namespace orchard::mapping

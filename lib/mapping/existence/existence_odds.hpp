@@ -20,4 +20,8 @@ enum class BeamWeight {
 /// Log odds that something stands at a place of which a scan says this.
 double log_odds_of(const FreeSpaceAnswer& answer, BeamWeight weight = BeamWeight::kByNumber);
 
+/// What a landmark that was observed so often says of a scan's pose by being found or missed: a
+/// scan that misses more than it finds lies elsewhere, and is no evidence.
+int pose_weight(int num_observations);
+
 }  // namespace orchard::mapping

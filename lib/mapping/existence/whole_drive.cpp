@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
+#include <map>
 
 #include "geometry/pose2.hpp"
 #include "mapping/candidate.hpp"
@@ -21,8 +21,50 @@ constexpr double kStrayFraction = 0.1;
 /// Wider things than this are no trunks and posts [m]: others may stand within their extent.
 constexpr double kCompactMax_m = 1.5;
 
+double place_doubt_m(const pose::PoseEstimate& pose, const LandmarkRecord& r) {
+  return std::hypot(sd_at(pose, r.association_position()), std::sqrt(std::max(0.0f, r.scatter_m2)));
+}
+
+/// Which scans find what else is mapped around them: the pose of one that misses more is wrong.
+class TrustedScans {
+ public:
+  explicit TrustedScans(const MapState& map) : map_(map) {}
+
+  bool holds(std::int32_t scan, const FreeSpace& beams) {
+    const auto [at, is_new] = is_trusted_.try_emplace(scan, false);
+    if (is_new) at->second = finds_more_than_it_misses(map_.observations.pose(scan), beams);
+    return at->second;
+  }
+
+ private:
+  bool finds_more_than_it_misses(const pose::PoseEstimate& pose, const FreeSpace& beams) const {
+    const geometry::Pose2 T_map_base{pose.x_m, pose.y_m, pose.yaw_rad};
+    int balance = 0;
+    map_.landmarks.near({pose.x_m, pose.y_m}, kBeamReach_m,
+                        [&](std::int32_t, const LandmarkRecord& r) {
+                          const Eigen::Vector2d p_base =
+                              geometry::transform_back(T_map_base, r.association_position());
+                          switch (beams.at(p_base, r.width_m, place_doubt_m(pose, r)).verdict) {
+                            case FreeSpaceVerdict::kReturns:
+                              balance += pose_weight(r.num_all);
+                              break;
+                            case FreeSpaceVerdict::kPassesThrough:
+                              balance -= pose_weight(r.num_all);
+                              break;
+                            case FreeSpaceVerdict::kUnknown:
+                              break;
+                          }
+                        });
+    return balance >= 0;
+  }
+
+  const MapState& map_;
+  std::map<std::int32_t, bool> is_trusted_;
+};
+
 /// Log odds that a landmark stands there, by every scan with a view of its place.
-double log_odds_of_drive(const MapState& map, const LandmarkRecord& r, SeenGround& ground) {
+double log_odds_of_drive(const MapState& map, const LandmarkRecord& r, TrustedScans& trusted,
+                         SeenGround& ground) {
   std::vector<std::int32_t> seen_in;
   for (const std::int32_t k :
        map.observations.newest_of(r.last_observation, kStrayObservationsMax)) {
@@ -37,14 +79,14 @@ double log_odds_of_drive(const MapState& map, const LandmarkRecord& r, SeenGroun
       ++num_seen;
       return true;
     }
+    if (!trusted.holds(scan, beams)) return true;
     const pose::PoseEstimate& pose = map.observations.pose(scan);
     const Eigen::Vector2d p_base =
         geometry::transform_back(geometry::Pose2{pose.x_m, pose.y_m, pose.yaw_rad}, p_map);
-    const double sd_m = std::hypot(sd_at(pose, p_map), std::sqrt(std::max(0.0f, r.scatter_m2)));
-    log_odds += log_odds_of(beams.at(p_base, r.width_m, sd_m), BeamWeight::kFull);
+    log_odds += log_odds_of(beams.at(p_base, r.width_m, place_doubt_m(pose, r)), BeamWeight::kFull);
     return true;
   });
-  // its first observation may be of a scan from where the one before was
+  // SeenGround keeps one scan of those from one place: the first observation counts all the same
   return log_odds + std::max(1, num_seen) * log_odds_of_return();
 }
 
@@ -57,13 +99,14 @@ double place_sd_m(const LandmarkRecord& r) {
 bool is_within_another(const MapState& map, std::int32_t index) {
   const LandmarkRecord& r = map.landmarks[index];
   if (r.is_clump) return false;
-  const bool is_tree = label_of(r, map.config) == detection::Label::kTree;
+  const bool may_be_tree = label_of(r, map.config) != detection::Label::kObject;
   bool is_within = false;
   map.landmarks.near(r.association_position(), 0.5 * (r.width_m + kCompactMax_m),
                      [&](std::int32_t i, const LandmarkRecord& other) {
                        if (i == index || other.is_clump || other.width_m > kCompactMax_m) return;
+                       if (other.num_all < kStrayObservationsMax) return;  // may be a stray itself
                        if (r.num_all >= kStrayFraction * other.num_all) return;
-                       if (is_tree && label_of(other, map.config) != detection::Label::kTree)
+                       if (may_be_tree && label_of(other, map.config) != detection::Label::kTree)
                          return;
                        const double apart_m =
                            (other.association_position() - r.association_position()).norm();
@@ -77,10 +120,11 @@ bool is_within_another(const MapState& map, std::int32_t index) {
 
 std::vector<std::int32_t> stray_landmarks(const MapState& map, SeenGround& ground) {
   std::vector<std::int32_t> strays;
+  TrustedScans trusted(map);
   for (std::int32_t i = 0; i < map.landmarks.num_indices(); ++i) {
     const LandmarkRecord& r = map.landmarks[i];
     if (r.is_removed || r.num_all >= kStrayObservationsMax) continue;
-    if (is_within_another(map, i) || log_odds_of_drive(map, r, ground) < kLogOddsGone) {
+    if (is_within_another(map, i) || log_odds_of_drive(map, r, trusted, ground) < kLogOddsGone) {
       strays.push_back(i);
     }
   }

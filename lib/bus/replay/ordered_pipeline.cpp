@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bus/replay/ordered_pipeline.hpp"
 
+#include <algorithm>
 #include <condition_variable>
 #include <cstdint>
 #include <exception>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <system_error>
@@ -63,7 +65,7 @@ class OrderedPipeline {
     Slot& slot = slot_of(batch);
     const PipelineStage& stage = stages_[slot.stage];
     slot.is_busy = true;
-    if (!slot.error) {
+    if (!slot.error && batch < first_bad_) {  // what follows a failure is never passed on
       lock.unlock();
       std::exception_ptr error;
       try {
@@ -73,6 +75,7 @@ class OrderedPipeline {
       }
       lock.lock();
       slot.error = error;
+      if (error) first_bad_ = std::min(first_bad_, batch);
     }
     slot.is_busy = false;
     if (stage.in_order) ++next_of_stage_[slot.stage];
@@ -122,6 +125,8 @@ class OrderedPipeline {
   std::uint64_t num_filled_ = 0;  ///< batches so far
   bool is_filling_ = false;
   bool is_ended_ = false;  ///< no batch follows
+  /// The earliest batch known to have thrown.
+  std::uint64_t first_bad_ = std::numeric_limits<std::uint64_t>::max();
   std::exception_ptr error_;
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "viewer/live_page.hpp"
 
+#include <algorithm>
+
 #include "mapping/rows/navigation_graph.hpp"
 #include "mapping/rows/rows.hpp"
 #include "view/map_data.hpp"
@@ -35,6 +37,7 @@ std::optional<PageAnswer> LivePage::get(const std::string& name, const Parameter
 }
 
 PageAnswer LivePage::edit(const std::string& json) {
+  const std::lock_guard<std::mutex> lock(edit_mutex_);  // two at once are shown in their order
   io::StoredMap map;
   map.name = "the map so far";
   map.landmarks = box_.landmarks();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <string>
 
 #include "viewer/live_box.hpp"
@@ -28,6 +29,7 @@ class LivePage : public PageContent {
  private:
   LiveBox& box_;
   MapEditor* editor_;
+  std::mutex edit_mutex_;
   std::string page_;
 };
 

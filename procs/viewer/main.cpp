@@ -11,13 +11,15 @@ int main(int argc, char** argv) {
       "Serves a page on which a browser shows the drive as it goes: the growing map, the robot, "
       "the "
       "scan, the camera's picture, how each process is.\n"
-      "Listens to SCAN, IMAGE, DETECTIONS, POSE, TRAJECTORY, MAP and STATUS; changes nothing.";
+      "Listens to SCAN, IMAGE, DETECTIONS, POSE, TRAJECTORY, MAP and STATUS; only with --edit "
+      "anything is written.";
   info.options.push_back({"--listen", "ADDRESS:PORT",
                           "where the page is (127.0.0.1:8420, or the next port that is free)",
                           &options.listen});
-  info.options.push_back({"--token-file", "FILE",
-                          "whose first line lets other hosts look on: http://...?token=TOKEN",
-                          &options.token_file});
+  info.options.push_back(
+      {"--token-file", "FILE",
+       "whose first line lets other hosts look on (and edit, with --edit): http://...?token=TOKEN",
+       &options.token_file});
   info.options.push_back({"--folder", "DIR",
                           "of the map or recording: how much of its disk is left",
                           &options.folder});

@@ -174,7 +174,9 @@ void PageServer::Impl::set_up() {
   server.set_payload_max_length(kEditMax_bytes);
   server.set_read_timeout(std::chrono::seconds(3));
   server.set_write_timeout(std::chrono::seconds(3));
-  server.set_keep_alive_timeout(2);
+  // One request per connection: the body of one that is refused is not read, and on a connection
+  // that stays open it would be taken for the next request, with any headers that it likes.
+  server.set_keep_alive_max_count(1);
   server.set_socket_options([](socket_t socket) {
     const int yes = 1;
     setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));

@@ -49,6 +49,10 @@ void RowSurvey::run() {
       mapping::number_landmarks(rows, landmarks);
     }
     const std::vector<mapping::Landmark> numbered = landmarks;
+    // What people said meanwhile holds too: else the page would lose it until the next survey.
+    if (editor_ != nullptr) {
+      if (auto newest = editor_->if_changed()) corrections_ = std::move(*newest);
+    }
     if (!corrections_.empty()) {
       io::StoredMap mapped;
       mapped.landmarks = std::move(landmarks);

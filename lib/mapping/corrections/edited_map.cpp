@@ -2,6 +2,7 @@
 #include "mapping/corrections/edited_map.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <utility>
 
@@ -90,6 +91,10 @@ class EditReader {
     if ((e.p_map - Vector2d(was.x_m, was.y_m)).norm() > kEditedPlace_m) {
       about(CorrectionKind::kMove, now).places_map = {e.p_map};
       now.x_m = e.p_map.x(), now.y_m = e.p_map.y();
+    }
+    if (e.width_m > 0.0 && std::abs(e.width_m - was.width_m) > kEditedWidth_m) {
+      result_.left_out.push_back(std::to_string(e.id) +
+                                 ": a width is measured, and stays as it was");
     }
     take_number(now, {was.row, was.position}, e);
     take_note(now, note_of(before_, e.id), e);

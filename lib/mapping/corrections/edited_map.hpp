@@ -44,6 +44,9 @@ struct EditedMapCorrections {
 /// Two places nearer than this are one: programs keep degrees to seven decimals [m].
 inline constexpr double kEditedPlace_m = 0.01;
 
+/// A width that differs by less is the same, as files round it [m].
+inline constexpr double kEditedWidth_m = 0.001;
+
 /// The corrections that make `edited` of `before`, the map as it was given away: deleted, added,
 /// moved, classes, numbers, notes, names of rows. `next_id` is free in the map as it is now.
 EditedMapCorrections corrections_of(const CorrectedMap& before, const EditedMap& edited,

@@ -48,11 +48,11 @@ class Editor {
         (other) => this.send({ what: "merge", trees: [id, String(other)] }))),
       this.action("split", "Two things", () => this.pickPlaces(2, "Click where the one stands, then the other.",
         (places) => this.send({ what: "split", trees: [id], places_m: places }))),
-      this.action("renumber", "Number", () => this.forms.ask(`Row and number of ${id}`,
+      this.action("renumber", "Number", () => this.ask(`Row and number of ${id}`,
         [{ name: "row", label: "Row", value: columns.row[i] || "" },
           { name: "position", label: "Tree", type: "number", value: columns.position[i] || "" }],
         ({ row, position }) => this.send({ what: "renumber", trees: [id], row, position: Number(position) }))),
-      this.action("note", "Note", () => this.forms.ask(`Note on ${id}`, [{ name: "note", label: "Words" }],
+      this.action("note", "Note", () => this.ask(`Note on ${id}`, [{ name: "note", label: "Words" }],
         ({ note }) => this.send({ what: "note", trees: [id], note }))),
     ];
   }
@@ -62,8 +62,14 @@ class Editor {
   }
 
   renameRow(row) {
-    this.forms.ask(`Name of row ${row.number}`, [{ name: "name", label: "Name", value: this.app.model.rowName(row.number) }],
+    this.ask(`Name of row ${row.number}`, [{ name: "name", label: "Name", value: this.app.model.rowName(row.number) }],
       ({ name }) => this.send({ what: "row", row: String(row.number), name }));
+  }
+
+  // A question ends what was being picked.
+  ask(...question) {
+    this.stopPicking();
+    this.forms.ask(...question);
   }
 
   pickPlaces(count, words, done) { this.startPicking({ count, done, places: [] }, words); }
@@ -101,11 +107,12 @@ class Editor {
   }
 
   async send(edit) {
+    this.stopPicking();
     this.say("…", false);
     try {
       const answer = await fetch("api/edit", { method: "POST", headers: { "Content-Type": "application/json" },
         body: JSON.stringify({ ...edit, who: this.who.value.trim() }) });
-      const told = await answer.json();
+      const told = await answer.json().catch(() => ({ problem: `Nothing was kept: the viewer refuses it (${answer.status}).` }));
       this.say(told.words || told.problem, !answer.ok);
     } catch (error) {
       this.say("Nothing was kept: the viewer does not answer.", true);

@@ -35,7 +35,7 @@ int go_on_as_calibrate() {
   const std::string program = (self.parent_path() / "orchard-calibrate").string();
   std::string words = own_command_line();
   std::vector<char*> arguments;
-  for (std::size_t begin = 0; begin < words.size(); begin = words.find('\0', begin) + 1) {
+  for (std::size_t begin = 0, end; (end = words.find('\0', begin)) != words.npos; begin = end + 1) {
     arguments.push_back(&words[begin]);
   }
   arguments.push_back(nullptr);

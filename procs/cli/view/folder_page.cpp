@@ -39,8 +39,8 @@ FolderPage::FolderPage(const std::string& folder, bool can_edit)
   title_ = printable_text(path.filename().string());
   boot_ = std::to_string(std::random_device()());
   io::StoredMap mapped = io::read_stored_map(folder);
+  editor_.if_changed();  // before reading: what is written in between is news
   auto corrections = io::read_corrected_map(folder).corrections;
-  editor_.if_changed();
   map_ = io::corrected_map_of(std::move(mapped), std::move(corrections));
   for (const mapping::Landmark& l : map_.mapped.landmarks) {
     std::error_code error;
@@ -131,9 +131,9 @@ PageAnswer FolderPage::edit(const std::string& json) {
 }
 
 void FolderPage::look_for_corrections() {
+  const std::lock_guard<std::mutex> lock(mutex_);  // before reading: an edit between would be lost
   auto others = editor_.if_changed();
   if (!others) return;
-  const std::lock_guard<std::mutex> lock(mutex_);
   const auto last = [](const std::vector<mapping::Correction>& list) {
     return list.empty() ? 0 : list.back().number;
   };

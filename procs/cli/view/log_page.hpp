@@ -22,7 +22,8 @@ namespace orchard::cli {
 /// file without a name in the folder for temporary ones.
 class LogPage : public procs::PageContent {
  public:
-  /// Begins to map. Throws io::FileError for a log that cannot be read or holds no scans.
+  /// Begins to map. Throws io::FileError when the log or the temporary folder cannot be opened;
+  /// what else goes wrong, outcome() says.
   LogPage(const io::LogPaths& logs, const io::Config& config, const std::string& version);
   ~LogPage() override;
 

@@ -23,7 +23,7 @@ extern char** environ;
 namespace orchard::cli {
 namespace {
 
-constexpr int kObservation_ms = 500;  ///< for what others have written beside the map
+constexpr int kRefresh_ms = 500;  ///< for what others have written beside the map
 
 /// The user's browser, if there is one; whoever is not there is not missed.
 void open_in_browser(const std::string& url) {
@@ -80,19 +80,20 @@ int run_view(const ViewOptions& options) {
               server.token.empty() ? "" : "?token=...", options.edit ? " (edits are kept)" : "");
   std::fflush(stdout);
   if (options.open) open_in_browser(page.url());
-  bool is_told = false;
+  bool is_told = false, has_failed = false;
   while (!stop.raised()) {
-    stop.wait(-1, kObservation_ms);
+    stop.wait(-1, kRefresh_ms);
     while (::waitpid(-1, nullptr, WNOHANG) > 0) {  // the browser's starter
     }
     if (folder) folder->look_for_corrections();
     if (log && !is_told && !log->outcome().empty()) {
       is_told = true;
       const std::string outcome = log->outcome();
-      if (outcome != "ok") std::fprintf(stderr, "orchard view: %s\n", outcome.c_str());
+      has_failed = outcome != "ok";
+      if (has_failed) std::fprintf(stderr, "orchard view: %s\n", outcome.c_str());
     }
   }
-  return bus::kExitOk;
+  return has_failed ? bus::kExitInput : bus::kExitOk;
 }
 
 }  // namespace orchard::cli

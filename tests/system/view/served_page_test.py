@@ -10,6 +10,7 @@ import json
 import os
 import re
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -196,6 +197,29 @@ def check_edits(page, other, served, landmarks, width, editing):
     assert who == {"Ana", "somebody"}, who
 
 
+def smuggle_an_edit(served):
+    """A request within the body of a refused one, as another site's page can send it."""
+    add = json.dumps({"what": "add", "places_m": [[50, 50]]})
+    inner = (f"POST /api/edit HTTP/1.1\r\nHost: 127.0.0.1:{served.port}\r\nContent-Type: application/json\r\n"
+             f"Content-Length: {len(add)}\r\n\r\n{add}").encode()
+    # with the head in one piece and padded so that the body begins where the server reads again
+    head = (f"POST /api/edit HTTP/1.1\r\nHost: 127.0.0.1:{served.port}\r\nOrigin: http://evil.example\r\n"
+            f"Content-Type: text/plain\r\nContent-Length: {len(inner)}\r\nX-Padding: ").encode()
+    head += b"x" * (4096 - len(head) - 4) + b"\r\n\r\n"
+    with socket.create_connection(("127.0.0.1", served.port), timeout=10) as wire:
+        wire.sendall(head + inner)
+        answer = b""
+        try:
+            while True:
+                piece = wire.recv(65536)
+                if not piece:
+                    break
+                answer += piece
+        except OSError:
+            pass  # reset by a server that has closed
+    assert answer.count(b"HTTP/1.1 ") <= 1 and b" 200 " not in answer, answer
+
+
 def check_refusals(bin_folder, folder):
     """Without --edit nothing is kept; with it, nothing from elsewhere."""
     corrections = folder + "/corrections.jsonl"
@@ -216,6 +240,7 @@ def check_refusals(bin_folder, folder):
                     {"what": "add", "places_m": [[1e300, 0]]}, {"what": "note", "trees": ["1"], "note": "a\nb"},
                     {"what": "note", "trees": ["1"], "note": "x" * 5000}, {"what": "undo", "of": -1}, {"what": "class", "trees": [1]}):
             assert served.edit(**bad)[0] in (400, 409), bad
+        smuggle_an_edit(served)
     assert not os.path.exists(corrections)
     print("ok: refusals")
 

@@ -18,9 +18,6 @@ constexpr double kMinStep_spacings = 0.3;
 /// A step sideways costs more than one along: the next tree is ahead.
 constexpr double kCostBeside = 3.0;
 
-/// A row does not turn by more than this (cosine of 30 degrees) from one tree to the next.
-constexpr double kTurnMax_cos = 0.866;
-
 struct Step {
   double along_m = 0.0;   ///< positive ahead
   double beside_m = 0.0;  ///< positive to the left

@@ -7,6 +7,9 @@
 
 namespace orchard::mapping {
 
+/// A row does not turn by more than this (cosine of 30 degrees) from one tree to the next.
+inline constexpr double kTurnMax_cos = 0.866;
+
 /// Indices of the trees of a row, in order along its direction.
 using RowChain = std::vector<std::int32_t>;
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "geometry/statistics.hpp"
@@ -40,15 +41,21 @@ double step_cost(double spacings) {
 
 /// The direction of the row where chain a ends and b begins, and how far beside each other they lie
 /// there: the last few of the one and the first few of the other, so that no single one tells.
-std::pair<Vector2d, double> across(const std::vector<Vector2d>& p_map, const RowDirections& rows,
-                                   const RowChain& a, const RowChain& b) {
+/// None where the two turn away from each other.
+std::optional<std::pair<Vector2d, double>> across(const std::vector<Vector2d>& p_map,
+                                                  const RowDirections& rows, const RowChain& a,
+                                                  const RowChain& b) {
   const RowChain last(a.end() - static_cast<std::ptrdiff_t>(std::min(kFew, a.size())), a.end());
   const RowChain first(b.begin(),
                        b.begin() + static_cast<std::ptrdiff_t>(std::min(kFew, b.size())));
-  Vector2d u(0.0, 0.0);
-  for (const std::int32_t i : last) u += rows.directions[index(i)];
-  for (const std::int32_t i : first) u += rows.directions[index(i)];
-  u.normalize();
+  const auto direction_of = [&](const RowChain& few) {
+    Vector2d sum(0.0, 0.0);
+    for (const std::int32_t i : few) sum += rows.directions[index(i)];
+    return sum;
+  };
+  const Vector2d u_last = direction_of(last), u_first = direction_of(first);
+  if (u_last.dot(u_first) < kTurnMax_cos * u_last.norm() * u_first.norm()) return std::nullopt;
+  const Vector2d u = (u_last + u_first).normalized();
   const auto beside_m = [&](const RowChain& few) {
     std::vector<double> all_m;
     for (const std::int32_t i : few) {
@@ -56,7 +63,7 @@ std::pair<Vector2d, double> across(const std::vector<Vector2d>& p_map, const Row
     }
     return geometry::median(std::move(all_m));
   };
-  return {u, std::abs(beside_m(last) - beside_m(first))};
+  return std::make_pair(u, std::abs(beside_m(last) - beside_m(first)));
 }
 
 /// Distance of trees in their rows [m] where stems, bushes and hedges stand among them: those make
@@ -180,11 +187,11 @@ void mend_chains(const std::vector<Vector2d>& p_map, const RowDirections& rows,
       for (const std::int32_t k : around.within(end, kMend_spacings * rows.spacing_m)) {
         const std::size_t b = chain_of[index(k)];
         if (b == a || chains[b].empty()) continue;
-        const auto [u, beside_m] = across(p_map, rows, chains[a], chains[b]);
-        if (beside_m > kMendBeside_spacings * rows.spacing_m) continue;
+        const auto side = across(p_map, rows, chains[a], chains[b]);
+        if (!side || side->second > kMendBeside_spacings * rows.spacing_m) continue;
         chains[a].insert(chains[a].end(), chains[b].begin(), chains[b].end());
         chains[b].clear();
-        const Vector2d along = u;
+        const Vector2d along = side->first;
         std::stable_sort(chains[a].begin(), chains[a].end(), [&](std::int32_t i, std::int32_t j) {
           return along.dot(p_map[index(i)]) < along.dot(p_map[index(j)]);
         });

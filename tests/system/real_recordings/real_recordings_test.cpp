@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <string>
 #include <vector>
@@ -67,6 +69,25 @@ int num_rows_of(const std::vector<mapping::Landmark>& map, int num_trees) {
                                         [&](const auto& row) { return row.second >= num_trees; }));
 }
 
+/// The sharpest turn between a row as a whole and the way from one of its trees to the next [rad].
+double sharpest_turn_rad(const std::vector<mapping::Landmark>& map) {
+  std::map<int, std::map<int, Eigen::Vector2d>> rows;
+  for (const auto& l : map) {
+    if (l.row > 0 && l.position > 0) rows[l.row][l.position] = {l.x_m, l.y_m};
+  }
+  double sharpest_rad = 0.0;
+  for (const auto& [number, places] : rows) {
+    const Eigen::Vector2d chord = places.rbegin()->second - places.begin()->second;
+    for (auto at = places.begin(), next = std::next(at); next != places.end(); ++at, ++next) {
+      const Eigen::Vector2d step = next->second - at->second;
+      sharpest_rad = std::max(
+          sharpest_rad,
+          std::acos(std::clamp(step.dot(chord) / (step.norm() * chord.norm()), -1.0, 1.0)));
+    }
+  }
+  return sharpest_rad;
+}
+
 TEST_F(RealRecording, PullallysClearTreesAreOneLandmarkEach) {
   const std::string name = "pullally_drive_1";
   if (!is_here(name)) GTEST_SKIP() << "the recording " << name << " is not here";
@@ -80,6 +101,7 @@ TEST_F(RealRecording, PullallysClearTreesAreOneLandmarkEach) {
   EXPECT_EQ(comparison.num_with(1), static_cast<int>(trees.size()));
   EXPECT_EQ(comparison.num_doubled(), 0);
   EXPECT_EQ(num_rows_of(map, 8), 5);
+  EXPECT_LT(sharpest_turn_rad(map), 0.5) << "a row is straight, give or take a bend";
   EXPECT_LE(comparison.median_distance_m(), 0.1);
   const MappedDrive drive{map, path_of_map()};
   const TreeScatter scatter = tree_scatter(recording, drive, trees);

@@ -28,7 +28,7 @@ constexpr double kPathStep_m = 0.05;
 /// A path is kept anew when it was corrected; after each so many only half as often.
 constexpr std::size_t kPathsPerStride = 100;
 
-bool observations_same(const Landmark& a, const Landmark& b) {
+bool are_shown_alike(const Landmark& a, const Landmark& b) {
   return a.label == b.label && std::abs(a.x_m - b.x_m) < kSeen_m &&
          std::abs(a.y_m - b.y_m) < kSeen_m && std::abs(a.width_m - b.width_m) < kSeen_m &&
          std::abs(a.probability - b.probability) < kSeenProbability && a.row == b.row &&
@@ -97,7 +97,7 @@ void DriveRecord::finish(const std::vector<Landmark>& landmarks) {
 
 void DriveRecord::put(std::size_t step, const Landmark& landmark, bool exactly) {
   const auto found = shown_.find(landmark.id);
-  if (found != shown_.end() && !exactly && observations_same(found->second, landmark)) return;
+  if (found != shown_.end() && !exactly && are_shown_alike(found->second, landmark)) return;
   shown_[landmark.id] = landmark;
   if (!changes_.empty()) step = std::max(step, changes_.back().step);
   changes_.push_back({step, false, landmark});

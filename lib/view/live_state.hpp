@@ -52,7 +52,7 @@ class LiveState {
   void take_rows(const std::vector<mapping::Landmark>& numbered, std::string rows_and_ways);
 
   /// The map as people corrected it, from now on in the place of what MAP says; `event` is a whole
-  /// event of kind "corrections" (corrections_json()).
+  /// event of kind "corrections" (procs::corrections_event()).
   void take_corrected(const std::vector<mapping::Landmark>& corrected, std::string event);
 
   /// A whole event of kind "status", which the caller has made.

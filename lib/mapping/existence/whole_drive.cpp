@@ -21,7 +21,8 @@ constexpr double kStrayFraction = 0.1;
 /// Wider things than this are no trunks and posts [m]: others may stand within their extent.
 constexpr double kCompactMax_m = 1.5;
 
-double place_doubt_m(const pose::PoseEstimate& pose, const LandmarkRecord& r) {
+/// How far a landmark may lie from where a scan of this pose should see it, one sigma [m].
+double view_sd_m(const pose::PoseEstimate& pose, const LandmarkRecord& r) {
   return std::hypot(sd_at(pose, r.association_position()), std::sqrt(std::max(0.0f, r.scatter_m2)));
 }
 
@@ -40,21 +41,13 @@ class TrustedScans {
   bool finds_more_than_it_misses(const pose::PoseEstimate& pose, const FreeSpace& beams) const {
     const geometry::Pose2 T_map_base{pose.x_m, pose.y_m, pose.yaw_rad};
     int balance = 0;
-    map_.landmarks.near({pose.x_m, pose.y_m}, kBeamReach_m,
-                        [&](std::int32_t, const LandmarkRecord& r) {
-                          const Eigen::Vector2d p_base =
-                              geometry::transform_back(T_map_base, r.association_position());
-                          switch (beams.at(p_base, r.width_m, place_doubt_m(pose, r)).verdict) {
-                            case FreeSpaceVerdict::kReturns:
-                              balance += pose_weight(r.num_all);
-                              break;
-                            case FreeSpaceVerdict::kPassesThrough:
-                              balance -= pose_weight(r.num_all);
-                              break;
-                            case FreeSpaceVerdict::kUnknown:
-                              break;
-                          }
-                        });
+    const auto weigh = [&](std::int32_t, const LandmarkRecord& r) {
+      const Eigen::Vector2d p_base = geometry::transform_back(T_map_base, r.association_position());
+      const FreeSpaceAnswer answer = beams.at(p_base, r.width_m, view_sd_m(pose, r));
+      if (answer.verdict == FreeSpaceVerdict::kReturns) balance += pose_weight(r.num_all);
+      if (answer.verdict == FreeSpaceVerdict::kPassesThrough) balance -= pose_weight(r.num_all);
+    };
+    map_.landmarks.near({pose.x_m, pose.y_m}, kBeamReach_m, weigh);
     return balance >= 0;
   }
 
@@ -83,7 +76,7 @@ double log_odds_of_drive(const MapState& map, const LandmarkRecord& r, TrustedSc
     const pose::PoseEstimate& pose = map.observations.pose(scan);
     const Eigen::Vector2d p_base =
         geometry::transform_back(geometry::Pose2{pose.x_m, pose.y_m, pose.yaw_rad}, p_map);
-    log_odds += log_odds_of(beams.at(p_base, r.width_m, place_doubt_m(pose, r)), BeamWeight::kFull);
+    log_odds += log_odds_of(beams.at(p_base, r.width_m, view_sd_m(pose, r)), BeamWeight::kFull);
     return true;
   });
   // SeenGround keeps one scan of those from one place: the first observation counts all the same

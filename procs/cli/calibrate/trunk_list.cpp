@@ -62,7 +62,8 @@ void write_trunk_list(const std::string& folder, const calibration::TrunkModel& 
       "<h1>Things seen</h1>\n<p>Pick the trunks by their numbers: <code>--trees 3,7,9-20</code>. "
       "Green rows are what was taken for trunks.</p>\n"
       "<table>\n<tr><th>number</th><th>taken for</th><th>log</th><th>x (m)</th><th>y (m)</th>"
-      "<th>looks</th><th>width (mm)</th><th>hue (deg)</th><th>nearest observation</th></tr>\n";
+      "<th>observations</th><th>width (mm)</th><th>hue (deg)</th><th>nearest "
+      "observation</th></tr>\n";
   int number = 0;
   for (const calibration::ThingSeen& thing : model.things) {
     ++number;

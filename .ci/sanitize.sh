@@ -1,22 +1,55 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Builds unit tests with the address and undefined-behaviour sanitizers and runs them.
-#   .ci/sanitize.sh [PROGRAM...]   default: the quick tests of the rooms that compute
+# Builds tests with sanitizers and runs them.
+#   .ci/sanitize.sh [OPTIONS] [TEST_PROGRAM...]   default: the quick tests of the rooms that compute
+#     --thread         the thread sanitizer (build-tsan), not those for addresses and undefined
+#                      behaviour (build-asan)
+#     --all            every test of ctest, those with real processes, too: hours of processor
+#     --matching REGEX of --all only those whose names match
+#     --jobs N         compilers at once (default 2); the tests run one after another
+# What third-party libraries do is left out by .ci/sanitizers/*.txt, with a reason each.
 # Not optimised more than -O1: what is slow here is compiling.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-case "${1:-}" in -h | --help) sed -n '3,5s/^# \{0,1\}//p' "$0"; exit 0 ;; esac
-programs=("$@")
+preset=asan-ubsan folder=build-asan
+all=no
+matching=.
+jobs=2
+programs=()
+while [ $# -gt 0 ]; do
+  case $1 in
+    --thread) preset=tsan folder=build-tsan ;;
+    --all) all=yes ;;
+    --matching) matching=${2:?--matching needs a regular expression}; shift ;;
+    --jobs) jobs=${2:?--jobs needs a number}; shift ;;
+    -h | --help) sed -n '3,12s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -*) echo "sanitize: unknown option $1; see $0 --help" >&2; exit 2 ;;
+    *) programs+=("$1") ;;
+  esac
+  shift
+done
 [ ${#programs[@]} -gt 0 ] || programs=(geometry_test segment_test detection_test)
 
 launcher=()
 command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 export CCACHE_SLOPPINESS=pch_defines,time_macros
-mkdir -p build-asan
-cmake --preset asan-ubsan -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g1" -DORCHARD_JAVA=OFF "${launcher[@]}" \
-  >build-asan/configure.log 2>&1 || { cat build-asan/configure.log; exit 1; }
-ninja -C build-asan "${programs[@]}"
+mkdir -p "$folder"
+cmake --preset "$preset" -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g1" -DORCHARD_JAVA=OFF -DORCHARD_UNITY=ON \
+  "${launcher[@]}" >"$folder/configure.log" 2>&1 || { cat "$folder/configure.log"; exit 1; }
+
+ignored=$PWD/.ci/sanitizers
+export TSAN_OPTIONS="suppressions=$ignored/thread.txt halt_on_error=1 second_deadlock_stack=1"
+export LSAN_OPTIONS="suppressions=$ignored/leak.txt print_suppressions=0"
+export UBSAN_OPTIONS=print_stacktrace=1
+if [ $all = yes ]; then
+  ninja -C "$folder" -j "$jobs"
+  # Ten times as long: sanitizers are that slow.
+  find "$folder" -name CTestTestfile.cmake -exec sed -i -E 's/(TIMEOUT "[0-9]+)"/\10"/' {} +
+  ctest --test-dir "$folder" --output-on-failure -R "$matching"
+  exit
+fi
+ninja -C "$folder" -j "$jobs" "${programs[@]}"
 for program in "${programs[@]}"; do
   echo "== sanitizers: $program"
-  build-asan/tests/"$program" --gtest_brief=1
+  "$folder/tests/$program" --gtest_brief=1
 done

@@ -9,6 +9,7 @@
 #include <exception>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -30,8 +31,9 @@ struct Bus::Impl {
   };
 
   std::string url;
-  SocketGuard guard;  // made before LCM's sockets are
-  bool guarded = false;
+  std::optional<SocketGuard> guard;
+  std::vector<std::string> heard;  // names of the channels that are subscribed to
+  bool hears_all = false;
   lcm_t* lcm = nullptr;
   std::vector<std::unique_ptr<Subscription>> subscriptions;
   std::function<void(Channel, const Rejection&)> rejection_handler;
@@ -46,13 +48,29 @@ struct Bus::Impl {
 
   bool is_private() const { return url.compare(0, 7, "memq://") == 0; }
 
+  static bool has_failed(const lcm_subscription_t* subscription) { return subscription == nullptr; }
+  static bool has_failed(int fd) { return fd < 0; }
+
   /// LCM opens its receiving socket with the first subscription, or when its file is asked for.
-  void put_on_guard() {
-    if (guarded || is_private()) return;
-    guarded = true;
-    if (guard.attach() == 0) {
+  template <class Open>
+  auto open_guarded(Open open) {
+    if (guard || is_private()) return open();
+    guard.emplace();  // knows which sockets were there before
+    const auto opened = open();
+    if (has_failed(opened)) {
+      guard.reset();
+      return opened;
+    }
+    if (guard->attach() == 0) {
       spdlog::warn("no filter on the socket of {}: crafted datagrams can end this process", url);
     }
+    listen_to_subscribed();
+    return opened;
+  }
+
+  /// Nobody is woken for what it does not read: pictures alone are most of the traffic.
+  void listen_to_subscribed() {
+    if (guard && !hears_all) guard->listen_to(heard);
   }
 
   /// C frames of LCM are below: nothing may be thrown through them.
@@ -81,18 +99,22 @@ struct Bus::Impl {
   }
 
   void subscribe_raw(std::function<void(const std::string&, std::int64_t, Bytes)> handler) {
+    if (guard) throw BusError("who hears everything asks for that first");
     raw_handler = std::move(handler);
-    set_queue(lcm_subscribe(lcm, ".*", &Impl::on_raw_message, this), kLargeQueue);
+    hears_all = true;
+    open_subscription(".*", &Impl::on_raw_message, this, kLargeQueue);
   }
 
-  /// Checks a subscription and says how many messages may wait in it.
-  void set_queue(lcm_subscription_t* subscription, int capacity) {
+  /// `pattern`: LCM's, a regular expression. `capacity`: how many messages may wait.
+  void open_subscription(const std::string& pattern, lcm_msg_handler_t handler, void* context,
+                         int capacity) {
+    lcm_subscription_t* subscription =
+        open_guarded([&] { return lcm_subscribe(lcm, pattern.c_str(), handler, context); });
     if (subscription == nullptr) {
       throw BusError("nothing can be received on " + url +
                      ": is there a multicast route and does the firewall let UDP through? "
                      "\"orchard doctor\" says what is missing");
     }
-    put_on_guard();
     lcm_subscription_set_queue_capacity(subscription, is_private() ? 0 : capacity);
   }
 
@@ -119,8 +141,10 @@ struct Bus::Impl {
     std::string name;  // a regular expression for LCM: a dot is meant as it is
     for (const char c : info(channel).name)
       name += c == '.' ? std::string("\\.") : std::string(1, c);
-    set_queue(lcm_subscribe(lcm, name.c_str(), &Impl::on_message, subscription.get()),
-              channel == Channel::kImage ? kImageQueue : kInputQueue);
+    heard.emplace_back(info(channel).name);
+    listen_to_subscribed();
+    open_subscription(name, &Impl::on_message, subscription.get(),
+                      channel == Channel::kImage ? kImageQueue : kInputQueue);
     subscriptions.push_back(std::move(subscription));
   }
 };
@@ -189,9 +213,7 @@ bool Bus::publish(Channel channel, const std::vector<std::uint8_t>& bytes) {
 bool Bus::publish(const Message& message) { return publish(channel_of(message), encode(message)); }
 
 int Bus::fileno() const {
-  const int fd = lcm_get_fileno(impl_->lcm);
-  impl_->put_on_guard();
-  return fd;
+  return impl_->open_guarded([this] { return lcm_get_fileno(impl_->lcm); });
 }
 
 bool Bus::handle(int timeout_ms) {
@@ -210,7 +232,9 @@ bool Bus::handle(int timeout_ms) {
 
 const BusCounts& Bus::counts() const { return impl_->counts; }
 
-std::int64_t Bus::num_dropped() const { return impl_->guard.num_dropped(); }
+std::int64_t Bus::num_dropped() const {
+  return impl_->hears_all && impl_->guard ? impl_->guard->num_dropped() : 0;
+}
 
 const std::string& Bus::url() const { return impl_->url; }
 

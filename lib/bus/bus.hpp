@@ -62,7 +62,8 @@ class Bus {
   void subscribe_ack(std::function<void(const Ack&)> handler);
   void subscribe_replay(std::function<void(const ReplayMark&)> handler);
 
-  /// Every message of every channel, known or not, as it came and unchecked: for recorders alone.
+  /// Every message of every channel, known or not, as it came and unchecked: for recorders alone,
+  /// before anything else is subscribed to (BusError).
   /// `receipt_utime`: host's time of day when the network gave it to LCM [us].
   void subscribe_raw(
       std::function<void(const std::string& channel, std::int64_t receipt_utime, Bytes)> handler);
@@ -82,8 +83,9 @@ class Bus {
   bool handle(int timeout_ms);
 
   const BusCounts& counts() const;
-  /// Datagrams that the kernel kept from this process: crafted to end it (SocketGuard), or more
-  /// than the receive buffer holds.
+  /// Datagrams that the kernel kept from one who hears everything: crafted to end it (SocketGuard),
+  /// or more than the receive buffer holds. Of others the kernel counts what they do not want, too:
+  /// 0.
   std::int64_t num_dropped() const;
   const std::string& url() const;
 

@@ -12,6 +12,7 @@
 #include <array>
 #include <cstdlib>
 #include <memory>
+#include <utility>
 
 namespace orchard::bus {
 namespace {
@@ -52,9 +53,48 @@ void put_name_check(Program& program, std::uint32_t name_at) {
   put(program, BPF_RET | BPF_K, kPassAll);
 }
 
-Program make_program() {
+/// A name with its zero, as the kernel compares it: in loads of four, two and one byte.
+std::vector<std::pair<int, std::uint32_t>> loads_of(const std::string& channel) {
+  const std::string name = channel + '\0';
+  std::vector<std::pair<int, std::uint32_t>> loads;
+  for (std::size_t at = 0; at < name.size();) {
+    const std::size_t left = name.size() - at, width = left >= 4 ? 4 : left >= 2 ? 2 : 1;
+    std::uint32_t value = 0;
+    for (const std::size_t end = at + width; at < end; ++at) {
+      value = value << 8 | static_cast<std::uint8_t>(name[at]);
+    }
+    loads.emplace_back(width == 4 ? BPF_W : width == 2 ? BPF_H : BPF_B, value);
+  }
+  return loads;
+}
+
+/// Passes a datagram of one of these channels. A load from beyond its end drops it; shorter names
+/// come first, so that only a name that is not among them can meet that end.
+void put_channels(Program& program, std::uint32_t name_at, std::vector<std::string> channels) {
+  std::sort(channels.begin(), channels.end(),
+            [](const std::string& a, const std::string& b) { return a.size() < b.size(); });
+  for (const std::string& channel : channels) {
+    const auto loads = loads_of(channel);
+    std::uint32_t at = name_at;
+    for (std::size_t i = 0; i < loads.size(); ++i) {
+      const auto to_next = static_cast<std::uint8_t>(2 * (loads.size() - 1 - i) + 1);
+      put(program, BPF_LD | loads[i].first | BPF_ABS, at);
+      put(program, BPF_JMP | BPF_JEQ | BPF_K, loads[i].second, 0, to_next);
+      at += loads[i].first == BPF_W ? 4 : loads[i].first == BPF_H ? 2 : 1;
+    }
+    put(program, BPF_RET | BPF_K, kPassAll);
+  }
+  put(program, BPF_RET | BPF_K, 0);
+}
+
+/// `channels`: none for all of them.
+Program make_program(const std::vector<std::string>* channels = nullptr) {
   Program whole;
-  put_name_check(whole, kWholeHeader);
+  if (channels != nullptr) {
+    put_channels(whole, kWholeHeader, *channels);
+  } else {
+    put_name_check(whole, kWholeHeader);
+  }
   Program first_fragment;
   put_name_check(first_fragment, kFragmentHeader);
   Program program;
@@ -77,8 +117,7 @@ Program make_program() {
   return program;
 }
 
-bool attach_filter(int fd) {
-  Program program = make_program();
+bool attach_filter(int fd, Program program = make_program()) {
   const sock_fprog filter{static_cast<unsigned short>(program.size()), program.data()};
   return setsockopt(fd, SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof(filter)) == 0;
 }
@@ -116,6 +155,10 @@ int SocketGuard::attach() {
     ++num_new;
   }
   return num_new;
+}
+
+void SocketGuard::listen_to(const std::vector<std::string>& channels) {
+  for (const int fd : guarded_) attach_filter(fd, make_program(&channels));
 }
 
 std::int64_t SocketGuard::num_dropped() const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace orchard::bus {
@@ -23,8 +24,14 @@ class SocketGuard {
   /// socket is the one that was not there before.
   int attach();
 
-  /// Datagrams that the kernel has dropped on the guarded sockets: refused by the filter, or more
-  /// than the receive buffer holds.
+  /// From now on only datagrams of these channels reach the guarded sockets, in place of those of
+  /// an earlier call: a group of LCM has one address, and everybody would be woken for each
+  /// picture. What LCM itself cut into several datagrams (above 64 kB) passes: only the first names
+  /// a channel.
+  void listen_to(const std::vector<std::string>& channels);
+
+  /// Datagrams that the kernel has dropped on the guarded sockets: refused by the filter, of other
+  /// channels than are listened to, or more than the receive buffer holds.
   std::int64_t num_dropped() const;
 
  private:

@@ -161,7 +161,7 @@ void LiveNode::report() {
   if (const double step_s = neighbours_.check_clock(wall_utime(), Clock::now()); step_s != 0.0) {
     spdlog::warn("the clock of this machine was set by {:+.1f} s", step_s);
   }
-  const std::int64_t num_dropped = bus_.num_dropped() + inbox_.num_dropped();
+  const std::int64_t num_dropped = inbox_.num_dropped();
   num_dropped_lately_ = num_dropped - std::exchange(num_dropped_before_, num_dropped);
   num_late_.push_back(node_.counts().num_late);
   if (num_late_.size() > kLateSeconds + 1) num_late_.pop_front();
@@ -273,8 +273,7 @@ Status LiveNode::status() const {
   }
   if (num_dropped_lately_ > 0) {
     add(Level::kWarning, std::to_string(num_dropped_lately_) +
-                             " datagrams or messages dropped in the last second: crafted, or more "
-                             "than can be used");
+                             " messages dropped in the last second: more than can be used");
   }
   if (bus_.counts().num_bad() > 0) {
     std::string refused = "refused";

@@ -3,7 +3,9 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "bus/bus.hpp"
 #include "bus/node/process.hpp"
@@ -17,7 +19,8 @@
 namespace orchard::cli {
 namespace {
 
-bus::Status status_of(const io::LogRecorder& recorder) {
+/// `num_kept_off`: datagrams of the last second that the kernel kept from this process.
+bus::Status status_of(const io::LogRecorder& recorder, std::int64_t num_kept_off) {
   bus::Status status;
   status.num_good = recorder.num_written();
   status.num_lost = recorder.num_dropped();
@@ -30,6 +33,12 @@ bus::Status status_of(const io::LogRecorder& recorder) {
                   1e-6 * static_cast<double>(recorder.total_bytes()),
                   1e-9 * static_cast<double>(recorder.free_bytes()));
     status.text = text;
+  }
+  if (num_kept_off > 0) {
+    status.level = std::max(status.level, bus::Level::kWarning);
+    status.text += "; " + std::to_string(num_kept_off) +
+                   " datagrams kept off in the last second: crafted to end LCM, or more than the "
+                   "receive buffer holds";
   }
   return status;
 }
@@ -51,6 +60,7 @@ int run_record(const RecordOptions& options) {
     recorder.write(utime, channel, bytes.data, bytes.size);
   });
   std::string said;
+  std::int64_t num_kept_off = 0;
   while (!stop.raised()) {
     if (report.due()) {
       recorder.sync();
@@ -62,7 +72,8 @@ int run_record(const RecordOptions& options) {
           spdlog::error("{}", said);
         }
       }
-      report.send(status_of(recorder));
+      const std::int64_t before = std::exchange(num_kept_off, bus.num_dropped());
+      report.send(status_of(recorder, num_kept_off - before));
     }
     if (stop.wait(bus.fileno(), report.ms_until_due())) bus.handle(0);
   }

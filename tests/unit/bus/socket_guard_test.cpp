@@ -98,6 +98,31 @@ TEST_F(SocketGuardTest, DropsWhatLcmDoesNotSurvive) {
   EXPECT_TRUE(passes(whole(named(4) + "payload"))) << "and goes on";
 }
 
+TEST_F(SocketGuardTest, PassesOnlyTheChannelsThatAreListenedTo) {
+  if (!usable_) GTEST_SKIP() << "no loopback here";
+  ASSERT_EQ(before_.attach(), 2);
+  const std::string body(8, 'x');  // the least that a message of LCM has
+  const auto message = [&body](const std::string& channel) {
+    return whole(channel + std::string(1, '\0') + body);
+  };
+  before_.listen_to({"SCAN.rear", "POSE_FIX", "SCAN", "MAP"});
+  for (const char* wanted : {"SCAN", "SCAN.rear", "POSE_FIX", "MAP"}) {
+    EXPECT_TRUE(passes(message(wanted))) << wanted;
+  }
+  const std::string others[] = {"",         "S",          "SCA",  "SCANS",
+                                "SCAN.rea", "SCAN.rears", "POSE", "POSE_FIX2",
+                                "IMAGE",    "MAPS",       "xMAP", std::string(62, 'M')};
+  for (const std::string& other : others) EXPECT_FALSE(passes(message(other))) << other;
+  EXPECT_FALSE(passes(whole("SCAN")));
+  EXPECT_FALSE(passes(fragment(3000, 0xFFFFFFF0, 1, std::string(900, 'x')))) << "still guarded";
+  EXPECT_TRUE(passes(fragment(230000, 180000, 3, std::string(50000, 'A')))) << "names no channel";
+  before_.listen_to({"IMAGE"});
+  EXPECT_FALSE(passes(message("SCAN")));
+  EXPECT_TRUE(passes(message("IMAGE")));
+  before_.listen_to({});
+  EXPECT_FALSE(passes(message("IMAGE")));
+}
+
 TEST(SocketGuard, LeavesTheSocketsOfOthersAlone) {
   const int fd = socket(AF_INET, SOCK_DGRAM, 0);
   SocketGuard guard;

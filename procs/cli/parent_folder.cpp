@@ -3,19 +3,13 @@
 
 #include <filesystem>
 
-#include "io/file_error.hpp"
+#include "io/folder.hpp"
 
 namespace orchard::cli {
 
 void make_parent_folder(const std::string& file_path) {
   const std::filesystem::path folder = std::filesystem::path(file_path).parent_path();
-  if (folder.empty()) return;
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) {
-    throw io::FileError(file_path + " cannot be written: its folder cannot be made (" +
-                        error.message() + ")");
-  }
+  if (!folder.empty()) io::make_folder(folder.string());
 }
 
 }  // namespace orchard::cli

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "io/file_error.hpp"
+#include "io/folder.hpp"
 #include "io/log/log_format.hpp"
 #include "io/log/log_reader.hpp"
 
@@ -41,9 +42,7 @@ std::string megabytes(std::int64_t bytes) { return std::to_string(bytes / 100000
 LogRecorder::LogRecorder(std::string stem, RecordingLimits limits)
     : stem_(std::move(stem)), limits_(limits) {
   const std::filesystem::path folder = std::filesystem::path(stem_).parent_path();
-  std::error_code error;
-  if (!folder.empty()) std::filesystem::create_directories(folder, error);
-  if (error) throw FileError(folder.string() + ": cannot be made (" + error.message() + ")");
+  if (!folder.empty()) make_folder(folder.string());
   if (!open_next()) throw FileError(problem_);
   look_at_space();
 }

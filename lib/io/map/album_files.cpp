@@ -10,6 +10,7 @@
 
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
+#include "io/folder.hpp"
 
 namespace orchard::io {
 namespace {
@@ -71,11 +72,7 @@ void write_album(const std::string& map_folder, const std::vector<mapping::Album
   std::error_code error;
   std::set<std::string> names;
   if (!entries.empty()) {
-    fs::create_directories(folder, error);
-    if (!fs::is_directory(folder)) {
-      throw FileError(folder.string() + ": cannot be made a folder" +
-                      (error ? " (" + error.message() + ")" : std::string()));
-    }
+    make_folder(folder.string());
     FileReplacement files;
     const auto write = [&](const std::string& name, std::string_view content) {
       names.insert(name);

@@ -8,7 +8,7 @@
 #include "detection/label_text.hpp"
 #include "geometry/angles.hpp"
 #include "io/atomic_file.hpp"
-#include "io/file_error.hpp"
+#include "io/folder.hpp"
 #include "io/gis/geo_file.hpp"
 #include "io/gis/qgis_style.hpp"
 #include "io/map/map_csv.hpp"
@@ -158,15 +158,8 @@ std::string comparison_json(const ComparisonContent& content) {
 }
 
 void write_comparison_folder(const std::string& folder, const ComparisonContent& content) {
-  namespace fs = std::filesystem;
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (!fs::is_directory(folder)) {
-    throw FileError(folder + ": cannot be made a folder" +
-                    (error ? " (" + error.message() + ")" : std::string()) +
-                    "; give another place for the comparison");
-  }
-  const fs::path path(folder);
+  make_folder(folder, "give another place for the comparison");
+  const std::filesystem::path path(folder);
   FileReplacement files;
   files.write((path / "compare.csv").string(), comparison_csv(content));
   files.write((path / "compare.gpkg").string(), comparison_geopackage(content));

@@ -7,7 +7,7 @@
 #include "geometry/angles.hpp"
 #include "io/atomic_file.hpp"
 #include "io/figure/map_figure.hpp"
-#include "io/file_error.hpp"
+#include "io/folder.hpp"
 #include "io/gis/map_layers.hpp"
 #include "io/map/album_files.hpp"
 #include "io/map/graph_json.hpp"
@@ -32,15 +32,8 @@ MapHeading heading_of(const MapFolderContent& content) {
 }  // namespace
 
 void write_map_folder(const std::string& folder, const MapFolderContent& content) {
-  namespace fs = std::filesystem;
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (!fs::is_directory(folder)) {
-    throw FileError(folder + ": cannot be made a folder" +
-                    (error ? " (" + error.message() + ")" : std::string()) +
-                    "; give another place for the map");
-  }
-  const fs::path path(folder);
+  make_folder(folder, "give another place for the map");
+  const std::filesystem::path path(folder);
   const mapping::NavigationGraph graph =
       mapping::navigation_graph(content.landmarks, content.rows, content.seen_free);
   const auto figure = [&content, &graph, heading = heading_of(content)](FigureFormat format) {

@@ -17,6 +17,7 @@
 
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
+#include "io/folder.hpp"
 
 namespace orchard::io {
 namespace {
@@ -58,13 +59,7 @@ bool is_alive(long pid) { return ::kill(static_cast<pid_t>(pid), 0) == 0 || errn
 }  // namespace
 
 MapPlace::MapPlace(std::string folder) : folder_(std::move(folder)) {
-  std::error_code error;
-  fs::create_directories(folder_, error);
-  if (!fs::is_directory(folder_)) {
-    throw FileError(folder_ + ": cannot be made a folder" +
-                    (error ? " (" + error.message() + ")" : std::string()) +
-                    "; give another place for the map");
-  }
+  make_folder(folder_, "give another place for the map");
   lock();
   try {
     remove_temporaries();  // before the trial: they may be what fills the disk
@@ -137,9 +132,7 @@ std::string MapPlace::set_aside(const std::vector<std::string>& more) {
   for (int k = 2; fs::exists(aside); ++k) {
     aside = file("earlier_" + newest + "_" + std::to_string(k));
   }
-  std::error_code error;
-  fs::create_directory(aside, error);
-  if (error) throw FileError(aside + ": cannot be made a folder (" + error.message() + ")");
+  make_folder(aside);
   for (const std::string& name : names) {
     rename_durably(file(name), (fs::path(aside) / name).string());
   }

@@ -2,12 +2,11 @@
 #include "cli/calibrate/trunk_list.hpp"
 
 #include <fmt/core.h>
-#include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "io/atomic_file.hpp"
-#include "io/file_error.hpp"
+#include "io/folder.hpp"
 
 namespace orchard::cli {
 namespace {
@@ -47,12 +46,7 @@ std::string row(const char* format, int number, const calibration::ThingSeen& t)
 
 void write_trunk_list(const std::string& folder, const calibration::TrunkModel& model,
                       const std::vector<calibration::TrunkObservation>& observations) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) {
-    throw io::FileError(folder + " cannot be made a folder (" + error.message() +
-                        "); give another one with --list");
-  }
+  io::make_folder(folder, "give another one with --list");
   std::string csv = "number,taken_for,log,x_m,y_m,looks,width_mm,hue_deg\n";
   std::string html =
       "<!doctype html>\n<meta charset=\"utf-8\">\n<title>Things seen</title>\n"

@@ -9,19 +9,12 @@
 #include "cli/farm/farm_folder.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
+#include "io/folder.hpp"
 
 namespace orchard::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-void make_folder(const std::string& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (!fs::is_directory(folder)) {
-    throw io::FileError(folder + " cannot be made a folder (" + error.message() + ")");
-  }
-}
 
 void require_word(const char* option, const std::string& word) {
   if (is_farm_word(word)) return;
@@ -32,7 +25,8 @@ void require_word(const char* option, const std::string& word) {
 }  // namespace
 
 int run_farm_init(const FarmInitOptions& options) {
-  for (const char* folder : {"logs", "rigs", "plans"}) make_folder(options.folder + "/" + folder);
+  for (const char* folder : {"logs", "rigs", "plans"})
+    io::make_folder(options.folder + "/" + folder);
   for (int i = 0; i < kNumFarmFiles; ++i) {
     const std::string path = options.folder + "/" + kFarmFiles[i].name;
     const bool is_users = std::string(kFarmFiles[i].name) == "farm.yaml";
@@ -40,7 +34,7 @@ int run_farm_init(const FarmInitOptions& options) {
       std::printf("%s is there and stays as it is\n", path.c_str());
       continue;
     }
-    make_folder(fs::path(path).parent_path().string());
+    io::make_folder(fs::path(path).parent_path().string());
     io::write_file_atomically(path, kFarmFiles[i].text);
     if (path.size() > 3 && path.substr(path.size() - 3) == ".sh") {
       fs::permissions(path, fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec,
@@ -81,7 +75,7 @@ int run_farm_add(const FarmAddOptions& options) {
       std::printf("%s is there already\n", place.c_str());
       continue;
     }
-    make_folder(folder);
+    io::make_folder(folder);
     // Whoever runs the farm meanwhile does not meet half a log.
     io::replace_file_atomically(place, [&](const std::string& temporary) {
       std::error_code error;

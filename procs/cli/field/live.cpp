@@ -24,6 +24,7 @@
 #include "cli/field/status_screen.hpp"
 #include "cli/load_rig.hpp"
 #include "io/file_error.hpp"
+#include "io/folder.hpp"
 
 namespace orchard::cli {
 namespace {
@@ -166,11 +167,7 @@ int run_live(const LiveOptions& given) {
   options.play_utime = bus::wall_utime() + kPlayAfter_us;
   options.viewer_address = viewer_address();
   const std::vector<ChildPlan> plans = plan_launch(options, config, program_folder());
-  std::error_code error;
-  fs::create_directories(options.out_folder + "/logs", error);
-  if (error) {
-    throw io::FileError(options.out_folder + "/logs: cannot be made (" + error.message() + ")");
-  }
+  io::make_folder(options.out_folder + "/logs", "give another one with --out");
   const std::string url = field_url(options.lcm_url, options.config_path);
 
   bus::StopSignal stop;

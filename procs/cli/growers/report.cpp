@@ -12,6 +12,7 @@
 #include "cli/maps/map_laying.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
+#include "io/folder.hpp"
 #include "io/report/map_report.hpp"
 #include "text/printable_text.hpp"
 
@@ -95,13 +96,7 @@ int run_report(const ReportOptions& options) {
 
   const fs::path folder = options.out_folder.empty() ? folder_of(options.map_path) / "report"
                                                      : fs::path(options.out_folder);
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (!fs::is_directory(folder)) {
-    throw io::FileError(folder.string() + " cannot be made a folder" +
-                        (error ? " (" + error.message() + ")" : "") +
-                        "; give another one with --out");
-  }
+  io::make_folder(folder.string(), "give another one with --out");
   const io::Document document = io::map_report(content, *texts);
   io::FileReplacement files;
   files.write((folder / "report.html").string(), io::document_html(document));

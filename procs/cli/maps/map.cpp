@@ -21,6 +21,7 @@
 #include "cli/maps/scan_timer.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
+#include "io/folder.hpp"
 #include "io/log/log_series.hpp"
 #include "io/log/log_writer.hpp"
 #include "io/map/corrected_map.hpp"
@@ -140,16 +141,6 @@ void print_summary(const MapOptions& options, const ReplayReport& report,
       options.no_derived ? "" : ", derived.lcm (every message on the way)");
 }
 
-void make_folder(const std::string& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error || !std::filesystem::is_directory(folder)) {
-    throw io::FileError(folder + " cannot be made a folder" +
-                        (error ? " (" + error.message() + ")" : "") +
-                        "; give another one with --out");
-  }
-}
-
 /// Where the laser looks, by the rig and the log's first scan: what later comparisons go by.
 mapping::SensorView sensor_view(const io::Config& config, const io::LogPaths& logs) {
   mapping::SensorView view;
@@ -188,7 +179,7 @@ int run_map(const MapOptions& options) {
     require_other_folder(options.out_folder, {options.previous_path});
     require_corrections_of(options.out_folder, *previous);
   }
-  make_folder(options.out_folder);
+  io::make_folder(options.out_folder, "give another one with --out");
   MapPipeline pipeline(config, options.out_folder);
   LongWork work("mapping", !options.quiet);  // from here on Ctrl-C takes back what was begun
   const std::string derived_path = options.out_folder + "/derived.lcm";

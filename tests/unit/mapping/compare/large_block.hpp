@@ -16,13 +16,7 @@ inline DrivenMap drive_through_large(const Block& block, const Drive& drive, Dic
   constexpr double kStep_m = 0.5;
   constexpr int kObservationsPerStep = 5;  // ten per second at 1 m/s
   DrivenMap map;
-  const double phase = dice.uniform(0, 6.28);
-  const auto bent = [&](const Eigen::Vector2d& p) -> Eigen::Vector2d {
-    return transform(
-        drive.T_map_block,
-        p + drive.bend_m * Eigen::Vector2d(std::sin(0.07 * p.y() + phase),
-                                           std::sin(0.06 * p.x() + 0.1 * p.y() + phase)));
-  };
+  const double phase_rad = dice.uniform(0, 6.28);
   std::int64_t utime = 1000000;
   for (int alley = drive.first_alley; alley <= drive.last_alley; ++alley) {
     const bool is_forward = (alley - drive.first_alley) % 2 == 0;
@@ -30,7 +24,7 @@ inline DrivenMap drive_through_large(const Block& block, const Drive& drive, Dic
     const double length_m = drive.along_max_m - drive.along_min_m;
     for (double s_m = 0.0; s_m <= length_m; s_m += kStep_m) {
       const double x_m = is_forward ? drive.along_min_m + s_m : drive.along_max_m - s_m;
-      const Eigen::Vector2d p = bent({x_m, y_m});
+      const Eigen::Vector2d p = bent(drive, phase_rad, {x_m, y_m});
       pose::PoseEstimate pose;
       pose.utime = utime += 500000;
       pose.x_m = p.x();
@@ -53,19 +47,8 @@ inline DrivenMap drive_through_large(const Block& block, const Drive& drive, Dic
         num_seen += dice.uniform(0, 1) < drive.rate;
     }
     if (num_seen < 3) continue;
-    Landmark l;
-    l.id = static_cast<std::int32_t>(map.landmarks.size()) + 1;
-    l.label = detection::Label::kTree;
-    l.num_observations = num_seen;
-    const Eigen::Vector2d p = bent(t.p) + Eigen::Vector2d(dice.normal(drive.position_sd_m),
-                                                          dice.normal(drive.position_sd_m));
-    l.x_m = p.x();
-    l.y_m = p.y();
-    l.se_x_m = l.se_y_m = 0.005;
-    l.width_m = t.width_m + dice.normal(drive.width_sd_m);
-    l.roc_mean = 0.9;
-    l.probability = 0.99;
-    map.landmarks.push_back(l);
+    const int id = static_cast<int>(map.landmarks.size()) + 1;
+    map.landmarks.push_back(mapped_tree(t, bent(drive, phase_rad, t.p), id, num_seen, drive, dice));
     map.tree_of.push_back(static_cast<int>(i));
   }
   return map;

@@ -82,6 +82,32 @@ struct DrivenMap {
   std::vector<int> tree_of;  ///< index into the block, per landmark
 };
 
+/// A place of the block as the drive's map has it: in the drive's frame, bent slowly by its error.
+inline Eigen::Vector2d bent(const Drive& drive, double phase_rad, const Eigen::Vector2d& p) {
+  return transform(
+      drive.T_map_block,
+      p + drive.bend_m * Eigen::Vector2d(std::sin(0.07 * p.y() + phase_rad),
+                                         std::sin(0.06 * p.x() + 0.1 * p.y() + phase_rad)));
+}
+
+/// The landmark of a tree that was seen `num_observations` times, with the drive's noise. `p` is
+/// its place in the drive's frame.
+inline Landmark mapped_tree(const TrueTree& tree, const Eigen::Vector2d& p, int id,
+                            int num_observations, const Drive& drive, Dice& dice) {
+  Landmark l;
+  l.id = id;
+  l.label = detection::Label::kTree;
+  l.num_observations = num_observations;
+  const Eigen::Vector2d noise_m(dice.normal(drive.position_sd_m), dice.normal(drive.position_sd_m));
+  l.x_m = p.x() + noise_m.x();
+  l.y_m = p.y() + noise_m.y();
+  l.se_x_m = l.se_y_m = 0.005;
+  l.width_m = tree.width_m + dice.normal(drive.width_sd_m);
+  l.roc_mean = 0.9;
+  l.probability = 0.99;
+  return l;
+}
+
 /// Simulates by observations of its own: ten per second at 1 m/s, each tree in reach is found with
 /// a fixed chance unless a nearer trunk stands in the line of sight. A tree found three times or
 /// more is mapped, with noise and a slow bend of the whole map.
@@ -100,18 +126,12 @@ inline DrivenMap drive_through(Block& block, const Drive& drive, Dice& dice, int
     go({forward ? drive.along_max_m : drive.along_min_m, y});
     forward = !forward;
   }
-  const double phase = dice.uniform(0, 6.28);
-  const auto bent = [&](const Eigen::Vector2d& p) -> Eigen::Vector2d {
-    return transform(
-        drive.T_map_block,
-        p + drive.bend_m * Eigen::Vector2d(std::sin(0.07 * p.y() + phase),
-                                           std::sin(0.06 * p.x() + 0.1 * p.y() + phase)));
-  };
+  const double phase_rad = dice.uniform(0, 6.28);
   std::vector<int> num_seen(block.trees.size(), 0);
   for (std::size_t k = 0; k < path.size(); ++k) {
     pose::PoseEstimate pose;
     pose.utime = 1000000 + static_cast<std::int64_t>(k) * 100000;
-    const Eigen::Vector2d p = bent(path[k]);
+    const Eigen::Vector2d p = bent(drive, phase_rad, path[k]);
     pose.x_m = p.x();
     pose.y_m = p.y();
     const Eigen::Vector2d ahead = path[std::min(k + 1, path.size() - 1)] - path[k > 0 ? k - 1 : 0];
@@ -141,19 +161,9 @@ inline DrivenMap drive_through(Block& block, const Drive& drive, Dice& dice, int
     TrueTree& t = block.trees[i];
     t.id = 0;
     if (!t.stands || num_seen[i] < 3) continue;
-    Landmark l;
-    l.id = t.id = id++;
-    l.label = detection::Label::kTree;
-    l.num_observations = num_seen[i];
-    const Eigen::Vector2d p = bent(t.p) + Eigen::Vector2d(dice.normal(drive.position_sd_m),
-                                                          dice.normal(drive.position_sd_m));
-    l.x_m = p.x();
-    l.y_m = p.y();
-    l.se_x_m = l.se_y_m = 0.005;
-    l.width_m = t.width_m + dice.normal(drive.width_sd_m);
-    l.roc_mean = 0.9;
-    l.probability = 0.99;
-    map.landmarks.push_back(l);
+    t.id = id++;
+    map.landmarks.push_back(
+        mapped_tree(t, bent(drive, phase_rad, t.p), t.id, num_seen[i], drive, dice));
     map.tree_of.push_back(static_cast<int>(i));
   }
   return map;

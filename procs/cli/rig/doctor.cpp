@@ -34,10 +34,10 @@ constexpr const char* kGuardNote =
 constexpr const char* kFirewallNote =
     "lets UDP multicast through the firewall; with ufw: sudo ufw allow in proto udp to 239.0.0.0/8";
 
-enum class Verdict { kOk, kWarn, kFail };
+enum class Severity { kOk, kWarn, kFail };
 
 struct Finding {
-  Verdict verdict = Verdict::kOk;
+  Severity severity = Severity::kOk;
   std::string text, fix, note;
 };
 
@@ -47,25 +47,25 @@ class Findings {
   explicit Findings(bool json) : json_(json) {}
 
   /// `fix` is a command to type (or else says so in words); `note` says more.
-  void add(Verdict verdict, const std::string& text, const std::string& fix = {},
+  void add(Severity severity, const std::string& text, const std::string& fix = {},
            const std::string& note = {}) {
-    worst_ = std::max(worst_, verdict);
+    worst_ = std::max(worst_, severity);
     all_.push_back(
-        {verdict, text, verdict == Verdict::kOk ? "" : fix, verdict == Verdict::kOk ? "" : note});
+        {severity, text, severity == Severity::kOk ? "" : fix, severity == Severity::kOk ? "" : note});
     if (json_) return;
     constexpr const char* kNames[] = {"OK  ", "WARN", "FAIL"};
-    std::printf("%s  %s\n", kNames[static_cast<int>(verdict)], text.c_str());
-    if (verdict != Verdict::kOk && !fix.empty()) std::printf("      fix: %s\n", fix.c_str());
-    if (verdict != Verdict::kOk && !note.empty()) std::printf("      note: %s\n", note.c_str());
+    std::printf("%s  %s\n", kNames[static_cast<int>(severity)], text.c_str());
+    if (severity != Severity::kOk && !fix.empty()) std::printf("      fix: %s\n", fix.c_str());
+    if (severity != Severity::kOk && !note.empty()) std::printf("      note: %s\n", note.c_str());
   }
-  Verdict worst() const { return worst_; }
+  Severity worst() const { return worst_; }
 
   std::string json(const std::string& lcm_url) const {
     constexpr const char* kNames[] = {"ok", "warn", "fail"};
     nlohmann::ordered_json json{{"lcm_url", lcm_url}, {"worst", kNames[static_cast<int>(worst_)]}};
     json["findings"] = nlohmann::ordered_json::array();
     for (const Finding& finding : all_) {
-      nlohmann::ordered_json entry{{"level", kNames[static_cast<int>(finding.verdict)]},
+      nlohmann::ordered_json entry{{"level", kNames[static_cast<int>(finding.severity)]},
                                    {"text", finding.text}};
       if (!finding.fix.empty()) entry["fix"] = finding.fix;
       if (!finding.note.empty()) entry["note"] = finding.note;
@@ -77,7 +77,7 @@ class Findings {
  private:
   bool json_;
   std::vector<Finding> all_;
-  Verdict worst_ = Verdict::kOk;
+  Severity worst_ = Severity::kOk;
 };
 
 void check_interfaces(Findings& findings, const UdpmUrl& url) {
@@ -85,18 +85,18 @@ void check_interfaces(Findings& findings, const UdpmUrl& url) {
   const auto loopback = std::find_if(interfaces.begin(), interfaces.end(),
                                      [](const NetworkInterface& i) { return i.loopback; });
   if (loopback == interfaces.end() || !loopback->up) {
-    findings.add(Verdict::kFail, "the loopback interface is down", "sudo ip link set lo up");
+    findings.add(Severity::kFail, "the loopback interface is down", "sudo ip link set lo up");
   } else {
-    findings.add(Verdict::kOk, "the loopback interface is up");
+    findings.add(Severity::kOk, "the loopback interface is up");
   }
   const std::optional<std::string> route = route_to(url.address);
   if (!route) {
-    findings.add(Verdict::kFail, "no route to " + url.address + " (multicast)",
+    findings.add(Severity::kFail, "no route to " + url.address + " (multicast)",
                  "sudo ip link set lo up multicast on && sudo ip route add 224.0.0.0/4 dev lo",
                  "until the next boot; scripts/multicast_lo.sh does the same");
     return;
   }
-  findings.add(Verdict::kOk, "multicast to " + url.address + " goes through " + *route);
+  findings.add(Severity::kOk, "multicast to " + url.address + " goes through " + *route);
   const auto is_other = [](const NetworkInterface& i) {
     return i.up && !i.loopback && i.has_ipv4 && i.multicast;
   };
@@ -106,22 +106,22 @@ void check_interfaces(Findings& findings, const UdpmUrl& url) {
                                     : "sudo ip route replace 224.0.0.0/4 dev " + other->name;
   const bool through_loopback = loopback != interfaces.end() && *route == loopback->name;
   if (through_loopback && !loopback->multicast) {
-    findings.add(Verdict::kWarn, *route + " has no MULTICAST flag; some programs refuse it",
+    findings.add(Severity::kWarn, *route + " has no MULTICAST flag; some programs refuse it",
                  "sudo ip link set lo multicast on");
   }
   if (through_loopback && url.ttl > 0) {
-    findings.add(Verdict::kWarn,
+    findings.add(Severity::kWarn,
                  "ttl=" + std::to_string(url.ttl) +
                      " asks for other machines, but multicast stays on " + *route,
                  use_other);
   }
   if (url.ttl > 1) {
-    findings.add(Verdict::kWarn, "ttl=" + std::to_string(url.ttl) + " crosses routers",
+    findings.add(Severity::kWarn, "ttl=" + std::to_string(url.ttl) + " crosses routers",
                  "use ttl=1 for the robot's own network");
   }
   const auto num_others = std::count_if(interfaces.begin(), interfaces.end(), is_other);
   if (num_others > 1 && !through_loopback) {
-    findings.add(url.ttl > 0 ? Verdict::kWarn : Verdict::kOk,
+    findings.add(url.ttl > 0 ? Severity::kWarn : Severity::kOk,
                  std::to_string(num_others) + " network interfaces are up; LCM uses only " + *route,
                  "sudo ip route replace 224.0.0.0/4 dev INTERFACE", "INTERFACE: the one to use");
   }
@@ -130,20 +130,20 @@ void check_interfaces(Findings& findings, const UdpmUrl& url) {
 void check_buffers(Findings& findings, const UdpmUrl& url) {
   const std::optional<std::int64_t> limit = kernel_setting("net/core/rmem_max");
   if (!limit) {
-    findings.add(Verdict::kWarn, "net.core.rmem_max cannot be read here");
+    findings.add(Severity::kWarn, "net.core.rmem_max cannot be read here");
     return;
   }
   const std::int64_t wanted = std::max<std::int64_t>(url.recv_buf_size, 2 << 20);
   if (*limit < wanted) {
-    findings.add(Verdict::kWarn,
+    findings.add(Severity::kWarn,
                  "receive buffers are limited to " + std::to_string(*limit) + " bytes, wanted " +
                      std::to_string(wanted) + ": bursts of pictures may be lost",
                  "sudo sysctl -w net.core.rmem_max=" + std::to_string(wanted), kUntilBoot);
   } else {
-    findings.add(Verdict::kOk, "receive buffers may have " + std::to_string(*limit) + " bytes");
+    findings.add(Severity::kOk, "receive buffers may have " + std::to_string(*limit) + " bytes");
   }
   if (url.recv_buf_size == 0) {
-    findings.add(Verdict::kWarn, "the URL asks for no receive buffer",
+    findings.add(Severity::kWarn, "the URL asks for no receive buffer",
                  "add recv_buf_size=4194304 to lcm.url");
   }
 }
@@ -156,17 +156,17 @@ void check_fragments(Findings& findings, const UdpmUrl& url) {
   const auto time_s = kernel_setting("net/ipv4/ipfrag_time");
   const auto memory = kernel_setting("net/ipv4/ipfrag_high_thresh");
   if (!time_s || !memory) {
-    findings.add(Verdict::kWarn, "net.ipv4.ipfrag_time and ipfrag_high_thresh cannot be read here");
+    findings.add(Severity::kWarn, "net.ipv4.ipfrag_time and ipfrag_high_thresh cannot be read here");
     return;
   }
   const std::string text = "pieces of broken messages are kept for " + std::to_string(*time_s) +
                            " s in " + std::to_string(*memory) + " bytes";
   if (*time_s <= kTimeMax_s && *memory >= kMemoryMin_bytes) {
-    findings.add(Verdict::kOk, text);
+    findings.add(Severity::kOk, text);
   } else if (url.ttl == 0) {
-    findings.add(Verdict::kOk, text + "; on one machine no message is cut into pieces");
+    findings.add(Severity::kOk, text + "; on one machine no message is cut into pieces");
   } else {
-    findings.add(Verdict::kWarn, text + ": when packets are lost, whole messages will be, too",
+    findings.add(Severity::kWarn, text + ": when packets are lost, whole messages will be, too",
                  "sudo sysctl -w net.ipv4.ipfrag_time=3 net.ipv4.ipfrag_high_thresh=33554432",
                  kUntilBoot);
   }
@@ -175,20 +175,20 @@ void check_fragments(Findings& findings, const UdpmUrl& url) {
 /// Crafted datagrams end LCM 1.3.1: ours filter their sockets, others need the firewall's help.
 void check_guard(Findings& findings, const UdpmUrl& url) {
   if (bus::socket_filters_work()) {
-    findings.add(Verdict::kOk, "programs of Orchard Mapper drop datagrams that end LCM");
+    findings.add(Severity::kOk, "programs of Orchard Mapper drop datagrams that end LCM");
   } else {
-    findings.add(Verdict::kWarn,
+    findings.add(Severity::kWarn,
                  "this kernel or container allows no socket filters: crafted datagrams can end "
                  "every program here",
                  kLoadGuard, kGuardNote);
   }
   const std::optional<bool> arrive = runts_arrive(url);
   if (!arrive) {
-    findings.add(Verdict::kOk, "whether the firewall guards other LCM programs cannot be tried");
+    findings.add(Severity::kOk, "whether the firewall guards other LCM programs cannot be tried");
   } else if (!*arrive) {
-    findings.add(Verdict::kOk, "the firewall guards lcm-logger and lcm-spy, too");
+    findings.add(Severity::kOk, "the firewall guards lcm-logger and lcm-spy, too");
   } else {
-    findings.add(url.ttl > 0 ? Verdict::kWarn : Verdict::kOk,
+    findings.add(url.ttl > 0 ? Severity::kWarn : Severity::kOk,
                  "crafted datagrams can end lcm-logger and lcm-spy: the firewall lets them through",
                  kLoadGuard, kGuardNote);
   }
@@ -196,7 +196,7 @@ void check_guard(Findings& findings, const UdpmUrl& url) {
 
 void check_port(Findings& findings, const UdpmUrl& url) {
   const int num_sockets = num_sockets_on_port(url.port);
-  findings.add(Verdict::kOk, num_sockets == 0
+  findings.add(Severity::kOk, num_sockets == 0
                                  ? "no other program uses UDP port " + std::to_string(url.port)
                                  : std::to_string(num_sockets) + " other sockets are on UDP port " +
                                        std::to_string(url.port) + " (LCM programs share it)");
@@ -231,27 +231,27 @@ void check_traffic(Findings& findings, const std::string& lcm_url) {
     bus.handle(100);
   }
   if (heard_self) {
-    findings.add(Verdict::kOk, "a message sent on " + lcm_url + " came back");
+    findings.add(Severity::kOk, "a message sent on " + lcm_url + " came back");
   } else {
-    findings.add(Verdict::kFail,
+    findings.add(Severity::kFail,
                  sent ? "messages sent on " + lcm_url + " do not come back"
                       : "the network refuses what is sent on " + lcm_url,
                  kOpenFirewall, kFirewallNote);
   }
   std::string names;
   for (const auto& [name, offset_us] : others) names += (names.empty() ? "" : ", ") + name;
-  findings.add(Verdict::kOk, others.empty() ? "no Orchard Mapper process is running on it"
+  findings.add(Severity::kOk, others.empty() ? "no Orchard Mapper process is running on it"
                                             : "running on it: " + names);
   for (const auto& [name, offset_us] : others) {
     if (std::llabs(offset_us) < kSkew_us) continue;
-    findings.add(Verdict::kWarn,
+    findings.add(Severity::kWarn,
                  "the clock of " + name + " is " +
                      fixed_text(1e-6 * static_cast<double>(std::llabs(offset_us)), 1) + " s " +
                      (offset_us > 0 ? "ahead of" : "behind") + " this machine's",
                  "sudo systemctl restart chrony", "one time for all machines: config/deploy");
   }
   if (bus.counts().num_bad() > 0) {
-    findings.add(Verdict::kWarn,
+    findings.add(Severity::kWarn,
                  std::to_string(bus.counts().num_bad()) + " messages there are not ours or broken",
                  "give this system a port of its own in lcm.url");
   }
@@ -274,12 +274,12 @@ int run_doctor(const DoctorOptions& options) {
   check_buffers(findings, *url);
   check_fragments(findings, *url);
   check_port(findings, *url);
-  if (findings.worst() != Verdict::kFail) {
+  if (findings.worst() != Severity::kFail) {
     try {
       check_guard(findings, *url);
       check_traffic(findings, lcm_url);
     } catch (const std::exception& error) {
-      findings.add(Verdict::kFail, error.what(), kOpenFirewall, kFirewallNote);
+      findings.add(Severity::kFail, error.what(), kOpenFirewall, kFirewallNote);
     }
   }
   constexpr const char* kResults[] = {"all is well", "usable, with warnings",
@@ -289,7 +289,7 @@ int run_doctor(const DoctorOptions& options) {
   } else {
     std::printf("%s\n", kResults[static_cast<int>(findings.worst())]);
   }
-  return findings.worst() == Verdict::kFail ? bus::kExitRuntime : bus::kExitOk;
+  return findings.worst() == Severity::kFail ? bus::kExitRuntime : bus::kExitOk;
 }
 
 }  // namespace orchard::cli

@@ -50,8 +50,8 @@ class Findings {
   void add(Severity severity, const std::string& text, const std::string& fix = {},
            const std::string& note = {}) {
     worst_ = std::max(worst_, severity);
-    all_.push_back(
-        {severity, text, severity == Severity::kOk ? "" : fix, severity == Severity::kOk ? "" : note});
+    all_.push_back({severity, text, severity == Severity::kOk ? "" : fix,
+                    severity == Severity::kOk ? "" : note});
     if (json_) return;
     constexpr const char* kNames[] = {"OK  ", "WARN", "FAIL"};
     std::printf("%s  %s\n", kNames[static_cast<int>(severity)], text.c_str());
@@ -156,7 +156,8 @@ void check_fragments(Findings& findings, const UdpmUrl& url) {
   const auto time_s = kernel_setting("net/ipv4/ipfrag_time");
   const auto memory = kernel_setting("net/ipv4/ipfrag_high_thresh");
   if (!time_s || !memory) {
-    findings.add(Severity::kWarn, "net.ipv4.ipfrag_time and ipfrag_high_thresh cannot be read here");
+    findings.add(Severity::kWarn,
+                 "net.ipv4.ipfrag_time and ipfrag_high_thresh cannot be read here");
     return;
   }
   const std::string text = "pieces of broken messages are kept for " + std::to_string(*time_s) +
@@ -196,10 +197,10 @@ void check_guard(Findings& findings, const UdpmUrl& url) {
 
 void check_port(Findings& findings, const UdpmUrl& url) {
   const int num_sockets = num_sockets_on_port(url.port);
-  findings.add(Severity::kOk, num_sockets == 0
-                                 ? "no other program uses UDP port " + std::to_string(url.port)
-                                 : std::to_string(num_sockets) + " other sockets are on UDP port " +
-                                       std::to_string(url.port) + " (LCM programs share it)");
+  findings.add(Severity::kOk,
+               num_sockets == 0 ? "no other program uses UDP port " + std::to_string(url.port)
+                                : std::to_string(num_sockets) + " other sockets are on UDP port " +
+                                      std::to_string(url.port) + " (LCM programs share it)");
 }
 
 /// Sends to itself through the real network path, and listens to what others send meanwhile.
@@ -241,7 +242,7 @@ void check_traffic(Findings& findings, const std::string& lcm_url) {
   std::string names;
   for (const auto& [name, offset_us] : others) names += (names.empty() ? "" : ", ") + name;
   findings.add(Severity::kOk, others.empty() ? "no Orchard Mapper process is running on it"
-                                            : "running on it: " + names);
+                                             : "running on it: " + names);
   for (const auto& [name, offset_us] : others) {
     if (std::llabs(offset_us) < kSkew_us) continue;
     findings.add(Severity::kWarn,

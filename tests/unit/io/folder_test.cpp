@@ -24,8 +24,9 @@ TEST(MakeFolder, SaysWhichFolderWhyAndWhatToDoInstead) {
     make_folder(folder / "file/below", "give another one with --out");
     FAIL() << "a folder below a file";
   } catch (const FileError& error) {
-    EXPECT_EQ(std::string(error.what()), folder / "file/below: cannot be made a folder (Not a "
-                                                  "directory); give another one with --out");
+    EXPECT_EQ(std::string(error.what()), folder /
+                                             "file/below: cannot be made a folder (Not a "
+                                             "directory); give another one with --out");
   }
   EXPECT_THROW(make_folder(folder / "file"), FileError);  // a file of that name is there
 }

@@ -18,7 +18,7 @@ GAP_us = 3_000_000
 GROWTH_most_mib_per_h = 10.0
 # Sent to the live mapper ahead of what its STATUS of each second says it has used: as fast as it
 # can, and never so far ahead that its inbox, and not its map, is what is measured.
-MESSAGES_ahead = 2500
+MESSAGES_ahead = 1000
 LIVE_h = 1.0  # of the day through the processes: all of it would take half an hour and more
 
 
@@ -68,12 +68,13 @@ def watched(program, seconds, every=0.5):
 
 
 def row_of(name, samples, driven_h):
-    """A row on a program: what it needs after a tenth of the day, and at its end."""
-    early, late = samples[len(samples) // 10], samples[-2 if len(samples) > 1 else -1]
-    growth = (late[0] - early[0]) / (0.9 * driven_h)
+    """A row on a program: what it needs in the second tenth of the day and in the last, between saves."""
+    tenth = max(1, len(samples) // 10)
+    early, late = min(samples[tenth:2 * tenth] or samples), min(samples[-1 - tenth:-1] or samples)
+    growth = (late[0] - early[0]) / (0.85 * driven_h)
     flat = abs(late[1] - early[1]) <= 1 and early[2] == late[2]
-    return Row("day", f"{name}: own memory after a tenth, at the end, per hour; descriptors, threads",
-               f"{early[0]:.0f}, {late[0]:.0f} MiB, {growth:.1f} MiB/h; "
+    return Row("day", f"{name}: own memory in the second tenth, in the last; at most; per hour; descriptors, threads",
+               f"{early[0]:.0f}, {late[0]:.0f} MiB; {max(samples)[0]:.0f} MiB; {growth:.1f} MiB/h; "
                f"{early[1]}, {early[2]} to {late[1]}, {late[2]}",
                f"at most {GROWTH_most_mib_per_h:g} MiB/h; flat", growth <= GROWTH_most_mib_per_h and flat)
 

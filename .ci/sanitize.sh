@@ -7,7 +7,6 @@
 #     --all            every test of ctest, those with real processes, too: hours of processor
 #     --matching REGEX of --all only those whose names match
 #     --jobs N         compilers at once (default 2); the tests run one after another
-# What third-party libraries do is left out by .ci/sanitizers/*.txt, with a reason each.
 # Not optimised more than -O1: what is slow here is compiling.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -22,7 +21,7 @@ while [ $# -gt 0 ]; do
     --all) all=yes ;;
     --matching) matching=${2:?--matching needs a regular expression}; shift ;;
     --jobs) jobs=${2:?--jobs needs a number}; shift ;;
-    -h | --help) sed -n '3,12s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '3,11s/^# \{0,1\}//p' "$0"; exit 0 ;;
     -*) echo "sanitize: unknown option $1; see $0 --help" >&2; exit 2 ;;
     *) programs+=("$1") ;;
   esac
@@ -37,9 +36,7 @@ mkdir -p "$folder"
 cmake --preset "$preset" -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g1" -DORCHARD_JAVA=OFF -DORCHARD_UNITY=ON \
   "${launcher[@]}" >"$folder/configure.log" 2>&1 || { cat "$folder/configure.log"; exit 1; }
 
-ignored=$PWD/.ci/sanitizers
-export TSAN_OPTIONS="suppressions=$ignored/thread.txt halt_on_error=1 second_deadlock_stack=1"
-export LSAN_OPTIONS="suppressions=$ignored/leak.txt print_suppressions=0"
+export TSAN_OPTIONS="halt_on_error=1 second_deadlock_stack=1"
 export UBSAN_OPTIONS=print_stacktrace=1
 if [ $all = yes ]; then
   ninja -C "$folder" -j "$jobs"

@@ -29,12 +29,6 @@ inline void feed(device::Protocol& protocol, std::string_view bytes, std::uint8_
       host_utime = std::max(host_utime, *protocol.deadline());
       protocol.expire(host_utime);
     }
-    if (i % 64 == 63) {
-      const std::int64_t step_us = i % 128 == 63 ? 3'600'000'000 : -3'600'000'000;
-      host_utime += step_us;
-      protocol.host_clock_stepped(step_us);
-      last_utime.clear();
-    }
     if (!protocol.failure().empty()) protocol.connected(host_utime);
     protocol.condition();
     protocol.take_to_send();
@@ -48,6 +42,13 @@ inline void feed(device::Protocol& protocol, std::string_view bytes, std::uint8_
       const std::int64_t utime = bus::utime_of(message);
       if (last_utime.count(channel) != 0 && utime <= last_utime[channel]) std::abort();
       last_utime[channel] = utime;
+    }
+    // Last, as a driver does it: what was measured before the step has been taken.
+    if (i % 64 == 63) {
+      const std::int64_t step_us = i % 128 == 63 ? 3'600'000'000 : -3'600'000'000;
+      host_utime += step_us;
+      protocol.host_clock_stepped(step_us);
+      last_utime.clear();
     }
   }
 }

@@ -84,6 +84,14 @@ void add_date(const DrivesOfDate& drives, const FarmSettings& settings, const Ed
                dates,
                drives});
   }
+  FarmTask report;
+  report.kind = TaskKind::kReport;
+  const Drive& any = drives.front();
+  report.name = name_of(TaskKind::kReport, {settings.version, name, any.block, any.date,
+                                            edits_of ? edits_of(name) : std::string()});
+  report.needs = {name};
+  report.drives = drives;
+  tasks.add(std::move(report));
   dates.push_back(name);
 }
 
@@ -98,9 +106,11 @@ const char* kind_text(TaskKind kind) {
     case TaskKind::kDate:
       return "date";
     case TaskKind::kChanges:
+      return "changes";
+    case TaskKind::kReport:
       break;
   }
-  return "changes";
+  return "report";
 }
 
 std::vector<FarmTask> tasks_of(std::vector<Drive> drives, const FarmSettings& settings,

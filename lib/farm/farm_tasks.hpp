@@ -34,9 +34,10 @@ enum class TaskKind {
   kMap,      ///< the map of a drive
   kDate,     ///< the drives of a date joined, ids and numbers of the date before kept
   kChanges,  ///< what changed since the date before
+  kReport,   ///< what a grower reads of a date
 };
 
-/// "check", "map", "date", "changes".
+/// "check", "map", "date", "changes", "report".
 const char* kind_text(TaskKind kind);
 
 /// One step: what it needs, and the name of its result.

@@ -115,6 +115,10 @@ void* FileMemory::take() {
   return chunk;
 }
 
+void FileMemory::rest() noexcept {
+  for (const Mapped& chunk : mapped_) cool_down(chunk.first);
+}
+
 void FileMemory::cool_down(void* chunk) { ::madvise(chunk, kChunkBytes, MADV_DONTNEED); }
 
 void FileMemory::give_back(void* chunk) noexcept {

@@ -36,6 +36,7 @@ class FileMemory : public mapping::ChunkMemory {
 
   void* take() override;
   void give_back(void* chunk) noexcept override;
+  void rest() noexcept override;
   std::int64_t keep(void* chunk) override;
   void* find(std::int64_t number) override;
 

@@ -46,7 +46,14 @@ struct MapState {
   Landmark report(std::int32_t index, const PositionMode& mode) const;
 
   /// Index of the landmark that each observation belongs to; -1 for one of none.
-  std::vector<std::int32_t> landmark_of_observation() const;
+  ColdArray<std::int32_t> landmark_of_observation() const;
+
+  /// The observations of a landmark, the newest first; none of one that is removed.
+  std::vector<std::int32_t> observations_of(std::int32_t index) const;
+
+  /// Whoever goes through all landmarks lets the memory of their observations rest after so many:
+  /// neighbours by number share it.
+  static constexpr std::int32_t kLandmarksBetweenRests = 64;
 
   MapperConfig config;
   LandmarkTable landmarks;

@@ -157,10 +157,11 @@ MapUpdate Mapper::update(const detection::Detections& detections,
 MapUpdate Mapper::rebuild(
     const std::function<pose::PoseEstimate(const pose::PoseEstimate&)>& corrected) {
   const MapState& was = impl_->map;
-  const std::vector<std::int32_t> landmark_then = was.landmark_of_observation();
+  const ColdArray<std::int32_t> landmark_then = was.landmark_of_observation();
   Impl now(was.config, impl_->p_base_laser, impl_->memory);
   // Observations of a scan stand together before and after, but not in the same order.
-  std::vector<std::int32_t> then_of;  // per observation of now: its landmark's index in was
+  ColdArray<std::int32_t> then_of(
+      impl_->memory);  // per observation of now: its landmark's index in was
   for (std::int32_t scan = 0; scan < was.observations.num_scans(); ++scan) {
     const std::int32_t first = was.observations.first_of(scan);
     detection::Detections detections;
@@ -174,8 +175,13 @@ MapUpdate Mapper::rebuild(
       then_of.push_back(landmark_then[static_cast<std::size_t>(first) + trunk]);
     }
   }
-  now.map.renumber(keep_indices(then_of, now.map.landmark_of_observation(),
-                                now.map.landmarks.num_indices(), was.landmarks.num_indices()));
+  const auto thens_of = [&](std::int32_t i) {
+    std::vector<std::int32_t> all = now.map.observations_of(i);
+    for (std::int32_t& k : all) k = then_of[static_cast<std::size_t>(k)];
+    return all;
+  };
+  now.map.renumber(
+      keep_indices(thens_of, now.map.landmarks.num_indices(), was.landmarks.num_indices()));
   MapUpdate update;
   for (std::int32_t i = 0; i < now.map.landmarks.num_indices(); ++i) {
     if (!now.map.landmarks[i].is_removed) {
@@ -245,6 +251,7 @@ std::vector<std::int32_t> Mapper::ids_from(std::int32_t first_id, std::size_t co
 std::optional<double> Mapper::tree_scatter_m() const {
   std::vector<double> medians_m;
   for (std::int32_t i = 0; i < impl_->map.landmarks.num_indices(); ++i) {
+    if (i % MapState::kLandmarksBetweenRests == 0) impl_->map.observations.rest();
     const LandmarkRecord& r = impl_->map.landmarks[i];
     if (r.is_removed || r.num_all < kScatterObservationsMin ||
         label_of(r, impl_->map.config) != detection::Label::kTree) {
@@ -272,6 +279,7 @@ void Mapper::persist(StateArchive& archive) {
 std::vector<Landmark> Mapper::landmarks(int min_observations) const {
   std::vector<Landmark> all;
   for (std::int32_t i = 0; i < impl_->map.landmarks.num_indices(); ++i) {
+    if (i % MapState::kLandmarksBetweenRests == 0) impl_->map.observations.rest();
     const LandmarkRecord& r = impl_->map.landmarks[i];
     if (r.is_removed || r.num_observations < min_observations) continue;
     all.push_back(impl_->map.report(i, impl_->map.mode_of(r)));

@@ -2,6 +2,7 @@
 #include "pose/make_localiser.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "pose/filter/fusion.hpp"
 #include "pose/filter/pose_estimator.hpp"
@@ -25,7 +26,8 @@ double gnss_wait_s(const PoseConfig& config) {
 
 std::unique_ptr<Localiser> make_localiser(const PoseConfig& config, const EarlierMap& earlier,
                                           const laser::LaserConfig& laser,
-                                          const laser::BlindSector& blind) {
+                                          const laser::BlindSector& blind,
+                                          std::shared_ptr<ChunkMemory> memory) {
   switch (config.mode) {
     case PoseMode::kStationary:
       return std::make_unique<Stationary>();
@@ -34,7 +36,7 @@ std::unique_ptr<Localiser> make_localiser(const PoseConfig& config, const Earlie
     case PoseMode::kPriorMap:
       return std::make_unique<PriorMapLocaliser>(config, earlier, laser, blind);
     case PoseMode::kSlam:
-      return std::make_unique<SlamLocaliser>(config, laser, blind);
+      return std::make_unique<SlamLocaliser>(config, laser, blind, std::move(memory));
     case PoseMode::kOdometry:
       if (config.motion == MotionSource::kScans) {
         return std::make_unique<ScanOdometry>(config.scan_motion, laser, blind);

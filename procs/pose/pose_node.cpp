@@ -45,14 +45,15 @@ std::optional<pose::Measurement> measurement_of(const bus::Message& input) {
 
 }  // namespace
 
-PoseNode::PoseNode(const io::Config& config)
+PoseNode::PoseNode(const io::Config& config, std::shared_ptr<pose::ChunkMemory> memory)
     : waits_s_(pose::expected_measurements(config.pose)),
       queue_(rules_of(waits_s_)),
-      make_localiser_([config, prior_map = config.pose.mode == pose::PoseMode::kPriorMap
-                                               ? io::read_prior_map(config.pose.prior_map)
-                                               : pose::EarlierMap{}] {
+      make_localiser_([config, memory = std::move(memory),
+                       prior_map = config.pose.mode == pose::PoseMode::kPriorMap
+                                       ? io::read_prior_map(config.pose.prior_map)
+                                       : pose::EarlierMap{}] {
         return pose::make_localiser(config.pose, prior_map, config.laser,
-                                    config.detector.segmentation.blind_sector());
+                                    config.detector.segmentation.blind_sector(), memory);
       }),
       localiser_(make_localiser_()) {}
 

@@ -12,6 +12,7 @@
 
 #include "bus/node/node.hpp"
 #include "io/config/config.hpp"
+#include "pose/graph/chunk_memory.hpp"
 #include "pose/localiser.hpp"
 #include "pose/measurement.hpp"
 #include "timing/ordered_queue.hpp"
@@ -23,7 +24,8 @@ namespace orchard::procs {
 class PoseNode : public bus::Node {
  public:
   /// Throws io::FileError when mode prior_map has no map to go by.
-  explicit PoseNode(const io::Config& config);
+  /// `memory` holds what a long drive leaves; none: the heap. It changes no output.
+  explicit PoseNode(const io::Config& config, std::shared_ptr<pose::ChunkMemory> memory = nullptr);
 
   std::string_view name() const override { return "pose"; }
   std::vector<bus::Channel> inputs() const override;

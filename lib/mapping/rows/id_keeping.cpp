@@ -4,29 +4,26 @@
 #include <algorithm>
 #include <cstddef>
 #include <tuple>
-#include <utility>
 
 namespace orchard::mapping {
 
-std::vector<std::int32_t> keep_indices(const std::vector<std::int32_t>& then_of,
-                                       const std::vector<std::int32_t>& now_of,
-                                       std::int32_t num_now, std::int32_t first_unused) {
-  std::vector<std::pair<std::int32_t, std::int32_t>> shared;  // then, now: once per observation
+std::vector<std::int32_t> keep_indices(
+    const std::function<std::vector<std::int32_t>(std::int32_t now)>& then_of, std::int32_t num_now,
+    std::int32_t first_unused) {
   std::vector<char> is_observed(static_cast<std::size_t>(num_now), 0);
-  for (std::size_t k = 0; k < now_of.size(); ++k) {
-    if (now_of[k] < 0) continue;
-    is_observed[static_cast<std::size_t>(now_of[k])] = 1;
-    if (then_of[k] >= 0) shared.emplace_back(then_of[k], now_of[k]);
-  }
-  std::sort(shared.begin(), shared.end());
-
   std::vector<std::tuple<std::int64_t, std::int32_t, std::int32_t>> votes;  // -count, then, now
-  for (std::size_t begin = 0; begin < shared.size();) {
-    std::size_t end = begin;
-    while (end < shared.size() && shared[end] == shared[begin]) ++end;
-    votes.emplace_back(-static_cast<std::int64_t>(end - begin), shared[begin].first,
-                       shared[begin].second);
-    begin = end;
+  for (std::int32_t i = 0; i < num_now; ++i) {
+    std::vector<std::int32_t> thens = then_of(i);
+    is_observed[static_cast<std::size_t>(i)] = thens.empty() ? 0 : 1;
+    std::sort(thens.begin(), thens.end());
+    for (std::size_t begin = 0; begin < thens.size();) {
+      std::size_t end = begin;
+      while (end < thens.size() && thens[end] == thens[begin]) ++end;
+      if (thens[begin] >= 0) {
+        votes.emplace_back(-static_cast<std::int64_t>(end - begin), thens[begin], i);
+      }
+      begin = end;
+    }
   }
   std::sort(votes.begin(), votes.end());
 

@@ -22,7 +22,11 @@ namespace orchard::mapping {
 class ObservationStore {
  public:
   explicit ObservationStore(std::shared_ptr<ChunkMemory> memory = std::make_shared<HeapMemory>())
-      : scans_(memory), observations_(memory), beams_(memory) {}
+      : memory_(memory), scans_(memory), observations_(memory), beams_(memory) {}
+
+  const std::shared_ptr<ChunkMemory>& memory() const { return memory_; }
+  /// Nothing of it is needed for the moment.
+  void rest() const { memory_->rest(); }
 
   /// Starts the next scan; `free_space` may be none.
   void add_scan(const pose::PoseEstimate& T_map_base, const FreeSpace* free_space);
@@ -80,6 +84,7 @@ class ObservationStore {
   };
   const Scan& at(std::int32_t scan) const { return scans_[static_cast<std::size_t>(scan)]; }
 
+  std::shared_ptr<ChunkMemory> memory_;
   ColdArray<Scan> scans_;
   ColdArray<Observation> observations_;
   ColdArray<std::uint8_t> beams_;  ///< free space, packed

@@ -5,8 +5,10 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <cmath>
 
 #include "geometry/pose2.hpp"
+#include "pose/filter/gnss_config.hpp"
 
 namespace orchard::pose {
 using geometry::between;
@@ -14,6 +16,13 @@ using geometry::rotation;
 using geometry::transform;
 
 namespace {
+
+/// However little of a receiver's errors lasts, a millimetre does [m].
+constexpr double kReceiverSdMin_m = 0.001;
+
+double receiver_sd_m(const ReceiverModel& model, const ReceiverError& error) {
+  return std::hypot(kReceiverSdMin_m, std::sqrt(model.lasting * error.claimed_variance));
+}
 
 template <int Rows, int Columns>
 using RowMajor = Eigen::Map<
@@ -46,13 +55,20 @@ class MotionFactor : public ceres::SizedCostFunction<3, 3, 3, 3> {
 
 class ObservationFactor : public ceres::SizedCostFunction<2, 3, 2> {
  public:
-  explicit ObservationFactor(const SlamObservation& observation);
+  explicit ObservationFactor(const SlamObservation& observation) : residual_(observation) {}
   bool Evaluate(double const* const* parameters, double* residuals,
-                double** jacobians) const override;
+                double** jacobians) const override {
+    const Vector3Map T(parameters[0]);
+    const Vector2Map p(parameters[1]);
+    Eigen::Map<Eigen::Vector2d>{residuals} = residual_.at(T, p);
+    if (jacobians == nullptr) return true;
+    if (jacobians[0] != nullptr) RowMajor<2, 3>{jacobians[0]} = residual_.by_pose(T, p);
+    if (jacobians[1] != nullptr) RowMajor<2, 2>{jacobians[1]} = residual_.by_position(T);
+    return true;
+  }
 
  private:
-  Eigen::Vector2d p_base_;
-  Eigen::Matrix2d W_;
+  ObservationResidual residual_;
 };
 
 class LandmarkPriorFactor : public ceres::SizedCostFunction<2, 2> {
@@ -185,26 +201,6 @@ bool MotionFactor::Evaluate(double const* const* parameters, double* residuals,
   return true;
 }
 
-ObservationFactor::ObservationFactor(const SlamObservation& observation)
-    : p_base_(observation.position()), W_(whitening(observation.covariance())) {}
-
-bool ObservationFactor::Evaluate(double const* const* parameters, double* residuals,
-                                 double** jacobians) const {
-  const Vector3Map T(parameters[0]);
-  const Vector2Map p(parameters[1]);
-  const Eigen::Matrix2d R_t = rotation(T.z()).transpose();
-  const Eigen::Vector2d seen = R_t * (p - T.head<2>());
-  Eigen::Map<Eigen::Vector2d>{residuals} = W_ * (seen - p_base_);
-  if (jacobians == nullptr) return true;
-  if (jacobians[0] != nullptr) {
-    RowMajor<2, 3> J{jacobians[0]};
-    J.leftCols<2>() = -W_ * R_t;
-    J.col(2) = -W_ * turned(seen);
-  }
-  if (jacobians[1] != nullptr) RowMajor<2, 2>{jacobians[1]} = W_ * R_t;
-  return true;
-}
-
 LandmarkPriorFactor::LandmarkPriorFactor(const Eigen::Vector2d& p_map,
                                          const Eigen::Matrix2d& covariance)
     : p_map_(p_map), W_(whitening(covariance)) {}
@@ -275,6 +271,26 @@ bool HeadingFactor::Evaluate(double const* const* parameters, double* residuals,
 
 }  // namespace
 
+ObservationResidual::ObservationResidual(const SlamObservation& observation)
+    : p_base_(observation.position()), W_(whitening(observation.covariance())) {}
+
+Eigen::Vector2d ObservationResidual::seen(const Eigen::Vector3d& T_map_base,
+                                          const Eigen::Vector2d& p_map) {
+  return rotation(T_map_base.z()).transpose() * (p_map - T_map_base.head<2>());
+}
+
+Eigen::Matrix<double, 2, 3> ObservationResidual::by_pose(const Eigen::Vector3d& T_map_base,
+                                                         const Eigen::Vector2d& p_map) const {
+  Eigen::Matrix<double, 2, 3> J;
+  J.leftCols<2>() = -W_ * rotation(T_map_base.z()).transpose();
+  J.col(2) = -W_ * turned(seen(T_map_base, p_map));
+  return J;
+}
+
+Eigen::Matrix2d ObservationResidual::by_position(const Eigen::Vector3d& T_map_base) const {
+  return W_ * rotation(T_map_base.z()).transpose();
+}
+
 ceres::CostFunction* motion_factor(const RelativeMotion& motion,
                                    const Eigen::Matrix3d& covariance) {
   return new MotionFactor(motion, covariance);
@@ -300,10 +316,15 @@ ceres::CostFunction* absolute_position_factor(const AbsolutePosition& position) 
 ceres::CostFunction* receiver_position_factor(const AbsolutePosition& position, double noise) {
   return new ReceiverPositionFactor(position, noise);
 }
-ceres::CostFunction* receiver_error_factor(double kept, double sd_m) {
-  return new ReceiverErrorFactor(kept, sd_m);
+ceres::CostFunction* receiver_error_factor(const ReceiverModel& model, const ReceiverError& before,
+                                           const ReceiverError& after) {
+  const double dt_s = 1e-6 * static_cast<double>(after.utime - before.utime);
+  const double kept = std::exp(-dt_s / kReceiverMemory_s);
+  return new ReceiverErrorFactor(kept, receiver_sd_m(model, after) * std::sqrt(1.0 - kept * kept));
 }
-ceres::CostFunction* receiver_error_prior_factor(double sd_m) {
+ceres::CostFunction* receiver_error_prior_factor(const ReceiverModel& model,
+                                                 const ReceiverError& error) {
+  const double sd_m = receiver_sd_m(model, error);
   return new LandmarkPriorFactor(Eigen::Vector2d::Zero(),
                                  sd_m * sd_m * Eigen::Matrix2d::Identity());
 }

@@ -16,18 +16,24 @@ namespace {
 // However often a landmark was observed, the map around it is not known better than this.
 constexpr double kLandmarkSdMin_m = 0.02;
 
-std::vector<SlamObservation>::iterator find_observation(Keyframe& keyframe, int landmark) {
-  return std::find_if(keyframe.observations.begin(), keyframe.observations.end(),
+template <class Observations>
+auto find_observation(Observations& observations, int landmark) {
+  return std::find_if(observations.begin(), observations.end(),
                       [&](const SlamObservation& s) { return s.landmark == landmark; });
 }
 
-}  // namespace
-
-Eigen::Vector2d SlamObservation::position() const { return information.inverse() * information_m; }
-
-Eigen::Matrix2d SlamObservation::covariance() const {
-  return information.inverse() + floor_sd_m * floor_sd_m * Eigen::Matrix2d::Identity();
+/// What one observation says of a landmark's place in map.
+struct PlaceInMap {
+  Eigen::Matrix2d information;
+  Eigen::Vector2d information_m;
+};
+PlaceInMap place_in_map(const SlamObservation& observation, const Eigen::Vector3d& T) {
+  const Eigen::Matrix2d R = rotation(T.z());
+  const Eigen::Matrix2d W = R * observation.covariance().inverse() * R.transpose();
+  return {W, W * transform(T, observation.position())};
 }
+
+}  // namespace
 
 Eigen::Matrix2d SlamLandmark::covariance() const {
   const Eigen::Matrix2d floor = kLandmarkSdMin_m * kLandmarkSdMin_m * Eigen::Matrix2d::Identity();
@@ -47,13 +53,13 @@ void SlamLandmark::add_width(double observed_m, double sd_m) {
 
 void SlamGraph::add_observation(int keyframe, int landmark, const Eigen::Vector2d& p_base,
                                 const Eigen::Matrix2d& covariance, double floor_sd_m) {
-  Keyframe& k = keyframes[keyframe];
-  auto observation = find_observation(k, landmark);
-  if (observation == k.observations.end()) {
+  std::vector<SlamObservation>& observations = keyframes[keyframe].observations.edit();
+  auto observation = find_observation(observations, landmark);
+  if (observation == observations.end()) {
     SlamObservation fresh;
     fresh.landmark = landmark;
-    k.observations.push_back(fresh);
-    observation = std::prev(k.observations.end());
+    observations.push_back(fresh);
+    observation = std::prev(observations.end());
     landmarks[landmark].keyframes.push_back(keyframe);
   }
   const Eigen::Matrix2d information = covariance.inverse();
@@ -75,16 +81,17 @@ void SlamGraph::drop_rare_observations(double num_scans) {
       continue;
     }
     landmarks[l].keyframes.pop_back();
-    keyframes.back().observations.erase(find_observation(keyframes.back(), l));
+    std::vector<SlamObservation>& observations = keyframes.back().observations.edit();
+    observations.erase(find_observation(observations, l));
   }
 }
 
 void SlamGraph::drop(int landmark) {
   SlamLandmark& l = landmarks[landmark];
   for (const int k : l.keyframes) {
-    const auto observation = find_observation(keyframes[k], landmark);
-    if (observation != keyframes[k].observations.end())
-      keyframes[k].observations.erase(observation);
+    std::vector<SlamObservation>& observations = keyframes[k].observations.edit();
+    const auto observation = find_observation(observations, landmark);
+    if (observation != observations.end()) observations.erase(observation);
   }
   l.keyframes.clear();
   l.keyframes.shrink_to_fit();
@@ -95,16 +102,16 @@ void SlamGraph::merge(int landmark, int into) {
   SlamLandmark& from = landmarks[landmark];
   SlamLandmark& to = landmarks[into];
   for (const int k : from.keyframes) {
-    Keyframe& keyframe = keyframes[k];
-    const auto observation = find_observation(keyframe, landmark);
-    const auto same = find_observation(keyframe, into);
-    if (same == keyframe.observations.end()) {
+    std::vector<SlamObservation>& observations = keyframes[k].observations.edit();
+    const auto observation = find_observation(observations, landmark);
+    const auto same = find_observation(observations, into);
+    if (same == observations.end()) {
       observation->landmark = into;
     } else {
       same->information += observation->information;
       same->information_m += observation->information_m;
       same->num_scans += observation->num_scans;
-      keyframe.observations.erase(observation);
+      observations.erase(observation);
     }
   }
   std::vector<int> all;
@@ -141,16 +148,35 @@ void SlamGraph::update_landmark(int landmark, bool update_position) {
   Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
   Eigen::Vector2d information_m = Eigen::Vector2d::Zero();
   for (const int k : l.keyframes) {
-    const auto observation = find_observation(keyframes[k], landmark);
-    const Eigen::Vector3d& T = keyframes[k].T_map_base;
-    const Eigen::Matrix2d R = rotation(T.z());
-    const Eigen::Matrix2d W = R * observation->covariance().inverse() * R.transpose();
-    information += W;
-    information_m += W * transform(T, observation->position());
+    const auto observation = find_observation(keyframes[k].observations, landmark);
+    const PlaceInMap place = place_in_map(*observation, keyframes[k].T_map_base);
+    information += place.information;
+    information_m += place.information_m;
   }
   l.information = information;
   if (update_position && information.determinant() > 0.0)
     l.p_map = information.inverse() * information_m;
+}
+
+void SlamGraph::update_landmarks(const std::vector<Update>& updates) {
+  std::vector<PlaceInMap> sums(landmarks.size(),
+                               {Eigen::Matrix2d::Zero(), Eigen::Vector2d::Zero()});
+  for_each_keyframe([&](int, const Keyframe& keyframe) {
+    for (const SlamObservation& o : keyframe.observations) {
+      if (updates[o.landmark] == Update::kNone) continue;
+      const PlaceInMap place = place_in_map(o, keyframe.T_map_base);
+      sums[o.landmark].information += place.information;
+      sums[o.landmark].information_m += place.information_m;
+    }
+  });
+  for (std::size_t l = 0; l < landmarks.size(); ++l) {
+    if (updates[l] == Update::kNone) continue;
+    const PlaceInMap& sum = sums[l];
+    landmarks[l].information = sum.information;
+    if (updates[l] == Update::kPosition && sum.information.determinant() > 0.0) {
+      landmarks[l].p_map = sum.information.inverse() * sum.information_m;
+    }
+  }
 }
 
 }  // namespace orchard::pose

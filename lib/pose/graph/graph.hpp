@@ -3,24 +3,13 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "pose/graph/motion.hpp"
+#include "pose/graph/observation_list.hpp"
 
 namespace orchard::pose {
-
-/// All observations of one landmark by the scans of one keyframe, summed in information form: its
-/// position in base at the keyframe.
-struct SlamObservation {
-  int landmark = -1;
-  int num_scans = 0;
-  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();    ///< sum of inverse covariances
-  Eigen::Vector2d information_m = Eigen::Vector2d::Zero();  ///< sum of information * position
-  double floor_sd_m = 0.0;  ///< systematic error, the same in all scans of a keyframe
-
-  Eigen::Vector2d position() const;
-  Eigen::Matrix2d covariance() const;
-};
 
 /// Position in map of a point fixed to base (a lever arm away), and perhaps base's heading.
 struct AbsolutePosition {
@@ -64,7 +53,7 @@ struct Keyframe {
   RelativeMotion motion;  ///< from the keyframe before
   double travel_m = 0.0;  ///< path length since the start
   int calibration = 0;    ///< index of the odometry calibration of `motion`
-  std::vector<SlamObservation> observations;
+  ObservationList observations;
   std::vector<AbsolutePosition> positions;
 };
 
@@ -107,7 +96,8 @@ struct SlamGraph {
   Eigen::Vector3d calibration_walk_sd = Eigen::Vector3d::Zero();
   std::vector<ReceiverError> receiver_errors;
   ReceiverModel receiver;
-  std::vector<RelativePose> relative_poses;  ///< ascending by `to`
+  std::vector<RelativePose> relative_poses;   ///< ascending by `to`
+  std::shared_ptr<ObservationMemory> memory;  ///< of old observations; none: the heap
   bool georeferenced = false;  ///< by absolute positions; else the first keyframe is the origin
 
   /// Adds one scan's observation of a landmark to those of a keyframe.
@@ -129,6 +119,22 @@ struct SlamGraph {
   /// Recomputes a landmark's information from all its observations, given the poses; and its
   /// position as well if asked.
   void update_landmark(int landmark, bool update_position);
+
+  /// The same of many landmarks in one pass over the keyframes, to the same digits.
+  enum class Update : char { kNone, kInformation, kPosition };
+  void update_landmarks(const std::vector<Update>& updates);
+
+  /// Calls visit(index, keyframe) for all keyframes in order; what lies in a file is in memory only
+  /// while it is read.
+  template <class Visit>
+  void for_each_keyframe(Visit&& visit) const {
+    constexpr int kBetweenRests = 200;
+    for (int k = 0; k < static_cast<int>(keyframes.size()); ++k) {
+      if (memory && k % kBetweenRests == 0) memory->rest();
+      visit(k, keyframes[static_cast<std::size_t>(k)]);
+    }
+    if (memory) memory->rest();
+  }
 };
 
 }  // namespace orchard::pose

@@ -4,20 +4,12 @@
 #include <ceres/ceres.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "geometry/pose2.hpp"
-#include "pose/filter/gnss_config.hpp"
 #include "pose/graph/factors.hpp"
 
 namespace orchard::pose {
 namespace {
-
-/// Normalised residual from which on the robust loss of an observation is linear.
-constexpr double kOutlier_sigma = 3.0;
-
-/// However little of a receiver's errors lasts, a millimetre does [m].
-constexpr double kReceiverSdMin_m = 0.001;
 
 ceres::Problem::Options problem_options() {
   ceres::Problem::Options options;
@@ -110,18 +102,13 @@ void GraphProblem::add_receiver_errors() {
   int before = -1;
   for (const int e : receiver_errors_) {
     const ReceiverError& now = graph_.receiver_errors[e];
-    const double sd_m =
-        std::hypot(kReceiverSdMin_m, std::sqrt(graph_.receiver.lasting * now.claimed_variance));
     double* const error = unknowns_.receiver_error(e).data();
     if (before < 0) {
-      measurements_.push_back(
-          problem_.AddResidualBlock(receiver_error_prior_factor(sd_m), loss(), error));
-    } else {
-      const double dt_s =
-          1e-6 * static_cast<double>(now.utime - graph_.receiver_errors[before].utime);
-      const double kept = std::exp(-dt_s / kReceiverMemory_s);
       measurements_.push_back(problem_.AddResidualBlock(
-          receiver_error_factor(kept, sd_m * std::sqrt(1.0 - kept * kept)), loss(),
+          receiver_error_prior_factor(graph_.receiver, now), loss(), error));
+    } else {
+      measurements_.push_back(problem_.AddResidualBlock(
+          receiver_error_factor(graph_.receiver, graph_.receiver_errors[before], now), loss(),
           unknowns_.receiver_error(before).data(), error));
     }
     before = e;

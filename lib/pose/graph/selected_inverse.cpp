@@ -1,70 +1,68 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/graph/selected_inverse.hpp"
 
-#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <utility>
 #include <vector>
 
 namespace orchard::pose {
 
-std::optional<Eigen::SparseMatrix<double>> selected_inverse(
-    const Eigen::SparseMatrix<double>& information) {
-  using Matrix = Eigen::SparseMatrix<double>;
-  const Eigen::SimplicialLDLT<Matrix> factor(information);
-  if (factor.info() != Eigen::Success || (factor.vectorD().array() <= 0.0).any()) {
-    return std::nullopt;
-  }
-  const Matrix& L = factor.matrixL().nestedExpression();  // strictly lower; its diagonal is 1
-  const int n = static_cast<int>(L.cols());
-  Matrix Z = L;
-  Eigen::VectorXd diagonal(n);
+SelectedInverse::SelectedInverse(Ldlt&& factor)
+    : diagonal_(factor.vectorD().size()), to_factor_(factor.permutationP().indices()) {
+  lower_.swap(factor.lower());
+  const int n = static_cast<int>(lower_.cols());
   std::vector<double> column(n, 0.0);  // of L, spread out
   std::vector<double> sum(n, 0.0);
   std::vector<char> in_column(n, 0);
-  const int* starts = L.outerIndexPtr();
-  const int* rows = L.innerIndexPtr();
-  const double* values = L.valuePtr();
-  double* inverse = Z.valuePtr();
+  const int* starts = lower_.outerIndexPtr();
+  const int* rows = lower_.innerIndexPtr();
+  double* inverse = lower_.valuePtr();  // L from the first column up to j, and then its successor
   // Z = D^-1 L^-1 + (1 - L^T) Z, from the last column to the first: whatever a column needs lies in
   // the pattern of columns that are done, because elimination filled it in.
   for (int j = n - 1; j >= 0; --j) {
     for (int e = starts[j]; e < starts[j + 1]; ++e) {
-      column[rows[e]] = values[e];
+      column[rows[e]] = inverse[e];
       in_column[rows[e]] = 1;
       sum[rows[e]] = 0.0;
     }
     for (int e = starts[j]; e < starts[j + 1]; ++e) {
       const int k = rows[e];
-      sum[k] += diagonal[k] * values[e];
+      const double value = column[k];
+      sum[k] += diagonal_[k] * value;
       for (int f = starts[k]; f < starts[k + 1]; ++f) {
         const int i = rows[f];
         if (!in_column[i]) continue;
-        sum[i] += inverse[f] * values[e];
+        sum[i] += inverse[f] * value;
         sum[k] += inverse[f] * column[i];
       }
     }
-    diagonal[j] = 1.0 / factor.vectorD()[j];
+    diagonal_[j] = 1.0 / factor.vectorD()[j];
     for (int e = starts[j]; e < starts[j + 1]; ++e) {
       inverse[e] = -sum[rows[e]];
-      diagonal[j] -= values[e] * inverse[e];
+      diagonal_[j] -= column[rows[e]] * inverse[e];
       in_column[rows[e]] = 0;
     }
   }
-  // back to the order of the caller
-  const Eigen::VectorXi& to_factor = factor.permutationP().indices();
-  Eigen::VectorXi to_caller(n);
-  for (int i = 0; i < n; ++i) to_caller[to_factor[i]] = i;
-  std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(2 * static_cast<std::size_t>(Z.nonZeros()) + n);
-  for (int j = 0; j < n; ++j) {
-    entries.emplace_back(to_caller[j], to_caller[j], diagonal[j]);
-    for (int e = starts[j]; e < starts[j + 1]; ++e) {
-      entries.emplace_back(to_caller[rows[e]], to_caller[j], inverse[e]);
-      entries.emplace_back(to_caller[j], to_caller[rows[e]], inverse[e]);
-    }
+}
+
+double SelectedInverse::at(int row, int column) const {
+  const int i = std::max(to_factor_[row], to_factor_[column]);
+  const int j = std::min(to_factor_[row], to_factor_[column]);
+  if (i == j) return diagonal_[i];
+  const int* rows = lower_.innerIndexPtr();
+  const int* begin = rows + lower_.outerIndexPtr()[j];
+  const int* end = rows + lower_.outerIndexPtr()[j + 1];
+  const int* at = std::lower_bound(begin, end, i);
+  return at != end && *at == i ? lower_.valuePtr()[at - rows] : 0.0;
+}
+
+std::optional<SelectedInverse> selected_inverse(const Eigen::SparseMatrix<double>& information) {
+  Ldlt factor;
+  factor.compute(information);
+  if (factor.info() != Eigen::Success || (factor.vectorD().array() <= 0.0).any()) {
+    return std::nullopt;
   }
-  Matrix result(n, n);
-  result.setFromTriplets(entries.begin(), entries.end());
-  return result;
+  return SelectedInverse(std::move(factor));
 }
 
 }  // namespace orchard::pose

@@ -5,7 +5,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -15,6 +14,7 @@
 #include "pose/graph/georeference.hpp"
 #include "pose/graph/graph_problem.hpp"
 #include "pose/graph/selected_inverse.hpp"
+#include "pose/graph/whole_problem.hpp"
 
 namespace orchard::pose {
 using geometry::compose_jacobian_first;
@@ -190,28 +190,8 @@ WindowSolution window_covariances(const Window& w, const Keyframe& first, GraphP
   return solution;
 }
 
-void add_graph(const SlamGraph& graph, const SlamConfig& config, GraphProblem& problem) {
-  const CalibrationPrior prior = CalibrationPrior::initial(config);
-  problem.add_calibration_prior(0, prior);
-  const Eigen::Vector3d kept = kept_calibration(graph.calibration_walk_sd, config);
-  for (int c = 1; c < static_cast<int>(graph.calibrations.size()); ++c) {
-    problem.add_calibration_walk(c, kept);
-  }
-  for (int k = 0; k < static_cast<int>(graph.keyframes.size()); ++k) {
-    if (k > 0) problem.add_motion(k, graph.keyframes[k].motion.covariance, true);
-    problem.add_positions(k);
-    for (const SlamObservation& o : graph.keyframes[k].observations) {
-      if (is_constrained(graph.landmarks[o.landmark])) problem.add_observation(k, o);
-    }
-  }
-  problem.add_receiver_errors();
-  for (const RelativePose& r : graph.relative_poses) problem.add_relative_pose(r, true);
-  if (!graph.georeferenced) problem.fix_pose(0);
-}
-
-/// How the calibration walked from interval to interval, by the solved graph; `first` is the index
-/// of the first calibration among the blocks of three unknowns of P.
-void learn_walk(const Eigen::SparseMatrix<double>& P, int first, const SlamConfig& config,
+/// How the calibration walked from interval to interval, by the solved graph.
+void learn_walk(const WholeProblem& problem, const SelectedInverse& P, const SlamConfig& config,
                 SlamGraph& graph) {
   const Eigen::Vector3d kept = kept_calibration(graph.calibration_walk_sd, config);
   std::vector<CalibrationStep> steps;
@@ -219,9 +199,9 @@ void learn_walk(const Eigen::SparseMatrix<double>& P, int first, const SlamConfi
     CalibrationStep step;
     step.change = graph.calibrations[c] - kept.cwiseProduct(graph.calibrations[c - 1]);
     for (int i = 0; i < 3; ++i) {
-      const int after = 3 * (first + c) + i, before = after - 3;
-      step.variance[i] = kept[i] * kept[i] * P.coeff(before, before) + P.coeff(after, after) -
-                         2.0 * kept[i] * P.coeff(before, after);
+      const int after = problem.calibration_row(c) + i, before = problem.calibration_row(c - 1) + i;
+      step.variance[i] = kept[i] * kept[i] * P.at(before, before) + P.at(after, after) -
+                         2.0 * kept[i] * P.at(before, after);
     }
     steps.push_back(step);
   }
@@ -231,44 +211,29 @@ void learn_walk(const Eigen::SparseMatrix<double>& P, int first, const SlamConfi
 /// Writes the covariance of every pose, and what the drive says of its wheels; returns the
 /// covariance of the newest calibration. None, and nothing written, where the information is
 /// singular.
-std::optional<Eigen::Matrix3d> write_covariances(GraphProblem& problem, const SlamConfig& config,
+std::optional<Eigen::Matrix3d> write_covariances(WholeProblem& problem, const SlamConfig& config,
                                                  SlamGraph& graph) {
-  const int num_keyframes = static_cast<int>(graph.keyframes.size());
-  const int num_calibrations = static_cast<int>(graph.calibrations.size());
-  const int first = graph.georeferenced ? 0 : 1;  // the origin is known
-  std::vector<double*> blocks;
-  for (int k = first; k < num_keyframes; ++k) blocks.push_back(problem.pose(k));
-  for (int c = 0; c < num_calibrations; ++c) blocks.push_back(problem.calibration(c));
-  for (int l = 0; l < static_cast<int>(graph.landmarks.size()); ++l) {
-    if (is_constrained(graph.landmarks[l])) blocks.push_back(problem.position(l));
-  }
-  for (double* error : problem.receiver_errors()) blocks.push_back(error);
-  const ceres::CRSMatrix crs = problem.jacobian(blocks, true);
-  const Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>> J(
-      crs.num_rows, crs.num_cols, static_cast<int>(crs.values.size()), crs.rows.data(),
-      crs.cols.data(), crs.values.data());
-  const Eigen::SparseMatrix<double> columns = J;
-  const Eigen::SparseMatrix<double> H = columns.transpose() * columns;
-  const std::optional<Eigen::SparseMatrix<double>> P = selected_inverse(H);
+  const std::optional<SelectedInverse> P = problem.covariances();
   if (!P) return std::nullopt;
   const auto block = [&](int row, int column) {
     Eigen::Matrix3d B;
     for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) B(i, j) = P->coeff(3 * row + i, 3 * column + j);
+      for (int j = 0; j < 3; ++j) B(i, j) = P->at(row + i, column + j);
     }
     return row == column ? Eigen::Matrix3d(0.5 * (B + B.transpose())) : B;
   };
-  const int first_calibration = num_keyframes - first;
-  for (int k = first; k < num_keyframes; ++k) {
-    const int calibration = first_calibration + graph.keyframes[k].calibration;
+  for (int k = 0; k < static_cast<int>(graph.keyframes.size()); ++k) {
+    const int pose = problem.pose_row(k);
+    if (pose < 0) continue;  // the origin is known
+    const int calibration = problem.calibration_row(graph.keyframes[k].calibration);
     JointCovariance joint;
-    joint << block(k - first, k - first), block(k - first, calibration),
-        block(k - first, calibration).transpose(), block(calibration, calibration);
+    joint << block(pose, pose), block(pose, calibration), block(pose, calibration).transpose(),
+        block(calibration, calibration);
     if (joint.allFinite()) set_joint_covariance(joint, graph.keyframes[k]);
   }
-  learn_walk(*P, first_calibration, config, graph);
-  const int newest_calibration = first_calibration + num_calibrations - 1;
-  return block(newest_calibration, newest_calibration);
+  learn_walk(problem, *P, config, graph);
+  const int newest = problem.calibration_row(static_cast<int>(graph.calibrations.size()) - 1);
+  return block(newest, newest);
 }
 
 }  // namespace
@@ -300,23 +265,13 @@ GraphSolution solve_graph(SlamGraph& graph, bool after_closure, const SlamConfig
     return solution;
   }
   graph.receiver = judge_receiver(graph);
-  Unknowns unknowns(graph);
+  WholeProblem problem(graph, config);
   if (after_closure) {
-    GraphProblem problem(graph, unknowns, false);
-    add_graph(graph, config, problem);
     const int iterations = graph.landmarks.empty() ? kBendIterations : kClosureIterations;
-    if (!problem.solve(ceres::SPARSE_NORMAL_CHOLESKY, iterations, kGraphTolerance)) {
-      return solution;
-    }
+    if (!problem.solve(false, iterations, kGraphTolerance)) return solution;
   }
-  GraphProblem problem(graph, unknowns, true);
-  add_graph(graph, config, problem);
-  if (!problem.solve(ceres::SPARSE_NORMAL_CHOLESKY, kGraphIterations, kGraphTolerance)) {
-    return solution;
-  }
-  unknowns.wrap_yaws();
-  if (!unknowns.poses_are_finite()) return solution;
-  unknowns.write_to(graph);
+  if (!problem.solve(true, kGraphIterations, kGraphTolerance)) return solution;
+  if (!problem.write_to(graph)) return solution;
   solution.solved = true;
   solution.calibration_covariance = write_covariances(problem, config, graph);
   return solution;

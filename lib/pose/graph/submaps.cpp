@@ -25,6 +25,8 @@ constexpr double kBlindSd_rad = 0.02;
 // One sigma of the rigidity assumption inside a submap.
 constexpr double kRigiditySd_m = 0.01;
 
+constexpr std::size_t kSubmapsBetweenRests = 25;
+
 bool is_blind(const RelativeMotion& motion) {
   const Eigen::Matrix3d& P = motion.covariance;
   return std::max(P(0, 0), P(1, 1)) > kBlindSd_m * kBlindSd_m ||
@@ -57,16 +59,16 @@ RelativeMotion joined(const RelativeMotion& a, const RelativeMotion& b) {
 /// Adds one keyframe's observation to its submap's. `at` is the index of each landmark's
 /// observation in the submap, -1 for none.
 void add_observation(const SlamObservation& seen, const Eigen::Vector3d& T_submap_keyframe,
-                     Keyframe& submap, std::vector<int>& at) {
+                     std::vector<SlamObservation>& sums, std::vector<int>& at) {
   int& slot = at[static_cast<std::size_t>(seen.landmark)];
   if (slot < 0) {
-    slot = static_cast<int>(submap.observations.size());
+    slot = static_cast<int>(sums.size());
     SlamObservation fresh;
     fresh.landmark = seen.landmark;
     fresh.floor_sd_m = kRigiditySd_m;
-    submap.observations.push_back(fresh);
+    sums.push_back(fresh);
   }
-  SlamObservation& sum = submap.observations[static_cast<std::size_t>(slot)];
+  SlamObservation& sum = sums[static_cast<std::size_t>(slot)];
   const Eigen::Matrix2d R = rotation(T_submap_keyframe.z());
   const Eigen::Matrix2d W = R * seen.covariance().inverse() * R.transpose();
   sum.information += W;
@@ -131,11 +133,13 @@ SubmapGraph submaps_of(const SlamGraph& graph, const SlamConfig& config) {
       const RelativeMotion& motion = graph.keyframes[k].motion;
       submap.motion = k == before + 1 ? motion : joined(submap.motion, motion);
     }
+    if (graph.memory && i % kSubmapsBetweenRests == 0) graph.memory->rest();
+    std::vector<SlamObservation>& sums = submap.observations.edit();
     for (int k = first[i]; k < end; ++k) {
       const Keyframe& keyframe = graph.keyframes[k];
       const Eigen::Vector3d T_submap_keyframe = between(own.T_map_base, keyframe.T_map_base);
       for (const SlamObservation& s : keyframe.observations) {
-        add_observation(s, T_submap_keyframe, submap, at);
+        add_observation(s, T_submap_keyframe, sums, at);
       }
       for (AbsolutePosition position : keyframe.positions) {
         position.T_keyframe_then = compose(T_submap_keyframe, position.T_keyframe_then);
@@ -143,7 +147,8 @@ SubmapGraph submaps_of(const SlamGraph& graph, const SlamConfig& config) {
       }
       out.submap_of.push_back(static_cast<int>(i));
     }
-    for (const SlamObservation& s : submap.observations) {
+    sums.shrink_to_fit();
+    for (const SlamObservation& s : sums) {
       at[static_cast<std::size_t>(s.landmark)] = -1;
       out.graph.landmarks[s.landmark].keyframes.push_back(static_cast<int>(i));
     }
@@ -189,12 +194,14 @@ void back_substitute(const SubmapGraph& solved, SlamGraph& graph) {
   graph.calibration_walk_sd = solved.graph.calibration_walk_sd;
   graph.receiver_errors = solved.graph.receiver_errors;
   graph.receiver = solved.graph.receiver;
+  std::vector<SlamGraph::Update> updates(graph.landmarks.size(), SlamGraph::Update::kNone);
   for (std::size_t l = 0; l < graph.landmarks.size(); ++l) {
     const std::size_t num_submaps = solved.graph.landmarks[l].keyframes.size();
     if (num_submaps >= 2) graph.landmarks[l].p_map = solved.graph.landmarks[l].p_map;
     // A landmark of one submap is no unknown of the submaps' graph: it moves with its submap.
-    if (num_submaps == 1) graph.update_landmark(static_cast<int>(l), true);
+    if (num_submaps == 1) updates[l] = SlamGraph::Update::kPosition;
   }
+  graph.update_landmarks(updates);
 }
 
 }  // namespace orchard::pose

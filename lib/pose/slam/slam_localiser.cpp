@@ -2,17 +2,18 @@
 #include "pose/slam/slam_localiser.hpp"
 
 #include <cmath>
+#include <utility>
 #include <variant>
 
 namespace orchard::pose {
 
 SlamLocaliser::SlamLocaliser(const PoseConfig& config, const laser::LaserConfig& mount,
-                             const laser::BlindSector& blind)
+                             const laser::BlindSector& blind, std::shared_ptr<ChunkMemory> memory)
     : config_(config),
       mount_(mount),
       blind_(blind),
       gnss_(config.gnss),
-      slam_(config.slam, config.scan_motion, mount) {
+      slam_(config.slam, config.scan_motion, mount, std::move(memory)) {
   if (config.motion == MotionSource::kScans) scan_motion_.emplace(config.scan_motion, mount, blind);
   slam_.set_default_noise(config.speed_sd_fraction, config.yaw_rate_sd_radps);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "pose/filter/gnss_positions.hpp"
@@ -18,7 +19,8 @@ namespace orchard::pose {
 class SlamLocaliser : public Localiser {
  public:
   explicit SlamLocaliser(const PoseConfig& config, const laser::LaserConfig& mount = {},
-                         const laser::BlindSector& blind = {});
+                         const laser::BlindSector& blind = {},
+                         std::shared_ptr<ChunkMemory> memory = nullptr);
 
   void add(const Measurement& measurement) override;
   std::optional<PoseEstimate> estimate() const override { return slam_.estimate(); }

@@ -4,6 +4,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include "geometry/pose2.hpp"
 #include "pose/graph/georeference.hpp"
@@ -39,10 +41,12 @@ constexpr double kLocalMapMargin_m = 3.0;
 
 }  // namespace
 
-SlamMap::SlamMap(const SlamConfig& config)
+SlamMap::SlamMap(const SlamConfig& config, std::shared_ptr<ChunkMemory> memory)
     : calibration(CalibrationPrior::initial(config)), config_(config) {
   graph.calibrations.push_back(calibration.mean);
   graph.calibration_walk_sd = initial_walk_sd(config);
+  graph.memory = std::make_shared<ObservationMemory>(memory ? std::move(memory)
+                                                            : std::make_shared<HeapMemory>());
 }
 
 double SlamMap::local_sd_m() const {
@@ -113,14 +117,30 @@ bool SlamMap::solve(SolveReason reason) {
     num_calibrated = static_cast<int>(graph.calibrations.size());
   }
   merge_duplicates();
-  for (int l = 0; l < static_cast<int>(graph.landmarks.size()); ++l) {
-    const std::size_t num_observed = graph.landmarks[l].keyframes.size();
-    if (num_observed > 0) graph.update_landmark(l, num_observed < 2);
+  std::vector<SlamGraph::Update> updates;
+  for (const SlamLandmark& l : graph.landmarks) {
+    updates.push_back(l.keyframes.empty()      ? SlamGraph::Update::kNone
+                      : l.keyframes.size() < 2 ? SlamGraph::Update::kPosition
+                                               : SlamGraph::Update::kInformation);
   }
+  graph.update_landmarks(updates);
+  num_kept_ = 0;  // duplicates were merged, wherever they are
+  keep_old();
   rebuild_index();
   refresh_local();
   corrected = true;
   return true;
+}
+
+/// Landmarks are dropped within two sight ranges, and keyframes corrected within the window: what
+/// is older than both seldom changes.
+void SlamMap::keep_old() {
+  const double still_m = kRecentTravel_ranges * sight_m();
+  const double travel_m = graph.keyframes.back().travel_m;
+  const int end = newest() - config_.window_keyframes;
+  for (; num_kept_ < end && travel_m - graph.keyframes[num_kept_].travel_m > still_m; ++num_kept_) {
+    graph.keyframes[num_kept_].observations.keep(*graph.memory);
+  }
 }
 
 void SlamMap::merge_duplicates() {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "geometry/point_grid.hpp"
@@ -21,7 +22,8 @@ enum class SolveReason { kGrowth, kLoopClosure, kEndOfDrive };
 /// undone by assigning the copy from before it, so that no member can be forgotten.
 class SlamMap {
  public:
-  explicit SlamMap(const SlamConfig& config);
+  /// `memory` holds old observations; none: the heap. It changes no result.
+  explicit SlamMap(const SlamConfig& config, std::shared_ptr<ChunkMemory> memory = nullptr);
 
   bool empty() const { return graph.keyframes.empty(); }
   int newest() const { return static_cast<int>(graph.keyframes.size()) - 1; }
@@ -50,6 +52,9 @@ class SlamMap {
   /// Adds a landmark that the newest keyframe observes first; returns its index.
   int add_landmark(const ScanPoint& point);
 
+  /// Lets observations lie where old ones do that nothing is likely to change any more.
+  void keep_old();
+
   /// Solves the whole graph, merges duplicates, and updates all that follows from it. False, and
   /// nothing changed but num_solved, if the solver found no solution.
   bool solve(SolveReason reason);
@@ -77,6 +82,7 @@ class SlamMap {
   void rebuild_index();
 
   SlamConfig config_;
+  int num_kept_ = 0;  ///< keyframes whose observations keep_old() has seen to
 };
 
 }  // namespace orchard::pose

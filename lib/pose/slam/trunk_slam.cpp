@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "geometry/pose2.hpp"
 #include "pose/graph/georeference.hpp"
@@ -56,10 +57,10 @@ PoseEstimate pose_estimate(std::int64_t utime, const Eigen::Vector3d& T, const E
 }  // namespace
 
 TrunkSlam::TrunkSlam(const SlamConfig& config, const ScanMotionConfig& scans,
-                     const laser::LaserConfig& mount)
+                     const laser::LaserConfig& mount, std::shared_ptr<ChunkMemory> memory)
     : config_(config),
       motion_(config),
-      map_(config),
+      map_(config, std::move(memory)),
       tracker_(config),
       closer_(config),
       scan_closer_(scans, mount) {}
@@ -178,6 +179,7 @@ void TrunkSlam::add_keyframe() {
   if (map_.empty()) keyframe.calibration_covariance = map_.calibration_at(0).covariance;
   graph.keyframes.push_back(std::move(keyframe));
   motion_.restart(map_.newest_calibration());
+  map_.keep_old();
   tracker_.start_keyframe(map_);
 }
 

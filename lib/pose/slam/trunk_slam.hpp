@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -30,8 +31,10 @@ namespace orchard::pose {
 /// of their sequence.
 class TrunkSlam {
  public:
+  /// `memory` holds what a long drive leaves; none: the heap. It changes no result.
   explicit TrunkSlam(const SlamConfig& config, const ScanMotionConfig& scans = {},
-                     const laser::LaserConfig& mount = {});
+                     const laser::LaserConfig& mount = {},
+                     std::shared_ptr<ChunkMemory> memory = nullptr);
 
   /// Used for odometry that states no covariance.
   void set_default_noise(double speed_sd_fraction, double yaw_rate_sd_radps);

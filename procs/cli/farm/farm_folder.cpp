@@ -239,7 +239,9 @@ void FarmFolder::write_tasks(const FarmContent& content, const std::vector<farm:
       log_mb += static_cast<double>(drive.num_bytes) / kBytesPerMb;
     }
     ordered_json entry{{"kind", farm::kind_text(task.kind)}, {"needs", task.needs}};
-    if (task.kind == farm::TaskKind::kDate || task.kind == farm::TaskKind::kChanges) {
+    if (task.kind == farm::TaskKind::kReport) {
+      entry["title"] = task.drives.front().block + " " + task.drives.front().date;
+    } else if (task.kind == farm::TaskKind::kDate || task.kind == farm::TaskKind::kChanges) {
       entry["earlier"] = task.earlier;
     } else {
       log_mb = static_cast<double>(task.drives.front().num_bytes) / kBytesPerMb;

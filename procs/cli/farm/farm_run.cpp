@@ -159,18 +159,22 @@ int run_farm_run(const FarmRunOptions& options) {
 int run_farm_publish(const FarmPublishOptions& options) {
   const FarmFolder farm(options.folder);
   const FarmContent content = farm.read();
-  int num_maps = 0, num_changes = 0, num_open = 0, num_kept = 0;
+  int num_maps = 0, num_changes = 0, num_reports = 0, num_open = 0, num_kept = 0;
   for (const farm::FarmTask& task : farm.tasks_of(content)) {
     const bool is_date = task.kind == farm::TaskKind::kDate;
-    if (!is_date && task.kind != farm::TaskKind::kChanges) continue;
+    const bool is_report = task.kind == farm::TaskKind::kReport;
+    if (!is_date && !is_report && task.kind != farm::TaskKind::kChanges) continue;
     const auto state = farm.state_of(task.name);
     num_open += state ? 0 : 1;
     if (!state || !state->is_good) continue;
-    ++(is_date ? num_maps : num_changes);
+    ++(is_date ? num_maps : is_report ? num_reports : num_changes);
     std::set<std::string> places;  // alike dates of several blocks have one result
     for (const farm::Drive& drive : task.drives) places.insert(drive.block + "/" + drive.date);
     for (const std::string& place : places) {
-      const std::string link = farm.path((is_date ? "maps/" : "changes/") + place);
+      const std::string link = farm.path((is_date     ? "maps/"
+                                          : is_report ? "reports/"
+                                                      : "changes/") +
+                                         place);
       std::error_code error;
       const std::string before = fs::read_symlink(link, error).filename().string();
       if (is_date && before != task.name && !farm.edits_of(before).empty()) {
@@ -185,8 +189,9 @@ int run_farm_publish(const FarmPublishOptions& options) {
       point_to(link, "../../results/" + task.name);
     }
   }
-  std::printf("%d maps in %s, %d comparisons in %s\n", num_maps, farm.path("maps").c_str(),
-              num_changes, farm.path("changes").c_str());
+  std::printf("%d maps in %s, %d comparisons in %s, %d reports in %s\n", num_maps,
+              farm.path("maps").c_str(), num_changes, farm.path("changes").c_str(), num_reports,
+              farm.path("reports").c_str());
   if (num_open > 0) {
     std::fprintf(stderr, "orchard farm publish: note: %d are not made yet\n", num_open);
   }

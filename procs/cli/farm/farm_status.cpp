@@ -18,8 +18,8 @@ namespace {
 using farm::FarmTask;
 using farm::TaskKind;
 
-constexpr std::array<TaskKind, 4> kKinds{TaskKind::kCheck, TaskKind::kMap, TaskKind::kDate,
-                                         TaskKind::kChanges};
+constexpr std::array<TaskKind, 5> kKinds{TaskKind::kCheck, TaskKind::kMap, TaskKind::kDate,
+                                         TaskKind::kChanges, TaskKind::kReport};
 
 /// One thing that a person should know of, and whose.
 struct Finding {

@@ -89,7 +89,7 @@ int run_report(const ReportOptions& options) {
   const MapInput input = read_map_input("orchard report", options.map_path, options.as_mapped);
   content.map = input.map;
   content.row_names = input.row_names;
-  content.name = name_of(options.map_path);
+  content.name = options.name.empty() ? name_of(options.map_path) : printable_text(options.name);
   content.facts = facts_of(options.map_path);
   if (!options.previous_path.empty()) content.earlier = compared_with(options, input);
   if (!options.plan_path.empty()) content.plan = planned(options, content.map);

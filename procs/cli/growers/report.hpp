@@ -16,6 +16,7 @@ struct ReportOptions {
   std::string plan_path;      ///< the grower's plan; empty: none
   io::PlanFileOptions plan_file;
   mapping::PlanMatchConfig plan_match;
+  std::string name;        ///< of the map, for its reader; empty: its folder's
   std::string out_folder;  ///< empty: the folder report within the map's
   std::string language = "en";
   mapping::MapAlignmentConfig alignment;

@@ -29,6 +29,8 @@ void add_report(CLI::App& app, Run& run) {
             .add_option("--out", o.out_folder,
                         "folder to write into; without it report in the map's")
             ->type_name("DIR");
+        command.add_option("--name", o.name, "what the report calls it; without it the folder's")
+            ->type_name("TEXT");
         command.add_option("--language", o.language, "of the report: en or es")
             ->check(CLI::IsMember({"en", "es"}))
             ->capture_default_str();

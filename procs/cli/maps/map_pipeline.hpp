@@ -15,9 +15,11 @@ namespace orchard::cli {
 
 /// The three roles between a log and its map.
 struct MapPipeline {
-  /// What the mapper keeps of a long drive lies in a file in `folder`.
+  /// What pose and mapper keep of a long drive lies in files in `folder`.
   MapPipeline(const io::Config& config, const std::string& folder)
-      : detector(config), pose(config), mapper(config, std::make_shared<io::FileMemory>(folder)) {}
+      : detector(config),
+        pose(config, std::make_shared<io::FileMemory>(folder)),
+        mapper(config, std::make_shared<io::FileMemory>(folder)) {}
   std::vector<bus::Node*> nodes() { return {&detector, &pose, &mapper}; }
 
   procs::DetectorNode detector;

@@ -72,7 +72,7 @@ has_made() { [ "$(num_made "$1")" -ge "$2" ] || ! kill -0 "$3" 2>/dev/null; }
 run_and_kill() {
   setsid "$orchard" farm run "$1" --cores 2 >/dev/null 2>&1 &
   local pid=$!
-  wait_until 600 has_made "$1" "$2" $pid || return 1
+  wait_until 3600 has_made "$1" "$2" $pid || return 1
   if [ "$3" = all ]; then
     kill -KILL -- -$pid 2>/dev/null
   else

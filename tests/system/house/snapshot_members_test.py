@@ -17,6 +17,7 @@ NOT_KEPT = {
     "MapState": "config",
     "MapperNode": "config_ antenna_base_m_ laser_ blind_ has_camera_ widest_m_ has_reflectors_",
     "ModeCache": "few_",
+    "ObservationStore": "memory_",
     "PointGrid": "cells_per_m_",
     "PoseTrack": "gap_max_us_",
     # the snapshot's own book-keeping

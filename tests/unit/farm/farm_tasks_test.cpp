@@ -51,7 +51,7 @@ std::map<TaskKind, int> num_new(const std::vector<FarmTask>& before,
 
 TEST(FarmTasks, AreInOrderAndNeedOnlyWhatStandsBefore) {
   const auto tasks = tasks_of(farm_of(3, 3, 2), {});
-  EXPECT_EQ(tasks.size(), 18U + 18U + 9U + 6U) << "checks, maps, dates, changes";
+  EXPECT_EQ(tasks.size(), 18U + 18U + 9U + 6U + 9U) << "checks, maps, dates, changes, reports";
   std::set<std::string> before;
   for (const FarmTask& task : tasks) {
     for (const std::string& need : task.needs) EXPECT_EQ(before.count(need), 1U) << task.name;
@@ -113,7 +113,8 @@ TEST(FarmTasks, OfALogThatLiesInTwoPlacesAreMadeOnce) {
   std::vector<Drive> drives{drive("a", "1", "x", "log"), drive("a", "1", "y", "log"),
                             drive("b", "1", "x", "log")};
   const auto tasks = tasks_of(drives, {});
-  ASSERT_EQ(tasks.size(), 3U) << "one check, one map, one date: both blocks hold the same";
+  ASSERT_EQ(tasks.size(), 5U) << "one check, one map, one date: both blocks hold the same, and "
+                                 "each has a report of its own name";
   EXPECT_EQ(tasks[1].drives.size(), 3U);
   EXPECT_EQ(tasks[2].needs.size(), 1U);
 }

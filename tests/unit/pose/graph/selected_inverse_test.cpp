@@ -30,7 +30,7 @@ TEST(SelectedInverse, IsTheDenseInverseWhereTheMatrixHasEntries) {
     const Eigen::MatrixXd dense = Eigen::MatrixXd(H).inverse();
     for (int j = 0; j < H.outerSize(); ++j) {
       for (Eigen::SparseMatrix<double>::InnerIterator it(H, j); it; ++it) {
-        EXPECT_NEAR(P->coeff(it.row(), it.col()), dense(it.row(), it.col()), 1e-9);
+        EXPECT_NEAR(P->at(it.row(), it.col()), dense(it.row(), it.col()), 1e-9);
       }
     }
   }

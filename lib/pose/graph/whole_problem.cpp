@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/graph/whole_problem.hpp"
+
+#include <ceres/cost_function.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "geometry/angles.hpp"
+#include "pose/graph/factors.hpp"
+
+namespace orchard::pose {
+namespace {
+
+// Ceres' own numbers.
+constexpr double kFirstRadius = 1e4;
+constexpr double kRadiusMax = 1e16;
+constexpr double kGainMin = 1e-3;        // of what a step was to gain
+constexpr double kStepTolerance = 1e-8;  // of the length of all unknowns
+constexpr int kInvalidStepsMax = 5;      // in a row
+
+/// Cost and its slope by the square of a residual in standard deviations: Cauchy's loss.
+struct Loss {
+  double cost = 0.0;
+  double slope = 1.0;
+};
+Loss loss_of(double square, bool robust) {
+  if (!robust) return {0.5 * square, 1.0};
+  constexpr double kSquare = kOutlier_sigma * kOutlier_sigma;
+  const double sum = 1.0 + square / kSquare;
+  return {0.5 * kSquare * std::log(sum), 1.0 / sum};
+}
+
+}  // namespace
+
+/// An observation, linearised.
+struct WholeProblem::Sight {
+  int column = kHasNoColumn;  ///< of its pose
+  Eigen::Vector2d residual;
+  Eigen::Matrix<double, 2, 3> by_pose;
+  Eigen::Matrix2d by_position;
+};
+
+struct WholeProblem::Step {
+  Eigen::VectorXd values;  ///< to be added
+  double gain = 0.0;       ///< of cost, were the problem linear
+};
+
+WholeProblem::WholeProblem(const SlamGraph& graph, const SlamConfig& config) : graph_(graph) {
+  sort_observations();
+  const int num_blocks = landmark_block(num_landmarks());
+  columns_.assign(static_cast<std::size_t>(num_blocks), kHasNoColumn);
+  values_.resize(value(num_blocks));
+  for (int k = 0; k < num_keyframes(); ++k) {
+    values_.segment<3>(value(k)) = graph.keyframes[k].T_map_base;
+  }
+  for (std::size_t c = 0; c < graph.calibrations.size(); ++c) {
+    values_.segment<3>(value(calibration_block(static_cast<int>(c)))) = graph.calibrations[c];
+  }
+  for (std::size_t e = 0; e < graph.receiver_errors.size(); ++e) {
+    values_.segment<2>(value(receiver_block(static_cast<int>(e)))) = graph.receiver_errors[e].p_m;
+  }
+  for (int l = 0; l < num_landmarks(); ++l) {
+    values_.segment<2>(value(landmark_block(l))) = graph.landmarks[l].p_map;
+  }
+  add_factors(config);
+  choose_structure();
+}
+
+WholeProblem::~WholeProblem() = default;
+
+int WholeProblem::value(int block) const {
+  const int num_threes = receiver_block(0);
+  return block <= num_threes ? 3 * block : 3 * num_threes + 2 * (block - num_threes);
+}
+
+bool WholeProblem::is_constrained(int landmark) const {
+  const auto l = static_cast<std::size_t>(landmark);
+  return first_seen_[l + 1] > first_seen_[l];
+}
+
+double WholeProblem::cost(const Eigen::VectorXd& values, bool robust) const {
+  double sum = 0.0;
+  for (const Factor& factor : factors_) {
+    std::array<const double*, 3> at{};
+    for (std::size_t i = 0; i < at.size(); ++i) at[i] = values.data() + value(factor.blocks[i]);
+    Eigen::Vector3d r = Eigen::Vector3d::Zero();
+    factor.residual->Evaluate(at.data(), r.data(), nullptr);
+    sum += loss_of(r.squaredNorm(), robust && factor.is_robust).cost;
+  }
+  for (int l = 0; l < num_landmarks(); ++l) {
+    const Eigen::Vector2d p = values.segment<2>(value(landmark_block(l)));
+    for (std::size_t s = first_seen_[l]; s < first_seen_[l + 1]; ++s) {
+      const ObservationResidual residual(*seen_[s].observation);
+      const Eigen::Vector2d r = residual.at(values.segment<3>(value(seen_[s].keyframe)), p);
+      sum += loss_of(r.squaredNorm(), robust).cost;
+    }
+  }
+  return sum;
+}
+
+void WholeProblem::add_factor(const Factor& factor, const Eigen::VectorXd& values, bool robust) {
+  const std::vector<std::int32_t>& sizes = factor.residual->parameter_block_sizes();
+  const int n = factor.residual->num_residuals();
+  std::array<const double*, 3> at{};
+  std::array<std::array<double, 9>, 3> derivatives{};
+  std::array<double*, 3> to{};
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    at[i] = values.data() + value(factor.blocks[i]);
+    to[i] = derivatives[i].data();
+  }
+  Eigen::Vector3d all = Eigen::Vector3d::Zero();
+  factor.residual->Evaluate(at.data(), all.data(), to.data());
+  const double scale = std::sqrt(loss_of(all.squaredNorm(), robust && factor.is_robust).slope);
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, 3, 3>;
+  const auto J = [&](std::size_t i) -> Rows {
+    return scale * Eigen::Map<const Rows>(derivatives[i].data(), n, sizes[i]);
+  };
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    const int a = columns_[factor.blocks[i]];
+    if (a < 0) continue;
+    const Rows J_a = J(i);
+    for (std::size_t j = 0; j <= i; ++j) {
+      const int b = columns_[factor.blocks[j]];
+      if (b >= 0) equations_->add(a, b, Rows(J_a.transpose() * J(j)));
+    }
+    const int first = equations_->first(a);
+    gradient_.segment(first, sizes[i]) += scale * (J_a.transpose() * all.head(n));
+    diagonal_.segment(first, sizes[i]) += J_a.colwise().squaredNorm().transpose();
+  }
+}
+
+const std::vector<WholeProblem::Sight>& WholeProblem::sights_of(int landmark,
+                                                                const Eigen::VectorXd& values,
+                                                                bool robust) {
+  sights_.clear();
+  const Eigen::Vector2d p = values.segment<2>(value(landmark_block(landmark)));
+  for (std::size_t s = first_seen_[landmark]; s < first_seen_[landmark + 1]; ++s) {
+    const ObservationResidual residual(*seen_[s].observation);
+    const Eigen::Vector3d T = values.segment<3>(value(seen_[s].keyframe));
+    Sight sight;
+    sight.column = columns_[seen_[s].keyframe];
+    sight.residual = residual.at(T, p);
+    const double scale = std::sqrt(loss_of(sight.residual.squaredNorm(), robust).slope);
+    sight.residual *= scale;
+    sight.by_pose = scale * residual.by_pose(T, p);
+    sight.by_position = scale * residual.by_position(T);
+    sights_.push_back(sight);
+  }
+  return sights_;
+}
+
+void WholeProblem::add_landmark(int landmark, const Eigen::VectorXd& values, bool robust,
+                                double damping) {
+  const std::vector<Sight>& sights = sights_of(landmark, values, robust);
+  Eigen::Matrix2d H = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d g = Eigen::Vector2d::Zero();
+  for (const Sight& s : sights) {
+    H += s.by_position.transpose() * s.by_position;
+    g += s.by_position.transpose() * s.residual;
+    if (s.column < 0) continue;
+    const int first = equations_->first(s.column);
+    equations_->add(s.column, s.column, Eigen::Matrix3d(s.by_pose.transpose() * s.by_pose));
+    gradient_.segment<3>(first) += s.by_pose.transpose() * s.residual;
+    diagonal_.segment<3>(first) += s.by_pose.colwise().squaredNorm().transpose();
+  }
+  const int own = columns_[landmark_block(landmark)];
+  if (own >= 0) {
+    equations_->add(own, own, H);
+    gradient_.segment<2>(equations_->first(own)) += g;
+    diagonal_.segment<2>(equations_->first(own)) += H.diagonal();
+    for (const Sight& s : sights) {
+      if (s.column < 0) continue;
+      equations_->add(own, s.column,
+                      Eigen::Matrix<double, 2, 3>(s.by_position.transpose() * s.by_pose));
+    }
+    return;
+  }
+  H.diagonal() *= 1.0 + damping;
+  const Eigen::Matrix2d C = H.inverse();
+  for (const Sight& s : sights) {
+    if (s.column < 0) continue;
+    const Eigen::Matrix<double, 3, 2> W = s.by_pose.transpose() * s.by_position;
+    const Eigen::Matrix<double, 3, 2> WC = W * C;
+    right_.segment<3>(equations_->first(s.column)) -= WC * g;
+    for (const Sight& t : sights) {  // the later of two, in the rows: once
+      if (t.column < 0 || t.column > s.column) continue;
+      equations_->add(s.column, t.column,
+                      Eigen::Matrix3d(-WC * (t.by_position.transpose() * t.by_pose)));
+    }
+  }
+}
+
+void WholeProblem::linearise(const Eigen::VectorXd& values, bool robust, double damping) {
+  equations_->set_zero();
+  const int num = equations_->num_unknowns();
+  gradient_.setZero(num);
+  diagonal_.setZero(num);
+  right_.setZero(num);
+  for (const Factor& factor : factors_) add_factor(factor, values, robust);
+  for (int l = 0; l < num_landmarks(); ++l) {
+    if (is_constrained(l)) add_landmark(l, values, robust, damping);
+  }
+  right_ += gradient_;
+  for (int i = 0; i < num; ++i) equations_->add_to_diagonal(i, damping * diagonal_[i]);
+}
+
+std::optional<WholeProblem::Step> WholeProblem::find_step(const Eigen::VectorXd& values,
+                                                          bool robust, double damping) {
+  linearise(values, robust, damping);
+  if (!equations_->factorise()) return std::nullopt;
+  const Eigen::VectorXd delta = -equations_->solve(right_);
+  Step step;
+  step.values.setZero(values.size());
+  double slope = gradient_.dot(delta);
+  double damped = damping * delta.dot(diagonal_.cwiseProduct(delta));
+  for (int block = 0; block < static_cast<int>(columns_.size()); ++block) {
+    const int own = columns_[block];
+    if (own < 0) continue;
+    step.values.segment(value(block), equations_->size(own)) =
+        delta.segment(equations_->first(own), equations_->size(own));
+  }
+  for (int l = 0; eliminates_ && l < num_landmarks(); ++l) {
+    if (!is_constrained(l)) continue;
+    Eigen::Matrix2d H = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d g = Eigen::Vector2d::Zero(), moved = Eigen::Vector2d::Zero();
+    for (const Sight& s : sights_of(l, values, robust)) {
+      H += s.by_position.transpose() * s.by_position;
+      g += s.by_position.transpose() * s.residual;
+      if (s.column < 0) continue;
+      moved +=
+          s.by_position.transpose() * (s.by_pose * delta.segment<3>(equations_->first(s.column)));
+    }
+    const Eigen::Vector2d diagonal = H.diagonal();
+    H.diagonal() *= 1.0 + damping;
+    const Eigen::Vector2d own = -H.inverse() * (g + moved);
+    step.values.segment<2>(value(landmark_block(l))) = own;
+    slope += g.dot(own);
+    damped += damping * own.dot(diagonal.cwiseProduct(own));
+  }
+  step.gain = 0.5 * (damped - slope);
+  if (!step.values.allFinite() || !(step.gain > 0.0)) return std::nullopt;
+  return step;
+}
+
+/// Length of all that is unknown.
+double WholeProblem::norm(const Eigen::VectorXd& values) const {
+  double sum = 0.0;
+  for (int block = 0; block < static_cast<int>(columns_.size()); ++block) {
+    const bool is_unknown = columns_[block] >= 0 || (eliminates_ && block >= landmark_block(0) &&
+                                                     is_constrained(block - landmark_block(0)));
+    if (!is_unknown) continue;
+    sum += values.segment(value(block), value(block + 1) - value(block)).squaredNorm();
+  }
+  return std::sqrt(sum);
+}
+
+bool WholeProblem::solve(bool robust, int iterations_max, double tolerance) {
+  double now = cost(values_, robust);
+  if (!std::isfinite(now)) return false;
+  double radius = kFirstRadius, shrink = 2.0;
+  int num_invalid = 0;
+  for (int i = 0; i < iterations_max; ++i) {
+    const std::optional<Step> step = find_step(values_, robust, 1.0 / radius);
+    if (!step) {
+      if (++num_invalid >= kInvalidStepsMax) return false;
+      radius /= std::exchange(shrink, 2.0 * shrink);
+      continue;
+    }
+    num_invalid = 0;
+    const Eigen::VectorXd there = values_ + step->values;
+    const double then = cost(there, robust);
+    if (step->values.norm() <= kStepTolerance * (norm(values_) + kStepTolerance)) return true;
+    if (std::abs(now - then) <= tolerance * now) return true;
+    const double gained = (now - then) / step->gain;
+    if (gained > kGainMin) {  // false where the cost is no number
+      values_ = there;
+      now = then;
+      radius =
+          std::min(kRadiusMax, radius / std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * gained - 1.0, 3)));
+      shrink = 2.0;
+    } else {
+      radius /= std::exchange(shrink, 2.0 * shrink);
+    }
+  }
+  return true;
+}
+
+bool WholeProblem::write_to(SlamGraph& graph) const {
+  if (!values_.head(value(num_keyframes())).allFinite()) return false;
+  for (int k = 0; k < num_keyframes(); ++k) {
+    Eigen::Vector3d T = values_.segment<3>(value(k));
+    if (columns_[k] >= 0) T.z() = geometry::wrap_angle_rad(T.z());
+    graph.keyframes[k].T_map_base = T;
+  }
+  for (std::size_t c = 0; c < graph.calibrations.size(); ++c) {
+    graph.calibrations[c] = values_.segment<3>(value(calibration_block(static_cast<int>(c))));
+  }
+  for (std::size_t e = 0; e < graph.receiver_errors.size(); ++e) {
+    graph.receiver_errors[e].p_m = values_.segment<2>(value(receiver_block(static_cast<int>(e))));
+  }
+  for (int l = 0; l < num_landmarks(); ++l) {
+    if (is_constrained(l)) {
+      graph.landmarks[l].p_map = values_.segment<2>(value(landmark_block(l)));
+    }
+  }
+  return true;
+}
+
+std::optional<SelectedInverse> WholeProblem::covariances() {
+  linearise(values_, true, 0.0);
+  if (!equations_->factorise()) return std::nullopt;
+  return std::move(*equations_).inverse();
+}
+
+int WholeProblem::pose_row(int keyframe) const {
+  const int own = columns_[keyframe];
+  return own < 0 ? -1 : equations_->first(own);
+}
+
+int WholeProblem::calibration_row(int index) const {
+  return equations_->first(columns_[calibration_block(index)]);
+}
+
+}  // namespace orchard::pose

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose/graph/observation_list.hpp"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+namespace orchard::pose {
+namespace {
+
+ObservationList list_of(int num, int first) {
+  ObservationList list;
+  for (int i = 0; i < num; ++i) {
+    SlamObservation o;
+    o.landmark = first + i;
+    o.information_m = {0.5 * i, 1.0 / 3.0};
+    list.edit().push_back(o);
+  }
+  return list;
+}
+
+void expect_list(const ObservationList& list, int num, int first) {
+  ASSERT_EQ(list.size(), static_cast<std::size_t>(num));
+  for (int i = 0; i < num; ++i) {
+    EXPECT_EQ(list[static_cast<std::size_t>(i)].landmark, first + i);
+    EXPECT_EQ(list[static_cast<std::size_t>(i)].information_m, Eigen::Vector2d(0.5 * i, 1.0 / 3.0));
+  }
+}
+
+TEST(ObservationList, ReadsTheSameWhereverItLies) {
+  ObservationMemory memory(std::make_shared<HeapMemory>());
+  std::vector<ObservationList> lists;
+  for (int k = 0; k < 500; ++k) lists.push_back(list_of(k % 120, k));  // some megabytes
+  for (ObservationList& list : lists) list.keep(memory);
+  memory.rest();
+  for (int k = 0; k < 500; ++k) expect_list(lists[static_cast<std::size_t>(k)], k % 120, k);
+}
+
+TEST(ObservationList, AChangeLeavesCopiesAsTheyWere) {
+  ObservationMemory memory(std::make_shared<HeapMemory>());
+  ObservationList list = list_of(20, 7);
+  list.keep(memory);
+  const ObservationList before = list;
+  list.edit().erase(list.edit().begin());
+  expect_list(before, 20, 7);
+  ASSERT_EQ(list.size(), 19u);
+  EXPECT_EQ(list[0].landmark, 8);
+  list.keep(memory);
+  EXPECT_EQ(list[18].landmark, 26);
+  expect_list(before, 20, 7);
+}
+
+TEST(ObservationList, WhatFitsNoChunkStaysOnTheHeap) {
+  ObservationMemory memory(std::make_shared<HeapMemory>());
+  ObservationList list = list_of(40'000, 0);
+  list.keep(memory);
+  expect_list(list, 40'000, 0);
+}
+
+}  // namespace
+}  // namespace orchard::pose

@@ -83,9 +83,10 @@ MeasurementWaits expected_measurements(const PoseConfig& config) {
       if (config.fusion.use_fixes) expect(MeasurementKind::kPoseFix, config.reorder_window_s);
       break;
     case PoseMode::kSlam:
-      expect(config.motion == MotionSource::kScans ? MeasurementKind::kScan
-                                                   : MeasurementKind::kOdometry,
-             config.reorder_window_s);
+      expect(MeasurementKind::kScan, config.reorder_window_s);
+      if (config.motion == MotionSource::kWheels) {
+        expect(MeasurementKind::kOdometry, config.reorder_window_s);
+      }
       expect(MeasurementKind::kDetections, config.slam.detections_wait_s);
       if (config.slam.use_gnss) expect(MeasurementKind::kGnss, gnss_wait_s(config));
       if (config.slam.use_fixes) expect(MeasurementKind::kPoseFix, config.reorder_window_s);

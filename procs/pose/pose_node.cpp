@@ -70,6 +70,10 @@ bus::InputNeed PoseNode::need_of(bus::Channel channel) const {
   if (channel == bus::Channel::kGnss || channel == bus::Channel::kImu) {
     return bus::InputNeed::kOptional;
   }
+  // Beside wheels scans only close loops.
+  const bool has_wheels =
+      waits_s_[static_cast<std::size_t>(pose::MeasurementKind::kOdometry)].has_value();
+  if (channel == bus::Channel::kScan && has_wheels) return bus::InputNeed::kOptional;
   const bool only_fixes = channel == bus::Channel::kPoseFix && inputs().size() == 1;
   return only_fixes ? bus::InputNeed::kRequired : Node::need_of(channel);
 }

@@ -50,14 +50,17 @@ void DeadReckoning::add(const Odometry& odometry) {
     velocity_covariance_ = {speed_sd_mps * speed_sd_mps, 0.0,
                             yaw_rate_sd_radps_ * yaw_rate_sd_radps_};
   }
-  if (!utime_) {
-    utime_ = started_utime_ = odometry.utime;
-  } else if (measured_utime_) {
-    drive_to(odometry.utime, 0.5 * (speed_mps_ + odometry.speed_mps),
-             0.5 * (yaw_rate_radps_ + odometry.yaw_rate_radps));
-  } else {
-    drive_to(odometry.utime, odometry.speed_mps, odometry.yaw_rate_radps);
+  if (!utime_) utime_ = started_utime_ = odometry.utime;
+  if (measured_utime_) {
+    // Encoders count what was driven since the reading before. Where a reading is of its moment
+    // instead, the velocity on the way lies anywhere between the two.
+    const double speed_change_mps = odometry.speed_mps - speed_mps_;
+    const double yaw_rate_change_radps = odometry.yaw_rate_radps - yaw_rate_radps_;
+    velocity_covariance_[0] += speed_change_mps * speed_change_mps / 12.0;
+    velocity_covariance_[1] += speed_change_mps * yaw_rate_change_radps / 12.0;
+    velocity_covariance_[2] += yaw_rate_change_radps * yaw_rate_change_radps / 12.0;
   }
+  drive_to(odometry.utime, odometry.speed_mps, odometry.yaw_rate_radps);
   measured_utime_ = odometry.utime;
   speed_mps_ = odometry.speed_mps;
   yaw_rate_radps_ = odometry.yaw_rate_radps;

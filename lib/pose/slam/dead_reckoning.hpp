@@ -19,7 +19,8 @@ class DeadReckoning {
   /// Used for odometry that states no covariance.
   void set_default_noise(double speed_sd_fraction, double yaw_rate_sd_radps);
 
-  /// Integrates to the odometry's time; velocity changes linearly between messages.
+  /// Integrates to the odometry's time; its velocity is the mean since the reading before, as
+  /// encoders measure it.
   void add(const Odometry& odometry);
 
   /// Appends a measured motion T_now_then up to `utime`.

@@ -22,8 +22,8 @@ void SlamLocaliser::add(const Measurement& measurement) {
   if (const auto* odometry = std::get_if<Odometry>(&measurement)) {
     if (!scan_motion_) slam_.add(*odometry);
   } else if (const auto* scan = std::get_if<laser::Scan>(&measurement)) {
-    if (!scan_motion_) return;
     scan_ = *scan;
+    if (!scan_motion_) return;
     if (const auto motion = scan_motion_->add(*scan)) {
       slam_.add_motion(motion->utime_to, motion->T_from_to, motion->covariance);
     }

@@ -74,13 +74,12 @@ run_and_kill() {
   local pid=$!
   wait_until 3600 has_made "$1" "$2" $pid || return 1
   if [ "$3" = all ]; then
-    kill -KILL -- -$pid 2>/dev/null
+    kill -KILL -- -$pid 2>/dev/null || true
   else
-    pkill -KILL -P $pid 2>/dev/null
-    kill -KILL $pid 2>/dev/null
+    pkill -KILL -P $pid 2>/dev/null || true
+    kill -KILL $pid 2>/dev/null || true
   fi
-  wait $pid 2>/dev/null
-  true
+  wait $pid 2>/dev/null || true
 }
 
 # digest_of FARM: of all results, names and bytes.

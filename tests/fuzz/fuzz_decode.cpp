@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Fuzzes the guarded decode of every type. The first byte chooses the channel; the type's hash is
 // put in place, since no fuzzer would guess it, unless the second byte is odd.
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -24,11 +25,14 @@ std::vector<std::uint8_t> hash_of(bus::Channel channel) {
   return bus::FieldWriter(bus::type_hash(channel)).bytes();
 }
 
-/// What the guard lets through must encode to the very bytes that came in: nothing repaired.
+/// What the guard lets through must encode to the very bytes that came in: nothing repaired. A
+/// message of an earlier release's type (its hash comes first) is sent on as one of today's.
 template <class Decoded>
 void check(const Decoded& decoded, const std::vector<std::uint8_t>& bytes) {
   if (std::holds_alternative<bus::Rejection>(decoded)) return;
-  if (bus::encode(std::get<0>(decoded)) != bytes) std::abort();
+  const std::vector<std::uint8_t> encoded = bus::encode(std::get<0>(decoded));
+  const bool is_todays = std::equal(encoded.begin(), encoded.begin() + 8, bytes.begin());
+  if (is_todays && encoded != bytes) std::abort();
 }
 
 }  // namespace

@@ -4,10 +4,12 @@
 # Run as root or as a user with sudo. Does nothing, and needs no network, when all is there.
 #   scripts/install_deps.sh
 #   scripts/install_deps.sh --tests   also what only tests start: a browser, a database, a cluster
+#   scripts/install_deps.sh --all     and QGIS, a gigabyte
 set -euo pipefail
-with_tests=no
+with_tests=no with_qgis=no
 case "${1:-}" in
   --tests) with_tests=yes ;;
+  --all) with_tests=yes with_qgis=yes ;;
   -h | --help) sed -n '/^[^#]/q; /^#!/d; /^# SPDX/d; s/^# \{0,1\}//p' "$0"; exit 0 ;;
   ?*) echo "install_deps: unknown argument $1; see $0 --help" >&2; exit 2 ;;
 esac
@@ -55,10 +57,14 @@ for_tests=(
   gdal-bin
   # pages: a browser without a window, and what drives it
   chromium chromium-driver
+  # what reads a PDF's words
+  poppler-utils
   # orchard publish: a database
   postgresql-postgis
 )
 [ $with_tests = no ] || packages+=("${for_tests[@]}")
+# What growers open maps with; without a window it needs no more than its library for Python.
+[ $with_qgis = no ] || packages+=(python3-qgis)
 
 missing=()
 for package in "${packages[@]}"; do

@@ -11,7 +11,7 @@
 namespace orchard::procs {
 
 std::string empty_page(const std::string& mode, const std::string& title,
-                       const std::string& version, bool can_edit) {
+                       const std::string& version, bool can_edit, const std::string& boot) {
   const std::vector<mapping::Landmark> landmarks;
   const std::vector<mapping::Row> rows;
   const mapping::NavigationGraph graph;
@@ -22,7 +22,8 @@ std::string empty_page(const std::string& mode, const std::string& title,
   data.rows = &rows;
   data.graph = &graph;
   std::string json = view::map_data_json(data);
-  json.insert(1, "\"mode\":\"" + mode + "\",\"can_edit\":" + (can_edit ? "true," : "false,"));
+  json.insert(1, "\"mode\":\"" + mode + "\",\"boot\":\"" + boot +
+                     "\",\"can_edit\":" + (can_edit ? "true," : "false,"));
   return view::page_html("Orchard: " + title, json, view::PageSource::kServer);
 }
 

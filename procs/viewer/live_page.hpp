@@ -33,8 +33,9 @@ class LivePage : public PageContent {
   std::string page_;
 };
 
-/// A page before anything is known: `mode` is "live" or "drive".
+/// A page before anything is known: `mode` is "live" or "drive", `boot` a number of this server by
+/// which the page tells it from another one at the same address.
 std::string empty_page(const std::string& mode, const std::string& title,
-                       const std::string& version, bool can_edit);
+                       const std::string& version, bool can_edit, const std::string& boot = "");
 
 }  // namespace orchard::procs

@@ -9,6 +9,7 @@
 #include "io/file_error.hpp"
 #include "io/map/corrections_file.hpp"
 #include "io/map/map_edit.hpp"
+#include "mapping/corrections/correction_words.hpp"
 #include "text/number_text.hpp"
 #include "view/map_data.hpp"
 
@@ -18,7 +19,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using mapping::Correction;
 using mapping::CorrectionKind;
-using mapping::CorrectionOutcome;
 
 /// Corrections that a page lists at most; the file has them all.
 constexpr std::size_t kListedMax = 200;
@@ -111,32 +111,6 @@ io::MapEdit edit_of(const Fields& fields) {
   return edit;
 }
 
-const char* outcome_word(CorrectionOutcome outcome) {
-  switch (outcome) {
-    case CorrectionOutcome::kApplied:
-    case CorrectionOutcome::kByPlace:
-      return "applied";
-    case CorrectionOutcome::kSatisfied:
-      return "already so";
-    case CorrectionOutcome::kConflict:
-      return "conflict";
-    case CorrectionOutcome::kUndone:
-      break;
-  }
-  return "undone";
-}
-
-std::string words_of(const Correction& c) {
-  std::string words = mapping::correction_word(c.kind);
-  for (const auto& target : c.targets) words += " " + std::to_string(target.id);
-  if (c.new_id != 0) words += " new " + std::to_string(c.new_id);
-  if (c.of != 0) words += " " + std::to_string(c.of);
-  if (c.row != 0) words += " row " + std::to_string(c.row);
-  if (c.position != 0) words += " tree " + std::to_string(c.position);
-  if (!c.name.empty()) words += ": " + c.name;
-  return words;
-}
-
 }  // namespace
 
 PageAnswer MapEditor::edit(const std::string& json, const io::StoredMap& mapped,
@@ -183,8 +157,9 @@ std::string corrections_event(const io::CorrectedMapFolder& map) {
     const mapping::CorrectionResult& result = map.corrected.results.at(total - 1 - k);
     text += std::string(k > 0 ? "," : "") + "{\"n\":" + std::to_string(c.number) +
             ",\"when\":" + view::json_text(io::utc_text(c.utime)) +
-            ",\"who\":" + view::json_text(c.who) + ",\"words\":" + view::json_text(words_of(c)) +
-            ",\"outcome\":\"" + outcome_word(result.outcome) +
+            ",\"who\":" + view::json_text(c.who) +
+            ",\"words\":" + view::json_text(mapping::correction_words(c)) + ",\"outcome\":\"" +
+            mapping::outcome_word(result.outcome) +
             "\",\"reason\":" + view::json_text(result.reason) +
             ",\"note\":" + view::json_text(c.note) + "}";
   }

@@ -102,6 +102,9 @@ httplib::Server::HandlerResponse PageServer::Impl::admit(const httplib::Request&
   if (is_edit && !is_from_own_page(request)) {
     return refuse(403, "Only this server's own page may edit.\n");
   }
+  if (is_edit && request.has_header("Content-Encoding")) {  // no page of ours packs its few bytes
+    return refuse(415, "An edit is sent as it is, without Content-Encoding.\n");
+  }
   if (options.token.empty()) {
     const bool is_ours =
         is_own_host(request.get_header_value("Host"), options.address, options.port);

@@ -28,6 +28,9 @@ struct ReplayReport : TrafficCounts {
 struct ReplayOptions {
   bool strict = false;  ///< any damage or rejection throws io::FileError instead of being counted
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;
+  /// Called at each event while the log is read through, before anything is replayed; what it
+  /// throws ends the work.
+  std::function<void()> check;
   /// Only messages from this to that many seconds after the log's first.
   double from_s = 0.0;
   double to_s = 1e18;

@@ -155,6 +155,7 @@ ReplayIndex index_log(const io::LogPaths& logs, const ReplayOptions& options) {
   std::set<std::string> second_sensors;
   bool has_source = false;
   while (const std::optional<io::LogEvent> event = reader.next()) {
+    if (options.check) options.check();
     const std::optional<Channel> channel = find_channel(event->channel);
     if (!channel) {
       ++report.num_unknown_channel;

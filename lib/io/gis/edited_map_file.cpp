@@ -6,7 +6,6 @@
 
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <memory>
 #include <string>
 
@@ -16,6 +15,7 @@
 #include "io/gis/map_layers.hpp"
 #include "io/sane_limits.hpp"
 #include "text/printable_text.hpp"
+#include "text/whole_number.hpp"
 
 namespace orchard::io {
 namespace {
@@ -42,7 +42,11 @@ class EditedMapReader {
 
   EditedMapFile read() {
     if (const char* number = dataset_->GetMetadataItem(kCorrectionsMetadata)) {
-      result_.num_corrections = std::max(0, std::atoi(number));
+      const auto num_corrections = whole_number(number);
+      if (!num_corrections || *num_corrections < 0) {
+        throw FileError(path_ + ": its number of corrections is none; export the map again");
+      }
+      result_.num_corrections = *num_corrections;
     }
     OGRLayer* landmarks = dataset_->GetLayerByName("landmarks");
     if (landmarks == nullptr) {
@@ -79,7 +83,7 @@ class EditedMapReader {
       if (l.width_m > kMaxWidth_m) throw FileError(at_ + ": width_m cannot be that number");
       l.row = number(*feature, "row");
       l.position = number(*feature, "position");
-      l.note = text(*feature, "note");
+      l.note = one_line(text(*feature, "note"), l.id);
       result_.map.landmarks.push_back(std::move(l));
     }
   }
@@ -159,6 +163,28 @@ class EditedMapReader {
     const int field = feature.GetDefnRef()->GetFieldIndex(name);
     if (field < 0 || !feature.IsFieldSetAndNotNull(field)) return {};
     return feature.GetFieldAsString(field);
+  }
+
+  /// A correction is a line, and so is the note in it: words of several lines come one after the
+  /// other.
+  std::string one_line(const std::string& note, std::int32_t id) {
+    std::string line;
+    bool is_broken = false;
+    for (const char c : note) {
+      const bool is_break = c == '\n' || c == '\r';
+      is_broken |= is_break;
+      if (!is_break) {
+        line += c;
+      } else if (!line.empty() && line.back() != ' ') {
+        line += ' ';
+      }
+    }
+    while (is_broken && !line.empty() && line.back() == ' ') line.pop_back();
+    if (is_broken) {
+      result_.left_out.push_back("the line breaks of the note on " +
+                                 (id == 0 ? "a new landmark" : "landmark " + std::to_string(id)));
+    }
+    return line;
   }
 
   const std::string& path_;

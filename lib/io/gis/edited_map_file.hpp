@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "geometry/georeference.hpp"
 #include "mapping/corrections/edited_map.hpp"
@@ -12,7 +13,8 @@ namespace orchard::io {
 /// A map's GeoPackage after somebody edited it.
 struct EditedMapFile {
   mapping::EditedMap map;
-  int num_corrections = 0;  ///< that it held when it was written; 0 for the map of a run
+  int num_corrections = 0;            ///< that it held when it was written; 0 for the map of a run
+  std::vector<std::string> left_out;  ///< what no correction can say, a sentence each
 };
 
 /// Reads the layers `landmarks` and `rows` of a GeoPackage that map_geopackage() or `orchard

@@ -140,6 +140,7 @@ struct GeoFile::Impl {
   const GeoFormatInfo& info;
   CPLConfigOptionSetter fixed_date{"OGR_CURRENT_DATE", kFixedDate, false};
   CPLConfigOptionSetter label_field{"LIBKML_NAME_FIELD", "label", false};
+  CPLConfigOptionSetter no_hatch{"DXF_WRITE_HATCH", "NO", false};  // a border, as one draws it
   GdalErrors errors;
   MemoryFile file;
   OGRSpatialReference srs;

@@ -14,7 +14,7 @@ namespace {
 
 using detection::Label;
 
-constexpr char kGreen[] = "46,125,50", kRed[] = "198,40,40", kGrey[] = "140,140,140";
+constexpr char kRed[] = "198,40,40", kGrey[] = "140,140,140";
 constexpr char kBrown[] = "120,144,90", kBlue[] = "66,120,190", kOrange[] = "239,108,0";
 
 GeoValue integer(std::int64_t value) { return value; }
@@ -45,12 +45,6 @@ std::string note_of(const MapLayers& map, std::int32_t id) {
 
 void write_landmarks(const MapLayers& map, GeoFile& file) {
   const std::optional<geometry::Georeference>& georeference = *map.georeference;
-  QgisStyle style;
-  style.field = "class";
-  style.symbols = {{"tree", "tree", "circle", kGreen, 2.4},
-                   {"object", "object", "square", kRed, 2.0},
-                   {"unseen", "not seen by the camera", "diamond", kGrey, 2.0}};
-  style.label = "\"label\"";
   GeoLayer layer{"landmarks",
                  GeoGeometry::kPoint,
                  "Trees and other things; label: row/tree, or #id. Lengths in metres, diameter_mm "
@@ -60,7 +54,7 @@ void write_landmarks(const MapLayers& map, GeoFile& file) {
                   {"x_m", GeoType::kReal},
                   {"y_m", GeoType::kReal},
                   {"n", GeoType::kInteger}},
-                 qml_text(style)};
+                 qml_text(landmark_style("\"label\""))};
   for (const char* name : {"roc_mean", "probability", "se_x_m", "se_y_m", "width_m"}) {
     layer.fields.push_back({name, GeoType::kReal});
   }

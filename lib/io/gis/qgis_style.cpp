@@ -7,6 +7,9 @@
 namespace orchard::io {
 namespace {
 
+constexpr char kTreeColour[] = "46,125,50", kObjectColour[] = "198,40,40";
+constexpr char kUnseenColour[] = "140,140,140";
+
 /// Text of ours inside an attribute.
 std::string quoted(const std::string& text) { return "\"" + markup_text(text) + "\""; }
 
@@ -58,6 +61,16 @@ std::string labels_text(const QgisStyle& style) {
 }
 
 }  // namespace
+
+QgisStyle landmark_style(const char* label) {
+  QgisStyle style;
+  style.field = "class";
+  style.symbols = {{"tree", "tree", "circle", kTreeColour, 2.4},
+                   {"object", "object", "square", kObjectColour, 2.0},
+                   {"unseen", "not seen by the camera", "diamond", kUnseenColour, 2.0}};
+  style.label = label;
+  return style;
+}
 
 std::string qml_text(const QgisStyle& style) {
   const bool is_one = style.field[0] == '\0';

@@ -26,6 +26,9 @@ struct QgisStyle {
   double label_size_pt = 7.0;
 };
 
+/// Trees green, other things red, what the camera never saw grey, by the column `class`.
+QgisStyle landmark_style(const char* label);
+
 /// The style as text.
 std::string qml_text(const QgisStyle& style);
 

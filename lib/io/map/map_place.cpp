@@ -18,6 +18,7 @@
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
 #include "io/folder.hpp"
+#include "io/folder_names.hpp"
 
 namespace orchard::io {
 namespace {
@@ -31,16 +32,6 @@ bool is_map_file(const std::string& name) {
       "trajectory\\.tum|graph\\.json|(ids|left_out|names|plan|plan_rows)\\.csv|"
       "(summary|plan)\\.json|derived\\.lcm|album");
   return std::regex_match(name, kNames);
-}
-
-std::vector<std::string> names_in(const std::string& folder) {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    names.push_back(entry.path().filename().string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
 }
 
 /// "20261122T084500Z" of a file's last change.
@@ -95,7 +86,7 @@ void MapPlace::try_to_write() const {
 
 void MapPlace::remove_temporaries() {
   static const std::regex kTemporary("\\.([a-z_0-9]+)\\.([0-9]{1,9})-[0-9]+(\\.[a-z]+)");
-  for (const std::string& name : names_in(folder_)) {
+  for (const std::string& name : folder_names(folder_)) {
     std::smatch part;
     if (!std::regex_match(name, part, kTemporary)) continue;
     const std::string target = part[1].str() + part[3].str();
@@ -109,7 +100,7 @@ void MapPlace::remove_temporaries() {
 }
 
 bool MapPlace::holds_map() const {
-  const std::vector<std::string> names = names_in(folder_);
+  const std::vector<std::string> names = folder_names(folder_);
   return std::any_of(names.begin(), names.end(), is_map_file);
 }
 
@@ -122,7 +113,7 @@ std::uint64_t MapPlace::free_bytes() const {
 std::string MapPlace::set_aside(const std::vector<std::string>& more) {
   std::vector<std::string> names;
   std::string newest;
-  for (const std::string& name : names_in(folder_)) {
+  for (const std::string& name : folder_names(folder_)) {
     if (!is_map_file(name) && std::count(more.begin(), more.end(), name) == 0) continue;
     names.push_back(name);
     newest = std::max(newest, change_time(file(name)));

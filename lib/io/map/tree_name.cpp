@@ -2,21 +2,13 @@
 #include "io/map/tree_name.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <optional>
 
 #include "detection/label_text.hpp"
 #include "io/file_error.hpp"
+#include "text/whole_number.hpp"
 
 namespace orchard::io {
 namespace {
-
-std::optional<std::int32_t> number_of(const std::string& text) {
-  std::int32_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 struct RowAndTree {
   std::int32_t row = 0, position = 0;
@@ -24,7 +16,7 @@ struct RowAndTree {
 
 RowAndTree row_and_tree(const CorrectedMapFolder& map, const std::string& name) {
   const std::size_t slash = name.rfind('/');
-  const auto position = number_of(name.substr(slash + 1));
+  const auto position = whole_number(name.substr(slash + 1));
   if (slash == std::string::npos || !position || *position < 1) {
     throw FileError("\"" + name + "\" names no tree; give an id (17) or row/tree (3/14)");
   }
@@ -37,7 +29,7 @@ std::int32_t row_named(const CorrectedMapFolder& map, const std::string& name) {
   for (const auto& [row, row_name] : map.corrected.row_names) {
     if (row_name == name) return row;
   }
-  const auto number = number_of(name);
+  const auto number = whole_number(name);
   const auto& landmarks = map.corrected.landmarks;
   const bool is_there = number && *number > 0 &&
                         std::any_of(landmarks.begin(), landmarks.end(),
@@ -48,7 +40,7 @@ std::int32_t row_named(const CorrectedMapFolder& map, const std::string& name) {
 
 const mapping::Landmark& landmark_named(const CorrectedMapFolder& map, const std::string& name) {
   const auto& landmarks = map.corrected.landmarks;
-  if (const auto id = number_of(name)) {
+  if (const auto id = whole_number(name)) {
     const auto found = std::find_if(landmarks.begin(), landmarks.end(),
                                     [&](const mapping::Landmark& l) { return l.id == *id; });
     if (found != landmarks.end()) return *found;

@@ -3,6 +3,7 @@
 
 #include "detection/label_text.hpp"
 #include "io/postgis/connection.hpp"
+#include "io/postgis/qgis_tables.hpp"
 #include "io/postgis/schema_text.hpp"
 #include "text/number_text.hpp"
 
@@ -85,6 +86,7 @@ void make_tables(PostgresConnection& connection) {
                             "to_regclass('orchard.tree_now') IS NOT NULL",
                             {}) == 1;
   if (!is_there) connection.run(schema_text());
+  style_for_qgis(connection);
   connection.run("COMMIT");
 }
 

@@ -296,29 +296,41 @@ Document map_report(const ReportContent& content, const ReportTexts& texts) {
   return Writer(content, texts).write();
 }
 
-std::string report_csv(const ReportContent& content) {
+std::vector<std::vector<std::string>> report_table(const ReportContent& content) {
   const Inventory inventory = mapping::take_inventory(content.map.landmarks);
   const GrowthByRow growth = growth_of(content);
-  std::string csv = "row,trees,empty_places,empty_positions,diameter_mean_cm,tcsa_cm2,tcsa_sd_cm2";
-  if (content.earlier) csv += ",measured_twice,tcsa_growth_cm2,tcsa_growth_percent";
-  csv += "\n";
+  std::vector<std::vector<std::string>> table{{"row", "trees", "empty_places", "empty_positions",
+                                               "diameter_mean_cm", "tcsa_cm2", "tcsa_sd_cm2"}};
+  if (content.earlier) {
+    for (const char* name : {"measured_twice", "tcsa_growth_cm2", "tcsa_growth_percent"}) {
+      table.front().push_back(name);
+    }
+  }
   const auto line = [&](const std::string& name, const RowInventory& row, std::int32_t of) {
     std::string positions;
     for (const mapping::InventoryGap& gap : row.gaps) {
       if (of >= 0) positions += (positions.empty() ? "" : " ") + std::to_string(gap.position);
     }
-    csv += name + "," + std::to_string(row.num_trees) + "," + std::to_string(row.gaps.size()) +
-           "," + positions + "," + fixed_text(100.0 * row.diameter_mean_m, 2) + "," +
-           fixed_text(row.tcsa_cm2, 1) + "," + fixed_text(row.tcsa_sd_cm2, 1);
-    if (content.earlier) {
-      const mapping::Growth g = growth_in(growth, of);
-      csv += "," + std::to_string(g.num_pairs) + "," + fixed_text(g.tcsa_change_cm2, 1) + "," +
-             fixed_text(g.percent(), 2);
-    }
-    csv += "\n";
+    table.push_back({name, std::to_string(row.num_trees), std::to_string(row.gaps.size()),
+                     positions, fixed_text(100.0 * row.diameter_mean_m, 2),
+                     fixed_text(row.tcsa_cm2, 1), fixed_text(row.tcsa_sd_cm2, 1)});
+    if (!content.earlier) return;
+    const mapping::Growth g = growth_in(growth, of);
+    table.back().push_back(std::to_string(g.num_pairs));
+    table.back().push_back(fixed_text(g.tcsa_change_cm2, 1));
+    table.back().push_back(fixed_text(g.percent(), 2));
   };
   for (const RowInventory& row : inventory.rows) line(std::to_string(row.row), row, row.row);
   line("all", inventory.all, mapping::kGrowthOfAll);
+  return table;
+}
+
+std::string report_csv(const std::vector<std::vector<std::string>>& table) {
+  std::string csv;
+  for (const std::vector<std::string>& line : table) {
+    for (std::size_t i = 0; i < line.size(); ++i) csv += (i > 0 ? "," : "") + line[i];
+    csv += "\n";
+  }
   return csv;
 }
 

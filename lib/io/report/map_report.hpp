@@ -49,10 +49,13 @@ struct ReportContent {
 /// The report in words, tables and pictures.
 Document map_report(const ReportContent& content, const ReportTexts& texts);
 
-/// Its table of rows:
+/// Its table of rows, the names of the columns first:
 /// `row,trees,empty_places,empty_positions,diameter_mean_cm,tcsa_cm2,tcsa_sd_cm2` and, with an
 /// earlier map, `measured_twice,tcsa_growth_cm2,tcsa_growth_percent`. Row 0 is what stands in no
 /// row, "all" everything. Points as decimal signs in every language.
-std::string report_csv(const ReportContent& content);
+std::vector<std::vector<std::string>> report_table(const ReportContent& content);
+
+/// That table as CSV.
+std::string report_csv(const std::vector<std::vector<std::string>>& table);
 
 }  // namespace orchard::io

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <tuple>
 
 #include "geometry/angles.hpp"
@@ -316,7 +317,7 @@ class Agreement {
   bool is_reached(int num) const {
     for (const Best& one : best_) {
       int num_agreeing = 0;
-      std::size_t last = one.first + 1;  // two anchors of one tree follow each other
+      std::optional<std::size_t> last;  // two anchors of one tree follow each other
       for (const Best& other : best_) {
         if (other.first == last) continue;
         // A turn by two trees this far apart is not known better.

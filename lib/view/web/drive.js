@@ -32,10 +32,17 @@ class Drive {
   // The last step at or before a time.
   stepAt(seconds) { return Math.max(0, firstAbove(this.t_ms, seconds * 1000 + 1e-6) - 1); }
 
+  // Another server's drive has other steps: the page begins anew.
+  async fetch(address) {
+    const answer = await fetch(`${address}&boot=${this.app.data.boot}`);
+    if (answer.status === 409) location.reload();
+    return answer;
+  }
+
   async ask() {
     const [steps, changes, paths] = this.seen;
     try {
-      const answer = await fetch(`api/drive?steps=${steps}&changes=${changes}&paths=${paths}`);
+      const answer = await this.fetch(`api/drive?steps=${steps}&changes=${changes}&paths=${paths}`);
       if (!answer.ok) throw new Error(String(answer.status));
       this.take(await answer.json());
     } catch (error) {
@@ -159,7 +166,8 @@ class Drive {
     this.isLoading = true;
     const step = this.step;
     try {
-      const answer = await fetch(`api/step?at=${step}`);
+      const answer = await this.fetch(`api/step?at=${step}`);
+      this.panels.showConnection(true);
       if (answer.ok) {
         const told = await answer.json();
         this.points = told.points || [];

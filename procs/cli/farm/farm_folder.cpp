@@ -17,6 +17,7 @@
 #include "farm/sha256.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_error.hpp"
+#include "io/folder_names.hpp"
 #include "io/map/corrections_file.hpp"
 #include "text/number_text.hpp"
 
@@ -26,16 +27,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kBytesPerMb = 1e6;
-
-std::vector<std::string> names_in(const std::string& folder) {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    names.push_back(entry.path().filename().string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
 
 /// Digests of files by path, size and time of change, kept from run to run.
 class DigestCache {
@@ -111,7 +102,7 @@ void add_drives(const FarmFolder& farm, const farm::Drive& of_robot, DigestCache
   const std::string inside =
       "logs/" + of_robot.block + "/" + of_robot.date + "/" + of_robot.robot + "/";
   std::map<std::string, std::vector<std::string>> pieces;
-  for (const std::string& name : names_in(farm.path(inside))) {
+  for (const std::string& name : io::folder_names(farm.path(inside))) {
     std::smatch match;
     if (name.front() == '.') continue;  // being copied
     if (!std::regex_match(name, match, kLog) || !fs::is_regular_file(farm.path(inside + name))) {
@@ -203,12 +194,12 @@ FarmContent FarmFolder::read() const {
   fs::create_directories(path("work"));
   DigestCache digests(path("work/digests.txt"));
   std::map<std::string, std::string> rig_digests;
-  for (const std::string& block : names_in(path("logs"))) {
+  for (const std::string& block : io::folder_names(path("logs"))) {
     require_word(block, path("logs/" + block));
-    for (const std::string& date : names_in(path("logs/" + block))) {
+    for (const std::string& date : io::folder_names(path("logs/" + block))) {
       const std::string of_date = "logs/" + block + "/" + date;
       require_word(date, path(of_date));
-      for (const std::string& robot : names_in(path(of_date))) {
+      for (const std::string& robot : io::folder_names(path(of_date))) {
         require_word(robot, path(of_date + "/" + robot));
         farm::Drive drive;
         drive.block = block, drive.date = date, drive.robot = robot;

@@ -8,6 +8,7 @@
 #include "cli/maps/stored_content.hpp"
 #include "detection/label_text.hpp"
 #include "io/map/corrections_file.hpp"
+#include "mapping/corrections/correction_words.hpp"
 #include "text/number_text.hpp"
 #include "text/printable_text.hpp"
 
@@ -17,38 +18,6 @@ namespace {
 using mapping::Correction;
 using mapping::CorrectionOutcome;
 
-const char* outcome_word(CorrectionOutcome outcome) {
-  switch (outcome) {
-    case CorrectionOutcome::kApplied:
-      return "applied";
-    case CorrectionOutcome::kByPlace:
-      return "by place";
-    case CorrectionOutcome::kSatisfied:
-      return "already so";
-    case CorrectionOutcome::kConflict:
-      return "CONFLICT";
-    case CorrectionOutcome::kUndone:
-      break;
-  }
-  return "undone";
-}
-
-std::string words_of(const Correction& c) {
-  std::string words = mapping::correction_word(c.kind);
-  for (const auto& target : c.targets) words += " " + std::to_string(target.id);
-  if (c.of != 0) words += " " + std::to_string(c.of);
-  if (c.kind == mapping::CorrectionKind::kAdd) words += " " + std::to_string(c.new_id);
-  if (c.kind == mapping::CorrectionKind::kClass) words += std::string(" ") + label_text(c.label);
-  const bool is_row = c.kind == mapping::CorrectionKind::kRowName;
-  if (c.row != 0) words += (is_row ? " " : " row ") + std::to_string(c.row);
-  if (c.position != 0) words += " tree " + std::to_string(c.position);
-  if (!c.name.empty()) words += " \"" + c.name + "\"";
-  for (const auto& p : c.places_map) {
-    words += " at " + fixed_text(p.x(), 2) + " " + fixed_text(p.y(), 2);
-  }
-  return words;
-}
-
 void print(const io::CorrectedMapFolder& map, bool only_conflicts, bool json) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < map.corrections.size(); ++i) {
@@ -57,7 +26,7 @@ void print(const io::CorrectedMapFolder& map, bool only_conflicts, bool json) {
     if (only_conflicts && result.outcome != CorrectionOutcome::kConflict) continue;
     if (json) {
       auto entry = nlohmann::ordered_json::parse(io::correction_line(c));
-      entry["outcome"] = outcome_word(result.outcome);
+      entry["outcome"] = mapping::outcome_word(result.outcome);
       if (!result.reason.empty()) entry["reason"] = result.reason;
       list.push_back(std::move(entry));
       continue;
@@ -65,8 +34,8 @@ void print(const io::CorrectedMapFolder& map, bool only_conflicts, bool json) {
     const std::string more = (c.note.empty() ? "" : "  " + c.note) +
                              (result.reason.empty() ? "" : "  [" + result.reason + "]");
     std::printf("%4d  %s  %-12s  %-10s  %s%s\n", c.number, io::utc_text(c.utime).c_str(),
-                printable_text(c.who).c_str(), outcome_word(result.outcome),
-                printable_text(words_of(c)).c_str(), printable_text(more).c_str());
+                printable_text(c.who).c_str(), mapping::outcome_word(result.outcome),
+                printable_text(mapping::correction_words(c)).c_str(), printable_text(more).c_str());
   }
   if (json) std::printf("%s\n", list.dump(1).c_str());
 }

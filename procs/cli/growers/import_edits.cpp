@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <unordered_set>
 
 #include "bus/node/process.hpp"
 #include "cli/growers/edit.hpp"
@@ -24,11 +25,11 @@ using mapping::Correction;
 void require_most(const mapping::CorrectedMap& before, const io::EditedMapFile& edited,
                   const ImportEditsOptions& options) {
   if (options.keep_missing) return;
-  const auto num_there = std::count_if(
-      before.landmarks.begin(), before.landmarks.end(), [&](const mapping::Landmark& l) {
-        return std::any_of(edited.map.landmarks.begin(), edited.map.landmarks.end(),
-                           [&l](const mapping::EditedLandmark& e) { return e.id == l.id; });
-      });
+  std::unordered_set<std::int32_t> ids;
+  for (const mapping::EditedLandmark& l : edited.map.landmarks) ids.insert(l.id);
+  const auto num_there =
+      std::count_if(before.landmarks.begin(), before.landmarks.end(),
+                    [&ids](const mapping::Landmark& l) { return ids.count(l.id) > 0; });
   const auto total = static_cast<std::ptrdiff_t>(before.landmarks.size());
   if (2 * num_there >= total) return;
   throw io::FileError(options.edited_path + " has only " + std::to_string(num_there) + " of " +
@@ -106,10 +107,11 @@ int run_import_edits(const ImportEditsOptions& options) {
         mapping::apply_corrections(mapped.landmarks, mapped.next_id, all);
     found = mapping::corrections_of(before, edited.map, now.next_id, how);
     for (const Correction& c : found.corrections) {
-      if (!io::is_correction_text(c.note) || !io::is_correction_text(c.name)) {
-        throw io::FileError(options.edited_path +
-                            ": a note or name is too long or of several lines");
-      }
+      if (io::is_correction_text(c.note) && io::is_correction_text(c.name)) continue;
+      throw io::FileError(options.edited_path + ": the note or name of " +
+                          (c.targets.empty() ? "row " + std::to_string(c.row)
+                                             : "landmark " + std::to_string(c.targets.front().id)) +
+                          " is too long, or not plain text");
     }
     conflicts.clear();
     added = mapping::corrections_that_fit(mapped.landmarks, mapped.next_id, all, found.corrections,
@@ -121,6 +123,7 @@ int run_import_edits(const ImportEditsOptions& options) {
   } else {
     io::append_corrections(options.map_folder, make);
   }
+  found.left_out.insert(found.left_out.end(), edited.left_out.begin(), edited.left_out.end());
   print(options, added, conflicts, found.left_out);
   return conflicts.empty() ? bus::kExitOk : bus::kExitInput;
 }

@@ -3,6 +3,8 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
 #include <utility>
 
 #include "bus/messages/channel.hpp"
@@ -78,6 +80,33 @@ io::PlanCounts planned(const ReportOptions& options, const io::StoredMap& map) {
   return counts;
 }
 
+/// Numbers as report.csv has them; `row` of everything is "all".
+nlohmann::ordered_json json_of(const std::vector<std::vector<std::string>>& table,
+                               const fs::path& folder) {
+  using Json = nlohmann::ordered_json;
+  Json rows = Json::array();
+  for (std::size_t i = 1; i < table.size(); ++i) {
+    Json row;
+    for (std::size_t k = 0; k < table.front().size(); ++k) {
+      const std::string& name = table.front()[k];
+      const std::string& cell = table[i].at(k);
+      if (cell == "all") {
+        row[name] = cell;
+      } else if (name == "empty_positions") {
+        row[name] = Json::array();
+        std::istringstream positions(cell);
+        for (std::int32_t position; positions >> position;) row[name].push_back(position);
+      } else {
+        row[name] = Json::parse(cell);
+      }
+    }
+    rows.push_back(std::move(row));
+  }
+  return Json{{"folder", folder.string()},
+              {"files", {"report.html", "report.pdf", "report.csv"}},
+              {"rows", std::move(rows)}};
+}
+
 }  // namespace
 
 int run_report(const ReportOptions& options) {
@@ -101,8 +130,13 @@ int run_report(const ReportOptions& options) {
   io::FileReplacement files;
   files.write((folder / "report.html").string(), io::document_html(document));
   files.write((folder / "report.pdf").string(), io::document_pdf(document));
-  files.write((folder / "report.csv").string(), io::report_csv(content));
+  const std::vector<std::vector<std::string>> table = io::report_table(content);
+  files.write((folder / "report.csv").string(), io::report_csv(table));
   files.commit();
+  if (options.json) {
+    std::printf("%s\n", json_of(table, folder).dump(1).c_str());
+    return bus::kExitOk;
+  }
   std::printf("written to %s: report.html, report.pdf (to print), report.csv (rows)\n",
               folder.string().c_str());
   return bus::kExitOk;

@@ -21,6 +21,7 @@ struct ReportOptions {
   std::string language = "en";
   mapping::MapAlignmentConfig alignment;
   bool as_mapped = false;  ///< without what people corrected
+  bool json = false;       ///< the table of rows on the standard output, for machines
 };
 
 /// Writes report.html, report.pdf and report.csv; returns the exit code. Throws io::FileError for

@@ -35,6 +35,7 @@ void add_report(CLI::App& app, Run& run) {
             ->check(CLI::IsMember({"en", "es"}))
             ->capture_default_str();
         command.add_flag("--as-mapped", o.as_mapped, "without what people corrected");
+        command.add_flag("--json", o.json, "print the table of rows as JSON");
         add_plan_options(command, o.plan_file, o.plan_match);
         add_alignment_options(command, o.alignment);
       });

@@ -2,7 +2,6 @@
 #include "cli/view/folder_page.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -14,6 +13,7 @@
 #include "io/map/album_files.hpp"
 #include "mapping/rows/navigation_graph.hpp"
 #include "text/printable_text.hpp"
+#include "text/whole_number.hpp"
 #include "view/map_data.hpp"
 #include "view/page.hpp"
 
@@ -25,11 +25,6 @@ using procs::PageAnswer;
 
 constexpr std::uintmax_t kPhotoMax_bytes = std::uintmax_t{4} << 20;
 
-mapping::NavigationGraph graph_of(const io::CorrectedMapFolder& map) {
-  return mapping::navigation_graph(map.corrected.landmarks, map.rows,
-                                   content_of(map.mapped).seen_free);
-}
-
 }  // namespace
 
 FolderPage::FolderPage(const std::string& folder, bool can_edit)
@@ -39,46 +34,64 @@ FolderPage::FolderPage(const std::string& folder, bool can_edit)
   title_ = printable_text(path.filename().string());
   boot_ = std::to_string(std::random_device()());
   io::StoredMap mapped = io::read_stored_map(folder);
-  editor_.if_changed();  // before reading: what is written in between is news
-  auto corrections = io::read_corrected_map(folder).corrections;
-  map_ = io::corrected_map_of(std::move(mapped), std::move(corrections));
-  for (const mapping::Landmark& l : map_.mapped.landmarks) {
+  for (const mapping::Landmark& l : mapped.landmarks) {
     std::error_code error;
     if (fs::is_regular_file(fs::path(folder_) / io::photo_path(l.id), error)) {
       photo_ids_.push_back(l.id);
     }
   }
-  show(map_);
+  editor_.if_changed();  // before reading: what is written in between is news
+  auto corrections = io::read_corrected_map(folder).corrections;
+  show(io::corrected_map_of(std::move(mapped), std::move(corrections)));
 }
 
-void FolderPage::show(const io::CorrectedMapFolder& map) {
-  shown_.show(map.corrected.landmarks);
-  rows_event_ = "{\"kind\":\"rows\"," + view::rows_and_ways_json(map.rows, graph_of(map)) + "}";
-  corrections_event_ = procs::corrections_event(map);
+std::shared_ptr<const FolderPage::Shown> FolderPage::shown() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return shown_;
+}
+
+void FolderPage::show(io::CorrectedMapFolder map) {
+  io::MapFolderContent content = content_of(map.mapped);
+  mapping::NavigationGraph graph =
+      mapping::navigation_graph(map.corrected.landmarks, map.rows, content.seen_free);
+  std::string rows = "{\"kind\":\"rows\"," + view::rows_and_ways_json(map.rows, graph) + "}";
+  std::string corrections = procs::corrections_event(map);
+  const auto now = std::make_shared<const Shown>(
+      Shown{std::move(map), std::move(content.summary), std::move(graph)});
+  const std::lock_guard<std::mutex> lock(mutex_);
+  shown_ = now;
+  landmarks_.show(now->map.corrected.landmarks);
+  rows_event_ = std::move(rows);
+  corrections_event_ = std::move(corrections);
   ++num_shown_;
 }
 
 std::string FolderPage::page() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  const io::MapFolderContent content = content_of(map_.mapped);
-  const mapping::NavigationGraph graph = graph_of(map_);
+  std::shared_ptr<const Shown> now;
+  std::int64_t revision = 0;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    now = shown_;
+    revision = landmarks_.revision();
+  }
+  const io::CorrectedMapFolder& map = now->map;
   view::MapData data;
   data.title = title_;
-  data.version = content.summary.version;
-  data.first_utime = content.summary.first_utime;
-  data.last_utime = content.summary.last_utime;
-  data.landmarks = &map_.corrected.landmarks;
-  data.rows = &map_.rows;
-  data.graph = &graph;
-  for (const auto& trajectory : map_.mapped.trajectories) data.paths.push_back(&trajectory);
-  data.georeference = map_.mapped.georeference;
+  data.version = now->summary.version;
+  data.first_utime = now->summary.first_utime;
+  data.last_utime = now->summary.last_utime;
+  data.landmarks = &map.corrected.landmarks;
+  data.rows = &map.rows;
+  data.graph = &now->graph;
+  for (const auto& trajectory : map.mapped.trajectories) data.paths.push_back(&trajectory);
+  data.georeference = map.mapped.georeference;
   data.photo_ids = photo_ids_;
-  data.row_names = map_.corrected.row_names;
-  data.notes = map_.corrected.notes;
+  data.row_names = map.corrected.row_names;
+  data.notes = map.corrected.notes;
   std::string json = view::map_data_json(data);
   json.insert(1, "\"mode\":\"folder\",\"boot\":\"" + boot_ +
                      "\",\"can_edit\":" + (can_edit_ ? "true" : "false") +
-                     ",\"revision\":" + std::to_string(shown_.revision()) + ",");
+                     ",\"revision\":" + std::to_string(revision) + ",");
   return view::page_html(title_, json, view::PageSource::kServer);
 }
 
@@ -88,12 +101,12 @@ std::vector<std::string> FolderPage::events_for(view::Seen& seen, bool& is_more)
   const std::lock_guard<std::mutex> lock(mutex_);
   std::vector<std::string> events;
   const view::LiveMap::Changes changes =
-      shown_.changes_since(seen.map, view::LiveState::kLandmarksOfEvent);
+      landmarks_.changes_since(seen.map, view::LiveState::kLandmarksOfEvent);
   if (changes.revision != seen.map) {
     events.push_back("{\"kind\":\"map\"," + view::landmark_changes_json(changes) + "}");
     seen.map = changes.revision;
   }
-  is_more = seen.map < shown_.revision();
+  is_more = seen.map < landmarks_.revision();
   if (seen.corrections != num_shown_ && !is_more) {
     seen.corrections = num_shown_;
     events.push_back(rows_event_);
@@ -105,12 +118,9 @@ std::vector<std::string> FolderPage::events_for(view::Seen& seen, bool& is_more)
 std::optional<PageAnswer> FolderPage::get(const std::string& name, const Parameters& parameters) {
   const auto given = parameters.find("id");
   if (name != "photo" || given == parameters.end()) return std::nullopt;
-  std::int32_t id = 0;
-  const std::string& text = given->second;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  if (!std::binary_search(photo_ids_.begin(), photo_ids_.end(), id)) return std::nullopt;
-  const fs::path path = fs::path(folder_) / io::photo_path(id);
+  const std::optional<std::int32_t> id = whole_number(given->second);
+  if (!id || !std::binary_search(photo_ids_.begin(), photo_ids_.end(), *id)) return std::nullopt;
+  const fs::path path = fs::path(folder_) / io::photo_path(*id);
   std::error_code failure;
   if (!fs::is_regular_file(path, failure) || fs::file_size(path, failure) > kPhotoMax_bytes) {
     return std::nullopt;
@@ -121,25 +131,24 @@ std::optional<PageAnswer> FolderPage::get(const std::string& name, const Paramet
 }
 
 PageAnswer FolderPage::edit(const std::string& json) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<std::mutex> lock(edit_mutex_);
   io::CorrectedMapFolder after;
-  PageAnswer answer = editor_.edit(json, map_.mapped, after);
-  if (answer.status != 200) return answer;
-  map_ = std::move(after);
-  show(map_);
+  PageAnswer answer = editor_.edit(json, shown()->map.mapped, after);
+  if (answer.status == 200) show(std::move(after));
   return answer;
 }
 
 void FolderPage::look_for_corrections() {
-  const std::lock_guard<std::mutex> lock(mutex_);  // before reading: an edit between would be lost
+  const std::lock_guard<std::mutex> lock(
+      edit_mutex_);  // before reading: an edit between would be lost
   auto others = editor_.if_changed();
   if (!others) return;
   const auto last = [](const std::vector<mapping::Correction>& list) {
     return list.empty() ? 0 : list.back().number;
   };
-  if (last(*others) == last(map_.corrections)) return;  // this page's own
-  map_ = io::corrected_map_of(std::move(map_.mapped), std::move(*others));
-  show(map_);
+  const auto now = shown();
+  if (last(*others) == last(now->map.corrections)) return;  // this page's own
+  show(io::corrected_map_of(now->map.mapped, std::move(*others)));
 }
 
 }  // namespace orchard::cli

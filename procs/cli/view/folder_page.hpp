@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "io/map/corrected_map.hpp"
+#include "io/map/map_folder.hpp"
+#include "mapping/rows/navigation_graph.hpp"
 #include "view/live_map.hpp"
 #include "viewer/map_editor.hpp"
 #include "viewer/page_content.hpp"
@@ -30,16 +34,23 @@ class FolderPage : public procs::PageContent {
   void look_for_corrections();
 
  private:
-  void show(const io::CorrectedMapFolder& map);
+  struct Shown {
+    io::CorrectedMapFolder map;
+    io::MapSummary summary;
+    mapping::NavigationGraph graph;
+  };
+  std::shared_ptr<const Shown> shown() const;
+  void show(io::CorrectedMapFolder map);
 
   std::string folder_, title_;
   bool can_edit_;
   std::string boot_;  ///< of this server: a page of another one loads itself anew
-  procs::MapEditor editor_;
-  mutable std::mutex mutex_;
-  io::CorrectedMapFolder map_;
   std::vector<std::int32_t> photo_ids_;
-  view::LiveMap shown_{0};
+  std::mutex edit_mutex_;  ///< of who changes the map: two at once are shown in their order
+  procs::MapEditor editor_;
+  mutable std::mutex mutex_;  ///< of all below: who looks on waits for no edit
+  std::shared_ptr<const Shown> shown_;
+  view::LiveMap landmarks_{0};
   std::string rows_event_, corrections_event_;
   std::int64_t num_shown_ = 0;
 };

@@ -4,9 +4,9 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstdlib>
 #include <filesystem>
+#include <random>
 #include <stdexcept>
 
 #include "bus/messages/codec.hpp"
@@ -16,6 +16,7 @@
 #include "io/file_error.hpp"
 #include "io/map/map_folder.hpp"
 #include "mapping/rows/navigation_graph.hpp"
+#include "text/whole_number.hpp"
 #include "view/look_json.hpp"
 #include "view/map_data.hpp"
 #include "viewer/live_page.hpp"
@@ -34,10 +35,8 @@ std::string temporary_folder() {
 
 std::size_t number_of(const procs::PageContent::Parameters& parameters, const char* key) {
   const auto at = parameters.find(key);
-  std::size_t value = 0;
   if (at == parameters.end()) return 0;
-  std::from_chars(at->second.data(), at->second.data() + at->second.size(), value);
-  return value;
+  return static_cast<std::size_t>(std::max(0, whole_number(at->second).value_or(0)));
 }
 
 struct Stopped : std::runtime_error {
@@ -89,7 +88,8 @@ struct LogPage::Spill {
 LogPage::LogPage(const io::LogPaths& logs, const io::Config& config, const std::string& version)
     : logs_(logs),
       config_(config),
-      page_(procs::empty_page("drive", logs.names(), version, false)),
+      boot_(std::to_string(std::random_device()())),
+      page_(procs::empty_page("drive", logs.names(), version, false, boot_)),
       reader_(std::make_unique<io::LogSeries>(logs)),
       spill_(std::make_unique<Spill>()),
       record_(config.mapper.min_observations) {
@@ -141,8 +141,11 @@ void LogPage::index() {
 void LogPage::map() {
   MapPipeline pipeline(config_, temporary_folder());
   bus::ReplayOptions replay;
-  replay.progress = [this](std::uint64_t done, std::uint64_t total) {
+  replay.check = [this] {
     if (is_stopping_) throw Stopped();
+  };
+  replay.progress = [this, &replay](std::uint64_t done, std::uint64_t total) {
+    replay.check();
     const std::lock_guard<std::mutex> lock(mutex_);
     fraction_ = total > 0 ? static_cast<double>(done) / static_cast<double>(total) : 0.0;
   };
@@ -161,10 +164,12 @@ void LogPage::map() {
     if (const auto* tile = std::get_if<mapping::MapTile>(message)) record_.take(*tile);
   };
   const bus::ReplayReport report = bus::replay_in_process(logs_, pipeline.nodes(), replay);
+  replay.check();
   io::MapSummary summary;
   summary.first_utime = report.first_utime;
   summary.last_utime = report.last_utime;
   const io::MapFolderContent content = pipeline.mapper.content(summary);
+  replay.check();
   const mapping::NavigationGraph graph =
       mapping::navigation_graph(content.landmarks, content.rows, content.seen_free);
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -265,6 +270,10 @@ std::optional<PageAnswer> LogPage::picture(std::size_t at) const {
 }
 
 std::optional<PageAnswer> LogPage::get(const std::string& name, const Parameters& parameters) {
+  const auto of_page = parameters.find("boot");
+  if (of_page != parameters.end() && of_page->second != boot_) {
+    return PageAnswer{409, "text/plain", "This page is of another viewer: load it anew.\n"};
+  }
   try {
     if (name == "drive") return PageAnswer{200, "application/json", news(parameters)};
     if (name == "picture") return picture(number_of(parameters, "at"));

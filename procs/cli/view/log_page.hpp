@@ -58,6 +58,7 @@ class LogPage : public procs::PageContent {
 
   io::LogPaths logs_;
   io::Config config_;
+  std::string boot_;  ///< of this server: a page of another one loads itself anew
   std::string page_;
   Places scans_, images_;
   mutable std::mutex log_mutex_;  ///< of the reader

@@ -4,10 +4,13 @@
 #include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "bus/node/process.hpp"
 #include "bus/node/stop_signal.hpp"
@@ -42,6 +45,35 @@ void open_in_browser(const std::string& url) {
   ::posix_spawnattr_destroy(&attributes);
 }
 
+/// A file that only this user can read and that leads to the page: as an argument of the browser
+/// the token could be read by everybody on this machine. Gone with this object.
+class TokenPage {
+ public:
+  TokenPage(const std::string& url, const std::string& token) {
+    std::error_code error;
+    const auto folder = std::filesystem::temp_directory_path(error);
+    path_ = (error ? "." : folder.string()) + "/orchard_view_XXXXXX.html";
+    const int fd = ::mkstemps(path_.data(), 5);
+    if (fd < 0) throw io::FileError(path_ + " cannot be written; set TMPDIR");
+    const std::string text = "<!DOCTYPE html><meta http-equiv=\"refresh\" content=\"0;url=" + url +
+                             "?token=" + token + "\">\n";
+    const ssize_t written = ::write(fd, text.data(), text.size());
+    ::close(fd);
+    if (written != static_cast<ssize_t>(text.size())) {
+      ::unlink(path_.c_str());
+      throw io::FileError(path_ + " cannot be written; set TMPDIR");
+    }
+  }
+  ~TokenPage() { ::unlink(path_.c_str()); }
+  TokenPage(const TokenPage&) = delete;
+  TokenPage& operator=(const TokenPage&) = delete;
+
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
 void require_sense(const ViewOptions& options, bool is_folder) {
   if (options.edit && !is_folder) {
     throw io::FileError(
@@ -60,26 +92,30 @@ int run_view(const ViewOptions& options) {
   require_sense(options, is_folder);
   procs::PageServerOptions server = procs::parse_listen(options.listen);
   if (!options.token_file.empty()) server.token = procs::read_token(options.token_file);
-  bus::StopSignal stop;  // before any thread: none of them takes the signals
   std::unique_ptr<FolderPage> folder;
-  std::unique_ptr<LogPage> log;
+  std::optional<procs::ReplayRig> rig;
+  const io::LogPaths logs(options.paths);
   if (is_folder) {
     folder = std::make_unique<FolderPage>(options.paths.front(), options.edit);
   } else {
-    const io::LogPaths logs(options.paths);
-    const procs::ReplayRig rig = procs::choose_rig(logs, options.config_path);
-    for (const std::string& note : rig.notes) {
+    rig = procs::choose_rig(logs, options.config_path);
+    for (const std::string& note : rig->notes) {
       std::fprintf(stderr, "orchard view: note: %s\n", note.c_str());
     }
-    log = std::make_unique<LogPage>(logs, rig.config, ORCHARD_VERSION);
   }
+  // Until here Ctrl-C simply ends; from here on no thread takes the signals.
+  bus::StopSignal stop;
+  std::unique_ptr<LogPage> log;
+  if (rig) log = std::make_unique<LogPage>(logs, rig->config, ORCHARD_VERSION);
   procs::PageContent& content =
       folder ? static_cast<procs::PageContent&>(*folder) : static_cast<procs::PageContent&>(*log);
   const procs::PageServer page(content, server);
   std::printf("the page is at %s%s%s; Ctrl-C ends\n", page.url().c_str(),
               server.token.empty() ? "" : "?token=...", options.edit ? " (edits are kept)" : "");
   std::fflush(stdout);
-  if (options.open) open_in_browser(page.url());
+  std::optional<TokenPage> token_page;
+  if (options.open && !server.token.empty()) token_page.emplace(page.url(), server.token);
+  if (options.open) open_in_browser(token_page ? token_page->path() : page.url());
   bool is_told = false, has_failed = false;
   while (!stop.raised()) {
     stop.wait(-1, kRefresh_ms);

@@ -4,6 +4,7 @@
 
 import csv
 import html
+import json
 import math
 import os
 import re
@@ -70,6 +71,23 @@ def page_text(path):
     return html.unescape(re.sub(r"<[^>]*>", " ", re.sub(r"(?s)<(svg|style).*?</\1>", "", page)))
 
 
+def check_pdf(path, truth):
+    """What stands on paper, read by poppler: the counts, and each row's trees, empty places and area."""
+    if not shutil.which("pdftotext"):
+        print("no pdftotext (poppler-utils): the PDF's words are not read")
+        return
+    text = subprocess.run(["pdftotext", "-layout", path, "-"], capture_output=True, text=True, check=True).stdout
+    rows = [row for row in truth if row not in ("all", "0")]
+    in_rows = truth["all"][0] - (truth["0"][0] if "0" in truth else 0)
+    assert f"{in_rows} trees in {len(rows)} rows" in " ".join(text.split()), text
+    for row in rows:
+        num_trees, empty, area = truth[row]
+        lines = [line.split() for line in text.splitlines() if line.split()[:1] == [row]]
+        assert any(str(num_trees) in line[1:] and any(
+            re.fullmatch(r"[0-9]+", word) and abs(int(word) - area) < 0.6 for word in line[1:]) for line in lines), (row, area, lines)
+        assert not empty or any(str(k) in " ".join(line) for k in empty for line in lines), (row, empty, lines)
+
+
 def main(bin_folder, rig, folder):
     log, here = os.path.join(folder, "drive.lcm"), os.path.join(folder, "autumn")
     orchard(bin_folder, "simulate", "--scene", "orchard", "--seed", "7", "--config", rig, "--out", log)
@@ -88,6 +106,20 @@ def main(bin_folder, rig, folder):
     assert " roc" not in text and "probability" not in text
     pdf = bytes_of(os.path.join(out, "report.pdf"))
     assert pdf.startswith(b"%PDF-") and pdf.count(b"/Type /Page ") >= 2 and b"20131202000000Z" in pdf
+
+    check_pdf(os.path.join(out, "report.pdf"), truth)
+
+    # For machines: the table again.
+    told = json.loads(orchard(bin_folder, "report", here, "--json").stdout)
+    assert told["files"] == ["report.html", "report.pdf", "report.csv"] and os.path.samefile(told["folder"], out), told
+    assert len(told["rows"]) == len(table), told
+    for row in told["rows"]:
+        assert set(row) == set(table[str(row["row"])]), row
+        for name, cell in table[str(row["row"])].items():
+            if name == "empty_positions":
+                assert row[name] == [int(k) for k in cell.split()], row
+            else:
+                assert str(row[name]) == cell if name == "row" else row[name] == float(cell), (name, row)
 
     # The same map, the same bytes; other words, the same numbers.
     again, spanish = os.path.join(folder, "again"), os.path.join(folder, "informe")

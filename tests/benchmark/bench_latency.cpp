@@ -8,7 +8,6 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
-#include <lcm/lcm-cpp.hpp>
 #include <map>
 #include <string>
 #include <thread>
@@ -21,6 +20,7 @@
 #include "benchmark/private_network.hpp"
 #include "benchmark/relay.hpp"
 #include "benchmark/result_line.hpp"
+#include "benchmark/scan_to_map.hpp"
 #include "bus/messages/codec.hpp"
 #include "bus/replay/in_process_replay.hpp"
 #include "detector/detector_node.hpp"
@@ -41,13 +41,10 @@ constexpr double kTargetP99Ms = 5.0;
 constexpr auto kHalfPeriod = std::chrono::milliseconds(50);
 constexpr const char* kRelayUrl = "udpm://239.255.76.68:7668?ttl=0&recv_buf_size=4194304";
 
-/// What a scan's place in the map needs, the picture last, and what the pipeline makes of it.
-struct MessageSet {
-  std::vector<const bench::RawMessage*> inputs;
+/// What a scan's place in the map needs, and what the pipeline makes of it.
+struct MessageSet : bench::ScanSet {
   bench::RelayHeader header;
 };
-
-std::string name_of(Channel channel) { return std::string(bus::info(channel).name); }
 
 /// Sizes of what the pipeline makes of each scan, from a replay in this process.
 std::map<std::int64_t, bench::RelayHeader> derived_sizes(const bench::FieldDrive& drive) {
@@ -67,109 +64,26 @@ std::map<std::int64_t, bench::RelayHeader> derived_sizes(const bench::FieldDrive
   return headers;
 }
 
-std::vector<const bench::RawMessage*> messages_of(const bench::FieldDrive& drive, Channel channel) {
-  std::vector<const bench::RawMessage*> messages;
-  for (const bench::RawMessage& message : drive.messages) {
-    if (message.channel == channel) messages.push_back(&message);
-  }
-  return messages;
-}
-
-/// One set per scan, in order of time: the scan, everything of the wheels and of the poses until
-/// the next scan begins (a sweep takes nearly as long, and its last object is placed by the pose
-/// then), and the picture, which takes the longest to be compressed and sent.
 std::vector<MessageSet> make_sets(const bench::FieldDrive& drive) {
   const auto headers = derived_sizes(drive);
-  const auto scans = messages_of(drive, Channel::kScan);
-  const auto images = messages_of(drive, Channel::kImage);
   std::vector<MessageSet> sets;
-  std::int64_t sent_until = INT64_MIN;
-  for (std::size_t i = 0; i + 1 < scans.size(); ++i) {
-    const std::int64_t utime = scans[i]->utime, next_utime = scans[i + 1]->utime;
-    const auto image = std::find_if(images.begin(), images.end(), [utime](const auto* message) {
-      return message->utime == utime;
-    });
-    if (image == images.end()) continue;
-    MessageSet set;
-    set.inputs.push_back(scans[i]);
-    for (const Channel channel : {Channel::kOdometry, Channel::kPoseFix}) {
-      for (const bench::RawMessage* message : messages_of(drive, channel)) {
-        if (message->utime > sent_until && message->utime <= next_utime) {
-          set.inputs.push_back(message);
-        }
-      }
-      if (channel == Channel::kOdometry) {
-        set.header.num_detector_inputs = static_cast<std::uint32_t>(set.inputs.size()) + 1;
-      }
-    }
-    set.inputs.push_back(*image);
-    const bench::RelayHeader& sizes = headers.at(utime);
-    set.header.utime = utime;
-    set.header.detections_bytes = sizes.detections_bytes;
-    set.header.pose_bytes = sizes.pose_bytes;
-    set.header.map_bytes = sizes.map_bytes;
-    sent_until = next_utime;
+  for (bench::ScanSet& scan : bench::scan_sets(drive)) {
+    MessageSet set{std::move(scan), {}};
+    set.header = headers.at(set.utime);
+    set.header.utime = set.utime;
+    set.header.num_detector_inputs = set.num_detector_inputs;
     sets.push_back(std::move(set));
   }
   return sets;
 }
 
-/// Sends sets to a pipeline and waits for their MAP.
-class Probe {
- public:
-  /// `relayed`: MAP comes from a relay and begins with a RelayHeader.
-  Probe(const std::string& url, bool relayed) : lcm_(url), relayed_(relayed) {
-    lcm_.subscribe(name_of(Channel::kMap), &Probe::on_map, this);
-  }
-
-  void send(Channel channel, const std::vector<std::uint8_t>& bytes) {
-    if (channel == Channel::kImage) sent_ = Clock::now();
-    lcm_.publish(name_of(channel), bytes.data(), static_cast<unsigned int>(bytes.size()));
-  }
-
-  /// Milliseconds since the picture was sent; negative when no MAP comes within the time.
-  double wait_for_map(std::int64_t utime, Clock::time_point until) {
-    utime_ = 0;
-    while (utime_ != utime) {
-      const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now());
-      if (left.count() <= 0) return -1.0;
-      lcm_.handleTimeout(static_cast<int>(left.count()));
-    }
-    return std::chrono::duration<double, std::milli>(received_ - sent_).count();
-  }
-
- private:
-  void on_map(const lcm::ReceiveBuffer* buffer, const std::string&) {
-    received_ = Clock::now();
-    const auto* bytes = static_cast<const std::uint8_t*>(buffer->data);
-    bench::RelayHeader header;
-    if (buffer->data_size < sizeof header) return;
-    std::memcpy(&header, bytes, sizeof header);
-    // An LCM type begins with its hash; then comes utime, big-endian.
-    std::int64_t utime = 0;
-    for (int i = 8; i < 16; ++i) utime = utime << 8 | bytes[i];
-    utime_ = relayed_ ? header.utime : utime;
-  }
-
-  lcm::LCM lcm_;
-  bool relayed_;
-  Clock::time_point sent_;
-  Clock::time_point received_;
-  std::int64_t utime_ = 0;
-};
-
-double through_pipeline(Probe& probe, const MessageSet& set, Clock::time_point until) {
-  for (const bench::RawMessage* input : set.inputs) probe.send(input->channel, input->bytes);
-  return probe.wait_for_map(set.header.utime, until);
-}
-
-double through_relays(Probe& probe, const MessageSet& set, Clock::time_point until) {
+double through_relays(bench::MapProbe& probe, const MessageSet& set, Clock::time_point until) {
   for (const bench::RawMessage* input : set.inputs) {
     std::vector<std::uint8_t> bytes(input->bytes.size());
     std::memcpy(bytes.data(), &set.header, sizeof set.header);
     probe.send(input->channel, bytes);
   }
-  return probe.wait_for_map(set.header.utime, until);
+  return probe.wait_for_map(set.utime, until);
 }
 
 void print_quantiles(const char* name, const std::vector<double>& times_ms) {
@@ -250,8 +164,8 @@ int main(int argc, char** argv) {
 
   auto processes = bench::start_live_pipeline(drive.config_path, drive.config.lcm.url, folder);
   const auto relays = bench::start_relays(kRelayUrl, folder);
-  Probe live(drive.config.lcm.url, false);
-  Probe relay(kRelayUrl, true);
+  bench::MapProbe live(drive.config.lcm.url, false);
+  bench::MapProbe relay(kRelayUrl, true);
 
   std::vector<double> pipeline_ms, relay_ms;
   int num_missing = 0;
@@ -260,7 +174,7 @@ int main(int argc, char** argv) {
     const auto slack = std::chrono::milliseconds(5);
     std::this_thread::sleep_until(next);
     next += kHalfPeriod;
-    const double pipeline = through_pipeline(live, sets[i], next - slack);
+    const double pipeline = live.through(sets[i], next - slack);
     std::this_thread::sleep_until(next);
     next += kHalfPeriod;
     const double bare = through_relays(relay, sets[i], next - slack);

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Builds and runs every benchmark of tests/benchmark, one after the other, and prints one table of
-# what was measured beside its target. Under 2 minutes after the build; the machine should have nothing else to do.
+# what was measured beside its target. Some 5 minutes after the build; the machine should have nothing else to do.
 #   tests/benchmark/benchmark.sh [--build DIR] [--no-build]
 #     --build DIR  build folder (default build)
 #     --no-build   use it as it is
@@ -27,7 +27,7 @@ mkdir -p out/benchmark
 rows=out/benchmark/results.txt
 : >$rows
 failed=()
-for name in bench_detector bench_mapper bench_replay bench_latency bench_cpu; do
+for name in bench_detector bench_mapper bench_replay bench_latency bench_cpu bench_viewers; do
   program=$build_dir/benchmark/$name
   if [ ! -x "$program" ]; then
     echo "benchmark: no $program" >&2

@@ -55,6 +55,10 @@ int ChildProcess::stop() {
   return wait();
 }
 
+void ChildProcess::signal(int number) {
+  if (pid_ > 0) kill(pid_, number);
+}
+
 int ChildProcess::wait() {
   int status = 0;
   if (pid_ < 0 || waitpid(std::exchange(pid_, -1), &status, 0) < 0) return -1;

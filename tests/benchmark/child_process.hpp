@@ -19,6 +19,8 @@ class ChildProcess {
 
   /// SIGINT, then its exit code (128 + signal when it was killed).
   int stop();
+  /// SIGSTOP, SIGCONT ...
+  void signal(int number);
   /// Waits for its end.
   int wait();
 

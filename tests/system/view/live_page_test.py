@@ -17,7 +17,8 @@ import time
 import browser
 
 NUM_REQUESTS = 10000
-NUM_DEAF = 20
+NUM_DEAF = 8
+NUM_READING = 20  # with the deaf and a browser as many as may look on, but three
 RESIDENT_MOST_KB = 100 * 1024
 
 
@@ -40,6 +41,14 @@ def ask(port, path, method="GET", host=None, headers=None, address="127.0.0.1"):
 def resident_kb(pid):
     with open(f"/proc/{pid}/status", encoding="ascii") as file:
         return int(re.search(r"VmHWM:\s+(\d+)", file.read()).group(1))
+
+
+def reading_clients(port):
+    """A process with as many streams that are read; all have begun."""
+    script = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "benchmark", "look_on.py")
+    process = subprocess.Popen([sys.executable, "-B", script, f"127.0.0.1:{port}", str(NUM_READING)], stdout=subprocess.PIPE, text=True)
+    assert process.stdout.readline() == "all look on\n"
+    return process
 
 
 def pid_of(parent, name):
@@ -131,6 +140,7 @@ def main():
         check_token(bin_folder, rig, folder)
         live = subprocess.Popen([orchard, "live", rig, "--sim", "tubes", "--seed", "5", "--speed", "2", "--out", "map",
                                  "--record", "rec"], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+        reading = None
         try:
             for line in live.stderr:
                 if found := re.search(r"watch it at http://127.0.0.1:(\d+)/", line):
@@ -145,6 +155,7 @@ def main():
                     assert time.monotonic() < end, "the viewer does not serve"
                     threading.Event().wait(0.05)
             deaf = [deaf_client(port) for _ in range(NUM_DEAF)]
+            reading = reading_clients(port)
             check_strangers(port)
             with browser.Browser() as page:
                 check_page(page, port)
@@ -156,9 +167,13 @@ def main():
             size = resident_kb(viewer)
             print(f"the viewer's largest size after {NUM_REQUESTS} requests: {size / 1024:.1f} MB")
             assert size < RESIDENT_MOST_KB, size
+            assert reading.poll() is None
             for client in deaf:
                 client.close()
         finally:
+            if reading:
+                reading.kill()
+                reading.wait()
             live.send_signal(signal.SIGINT)
             words = live.stderr.read()
             code = live.wait(60)

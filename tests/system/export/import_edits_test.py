@@ -109,7 +109,7 @@ class ImportEdits(unittest.TestCase):
             run("UPDATE landmarks SET geom = ? WHERE id = 103", (moved(blob, *step),))
             run("UPDATE landmarks SET class = 'object' WHERE id = 204")
             run("UPDATE landmarks SET note = 'old; grafted' WHERE id = 101")
-            run("UPDATE landmarks SET note = ? WHERE id = 205", ("<script>x</script> é",))
+            run("UPDATE landmarks SET note = ? WHERE id = 205", ("<script>x</script>\n\né ",))
             # Two numbers change places.
             run("UPDATE landmarks SET position = 2 WHERE id = 301")
             run("UPDATE landmarks SET position = 1 WHERE id = 302")
@@ -119,6 +119,7 @@ class ImportEdits(unittest.TestCase):
         database.close()
         told = self.come_back(path)
         self.assertEqual(told["conflicts"], [])
+        self.assertEqual(told["left_out"], ["the line breaks of the note on landmark 205"])
         # Two that change places: both numbers are given back, then given.
         self.assertEqual(told["counts"], {"delete": 1, "move": 1, "class": 1, "note": 2, "renumber": 4, "row": 1, "add": 1})
         after = self.corrected()

@@ -5,6 +5,7 @@ and play; corrections by two people at once, with undo; at the width of a desk a
 pictures of what the browser showed."""
 
 import csv
+import gzip
 import http.client
 import json
 import os
@@ -118,6 +119,10 @@ def check_log(page, served, log_info, truth, width):
     assert others == [], others
     status, _ = served.edit(what="undo")
     assert status == 405, "a log is edited"
+    # A page of another server at this address is told to begin anew.
+    boot = page.run("return orchardApp.data.boot")
+    for name in ("drive?steps=0", "step?at=0"):
+        assert served.ask(f"/api/{name}&boot={boot}")[0] == 200 and served.ask(f"/api/{name}&boot={boot}1")[0] == 409, name
 
 
 def landmark_count(page, count, what):
@@ -236,6 +241,8 @@ def check_refusals(bin_folder, folder):
         assert served.ask("/api/edit", "POST", plain, {"Content-Type": "application/json", "Origin": "http://evil.example"})[0] == 403
         assert served.ask("/api/edit", "POST", "[" * 5000, {"Content-Type": "application/json"})[0] == 400
         assert served.ask("/api/edit", "POST", "x" * 100000, {"Content-Type": "application/json"})[0] in (400, 413)
+        packed = {"Content-Type": "application/json", "Content-Encoding": "gzip"}
+        assert served.ask("/api/edit", "POST", gzip.compress(plain.encode()), packed)[0] == 415
         for bad in ({}, {"what": "sing"}, {"what": "delete"}, {"what": "move", "trees": ["1"], "places_m": [["a", 2]]},
                     {"what": "add", "places_m": [[1e300, 0]]}, {"what": "note", "trees": ["1"], "note": "a\nb"},
                     {"what": "note", "trees": ["1"], "note": "x" * 5000}, {"what": "undo", "of": -1}, {"what": "class", "trees": [1]}):

@@ -28,7 +28,7 @@ double width_term(const detection::Detection& d, const LandmarkRecord& r) {
 std::optional<double> cost_of(const Candidate& c, const LandmarkRecord& r,
                               const MapperConfig& config) {
   const detection::Detection& d = *c.detection;
-  if (r.is_clump && d.label == detection::Label::kTree) return std::nullopt;  // it stands in it
+  if (r.is_clump && looks_like_a_tree(d)) return std::nullopt;  // it stands in it
   const Eigen::Vector2d delta = c.p_aligned - r.association_position();
   if (delta.squaredNorm() > config.gate_m * config.gate_m) return std::nullopt;
   if (std::abs(d.width_m - r.width_m) > config.width_gate_m) return std::nullopt;

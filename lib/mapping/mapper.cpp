@@ -55,6 +55,21 @@ void merge_changed(MapState& map, MapUpdate& update) {
   std::sort(update.removed_ids.begin(), update.removed_ids.end());
 }
 
+/// Whether a landmark was judged at least so often: by the camera, or by the laser alone where no
+/// picture showed it. A tree beside the robot is out of the picture in most of its observations.
+bool is_seen_often(const MapState& map, const LandmarkRecord& r, int min_observations) {
+  if (r.num_observations >= min_observations) return true;
+  if (r.num_all < min_observations) return false;
+  int num_judged = 0;
+  for (std::int32_t k = r.last_observation; k >= 0 && num_judged < min_observations;) {
+    const Observation& o = map.observations[k];
+    num_judged += o.label != static_cast<std::int8_t>(detection::Label::kUnseen) ||
+                  o.probability_tree + o.probability_object > 0.0f;
+    k = o.previous;
+  }
+  return num_judged >= min_observations;
+}
+
 /// Asks `scans` whenever it is asked.
 std::shared_ptr<SeenGround> seen_ground_of(const ObservationStore& scans) {
   auto ground =
@@ -281,7 +296,7 @@ std::vector<Landmark> Mapper::landmarks(int min_observations) const {
   for (std::int32_t i = 0; i < impl_->map.landmarks.num_indices(); ++i) {
     if (i % MapState::kLandmarksBetweenRests == 0) impl_->map.observations.rest();
     const LandmarkRecord& r = impl_->map.landmarks[i];
-    if (r.is_removed || r.num_observations < min_observations) continue;
+    if (r.is_removed || !is_seen_often(impl_->map, r, min_observations)) continue;
     all.push_back(impl_->map.report(i, impl_->map.mode_of(r)));
   }
   return all;

@@ -90,8 +90,8 @@ class Mapper {
   /// How many landmarks' observations do not agree on a class.
   SplitVotes votes() const;
 
-  /// All landmarks with at least `min_observations`, in order of id, their positions of all that is
-  /// known now.
+  /// All landmarks that were judged at least `min_observations` times, by camera or laser, in order
+  /// of id, their positions of all that is known now.
   std::vector<Landmark> landmarks(int min_observations = 1) const;
 
   /// Its state; the configuration is the maker's. Observations stay in `memory`.

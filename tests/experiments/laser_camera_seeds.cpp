@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Calibrates a simulated rig from pixels and scans over many seeds and prints the figures of
 // tests/experiments/calibration_figures.sh: laser_camera_seeds FIRST LAST VIEWS SCANS [edges]
+// With SQUARE the board's squares are stated as that many times their true side: such seeds must be
+// refused, and the true size named.
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <cmath>
@@ -52,7 +54,8 @@ void add(const calibration::LaserCameraCalibration& result,
 int main(int argc, char** argv) {
   if (argc < 5) {
     std::fprintf(stderr,
-                 "usage: %s FIRST LAST VIEWS SCANS [edges|no-edges] [HANDLING [CORNER_NOISE_PX]]\n",
+                 "usage: %s FIRST LAST VIEWS SCANS [edges|no-edges] [HANDLING [CORNER_NOISE_PX|- "
+                 "[SQUARE]]]\n",
                  argv[0]);
     return 2;
   }
@@ -65,16 +68,23 @@ int main(int argc, char** argv) {
   if (argc > 6)
     rig.simulation.board.handling = static_cast<simulation::BoardHandling>(std::atoi(argv[6]));
   std::optional<double> corner_noise_px;
-  if (argc > 7) corner_noise_px = std::atof(argv[7]);
+  if (argc > 7 && std::string(argv[7]) != "-") corner_noise_px = std::atof(argv[7]);
+  const double stated_of_true = argc > 8 ? std::atof(argv[8]) : 1.0;
+  int num_named = 0;
+  double worst_named = 0.0;
   Sums sums;
   for (int seed = first; seed <= last; ++seed) {
-    const auto views = calibration_test::views_of_scene(static_cast<std::uint64_t>(seed), rig,
-                                                        num_scans, corner_noise_px);
+    const auto views = calibration_test::views_of_scene(
+        static_cast<std::uint64_t>(seed), rig, num_scans, corner_noise_px, stated_of_true, edges);
     calibration::LaserCameraOptions options = calibration::laser_camera_options(rig.laser);
     options.use_edges = edges;
     const auto result = calibration::calibrate_laser_camera(views.views, views.outline, options);
     if (!result.refusal.empty()) {
       ++sums.refused;
+      if (result.board_scale > 0.0) {
+        ++num_named;
+        worst_named = std::max(worst_named, std::abs(result.board_scale * stated_of_true - 1.0));
+      }
       std::printf("seed %d: refused: %s\n", seed, result.refusal.c_str());
       continue;
     }
@@ -85,6 +95,11 @@ int main(int argc, char** argv) {
   const double n = std::max(1, sums.num);
   std::printf("seeds %d-%d, %d views of %d scan(s), %s: %d calibrated, %d refused\n", first, last,
               num_views, num_scans, edges ? "with edges" : "no edges", sums.num, sums.refused);
+  if (stated_of_true != 1.0) {
+    std::printf(
+        "  squares stated as %.2f of their side: of %d refused %d name the size, off by %.2f %%\n",
+        stated_of_true, sums.refused, num_named, 100.0 * worst_named);
+  }
   std::printf("  rotation     RMS %.3f deg (stated %.3f), worst %.3f\n",
               std::sqrt(sums.turn2 / n) / kDeg, std::sqrt(sums.turn_sd2 / n) / kDeg,
               sums.worst_turn / kDeg);

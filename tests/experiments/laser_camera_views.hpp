@@ -36,22 +36,39 @@ inline calibration::BoardView projected_corners(const Eigen::Isometry3d& T_camer
 }
 
 /// One picture and the mean of `num_scans` scans of each pose. With corner_noise_px the corners
-/// are the true ones with that noise instead of those found in a picture.
+/// are the true ones with that noise instead of those found in a picture. The square's size is
+/// given as `stated_of_true` times what it is; the outline, which a person measures by itself, as
+/// it is.
 inline SceneViews views_of_scene(std::uint64_t seed, const simulation::RigConfig& rig,
-                                 int num_scans, std::optional<double> corner_noise_px = {}) {
+                                 int num_scans, std::optional<double> corner_noise_px = {},
+                                 double stated_of_true = 1.0, bool outline_measured = true) {
   const simulation::BoardScene scene(seed, rig);
   const geometry::CameraModel camera(rig.camera.intrinsics);
   simulation::Random random(seed, simulation::Stream::kBench);
   SceneViews out;
-  out.outline = calibration::outline_of(scene.board());
+  calibration::BoardConfig stated = scene.board();
+  stated.square_m *= stated_of_true;
+  stated.marker_m *= stated_of_true;
+  out.outline = calibration::outline_of(stated);
+  if (outline_measured) {
+    const auto sheet = calibration::outline_of(scene.board());
+    const double x_m = 0.5 * (out.outline.x_min_m + out.outline.x_max_m);
+    const double y_m = 0.5 * (out.outline.y_min_m + out.outline.y_max_m);
+    const double half_x_m = 0.5 * (sheet.x_max_m - sheet.x_min_m);
+    const double half_y_m = 0.5 * (sheet.y_max_m - sheet.y_min_m);
+    out.outline = {x_m - half_x_m, y_m - half_y_m, x_m + half_x_m, y_m + half_y_m};
+  }
   std::vector<calibration::BoardView> boards;
   std::vector<std::vector<laser::Scan>> scans;
   for (std::size_t i = 0; i < scene.poses().size(); ++i) {
     std::optional<calibration::BoardView> board;
     if (corner_noise_px) {
       board = projected_corners(scene.poses()[i], scene.board(), camera, *corner_noise_px, random);
+      if (board) {
+        for (auto& p : board->corners_m) p = {p.x_m * stated_of_true, p.y_m * stated_of_true};
+      }
     } else {
-      board = calibration::find_board(scene.picture(scene.poses()[i], i), scene.board());
+      board = calibration::find_board(scene.picture(scene.poses()[i], i), stated);
     }
     if (!board) continue;
     boards.push_back(*board);

@@ -3,8 +3,9 @@
 # What becomes of leafy bushes, of people beside and behind the robot, and of ways: over seeds 1-6
 # (or FIRST LAST) the hard orchard with leaves that beams go 0.15 m into, and the easy one with three
 # people about. Prints landmarks per map and within bushes, those where nothing of the truth stands,
-# trees found, and how near a way of graph.json comes to any landmark's rim.
-#   SECONDS_PER_DRIVE=45  OUT=out/stands  BUILD=build  LEAF_M=0.15
+# trees found, how near a way of graph.json comes to any landmark's rim, and at the end the F1 of the
+# trees among the leafy bushes.
+#   SECONDS_PER_DRIVE=45  OUT=out/stands  BUILD=build  LEAF_M=0.15  WHAT="leafy people"
 set -euo pipefail
 . "$(dirname "$0")/../script_help.sh"
 cd "$(dirname "$0")/../.."
@@ -12,6 +13,7 @@ orchard=${BUILD:-build}/bin/orchard
 first=${1:-1} last=${2:-6}
 out=${OUT:-out/stands}
 mkdir -p "$out"
+rm -f "$out/table.txt"
 sed "s/^  clutter:/&\n    leaf_depth_m: ${LEAF_M:-0.15}/" config/orchard_hard.yaml >"$out/leafy.yaml"
 sed 's/^simulation:/&\n  clutter:\n    num_people: 3\n    people_around: true/' config/orchard.yaml \
   >"$out/people.yaml"
@@ -44,15 +46,21 @@ print(f'{len(marks)} landmarks; in bushes {within}; extra {extra}; trees {found}
 PYTHON
 }
 
+leafy=() looks=() truths=()
 for seed in $(seq "$first" "$last"); do
-  for what in leafy people; do
+  for what in ${WHAT:-leafy people}; do
     stem=$out/${what}_$seed
     if [ ! -s "$stem.lcm" ]; then
       nice -n 10 "$orchard" simulate --scene orchard --seed "$seed" --config "$out/$what.yaml" \
-        --duration "${SECONDS_PER_DRIVE:-45}" --out "$stem.part.lcm" --truth "$stem.truth.csv" >/dev/null
+        --duration "${SECONDS_PER_DRIVE:-45}" --out "$stem.part.lcm" --truth "$stem.truth.csv" \
+        --observations "$stem.looks.csv" >/dev/null
       mv "$stem.part.lcm" "$stem.lcm"
     fi
     nice -n 10 "$orchard" map "$stem.lcm" --config "$out/$what.yaml" --out "$stem" --quiet
-    echo "$what $seed: $(score "$stem.truth.csv" "$stem")"
+    echo "$what $seed: $(score "$stem.truth.csv" "$stem")" | tee -a "$out/table.txt"
+    [ "$what" = leafy ] || continue
+    leafy+=("$stem") looks+=("$stem.looks.csv") truths+=("$stem.truth.csv")
   done
-done | tee "$out/table.txt"
+done
+[ ${#leafy[@]} -eq 0 ] || "$orchard" evaluate detections "${leafy[@]}" --observations "${looks[@]}" \
+  --truth "${truths[@]}" | sed -n '3,5p' | tee -a "$out/table.txt"

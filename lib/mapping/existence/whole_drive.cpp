@@ -8,6 +8,8 @@
 #include "geometry/pose2.hpp"
 #include "mapping/candidate.hpp"
 #include "mapping/existence/existence_odds.hpp"
+#include "mapping/existence/flicker.hpp"
+#include "mapping/extent/extent.hpp"
 #include "mapping/landmark_record.hpp"
 
 namespace orchard::mapping {
@@ -18,6 +20,9 @@ constexpr int kStrayObservationsMax = 30;
 /// What overlaps a thing that was seen more than ten times as often is a view of that which went
 /// wrong: half hidden, or of two things in one.
 constexpr double kStrayFraction = 0.1;
+/// From elsewhere than the row that a stem stands in, its bush hides it: of four sides one shows
+/// it.
+constexpr double kStemFraction = 0.25;
 /// Wider things than this are no trunks and posts [m]: others may stand within their extent.
 constexpr double kCompactMax_m = 1.5;
 
@@ -109,6 +114,23 @@ bool is_within_another(const MapState& map, std::int32_t index) {
   return is_within;
 }
 
+/// Whether a landmark is leaves of a bush that happened to look like a trunk: a stem that stands in
+/// a bush or at its border is seen by a good part of the scans that see the bush.
+bool is_of_a_bush(const MapState& map, std::int32_t index) {
+  const LandmarkRecord& r = map.landmarks[index];
+  if (r.is_clump) return false;
+  bool is_part = false;
+  map.landmarks.near(r.association_position(), 0.5 * (r.width_m + map.config.widest_m) + kTouch_m,
+                     [&](std::int32_t i, const LandmarkRecord& bush) {
+                       if (i == index || !bush.is_clump) return;
+                       if (r.num_all >= kStemFraction * bush.num_all) return;
+                       const double apart_m =
+                           (bush.association_position() - r.association_position()).norm();
+                       is_part |= apart_m < extent_radius_m(bush) + 0.5 * r.width_m + kTouch_m;
+                     });
+  return is_part;
+}
+
 }  // namespace
 
 std::vector<std::int32_t> stray_landmarks(const MapState& map, SeenGround& ground) {
@@ -117,7 +139,8 @@ std::vector<std::int32_t> stray_landmarks(const MapState& map, SeenGround& groun
   for (std::int32_t i = 0; i < map.landmarks.num_indices(); ++i) {
     const LandmarkRecord& r = map.landmarks[i];
     if (r.is_removed || r.num_all >= kStrayObservationsMax) continue;
-    if (is_within_another(map, i) || log_odds_of_drive(map, r, trusted, ground) < kLogOddsGone) {
+    if (is_within_another(map, i) || is_of_a_bush(map, i) || flickers(map, r) ||
+        log_odds_of_drive(map, r, trusted, ground) < kLogOddsGone) {
       strays.push_back(i);
     }
   }

@@ -9,8 +9,6 @@
 namespace orchard::mapping {
 namespace {
 
-/// Rims nearer than this touch [m]: no scanner of this kind sees through, and nobody passes.
-constexpr double kTouch_m = 0.15;
 /// Log odds of being a tree below which a thing is surely none.
 constexpr double kSurelyNone = -2.0;
 
@@ -20,6 +18,10 @@ bool is_surely_no_tree(const LandmarkRecord& r, const MapperConfig& config) {
 }
 
 }  // namespace
+
+bool looks_like_a_tree(const detection::Detection& d) {
+  return d.label == detection::Label::kTree || d.probability_tree > d.probability_object;
+}
 
 double extent_radius_m(const LandmarkRecord& r) {
   const double half_m = 0.5 * r.width_m;
@@ -53,7 +55,7 @@ std::int32_t touching_object(const LandmarkTable& landmarks, std::int32_t index,
 
 std::int32_t clump_around(const LandmarkTable& landmarks, const Candidate& candidate,
                           const MapperConfig& config) {
-  if (candidate.detection->label == detection::Label::kTree) return -1;
+  if (looks_like_a_tree(*candidate.detection)) return -1;
   std::int32_t best = -1;
   double best_gap_m = kTouch_m;
   const double half_m = 0.5 * candidate.detection->width_m;

@@ -9,6 +9,9 @@
 
 namespace orchard::mapping {
 
+/// Borders nearer than this touch [m]: no scanner of this kind sees through, and nobody passes.
+inline constexpr double kTouch_m = 0.15;
+
 /// How far a landmark reaches from its position [m]: half its width; of a clump (a bush, which each
 /// scan sees at other leaves) what its observations cover, if that is more.
 double extent_radius_m(const LandmarkRecord& record);
@@ -19,7 +22,11 @@ double extent_radius_m(const LandmarkRecord& record);
 std::int32_t touching_object(const LandmarkTable& landmarks, std::int32_t index,
                              const MapperConfig& config);
 
-/// The clump that a candidate, which is no tree, is a part of; -1 for none.
+/// Whether what was seen is a tree rather than not, by whatever judged it: a camera, or the laser
+/// alone where no picture shows it. Such a thing stands in a bush, and is no part of it.
+bool looks_like_a_tree(const detection::Detection& detection);
+
+/// The clump that a candidate, which does not look like a tree, is a part of; -1 for none.
 std::int32_t clump_around(const LandmarkTable& landmarks, const Candidate& candidate,
                           const MapperConfig& config);
 

@@ -103,6 +103,61 @@ TEST(Mapper, ABushIsOneObjectWithItsExtent) {
   EXPECT_NEAR(bush.width_m, 0.8, 0.2);
 }
 
+TEST(Mapper, ATreeThatThePictureHardlyShowsIsSeenAsOftenAsTheLaserJudgesIt) {
+  // Two views of one tree are in the picture; beside the robot the laser alone tells, surely. Of
+  // another it sees the hidden half alone, which tells nothing.
+  Mapper mapper({});
+  for (int scan = 0; scan < 40; ++scan) {
+    std::vector<Detection> seen{seen_at(2.0, 2.0, scan < 2 ? Label::kTree : Label::kUnseen),
+                                seen_at(2.0, -2.0, scan < 2 ? Label::kTree : Label::kUnseen)};
+    seen[0].probability_tree = 0.8f;
+    seen[0].probability_object = 0.1f;
+    mapper.update(scan_of(std::move(seen), 100000 * scan), {});
+  }
+  ASSERT_EQ(mapper.landmarks(2).size(), 2u);
+  const std::vector<Landmark> often = mapper.landmarks(10);
+  ASSERT_EQ(often.size(), 1u);
+  EXPECT_GT(often[0].y_m, 0.0);
+}
+
+TEST(Mapper, ATrunkBesideABushStandsAloneThoughNoPictureShowsIt) {
+  // Leaves in a disc of radius 0.4 m, some of which look like a trunk to the laser; the trunk that
+  // does so in each scan stands 0.1 m beside them.
+  std::mt19937_64 random(3);
+  const auto uniform = [&](double a, double b) {
+    return a + (b - a) * static_cast<double>(random() >> 11) * 0x1p-53;
+  };
+  Mapper mapper({});
+  for (int scan = 0; scan < 60; ++scan) {
+    std::vector<Detection> seen;
+    while (seen.size() < 3) {
+      const Eigen::Vector2d p(uniform(-0.4, 0.4), uniform(-0.4, 0.4));
+      if (p.norm() > 0.4) continue;
+      const bool is_trunklike = scan > 10 && seen.empty() && scan % 4 == 0;
+      seen.push_back(seen_at(3.0 + p.x(), 1.0 + p.y(),
+                             is_trunklike ? Label::kUnseen : Label::kObject,
+                             is_trunklike ? 0.12 : uniform(0.02, 0.2)));
+      if (is_trunklike) seen.back().probability_tree = 0.8f;
+    }
+    if (scan > 10) {
+      seen.push_back(seen_at(3.0, 1.48, Label::kUnseen, 0.12));
+      seen.back().probability_tree = 0.8f;
+    }
+    mapper.update(scan_of(std::move(seen), 100000 * scan), {});
+  }
+  const std::vector<std::int32_t> strays = mapper.stray_ids();
+  std::vector<Landmark> standing;
+  for (const Landmark& l : mapper.landmarks()) {
+    if (!std::count(strays.begin(), strays.end(), l.id)) standing.push_back(l);
+  }
+  ASSERT_EQ(standing.size(), 2u);
+  const Landmark& bush = standing[0].width_m > 0.4 ? standing[0] : standing[1];
+  const Landmark& trunk = standing[0].width_m > 0.4 ? standing[1] : standing[0];
+  EXPECT_EQ(bush.label, Label::kObject);
+  EXPECT_NEAR(trunk.y_m, 1.48, 0.01);
+  EXPECT_NEAR(trunk.width_m, 0.12, 0.01);
+}
+
 TEST(Mapper, StatisticsAreThePapers) {
   const double offsets[] = {0.011, -0.007, 0.002, 0.016, -0.013};
   Mapper mapper({});

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """look_on.py ADDRESS:PORT NUMBER: as many event streams of a viewer as NUMBER, each read as it comes, until it is ended; a stream
-that ends begins anew. Prints a line when all have begun."""
+that ends begins anew. It takes only the processor time that nobody else wants: who looks on sits at another machine. Prints a
+line when all have begun."""
 
+import os
 import selectors
 import socket
 import sys
@@ -19,6 +21,7 @@ def stream(host, port):
 
 
 def main():
+    os.nice(19)
     host, port = sys.argv[1].rsplit(":", 1)
     waiting = selectors.DefaultSelector()
     for _ in range(int(sys.argv[2])):

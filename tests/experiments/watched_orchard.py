@@ -48,6 +48,11 @@ def say(width, words):
     print(f"{width} pixels: {words}", flush=True)
 
 
+def first_picture_ms(page):
+    page.wait(FIRST_PAINT, "the first picture")
+    return f"{page.run(FIRST_PAINT):.0f} ms"
+
+
 def fits(page):
     outside = page.run("""return [...document.querySelectorAll('.card:not([hidden])')].filter((card) => {
         const box = card.getBoundingClientRect();
@@ -118,7 +123,7 @@ def watch(pages, url, pictures):
         page.open(url)
         page.wait("return orchardApp.live.pose !== null && orchardApp.live.scan.length > 20", "robot and scan", 60)
         page.wait("return !document.getElementById('look').hidden", "the camera's picture", 60)
-        say(width, f"live: first picture {page.run(FIRST_PAINT):.0f} ms after the page was asked for")
+        say(width, f"live: first picture {first_picture_ms(page)} after the page was asked for")
     wide, narrow = pages.values()
     wide.wait("return orchardApp.model.rows.length >= 3", "three rows", 300)
     for width, page in pages.items():
@@ -157,7 +162,7 @@ def slide(page, width, folder, pictures):
         url = re.search(r"http://127.0.0.1:\d+/", served.stdout.readline()).group(0)
         page.open(url)
         page.wait("return orchardApp.drive.numSteps > 10", "steps", 60)
-        say(width, f"recorded: first picture {page.run(FIRST_PAINT):.0f} ms after the page was asked for")
+        say(width, f"recorded: first picture {first_picture_ms(page)} after the page was asked for")
         page.wait("return orchardApp.drive.isDone", "the mapped log", 600)
         num = page.run("return orchardApp.drive.numSteps")
         counts = []
@@ -187,7 +192,7 @@ def from_disk(page, width, folder, pictures):
     url = f"file://{folder}/map/map.html"
     page.open(url)
     page.wait("return orchardApp.model.count > 0", "the map")
-    say(width, f"map.html: first picture {page.run(FIRST_PAINT):.0f} ms after the page was asked for")
+    say(width, f"map.html: first picture {first_picture_ms(page)} after the page was asked for")
     click_trees(page, 10)
     truth = rows_of(folder + "/map/map.csv")
     assert page.run("return orchardApp.model.count") == len(truth)

@@ -19,18 +19,18 @@
 namespace orchard::detection {
 namespace {
 
-enum class LaserVerdict { kCandidate, kObject, kHidden };
+enum class LaserDecision { kCandidate, kObject, kHidden };
 
 /// What reflectors say of an object; nobody can tell when the scanner gives no intensities.
-enum class ReflectorVerdict { kNothing, kNoTree, kUntold };
+enum class ReflectorDecision { kNothing, kNoTree, kUntold };
 
-ReflectorVerdict judge_by_reflector(const laser::Segment& segment, const laser::Scan& scan,
-                                    const laser::SegmentationConfig& config) {
-  if (config.reflector == laser::ReflectorUse::kIgnored) return ReflectorVerdict::kNothing;
-  if (!scan.has_intensities()) return ReflectorVerdict::kUntold;
+ReflectorDecision judge_by_reflector(const laser::Segment& segment, const laser::Scan& scan,
+                                     const laser::SegmentationConfig& config) {
+  if (config.reflector == laser::ReflectorUse::kIgnored) return ReflectorDecision::kNothing;
+  if (!scan.has_intensities()) return ReflectorDecision::kUntold;
   const bool marks_trees = config.reflector == laser::ReflectorUse::kOnly;
-  return segment.is_reflector == marks_trees ? ReflectorVerdict::kNothing
-                                             : ReflectorVerdict::kNoTree;
+  return segment.is_reflector == marks_trees ? ReflectorDecision::kNothing
+                                             : ReflectorDecision::kNoTree;
 }
 
 /// Whether an object is a trunk by the reflector it carries, however wide or hidden it is. A
@@ -74,25 +74,26 @@ double visible_fraction(const laser::Segment& segment, const laser::WidthConfig&
 
 /// An object with a hidden side is at least as wide as what shows of it, or as its circle says:
 /// too wide is an object; anything less cannot be told unless most of a trunk shows.
-LaserVerdict judge_by_laser(const laser::Segment& segment, double roc_laser,
-                            double bearing_step_rad, const DetectorConfig& config) {
+LaserDecision judge_by_laser(const laser::Segment& segment, double roc_laser,
+                             double bearing_step_rad, const DetectorConfig& config) {
   if (is_half_hidden(segment)) {
     const double least_width_m =
         segment.circle ? segment.width_m - 2.0 * segment.width_sd_m : segment.width_m;
     const bool too_wide = least_width_m > config.width.mean_m &&
                           laser::roc_laser(least_width_m, segment.range_m, bearing_step_rad,
                                            config.width) < config.roc_laser_threshold;
-    if (too_wide) return LaserVerdict::kObject;
+    if (too_wide) return LaserDecision::kObject;
     const bool shows = config.visible_fraction_min < 1.0 &&
                        roc_laser >= config.roc_laser_threshold &&
                        visible_fraction(segment, config.width) >= config.visible_fraction_min;
-    return shows ? LaserVerdict::kCandidate : LaserVerdict::kHidden;
+    return shows ? LaserDecision::kCandidate : LaserDecision::kHidden;
   }
-  return roc_laser >= config.roc_laser_threshold ? LaserVerdict::kCandidate : LaserVerdict::kObject;
+  return roc_laser >= config.roc_laser_threshold ? LaserDecision::kCandidate
+                                                 : LaserDecision::kObject;
 }
 
 Detection laser_detection(const laser::Segment& segment, const laser::Scan& scan, double roc_laser,
-                          LaserVerdict verdict, const Rig& rig) {
+                          LaserDecision decision, const Rig& rig) {
   Detection d;
   d.utime =
       scan.utime + std::llround(static_cast<double>(segment.middle_beam) * scan.beam_period_us);
@@ -105,7 +106,7 @@ Detection laser_detection(const laser::Segment& segment, const laser::Scan& scan
   d.occlusion = static_cast<std::int8_t>((segment.occluded_right ? kOccludedRight : 0) |
                                          (segment.occluded_left ? kOccludedLeft : 0));
   d.roc_laser = static_cast<float>(roc_laser);
-  place_in_base(d, segment, scan, verdict != LaserVerdict::kObject, rig);
+  place_in_base(d, segment, scan, decision != LaserDecision::kObject, rig);
   return d;
 }
 
@@ -198,19 +199,19 @@ LaserFindings find_by_laser(const laser::Scan& scan, const Rig& rig) {
   for (const laser::Segment& segment : segments) {
     const bool stands = stands_by_reflector(segment, scan, config);
     const double roc_laser = stands ? 1.0 : roc_of_width(segment, scan.bearing_step_rad, config);
-    const ReflectorVerdict reflector = judge_by_reflector(segment, scan, config.segmentation);
-    LaserVerdict verdict = stands
-                               ? LaserVerdict::kCandidate
-                               : judge_by_laser(segment, roc_laser, scan.bearing_step_rad, config);
-    if (reflector == ReflectorVerdict::kNoTree) verdict = LaserVerdict::kObject;
-    if (reflector == ReflectorVerdict::kUntold) verdict = LaserVerdict::kHidden;
-    trunks.push_back(laser_detection(segment, scan, roc_laser, verdict, rig));
-    if (verdict == LaserVerdict::kHidden) continue;
-    if (!rig.has_camera && reflector == ReflectorVerdict::kNoTree) {
+    const ReflectorDecision reflector = judge_by_reflector(segment, scan, config.segmentation);
+    LaserDecision decision =
+        stands ? LaserDecision::kCandidate
+               : judge_by_laser(segment, roc_laser, scan.bearing_step_rad, config);
+    if (reflector == ReflectorDecision::kNoTree) decision = LaserDecision::kObject;
+    if (reflector == ReflectorDecision::kUntold) decision = LaserDecision::kHidden;
+    trunks.push_back(laser_detection(segment, scan, roc_laser, decision, rig));
+    if (decision == LaserDecision::kHidden) continue;
+    if (!rig.has_camera && reflector == ReflectorDecision::kNoTree) {
       trunks.back().label = Label::kObject;
     } else if (!rig.has_camera) {
       decide(trunks.back(), roc_laser, rig);
-    } else if (verdict == LaserVerdict::kObject) {
+    } else if (decision == LaserDecision::kObject) {
       trunks.back().label = Label::kObject;
       trunks.back().roc_tree = static_cast<float>(fuse_tree(roc_laser, 0.0, config.laser_weight));
     } else {

@@ -70,8 +70,8 @@ bool Degradation::has_scan_between(std::int64_t after_utime, std::int64_t before
   return next != ids_.end() && next->first < before_utime;
 }
 
-std::vector<io::DegradedStretch> Degradation::stretches() const {
-  std::vector<io::DegradedStretch> all;
+std::vector<io::DegradedInterval> Degradation::intervals() const {
+  std::vector<io::DegradedInterval> all;
   if (!first_utime_) return all;
   const auto add_spans = [&](const char* missing, const std::vector<Span>& spans,
                              std::int64_t least_us) {
@@ -101,11 +101,11 @@ std::string Degradation::text() const {
     int num = 0;
     double sum_s = 0.0;
     std::int64_t num_new = 0;
-    for (const io::DegradedStretch& stretch : stretches()) {
-      if (stretch.missing != missing) continue;
+    for (const io::DegradedInterval& interval : intervals()) {
+      if (interval.missing != missing) continue;
       ++num;
-      sum_s += 1e-6 * static_cast<double>(stretch.last_utime - stretch.first_utime);
-      num_new += std::max(0, stretch.last_id - stretch.first_id + 1);
+      sum_s += 1e-6 * static_cast<double>(interval.last_utime - interval.first_utime);
+      num_new += std::max(0, interval.last_id - interval.first_id + 1);
     }
     if (num == 0) continue;
     text += fmt::format(

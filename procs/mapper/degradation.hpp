@@ -27,7 +27,7 @@ class Degradation {
   void note_fix(std::int64_t utime);
 
   /// All stretches so far, in order of time; of a rig that never had a fix none for GNSS.
-  std::vector<io::DegradedStretch> stretches() const;
+  std::vector<io::DegradedInterval> intervals() const;
 
   /// Whether the last scan stands in a stretch without pictures.
   bool lacks_pictures_now() const { return has_camera_ && !pictures_.empty() && is_open_; }

@@ -311,17 +311,18 @@ void MapperNode::send_landmarks(std::int64_t utime, const std::vector<std::int32
 }
 
 std::optional<geometry::Georeference> MapperNode::georeference() const {
-  std::vector<pose::AntennaSight> sights;
+  std::vector<pose::AntennaObservation> observations;
   for (const pose::GnssPosition& fix : fixes_) {
     const auto pose = track_.at(fix.utime);
     if (!pose) continue;
-    pose::AntennaSight sight;
-    sight.p_enu_m = fix.p_enu_m;
-    sight.p_map_m = mapping::PoseComposition(*pose).apply(antenna_base_m_.x(), antenna_base_m_.y());
-    sight.variance_m2 = 0.5 * fix.covariance.trace();
-    sights.push_back(sight);
+    pose::AntennaObservation observation;
+    observation.p_enu_m = fix.p_enu_m;
+    observation.p_map_m =
+        mapping::PoseComposition(*pose).apply(antenna_base_m_.x(), antenna_base_m_.y());
+    observation.variance_m2 = 0.5 * fix.covariance.trace();
+    observations.push_back(observation);
   }
-  const auto alignment = pose::align_to_gnss(sights);
+  const auto alignment = pose::align_to_gnss(observations);
   if (!alignment) return std::nullopt;
   const std::array<double, 3> datum = gnss_.datum().value();
   geometry::Georeference georeference;

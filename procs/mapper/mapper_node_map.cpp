@@ -72,7 +72,7 @@ io::MapFolderContent MapperNode::content(const io::MapSummary& summary) const {
   content.album_bytes_max = album_.max_bytes();
   content.seen_free = mapper_.seen_free();
   content.georeference = georeference();
-  content.degraded = degradation_.stretches();
+  content.degraded = degradation_.intervals();
   content.tree_scatter_m = mapper_.tree_scatter_m();
   return content;
 }

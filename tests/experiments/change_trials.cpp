@@ -40,7 +40,7 @@ void judge(const DrivenMap& a, const DrivenMap& b, const std::map<int, Change>& 
   const DetectionMap view_a = view_of(a), view_b = view_of(b);
   const MapAlignment alignment =
       align_maps(a.landmarks, b.landmarks, view_a, view_b, MapAlignmentConfig{});
-  if (alignment.verdict != AlignmentVerdict::kAligned) {
+  if (alignment.status != AlignmentStatus::kAligned) {
     ++scores.num_unaligned;
     std::printf("not aligned: %s\n", alignment.reason.c_str());
     return;

@@ -50,7 +50,7 @@ Kept map_again(std::uint64_t seed) {
   DrivenMap b = drive_through(block, later, dice);
   const MapAlignment alignment =
       align_maps(a.landmarks, b.landmarks, view_of(a), view_of(b), MapAlignmentConfig{});
-  if (alignment.verdict != AlignmentVerdict::kAligned) {
+  if (alignment.status != AlignmentStatus::kAligned) {
     ++kept.num_unaligned;
     return kept;
   }

@@ -69,7 +69,7 @@ void run(int num_trees, std::uint64_t seed, Tally& tally) {
   const double took_s = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   tally.worst_s = std::max(tally.worst_s, took_s);
   tally.sum_s += took_s;
-  const bool is_laid = alignment.verdict == AlignmentVerdict::kAligned;
+  const bool is_laid = alignment.status == AlignmentStatus::kAligned;
   double error_m = 0.0;
   const geometry::Pose2 T_a_b = inverse(second.T_map_block);
   for (const Landmark& l : b.landmarks) {

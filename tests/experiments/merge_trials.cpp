@@ -134,7 +134,7 @@ void run_case(const Case& c, std::uint64_t seed, Score& score) {
     const MapAlignment alignment =
         align_maps(whole.landmarks, b.landmarks, DetectionMap(whole.landmarks, ways, view),
                    view_of(b), config);
-    if (alignment.verdict != AlignmentVerdict::kAligned) {
+    if (alignment.status != AlignmentStatus::kAligned) {
       ++score.num_refused;
       if (c.is_overlapping && c.missing > 0.0) {
         std::printf("  seed %llu, map %zu refused: %s\n", static_cast<unsigned long long>(seed),

@@ -34,7 +34,7 @@ void run(std::uint64_t seed, bool any_place, bool is_rectangle, Tally& tally) {
   const double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (!match.is_laid()) {
     ++tally.num_refused;
-    const bool is_ambiguous = match.fit.verdict == AlignmentVerdict::kAmbiguous;
+    const bool is_ambiguous = match.fit.status == AlignmentStatus::kAmbiguous;
     tally.num_ambiguous += is_ambiguous;
     std::printf("seed %3d: %s (%.1f s)\n", static_cast<int>(seed), match.fit.reason.c_str(), s);
     // one of the placements that are offered must be the right one

@@ -128,7 +128,7 @@ int main(int argc, char** argv) {
     const mapping::DetectionMap view_b(b.landmarks, b.trajectories, b.view);
     const mapping::MapAlignment alignment =
         mapping::align_maps(a.landmarks, b.landmarks, view_a, view_b, {});
-    if (alignment.verdict != mapping::AlignmentVerdict::kAligned) {
+    if (alignment.status != mapping::AlignmentStatus::kAligned) {
       std::printf("compare: refused, %s\n", alignment.reason.c_str());
       return 1;
     }

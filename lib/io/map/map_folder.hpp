@@ -31,7 +31,7 @@ struct MapSummary {
 };
 
 /// A part of a drive that was mapped without something that the rig has.
-struct DegradedStretch {
+struct DegradedInterval {
   std::string missing;  ///< the channel
   std::int64_t first_utime = 0;
   std::int64_t last_utime = 0;
@@ -50,7 +50,7 @@ struct MapFolderContent {
   std::optional<mapping::SensorView> view{};  ///< where the laser looks; `orchard compare` asks
   std::string ids_csv{};                      ///< of a merged map: ids.csv; empty: there is none
   std::optional<double> tree_scatter_m{};     ///< Mapper::tree_scatter_m() of what made it
-  std::vector<DegradedStretch> degraded{};    ///< in order of time
+  std::vector<DegradedInterval> degraded{};   ///< in order of time
   /// What was seen free, for graph.json; asked while the folder is written.
   mapping::SeenFree seen_free{};
   std::int32_t next_id = 0;  ///< no landmark of an earlier map had this or more

@@ -99,7 +99,7 @@ std::string summary_json(const MapFolderContent& content) {
   json["next_id"] = next_id(content);
   if (content.view) json["view"] = view_json(*content.view);
   if (content.georeference) json["georeference"] = georeference_json(*content.georeference);
-  for (const DegradedStretch& stretch : content.degraded) {
+  for (const DegradedInterval& stretch : content.degraded) {
     Json entry{{"missing", stretch.missing},
                {"first_utime_us", stretch.first_utime},
                {"last_utime_us", stretch.last_utime}};

@@ -226,7 +226,7 @@ class MapAligner {
 
   MapAlignment best_of(const RatedHypotheses& rated) const {
     MapAlignment alignment;
-    alignment.verdict = AlignmentVerdict::kAligned;
+    alignment.status = AlignmentStatus::kAligned;
     alignment.T_a_b = rated.candidates[rated.best].T_a_b;
     alignment.pairs = rated.candidates[rated.best].pairs;
     alignment.position_sd_m = rated.noise[rated.best].position_sd_m;
@@ -253,11 +253,11 @@ class MapAligner {
         std::log(std::max(1.0, num_tried));
     const double fraction = fraction_explained(evidence, alignment.pairs.size());
     if (log_p > std::log(kChanceAllowed)) {
-      alignment.verdict = AlignmentVerdict::kNone;
+      alignment.status = AlignmentStatus::kNone;
       alignment.reason = fmt::format(
           "the {:.0f} trees that come to lie upon each other may do so by chance", num_pairs);
     } else if (fraction < kExplainedFraction) {
-      alignment.verdict = AlignmentVerdict::kNone;
+      alignment.status = AlignmentStatus::kNone;
       alignment.reason = fmt::format(
           "only {:.0f} % of the trees that both drives could see come to lie upon each other",
           100.0 * fraction);
@@ -273,12 +273,12 @@ class MapAligner {
       const EvidenceDifference d = difference(rated.evidence[rated.best], rated.evidence[k]);
       if (d.log_odds < alignment.log_odds) {
         alignment.log_odds = d.log_odds;
-        if (alignment.verdict != AlignmentVerdict::kAmbiguous) {
+        if (alignment.status != AlignmentStatus::kAmbiguous) {
           alignment.rival_offset_m = distance_m(alignment, rival.T_a_b);
         }
       }
-      if (is_clear(d) || alignment.verdict != AlignmentVerdict::kAligned) continue;
-      alignment.verdict = AlignmentVerdict::kAmbiguous;
+      if (is_clear(d) || alignment.status != AlignmentStatus::kAligned) continue;
+      alignment.status = AlignmentStatus::kAmbiguous;
       alignment.rival_offset_m = distance_m(alignment, rival.T_a_b);
       alignment.reason = fmt::format(
           "they fit about as well when the second is shifted by another {:.1f} m ({:.0f} pairs of "
@@ -293,11 +293,11 @@ class MapAligner {
   void refuse_aliases(const RatedHypotheses& rated, MapAlignment& alignment) const {
     const bool is_told =
         !config_.any_place && distance_m(alignment, geometry::Pose2{}) < kSharedFrame * spacing_m_;
-    if (alignment.verdict != AlignmentVerdict::kAligned || is_told ||
+    if (alignment.status != AlignmentStatus::kAligned || is_told ||
         is_clear(detail(rated.evidence[rated.best]))) {
       return;
     }
-    alignment.verdict = AlignmentVerdict::kAmbiguous;
+    alignment.status = AlignmentStatus::kAmbiguous;
     alignment.reason = fmt::format(
         "the {:.0f} trees that come to lie upon each other agree in place and width no better "
         "than other trees planted alike would",

@@ -17,7 +17,7 @@ struct MapAlignmentConfig {
   int min_pairs = 5;           ///< fewer trees in common are no alignment
 };
 
-enum class AlignmentVerdict {
+enum class AlignmentStatus {
   kAligned,    ///< T_a_b is the one answer
   kAmbiguous,  ///< at least two answers explain the maps about equally
   kNone,       ///< no answer explains them
@@ -25,7 +25,7 @@ enum class AlignmentVerdict {
 
 /// Registration of two maps.
 struct MapAlignment {
-  AlignmentVerdict verdict = AlignmentVerdict::kNone;
+  AlignmentStatus status = AlignmentStatus::kNone;
   geometry::Pose2 T_a_b;                                 ///< the best answer
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, yaw) of T_a_b
   std::vector<LandmarkPair> pairs;  ///< indices into the two lists of landmarks; rigid residuals

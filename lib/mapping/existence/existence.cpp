@@ -64,8 +64,8 @@ ExistenceFilter::Evidence ExistenceFilter::evidence_of(const std::vector<std::in
     const double sd_m = std::hypot(sd_at(T_map_base, p_map), std::sqrt(r.scatter_m2));
     const Vector2d p_base = R_map_base.inverse() * (p_map - base_map);
     const FreeSpaceAnswer answer = free_space.at(p_base, r.width_m, sd_m);
-    if (answer.verdict == FreeSpaceVerdict::kUnknown) return;
-    const bool passes = answer.verdict == FreeSpaceVerdict::kPassesThrough;
+    if (answer.evidence == FreeSpaceEvidence::kUnknown) return;
+    const bool passes = answer.evidence == FreeSpaceEvidence::kPassesThrough;
     (passes ? all.against_pose : all.for_pose) += pose_weight(r.num_all);
     all.of_landmarks.push_back({i, log_odds_of(answer)});
   });

@@ -28,12 +28,12 @@ double log_odds_of(const FreeSpaceAnswer& answer, BeamWeight weight) {
   const double fraction = weight == BeamWeight::kFull
                               ? 1.0
                               : std::min(1.0, static_cast<double>(answer.num_across) / kFullBeams);
-  switch (answer.verdict) {
-    case FreeSpaceVerdict::kUnknown:
+  switch (answer.evidence) {
+    case FreeSpaceEvidence::kUnknown:
       break;
-    case FreeSpaceVerdict::kReturns:
+    case FreeSpaceEvidence::kReturns:
       return log_odds_of_return();
-    case FreeSpaceVerdict::kPassesThrough:
+    case FreeSpaceEvidence::kPassesThrough:
       return fraction * fraction * std::log(kPassRate / kPassRateGone);
   }
   return 0.0;

@@ -51,10 +51,10 @@ bool flickers(const MapState& map, const LandmarkRecord& r) {
         const Eigen::Vector2d p_base =
             geometry::transform_back(geometry::Pose2{pose.x_m, pose.y_m, pose.yaw_rad}, p_map);
         const double sd_m = std::hypot(sd_at(pose, p_map), std::sqrt(std::max(0.0f, r.scatter_m2)));
-        has_view = beams->at(p_base, r.width_m, sd_m).verdict != FreeSpaceVerdict::kUnknown;
+        has_view = beams->at(p_base, r.width_m, sd_m).evidence != FreeSpaceEvidence::kUnknown;
       }
       if (has_view) {
-        log_odds += log_odds_of({FreeSpaceVerdict::kPassesThrough, 0}, BeamWeight::kFull);
+        log_odds += log_odds_of({FreeSpaceEvidence::kPassesThrough, 0}, BeamWeight::kFull);
       }
     }
   }

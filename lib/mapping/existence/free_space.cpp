@@ -147,7 +147,7 @@ FreeSpaceAnswer FreeSpace::at(const Vector2d& p_base, double width_m, double sd_
     bool is_past = code == kBeyondReach || (code == kNoReturn && range_m < no_return_m_);
     if (code >= 1 && code <= kFarthest) {
       const double beam_m = (code - 0.5) * reach_m_ / kFarthest;
-      if (std::abs(beam_m - range_m) <= along_m) return {FreeSpaceVerdict::kReturns, 0};
+      if (std::abs(beam_m - range_m) <= along_m) return {FreeSpaceEvidence::kReturns, 0};
       is_past = beam_m > range_m;
     }
     const bool is_own = std::abs(k - middle) <= own;
@@ -159,7 +159,7 @@ FreeSpaceAnswer FreeSpace::at(const Vector2d& p_base, double width_m, double sd_
   const bool sees_past =
       num_own >= kFewestAcross && num_own_past == num_own && num_past >= fraction_ * num;
   if (!sees_past) return {};
-  return {FreeSpaceVerdict::kPassesThrough, num_own};
+  return {FreeSpaceEvidence::kPassesThrough, num_own};
 }
 
 }  // namespace orchard::mapping

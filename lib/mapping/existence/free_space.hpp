@@ -16,14 +16,14 @@ namespace orchard::mapping {
 inline constexpr double kBeamReach_m = 8.0;
 
 /// What the beams of a scan say of a position.
-enum class FreeSpaceVerdict {
+enum class FreeSpaceEvidence {
   kUnknown,        ///< hidden, out of reach, or too few beams
   kReturns,        ///< something returned from there, whatever it is
   kPassesThrough,  ///< every beam across the thing, and nearly all across where it may be, goes on
 };
 
 struct FreeSpaceAnswer {
-  FreeSpaceVerdict verdict = FreeSpaceVerdict::kUnknown;
+  FreeSpaceEvidence evidence = FreeSpaceEvidence::kUnknown;
   int num_across = 0;  ///< beams across the thing's own width; of kPassesThrough alone
 };
 

@@ -80,8 +80,8 @@ SeenGround::Votes SeenGround::votes_at(const Eigen::Vector2d& p_map) {
     const FreeSpace* beams = free_space(scan.number);
     if (beams == nullptr) continue;
     const auto answer = beams->at(geometry::transform_back(scan.x_y_yaw, p_map), kSeenPlace_m, 0.0);
-    votes.num_passes += answer.verdict == FreeSpaceVerdict::kPassesThrough;
-    votes.num_returns += answer.verdict == FreeSpaceVerdict::kReturns;
+    votes.num_passes += answer.evidence == FreeSpaceEvidence::kPassesThrough;
+    votes.num_returns += answer.evidence == FreeSpaceEvidence::kReturns;
     if (votes.num_passes + votes.num_returns >= kVotes) break;
   }
   return votes;

@@ -49,8 +49,8 @@ class TrustedScans {
     const auto weigh = [&](std::int32_t, const LandmarkRecord& r) {
       const Eigen::Vector2d p_base = geometry::transform_back(T_map_base, r.association_position());
       const FreeSpaceAnswer answer = beams.at(p_base, r.width_m, view_sd_m(pose, r));
-      if (answer.verdict == FreeSpaceVerdict::kReturns) balance += pose_weight(r.num_all);
-      if (answer.verdict == FreeSpaceVerdict::kPassesThrough) balance -= pose_weight(r.num_all);
+      if (answer.evidence == FreeSpaceEvidence::kReturns) balance += pose_weight(r.num_all);
+      if (answer.evidence == FreeSpaceEvidence::kPassesThrough) balance -= pose_weight(r.num_all);
     };
     map_.landmarks.near({pose.x_m, pose.y_m}, kBeamReach_m, weigh);
     return balance >= 0;

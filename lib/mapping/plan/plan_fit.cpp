@@ -248,7 +248,7 @@ class PlanFitter {
       if (placements[k].log_odds <= kOddsNeeded) rivals.push_back({placements[k].log_odds, k});
     }
     std::sort(rivals.begin(), rivals.end());
-    fit.verdict = rivals.empty() ? AlignmentVerdict::kAligned : AlignmentVerdict::kAmbiguous;
+    fit.status = rivals.empty() ? AlignmentStatus::kAligned : AlignmentStatus::kAmbiguous;
     fit.placements.push_back(placements[best]);
     for (const auto& [log_odds, k] : rivals) {
       if (fit.placements.size() < kNumPlacementsMax) fit.placements.push_back(placements[k]);

@@ -18,7 +18,7 @@ struct PlanPlacement {
 };
 
 struct PlanFit {
-  AlignmentVerdict verdict = AlignmentVerdict::kNone;
+  AlignmentStatus status = AlignmentStatus::kNone;
   /// The best placement first, then those that explain the map about as well; empty: none.
   std::vector<PlanPlacement> placements;
   double position_sd_m = 0.0;  ///< of trees about their places, per axis

@@ -57,7 +57,7 @@ class PlanMatcher {
     match.fit = fit_plan(mapped_, planned_, missed_, config_.alignment);
     if (match.fit.placements.empty()) return match;
     const bool is_chosen = config_.placement > 0;
-    if (match.fit.verdict == AlignmentVerdict::kAmbiguous && !is_chosen) return match;
+    if (match.fit.status == AlignmentStatus::kAmbiguous && !is_chosen) return match;
     match.placement = is_chosen ? static_cast<std::size_t>(config_.placement) - 1 : 0;
     if (match.placement >= match.fit.placements.size()) {
       match.fit.reason = "there is no placement " + std::to_string(config_.placement) + ", only " +

@@ -121,28 +121,28 @@ void Fusion::add(const Gnss& gnss) {
     note("GNSS is frozen: the same fix again and again while the robot moves");
     return;
   }
-  PositionSight sight;
-  sight.p_map_m = position->p_enu_m;
-  sight.covariance = position->covariance;
-  sight.p_base_m = {config_.gnss.antenna_m[0], config_.gnss.antenna_m[1]};
-  sight.by_receiver = true;
-  const Eigen::Vector2d antenna_m = filter_.p_map_m(sight.p_base_m);
+  PositionObservation observation;
+  observation.p_map_m = position->p_enu_m;
+  observation.covariance = position->covariance;
+  observation.p_base_m = {config_.gnss.antenna_m[0], config_.gnss.antenna_m[1]};
+  observation.by_receiver = true;
+  const Eigen::Vector2d antenna_m = filter_.p_map_m(observation.p_base_m);
   if (last_fix_ && is_placed_ && timing::seconds(gnss.utime - last_fix_->utime) <= kFixStep_s) {
-    monitor_.add_step_error((sight.p_map_m - last_fix_->p_map_m) -
+    monitor_.add_step_error((observation.p_map_m - last_fix_->p_map_m) -
                             (antenna_m - last_fix_->antenna_m));
   }
-  weigh(sight);
+  weigh(observation);
   if (odometry_) {
-    take_position(sight);
-    sight.covariance = position->covariance;  // the smoother makes up its own mind
-    smooth(sight);
+    take_position(observation);
+    observation.covariance = position->covariance;  // the smoother makes up its own mind
+    smooth(observation);
   }
-  last_fix_ = LastFix{gnss.utime, sight.p_map_m, filter_.p_map_m(sight.p_base_m)};
+  last_fix_ = LastFix{gnss.utime, observation.p_map_m, filter_.p_map_m(observation.p_base_m)};
 }
 
 /// What of a fix's error is its own and what lasts, as the receiver's steps tell.
-void Fusion::weigh(PositionSight& sight) {
-  const double claimed = sight.covariance.diagonal().maxCoeff();
+void Fusion::weigh(PositionObservation& observation) {
+  const double claimed = observation.covariance.diagonal().maxCoeff();
   const std::optional<double> scatter_m = monitor_.scatter_m();
   if (!scatter_m) {
     filter_.set_receiver_variance(claimed);
@@ -150,19 +150,19 @@ void Fusion::weigh(PositionSight& sight) {
   }
   const double scatter = geometry::square(*scatter_m);
   if (scatter > 4.0 * claimed) {
-    sight.covariance = scatter * Eigen::Matrix2d::Identity();
+    observation.covariance = scatter * Eigen::Matrix2d::Identity();
     note(fmt::format("GNSS scatters by {:.2f} m, more than it claims: believed that much less",
                      *scatter_m));
   }
   // Steps know a scatter to a few tenths: only what is beyond twice its square is something else.
   const double lasting = std::max(0.0, claimed - 2.0 * scatter);
-  sight.covariance *= 1.0 - lasting / claimed;
+  observation.covariance *= 1.0 - lasting / claimed;
   filter_.set_receiver_variance(lasting);
 }
 
-bool Fusion::is_left_out(const PositionSight& sight) {
-  if (filter_.distance2(sight) <= geometry::square(kGnssGate_sigma)) return false;
-  const double off_m = (sight.p_map_m - filter_.p_map_m(sight.p_base_m)).norm();
+bool Fusion::is_left_out(const PositionObservation& observation) {
+  if (filter_.distance2(observation) <= geometry::square(kGnssGate_sigma)) return false;
+  const double off_m = (observation.p_map_m - filter_.p_map_m(observation.p_base_m)).norm();
   if (off_m > kWheelsOff * taken_travel_m_) {
     if (!left_out_since_) left_out_since_ = *utime_;
     const double since_s = timing::seconds(*utime_ - *left_out_since_);
@@ -179,23 +179,24 @@ bool Fusion::is_left_out(const PositionSight& sight) {
   return false;
 }
 
-void Fusion::take_position(const PositionSight& sight) {
+void Fusion::take_position(const PositionObservation& observation) {
   if (!is_placed_) {
-    const auto frame = heading_start_.add(filter_.p_map_m(sight.p_base_m), sight.p_map_m,
-                                          sight.covariance.diagonal().maxCoeff());
+    const auto frame =
+        heading_start_.add(filter_.p_map_m(observation.p_base_m), observation.p_map_m,
+                           observation.covariance.diagonal().maxCoeff());
     if (frame) start(*frame);
     return;
   }
   filter_.forget_lost_heading();
   const double known = 0.5 * filter_.covariance().topLeftCorner<2, 2>().trace();
-  const double claimed = sight.covariance.diagonal().maxCoeff() + filter_.receiver_variance();
+  const double claimed = observation.covariance.diagonal().maxCoeff() + filter_.receiver_variance();
   // Behind a gap what was known before says little.
   if (!left_out_since_ && known > kGapSure * claimed) borne_out_since_ = *utime_;
-  if (is_left_out(sight)) return;
+  if (is_left_out(observation)) return;
   if (left_out_since_) borne_out_since_ = *left_out_since_;
   left_out_since_.reset();
   taken_travel_m_ = 0.0;
-  filter_.correct(sight);
+  filter_.correct(observation);
 }
 
 void Fusion::start(const LocalFrame& frame) {
@@ -224,12 +225,13 @@ void Fusion::place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covari
   is_placed_ = true;
 }
 
-void Fusion::smooth(const PositionSight& sight, std::optional<double> yaw_rad, double yaw_sd_rad) {
+void Fusion::smooth(const PositionObservation& observation, std::optional<double> yaw_rad,
+                    double yaw_sd_rad) {
   AbsolutePosition position;
-  position.lever_base_m = sight.p_base_m;
-  position.p_map = sight.p_map_m;
-  position.covariance = sight.covariance;
-  position.by_receiver = sight.by_receiver;
+  position.lever_base_m = observation.p_base_m;
+  position.p_map = observation.p_map_m;
+  position.covariance = observation.covariance;
+  position.by_receiver = observation.by_receiver;
   position.has_yaw = yaw_rad.has_value();
   position.yaw_rad = yaw_rad.value_or(0.0);
   position.yaw_sd_rad = yaw_sd_rad;
@@ -261,26 +263,28 @@ void Fusion::finish() {
 
 void Fusion::add(const PoseFix& fix) {
   if (odometry_) move_to(fix.utime);
-  PositionSight sight;
-  sight.p_map_m = {fix.x_m, fix.y_m};
+  PositionObservation observation;
+  observation.p_map_m = {fix.x_m, fix.y_m};
   const auto& c = fix.covariance;
   if (c[0] > 0.0 && c[3] > 0.0 && c[1] * c[1] < c[0] * c[3]) {
-    sight.covariance << c[0], c[1], c[1], c[3];
+    observation.covariance << c[0], c[1], c[1], c[3];
   } else {
-    sight.covariance = geometry::square(config_.fix_position_sd_m) * Eigen::Matrix2d::Identity();
+    observation.covariance =
+        geometry::square(config_.fix_position_sd_m) * Eigen::Matrix2d::Identity();
   }
   const double yaw_variance = c[5] > 0.0 ? c[5] : geometry::square(config_.fix_yaw_sd_rad);
   if (!is_placed_ && fix.has_yaw) {
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-    covariance.topLeftCorner<2, 2>() = sight.covariance;
+    covariance.topLeftCorner<2, 2>() = observation.covariance;
     covariance(2, 2) = yaw_variance;
     place({fix.x_m, fix.y_m, fix.yaw_rad}, covariance);
     utime_ = fix.utime;
     return;
   }
   if (!odometry_) return;
-  take_position(sight);
-  smooth(sight, fix.has_yaw ? std::optional(fix.yaw_rad) : std::nullopt, std::sqrt(yaw_variance));
+  take_position(observation);
+  smooth(observation, fix.has_yaw ? std::optional(fix.yaw_rad) : std::nullopt,
+         std::sqrt(yaw_variance));
   if (is_placed_ && fix.has_yaw) filter_.correct_yaw(fix.yaw_rad, yaw_variance);
 }
 

@@ -41,12 +41,12 @@ class Fusion : public Localiser {
   void add(const Imu& imu);
   void add(const Gnss& gnss);
   void add(const PoseFix& fix);
-  void weigh(PositionSight& sight);
-  void take_position(const PositionSight& sight);
-  bool is_left_out(const PositionSight& sight);
+  void weigh(PositionObservation& observation);
+  void take_position(const PositionObservation& observation);
+  bool is_left_out(const PositionObservation& observation);
   void start(const LocalFrame& T_map_local);
   void place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance);
-  void smooth(const PositionSight& sight, std::optional<double> yaw_rad = std::nullopt,
+  void smooth(const PositionObservation& observation, std::optional<double> yaw_rad = std::nullopt,
               double yaw_sd_rad = 1.0);
   Odometry motion_heard() const;
   void move_to(std::int64_t utime, double speed_mps, double yaw_rate_radps);

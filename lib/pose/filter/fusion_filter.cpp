@@ -181,37 +181,37 @@ void FusionFilter::forget_receiver_error() {
 }
 
 Eigen::Matrix<double, 2, FusionFilter::kSize> FusionFilter::jacobian(
-    const PositionSight& sight) const {
+    const PositionObservation& observation) const {
   Eigen::Matrix<double, 2, kSize> H = Eigen::Matrix<double, 2, kSize>::Zero();
   H(0, kX) = H(1, kY) = 1.0;
-  const Eigen::Vector2d arm = geometry::rotation(mean_(kYaw)) * sight.p_base_m;
+  const Eigen::Vector2d arm = geometry::rotation(mean_(kYaw)) * observation.p_base_m;
   H.col(kYaw) = Eigen::Vector2d(-arm.y(), arm.x());
-  if (sight.by_receiver) H(0, kReceiverEast) = H(1, kReceiverNorth) = 1.0;
+  if (observation.by_receiver) H(0, kReceiverEast) = H(1, kReceiverNorth) = 1.0;
   return H;
 }
 
-Eigen::Vector2d FusionFilter::innovation(const PositionSight& sight) const {
-  const Eigen::Vector2d off_m = sight.p_map_m - p_map_m(sight.p_base_m);
-  return sight.by_receiver ? Eigen::Vector2d(off_m - mean_.tail<2>()) : off_m;
+Eigen::Vector2d FusionFilter::innovation(const PositionObservation& observation) const {
+  const Eigen::Vector2d off_m = observation.p_map_m - p_map_m(observation.p_base_m);
+  return observation.by_receiver ? Eigen::Vector2d(off_m - mean_.tail<2>()) : off_m;
 }
 
-/// Of a sight, with what a straight line leaves of an arc: a heading unsure by a over a way of
-/// length L puts base up to L a^2 / 2 from where the filter's ellipse has it (mean square of that:
-/// 3/4 L^2 var(a)^2). L is what the position changes with the heading.
-Eigen::Matrix2d FusionFilter::noise(const PositionSight& sight) const {
+/// Of a observation, with what a straight line leaves of an arc: a heading unsure by a over a way
+/// of length L puts base up to L a^2 / 2 from where the filter's ellipse has it (mean square of
+/// that: 3/4 L^2 var(a)^2). L is what the position changes with the heading.
+Eigen::Matrix2d FusionFilter::noise(const PositionObservation& observation) const {
   const double bent2 = 0.75 * covariance_.block<2, 1>(kX, kYaw).squaredNorm();
-  return sight.covariance + bent2 * Eigen::Matrix2d::Identity();
+  return observation.covariance + bent2 * Eigen::Matrix2d::Identity();
 }
 
-double FusionFilter::distance2(const PositionSight& sight) const {
-  const Eigen::Matrix<double, 2, kSize> H = jacobian(sight);
-  const Eigen::Matrix2d S = H * covariance_ * H.transpose() + noise(sight);
-  const Eigen::Vector2d off_m = innovation(sight);
+double FusionFilter::distance2(const PositionObservation& observation) const {
+  const Eigen::Matrix<double, 2, kSize> H = jacobian(observation);
+  const Eigen::Matrix2d S = H * covariance_ * H.transpose() + noise(observation);
+  const Eigen::Vector2d off_m = innovation(observation);
   return off_m.dot(S.inverse() * off_m);
 }
 
-void FusionFilter::correct(const PositionSight& sight) {
-  apply<2>(innovation(sight), jacobian(sight), noise(sight));
+void FusionFilter::correct(const PositionObservation& observation) {
+  apply<2>(innovation(observation), jacobian(observation), noise(observation));
 }
 
 void FusionFilter::correct_yaw(double yaw_rad, double variance) {

@@ -31,7 +31,7 @@ struct WheelChanges {
 inline constexpr double kSlipTravel_m = 10.0;
 
 /// A position that base's own is compared with.
-struct PositionSight {
+struct PositionObservation {
   Eigen::Vector2d p_map_m = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
   Eigen::Vector2d p_base_m = Eigen::Vector2d::Zero();  ///< what in base is there: the antenna
@@ -87,9 +87,9 @@ class FusionFilter {
   void forget_lost_heading();
 
   /// Squared Mahalanobis distance of what was seen from what was expected; 2 degrees of freedom.
-  double distance2(const PositionSight& sight) const;
+  double distance2(const PositionObservation& observation) const;
 
-  void correct(const PositionSight& sight);
+  void correct(const PositionObservation& observation);
   void correct_yaw(double yaw_rad, double variance);
 
   /// The gyro's rate while the robot stands is its bias.
@@ -99,9 +99,9 @@ class FusionFilter {
   template <int N>
   void apply(const Eigen::Matrix<double, N, 1>& innovation,
              const Eigen::Matrix<double, N, kSize>& H, const Eigen::Matrix<double, N, N>& R);
-  Eigen::Matrix<double, 2, kSize> jacobian(const PositionSight& sight) const;
-  Eigen::Vector2d innovation(const PositionSight& sight) const;
-  Eigen::Matrix2d noise(const PositionSight& sight) const;
+  Eigen::Matrix<double, 2, kSize> jacobian(const PositionObservation& observation) const;
+  Eigen::Vector2d innovation(const PositionObservation& observation) const;
+  Eigen::Matrix2d noise(const PositionObservation& observation) const;
 
   FusionConfig config_;
   WheelChanges changes_;

@@ -8,7 +8,7 @@
 namespace orchard::pose {
 
 /// One fix: where the antenna was in the datum's east-north plane, and where the map has it.
-struct AntennaSight {
+struct AntennaObservation {
   Eigen::Vector2d p_enu_m = Eigen::Vector2d::Zero();
   Eigen::Vector2d p_map_m = Eigen::Vector2d::Zero();
   double variance_m2 = 1.0;  ///< of the fix, per axis
@@ -26,6 +26,6 @@ struct GnssAlignment {
 /// their variance, outliers left out (farther off than four times the median). None for fewer
 /// than ten fixes, or when they spread too little to show a heading: less than 5 m, or than
 /// twenty times what their scatter leaves of it.
-std::optional<GnssAlignment> align_to_gnss(const std::vector<AntennaSight>& sights);
+std::optional<GnssAlignment> align_to_gnss(const std::vector<AntennaObservation>& observations);
 
 }  // namespace orchard::pose

@@ -47,7 +47,7 @@ std::string placement_text(const io::StoredPlan& plan, const io::StoredMap& map,
 [[noreturn]] void refuse(const io::StoredPlan& plan, const io::StoredMap& map,
                          const mapping::PlanMatch& match, bool any_place) {
   const std::string begin = plan.name + " cannot be laid on " + map.name;
-  if (match.fit.verdict != mapping::AlignmentVerdict::kAmbiguous) {
+  if (match.fit.status != mapping::AlignmentStatus::kAmbiguous) {
     throw io::FileError(begin + ": " + match.fit.reason +
                         (any_place
                              ? "; are they of one orchard?"

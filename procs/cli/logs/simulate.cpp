@@ -30,30 +30,30 @@ bus::Message to_message(const simulation::SensorMessage& sensed) {
 }
 
 /// What part of the scene's time is wanted.
-struct Stretch {
+struct Interval {
   std::int64_t begin_utime = 0, end_utime = 0;
   bool holds(std::int64_t utime) const { return utime >= begin_utime && utime <= end_utime; }
 };
 
-Stretch stretch_of(const SimulateOptions& options, std::int64_t scene_end_utime) {
+Interval interval_of(const SimulateOptions& options, std::int64_t scene_end_utime) {
   const auto after_us = [](double s) { return static_cast<std::int64_t>(std::llround(s * 1e6)); };
-  Stretch stretch{simulation::kEpochUtime + after_us(options.from_s), scene_end_utime};
-  if (stretch.begin_utime > scene_end_utime) {
+  Interval interval{simulation::kEpochUtime + after_us(options.from_s), scene_end_utime};
+  if (interval.begin_utime > scene_end_utime) {
     throw io::FileError(fmt::format(
         "nothing is left after {:.1f} s: scene {} ends at {:.1f} s; give a smaller --from",
         options.from_s, options.scene,
         1e-6 * static_cast<double>(scene_end_utime - simulation::kEpochUtime)));
   }
   if (options.duration_s > 0.0) {
-    stretch.end_utime =
-        std::min(scene_end_utime, stretch.begin_utime + after_us(options.duration_s));
+    interval.end_utime =
+        std::min(scene_end_utime, interval.begin_utime + after_us(options.duration_s));
   }
-  return stretch;
+  return interval;
 }
 
 /// Writes what the simulator senses; returns the number of messages.
 std::int64_t write_log(const SimulateOptions& options, const io::Config& config,
-                       simulation::Simulator& simulator, const Stretch& stretch,
+                       simulation::Simulator& simulator, const Interval& interval,
                        std::int64_t& last_utime) {
   LongWork work("simulating");
   io::LogWriter writer(options.out_path);
@@ -61,8 +61,8 @@ std::int64_t write_log(const SimulateOptions& options, const io::Config& config,
   while (const auto sensed = simulator.next()) {
     const bus::Message message = to_message(*sensed);
     const std::int64_t utime = bus::utime_of(message);
-    if (options.duration_s > 0.0 && utime > stretch.end_utime) break;
-    if (utime < stretch.begin_utime) continue;
+    if (options.duration_s > 0.0 && utime > interval.end_utime) break;
+    if (utime < interval.begin_utime) continue;
     if (num_messages == 0) {
       write_rig(writer, config, utime);
       ++num_messages;
@@ -71,19 +71,19 @@ std::int64_t write_log(const SimulateOptions& options, const io::Config& config,
     ++num_messages;
     last_utime = utime;
     work.update(static_cast<std::uint64_t>(utime - simulation::kEpochUtime),
-                static_cast<std::uint64_t>(stretch.end_utime - simulation::kEpochUtime));
+                static_cast<std::uint64_t>(interval.end_utime - simulation::kEpochUtime));
   }
   work.finish();
   writer.close();
   return num_messages;
 }
 
-/// What each scan of the stretch truly held.
+/// What each scan of the interval truly held.
 std::vector<simulation::TrueObservation> observe_all(const simulation::Simulator& simulator,
-                                                     const Stretch& stretch) {
+                                                     const Interval& interval) {
   std::vector<simulation::TrueObservation> all;
   for (std::int64_t scan = 0; scan < simulator.num_scans(); ++scan) {
-    if (!stretch.holds(simulator.scan_utime(scan))) continue;
+    if (!interval.holds(simulator.scan_utime(scan))) continue;
     const auto observations = simulator.true_observations(scan);
     all.insert(all.end(), observations.begin(), observations.end());
   }
@@ -122,20 +122,20 @@ int run_simulate(const SimulateOptions& options) {
                                   config.laser_rear};
   simulation::Simulator simulator(*scene, options.seed, rig);
   std::vector<simulation::TruePose> poses = simulator.true_poses();
-  const Stretch stretch =
-      stretch_of(options, poses.empty() ? simulation::kEpochUtime : poses.back().utime);
+  const Interval interval =
+      interval_of(options, poses.empty() ? simulation::kEpochUtime : poses.back().utime);
   if (options.from_s > 0.0 || options.duration_s > 0.0) {
     poses.erase(std::remove_if(
                     poses.begin(), poses.end(),
-                    [&](const simulation::TruePose& pose) { return !stretch.holds(pose.utime); }),
+                    [&](const simulation::TruePose& pose) { return !interval.holds(pose.utime); }),
                 poses.end());
   }
 
-  std::int64_t last_utime = stretch.begin_utime;
-  const std::int64_t num_messages = write_log(options, config, simulator, stretch, last_utime);
+  std::int64_t last_utime = interval.begin_utime;
+  const std::int64_t num_messages = write_log(options, config, simulator, interval, last_utime);
   std::printf("%s: %" PRId64 " messages, %.1f s of scene %s, seed %" PRIu64 "\n",
               options.out_path.c_str(), num_messages,
-              static_cast<double>(last_utime - stretch.begin_utime) * 1e-6, options.scene.c_str(),
+              static_cast<double>(last_utime - interval.begin_utime) * 1e-6, options.scene.c_str(),
               options.seed);
   if (!options.truth_path.empty()) {
     io::write_truth_csv(options.truth_path, simulator.truth());
@@ -147,7 +147,7 @@ int run_simulate(const SimulateOptions& options) {
     std::printf("%s: %zu true poses\n", options.poses_path.c_str(), poses.size());
   }
   if (!options.observations_path.empty()) {
-    const auto observations = observe_all(simulator, stretch);
+    const auto observations = observe_all(simulator, interval);
     io::write_observation_csv(options.observations_path, observations);
     std::printf("%s: %zu true observations\n", options.observations_path.c_str(),
                 observations.size());

@@ -21,14 +21,14 @@ mapping::MapAlignment lay_on(const io::StoredMap& a, const mapping::DetectionMap
                              const mapping::MapAlignmentConfig& config) {
   mapping::MapAlignment alignment =
       mapping::align_maps(a.landmarks, b.landmarks, view_a, view_b, config);
-  switch (alignment.verdict) {
-    case mapping::AlignmentVerdict::kAligned:
+  switch (alignment.status) {
+    case mapping::AlignmentStatus::kAligned:
       break;
-    case mapping::AlignmentVerdict::kAmbiguous:
+    case mapping::AlignmentStatus::kAmbiguous:
       throw io::FileError(b.name + " cannot be laid on " + a.name +
                           " without doubt: " + alignment.reason +
                           "; if their frames agree better than that, say so with --max-offset");
-    case mapping::AlignmentVerdict::kNone:
+    case mapping::AlignmentStatus::kNone:
       throw io::FileError(b.name + " cannot be laid on " + a.name + ": " + alignment.reason +
                           (config.any_place ? "; are they of one orchard?"
                                             : "; are they of one orchard, and of one frame (else "

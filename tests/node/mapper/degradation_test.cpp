@@ -24,7 +24,7 @@ void drive(Degradation& degradation) {
 TEST(Degradation, AStretchWithoutPicturesIsToldWithItsLandmarks) {
   Degradation degradation(true);
   drive(degradation);
-  const auto stretches = degradation.stretches();
+  const auto stretches = degradation.intervals();
   ASSERT_THAT(stretches, SizeIs(1));
   EXPECT_EQ(stretches[0].missing, "IMAGE");
   EXPECT_EQ(stretches[0].first_utime, 21 * kSecond_us);  // the last scan that had one
@@ -38,7 +38,7 @@ TEST(Degradation, AStretchWithoutPicturesIsToldWithItsLandmarks) {
 TEST(Degradation, ARigWithoutACameraOrReceiverLacksNothing) {
   Degradation degradation(false);
   drive(degradation);
-  EXPECT_THAT(degradation.stretches(), SizeIs(0));
+  EXPECT_THAT(degradation.intervals(), SizeIs(0));
   EXPECT_EQ(degradation.text(), "");
 }
 
@@ -49,7 +49,7 @@ TEST(Degradation, ARobotThatPausesLacksNothing) {
     degradation.note_scan(utime, 0, k);
     degradation.note_fix(utime);
   }
-  EXPECT_THAT(degradation.stretches(), SizeIs(0));
+  EXPECT_THAT(degradation.intervals(), SizeIs(0));
 }
 
 TEST(Degradation, PicturesNowAndThenAreEnough) {
@@ -57,7 +57,7 @@ TEST(Degradation, PicturesNowAndThenAreEnough) {
   for (int k = 0; k < 600; ++k) {
     degradation.note_scan(kSecond_us + 100'000 * k, k % 20 == 0 ? kSecond_us : 0, 1);
   }
-  EXPECT_THAT(degradation.stretches(), SizeIs(0));
+  EXPECT_THAT(degradation.intervals(), SizeIs(0));
 }
 
 TEST(Degradation, FixesThatStopAreToldWhicheverChannelCameFirst) {
@@ -72,7 +72,7 @@ TEST(Degradation, FixesThatStopAreToldWhicheverChannelCameFirst) {
     if (fixes_first) fixes();
     drive(degradation);
     if (!fixes_first) fixes();
-    const auto stretches = degradation.stretches();
+    const auto stretches = degradation.intervals();
     ASSERT_THAT(stretches, SizeIs(2));
     EXPECT_EQ(stretches[0].missing, "GNSS");
     EXPECT_EQ(stretches[0].first_utime, 11 * kSecond_us);

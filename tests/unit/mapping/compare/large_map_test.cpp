@@ -44,7 +44,7 @@ TEST(LargeMaps, AreLaidOnEachOtherWhereTheyOverlap) {
   const DrivenMap b = drive_through_large(block, second, dice);
   ASSERT_GT(a.landmarks.size(), 3000u);
   const MapAlignment alignment = laid(a, b);
-  ASSERT_EQ(alignment.verdict, AlignmentVerdict::kAligned) << alignment.reason;
+  ASSERT_EQ(alignment.status, AlignmentStatus::kAligned) << alignment.reason;
   EXPECT_GT(alignment.pairs.size(), 900u);
   for (const LandmarkPair& pair : alignment.pairs) {
     EXPECT_EQ(a.tree_of[static_cast<std::size_t>(pair.a)],
@@ -58,7 +58,7 @@ TEST(LargeMaps, OfTwoBlocksAreRefused) {
   const Block other = plant_block(dice, kNumRows, kNumPlaces);
   const DrivenMap a = drive_through_large(one, drive_of(0, kNumRows), dice);
   const DrivenMap b = drive_through_large(other, drive_of(0, kNumRows), dice);
-  EXPECT_NE(laid(a, b).verdict, AlignmentVerdict::kAligned);
+  EXPECT_NE(laid(a, b).status, AlignmentStatus::kAligned);
 }
 
 TEST(LargeMaps, PointsFarFromAllOthersAreFoundInBoundedMemory) {

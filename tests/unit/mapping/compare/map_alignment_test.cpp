@@ -51,7 +51,7 @@ TEST(MapAlignment, FindsOffsetAndTurnOfTheSameBlock) {
     const DrivenMap b = drive_through(block, later, dice);
     const MapAlignment alignment =
         align_maps(a.landmarks, b.landmarks, view_of(a), view_of(b), MapAlignmentConfig{});
-    EXPECT_EQ(alignment.verdict, AlignmentVerdict::kAligned) << seed << ": " << alignment.reason;
+    EXPECT_EQ(alignment.status, AlignmentStatus::kAligned) << seed << ": " << alignment.reason;
     EXPECT_LT(error_m(alignment, inverse(later.T_map_block), b), 0.13) << seed;
     EXPECT_GT(alignment.pairs.size(), 240u);
     for (const LandmarkPair& pair : alignment.pairs) {
@@ -78,7 +78,7 @@ TEST(MapAlignment, FindsAnyPlaceOfPartlyOverlappingMaps) {
     config.any_place = true;
     const MapAlignment alignment =
         align_maps(a.landmarks, b.landmarks, view_of(a), view_of(b), config);
-    EXPECT_EQ(alignment.verdict, AlignmentVerdict::kAligned) << seed << ": " << alignment.reason;
+    EXPECT_EQ(alignment.status, AlignmentStatus::kAligned) << seed << ": " << alignment.reason;
     EXPECT_LT(error_m(alignment, inverse(second.T_map_block), b), 0.25) << seed;
   }
 }
@@ -100,11 +100,11 @@ TEST(MapAlignment, RobotsThatFractionTwoRowsAreLaidRightAndThoseThatFractionNone
     const DrivenMap c = drive_through(block, apart, dice);
     const MapAlignment alignment =
         align_maps(a.landmarks, b.landmarks, view_of(a), view_of(b), config);
-    EXPECT_EQ(alignment.verdict, AlignmentVerdict::kAligned) << seed << ": " << alignment.reason;
+    EXPECT_EQ(alignment.status, AlignmentStatus::kAligned) << seed << ": " << alignment.reason;
     EXPECT_LT(error_m(alignment, inverse(second.T_map_block), b), 0.5) << seed;
     // rows that end alike lie upon each other however one shifts them by a row
-    EXPECT_NE(align_maps(a.landmarks, c.landmarks, view_of(a), view_of(c), config).verdict,
-              AlignmentVerdict::kAligned)
+    EXPECT_NE(align_maps(a.landmarks, c.landmarks, view_of(a), view_of(c), config).status,
+              AlignmentStatus::kAligned)
         << seed;
   }
 }
@@ -125,7 +125,7 @@ TEST(MapAlignment, CovarianceCoversTheError) {
     const DrivenMap b = drive_through(block, drive, dice);
     const MapAlignment alignment =
         align_maps(a.landmarks, b.landmarks, view_of(a), view_of(b), MapAlignmentConfig{});
-    ASSERT_EQ(alignment.verdict, AlignmentVerdict::kAligned) << seed << ": " << alignment.reason;
+    ASSERT_EQ(alignment.status, AlignmentStatus::kAligned) << seed << ": " << alignment.reason;
     const geometry::Pose2 truth = inverse(drive.T_map_block);
     const Eigen::Vector3d e = alignment.T_a_b.vector() - truth.vector();
     sum += e.dot(alignment.covariance.inverse() * e) / kNum;
@@ -147,7 +147,7 @@ TEST(MapAlignment, SaysWhenAShiftByATreeFitsAsWell) {
   const DrivenMap b = drive_through(block, drive, dice);
   const MapAlignment free =
       align_maps(a.landmarks, b.landmarks, DetectionMap(), DetectionMap(), MapAlignmentConfig{});
-  EXPECT_EQ(free.verdict, AlignmentVerdict::kAmbiguous);
+  EXPECT_EQ(free.status, AlignmentStatus::kAmbiguous);
   EXPECT_NEAR(free.rival_offset_m, 2.0, 0.2);
   EXPECT_THAT(free.reason, HasSubstr("shifted by another 2."));
   // who knows that the frames agree within less than half a spacing need not be asked
@@ -155,7 +155,7 @@ TEST(MapAlignment, SaysWhenAShiftByATreeFitsAsWell) {
   close.offset_max_m = 0.9;
   const MapAlignment known =
       align_maps(a.landmarks, b.landmarks, DetectionMap(), DetectionMap(), close);
-  EXPECT_EQ(known.verdict, AlignmentVerdict::kAligned) << known.reason;
+  EXPECT_EQ(known.status, AlignmentStatus::kAligned) << known.reason;
 }
 
 TEST(MapAlignment, RowEndsTellWhenBothDrivesLookedThere) {
@@ -170,7 +170,7 @@ TEST(MapAlignment, RowEndsTellWhenBothDrivesLookedThere) {
   const DrivenMap b = drive_through(block, drive, dice);
   const MapAlignment alignment =
       align_maps(a.landmarks, b.landmarks, view_of(a), view_of(b), MapAlignmentConfig{});
-  EXPECT_EQ(alignment.verdict, AlignmentVerdict::kAligned) << alignment.reason;
+  EXPECT_EQ(alignment.status, AlignmentStatus::kAligned) << alignment.reason;
   EXPECT_LT(error_m(alignment, geometry::Pose2{}, b), 0.1);
 }
 
@@ -187,7 +187,7 @@ TEST(MapAlignment, RefusesAnotherOrchard) {
     const DrivenMap b = drive_through(other, drive, dice);
     const MapAlignment alignment =
         align_maps(a.landmarks, b.landmarks, DetectionMap(), DetectionMap(), MapAlignmentConfig{});
-    num_aligned += alignment.verdict == AlignmentVerdict::kAligned;
+    num_aligned += alignment.status == AlignmentStatus::kAligned;
   }
   EXPECT_EQ(num_aligned, 0);
 }
@@ -214,17 +214,17 @@ TEST(MapAlignment, ScatteredPolesAndMapsTooSmall) {
   MapAlignmentConfig config;
   config.any_place = true;
   const MapAlignment alignment = align_maps(a, b, DetectionMap(), DetectionMap(), config);
-  EXPECT_EQ(alignment.verdict, AlignmentVerdict::kAligned) << alignment.reason;
+  EXPECT_EQ(alignment.status, AlignmentStatus::kAligned) << alignment.reason;
   EXPECT_EQ(alignment.pairs.size(), 11u);
   EXPECT_NEAR(alignment.T_a_b.yaw_rad, -170.0 * kDeg, 0.02);
   config.any_place = false;
-  EXPECT_EQ(align_maps(a, b, DetectionMap(), DetectionMap(), config).verdict,
-            AlignmentVerdict::kNone);
+  EXPECT_EQ(align_maps(a, b, DetectionMap(), DetectionMap(), config).status,
+            AlignmentStatus::kNone);
   b.resize(2);
-  EXPECT_EQ(align_maps(a, b, DetectionMap(), DetectionMap(), config).verdict,
-            AlignmentVerdict::kNone);
-  EXPECT_EQ(align_maps(a, {}, DetectionMap(), DetectionMap(), config).verdict,
-            AlignmentVerdict::kNone);
+  EXPECT_EQ(align_maps(a, b, DetectionMap(), DetectionMap(), config).status,
+            AlignmentStatus::kNone);
+  EXPECT_EQ(align_maps(a, {}, DetectionMap(), DetectionMap(), config).status,
+            AlignmentStatus::kNone);
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ MapComparison compare(const DrivenMap& a, const DrivenMap& b, ComparisonConfig c
   const DetectionMap view_a = view_of(a), view_b = view_of(b);
   const MapAlignment alignment =
       align_maps(a.landmarks, b.landmarks, view_a, view_b, MapAlignmentConfig{});
-  EXPECT_EQ(alignment.verdict, AlignmentVerdict::kAligned) << alignment.reason;
+  EXPECT_EQ(alignment.status, AlignmentStatus::kAligned) << alignment.reason;
   return compare_maps(a.landmarks, b.landmarks, view_a, view_b, alignment, config);
 }
 

@@ -39,7 +39,7 @@ Landmark landmark_of(const std::vector<Vector2d>& observations, double roc) {
 MapAlignment aligned(const DrivenMap& a, const DrivenMap& b) {
   MapAlignment alignment =
       align_maps(a.landmarks, b.landmarks, DetectionMap(), DetectionMap(), MapAlignmentConfig{});
-  EXPECT_EQ(alignment.verdict, AlignmentVerdict::kAligned) << alignment.reason;
+  EXPECT_EQ(alignment.status, AlignmentStatus::kAligned) << alignment.reason;
   return alignment;
 }
 

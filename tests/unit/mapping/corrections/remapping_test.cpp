@@ -58,7 +58,7 @@ class Remapping {
     std::int32_t next_id = corrected.next_id;
     const MapAlignment alignment =
         align_maps(known, b_.landmarks, view_of(a_), view_of(b_), MapAlignmentConfig{});
-    ASSERT_EQ(alignment.verdict, AlignmentVerdict::kAligned);
+    ASSERT_EQ(alignment.status, AlignmentStatus::kAligned);
     keep_ids(known, alignment, next_id, b_.landmarks);
     for (const Landmark& l : b_.landmarks) tree_of_id_[l.id] = tree_at.at({l.x_m, l.y_m});
     const CorrectedMap now = apply_corrections(

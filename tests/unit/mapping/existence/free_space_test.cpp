@@ -35,54 +35,54 @@ std::vector<Thing> before_a_wall(std::vector<Thing> things) {
 
 TEST(FreeSpace, TellsWhatStandsFromWhatDoesNot) {
   const FreeSpace free_space = free_space_of(before_a_wall({{{3.0, 1.0}, 0.12}}));
-  EXPECT_EQ(free_space.at({3.0, 1.0}, 0.12, 0.02).verdict, FreeSpaceVerdict::kReturns);
-  EXPECT_EQ(free_space.at({3.0, -1.0}, 0.12, 0.02).verdict, FreeSpaceVerdict::kPassesThrough);
-  EXPECT_EQ(free_space.at({3.0, 0.5}, 0.12, 0.02).verdict, FreeSpaceVerdict::kPassesThrough);
+  EXPECT_EQ(free_space.at({3.0, 1.0}, 0.12, 0.02).evidence, FreeSpaceEvidence::kReturns);
+  EXPECT_EQ(free_space.at({3.0, -1.0}, 0.12, 0.02).evidence, FreeSpaceEvidence::kPassesThrough);
+  EXPECT_EQ(free_space.at({3.0, 0.5}, 0.12, 0.02).evidence, FreeSpaceEvidence::kPassesThrough);
   EXPECT_NEAR(free_space.at({3.0, 0.5}, 0.12, 0.02).num_across, 7.7, 1.0);  // 47 mrad at 2.55 m
   // where it may be reaches to what stands beside it
-  EXPECT_EQ(free_space.at({3.0, 0.5}, 0.12, 0.22).verdict, FreeSpaceVerdict::kReturns);
+  EXPECT_EQ(free_space.at({3.0, 0.5}, 0.12, 0.22).evidence, FreeSpaceEvidence::kReturns);
 }
 
 TEST(FreeSpace, SaysNothingOfWhatIsHiddenOrOutOfSight) {
   const FreeSpace free_space = free_space_of(before_a_wall({{{2.0, 0.0}, 0.4}}));
-  EXPECT_EQ(free_space.at({4.0, 0.0}, 0.12, 0.02).verdict, FreeSpaceVerdict::kUnknown);  // behind
-  EXPECT_EQ(free_space.at({4.0, 0.46}, 0.12, 0.05).verdict,
-            FreeSpaceVerdict::kUnknown);  // half behind
-  EXPECT_EQ(free_space.at({4.0, 1.2}, 0.12, 0.02).verdict, FreeSpaceVerdict::kPassesThrough);
-  EXPECT_EQ(free_space.at({-4.0, 0.0}, 0.12, 0.02).verdict,
-            FreeSpaceVerdict::kUnknown);  // behind the robot
-  EXPECT_EQ(free_space.at({0.52, 0.0}, 0.12, 0.02).verdict,
-            FreeSpaceVerdict::kUnknown);  // on the laser
-  EXPECT_EQ(free_space.at({8.4, 2.0}, 0.12, 0.02).verdict,
-            FreeSpaceVerdict::kUnknown);  // beyond reach
+  EXPECT_EQ(free_space.at({4.0, 0.0}, 0.12, 0.02).evidence, FreeSpaceEvidence::kUnknown);  // behind
+  EXPECT_EQ(free_space.at({4.0, 0.46}, 0.12, 0.05).evidence,
+            FreeSpaceEvidence::kUnknown);  // half behind
+  EXPECT_EQ(free_space.at({4.0, 1.2}, 0.12, 0.02).evidence, FreeSpaceEvidence::kPassesThrough);
+  EXPECT_EQ(free_space.at({-4.0, 0.0}, 0.12, 0.02).evidence,
+            FreeSpaceEvidence::kUnknown);  // behind the robot
+  EXPECT_EQ(free_space.at({0.52, 0.0}, 0.12, 0.02).evidence,
+            FreeSpaceEvidence::kUnknown);  // on the laser
+  EXPECT_EQ(free_space.at({8.4, 2.0}, 0.12, 0.02).evidence,
+            FreeSpaceEvidence::kUnknown);  // beyond reach
   // too narrow for two beams of 0.35 degrees
-  EXPECT_EQ(free_space.at({5.5, 2.0}, 0.02, 0.02).verdict, FreeSpaceVerdict::kUnknown);
+  EXPECT_EQ(free_space.at({5.5, 2.0}, 0.02, 0.02).evidence, FreeSpaceEvidence::kUnknown);
 }
 
 TEST(FreeSpace, NoReturnCountsNearByOnly) {
   laser::Scan scan = beams_of({}, {}, kLaser);
   scan.range_max_m = 8.0;
   const FreeSpace free_space(scan, kLaser, {});
-  EXPECT_EQ(free_space.at({3.0, 0.0}, 0.12, 0.02).verdict, FreeSpaceVerdict::kPassesThrough);
-  EXPECT_EQ(free_space.at({6.0, 0.0}, 0.12, 0.02).verdict, FreeSpaceVerdict::kUnknown);
+  EXPECT_EQ(free_space.at({3.0, 0.0}, 0.12, 0.02).evidence, FreeSpaceEvidence::kPassesThrough);
+  EXPECT_EQ(free_space.at({6.0, 0.0}, 0.12, 0.02).evidence, FreeSpaceEvidence::kUnknown);
 }
 
 TEST(FreeSpace, ABeamThatIsNotBelievedSaysNothing) {
   laser::Scan scan = beams_of(before_a_wall({}), {}, kLaser);
   const laser::BlindSector ahead{0.0, 0.3};
-  EXPECT_EQ(FreeSpace(scan, kLaser, ahead).at({3.0, 0.0}, 0.12, 0.02).verdict,
-            FreeSpaceVerdict::kUnknown);
-  EXPECT_EQ(FreeSpace(scan, kLaser, ahead).at({3.0, 2.0}, 0.12, 0.02).verdict,
-            FreeSpaceVerdict::kPassesThrough);
+  EXPECT_EQ(FreeSpace(scan, kLaser, ahead).at({3.0, 0.0}, 0.12, 0.02).evidence,
+            FreeSpaceEvidence::kUnknown);
+  EXPECT_EQ(FreeSpace(scan, kLaser, ahead).at({3.0, 2.0}, 0.12, 0.02).evidence,
+            FreeSpaceEvidence::kPassesThrough);
   for (float& range_m : scan.ranges_m) range_m = 0.01f;  // nearer than the scanner believes
-  EXPECT_EQ(FreeSpace(scan, kLaser, {}).at({3.0, 2.0}, 0.12, 0.02).verdict,
-            FreeSpaceVerdict::kUnknown);
+  EXPECT_EQ(FreeSpace(scan, kLaser, {}).at({3.0, 2.0}, 0.12, 0.02).evidence,
+            FreeSpaceEvidence::kUnknown);
   scan.ranges_m.assign(scan.ranges_m.size(), std::nanf(""));
-  EXPECT_EQ(FreeSpace(scan, kLaser, {}).at({3.0, 2.0}, 0.12, 0.02).verdict,
-            FreeSpaceVerdict::kUnknown);
+  EXPECT_EQ(FreeSpace(scan, kLaser, {}).at({3.0, 2.0}, 0.12, 0.02).evidence,
+            FreeSpaceEvidence::kUnknown);
   scan.ranges_m.clear();
-  EXPECT_EQ(FreeSpace(scan, kLaser, {}).at({3.0, 2.0}, 0.12, 0.02).verdict,
-            FreeSpaceVerdict::kUnknown);
+  EXPECT_EQ(FreeSpace(scan, kLaser, {}).at({3.0, 2.0}, 0.12, 0.02).evidence,
+            FreeSpaceEvidence::kUnknown);
 }
 
 TEST(FreeSpace, FollowsTheSweepOfATurningRobot) {
@@ -94,9 +94,9 @@ TEST(FreeSpace, FollowsTheSweepOfATurningRobot) {
   const Eigen::Vector3d velocity(0.8, 0.0, 1.0);
   const laser::Scan scan = beams_of(things, {}, laser, velocity);
   FreeSpace free_space(scan, laser, {});
-  EXPECT_EQ(free_space.at({2.0, 3.0}, 0.12, 0.01).verdict, FreeSpaceVerdict::kPassesThrough);
+  EXPECT_EQ(free_space.at({2.0, 3.0}, 0.12, 0.01).evidence, FreeSpaceEvidence::kPassesThrough);
   free_space.set_velocity(velocity);
-  EXPECT_EQ(free_space.at({2.0, 3.0}, 0.12, 0.01).verdict, FreeSpaceVerdict::kReturns);
+  EXPECT_EQ(free_space.at({2.0, 3.0}, 0.12, 0.01).evidence, FreeSpaceEvidence::kReturns);
 }
 
 }  // namespace

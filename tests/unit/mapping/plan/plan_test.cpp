@@ -55,7 +55,7 @@ TEST(Plan, ARectangleThatFitsBothWaysRoundIsRefusedAndCanBeChosen) {
   config.alignment.any_place = true;
   const PlanMatch refused = match_plan(b.plan, map.landmarks, view_of(map), config);
   EXPECT_FALSE(refused.is_laid());
-  EXPECT_EQ(refused.fit.verdict, AlignmentVerdict::kAmbiguous);
+  EXPECT_EQ(refused.fit.status, AlignmentStatus::kAmbiguous);
   ASSERT_EQ(refused.fit.placements.size(), 2u);
   int num_right = 0;
   for (config.placement = 1; config.placement <= 2; ++config.placement) {
@@ -78,7 +78,7 @@ TEST(Plan, AnotherOrchardIsRefused) {
   config.alignment.any_place = true;
   const PlanMatch match = match_plan(other, map.landmarks, view_of(map), config);
   EXPECT_FALSE(match.is_laid());
-  EXPECT_EQ(match.fit.verdict, AlignmentVerdict::kNone);
+  EXPECT_EQ(match.fit.status, AlignmentStatus::kNone);
 }
 
 TEST(Plan, WhereTheDriveDidNotObservationNothingIsMissing) {

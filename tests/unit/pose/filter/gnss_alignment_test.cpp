@@ -10,19 +10,20 @@ namespace orchard::pose {
 namespace {
 
 /// A path of 60 m in map, its fixes turned by `yaw_rad` and moved by (100, -40), with noise.
-std::vector<AntennaSight> path(double yaw_rad, double sd_m, std::uint64_t seed) {
+std::vector<AntennaObservation> path(double yaw_rad, double sd_m, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
-  std::vector<AntennaSight> sights;
+  std::vector<AntennaObservation> observations;
   for (int i = 0; i <= 120; ++i) {
-    AntennaSight sight;
-    sight.p_map_m = {0.5 * i, i > 60 ? 4.0 : 0.0};
-    sight.p_enu_m = Eigen::Rotation2Dd(yaw_rad) * sight.p_map_m + Eigen::Vector2d(100.0, -40.0) +
-                    sd_m * Eigen::Vector2d(normal(random), normal(random));
-    sight.variance_m2 = sd_m * sd_m;
-    sights.push_back(sight);
+    AntennaObservation observation;
+    observation.p_map_m = {0.5 * i, i > 60 ? 4.0 : 0.0};
+    observation.p_enu_m = Eigen::Rotation2Dd(yaw_rad) * observation.p_map_m +
+                          Eigen::Vector2d(100.0, -40.0) +
+                          sd_m * Eigen::Vector2d(normal(random), normal(random));
+    observation.variance_m2 = sd_m * sd_m;
+    observations.push_back(observation);
   }
-  return sights;
+  return observations;
 }
 
 TEST(GnssAlignment, FindsThePlaceOfAMapOnTheEarth) {
@@ -37,33 +38,35 @@ TEST(GnssAlignment, FindsThePlaceOfAMapOnTheEarth) {
 }
 
 TEST(GnssAlignment, JumpsAreLeftOut) {
-  auto sights = path(0.5, 0.02, 4);
-  for (int i = 20; i < 50; ++i) sights[static_cast<std::size_t>(i)].p_enu_m.x() += 30.0;
-  const auto alignment = align_to_gnss(sights);
+  auto observations = path(0.5, 0.02, 4);
+  for (int i = 20; i < 50; ++i) observations[static_cast<std::size_t>(i)].p_enu_m.x() += 30.0;
+  const auto alignment = align_to_gnss(observations);
   ASSERT_TRUE(alignment);
   EXPECT_NEAR(alignment->x_y_yaw.x(), 100.0, 0.03);
   EXPECT_EQ(alignment->num_left_out, 30);
 }
 
 TEST(GnssAlignment, AMapThatDoesNotFitItsFixesShowsIt) {
-  auto sights = path(0.5, 0.02, 5);
-  for (auto& sight : sights) sight.p_map_m.x() *= 1.05;  // drifted by 3 m over 60 m
-  const auto alignment = align_to_gnss(sights);
+  auto observations = path(0.5, 0.02, 5);
+  for (auto& observation : observations)
+    observation.p_map_m.x() *= 1.05;  // drifted by 3 m over 60 m
+  const auto alignment = align_to_gnss(observations);
   ASSERT_TRUE(alignment);
   EXPECT_GT(alignment->residual_rms_m, 0.3);
 }
 
 TEST(GnssAlignment, ARobotThatStandsHasNoHeading) {
-  auto sights = path(0.5, 0.02, 6);
-  for (auto& sight : sights) {
-    sight.p_map_m *= 0.01;
-    sight.p_enu_m = Eigen::Vector2d(100.0, -40.0) + 0.01 * (sight.p_enu_m - sight.p_enu_m);
+  auto observations = path(0.5, 0.02, 6);
+  for (auto& observation : observations) {
+    observation.p_map_m *= 0.01;
+    observation.p_enu_m =
+        Eigen::Vector2d(100.0, -40.0) + 0.01 * (observation.p_enu_m - observation.p_enu_m);
   }
-  EXPECT_FALSE(align_to_gnss(sights));
+  EXPECT_FALSE(align_to_gnss(observations));
   EXPECT_FALSE(align_to_gnss({}));
-  sights = path(0.5, 0.02, 6);
-  sights.resize(9);
-  EXPECT_FALSE(align_to_gnss(sights));
+  observations = path(0.5, 0.02, 6);
+  observations.resize(9);
+  EXPECT_FALSE(align_to_gnss(observations));
 }
 
 }  // namespace

@@ -147,7 +147,7 @@ TEST(PriorMapLocaliser, TwoEqualHalvesOfAnOrchardAreAmbiguousUntilSomethingTells
   PriorMapLocaliser localiser(config_of(), mapped(world, 1, 0.02));
   const Outcome outcome = run(localiser, world, {{2.0, 38.0}}, 3);
   EXPECT_TRUE(outcome.warned("AMBIGUOUS"));
-  // 3 m of headland and 5.6 m of sight: nothing can tell before 17 m
+  // 3 m of headland and 5.6 m of observation: nothing can tell before 17 m
   EXPECT_GT(outcome.found_m, 15.0);
   EXPECT_LT(outcome.worst_m, 0.3);
 }

@@ -225,6 +225,7 @@ def main():
                 watch(pages, url, pictures)
                 for page in pages.values():
                     page.open("about:blank")
+                    page.requests()  # those of the live page until it was left are not map.html's
             finally:
                 live.send_signal(signal.SIGINT)
                 assert live.wait(90) == 0

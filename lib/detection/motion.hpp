@@ -6,9 +6,9 @@
 
 namespace orchard::detection {
 
-/// How base moves about the time of a picture, from the wheels.
+/// How base moves about the time of a picture, from the wheels: the mean since the motion before.
 struct Motion {
-  std::int64_t utime = 0;       ///< of the measurement [us]
+  std::int64_t utime = 0;       ///< its end [us]
   double speed_mps = 0.0;       ///< along base x
   double yaw_rate_radps = 0.0;  ///< about base z
 };

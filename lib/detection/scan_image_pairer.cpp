@@ -115,13 +115,15 @@ std::int64_t ScanImagePairer::motion_needed_utime(std::int64_t scan_utime) const
 }
 
 std::optional<Motion> ScanImagePairer::motion_at(std::int64_t utime) const {
-  std::optional<Motion> best;
-  for (const Motion& motion : motions_) {  // the earlier of equals
-    const std::int64_t age_us = std::llabs(motion.utime - utime);
-    if (age_us > kMotionAgeMax_us) continue;
-    if (!best || age_us < std::llabs(best->utime - utime)) best = motion;
-  }
-  return best;
+  // A motion is the mean since the one before; where none has come, that which ended last.
+  const auto behind = std::find_if(motions_.begin(), motions_.end(),
+                                   [&](const Motion& motion) { return motion.utime >= utime; });
+  const auto is_fresh = [&](const Motion& motion) {
+    return std::llabs(motion.utime - utime) <= kMotionAgeMax_us;
+  };
+  if (behind != motions_.end() && is_fresh(*behind)) return *behind;
+  if (behind != motions_.begin() && is_fresh(*(behind - 1))) return *(behind - 1);
+  return std::nullopt;
 }
 
 ScanImagePair ScanImagePairer::pair_front(bool timed_out) {

@@ -7,9 +7,9 @@
 
 namespace orchard::pose {
 
-/// Velocity of base from wheel encoders.
+/// Velocity of base from wheel encoders: the mean since the reading before.
 struct Odometry {
-  std::int64_t utime = 0;  ///< time of measurement [us]
+  std::int64_t utime = 0;  ///< where the reading ends [us]
   std::int32_t seq = 0;
   double speed_mps = 0.0;              ///< along base x
   double yaw_rate_radps = 0.0;         ///< about base z

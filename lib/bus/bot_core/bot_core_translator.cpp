@@ -159,7 +159,6 @@ BotCoreTranslator::Result BotCoreTranslator::to_odometry(const BotPose& pose, do
   const double step_s = 1e-6 * static_cast<double>(step_us);
   const double turn_rad = geometry::wrap_angle_rad(yaw_rad - before->yaw_rad);
   const double heading_rad = before->yaw_rad + turn_rad / 2;
-  odometry.utime = before->utime + step_us / 2;
   odometry.speed_mps = ((pose.pos[0] - before->x_m) * std::cos(heading_rad) +
                         (pose.pos[1] - before->y_m) * std::sin(heading_rad)) /
                        step_s;

@@ -23,7 +23,7 @@ WheelTicks::Outcome WheelTicks::add(const TickLine& ticks, std::int64_t utime) {
   if (std::abs(left_m) > kSpeedMax_mps * step_s || std::abs(right_m) > kSpeedMax_mps * step_s) {
     return Outcome::kJumped;
   }
-  odometry_.utime = before->utime + step_us / 2;
+  odometry_.utime = utime;
   odometry_.speed_mps = (left_m + right_m) / 2.0 / step_s;
   odometry_.yaw_rate_radps = (right_m - left_m) / config_.wheel_distance_m / step_s;
   return Outcome::kMoved;

@@ -11,7 +11,7 @@
 namespace orchard::device {
 
 /// From what the wheels' counters stand at to velocities of base: the mean over the step between
-/// two lines, stamped in its middle. A line that was lost costs no distance, since counters go on.
+/// two lines, stamped at its end. A line that was lost costs no distance, since counters go on.
 class WheelTicks {
  public:
   /// What a line gave.

@@ -24,7 +24,7 @@ struct RawlogContent {
 /// 2D scans, images, odometry (absolute, velocities, or increments of an action), GPS (GGA). Of
 /// several lasers or cameras the first one's label is taken. What is not used is counted.
 ///
-/// A speed from increments is the mean over the step and so stamped in its middle. Pictures kept
+/// A speed from increments is the mean over the step stamped at its end. Pictures kept
 /// outside must lie in the rawlog's image folder. Throws FileError for a file that is damaged,
 /// cut short, none, or empty. A child process of limited memory reads the file first, because MRPT
 /// dies at some damage: for programs of one thread, such as the orchard tool.

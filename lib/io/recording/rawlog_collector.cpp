@@ -234,7 +234,7 @@ void RawlogCollector::add_step(std::int64_t from_utime, std::int64_t to_utime, d
                                double turn_rad) {
   const double step_s = 1e-6 * static_cast<double>(to_utime - from_utime);
   pose::Odometry odometry;
-  odometry.utime = from_utime + (to_utime - from_utime) / 2;
+  odometry.utime = to_utime;
   odometry.speed_mps = forward_m / step_s;
   odometry.yaw_rate_radps = turn_rad / step_s;
   content_.messages.emplace_back(odometry);

@@ -74,8 +74,6 @@ void Fusion::add(const Measurement& measurement) {
 }
 
 void Fusion::add(const Odometry& odometry) {
-  // Velocity is taken to change linearly from one message to the next.
-  const Odometry& before = odometry_ ? *odometry_ : odometry;
   const double silent_s = silence_s(odometry.utime);
   if (silent_s > config_.odometry_gap_max_s) {
     move_to(odometry.utime);
@@ -84,8 +82,8 @@ void Fusion::add(const Odometry& odometry) {
     note(
         fmt::format("no ODOMETRY for {:.1f} s: what the robot did meanwhile is unknown", silent_s));
   } else {
-    move_to(odometry.utime, 0.5 * (before.speed_mps + odometry.speed_mps),
-            0.5 * (before.yaw_rate_radps + odometry.yaw_rate_radps));
+    odometry_ = odometry;
+    move_to(odometry.utime, odometry.speed_mps, odometry.yaw_rate_radps);
   }
   odometry_ = odometry;
   if (smoother_) {

@@ -57,9 +57,7 @@ void PoseEstimator::add(const Odometry& odometry) {
         state_.reset();
       }
     } else {
-      const Odometry& before = last_odometry_ ? *last_odometry_ : odometry;
-      predict_to(odometry.utime, 0.5 * (before.speed_mps + odometry.speed_mps),
-                 0.5 * (before.yaw_rate_radps + odometry.yaw_rate_radps),
+      predict_to(odometry.utime, odometry.speed_mps, odometry.yaw_rate_radps,
                  velocity_covariance(odometry));
     }
   }
@@ -82,9 +80,7 @@ void PoseEstimator::look_back() {
   bool is_near = timing::seconds(state.utime - after.utime) <= config_.odometry_gap_max_s;
   for (auto odometry = unplaced_.rbegin(); is_near && odometry != unplaced_.rend(); ++odometry) {
     const double dt_s = timing::seconds(state.utime - odometry->utime);
-    move(state, -0.5 * (odometry->speed_mps + after.speed_mps),
-         -0.5 * (odometry->yaw_rate_radps + after.yaw_rate_radps), dt_s,
-         velocity_covariance(after));
+    move(state, -after.speed_mps, -after.yaw_rate_radps, dt_s, velocity_covariance(after));
     state.utime = odometry->utime;
     after = *odometry;
     if (state.utime < state_->utime) past_.push_back(estimate_of(state));

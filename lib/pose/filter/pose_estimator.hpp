@@ -26,9 +26,9 @@ class PoseEstimator : public Localiser {
 
   void add(const Measurement& measurement) override;
 
-  /// Dead-reckons to the odometry's time. Velocity is taken to change linearly between messages;
-  /// a silence longer than odometry_gap_max_s forgets the pose until the next fix (in mode
-  /// odometry, which has none: the robot is taken to have stood, and the silence is counted).
+  /// Dead-reckons to the odometry's time by what it says of the way since the one before; a silence
+  /// longer than odometry_gap_max_s forgets the pose until the next fix (in mode odometry, which
+  /// has none: the robot is taken to have stood, and the silence is counted).
   void add(const Odometry& odometry);
 
   /// Dead-reckons to the fix's time with the last velocity, then corrects.

@@ -73,10 +73,7 @@ void PriorMapLocaliser::add(const Measurement& measurement) {
 void PriorMapLocaliser::add(const Odometry& odometry) {
   if (!is_sound(odometry) || (utime_ && odometry.utime < *utime_)) return;
   begin_at(odometry.utime);
-  const bool fresh = silence_s() <= pose_config_.odometry_gap_max_s;
-  const Odometry& before = last_odometry_ && fresh ? *last_odometry_ : odometry;
-  advance_to(odometry.utime, 0.5 * (before.speed_mps + odometry.speed_mps),
-             0.5 * (before.yaw_rate_radps + odometry.yaw_rate_radps), covariance_of(odometry));
+  advance_to(odometry.utime, odometry.speed_mps, odometry.yaw_rate_radps, covariance_of(odometry));
   last_odometry_ = odometry;
 }
 

@@ -105,7 +105,7 @@ TEST(Motion, PairsWaitForTheMotionAtThePicture) {
   const auto pairs = pairer.add(Motion{1'045'000, 2.0, 0.0});
   ASSERT_EQ(pairs.size(), 1u);
   ASSERT_TRUE(pairs[0].motion.has_value());
-  EXPECT_EQ(pairs[0].motion->speed_mps, 1.0);  // 10 ms away, the other 15
+  EXPECT_EQ(pairs[0].motion->speed_mps, 2.0);  // the mean since the one before
 }
 
 TEST(Motion, PairsDoNotWaitForMotionsForEver) {

@@ -131,6 +131,17 @@ TEST(ScanImagePairer, PicturesCountAtTheirExposure) {
   EXPECT_EQ(pairs[0].image->utime, 1'100'000);  // its own utime stays
 }
 
+// A motion is the mean since the one before: a picture belongs to the one that ends behind it.
+TEST(ScanImagePairer, APictureHasTheMotionThatItLiesIn) {
+  ScanImagePairer pairer(0.06, 0.25, true);
+  for (int i = 0; i <= 10; ++i) pairer.add(Motion{1'000'000 + 40'000 * i, 0.1 * i, 0.0});
+  pairer.add(scan_at(1'200'000));
+  const Pairs pairs = pairer.add(image_at(1'205'000));  // nearer to the motion of 1.20 s
+  ASSERT_EQ(pairs.size(), 1u);
+  ASSERT_TRUE(pairs[0].motion);
+  EXPECT_EQ(pairs[0].motion->utime, 1'240'000);
+}
+
 TEST(ScanImagePairer, CountsPicturesThatFoundNoMotion) {
   ScanImagePairer pairer(0.06, 0.25, true);
   pairer.add(Motion{1'000'000, 1.0, 0.0});

@@ -86,16 +86,16 @@ void expect_observations(const RawlogContent& content) {
   EXPECT_EQ(scan.ranges_m, (std::vector<float>{1.5f, 1.5f, 0.0f, 1.5f, 1.5f}));
   EXPECT_DOUBLE_EQ(scan.bearing_min_rad, -1.0);
   EXPECT_DOUBLE_EQ(scan.bearing_step_rad, 0.5);
-  const auto& odometry = std::get<pose::Odometry>(content.messages[1]);
-  EXPECT_EQ(odometry.utime, kStart + 50000);
-  EXPECT_NEAR(odometry.speed_mps, 0.5, 1e-9);
-  const auto& gnss = std::get<pose::Gnss>(content.messages[2]);
+  const auto& gnss = std::get<pose::Gnss>(content.messages[1]);
   EXPECT_EQ(gnss.latitude_deg, -32.5);
   EXPECT_EQ(gnss.altitude_m, 42.0);
   EXPECT_EQ(gnss.fix_quality, 4);
-  const auto& image = std::get<vision::Image>(content.messages[3]);
+  const auto& image = std::get<vision::Image>(content.messages[2]);
   EXPECT_EQ(image.width_px, 32);
   EXPECT_EQ(image.height_px, 24);
+  const auto& odometry = std::get<pose::Odometry>(content.messages[3]);
+  EXPECT_EQ(odometry.utime, kStart + 100000);
+  EXPECT_NEAR(odometry.speed_mps, 0.5, 1e-9);
   ASSERT_TRUE(content.laser_mount.has_value());
   EXPECT_EQ(content.laser_mount->x_m, 0.25);
   EXPECT_EQ(content.ignored.size(), 2u);  // the battery, and the first odometry: no step yet
@@ -125,7 +125,7 @@ TEST(Rawlog, SensoryFramesWithIncrementsAreRead) {
   const RawlogContent content = read_rawlog(folder / "a.rawlog");
   ASSERT_THAT(content.messages, SizeIs(5));
   const auto& odometry = std::get<pose::Odometry>(content.messages[1]);
-  EXPECT_EQ(odometry.utime, kStart + 100000);
+  EXPECT_EQ(odometry.utime, kStart + 200000);
   EXPECT_NEAR(odometry.speed_mps, 0.5, 1e-9);
   EXPECT_NEAR(odometry.yaw_rate_radps, 0.1, 1e-9);
 }

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "calibration/trunks/roc_area.hpp"
+#include "geometry/statistics.hpp"
 
 namespace orchard::evaluation {
 namespace {
@@ -26,7 +26,7 @@ double area_of(const std::vector<const Group*>& groups, Score score) {
       (window->is_trunk ? trunk : other).push_back(window->*score);
     }
   }
-  return calibration::roc_area(trunk, other);
+  return geometry::roc_area(trunk, other);
 }
 
 AreaEstimate estimate(const std::vector<Group>& groups, Score score) {

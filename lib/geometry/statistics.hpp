@@ -31,4 +31,8 @@ double midpoint_median(std::vector<double> values);
 /// Robust standard deviation of deviations about zero: kMadToSd times their median absolute value.
 double robust_sd(std::vector<double> deviations);
 
+/// Area under the ROC curve: how often a positive scores higher than a negative, ties counting
+/// half. 0.5 is chance; 0.5 too when either list is empty. Scores must be finite.
+double roc_area(const std::vector<double>& positives, const std::vector<double>& negatives);
+
 }  // namespace orchard::geometry

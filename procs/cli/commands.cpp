@@ -10,6 +10,7 @@
 #include "cli/logs/log_commands.hpp"
 #include "cli/logs/log_mcap.hpp"
 #include "cli/logs/simulate.hpp"
+#include "cli/logs/simulate_board.hpp"
 #include "cli/maps/map.hpp"
 #include "cli/rig/doctor.hpp"
 #include "cli/rig/overlay.hpp"
@@ -17,13 +18,18 @@
 namespace orchard::cli {
 namespace {
 
+/// The board is another program's: who makes maps needs none of what draws it.
+int simulate(const SimulateOptions& options) {
+  return options.scene == "board" ? run_simulate_board(options) : run_simulate(options);
+}
+
 void add_simulate(CLI::App& app, Run& run) {
   add_command<SimulateOptions>(
       app, run, "simulate", "Drive through a simulated scene and write the log of it",
       "  orchard simulate --scene tubes --seed 1 --out out/tubes.lcm --truth out/truth.csv\n"
       "  orchard simulate --scene orchard --seed 7 --out out/drive.lcm --duration 60 \\\n"
       "      --truth out/truth.csv --poses out/poses.csv --observations out/looks.csv\n",
-      run_simulate, [](CLI::App& command, SimulateOptions& o) {
+      simulate, [](CLI::App& command, SimulateOptions& o) {
         command
             .add_option(
                 "--scene", o.scene,

@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "calibration/trunks/roc_area.hpp"
+#include "geometry/statistics.hpp"
 #include "vision/appearance/appearance.hpp"
 
 namespace orchard::calibration {
@@ -193,7 +193,7 @@ double area_of_others(const std::vector<Fold>& folds, const Shape& shape) {
   for (const Fold& fold : folds) {
     Judged judged;
     judged.add(fold.outside, fit(fold.inside, shape));
-    area += roc_area(judged.trunk, judged.other) / static_cast<double>(folds.size());
+    area += geometry::roc_area(judged.trunk, judged.other) / static_cast<double>(folds.size());
   }
   return area;
 }
@@ -264,7 +264,7 @@ Calibration cross_validate(const std::vector<Fold>& folds, const Shape& shape,
   Judged judged;
   for (const Fold& fold : folds) judged.add(fold.inside, fit(fold.outside, shape));
   if (folds.empty()) return {};
-  found.area = roc_area(judged.trunk, judged.other);
+  found.area = geometry::roc_area(judged.trunk, judged.other);
   const Calibration c = calibrate(judged);
   for (const double score : judged.trunk) {
     found.log_loss +=

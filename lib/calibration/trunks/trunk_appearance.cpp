@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <utility>
 
-#include "calibration/trunks/roc_area.hpp"
 #include "geometry/statistics.hpp"
 #include "vision/appearance/appearance.hpp"
 
@@ -85,7 +84,7 @@ TrunkAppearance learn_trunk_appearance(const std::vector<TrunkObservation>& obse
     }
   }
   if (samples.size() > num_sure) appearance.fit = learn_appearance(samples);
-  appearance.hue_interval_area = roc_area(hue_trunk, hue_other);
+  appearance.hue_interval_area = geometry::roc_area(hue_trunk, hue_other);
   return appearance;
 }
 

@@ -17,6 +17,7 @@
 #include "bus/node/process.hpp"
 #include "cli/farm/command_run.hpp"
 #include "cli/farm/farm_status.hpp"
+#include "cli/program_folder.hpp"
 #include "io/file_error.hpp"
 #include "io/map/corrections_file.hpp"
 #include "io/progress_bar.hpp"
@@ -125,7 +126,7 @@ int run_farm_run(const FarmRunOptions& options) {
         "snakemake", "--snakefile",
         "Snakefile", "--profile",
         profile,     "--nolock",
-        "--config",  "orchard=" + fs::read_symlink("/proc/self/exe").string()};
+        "--config",  "orchard=" + program_folder() + "/orchard"};
     if (options.profile == "local") {
       const unsigned cores = options.cores > 0 ? static_cast<unsigned>(options.cores)
                                                : std::max(1U, std::thread::hardware_concurrency());

@@ -13,7 +13,7 @@
 #include "bus/messages/service_messages.hpp"
 #include "bus/node/process.hpp"
 #include "cli/load_rig.hpp"
-#include "cli/logs/simulate_board.hpp"
+#include "cli/logs/simulated_rig.hpp"
 #include "cli/long_work.hpp"
 #include "cli/parent_folder.hpp"
 #include "io/config/scene_rig.hpp"
@@ -92,28 +92,10 @@ std::vector<simulation::TrueObservation> observe_all(const simulation::Simulator
 
 }  // namespace
 
-io::Config rig_of(const SimulateOptions& options) {
-  return options.config_path.empty() ? io::scene_rig(options.scene) : load_rig(options.config_path);
-}
-
-void write_rig(io::LogWriter& writer, const io::Config& config, std::int64_t utime) {
-  bus::ConfigNotice notice;
-  notice.utime = utime;
-  notice.hash = io::config_hash(config);
-  notice.name = "orchard-simulate";
-  notice.version = ORCHARD_VERSION;
-  notice.text = io::effective_config(config);
-  writer.write(utime, bus::info(bus::Channel::kConfig).name, bus::encode(notice));
-}
-
 int run_simulate(const SimulateOptions& options) {
   for (const std::string& file :
        {options.out_path, options.truth_path, options.poses_path, options.observations_path}) {
     make_parent_folder(file);
-  }
-  if (options.scene == "board") {
-    if (options.from_s > 0.0) throw io::FileError("scene board has no --from; leave it out");
-    return run_simulate_board(options);
   }
   const auto scene = simulation::find_scene(options.scene);
   if (!scene) throw io::FileError("there is no scene \"" + options.scene + "\"");

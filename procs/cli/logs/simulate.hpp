@@ -4,9 +4,6 @@
 #include <cstdint>
 #include <string>
 
-#include "io/config/config.hpp"
-#include "io/log/log_writer.hpp"
-
 namespace orchard::cli {
 
 /// `orchard simulate --scene tubes|orchard|park|yard --seed N --out LOG`.
@@ -25,11 +22,5 @@ struct SimulateOptions {
 /// Writes a log of a simulated drive, and its truth; returns the exit code. Equal options give
 /// equal bytes. Throws io::FileError and io::ConfigError.
 int run_simulate(const SimulateOptions& options);
-
-/// The rig that the options ask for: that of the file, or the scene's own. Throws io::ConfigError.
-io::Config rig_of(const SimulateOptions& options);
-
-/// Writes the CONFIG message that a simulated log begins with.
-void write_rig(io::LogWriter& writer, const io::Config& config, std::int64_t utime);
 
 }  // namespace orchard::cli

@@ -7,7 +7,9 @@
 
 #include "bus/messages/codec.hpp"
 #include "bus/node/process.hpp"
+#include "cli/logs/simulated_rig.hpp"
 #include "cli/long_work.hpp"
+#include "cli/parent_folder.hpp"
 #include "io/config/config.hpp"
 #include "io/file_error.hpp"
 #include "io/log/log_writer.hpp"
@@ -35,6 +37,8 @@ int run_simulate_board(const SimulateOptions& options) {
         "scene board has no map: its truth is camera.delta_m and camera.phi_rad of --config; "
         "leave out --truth, --poses and --observations");
   }
+  if (options.from_s > 0.0) throw io::FileError("scene board has no --from; leave it out");
+  make_parent_folder(options.out_path);
   const io::Config config = rig_of(options);
   simulation::BoardScene scene = make_scene(options, config);
   LongWork work("simulating");

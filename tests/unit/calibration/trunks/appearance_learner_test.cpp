@@ -8,7 +8,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "calibration/trunks/roc_area.hpp"
+#include "geometry/statistics.hpp"
 #include "vision/appearance/appearance.hpp"
 
 namespace orchard::calibration {
@@ -55,16 +55,16 @@ double area_on(const std::vector<AppearanceSample>& samples, const vision::Appea
   for (const AppearanceSample& s : samples) {
     (s.is_trunk ? trunk : other).push_back(vision::appearance_log_odds(s.features, c));
   }
-  return roc_area(trunk, other);
+  return geometry::roc_area(trunk, other);
 }
 
 TEST(RocArea, IsTheFractionOfPairsInOrder) {
-  EXPECT_DOUBLE_EQ(roc_area({3, 4}, {1, 2}), 1.0);
-  EXPECT_DOUBLE_EQ(roc_area({1, 2}, {3, 4}), 0.0);
-  EXPECT_DOUBLE_EQ(roc_area({1, 3}, {2, 4}), 0.25);
-  EXPECT_DOUBLE_EQ(roc_area({1, 1}, {1, 1, 1}), 0.5);
-  EXPECT_DOUBLE_EQ(roc_area({1, 2}, {1}), 0.75);
-  EXPECT_DOUBLE_EQ(roc_area({}, {1}), 0.5);
+  EXPECT_DOUBLE_EQ(geometry::roc_area({3, 4}, {1, 2}), 1.0);
+  EXPECT_DOUBLE_EQ(geometry::roc_area({1, 2}, {3, 4}), 0.0);
+  EXPECT_DOUBLE_EQ(geometry::roc_area({1, 3}, {2, 4}), 0.25);
+  EXPECT_DOUBLE_EQ(geometry::roc_area({1, 1}, {1, 1, 1}), 0.5);
+  EXPECT_DOUBLE_EQ(geometry::roc_area({1, 2}, {1}), 0.75);
+  EXPECT_DOUBLE_EQ(geometry::roc_area({}, {1}), 0.5);
 }
 
 // Trunks in the middle of a feature, other things at both ends: no plane parts them.

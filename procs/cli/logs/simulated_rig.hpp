@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "cli/logs/simulate.hpp"
+#include "io/config/config.hpp"
+#include "io/log/log_writer.hpp"
+
+namespace orchard::cli {
+
+/// The rig that the options ask for: that of the file, or the scene's own. Throws io::ConfigError.
+io::Config rig_of(const SimulateOptions& options);
+
+/// Writes the CONFIG message that a simulated log begins with.
+void write_rig(io::LogWriter& writer, const io::Config& config, std::int64_t utime);
+
+}  // namespace orchard::cli

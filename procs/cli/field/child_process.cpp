@@ -52,7 +52,8 @@ ChildProcess::~ChildProcess() {
   if (pidfd_ >= 0) close(pidfd_);
 }
 
-void ChildProcess::start() {
+void ChildProcess::start(const std::vector<std::string>& more) {
+  plan_.arguments.insert(plan_.arguments.end(), more.begin(), more.end());
   std::vector<char*> arguments;
   for (std::string& word : plan_.arguments) arguments.push_back(word.data());
   arguments.push_back(nullptr);

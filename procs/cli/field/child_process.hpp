@@ -17,6 +17,8 @@ struct ChildPlan {
   std::string log_path;                ///< its standard output and error are appended here
   /// Stopped in rising order, each stage when the one before has ended: who sends before who takes.
   int stage = 0;
+  /// Plays a log: it starts when all others are heard of, so that they take all that it sends.
+  bool plays = false;
 };
 
 /// A process that is started, watched, started again when it fails, and stopped.
@@ -29,8 +31,9 @@ class ChildProcess {
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// Starts it. Throws std::system_error when no process can be made.
-  void start();
+  /// Starts it, with `more` arguments from then on. Throws std::system_error when no process can be
+  /// made.
+  void start(const std::vector<std::string>& more = {});
 
   /// What has happened since the last call, in words for a person; none: nothing. Starts it again
   /// when it has failed and the wait is over: at once the first time, then after twice as long as

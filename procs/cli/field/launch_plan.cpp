@@ -129,8 +129,8 @@ std::vector<ChildPlan> plan_launch(const LiveOptions& options, const io::Config&
          "--wait-for", listeners});
   } else if (!options.played_log.empty()) {
     for (const std::string& driver : drivers_played(options.played_log)) {
-      add(driver, kDrivers,
-          {"--emulate", options.played_log, "--emulate-at", std::to_string(options.play_utime)});
+      add(driver, kDrivers, {"--emulate", options.played_log});
+      plans.back().plays = true;
     }
   } else {
     for (const std::string& driver : drivers_of(config)) add(driver, kDrivers);

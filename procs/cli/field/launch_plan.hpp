@@ -21,10 +21,9 @@ struct LiveOptions {
   std::string scene;  ///< orchard-sim-driver in place of the rig's drivers
   std::string seed = "1";
   std::string speed = "1";      ///< of the simulated drive, times real time
-  std::string played_log;       ///< what the devices of the drivers play, each in its own protocol
-  std::string viewer_address;   ///< ADDRESS:PORT where the viewer serves its page; empty: none
-  bool edit = false;            ///< on that page people may correct the map
-  std::int64_t play_utime = 0;  ///< when its first event is played, by this host's clock [us]
+  std::string played_log;      ///< what the devices of the drivers play, each in its own protocol
+  std::string viewer_address;  ///< ADDRESS:PORT where the viewer serves its page; empty: none
+  bool edit = false;  ///< on that page people may correct the map
 };
 
 /// The processes of one machine, in the order in which they are started. `program_folder`: where

@@ -23,6 +23,7 @@
 #include "cli/field/status_board.hpp"
 #include "cli/field/status_screen.hpp"
 #include "cli/load_rig.hpp"
+#include "cli/program_folder.hpp"
 #include "io/file_error.hpp"
 #include "io/folder.hpp"
 
@@ -30,10 +31,9 @@ namespace orchard::cli {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-namespace fs = std::filesystem;
 
-/// Everyone listens by then.
-constexpr std::int64_t kPlayAfter_us = 3'000'000;
+/// From the start of programs that play one log to its first event, which none may miss.
+constexpr std::int64_t kPlayAfter_us = 2'000'000;
 
 /// How long a stage may take to stop; the mapper then writes its whole folder.
 constexpr std::chrono::seconds kStopMax{20};
@@ -45,7 +45,24 @@ class Launch {
     for (ChildPlan& plan : plans) {
       children_.push_back(std::make_unique<ChildProcess>(std::move(plan)));
     }
-    for (const auto& child : children_) child->start();
+    for (const auto& child : children_) {
+      if (!child->plan().plays) child->start();
+    }
+  }
+
+  /// Starts those that play a log, once `board` has heard of all others.
+  void play_when_heard(const StatusBoard& board) {
+    if (plays_) return;
+    const std::vector<ProcessView> heard = board.processes(bus::wall_utime());
+    const auto is_ready = [&heard](const std::unique_ptr<ChildProcess>& child) {
+      return child->plan().plays || is_heard(child->plan().name, heard);
+    };
+    if (!std::all_of(children_.begin(), children_.end(), is_ready)) return;
+    plays_ = true;
+    const std::string start_utime = std::to_string(bus::wall_utime() + kPlayAfter_us);
+    for (const auto& child : children_) {
+      if (child->plan().plays) child->start({"--emulate-at", start_utime});
+    }
   }
 
   /// Notes who has ended and starts again who failed.
@@ -94,6 +111,11 @@ class Launch {
   std::size_t size() const { return children_.size(); }
 
  private:
+  static bool is_heard(const std::string& name, const std::vector<ProcessView>& heard) {
+    return std::any_of(heard.begin(), heard.end(),
+                       [&name](const ProcessView& view) { return view.status.name == name; });
+  }
+
   void say(const std::string& event, const ChildProcess& child) {
     last_event_ = event;
     std::string words = event;
@@ -128,6 +150,7 @@ class Launch {
 
   std::vector<std::unique_ptr<ChildProcess>> children_;
   std::string last_event_;
+  bool plays_ = false;
 };
 
 /// Where the viewer will serve its page: this host's first free port from that on. Known before it
@@ -151,20 +174,12 @@ std::string viewer_address() {
   return {};
 }
 
-std::string program_folder() {
-  std::error_code error;
-  const fs::path self = fs::read_symlink("/proc/self/exe", error);
-  if (error) throw io::FileError("where orchard's programs are cannot be found out (/proc)");
-  return self.parent_path().string();
-}
-
 }  // namespace
 
 int run_live(const LiveOptions& given) {
   LiveOptions options = given;
   const io::Config config = load_rig(options.config_path);
   if (options.out_folder.empty()) options.out_folder = "out/live/" + start_time_text();
-  options.play_utime = bus::wall_utime() + kPlayAfter_us;
   options.viewer_address = viewer_address();
   const std::vector<ChildPlan> plans = plan_launch(options, config, program_folder());
   io::make_folder(options.out_folder + "/logs", "give another one with --out");
@@ -205,6 +220,7 @@ int run_live(const LiveOptions& given) {
     poll(files.data(), files.size(),
          static_cast<int>(std::clamp<std::int64_t>(wait.count(), 0, 1000)));
     if ((files.back().revents & POLLIN) != 0) bus.handle(0);
+    launch.play_when_heard(board);
     launch.watch();
   }
   const std::optional<int> mistake = launch.mistake();

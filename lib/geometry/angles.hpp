@@ -13,9 +13,9 @@ inline double wrap_angle_rad(double angle_rad) {
   return wrapped <= -kPi ? kPi : wrapped;
 }
 
-/// The paper's bearing (from the forward Y axis towards X, clockwise seen from above) of one of
-/// ours (from the forward x axis, counter-clockwise) [rad]. Its own inverse up to a turn.
-/// The paper's X points right and its Y forward (Shalal et al. 2013, figure 10).
+/// Converts between our bearing (from the forward x axis, counter-clockwise) and the paper's (from
+/// its forward Y axis towards X, clockwise seen from above) [rad]; its own inverse up to a full
+/// turn. The paper's X points right and its Y forward (Shalal et al. 2013, figure 10).
 inline double paper_bearing_rad(double bearing_rad) { return -bearing_rad; }
 
 }  // namespace orchard::geometry

@@ -6,10 +6,10 @@
 
 namespace orchard::geometry {
 
-/// The camera of a rig and where it looks. Section `camera`.
+/// The camera of a rig: intrinsics, extrinsics, delay. Section `camera`.
 struct CameraConfig {
   bool enabled = true;  ///< false: a rig without a camera, laser-only
-  /// The camera's fixed delay: a picture was truly exposed this much before its utime.
+  /// Fixed delay of the camera: the exposure is this much earlier than the picture's utime.
   double delay_s = 0.0;
   CameraIntrinsics intrinsics;
   LaserCameraExtrinsics extrinsics{{0.0, -0.06, 0.0},

@@ -27,7 +27,7 @@ double monotonic_radius(const std::array<double, 5>& kc, double limit) {
 }  // namespace
 
 CameraModel::CameraModel(const CameraIntrinsics& intrinsics) : intrinsics_(intrinsics) {
-  // 80 degrees from the axis: far beyond any lens this model describes.
+  // 80 degrees from the axis, beyond any lens that this model describes.
   max_radius_ = monotonic_radius(intrinsics_.kc, std::tan(80.0 * 3.14159265358979323846 / 180.0));
 }
 

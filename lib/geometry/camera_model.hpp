@@ -7,7 +7,7 @@
 
 namespace orchard::geometry {
 
-/// Intrinsics as Bouguet's toolbox names them (Shalal et al. 2013, section 3.2).
+/// Camera intrinsics with the names of Bouguet's toolbox (Shalal et al. 2013, section 3.2).
 struct CameraIntrinsics {
   int width_px = 320;
   int height_px = 240;
@@ -17,11 +17,12 @@ struct CameraIntrinsics {
   std::array<double, 5> kc{};                 ///< k1 k2 p1 p2 k3, in Bouguet's and OpenCV's order
 };
 
-/// A point of the camera frame on the image plane, in pixels; pixel centres are whole numbers.
+/// Pinhole camera with distortion: projects points of the camera frame to pixels; pixel centres are
+/// whole numbers.
 ///
-/// Gives none for points behind the camera and for points outside the undistorted field of view
-/// (where the distortion polynomial folds back); may give pixels outside the image.
-/// Source: Shalal et al. 2013, eqs. 3-7.
+/// project() returns none for points behind the camera and outside the undistorted field of view,
+/// where the distortion polynomial folds back; its pixels may lie outside the image. Source: Shalal
+/// et al. 2013, eqs. 3-7.
 class CameraModel {
  public:
   explicit CameraModel(const CameraIntrinsics& intrinsics);
@@ -30,7 +31,7 @@ class CameraModel {
   bool in_image(const Eigen::Vector2d& pixel) const;
   const CameraIntrinsics& intrinsics() const { return intrinsics_; }
 
-  /// Normalized coordinates (x, y at z = 1) of a pixel: the inverse of eqs. 4-7 by iteration.
+  /// Normalized coordinates (x, y at z = 1) of a pixel: inverts eqs. 4-7 by iteration.
   Eigen::Vector2d undistort(const Eigen::Vector2d& pixel) const;
 
  private:

@@ -55,7 +55,8 @@ Eigen::Vector2d utm_of(const Georeference& g, const Eigen::Vector2d& p_map) {
   Eigen::Vector2d p_utm;
   GeographicLib::UTMUPS::Forward(place.latitude_deg, place.longitude_deg, number, is_north,
                                  p_utm.x(), p_utm.y(), zone.number);
-  // an orchard on the equator keeps one northing
+  // The datum's hemisphere decides for all points: an orchard across the equator keeps one false
+  // northing.
   if (zone.number != GeographicLib::UTMUPS::UPS && is_north != zone.is_north) {
     p_utm.y() += zone.is_north ? -kFalseNorthing_m : kFalseNorthing_m;
   }

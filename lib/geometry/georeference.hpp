@@ -5,18 +5,19 @@
 
 namespace orchard::geometry {
 
-/// Where on the earth a map lies: its frame in an east-north-up frame about a datum (WGS 84).
+/// Georeference of a map: the pose of its frame in an east-north-up (ENU) frame about a datum (WGS
+/// 84).
 struct Georeference {
   double latitude_deg = 0.0;  ///< of the datum
   double longitude_deg = 0.0;
   double altitude_m = 0.0;      ///< above the ellipsoid
-  double x_m = 0.0;             ///< T_enu_map: where the map's origin lies east of the datum
-  double y_m = 0.0;             ///< and north
+  double x_m = 0.0;             ///< T_enu_map: position of the map's origin, east of the datum
+  double y_m = 0.0;             ///< north of the datum
   double yaw_rad = 0.0;         ///< of the map's x axis, counter-clockwise from east
-  double residual_rms_m = 0.0;  ///< of the satellite fixes about the map they place
+  double residual_rms_m = 0.0;  ///< of the satellite fixes that gave the georeference
 };
 
-/// Worse than this, a map's place on the earth is warned about.
+/// Above this residual the user is warned about the georeference.
 inline constexpr double kGeoreferenceResidualMax_m = 0.3;
 
 struct Geodetic {
@@ -24,16 +25,18 @@ struct Geodetic {
   double longitude_deg = 0.0;
 };
 
-/// A point of map on the earth.
+/// Converts a point of the map frame to latitude and longitude.
 Geodetic geodetic_of(const Georeference& georeference, const Eigen::Vector2d& p_map);
 
-/// A place on the earth as a point of map; heights apart, the inverse of geodetic_of().
+/// Converts latitude and longitude to a point of the map frame: the inverse of geodetic_of(),
+/// without heights.
 Eigen::Vector2d map_of(const Georeference& georeference, const Geodetic& place);
 
-/// EPSG code of the UTM zone that the datum lies in (UPS near the poles), WGS 84.
+/// EPSG code of the datum's UTM zone (UPS near the poles), WGS 84.
 int utm_epsg(const Georeference& georeference);
 
-/// Easting and northing [m] of a point of map in that zone, also beyond its borders.
+/// Converts a point of the map frame to easting and northing [m] in the zone of utm_epsg(), also
+/// outside the zone's borders.
 Eigen::Vector2d utm_of(const Georeference& georeference, const Eigen::Vector2d& p_map);
 
 }  // namespace orchard::geometry

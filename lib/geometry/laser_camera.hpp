@@ -6,7 +6,8 @@
 
 namespace orchard::geometry {
 
-/// Extrinsics as Kassir and Peynot's toolbox gives them (Shalal et al. 2013, section 3.2).
+/// Laser-camera extrinsics in the form of Kassir and Peynot's toolbox (Shalal et al. 2013, section
+/// 3.2).
 struct LaserCameraExtrinsics {
   std::array<double, 3> delta_m{};  ///< laser origin in the camera frame
   std::array<double, 3> phi_rad{};  ///< angles about x, y, z of eq. 2
@@ -17,13 +18,13 @@ struct LaserCameraExtrinsics {
 /// Source: Shalal et al. 2013, eq. 2.
 Eigen::Matrix3d paper_rotation(const std::array<double, 3>& phi_rad);
 
-/// The angles of eq. 2 of a rotation from laser to camera: the inverse of
-/// LaserToCamera::rotation(), phi_y in [-pi/2, pi/2]. At phi_y = +-pi/2, where only the sum or
-/// difference of the others counts, phi_z is 0.
+/// The angles of eq. 2 for a rotation from laser to camera: the inverse of
+/// LaserToCamera::rotation(), phi_y in [-pi/2, pi/2]. At phi_y = +-pi/2 only the sum or difference
+/// of the other two is determined, and phi_z is 0.
 std::array<double, 3> paper_angles_rad(const Eigen::Matrix3d& R_camera_laser);
 
-/// T_camera_laser: takes points of the laser frame to the camera frame.
-/// Source: the inverse of Shalal et al. 2013, eq. 1.
+/// T_camera_laser: transforms points of the laser frame to the camera frame. Source: the inverse of
+/// Shalal et al. 2013, eq. 1.
 class LaserToCamera {
  public:
   explicit LaserToCamera(const LaserCameraExtrinsics& extrinsics);

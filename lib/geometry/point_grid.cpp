@@ -7,8 +7,9 @@
 namespace orchard::geometry {
 namespace {
 
-/// Four cells in a column share a cache line; which line is mixed from all bits, so that the
-/// regular rows of an orchard do not pile up in one part of the table.
+/// Table position of a cell. Four cells of a column share a cache line; the line's index is hashed
+/// from all bits of the key, so that the regular rows of an orchard do not cluster in one part of
+/// the table.
 std::uint64_t spread(std::uint64_t key) {
   std::uint64_t h = (key >> 2) * 0x9E3779B97F4A7C15ull;
   h ^= h >> 32;

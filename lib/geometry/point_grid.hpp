@@ -9,27 +9,27 @@
 
 namespace orchard::geometry {
 
-/// Hash grid over the plane: which points lie near a point.
+/// Hash grid over the plane for radius searches.
 ///
-/// Holds indices only; positions stay with the caller. A query of radius up to half a cell visits
-/// the four cells around the point, a larger one more. Memory: 16 bytes per table entry at a load
-/// of at most 0.7, and 4 bytes per point. The scan matcher's PointMap is no such grid: it holds the
-/// points themselves on a raster that is folded onto itself, so that its memory is bounded.
+/// Holds indices only; the caller keeps the positions. A query of radius up to half a cell visits
+/// the four cells around the point; a larger one visits more. Memory: 16 bytes per table entry at a
+/// load of at most 0.7, and 4 bytes per point. Unlike this grid, the scan matcher's PointMap stores
+/// the points themselves in a wrapped raster of bounded memory.
 class PointGrid {
  public:
   explicit PointGrid(double cell_m = 2.0) : cells_per_m_(1.0 / cell_m) {}
 
   void insert(std::int32_t index, double x_m, double y_m);
   void insert(std::int32_t index, const Eigen::Vector2d& p) { insert(index, p.x(), p.y()); }
-  /// Takes out `index`, which was inserted at that position.
+  /// Removes `index`, which was inserted at this position.
   void remove(std::int32_t index, double x_m, double y_m);
-  /// Moves `index` when the new position lies in another cell.
+  /// Updates the cell of `index` after its position changed.
   void move(std::int32_t index, double from_x_m, double from_y_m, double to_x_m, double to_y_m);
 
   void clear();
 
-  /// Calls visit(index) for everything in the cells within `radius_m` of the point (a superset of
-  /// the disc), in an order that depends only on the sequence of calls.
+  /// Calls visit(index) for every index in the cells within `radius_m` of the point, a superset of
+  /// the disc. The order depends only on the sequence of calls.
   template <class Visit>
   void near(double x_m, double y_m, double radius_m, Visit&& visit) const {
     if (slots_.empty()) return;
@@ -43,7 +43,7 @@ class PointGrid {
     }
   }
 
-  /// The same, in rising order of index.
+  /// The same, in ascending order of index.
   std::vector<std::int32_t> near(const Eigen::Vector2d& p, double radius_m) const;
 
   template <class Archive>
@@ -58,13 +58,13 @@ class PointGrid {
  private:
   struct Slot {
     std::uint64_t key = 0;
-    std::int32_t head = kEmpty;  ///< kEmpty: never used; kNone: used, holds nothing now
+    std::int32_t head = kEmpty;  ///< kEmpty: never used; kNone: used earlier, now without points
   };
   static constexpr std::int32_t kNone = -1;
   static constexpr std::int32_t kEmpty = -2;
 
   std::int32_t cell(double coordinate_m) const {
-    // positions are checked on entry; the clamp keeps the cast defined whatever comes
+    // Positions are checked on entry; the clamp keeps the cast defined for any value.
     const double index = std::floor(coordinate_m * cells_per_m_);
     return static_cast<std::int32_t>(index < -1e9 ? -1e9 : index > 1e9 ? 1e9 : index);
   }

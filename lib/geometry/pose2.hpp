@@ -7,16 +7,15 @@
 
 #include "geometry/angles.hpp"
 
-/// Poses and motions in the plane, SE(2): T_a_b turns a point of frame b by yaw, then shifts it,
-/// which gives the point in frame a. One formula each. Filters and solvers hold a pose as the
-/// vector (x [m], y [m], yaw [rad]) that their covariances are of; elsewhere Pose2 names the three
-/// numbers.
+/// Poses and motions in the plane, SE(2): T_a_b transforms a point of frame b to frame a by a
+/// rotation by yaw and a translation. Filters and solvers hold a pose as the vector (x [m], y [m],
+/// yaw [rad]) that their covariances refer to; elsewhere Pose2 names the three numbers.
 ///
-/// Beside mrpt::poses::CPose2D, not over it; README.md says why, with figures. The test composes
-/// poses and covariances by both and compares them.
+/// Why not mrpt::poses::CPose2D: README.md gives the reasons and figures. The test composes poses
+/// and covariances with both and compares the results.
 namespace orchard::geometry {
 
-/// T_a_b, or a pose T_map_base where the name does not say otherwise.
+/// T_a_b; the pose T_map_base where the name says nothing else.
 struct Pose2 {
   double x_m = 0.0;
   double y_m = 0.0;
@@ -26,7 +25,7 @@ struct Pose2 {
   Eigen::Vector3d vector() const { return {x_m, y_m, yaw_rad}; }
 };
 
-/// The pose that a vector (x [m], y [m], yaw [rad]) holds.
+/// The pose of a vector (x [m], y [m], yaw [rad]).
 inline Pose2 pose2_of(const Eigen::Vector3d& x_y_yaw) {
   return {x_y_yaw.x(), x_y_yaw.y(), x_y_yaw.z()};
 }
@@ -113,7 +112,7 @@ inline Eigen::Matrix3d compose_covariance(const Eigen::Vector3d& T_a_b, const Ei
   return 0.5 * (P + P.transpose());
 }
 
-/// Covariance xx, xy, yy of a point after a turn by an angle [rad].
+/// Rotates the covariance (xx, xy, yy) of a point by an angle [rad].
 inline std::array<double, 3> turned_covariance(const std::array<double, 3>& covariance,
                                                double angle_rad) {
   const double c = std::cos(angle_rad), s = std::sin(angle_rad);
@@ -122,7 +121,8 @@ inline std::array<double, 3> turned_covariance(const std::array<double, 3>& cova
           s * s * xx + 2.0 * c * s * xy + c * c * yy};
 }
 
-/// d(T_a_b * p_b) / d(T_a_b) as (x, y, yaw), by the point's arm from the origin of b, in frame a.
+/// d(T_a_b * p_b) / d(T_a_b) as (x, y, yaw). `arm_a`: the vector from the origin of b to the point,
+/// in frame a.
 inline Eigen::Matrix<double, 2, 3> point_jacobian(const Eigen::Vector2d& arm_a) {
   Eigen::Matrix<double, 2, 3> J;
   J << 1.0, 0.0, -arm_a.y(), 0.0, 1.0, arm_a.x();

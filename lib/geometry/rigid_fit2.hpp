@@ -8,7 +8,7 @@
 
 namespace orchard::geometry {
 
-/// The rigid motion that brings points of b nearest to those of a.
+/// A rigid motion fitted to pairs of points, with the moments of the points.
 struct RigidFit2 {
   Pose2 T_a_b;
   Eigen::Vector2d mean_a{0.0, 0.0};  ///< weighted, [m]
@@ -16,20 +16,20 @@ struct RigidFit2 {
   double mean_square_b_m2 = 0.0;  ///< weighted squared distance of b's points from their mean
 };
 
-/// T_a_b of least weighted squared distances between points [m] of the same index; without weights
-/// all count 1. One point, or all in one place, give a translation; a sum of weights that is not
+/// Fits T_a_b by weighted least squares to pairs of points [m] with the same index; without weights
+/// all count 1. One point, or coinciding points, give a translation; a sum of weights that is not
 /// positive gives the identity. Throws std::invalid_argument for no points or unequal numbers.
 ///
-/// Umeyama 1991, "Least-squares estimation of transformation parameters between two point
+/// Source: Umeyama 1991, "Least-squares estimation of transformation parameters between two point
 /// patterns", in the plane and without scale, where the rotation is the angle of the summed
-/// products. mrpt::tfest::se2_l2 does not serve: it takes no weights and keeps points as floats
-/// (README.md has the figure).
+/// products. mrpt::tfest::se2_l2 takes no weights and keeps points as floats (figures in
+/// README.md).
 RigidFit2 fit_rigid(const std::vector<Eigen::Vector2d>& p_a,
                     const std::vector<Eigen::Vector2d>& p_b,
                     const std::vector<double>& weights = {});
 
-/// T_a_b that brings the middle of (b1, b2) upon that of (a1, a2) and the one direction upon the
-/// other: the hypothesis that two pairs of points are the same two things.
+/// T_a_b that maps the midpoint of (b1, b2) to that of (a1, a2) and aligns their directions: the
+/// hypothesis of two correspondences.
 Pose2 through_two(const Eigen::Vector2d& a1, const Eigen::Vector2d& a2, const Eigen::Vector2d& b1,
                   const Eigen::Vector2d& b2);
 

@@ -9,9 +9,9 @@
 namespace orchard::geometry {
 namespace {
 
-/// What lies this much behind a trunk is behind it, not it.
+/// Min distance behind a seen trunk: a nearer point is the trunk itself.
 constexpr double kBehind_m = 0.3;
-/// A trunk is hidden when its middle is nearer to the shadow's edge than this.
+/// Border of the shadow: a trunk counts as hidden up to this far beside it.
 constexpr double kHalfTrunk_m = 0.08;
 
 }  // namespace

@@ -7,30 +7,31 @@
 
 namespace orchard::geometry {
 
-/// How a disc appears from the origin.
+/// A disc as seen from the origin.
 struct Outline {
   double distance_m = 0.0;  ///< to its centre
   double bearing_rad = 0.0;
-  double half_rad = 0.0;  ///< half the angle between its tangents; a quarter turn from inside
+  double half_rad = 0.0;  ///< half the angle between its tangents; pi/2 from inside
 };
 Outline outline_of(const Eigen::Vector2d& centre, double radius_m);
 
-/// Which of `num` equal sectors about the origin a point lies in: 0 begins behind, at -pi.
+/// Index of the sector, of `num` equal ones about the origin, that contains a point; sector 0
+/// begins at bearing -pi.
 std::size_t sector_of(const Eigen::Vector2d& p, std::size_t num);
 
-/// What the trunks that a scan showed hide from its scanner, which is the origin: tells whether a
-/// trunk at some place could not have been seen.
+/// Occlusion test with the trunks of one scan: tells whether a trunk at a position could not have
+/// been seen by the scanner, which is at the origin.
 ///
-/// Made for landmarks, whose position and width are uncertain by centimetres, so everything has a
-/// border of half a trunk. What is exact is elsewhere: the beams themselves tell what they passed
-/// (mapping/existence/free_space), and the simulator's truth must not share code with what it
-/// judges.
+/// Made for landmarks, whose position and width are uncertain by centimetres: every trunk gets a
+/// border of half a trunk. Exact visibility is computed elsewhere: from the beams themselves
+/// (mapping/existence/free_space), and in the simulator's truth, which must not share code with the
+/// code it judges.
 class OcclusionTest {
  public:
-  /// A trunk that was seen.
+  /// Adds a trunk that was seen.
   void add(const Eigen::Vector2d& p, double width_m);
 
-  /// Whether a trunk at p lies behind one of them.
+  /// True if a trunk at p is hidden by one of the added trunks.
   bool hides(const Eigen::Vector2d& p) const;
 
  private:

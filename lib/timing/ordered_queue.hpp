@@ -12,12 +12,12 @@
 
 namespace orchard::timing {
 
-/// Puts items of several kinds into one order of time, whatever the order in which the kinds
-/// arrive, and names the kind that holds the next item back.
+/// Merges items of several kinds into one sequence ordered by time, independent of the order in
+/// which the kinds arrive, and reports the kind that holds the next item back.
 ///
-/// An item waits until every kind that is waited for has reached its time, or until message time is
-/// further ahead of it than the missing kind is waited for. Times are the messages' own [us]. Of
-/// equal times the kind of the lower number comes first, within a kind the earlier arrival.
+/// An item is released once every kind with a `wait_us` has reached its time, or once message time
+/// is more than the missing kind's `wait_us` ahead of it. Times are message times [us]. At equal
+/// times the kind with the lower number comes first; within a kind, the earlier arrival.
 template <class Item, std::size_t kNumKinds>
 class OrderedQueue {
  public:
@@ -25,22 +25,24 @@ class OrderedQueue {
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
 
   struct Rule {
-    std::optional<std::int64_t> wait_us;  ///< how long others wait for this kind; none: never
-    bool tells_time = true;               ///< whether its arrivals move message time on
+    std::optional<std::int64_t>
+        wait_us;             ///< how long items of other kinds wait for this one; none: not at all
+    bool tells_time = true;  ///< whether its arrivals advance message time
   };
   using Rules = std::array<Rule, kNumKinds>;
 
   explicit OrderedQueue(const Rules& rules) : rules_(rules) { reached_.fill(kNever); }
 
-  /// A time so far before the last one of its kind is no late item: its clock was set back.
+  /// An item more than this much older than the newest of its kind is not late: its clock was set
+  /// back.
   static constexpr std::int64_t kClockSet_us = 60'000'000;
 
-  /// Whether an item of that time shows that the clock behind its kind was set back.
+  /// True if an item of this time shows that the clock of its kind was set back.
   bool is_clock_set_back(std::size_t kind, std::int64_t utime) const {
     return reached_[kind] != kNever && reached_[kind] - utime > kClockSet_us;
   }
 
-  /// Something of this kind has arrived that is not queued.
+  /// Records the time of an arrival without queueing it.
   void reach(std::size_t kind, std::int64_t utime) {
     const bool set_back = is_clock_set_back(kind, utime);
     reached_[kind] = set_back ? utime : std::max(reached_[kind], utime);
@@ -50,15 +52,15 @@ class OrderedQueue {
   }
   /// The newest time of a kind; kNever before its first.
   std::int64_t reached(std::size_t kind) const { return reached_[kind]; }
-  /// The newest time of all kinds that tell it; kNever before the first.
+  /// The newest time of all kinds with `tells_time`; kNever before the first.
   std::int64_t message_time() const { return message_time_; }
 
-  /// From now on others wait so long for that kind.
+  /// Changes how long items of other kinds wait for this kind; none: not at all.
   void set_wait(std::size_t kind, std::optional<std::int64_t> wait_us) {
     rules_[kind].wait_us = wait_us;
   }
 
-  /// Queues an item, behind those of its kind and time.
+  /// Queues an item behind the queued ones of its kind with the same or an earlier time.
   void push(std::size_t kind, std::int64_t utime, Item item) {
     reach(kind, utime);
     std::deque<Entry>& queue = queues_[kind];
@@ -70,11 +72,11 @@ class OrderedQueue {
 
   bool is_empty(std::size_t kind) const { return queues_[kind].empty(); }
   std::size_t size(std::size_t kind) const { return queues_[kind].size(); }
-  /// The earliest item of a kind, which must have one, and its time.
+  /// The earliest item of a kind and its time; the kind's queue must not be empty.
   const Item& front(std::size_t kind) const { return queues_[kind].front().item; }
   std::int64_t front_utime(std::size_t kind) const { return queues_[kind].front().utime; }
 
-  /// Takes the earliest item of a kind, whatever it waits for.
+  /// Removes and returns the earliest item of a kind, even if blocker() would hold it back.
   Item take(std::size_t kind) {
     Item item = std::move(queues_[kind].front().item);
     queues_[kind].pop_front();
@@ -96,8 +98,8 @@ class OrderedQueue {
     return front_utime(*next);
   }
 
-  /// The kind, the lowest of several, that an item of that time waits for; none when it may go out.
-  /// `needed_utime(kind)`: the time that this kind must have reached.
+  /// The lowest-numbered kind that an item of this time waits for; none when the item can be
+  /// released. `needed_utime(kind)` is the time that each kind must have reached.
   template <class NeededUtime>
   std::optional<std::size_t> blocker(std::int64_t utime, const NeededUtime& needed_utime) const {
     for (std::size_t kind = 0; kind < kNumKinds; ++kind) {
@@ -107,25 +109,27 @@ class OrderedQueue {
     }
     return std::nullopt;
   }
-  /// The same for an item that needs every kind up to its own time.
+  /// The same when every kind must have reached the item's own time.
   std::optional<std::size_t> blocker(std::int64_t utime) const {
     return blocker(utime, [utime](std::size_t) { return utime; });
   }
 
-  /// The next item in order that waits for nothing; none when it must wait.
+  /// Removes and returns the next item in order; none when the queue is empty or the item must
+  /// wait.
   std::optional<Item> pop() {
     const std::optional<std::size_t> next = next_kind();
     if (!next || blocker(front_utime(*next))) return std::nullopt;
     return take(*next);
   }
-  /// The same at the end of all input: nothing waits any longer.
+  /// The same at the end of the input, without waiting.
   std::optional<Item> pop_flushed() {
     const std::optional<std::size_t> next = next_kind();
     if (!next) return std::nullopt;
     return take(*next);
   }
 
-  /// Its state, items by `visit_item(archive, kind, item)`, which makes one where it reads.
+  /// Reads or writes the state. `visit_item(archive, kind, item)` reads or writes one item; when
+  /// reading, `item` is default-constructed before.
   template <class Archive, class VisitItem>
   void persist(Archive& archive, const VisitItem& visit_item) {
     archive(rules_, reached_, message_time_);

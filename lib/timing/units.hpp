@@ -6,10 +6,10 @@
 
 namespace orchard::timing {
 
-/// A duration of message time in seconds.
+/// Converts microseconds of message time to seconds.
 inline double seconds(std::int64_t duration_us) { return 1e-6 * static_cast<double>(duration_us); }
 
-/// A duration in whole microseconds, the nearest.
+/// Converts seconds to microseconds, rounded to the nearest.
 inline std::int64_t microseconds(double duration_s) { return std::llround(duration_s * 1e6); }
 
 }  // namespace orchard::timing

@@ -5,16 +5,17 @@
 
 namespace orchard::device {
 
-/// What libbot's pose_t becomes.
+/// Conversion of libbot's pose_t.
 enum class BotPoseAs {
-  kOdometry,  ///< velocities: the pose drifts, as that of wheels or of an estimator without a map
-  kPoseFix,   ///< external positions: motion capture, a total station, a map's localiser
+  kOdometry,  ///< to velocities: for a drifting pose, as from wheels or an estimator without a map
+  kPoseFix,   ///< to external positions: from motion capture, a total station or localisation in a
+              ///< map
 };
 
-/// A robot that speaks libbot's types. Section `drivers.bot_core`.
+/// A robot that publishes libbot's types. Section `drivers.bot_core`.
 struct BotCoreConfig {
-  std::string lcm_url;       ///< where it speaks; empty: it does not
-  std::string scan_channel;  ///< empty: the first that carries the type
+  std::string lcm_url;       ///< LCM network of the robot; empty: none
+  std::string scan_channel;  ///< empty: the first channel with a planar_lidar_t
   std::string image_channel;
   std::string pose_channel;
   std::string gps_channel;

@@ -8,27 +8,30 @@
 namespace orchard::device {
 namespace {
 
-/// Long enough for a second of quiet on a busy host, short enough that the skew is constant.
+/// Length of the window. Long enough to contain arrivals without delay on a busy host, short enough
+/// for a constant skew.
 constexpr double kWindow_us = 120e6;
 constexpr double kBucket_us = 1e6;
 
-/// Below this the slope of a few milliseconds of jitter is worse than the last one known.
+/// Min span for a fit of the slope: over a shorter one, jitter of milliseconds makes the last slope
+/// the better estimate.
 constexpr double kMinSpan_us = 20e6;
 
-/// What a line of unknown slope may span.
+/// Span of the offset estimate while the slope is unknown.
 constexpr double kRecent_us = 5e6;
 
 /// Two crystals differ by 200 ppm at most, and NTP slews a host by up to 500 ppm.
 constexpr double kMaxSkew = 1000e-6;
 
-/// The quickest arrivals of five seconds this far above the line: the rate has changed.
+/// Min delay of the last kRecent_us above the line that shows a change of the rate.
 constexpr double kBend_us = 1500.0;
 
-/// A stamp this far from what the host's clock expects comes from a counter that began anew.
+/// A stamp this far from its expected time shows that the counter was reset.
 constexpr double kRestart_us = 1e6;
 
-/// So long after a reading of the clock the least delay is learnt from single arrivals: longer, and
-/// unknown skew falsifies it. From the line, as long as that begins at the reading.
+/// Time after the first arrival in which the min delay is learnt from single arrivals; over a
+/// longer time, unknown skew falsifies it. From the line it is learnt while the line begins near
+/// the reading.
 constexpr double kLearn_us = 3e6;
 constexpr double kLearnByLine_us = 100e6;
 
@@ -64,7 +67,7 @@ double DeviceClock::unwrap(std::uint32_t ticks, std::int64_t host_utime) {
   const double expected_us = last_device_us_ + gap_us;
   double device_us = raw_us + period_us_ * std::round((expected_us - raw_us) / period_us_);
   const double tolerance_us = kRestart_us + kMaxSkew * std::abs(gap_us);
-  // Within a talk a host that was held up reads old stamps late: they only must not go back.
+  // Within a connection, a delayed host reads old stamps late; they must only not go backwards.
   const bool is_late = talk_begins_ ? device_us < expected_us - tolerance_us
                                     : device_us < last_device_us_ - kRestart_us;
   if (is_late || device_us > expected_us + tolerance_us) {
@@ -83,14 +86,14 @@ void DeviceClock::read_between(std::uint32_t ticks, std::int64_t asked_utime,
   const double device_us = unwrap(ticks, answered_utime) - device_base_us_;
   const double answered_us = static_cast<double>(answered_utime - host_base_utime_);
   const double asked_us = static_cast<double>(asked_utime - host_base_utime_);
-  // The counter showed `ticks` for one tick, some time between request and answer.
+  // The counter showed `ticks` for one tick at some time between request and answer.
   Reading now{device_us, asked_us - device_us - tick_us_, answered_us - device_us};
   if (reading_) {
     const double lo_us = std::max(reading_->lo_us, now.lo_us);
     const double hi_us = std::min(reading_->hi_us, now.hi_us);
     if (lo_us <= hi_us) now = {device_us, lo_us, hi_us};
   } else {
-    samples_.clear();  // another line, another delay
+    samples_.clear();  // a new connection has another delay
   }
   reading_ = now;
   soonest_us_ = HUGE_VAL;
@@ -110,7 +113,7 @@ double DeviceClock::arrived(std::uint32_t ticks, std::int64_t host_utime) {
 void DeviceClock::learn_least_delay(double x_us, double delay_us) {
   const double read_us = 0.5 * (reading_->lo_us + reading_->hi_us);
   const double since_us = x_us - reading_->device_us;
-  // From the first arrival on, which may be seconds after the reading: a motor had to start.
+  // Count from the first arrival, which may be seconds after the reading while a motor starts.
   if (!std::isfinite(soonest_us_)) learn_begin_us_ = x_us;
   if (x_us - learn_begin_us_ < kLearn_us) soonest_us_ = std::min(soonest_us_, delay_us);
   double soonest_us = soonest_us_;
@@ -148,7 +151,7 @@ void DeviceClock::fit() {
   while (samples_.back().device_us - samples_.front().device_us >= kMinSpan_us) {
     fit_hull();
     if (!is_bent()) return;
-    // The rate of one clock has changed (a host that is being slewed): the past says less.
+    // The rate of one clock has changed (for example NTP slews the host): drop the older half.
     samples_.erase(samples_.begin(),
                    samples_.begin() + static_cast<std::ptrdiff_t>((samples_.size() + 1) / 2));
   }
@@ -160,14 +163,14 @@ bool DeviceClock::is_bent() const {
   auto first = samples_.rbegin();
   while (first != samples_.rend() && last.device_us - first->device_us < kRecent_us) ++first;
   --first;
-  // What a host reads at once that stood still for a while says nothing of the clocks.
+  // A burst of messages read after the host stood still says nothing about the clocks.
   const double arrived_over_us =
       last.device_us + last.delay_us - first->device_us - first->delay_us;
   return arrived_over_us > 0.5 * kRecent_us && least_recent(kRecent_us) - offset_us_ > kBend_us;
 }
 
-/// Of the lines below all samples the one that is nearest to them: the edge of their lower hull
-/// under their mean.
+/// Fits the line below all samples that is nearest to them: the edge of their lower hull below the
+/// mean time.
 void DeviceClock::fit_hull() {
   std::vector<Sample> hull;
   double mean_us = 0.0;

@@ -10,7 +10,7 @@
 
 namespace orchard::device {
 
-/// What a laser scanner speaks.
+/// Protocol of a laser scanner.
 enum class LaserProtocol {
   kScip,   ///< Hokuyo: SCIP 2.0 and later
   kColaA,  ///< SICK TiM3xx, TiM5xx, LMS1xx: CoLa-A
@@ -18,7 +18,7 @@ enum class LaserProtocol {
 
 /// The scanner of orchard-laser-driver. Section `drivers.laser`.
 struct LaserDriverConfig {
-  std::string device;  ///< empty: this machine has none
+  std::string device;  ///< empty: no scanner on this machine
   LaserProtocol protocol = LaserProtocol::kScip;
 };
 
@@ -29,7 +29,7 @@ void describe(Visitor& v, LaserDriverConfig& c) {
   v.choice("protocol", c.protocol, {"scip", "cola_a"}, "Hokuyo speaks scip, SICK cola_a");
 }
 
-/// The sensors of this machine and how they are reached. Section `drivers`.
+/// Addresses and settings of this machine's sensors. Section `drivers`.
 struct DriversConfig {
   LaserDriverConfig laser;
   LaserDriverConfig laser_rear;

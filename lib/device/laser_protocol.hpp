@@ -8,7 +8,7 @@
 
 namespace orchard::device {
 
-/// The talk with a scanner of a make. Another make is one more line here.
+/// Makes the protocol object for a scanner. A new protocol is one more line in the source.
 std::unique_ptr<Protocol> make_laser_protocol(LaserProtocol protocol);
 
 }  // namespace orchard::device

@@ -14,50 +14,52 @@
 
 namespace orchard::device {
 
-/// What a device that speaks in bytes can measure. seq is the driver's: protocols leave it 0.
+/// A measurement of a device with a byte protocol. Protocols leave seq 0; the driver sets it.
 using Measurement = std::variant<laser::Scan, pose::Odometry, pose::Imu, pose::Gnss>;
 
-/// What arrived from the device since the start, through every connection.
+/// Numbers of units received from the device since the start, over all connections.
 struct ProtocolCounts {
-  std::int64_t num_good = 0;  ///< whole, checked units: a sweep, a line, a report
-  std::int64_t num_bad = 0;   ///< units refused: checksum, length, number, range
+  std::int64_t num_good = 0;  ///< complete and valid units: a sweep, a line, a report
+  std::int64_t num_bad = 0;   ///< rejected units: checksum, length, number, range
 };
 
-/// The talk with one device: bytes in, bytes out, measurements. Pure: knows no file, no socket and
-/// no clock; host_utime [us] is given with every call, never goes back within one connection and is
-/// the time at which the bytes were there to be read. The same object serves live, from a recording
-/// of raw bytes and in tests.
+/// Protocol of one device: bytes in, bytes out, measurements.
+///
+/// It uses no file, no socket and no clock. Every call gets host_utime [us], the time at which the
+/// bytes could be read, which never goes back within a connection. The same object therefore serves
+/// a live device, a recording of raw bytes and the tests.
 class Protocol {
  public:
   virtual ~Protocol() = default;
 
-  /// A connection was made (again): forgets half-read bytes and begins the talk.
+  /// A new connection was made: forgets partly read bytes and begins the dialogue.
   virtual void connected(std::int64_t host_utime) = 0;
 
-  /// Bytes that arrived, in pieces of any size.
+  /// Bytes arrived; they may be split at any position.
   virtual void receive(std::string_view bytes, std::int64_t host_utime) = 0;
 
-  /// When expire() is to be called if nothing arrives before [us]; none: never.
+  /// Time at which to call expire() if nothing arrives before [us]; none: never.
   virtual std::optional<std::int64_t> deadline() const = 0;
 
-  /// The deadline has passed: asks again, or sets failure().
+  /// The deadline has passed: repeats the request, or sets failure().
   virtual void expire(std::int64_t host_utime) = 0;
 
-  /// The host's clock was set: every earlier host_utime is to be read as that plus `step_us`.
+  /// The host's clock was set: add `step_us` to every earlier host_utime.
   virtual void host_clock_stepped(std::int64_t step_us) = 0;
 
-  /// Why the connection is to be closed and made anew, in words for a person; empty: all is well.
+  /// Why the connection must be closed and reopened, as text for the user; empty: no failure.
   virtual std::string failure() const = 0;
 
-  /// What it waits for or what is wrong, in words for a person; empty when measurements come.
+  /// What the protocol waits for, or what is wrong, as text for the user; empty while measurements
+  /// arrive.
   virtual std::string condition() const = 0;
 
   virtual ProtocolCounts counts() const = 0;
 
-  /// Bytes for the device, in order; empties them.
+  /// Removes and returns the bytes to send to the device, in order.
   std::string take_to_send() { return std::exchange(to_send_, {}); }
 
-  /// What was measured since the last call, in order of time; empties it.
+  /// Removes and returns the measurements since the last call, in order of time.
   std::vector<Measurement> take_measurements() { return std::exchange(measurements_, {}); }
 
  protected:

@@ -11,9 +11,9 @@
 
 namespace orchard::device {
 
-/// What talks with scanners have in common, whatever their make: a question is asked, asked again
-/// when no answer comes in time, given up after three times; then sweeps come, and when they stop
-/// the talk begins anew.
+/// Common base of the scanner protocols. A request without an answer in time is repeated, up to
+/// three times in all; after the dialogue the sweeps arrive, and when they stop the dialogue
+/// restarts.
 class ScannerTalk : public Protocol {
  public:
   std::optional<std::int64_t> deadline() const override { return deadline_utime_; }
@@ -27,28 +27,29 @@ class ScannerTalk : public Protocol {
  protected:
   static constexpr std::int64_t kAnswer_us = 500'000;
   static constexpr int kMaxAsked = 3;
-  /// A scanner that was just switched on, or whose motor was standing, needs seconds.
+  /// A scanner needs seconds after power-up or while its motor starts.
   static constexpr std::int64_t kFirstSweep_us = 6'000'000;
-  /// The longest reply is a sweep with intensities of some 10,000 beams.
+  /// The longest reply is a sweep with intensities of about 10,000 beams.
   static constexpr std::size_t kMaxReply = 128 * 1024;
 
-  /// Its clock counts in so many bits, in ticks of this length.
+  /// Width and tick length of the scanner's clock.
   ScannerTalk(int clock_bits, double tick_us) : clock_(clock_bits, tick_us) {}
 
-  /// Forgets an earlier talk: for connected().
+  /// Forgets the state of an earlier connection; call from connected().
   void forget_talk();
 
-  /// Sends the present command; `framed` is how it goes over the wire.
+  /// Sends the current command; `framed` is its form on the wire.
   void send(const std::string& framed, std::int64_t host_utime);
   void fail(const std::string& why);
 
-  /// A reply without an end is given up.
+  /// Drops the buffer when it exceeds kMaxReply: the reply has no end.
   void bound_buffer();
 
-  /// No sweep has come for too long. True: the talk is to begin anew; false: it has failed.
+  /// Handles missing sweeps. True: restart the dialogue; false: the connection has failed.
   bool may_begin_anew();
 
-  /// A sweep whose utime is set. Two cannot be of one time: of a counter that jumped it is refused.
+  /// Adds a sweep, whose utime is set. Rejects it unless its utime is after that of the last sweep:
+  /// the counter has jumped.
   void take_scan(laser::Scan scan);
 
   DeviceClock clock_;
@@ -58,8 +59,8 @@ class ScannerTalk : public Protocol {
   std::int64_t asked_utime_ = 0;
   std::optional<std::int64_t> deadline_utime_;
   int num_asked_ = 0;          ///< of the present step
-  bool is_streaming_ = false;  ///< a sweep has come in this talk
-  std::string trouble_;        ///< what the scanner says is wrong with it
+  bool is_streaming_ = false;  ///< a sweep has arrived since the dialogue began
+  std::string trouble_;        ///< error reported by the scanner
 
  private:
   std::optional<std::int64_t> last_utime_;

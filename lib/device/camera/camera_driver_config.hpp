@@ -5,12 +5,12 @@
 
 namespace orchard::device {
 
-/// The camera of orchard-camera-driver; its pictures have the size of section `camera`. Section
+/// The camera of orchard-camera-driver; section `camera` gives the size of its pictures. Section
 /// `drivers.camera`.
 struct CameraDriverConfig {
   std::string device;     ///< empty: no camera
-  double rate_hz = 10.0;  ///< at most
-  int max_bytes = 60000;  ///< of a picture: one datagram
+  double rate_hz = 10.0;  ///< max picture rate
+  int max_bytes = 60000;  ///< of one picture; the default fits one datagram
 };
 
 template <class Visitor>

@@ -6,22 +6,22 @@
 
 namespace orchard::device {
 
-/// How a camera gives its pixels.
+/// Pixel formats of a camera.
 enum class PixelFormat {
   kJpeg,  ///< a JPEG per picture (MJPEG)
   kYuyv,  ///< Y U Y V: two pixels in four bytes
-  kGrey,  ///< one byte a pixel
-  kBgr,   ///< three bytes a pixel
+  kGrey,  ///< one byte per pixel
+  kBgr,   ///< three bytes per pixel
   kRgb,
 };
 
-/// One picture as a camera gave it.
+/// One picture as delivered by a camera.
 struct CameraFrame {
-  std::int64_t utime = 0;  ///< mid-exposure, as well as the device says [us]
+  std::int64_t utime = 0;  ///< mid-exposure, as accurate as the device tells [us]
   int width_px = 0;
   int height_px = 0;
   PixelFormat format = PixelFormat::kJpeg;
-  int row_bytes = 0;  ///< of an uncompressed picture, at least its pixels
+  int row_bytes = 0;  ///< of an uncompressed picture; may include padding
   std::vector<std::uint8_t> data;
 };
 

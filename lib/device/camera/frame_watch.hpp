@@ -7,7 +7,8 @@
 
 namespace orchard::device {
 
-/// Notices a camera that hangs: no sensor gives the same bytes twice, its noise alone differs.
+/// Detects a camera that hangs: sensor noise makes any two real pictures differ, so identical bytes
+/// mean a frozen stream.
 class FrameWatch {
  public:
   void add(const std::vector<std::uint8_t>& data) {
@@ -15,7 +16,7 @@ class FrameWatch {
     if (num_same_ == 0) last_ = data;
   }
 
-  /// Ten pictures in a row were the same.
+  /// True after ten identical pictures in a row.
   bool is_frozen() const { return num_same_ >= kMaxSame; }
 
   void restart() { num_same_ = 0; }

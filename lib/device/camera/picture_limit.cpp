@@ -13,15 +13,14 @@ namespace orchard::device {
 namespace {
 
 constexpr int kBestQuality = 90;
-constexpr int kWorstQuality =
-    25;                   // below, blocks of 8 pixels hide the edges that trunks are found by
-constexpr int kRise = 5;  // from one picture to the next
+constexpr int kWorstQuality = 25;  // below, block artefacts of 8 pixels hide the edges of trunks
+constexpr int kRise = 5;           // max increase from one picture to the next
 constexpr int kMaxPixels_px = 16384;
 
 using Handle = std::unique_ptr<void, int (*)(void*)>;
 using Bytes = std::vector<std::uint8_t>;
 
-/// Pixels in the form in which they are compressed.
+/// Pixels ready for the JPEG encoder.
 struct Planes {
   Bytes data;
   int width_px = 0;
@@ -31,7 +30,7 @@ struct Planes {
   int row_bytes = 0;
 };
 
-/// Whether the bytes begin and end as a JPEG; padding may follow, as some cameras send it.
+/// True if the bytes begin and end as a JPEG; padding may follow, as some cameras send it.
 bool is_whole_jpeg(const Bytes& data) {
   if (data.size() < 4 || data[0] != 0xFF || data[1] != 0xD8) return false;
   std::size_t end = data.size();
@@ -77,7 +76,7 @@ Planes split_yuyv(const CameraFrame& frame) {
   return planes;
 }
 
-/// The frame's pixels ready to be compressed; none when its sizes contradict each other.
+/// Decodes or repacks the frame for compress(); none when its sizes contradict each other.
 std::optional<Planes> planes_of(CameraFrame& frame) {
   if (frame.format == PixelFormat::kJpeg) return decode_jpeg(frame);
   const int pixel_bytes = frame.format == PixelFormat::kGrey   ? 1
@@ -104,7 +103,7 @@ std::optional<Planes> planes_of(CameraFrame& frame) {
   return planes;
 }
 
-/// The JPEG of that quality; empty when the library cannot.
+/// Compresses to a JPEG of this quality; empty when the library fails.
 Bytes compress(const Planes& planes, int quality) {
   const Handle encoder(tjInitCompress(), tjDestroy);
   unsigned char* buffer = nullptr;
@@ -140,7 +139,7 @@ std::variant<vision::Image, NoPicture> PictureLimit::fit(CameraFrame frame) {
   }
   const std::optional<Planes> planes = planes_of(frame);
   if (!planes) return NoPicture{"pixels that do not make a picture of its size"};
-  // Begins near what the last picture needed: scenes change slowly.
+  // Start near the quality of the last picture: scenes change slowly.
   int high = quality_ == 0 ? kBestQuality : std::min(kBestQuality, quality_ + kRise);
   image.data = compress(*planes, high);
   if (image.data.empty()) return NoPicture{"pixels that cannot be compressed"};

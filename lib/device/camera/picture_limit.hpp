@@ -12,23 +12,23 @@
 
 namespace orchard::device {
 
-/// Why a frame became no picture, in words for a person.
+/// The reason why a frame gave no picture, as text for the user.
 struct NoPicture {
   std::string why;
 };
 
-/// Turns frames into JPEG pictures of at most so many bytes. A camera's own JPEG that is small
-/// enough passes unchanged; a larger one and uncompressed pixels are compressed with the best
-/// quality, at most 90, that keeps the limit.
+/// Converts frames to JPEG pictures of limited size in bytes. A camera's own JPEG within the limit
+/// passes unchanged; a larger one and uncompressed pixels are compressed with the best quality, at
+/// most 90, that keeps the limit.
 class PictureLimit {
  public:
   explicit PictureLimit(std::size_t max_bytes) : max_bytes_(max_bytes) {}
 
-  /// seq is left 0. NoPicture: no whole JPEG, sizes that contradict each other, or beyond the limit
-  /// even with quality 25.
+  /// Converts one frame; seq is left 0. NoPicture: an incomplete JPEG, inconsistent sizes, or a
+  /// picture above the limit even with quality 25.
   std::variant<vision::Image, NoPicture> fit(CameraFrame frame);
 
-  /// Of the last picture that was compressed here; 0: none was.
+  /// JPEG quality of the last picture compressed here; 0: none yet.
   int quality() const { return quality_; }
 
  private:

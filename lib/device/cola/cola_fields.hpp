@@ -7,8 +7,8 @@
 
 namespace orchard::device {
 
-/// The fields of a CoLa-A telegram, one after the other: they are separated by single blanks.
-/// After the first field that is missing or no number of its kind, nothing more is read.
+/// Reads the fields of a CoLa-A telegram in sequence; single blanks separate them. After the first
+/// missing or malformed field, ok() is false and nothing more is read.
 class ColaFields {
  public:
   explicit ColaFields(std::string_view telegram) : rest_(telegram) {}
@@ -18,13 +18,13 @@ class ColaFields {
   /// The next field as text; empty after the last.
   std::string_view text();
 
-  /// A number without sign in up to eight hexadecimal digits, not above `max`.
+  /// Reads an unsigned number of up to eight hexadecimal digits, not above `max`.
   std::uint32_t number(std::uint32_t max = 0xffffffffu);
 
-  /// A number of 32 bits with sign: in hexadecimal two's complement, or decimal after + or -.
+  /// Reads a signed 32-bit number: hexadecimal two's complement, or decimal after + or -.
   std::int32_t signed_number();
 
-  /// An IEEE 754 number in hexadecimal digits ("3F800000" is 1).
+  /// Reads an IEEE 754 number in hexadecimal digits ("3F800000" is 1).
   float real();
 
   void skip(int num_fields);

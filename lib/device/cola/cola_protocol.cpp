@@ -15,20 +15,21 @@ constexpr char kEtx = '\x03';
 constexpr int kClock_bits = 32;
 constexpr double kTick_us = 1.0;
 
-/// The slowest of these scanners sends a sweep every 67 ms.
+/// Time without a sweep after which the dialogue restarts; the slowest of these scanners sends one
+/// every 67 ms.
 constexpr std::int64_t kMaxSilence_us = 1'000'000;
 
 struct Question {
   std::string_view command;
-  std::string_view answer;  ///< how a telegram that grants it begins
+  std::string_view answer;  ///< prefix of the telegram that grants it
 };
 
 constexpr std::array<Question, 7> kQuestions = {{
     {"sEN LMDscandata 0", "sEA LMDscandata"},
     {"sRN DeviceIdent", "sRA DeviceIdent "},
     {"sRN LMPoutputRange", "sRA LMPoutputRange "},
-    // As "authorised client", with the password that these devices are delivered with. Nothing is
-    // saved in the device: when it is switched off, it is as before.
+    // Log in as "authorised client" with the factory password. Nothing is saved in the device: its
+    // settings return after a power cycle.
     {"sMN SetAccessMode 03 F4724744", "sAN SetAccessMode 1"},
     // First echo, intensities in 16 bits; no encoder, position, name, comment, time; every sweep.
     {"sWN LMDscandatacfg 01 00 1 1 0 00 00 0 0 0 0 +1", "sWA LMDscandatacfg"},
@@ -40,7 +41,7 @@ bool begins_with(std::string_view text, std::string_view begin) {
   return text.substr(0, begin.size()) == begin;
 }
 
-/// One of those a scanner gives: to reading, to writing, to a method, to an event, or a refusal.
+/// True if the telegram is an answer: to a read, a write, a method, an event, or a refusal.
 bool is_answer(std::string_view telegram) {
   for (const std::string_view kind : {"sRA ", "sWA ", "sAN ", "sEA ", "sFA "}) {
     if (begins_with(telegram, kind)) return true;
@@ -48,7 +49,8 @@ bool is_answer(std::string_view telegram) {
   return false;
 }
 
-/// "sRA DeviceIdent 10 LMS10x_FieldEval 10 V1.36-21.10.2010": each text after its length.
+/// The name in "sRA DeviceIdent 10 LMS10x_FieldEval 10 V1.36-21.10.2010"; each text follows its
+/// length.
 std::string_view name_in_ident(std::string_view telegram) {
   ColaFields fields(telegram);
   fields.skip(3);
@@ -79,7 +81,7 @@ void ColaProtocol::ask(Step step, std::int64_t host_utime) {
 
 void ColaProtocol::ask_again(std::int64_t host_utime) { send(kStx + command_ + kEtx, host_utime); }
 
-/// To the next step; without the log-in two are of no use.
+/// Goes to the next step; without the log-in, two steps are skipped.
 void ColaProtocol::go_on(bool was_granted, std::int64_t host_utime) {
   const bool skips = step_ == Step::kLogin && !was_granted;
   ask(skips ? Step::kStart : static_cast<Step>(static_cast<int>(step_) + 1), host_utime);
@@ -103,7 +105,7 @@ void ColaProtocol::receive(std::string_view bytes, std::int64_t host_utime) {
 
 void ColaProtocol::take(std::string_view telegram, std::int64_t host_utime) {
   if (begins_with(telegram, "sSN LMDscandata ")) {
-    // Before it has been stopped, what comes belongs to an earlier talk.
+    // Sweeps that arrive before the stop belong to an earlier connection.
     if (step_ == Step::kStart || step_ == Step::kStream) take_sweep(telegram, host_utime);
     return;
   }
@@ -116,7 +118,7 @@ void ColaProtocol::take(std::string_view telegram, std::int64_t host_utime) {
     if (step_ == Step::kRange) range_ = parse_cola_range(telegram);
     return go_on(true, host_utime);
   }
-  // "sFA 3" is a refusal, as is the answer to the log-in with 0.
+  // "sFA 3" is a refusal, and so is the answer 0 to the log-in.
   const bool is_refusal = begins_with(telegram, "sFA") || begins_with(telegram, "sAN");
   if (!is_refusal) return;
   if (step_ == Step::kStop || step_ == Step::kStart) {
@@ -132,11 +134,12 @@ void ColaProtocol::take_sweep(std::string_view telegram, std::int64_t host_utime
     ++counts_.num_bad;
     return;
   }
-  if (step_ == Step::kStart) ask(Step::kStream, host_utime);  // the sweep overtook the answer
+  if (step_ == Step::kStart) ask(Step::kStream, host_utime);  // a sweep arrived before the answer
   is_streaming_ = true;
   trouble_ = sweep->is_dirty ? "the scanner says that its front screen is dirty" : "";
   deadline_utime_ = host_utime + kMaxSilence_us;
-  // The clock is tied by the time of sending, which the network alone separates from arrival.
+  // The clock is synchronised by the time of transmission, since only the network delay separates
+  // it from the arrival.
   const double sent_us = clock_.arrived(sweep->sent_ticks, host_utime);
   const double start_us = sent_us - kTick_us * (sweep->sent_ticks - sweep->start_ticks);
   sweep->scan.utime = clock_.host_utime(start_us + sweep->to_first_beam_us);

@@ -11,10 +11,10 @@
 
 namespace orchard::device {
 
-/// The talk with a SICK scanner in CoLa-A (telegram listing 8014631): TiM3xx, TiM5xx, LMS1xx. Stops
-/// it, asks what it is, asks for intensities if it may, and has it send every sweep.
+/// CoLa-A protocol of SICK scanners TiM3xx, TiM5xx and LMS1xx (telegram listing 8014631). Stops the
+/// scanner, identifies it, enables intensities where permitted, and subscribes to every sweep.
 ///
-/// CoLa-A has no check sum: over TCP none is needed, and of a telegram every field is checked.
+/// CoLa-A has no checksum: TCP protects the bytes, and every field of a telegram is validated.
 class ColaProtocol : public ScannerTalk {
  public:
   ColaProtocol();
@@ -24,7 +24,7 @@ class ColaProtocol : public ScannerTalk {
   void expire(std::int64_t host_utime) override;
 
  private:
-  /// In the order of the talk. Of those from kIdentify to kRun a device may refuse any.
+  /// The dialogue in order. The device may refuse any step from kIdentify to kRun.
   enum class Step { kStop, kIdentify, kRange, kLogin, kConfigure, kRun, kStart, kStream };
 
   void ask(Step step, std::int64_t host_utime);

@@ -20,10 +20,10 @@ constexpr std::uint32_t kMaxBeams = 10'000;
 constexpr std::uint32_t kMaxChannels = 16;
 constexpr std::uint32_t kMaxEncoders = 8;
 
-/// Sent so long after it was measured, a sweep is none of this clock.
+/// Max time from measurement to transmission; a longer one means invalid time stamps.
 constexpr std::uint32_t kMaxDelay_us = 10'000'000;
 
-/// Bits of the second field of the device's state.
+/// Bits of the second field of the device status.
 constexpr std::uint32_t kDeviceError = 1;
 constexpr std::uint32_t kPollution = 2 | 4;
 
@@ -71,7 +71,7 @@ bool is_sound(const Channel& c) {
          c.scale <= 100.0 && std::isfinite(c.offset) && std::abs(c.offset) <= 1e6;
 }
 
-/// The step between beams [1/10000 degree], without its rounding where the ends are known.
+/// The step between beams [1/10000 degree], free of rounding where the ends are known.
 double exact_step(const Channel& c, const std::optional<ColaRange>& range) {
   const auto rounded = static_cast<double>(c.step);
   if (!range || range->start != c.start) return rounded;
@@ -82,7 +82,7 @@ double exact_step(const Channel& c, const std::optional<ColaRange>& range) {
 
 float metres(double value_mm, const ColaModel& model) {
   const double range_m = 1e-3 * value_mm;
-  // Below the nearest range stand 0 for no return, and codes for dazzle and the like.
+  // Values below range_min_m are codes: 0 for no return, others for dazzle and the like.
   const bool is_range = range_m >= model.range_min_m && range_m <= model.range_max_m;
   return is_range ? static_cast<float>(range_m) : 0.0f;
 }
@@ -90,7 +90,7 @@ float metres(double value_mm, const ColaModel& model) {
 }  // namespace
 
 ColaModel cola_model(std::string_view name) {
-  // Working ranges by the makers' data sheets.
+  // Working ranges from the manufacturer's data sheets.
   static constexpr std::array<std::pair<std::string_view, ColaModel>, 9> kModels = {{
       {"TiM31", {0.05, 4.0, -450000}},
       {"TiM32", {0.05, 4.0, -450000}},

@@ -10,18 +10,20 @@
 
 namespace orchard::device {
 
-/// What a family of scanners measures with, by the name that the device gives itself.
+/// Range limits and start angle of a family of scanners, found by the device's own name.
 struct ColaModel {
   double range_min_m = 0.01;
   double range_max_m = 65.0;
-  /// Where a full sweep begins [1/10000 degree]: the instant that the device stamps.
+  /// Angle at which a full sweep begins [1/10000 degree]: the device's time stamp is of this
+  /// instant.
   std::int32_t stamped_angle = -450000;
 };
 
-/// The model by a reply to DeviceIdent ("TiM561-2050101"); what is unknown has the widest limits.
+/// The model for the name in a reply to DeviceIdent ("TiM561-2050101"); unknown names get the
+/// widest limits.
 ColaModel cola_model(std::string_view name);
 
-/// The angles that the device says it puts out (LMPoutputRange) [1/10000 degree].
+/// Output angles reported by the device (LMPoutputRange) [1/10000 degree].
 struct ColaRange {
   std::int32_t start = 0;
   std::int32_t stop = 0;
@@ -29,23 +31,23 @@ struct ColaRange {
 
 std::optional<ColaRange> parse_cola_range(std::string_view telegram);
 
-/// One sweep as LMDscandata carries it.
+/// The content of one LMDscandata telegram.
 struct ColaScan {
   std::uint32_t num_sent = 0;     ///< telegram counter, 16 bits
-  std::uint32_t start_ticks = 0;  ///< us since the device started, 32 bits: full sweep begun
-  std::uint32_t sent_ticks = 0;   ///< the same clock: telegram sent
-  double to_first_beam_us = 0.0;  ///< from start_ticks
-  bool has_error = false;         ///< the device says that it does not measure well
-  bool is_dirty = false;          ///< it says that its front screen is
+  std::uint32_t start_ticks = 0;  ///< us since power-up, 32 bits: start of the full sweep
+  std::uint32_t sent_ticks = 0;   ///< same clock: transmission of the telegram
+  double to_first_beam_us = 0.0;  ///< time from start_ticks to the first beam
+  bool has_error = false;         ///< device status: measurement error
+  bool is_dirty = false;          ///< device status: front screen is dirty
   laser::Scan scan;               ///< without utime and seq
 };
 
-/// Reads a telegram "sSN LMDscandata ..." (SICK telegram listing 8014631). None when it is not
-/// whole, a number is none, or angles, counts or rates are those of no scanner.
+/// Parses a telegram "sSN LMDscandata ..." (SICK telegram listing 8014631). None when it is
+/// incomplete, a number is malformed, or angles, counts or rates are implausible.
 ///
-/// Its angles count from the right; ahead is 90 degrees. The angular step is rounded to 1/10000
-/// degree: where `range` says the same, its two ends give the step without that. RSSI1 becomes the
-/// intensities when it comes with the ranges.
+/// Device angles count from the right, so that 90 degrees is straight ahead. The angular step is
+/// rounded to 1/10000 degree; where `range` gives the same ends, the step is computed from the ends
+/// instead. RSSI1 gives the intensities when the telegram has it.
 std::optional<ColaScan> parse_cola_scan(std::string_view telegram, const ColaModel& model,
                                         const std::optional<ColaRange>& range);
 

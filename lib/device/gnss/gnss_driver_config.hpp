@@ -5,18 +5,19 @@
 
 namespace orchard::device {
 
-/// What stamps a fix.
+/// Source of a fix's time stamp.
 enum class GnssStamp {
-  kReceipt,  ///< its arrival here, freed of jitter, less latency_s
-  kFixTime,  ///< its own time: right where the host keeps satellite time (chrony on the receiver)
+  kReceipt,  ///< its arrival, freed of jitter, minus latency_s
+  kFixTime,  ///< its own time; correct where satellite time sets the host's clock (chrony with the
+             ///< receiver)
 };
 
-/// The receiver of orchard-gnss-driver, behind gpsd. Section `drivers.gnss`.
+/// The receiver of orchard-gnss-driver, read through gpsd. Section `drivers.gnss`.
 struct GnssDriverConfig {
   std::string device;    ///< empty: no receiver
-  std::string receiver;  ///< as gpsd names it; empty: the first that reports
+  std::string receiver;  ///< gpsd's name of the receiver; empty: the first that reports
   GnssStamp stamp = GnssStamp::kReceipt;
-  double latency_s = 0.1;  ///< from the instant of a fix to its quickest arrival
+  double latency_s = 0.1;  ///< min delay from the instant of a fix to its arrival
 };
 
 template <class Visitor>

@@ -22,11 +22,12 @@ enum Quality : std::int8_t {
 };
 
 constexpr double kUnknownHeightVariance_m2 = 1e4;
-constexpr double kMaxOfRtk_m = 1.0;  // an RTK solution that claims more does not speak of itself
+constexpr double kMaxOfRtk_m =
+    1.0;  // above, eph is gpsd's estimate, not the error of the RTK solution
 
 bool is_rtk(std::int8_t quality) { return quality == kRtkFixed || quality == kRtkFloat; }
 
-/// Of the ellipse where there is one, else of the deviations; false when there is neither.
+/// Covariance from the error ellipse, else from the standard deviations; false without both.
 bool from_noise(const GpsdNoise& noise, std::array<double, 6>& covariance) {
   auto& [ee, en, eu, nn, nu, uu] = covariance;
   if (noise.major_sd_m && noise.minor_sd_m && noise.orientation_deg && *noise.major_sd_m > 0.0) {
@@ -53,7 +54,7 @@ bool from_noise(const GpsdNoise& noise, std::array<double, 6>& covariance) {
 
 std::int8_t gga_quality(const GpsdFix& fix) {
   if (fix.mode < 2) return kNoFix;
-  // gpsd_json(5), TPV, status. A status that is not said is that of a plain fix.
+  // gpsd_json(5), TPV, status. An absent status means a plain fix.
   constexpr std::array<std::int8_t, 10> kByStatus{kSingle,    kSingle,    kDifferential, kRtkFixed,
                                                   kRtkFloat,  kEstimated, kEstimated,    kSurveyed,
                                                   kSimulated, kMilitary};

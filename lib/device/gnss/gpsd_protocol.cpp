@@ -26,7 +26,7 @@ std::string shown(std::string_view bytes) {
   return text;
 }
 
-/// As JSON wants it: quotes and backslashes marked.
+/// A JSON string literal: quotes and backslashes escaped.
 std::string quoted(std::string_view text) {
   std::string quoted = "\"";
   for (const char byte : text) {
@@ -63,7 +63,7 @@ void GpsdProtocol::receive(std::string_view bytes, std::int64_t host_utime) {
 }
 
 void GpsdProtocol::expire(std::int64_t host_utime) {
-  // A receiver that is unplugged sends nothing, and gpsd then says nothing: is it still there?
+  // gpsd says nothing when a receiver is unplugged: request the list of devices.
   to_send_ += "?DEVICES;\n";
   ++num_unanswered_;
   deadline_ = host_utime + kSilence_us;
@@ -148,14 +148,14 @@ void GpsdProtocol::take_fix(const GpsdFix& fix, std::int64_t host_utime) {
     why_no_fix_ = "the receiver has no fix yet" + std::string(gnss ? ": no time" : "");
     return;
   }
-  // gpsd reports as sentences come in: the one with the height follows.
+  // gpsd reports after each NMEA sentence: a later report has the height.
   if (fix.mode == 3 && !fix.altitude_m) {
     if (fix_utime_ == 0) why_no_fix_ = "waits for a fix with its height";
     return;
   }
   fix_utime_ = host_utime;
   error_.clear();
-  // gpsd repeats a fix as its parts become known.
+  // gpsd repeats a fix whenever more of its fields are known.
   if (last_fix_time_us_ == fix.time_us) return;
   last_fix_time_us_ = fix.time_us;
   gnss->utime = stamp(*fix.time_us, host_utime);
@@ -175,7 +175,7 @@ std::int64_t GpsdProtocol::stamp(std::int64_t fix_time_us, std::int64_t host_uti
 const GpsdNoise* GpsdProtocol::noise_of(const GpsdFix& fix) const {
   if (!noise_ || !noise_->time_us || !fix.time_us) return nullptr;
   if (*noise_->time_us == *fix.time_us) return &*noise_;
-  // Of the fix before, if nothing has changed since.
+  // The noise of the fix before applies while the status is the same.
   const std::int64_t age_us = *fix.time_us - *noise_->time_us;
   const bool is_near = age_us > 0 && age_us <= kNoiseAge_us;
   return is_near && noise_status_ == fix.status ? &*noise_ : nullptr;

@@ -14,7 +14,7 @@
 
 namespace orchard::device {
 
-/// The talk with gpsd: asks for reports and turns each new fix into a measurement.
+/// Protocol of gpsd: requests reports and converts each new fix to a measurement.
 class GpsdProtocol : public Protocol {
  public:
   explicit GpsdProtocol(const GnssDriverConfig& config);
@@ -38,18 +38,18 @@ class GpsdProtocol : public Protocol {
   GnssDriverConfig config_;
   LineSplitter lines_;
   DeviceClock clock_;
-  std::string receiver_;  ///< the one that is listened to; empty: none has reported
+  std::string receiver_;  ///< the receiver in use; empty: none has reported yet
   std::optional<std::int64_t> last_fix_time_us_;
   std::int64_t last_utime_ = 0;
   std::optional<GpsdNoise> noise_;
-  int noise_status_ = 0;  ///< of the fix before the noise
+  int noise_status_ = 0;  ///< status of the fix before the noise report
   int last_status_ = 0;
   std::optional<std::int64_t> deadline_;
-  std::int64_t fix_utime_ = 0;  ///< when the last position came
-  int num_unanswered_ = 0;      ///< questions since gpsd last said anything
+  std::int64_t fix_utime_ = 0;  ///< arrival of the last position
+  int num_unanswered_ = 0;      ///< requests since gpsd's last report
   std::optional<bool> has_receivers_;
   std::int64_t num_other_receivers_ = 0;
-  double fix_lead_s_ = 0.0;  ///< stamp: fix_time: of the last fix before its arrival
+  double fix_lead_s_ = 0.0;  ///< stamp: fix_time: arrival minus time of the last fix
   std::string why_no_fix_;
   std::string error_;
   ProtocolCounts counts_;

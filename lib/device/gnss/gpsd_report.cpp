@@ -13,7 +13,7 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kMaxReceivers = 32;
 
-/// Reads fields of a report and keeps the first objection.
+/// Reads the fields of a report and keeps the first error.
 class Fields {
  public:
   explicit Fields(const Json& report) : report_(report) {}
@@ -146,7 +146,7 @@ std::optional<std::int64_t> parse_utc(std::string_view text) {
   int micros = 0;
   if (!fraction.empty()) {
     if (fraction[0] != '.' || fraction.size() > 10) return std::nullopt;
-    fraction.resize(7, '0');  // below a microsecond it is cut off
+    fraction.resize(7, '0');  // digits below a microsecond are cut off
     const auto value = digits(fraction, 1, 6, 0, 999999);
     if (!value) return std::nullopt;
     micros = *value;

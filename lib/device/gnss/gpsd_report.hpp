@@ -10,11 +10,11 @@
 
 namespace orchard::device {
 
-/// A TPV report of gpsd: time and position. What a receiver does not say is absent.
+/// A TPV report of gpsd: time and position. Fields that the receiver does not report are absent.
 struct GpsdFix {
   std::string device;
   int mode = 0;    ///< 0 unknown, 1 no fix, 2 without height, 3 with
-  int status = 0;  ///< 0 or absent: not said; 2 DGPS, 3 RTK fixed, 4 float, ...
+  int status = 0;  ///< 0 or absent: unknown; 2 DGPS, 3 RTK fixed, 4 RTK float, ...
   std::optional<std::int64_t> time_us;  ///< UTC since 1970
   std::optional<double> latitude_deg;
   std::optional<double> longitude_deg;
@@ -32,12 +32,12 @@ struct GpsdNoise {
   std::optional<double> north_sd_m;
   std::optional<double> east_sd_m;
   std::optional<double> up_sd_m;
-  std::optional<double> major_sd_m;  ///< of the ellipse
+  std::optional<double> major_sd_m;  ///< of the error ellipse
   std::optional<double> minor_sd_m;
   std::optional<double> orientation_deg;  ///< of the major axis, from north to east
 };
 
-/// A DEVICES report: the receivers that gpsd reads.
+/// A DEVICES report: the receivers known to gpsd.
 struct GpsdDevices {
   std::vector<std::string> paths;
 };
@@ -47,21 +47,22 @@ struct GpsdError {
   std::string message;
 };
 
-/// Of a class that is not read here (SKY, VERSION, WATCH, ...).
+/// A report of a class that is ignored (SKY, VERSION, WATCH, ...).
 struct GpsdOther {};
 
-/// No report.
+/// A line that is no valid report.
 struct GpsdBad {
   std::string why;
 };
 
 using GpsdReport = std::variant<GpsdOther, GpsdFix, GpsdNoise, GpsdDevices, GpsdError, GpsdBad>;
 
-/// Reads one line of gpsd's JSON (gpsd_json(5)): any bytes are a report or bad. Numbers that are
-/// none, not finite or impossible make it bad.
+/// Parses one line of gpsd's JSON (gpsd_json(5)); accepts any bytes. Malformed, non-finite or
+/// impossible numbers give GpsdBad.
 GpsdReport parse_gpsd_report(std::string_view line);
 
-/// Microseconds since 1970 of a time like "2026-05-04T10:11:12.250Z"; none when it is no such.
+/// Parses a time such as "2026-05-04T10:11:12.250Z" to microseconds since 1970; none when
+/// malformed.
 std::optional<std::int64_t> parse_utc(std::string_view text);
 
 }  // namespace orchard::device

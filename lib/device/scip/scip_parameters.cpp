@@ -13,7 +13,7 @@ namespace {
 constexpr int kMaxStep = 9999;
 constexpr int kMinSteps_per_turn = 16;
 
-/// Three characters hold no more.
+/// The largest number in three characters.
 constexpr int kMaxRange_mm = (1 << 18) - 1;
 
 constexpr int kMinRate_rpm = 60;

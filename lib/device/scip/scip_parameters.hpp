@@ -10,35 +10,35 @@
 
 namespace orchard::device {
 
-/// What a scanner says of itself (PP): all that its angles, ranges and times follow from.
+/// Parameters of a scanner (reply to PP), which determine its angles, ranges and times.
 struct ScipParameters {
-  std::string model;       ///< MODL, as it stands there
-  int range_min_mm = 0;    ///< DMIN: what is below is an error code
+  std::string model;       ///< MODL, verbatim
+  int range_min_mm = 0;    ///< DMIN: values below are error codes
   int range_max_mm = 0;    ///< DMAX
   int steps_per_turn = 0;  ///< ARES
   int first_step = 0;      ///< AMIN
   int last_step = 0;       ///< AMAX
-  int front_step = 0;      ///< AFRT: looks ahead
-  double rate_rpm = 0.0;   ///< SCAN, or what II says the motor does
+  int front_step = 0;      ///< AFRT: straight ahead
+  double rate_rpm = 0.0;   ///< SCAN, or the motor speed reported by II
 
   int num_beams() const { return last_step - first_step + 1; }
 
-  /// Steps count counter-clockwise, seen from above.
+  /// Angle of one step; steps count counter-clockwise, seen from above.
   double step_rad() const { return 2.0 * geometry::kPi / steps_per_turn; }
   double bearing_min_rad() const { return (first_step - front_step) * step_rad(); }
   double turn_us() const { return 60e6 / rate_rpm; }
   double beam_period_us() const { return turn_us() / steps_per_turn; }
 
-  /// Ranges up to 4095 mm go into two characters, others need three.
+  /// Ranges up to 4095 mm fit two characters, larger ones need three.
   bool fits_two_characters() const { return range_max_mm <= 4095; }
 };
 
-/// Reads the lines of a reply to PP. None when a number is missing, its sum is wrong, or together
-/// they describe no scanner.
+/// Parses the lines of a reply to PP. None when a number is missing, a checksum is wrong, or the
+/// values together are implausible.
 std::optional<ScipParameters> parse_scip_parameters(const std::vector<std::string_view>& lines);
 
-/// The speed of the motor [rpm] by the lines of a reply to II ("SCSP:Initial(600[rpm])"); none when
-/// it is not said.
+/// Parses the motor speed [rpm] from the lines of a reply to II ("SCSP:Initial(600[rpm])"); none
+/// when absent.
 std::optional<double> parse_scip_motor_rpm(const std::vector<std::string_view>& lines);
 
 }  // namespace orchard::device

@@ -12,10 +12,12 @@ namespace {
 constexpr int kClock_bits = 24;
 constexpr double kTick_us = 1000.0;
 
-/// A sweep is missing when this many turns have gone by, and half a second for a busy host.
+/// Turns without a sweep, besides half a second for a busy host, after which sweeps count as
+/// missing.
 constexpr double kMaxSilence_turns = 5.0;
 
-/// Each reading of the clock narrows the bounds; together they tell a fraction of its millisecond.
+/// Number of clock readings. Each narrows the bounds; together they resolve a fraction of a
+/// millisecond.
 constexpr int kNumReadings = 12;
 
 constexpr std::array<std::string_view, 7> kCommands = {"QT", "PP", "II", "TM0", "TM1", "TM2", "BM"};
@@ -47,12 +49,12 @@ void ScipProtocol::begin_stream(ScipEncoding encoding, std::int64_t host_utime) 
   const char letter = encoding == ScipEncoding::kTwo     ? 'S'
                       : encoding == ScipEncoding::kThree ? 'D'
                                                          : 'E';
-  // All beams, none merged, every sweep, without end.
+  // All beams, none merged, every sweep, without limit.
   std::array<char, 32> command{};
   std::snprintf(command.data(), command.size(), "M%c%04d%04d00000", letter, parameters_->first_step,
                 parameters_->last_step);
   command_ = command.data();
-  // Until its clock has been read, a sweep is taken to arrive as soon as it is complete.
+  // Until its clock has been read, a sweep is assumed to arrive as soon as it is complete.
   ask_again(host_utime);
 }
 
@@ -66,7 +68,7 @@ void ScipProtocol::receive(std::string_view bytes, std::int64_t host_utime) {
     if (reply && is_answer(reply->echo)) {
       take(*reply, host_utime);
     } else if (step_ == Step::kStream) {
-      ++counts_.num_bad;  // until then what comes may belong to an earlier talk
+      ++counts_.num_bad;  // until then, replies may belong to an earlier connection
     }
   }
   buffer_.erase(0, begin);
@@ -75,7 +77,7 @@ void ScipProtocol::receive(std::string_view bytes, std::int64_t host_utime) {
 
 bool ScipProtocol::is_answer(std::string_view echo) const {
   if (step_ != Step::kStream) return echo == command_;
-  // The last two digits are the sweeps that remain.
+  // The last two digits count the remaining sweeps.
   const std::size_t num_fixed = command_.size() - 2;
   return echo.size() == command_.size() &&
          echo.substr(0, num_fixed) == std::string_view(command_).substr(0, num_fixed);
@@ -92,7 +94,7 @@ void ScipProtocol::take(const ScipReply& reply, std::int64_t host_utime) {
       return ask(Step::kClockIn, host_utime);
     case Step::kClockIn:
       num_readings_ = 0;
-      // 02: it is in that mode already. Else it has none.
+      // Status 02: already in this mode. Any other: the scanner has no such mode.
       return ask(reply.status == "00" || reply.status == "02" ? Step::kClockRead : Step::kLaser,
                  host_utime);
     case Step::kClockRead:
@@ -100,7 +102,7 @@ void ScipProtocol::take(const ScipReply& reply, std::int64_t host_utime) {
     case Step::kClockOut:
       return ask(Step::kLaser, host_utime);
     case Step::kLaser:
-      // 02: it is on already. 01 is a laser that does not come on: no sweep will follow.
+      // Status 02: already on. 01: the laser fails to turn on and no sweep will follow.
       if (reply.status == "01") trouble_ = "the scanner's laser does not come on (status 01)";
       return begin_stream(parameters_->fits_two_characters() ? ScipEncoding::kTwo
                                                              : ScipEncoding::kThreeWithIntensity,
@@ -197,8 +199,8 @@ void ScipProtocol::expire(std::int64_t host_utime) {
     return fail(trouble_.empty() ? "no answer to " + command_ + " (a scanner with SCIP 2.0?)"
                                  : trouble_);
   }
-  // A URG-04LX starts in SCIP 1.1; others answer the switch with an error, which is passed over.
-  // An empty line ends what a broken connection may have left half said.
+  // A URG-04LX starts in SCIP 1.1; other models answer the switch with an error, which is ignored.
+  // The empty line ends a command that a broken connection may have left incomplete.
   if (step_ == Step::kStop) to_send_ += "\nSCIP2.0\n";
   ask_again(host_utime);
 }

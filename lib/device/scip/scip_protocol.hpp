@@ -13,9 +13,9 @@
 
 namespace orchard::device {
 
-/// The talk with a Hokuyo scanner in SCIP 2.0 or later (specification C-42-03320B): URG-04LX-UG01,
-/// UTM-30LX, UST-10LX and their like. Stops it, asks what it is, reads its clock, and has it send
-/// every sweep: with intensities where it has them.
+/// SCIP protocol, 2.0 or later, of Hokuyo scanners URG-04LX-UG01, UTM-30LX, UST-10LX and similar
+/// (specification C-42-03320B). Stops the scanner, reads its parameters and its clock, and requests
+/// every sweep, with intensities where the model has them.
 class ScipProtocol : public ScannerTalk {
  public:
   ScipProtocol();
@@ -25,7 +25,7 @@ class ScipProtocol : public ScannerTalk {
   void expire(std::int64_t host_utime) override;
 
  private:
-  /// In the order of the talk.
+  /// The dialogue in order.
   enum class Step { kStop, kParameters, kState, kClockIn, kClockRead, kClockOut, kLaser, kStream };
 
   void ask(Step step, std::int64_t host_utime);
@@ -43,7 +43,7 @@ class ScipProtocol : public ScannerTalk {
   int num_readings_ = 0;
   std::optional<ScipParameters> parameters_;
   ScipEncoding encoding_ = ScipEncoding::kThree;
-  bool is_granted_ = false;  ///< it has agreed to send sweeps
+  bool is_granted_ = false;  ///< the scanner has accepted the request for sweeps
 };
 
 }  // namespace orchard::device

@@ -11,13 +11,13 @@ namespace {
 constexpr std::size_t kCharacters_per_line = 64;
 constexpr std::size_t kCharacters_of_time = 4;
 
-/// A range as a scan has it. Limits too, so that a range at its limit is within it.
+/// Converts a range to the scan's units. The limits are converted likewise, so that a range equal
+/// to a limit is within it.
 float metres(std::int64_t range_mm) {
   return static_cast<float>(1e-3 * static_cast<double>(range_mm));
 }
 
-/// The lines' characters, joined; none when a sum is wrong or a line is not as long as it has to
-/// be.
+/// Joins the characters of the lines; none when a checksum or the length of a line is wrong.
 std::optional<std::string> join_checked(const std::vector<std::string_view>& lines,
                                         std::size_t num_characters) {
   std::string joined;

@@ -11,7 +11,7 @@
 
 namespace orchard::device {
 
-/// What each beam of a sweep is sent as.
+/// Encoding of a beam.
 enum class ScipEncoding {
   kTwo,                 ///< MS: a range in two characters
   kThree,               ///< MD: a range in three characters
@@ -20,16 +20,16 @@ enum class ScipEncoding {
 
 int characters_per_beam(ScipEncoding encoding);
 
-/// A sweep as the scanner sent it.
+/// One sweep of the scanner.
 struct ScipSweep {
-  std::uint32_t ticks = 0;  ///< 24 bits of milliseconds, when the motor passed step 0
+  std::uint32_t ticks = 0;  ///< 24 bits of milliseconds; the motor passed step 0
   laser::Scan scan;         ///< without utime and seq
 };
 
-/// Reads the lines after the status "99": time and ranges. None when a sum is wrong or there are
-/// not exactly the characters of all beams.
+/// Parses the lines after the status "99": time and ranges. None when a checksum is wrong or the
+/// number of characters does not match the number of beams.
 ///
-/// What is not within DMIN to DMAX is an error code or beyond reach: no return.
+/// Values outside DMIN to DMAX are error codes or out of reach: no return.
 std::optional<ScipSweep> parse_scip_sweep(const std::vector<std::string_view>& lines,
                                           const ScipParameters& parameters, ScipEncoding encoding);
 

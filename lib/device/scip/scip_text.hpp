@@ -8,28 +8,29 @@
 
 namespace orchard::device {
 
-/// The sum of a line: the lower six bits of the sum of its characters, plus 30h (SCIP 2.0, 7).
+/// Checksum of a line: the lower six bits of the sum of its characters, plus 30h (SCIP 2.0, 7).
 char scip_sum(std::string_view text);
 
-/// The line without the sum at its end; none when the sum is wrong.
+/// The line without the checksum at its end; none when the checksum is wrong.
 std::optional<std::string_view> checked_line(std::string_view line);
 
-/// The same for the lines of PP, VV and II, "AMIN:44;7": the semicolon is not summed.
+/// The same for the lines of PP, VV and II such as "AMIN:44;7"; the checksum leaves out the
+/// semicolon.
 std::optional<std::string_view> checked_parameter(std::string_view line);
 
-/// A number of up to five characters of six bits each, 30h for 0 (SCIP 2.0, 6); none when a
-/// character is outside of 30h to 6fh.
+/// Decodes a number of up to five characters of six bits each, 30h for 0 (SCIP 2.0, 6); none when a
+/// character is outside 30h to 6fh.
 std::optional<std::uint32_t> scip_number(std::string_view characters);
 
-/// What the scanner answers to one command, or sends for one sweep.
+/// The scanner's reply to one command, or one sweep.
 struct ScipReply {
-  std::string_view echo;               ///< the command as it was understood
+  std::string_view echo;               ///< the command as received
   std::string_view status;             ///< two characters, checked
-  std::vector<std::string_view> body;  ///< lines with their sums, not checked yet
+  std::vector<std::string_view> body;  ///< lines with their checksums, not verified yet
 };
 
-/// Reads a reply, from its echo to before the empty line that ends it. None when it has no echo or
-/// its status is not two characters and their sum.
+/// Parses a reply from its echo up to the empty line that ends it. None when it has no echo, or its
+/// status is not two characters and their checksum.
 std::optional<ScipReply> parse_scip_reply(std::string_view text);
 
 }  // namespace orchard::device

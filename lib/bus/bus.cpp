@@ -23,7 +23,7 @@ std::int64_t BusCounts::num_bad() const {
 }
 
 struct Bus::Impl {
-  /// What LCM's callback is given: the channel it was subscribed for and what to do with bytes.
+  /// Context of an LCM callback: the subscribed channel and the function that receives the bytes.
   struct Subscription {
     Impl* bus;
     Channel channel;
@@ -32,7 +32,7 @@ struct Bus::Impl {
 
   std::string url;
   std::optional<SocketGuard> guard;
-  std::vector<std::string> heard;  // names of the channels that are subscribed to
+  std::vector<std::string> heard;  // names of the subscribed channels
   bool hears_all = false;
   lcm_t* lcm = nullptr;
   std::vector<std::unique_ptr<Subscription>> subscriptions;
@@ -51,11 +51,12 @@ struct Bus::Impl {
   static bool has_failed(const lcm_subscription_t* subscription) { return subscription == nullptr; }
   static bool has_failed(int fd) { return fd < 0; }
 
-  /// LCM opens its receiving socket with the first subscription, or when its file is asked for.
+  /// Runs `open` and guards the socket it opens: LCM opens its receiving socket with the first
+  /// subscription or the first call of lcm_get_fileno().
   template <class Open>
   auto open_guarded(Open open) {
     if (guard || is_private()) return open();
-    guard.emplace();  // knows which sockets were there before
+    guard.emplace();  // records the sockets that exist before
     const auto opened = open();
     if (has_failed(opened)) {
       guard.reset();
@@ -68,12 +69,13 @@ struct Bus::Impl {
     return opened;
   }
 
-  /// Nobody is woken for what it does not read: pictures alone are most of the traffic.
+  /// Filters out the channels that this process does not read: images alone are most of the
+  /// traffic.
   void listen_to_subscribed() {
     if (guard && !hears_all) guard->listen_to(heard);
   }
 
-  /// C frames of LCM are below: nothing may be thrown through them.
+  /// LCM's C frames are on the stack: no exception may leave this function.
   static void on_message(const lcm_recv_buf_t* buffer, const char*, void* context) {
     auto* subscription = static_cast<Subscription*>(context);
     Impl& bus = *subscription->bus;
@@ -105,7 +107,7 @@ struct Bus::Impl {
     open_subscription(".*", &Impl::on_raw_message, this, kLargeQueue);
   }
 
-  /// `pattern`: LCM's, a regular expression. `capacity`: how many messages may wait.
+  /// `pattern`: a regular expression, as LCM expects. `capacity`: max number of waiting messages.
   void open_subscription(const std::string& pattern, lcm_msg_handler_t handler, void* context,
                          int capacity) {
     lcm_subscription_t* subscription =
@@ -124,7 +126,8 @@ struct Bus::Impl {
     if (rejection_handler) rejection_handler(channel, rejection);
   }
 
-  /// Subscribes with `decode` before `handle`: the one way in.
+  /// Subscribes with `decode` before `handle`; every subscription except the raw one goes through
+  /// here.
   template <class Decode, class Handle>
   void subscribe(Channel channel, Decode decode, Handle handle) {
     auto subscription = std::make_unique<Subscription>();
@@ -138,7 +141,7 @@ struct Bus::Impl {
       handle(std::get<0>(decoded), bytes);
       return {};
     };
-    std::string name;  // a regular expression for LCM: a dot is meant as it is
+    std::string name;  // LCM takes a regular expression, so dots are escaped
     for (const char c : info(channel).name)
       name += c == '.' ? std::string("\\.") : std::string(1, c);
     heard.emplace_back(info(channel).name);
@@ -203,7 +206,7 @@ void Bus::on_rejection(std::function<void(Channel, const Rejection&)> handler) {
 
 bool Bus::publish(Channel channel, const std::vector<std::uint8_t>& bytes) {
   if (bytes.size() > std::numeric_limits<unsigned>::max()) return false;
-  // info().name points into a string literal, which ends in a zero.
+  // info().name points into a string literal, so it is null-terminated.
   const int result = lcm_publish(impl_->lcm, info(channel).name.data(), bytes.data(),
                                  static_cast<unsigned>(bytes.size()));
   ++(result == 0 ? impl_->counts.num_published : impl_->counts.num_unsent);

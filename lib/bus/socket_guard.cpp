@@ -17,9 +17,9 @@
 namespace orchard::bus {
 namespace {
 
-// What LCM writes at the beginning of a datagram: four bytes that say which of two forms it is,
-// then a number, and for a fragment the size of the whole, its offset, its number and their count
-// (lcm/udpm_util.h of LCM 1.3.1). The filter sees the UDP header in front.
+// LCM's datagram header (lcm/udpm_util.h of LCM 1.3.1): four bytes of magic number (whole message
+// or fragment), a sequence number, and for a fragment the total size, offset, fragment number and
+// fragment count. The filter sees the UDP header in front of it.
 constexpr std::uint32_t kUdpHeader = 8;
 constexpr std::uint32_t kWhole = 0x4c433032;     // LC02
 constexpr std::uint32_t kFragment = 0x4c433033;  // LC03
@@ -28,9 +28,9 @@ constexpr std::uint32_t kSizeAt = kUdpHeader + 8;
 constexpr std::uint32_t kOffsetAt = kUdpHeader + 12;
 constexpr std::uint32_t kNumberAt = kUdpHeader + 16;
 constexpr std::uint32_t kFragmentHeader = kUdpHeader + 20;
-constexpr std::uint32_t kNameMax = 64;  // with its zero
+constexpr std::uint32_t kNameMax = 64;  // with terminating zero
 
-/// The largest message of the protocol (lcmtypes/README.md).
+/// Max message size of the protocol (lcmtypes/README.md).
 constexpr std::uint32_t kMessageMax = 16U << 20;
 
 constexpr std::uint32_t kPassAll = 0x40000;
@@ -42,7 +42,7 @@ void put(Program& program, int code, std::uint32_t k, std::uint8_t jump_true = 0
   program.push_back({static_cast<std::uint16_t>(code), jump_true, jump_false, k});
 }
 
-/// Passes a datagram with a zero among the bytes of its name. A load from beyond its end drops it.
+/// Passes a datagram whose channel name is terminated. A load beyond the datagram's end drops it.
 void put_name_check(Program& program, std::uint32_t name_at) {
   for (std::uint32_t i = 0; i < kNameMax; ++i) {
     const auto to_pass = static_cast<std::uint8_t>(2 * (kNameMax - 1 - i) + 1);
@@ -53,7 +53,7 @@ void put_name_check(Program& program, std::uint32_t name_at) {
   put(program, BPF_RET | BPF_K, kPassAll);
 }
 
-/// A name with its zero, as the kernel compares it: in loads of four, two and one byte.
+/// A channel name with its terminating zero, split into loads of four, two and one byte.
 std::vector<std::pair<int, std::uint32_t>> loads_of(const std::string& channel) {
   const std::string name = channel + '\0';
   std::vector<std::pair<int, std::uint32_t>> loads;
@@ -68,8 +68,8 @@ std::vector<std::pair<int, std::uint32_t>> loads_of(const std::string& channel) 
   return loads;
 }
 
-/// Passes a datagram of one of these channels. A load from beyond its end drops it; shorter names
-/// come first, so that only a name that is not among them can meet that end.
+/// Passes a datagram of one of these channels. A load beyond its end drops it; short names are
+/// compared first, so only a name that is not listed can reach the end.
 void put_channels(Program& program, std::uint32_t name_at, std::vector<std::string> channels) {
   std::sort(channels.begin(), channels.end(),
             [](const std::string& a, const std::string& b) { return a.size() < b.size(); });
@@ -87,7 +87,7 @@ void put_channels(Program& program, std::uint32_t name_at, std::vector<std::stri
   put(program, BPF_RET | BPF_K, 0);
 }
 
-/// `channels`: none for all of them.
+/// `channels`: nullptr for all.
 Program make_program(const std::vector<std::string>* channels = nullptr) {
   Program whole;
   if (channels != nullptr) {
@@ -105,7 +105,7 @@ Program make_program(const std::vector<std::string>* channels = nullptr) {
   put(program, BPF_RET | BPF_K, 0);
   put(program, BPF_LD | BPF_W | BPF_ABS, kSizeAt);
   put(program, BPF_JMP | BPF_JGT | BPF_K, kMessageMax, 5, 0);
-  // Beyond this, offset and length together would wrap at 2^32.
+  // A larger offset plus the length could wrap at 2^32.
   put(program, BPF_LD | BPF_W | BPF_ABS, kOffsetAt);
   put(program, BPF_JMP | BPF_JGT | BPF_K, kMessageMax, 3, 0);
   put(program, BPF_LD | BPF_H | BPF_ABS, kNumberAt);
@@ -128,7 +128,7 @@ int option(int fd, int name) {
   return getsockopt(fd, SOL_SOCKET, name, &value, &size) == 0 ? value : -1;
 }
 
-/// The IPv4 datagram sockets of this process.
+/// All IPv4 datagram sockets of this process.
 std::vector<int> datagram_sockets() {
   const std::unique_ptr<DIR, int (*)(DIR*)> folder(opendir("/proc/self/fd"), closedir);
   std::vector<int> sockets;

@@ -7,31 +7,32 @@
 
 namespace orchard::bus {
 
-/// Keeps from LCM's socket the datagrams that LCM 1.3.1 does not survive.
+/// Protects LCM's socket from malformed datagrams that crash LCM 1.3.1.
 ///
-/// LCM reads them in a thread of its own, before any code of ours: a name without an end or a
-/// fragment whose offset wraps makes it copy gigabytes (github.com/lcm-proj/lcm, pull request 628).
-/// So the kernel drops them, by a classic BPF filter on the socket (SO_ATTACH_FILTER; no privilege
-/// is needed, and where LCM is mended it costs nothing).
+/// LCM parses datagrams in its own thread, before any of our code: an unterminated channel name or
+/// a fragment offset that wraps around makes it copy gigabytes (github.com/lcm-proj/lcm, pull
+/// request 628). A classic BPF filter on the socket (SO_ATTACH_FILTER, no privilege needed) makes
+/// the kernel drop them; it is harmless for fixed versions of LCM.
 class SocketGuard {
  public:
-  /// Remembers which sockets there are; call it before LCM makes its own.
+  /// Records which sockets are already open. Construct it before LCM opens its socket.
   SocketGuard();
 
-  /// Puts the filter on every IPv4 datagram socket that has come since. How many there were.
+  /// Attaches the filter to every IPv4 datagram socket opened since construction. Returns their
+  /// number.
   ///
-  /// lcm_get_fileno() is of no help: in LCM 1.3.1 it is a pipe that LCM's thread writes to. The
-  /// socket is the one that was not there before.
+  /// The socket must be found this way because lcm_get_fileno() of LCM 1.3.1 returns a pipe that
+  /// LCM's thread writes to.
   int attach();
 
-  /// From now on only datagrams of these channels reach the guarded sockets, in place of those of
-  /// an earlier call: a group of LCM has one address, and everybody would be woken for each
-  /// picture. What LCM itself cut into several datagrams (above 64 kB) passes: only the first names
-  /// a channel.
+  /// Lets only datagrams of these channels through, replacing the list of an earlier call. All
+  /// channels of an LCM network share one multicast address, so without the filter each image would
+  /// wake every process. Fragmented messages (above 64 kB) always pass, because only the first
+  /// fragment contains the channel name.
   void listen_to(const std::vector<std::string>& channels);
 
-  /// Datagrams that the kernel has dropped on the guarded sockets: refused by the filter, of other
-  /// channels than are listened to, or more than the receive buffer holds.
+  /// Number of datagrams that the kernel dropped on the guarded sockets: malformed ones, other
+  /// channels, and receive buffer overflow.
   std::int64_t num_dropped() const;
 
  private:
@@ -39,7 +40,7 @@ class SocketGuard {
   std::vector<int> guarded_;
 };
 
-/// Whether this kernel (or container) lets a plain process filter its own sockets.
+/// Whether this kernel (or container) allows an unprivileged process to filter its own sockets.
 bool socket_filters_work();
 
 }  // namespace orchard::bus

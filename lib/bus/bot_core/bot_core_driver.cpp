@@ -15,14 +15,14 @@
 namespace orchard::bus {
 namespace {
 
-constexpr int kQueue = 500;      // beyond it LCM drops what arrives
-constexpr int kMaxAtOnce = 200;  // then STATUS and a stop have their turn
+constexpr int kQueue = 500;      // LCM drops messages beyond it
+constexpr int kMaxAtOnce = 200;  // then STATUS and a stop are checked
 constexpr auto kSilence = std::chrono::seconds(1);
 
 }  // namespace
 
 struct BotCoreDriver::Inbox {
-  SocketGuard guard;  // made before LCM's sockets are
+  SocketGuard guard;  // constructed before LCM opens its sockets
   lcm_t* lcm = nullptr;
   BotCoreTranslator* translator = nullptr;
   std::vector<Message> messages;
@@ -32,7 +32,7 @@ struct BotCoreDriver::Inbox {
     if (lcm != nullptr) lcm_destroy(lcm);
   }
 
-  /// C frames of LCM are below: nothing may be thrown through them.
+  /// LCM's C frames are on the stack: no exception may leave this function.
   static void on_message(const lcm_recv_buf_t* buffer, const char* channel, void* context) {
     auto* inbox = static_cast<Inbox*>(context);
     try {

@@ -11,8 +11,8 @@
 
 namespace orchard::bus {
 
-/// A robot that already speaks LCM as a sensor: listens to every channel of its network for
-/// libbot's types and sends ours.
+/// Uses a robot that publishes libbot's LCM types as a sensor: listens to all channels of its
+/// network and sends the translated messages.
 class BotCoreDriver : public Driver {
  public:
   /// Throws BusError when the network cannot be used.

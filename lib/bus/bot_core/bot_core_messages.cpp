@@ -15,11 +15,11 @@
 namespace orchard::bus {
 namespace {
 
-constexpr std::size_t kMaxBytes = std::size_t{32} << 20;  // a picture of many megapixels
+constexpr std::size_t kMaxBytes = std::size_t{32} << 20;  // an image of many megapixels
 constexpr std::int32_t kAnyInt = std::numeric_limits<std::int32_t>::max();
 
-// The fields in the order of the wire; see bus/messages/fields.hpp. Limits where a value would
-// otherwise reach a computation.
+// The fields in wire order; see bus/messages/fields.hpp. Limits are given where a bad value would
+// reach a computation.
 
 struct PlanarLidarFields {
   template <class M, class Visitor>

@@ -12,7 +12,7 @@
 
 namespace orchard::bus {
 
-// libbot's messages as they are on the wire, units as there (lcmtypes/bot_core).
+// libbot's messages as on the wire, in their original units (lcmtypes/bot_core).
 
 struct BotPlanarLidar {
   std::int64_t utime = 0;
@@ -63,16 +63,15 @@ struct BotGpsData {
 
 using BotCoreMessage = std::variant<BotPlanarLidar, BotImage, BotPose, BotGpsData>;
 
-/// Bytes of another type, or of none.
+/// The bytes are not one of these types.
 struct NotBotCore {};
 
-/// The guarded way from bytes to one of libbot's messages: size limits, counts against the bytes
-/// that follow before anything is allocated, limits of each field. Never throws on account of the
-/// bytes.
+/// Decodes and validates a libbot message: checks the size, every array count against the remaining
+/// bytes before allocating, and the limits of each field. Invalid bytes never throw.
 std::variant<NotBotCore, BotCoreMessage, Rejection> decode_bot_core(const void* data,
                                                                     std::size_t size);
 
-/// The name of an alternative's type: "planar_lidar_t".
+/// Type name of the message held: "planar_lidar_t".
 const char* bot_core_type_name(const BotCoreMessage& message);
 
 }  // namespace orchard::bus

@@ -16,7 +16,7 @@ constexpr std::int64_t kLongestStep_us = 1'000'000;
 using device::CameraFrame;
 using device::PixelFormat;
 
-/// A fourcc as it is read from left to right.
+/// FourCC code of a name read from left to right.
 constexpr std::int32_t fourcc(const char (&name)[5]) {
   return static_cast<std::int32_t>(static_cast<unsigned char>(name[0])) |
          static_cast<std::int32_t>(static_cast<unsigned char>(name[1])) << 8 |
@@ -24,7 +24,7 @@ constexpr std::int32_t fourcc(const char (&name)[5]) {
          static_cast<std::int32_t>(static_cast<unsigned char>(name[3])) << 24;
 }
 
-/// The frame's format by libbot's number; UYVY is turned into YUYV. None: not one that is read.
+/// Pixel format for libbot's number; converts UYVY to YUYV. None if unsupported.
 std::optional<PixelFormat> format_of(std::int32_t pixelformat, std::vector<std::uint8_t>& data) {
   switch (pixelformat) {
     case fourcc("MJPG"):
@@ -45,8 +45,8 @@ std::optional<PixelFormat> format_of(std::int32_t pixelformat, std::vector<std::
   }
 }
 
-/// The vector turned by the inverse of a unit quaternion w, x, y, z: from the local frame into the
-/// body's.
+/// Rotates a vector from the local frame into the body frame, by the inverse of the unit quaternion
+/// w, x, y, z.
 std::array<double, 3> into_body(const std::array<double, 4>& q, const std::array<double, 3>& v) {
   const double w = q[0], x = -q[1], y = -q[2], z = -q[3];
   const std::array<double, 3> t{2 * (y * v[2] - z * v[1]), 2 * (z * v[0] - x * v[2]),
@@ -151,7 +151,7 @@ BotCoreTranslator::Result BotCoreTranslator::to_odometry(const BotPose& pose, do
     odometry.yaw_rate_radps = into_body(pose.orientation, pose.rotation_rate)[2];
     return Message(odometry);
   }
-  // A robot that stands, or one that fills in positions alone: the mean over the step.
+  // No velocity is sent (or the robot stands still): use the mean velocity since the last pose.
   const std::int64_t step_us = before ? pose.utime - before->utime : 0;
   if (step_us <= 0 || step_us > kLongestStep_us) {
     return Nothing{"no velocity yet: the first of its kind", false};
@@ -167,7 +167,7 @@ BotCoreTranslator::Result BotCoreTranslator::to_odometry(const BotPose& pose, do
 }
 
 BotCoreTranslator::Result BotCoreTranslator::to_message(const BotGpsData& gps) const {
-  // The receivers' own numbers: 1 dead reckoning, 2 and 3 satellites, 4 both.
+  // Values of gps_lock: 1 dead reckoning, 2 and 3 satellites, 4 both.
   const bool is_estimated = gps.gps_lock == 1;
   if (!is_estimated && (gps.gps_lock < 2 || gps.gps_lock > 4)) {
     return Nothing{"no fix (gps_lock " + std::to_string(gps.gps_lock) + ")", false};

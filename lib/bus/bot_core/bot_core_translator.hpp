@@ -16,24 +16,24 @@
 
 namespace orchard::bus {
 
-/// Turns libbot's messages into ours, live and from a log alike: planar_lidar_t to SCAN, image_t to
-/// IMAGE, pose_t to ODOMETRY or POSE_FIX, gps_data_t to GNSS. utime is carried through.
+/// Translates libbot's messages, live or from a log: planar_lidar_t to SCAN, image_t to IMAGE,
+/// pose_t to ODOMETRY or POSE_FIX, gps_data_t to GNSS. utime is preserved.
 class BotCoreTranslator {
  public:
-  /// `max_image_bytes`: larger and uncompressed pictures are compressed to that.
+  /// `max_image_bytes`: larger JPEGs and uncompressed images are compressed to this size.
   BotCoreTranslator(const device::BotCoreConfig& config, std::size_t max_image_bytes);
 
-  /// What follows from a message that came on a channel of any name; none when nothing does.
+  /// Translates a message received on any channel; none when it has no translation.
   std::optional<Message> translate(const std::string& channel, const void* data, std::size_t size);
 
-  /// Messages of libbot's types that were refused, each once.
+  /// Number of invalid messages of libbot's types.
   std::int64_t num_bad() const { return num_bad_; }
 
-  /// What became nothing, by channel and reason; at most a hundred kinds.
+  /// Numbers of ignored messages by channel and reason; at most a hundred entries.
   const std::map<std::string, std::int64_t>& ignored() const { return ignored_; }
 
  private:
-  /// Why a message became nothing, for a person.
+  /// Why a message has no translation, for the user.
   struct Nothing {
     std::string why;
     bool is_bad = true;
@@ -49,7 +49,7 @@ class BotCoreTranslator {
   std::optional<Message> finished(Message message, const std::string& channel);
   void ignore(const std::string& channel, const std::string& why);
 
-  /// A position that a velocity is taken from where none is sent.
+  /// A pose from which a velocity is computed if none is sent.
   struct Place {
     std::int64_t utime;
     double x_m, y_m, yaw_rad;
@@ -57,7 +57,7 @@ class BotCoreTranslator {
 
   device::BotCoreConfig config_;
   device::PictureLimit limit_;
-  std::array<std::string, std::variant_size_v<BotCoreMessage>> channels_;  ///< that are read
+  std::array<std::string, std::variant_size_v<BotCoreMessage>> channels_;  ///< one per type
   std::map<Channel, std::int32_t> next_seq_;
   std::map<Channel, std::int64_t> last_utime_;
   std::optional<Place> last_place_;

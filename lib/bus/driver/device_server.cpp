@@ -22,10 +22,11 @@
 namespace orchard::bus {
 namespace {
 
-/// What a line holds that nobody reads: more is lost, as in a device.
+/// Max bytes buffered for a client that does not read; more is lost, as with a real device.
 constexpr std::size_t kLineHolds_bytes = 64 * 1024;
 
-/// A terminal that nobody has open says so to every poll: it is looked at now and then instead.
+/// A terminal that nobody has open reports a hang-up to every poll, so it is checked at this
+/// interval instead.
 constexpr std::chrono::milliseconds kObservation{10};
 
 [[noreturn]] void throw_errno(const std::string& what) {
@@ -111,10 +112,10 @@ void DeviceServer::open_terminal() {
   }
   termios settings{};
   if (tcgetattr(line_, &settings) == 0) {
-    cfmakeraw(&settings);  // else what is sent before the driver sets it up comes back as commands
+    cfmakeraw(&settings);  // otherwise early output is echoed back to us as commands
     tcsetattr(line_, TCSANOW, &settings);
   }
-  // Opened and closed once: from now on it says when nobody has it open.
+  // Open and close it once: afterwards it reports a hang-up while nobody has it open.
   const int other = ::open(path.data(), O_RDWR | O_NOCTTY | O_CLOEXEC);
   if (other >= 0) ::close(other);
   is_hung_up_ = true;
@@ -158,7 +159,7 @@ void DeviceServer::step() {
 void DeviceServer::accept_client() {
   const int client = accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
   if (client < 0) return;
-  drop_client();  // the newest has it: the other end of an older one may be long gone
+  drop_client();  // the newest client wins: the older one may be gone
   const int on = 1;
   setsockopt(client, IPPROTO_TCP, TCP_NODELAY, &on, sizeof(on));
   line_ = client;

@@ -14,41 +14,41 @@
 
 namespace orchard::bus {
 
-/// An emulated device on a real TCP port or pseudo terminal, for a driver to connect to. Whoever
-/// owns it waits for its files and deadline, and tells it what the device measures.
+/// Serves an emulated device on a real TCP port or pseudo terminal, to which a driver connects. The
+/// owner waits for its files and deadline, calls step(), and passes in the measurements.
 class DeviceServer {
  public:
   using Clock = Driver::Clock;
 
-  /// `where`: "tcp:127.0.0.1:10940" (port 0: any that is free), or "pty:LINK" for a pseudo terminal
-  /// behind a symbolic link at that path ("pty:": behind none). Throws std::invalid_argument for
-  /// anything else, std::system_error when it cannot be had.
+  /// Opens the port. `where`: "tcp:127.0.0.1:10940" (port 0: any free one), or "pty:LINK" for a
+  /// pseudo terminal with a symbolic link at that path ("pty:": without a link). Throws
+  /// std::invalid_argument for anything else and std::system_error when it cannot be opened.
   DeviceServer(std::unique_ptr<simulation::EmulatedDevice> device, const std::string& where);
   ~DeviceServer();
   DeviceServer(const DeviceServer&) = delete;
   DeviceServer& operator=(const DeviceServer&) = delete;
 
-  /// Where a driver finds it, as a rig has it: "tcp:127.0.0.1:40123", "serial:LINK".
+  /// Address for a driver, in the notation of a rig: "tcp:127.0.0.1:40123", "serial:LINK".
   const std::string& address() const { return address_; }
 
-  /// Time as the device's world has it [us]: the host's time of day when this was made, counted on
-  /// without its steps.
+  /// Time in the device's world [us]: the host's time of day at construction plus the time since
+  /// then, without steps of the host's clock.
   std::int64_t now() const;
 
   std::vector<pollfd> files();
   Clock::time_point deadline();
 
-  /// Reads and writes what can be without waiting.
+  /// Reads and writes without blocking.
   void step();
 
-  /// The device has measured this, at a time of now().
+  /// Passes a measurement to the device; its time refers to now().
   void measured(const device::Measurement& measurement) { device_->measured(measurement); }
 
-  /// Pulls the cable out, and puts it in again.
+  /// Disconnects and reconnects the cable.
   void unplug();
   void plug_in();
 
-  /// Another device at the same place, such as the same one after it was switched off.
+  /// Replaces the device behind the port, for example by the same one after a power cycle.
   void replace(std::unique_ptr<simulation::EmulatedDevice> device);
 
   bool has_client() const { return line_ >= 0 && !is_hung_up_; }
@@ -72,7 +72,7 @@ class DeviceServer {
   Clock::time_point start_;
   int listener_ = -1;
   int line_ = -1;           ///< the client's socket, or the terminal's master side
-  bool is_hung_up_ = true;  ///< of a terminal: nobody has it open
+  bool is_hung_up_ = true;  ///< terminal: nobody has it open
   std::string unsent_;
 };
 

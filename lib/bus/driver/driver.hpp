@@ -14,37 +14,37 @@
 
 namespace orchard::bus {
 
-/// How a driver is, for STATUS.
+/// State of a driver, as reported in STATUS.
 struct DriverCondition {
   Level level = Level::kOk;
-  std::string text;          ///< what it waits for, what is wrong; empty when all is well
-  std::int64_t num_bad = 0;  ///< units that a device sent and that failed a check
+  std::string text;          ///< what it waits for or what is wrong; empty when all is well
+  std::int64_t num_bad = 0;  ///< data units of the device that failed a check
 };
 
-/// A sensor, or something that plays one: waits for files and a deadline, never blocks, and sends
-/// what was measured. LiveDriver owns the loop, so that STATUS, stops and reconnection go on while
-/// the sensor is silent.
+/// A sensor or an emulation of one. It waits for files and a deadline, never blocks, and sends
+/// measurements. LiveDriver runs the loop, so that STATUS, stops and reconnection work while the
+/// sensor is silent.
 class Driver {
  public:
   using Clock = std::chrono::steady_clock;
   virtual ~Driver() = default;
 
-  /// Files to wait for (poll), asked before each wait: they change with reconnection.
+  /// Files to poll; queried before each wait, because they change with reconnection.
   virtual std::vector<pollfd> files() = 0;
 
-  /// When step() is wanted although no file is ready.
+  /// Time at which step() must be called even if no file is ready.
   virtual Clock::time_point deadline() = 0;
 
-  /// A file is ready or the deadline has passed: does what can be done without waiting and sends
-  /// what was measured. seq is set by the driver, from 0, +1 per message of a channel.
+  /// Called when a file is ready or the deadline has passed: does all work that does not block and
+  /// sends the measurements. The driver sets seq, from 0, +1 per message of a channel.
   virtual void step(const Outbox& send) = 0;
 
-  /// There will be no more.
+  /// Whether no more messages will follow.
   virtual bool ended() const { return false; }
 
   virtual DriverCondition condition() const { return {}; }
 
-  /// How long all messages together last [s], for a progress bar; none when that is not known.
+  /// Total duration of the messages [s] for a progress bar; none when unknown.
   virtual std::optional<double> duration_s() const { return std::nullopt; }
 };
 

@@ -7,11 +7,11 @@
 namespace orchard::bus {
 namespace {
 
-/// Two clocks are not read at one instant: a process may be put aside between the readings. What is
-/// below is no step that would matter to a stamp.
+/// Smallest clock step that is detected. The two clocks cannot be read at the same instant, because
+/// the process may be suspended in between; smaller steps do not matter to a stamp.
 constexpr std::int64_t kMinStep_us = 1000;
 
-/// Readings that are tried for a pair that lies close together.
+/// Max number of attempts to read both clocks close together.
 constexpr int kNumReadings = 5;
 
 std::int64_t read_clock(clockid_t id) {
@@ -25,7 +25,7 @@ struct Reading {
   std::int64_t offset_us = 0;
 };
 
-/// Both clocks at one instant: of a few readings, the one that took least.
+/// Reads both clocks at nearly one instant: of a few attempts, the fastest one.
 Reading read_both() {
   Reading best;
   std::int64_t best_gap_us = -1;

@@ -5,10 +5,10 @@
 
 namespace orchard::bus {
 
-/// The clock that stamps measurements: the host's time of day (CLOCK_REALTIME), which every process
-/// of a host and, kept by NTP or PTP, every host of a robot shares. Slewing shows in it as a rate
-/// of at most 500 ppm; a step is noticed against CLOCK_MONOTONIC, which slews alike and never
-/// steps.
+/// Clock that stamps measurements: the host's time of day (CLOCK_REALTIME), shared by all processes
+/// of a host and, when synchronized by NTP or PTP, by all hosts of a robot. Slewing changes its
+/// rate by at most 500 ppm. A step is detected by comparison with CLOCK_MONOTONIC, which slews in
+/// the same way but never steps.
 class HostClock {
  public:
   HostClock();
@@ -16,11 +16,11 @@ class HostClock {
   /// Now [us since 1970].
   std::int64_t now();
 
-  /// By how much the clock was set between calls of now(), since the last call of this [us].
+  /// Returns by how much now() has seen the clock set since the last call of take_step() [us].
   std::int64_t take_step();
 
  private:
-  std::int64_t offset_us_;  ///< time of day over monotonic time
+  std::int64_t offset_us_;  ///< time of day minus monotonic time
   std::int64_t step_us_ = 0;
 };
 

@@ -16,7 +16,7 @@ std::string join(const std::vector<std::string>& names) {
   return text;
 }
 
-/// How long a poll may last that nothing else ends: STATUS is due once a second.
+/// Max duration of a poll: STATUS is due once a second.
 constexpr std::chrono::seconds kWaitMax{1};
 
 timespec to_timespec(std::chrono::nanoseconds time) {
@@ -36,7 +36,7 @@ LiveDriver::LiveDriver(Bus& bus, Driver& driver, const std::string& name,
       missing_(options.wait_for) {
   bus_.subscribe_status([this](const Status& heard) {
     missing_.erase(std::remove(missing_.begin(), missing_.end(), heard.name), missing_.end());
-    // Who is new learns of this process at once, not within a second.
+    // A new process learns of this one at once instead of within a second.
     if (neighbours_.note(heard, wall_utime(), Clock::now())) report_.hurry(true);
   });
   bus_.subscribe_config(
@@ -114,7 +114,7 @@ void LiveDriver::send(const Message& message) {
 }
 
 void LiveDriver::say_condition() {
-  // To the log when it changes; STATUS repeats it every second.
+  // Logged only when it changes; STATUS repeats it every second.
   std::string text = driver_.condition().text;
   if (text == said_) return;
   if (text.empty()) {

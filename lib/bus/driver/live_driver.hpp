@@ -18,19 +18,19 @@
 
 namespace orchard::bus {
 
-/// A driver on the network: one thread and one loop that waits for the driver's files and deadline,
-/// for LCM, for STATUS and for a stop, so that none of them waits for another.
+/// Runs a driver on the network: one thread and one loop that waits for the driver's files and
+/// deadline, LCM, STATUS and a stop at the same time, so that none delays another.
 class LiveDriver {
  public:
   LiveDriver(Bus& bus, Driver& driver, const std::string& name, const ProcessOptions& options);
 
-  /// Runs until the driver has no more (and no --hold was asked for) or a stop is asked for.
+  /// Runs until the driver has ended (unless --hold was given) or a stop is requested.
   void run(StopSignal& stop);
 
  private:
   using Clock = Driver::Clock;
   bool wait_for_others(StopSignal& stop);
-  /// Waits for `files`, what LCM brings, `until` or a stop; sends STATUS when it is due.
+  /// Waits for `files`, LCM, `until` or a stop; sends STATUS when it is due.
   void wait(std::vector<pollfd> files, Clock::time_point until, const StopSignal& stop);
   void announce_duration();
   void send(const Message& message);
@@ -42,12 +42,12 @@ class LiveDriver {
   ProcessOptions options_;
   ProcessReport report_;
   Neighbours neighbours_;
-  std::vector<std::string> missing_;  ///< processes not heard of yet
+  std::vector<std::string> missing_;  ///< processes that have not been heard yet
   std::optional<double> duration_s_;
   std::optional<io::ProgressBar> bar_;
   std::optional<std::int64_t> first_utime_;
   std::int64_t num_published_ = 0;
-  std::string said_;  ///< the condition as the log has it
+  std::string said_;  ///< condition as last written to the log
 };
 
 }  // namespace orchard::bus

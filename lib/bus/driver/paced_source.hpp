@@ -10,10 +10,10 @@
 
 namespace orchard::bus {
 
-/// A source as a driver: each message is sent when its time has come, counted from the first.
+/// Plays a source as a driver: sends each message at its time, relative to the first one.
 class PacedSource : public Driver {
  public:
-  /// `speed`: times real time, above 0.
+  /// `speed`: factor of real time, above 0.
   PacedSource(Source& source, double speed) : source_(source), speed_(speed) {}
 
   std::vector<pollfd> files() override { return {}; }

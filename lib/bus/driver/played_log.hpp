@@ -12,19 +12,19 @@
 
 namespace orchard::bus {
 
-/// Messages of some channels of a log, each at its time: that of its utime after the log's first
-/// event, so that several programs can play one log together.
+/// Plays the messages of some channels of a log at their times, relative to the log's first event.
+/// Several programs can therefore play one log together.
 class PlayedLog {
  public:
-  /// `start_utime`: when the log's first event is played, by the host's clock [us]; 0: now. Throws
+  /// `start_utime`: host time at which the log's first event is played [us]; 0: now. Throws
   /// io::FileError.
   PlayedLog(const std::string& log_path, std::int64_t start_utime, std::vector<Channel> channels);
 
-  /// The next message if its time has come, its utime that of the host. What does not pass the
-  /// guard is left out.
+  /// Returns the next message if its time has come, with its utime shifted to the host's time.
+  /// Skips messages that fail the checks of decode().
   std::optional<Message> take_due();
 
-  /// When the next one is due; at the end of time where there is none.
+  /// Time at which the next message is due; time_point::max() if there is none.
   Driver::Clock::time_point deadline() const;
 
  private:

@@ -20,16 +20,16 @@
 namespace orchard::bus {
 namespace {
 
-/// Between two attempts to open: with a second for the connection itself, a device that is back is
-/// heard within two seconds.
+/// Pause between two attempts to open. With up to a second for the connection itself, a device that
+/// is back is read within two seconds.
 constexpr std::chrono::milliseconds kRetryPeriod{500};
 
-/// How long a connection over TCP may take to be made.
+/// Timeout of a TCP connection attempt.
 constexpr std::chrono::milliseconds kConnectWait{1000};
 
 constexpr std::size_t kReadMax_bytes = 64 * 1024;
 
-/// What waits to be sent when a device does not read; commands are a few dozen bytes.
+/// Max bytes buffered for a device that does not read; commands are a few dozen bytes.
 constexpr std::size_t kUnsentMax_bytes = 64 * 1024;
 
 constexpr std::pair<int, speed_t> kBauds[] = {
@@ -94,7 +94,8 @@ addrinfo* resolve(const PortAddress& address) {
   return getaddrinfo(host.c_str(), address.service.c_str(), &hints, &found) == 0 ? found : nullptr;
 }
 
-/// Raw bytes, no echo, no flow control, nobody else's terminal. False and errno when refused.
+/// Configures raw bytes, no echo, no flow control and exclusive use. Returns false and sets errno
+/// on failure.
 bool set_up_terminal(int fileno, int baud) {
   termios settings{};
   if (tcgetattr(fileno, &settings) != 0) return false;
@@ -107,7 +108,7 @@ bool set_up_terminal(int fileno, int baud) {
   cfsetispeed(&settings, speed);
   cfsetospeed(&settings, speed);
   if (tcsetattr(fileno, TCSANOW, &settings) != 0) return false;
-  ioctl(fileno, TIOCEXCL);  // a second driver of the same device is refused, if the system can
+  ioctl(fileno, TIOCEXCL);  // rejects a second driver of the device, if the system supports it
   tcflush(fileno, TCIOFLUSH);
   return true;
 }
@@ -192,7 +193,7 @@ bool Port::finish_tcp() {
     close(open_problem(name(), error));
     return false;
   }
-  const int on = 1;  // commands are small and wanted at once
+  const int on = 1;  // commands are small and must be sent at once
   setsockopt(fileno_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof(on));
   state_ = State::kOpen;
   problem_.clear();
@@ -208,7 +209,7 @@ void Port::read_into(std::string& bytes) {
   bytes.resize(before + static_cast<std::size_t>(count > 0 ? count : 0));
   if (count > 0) return;
   if (count == 0) {
-    // A serial line without bytes reads as nothing; one that was pulled out hangs up.
+    // A serial line without data also reads 0 bytes; only a removed one reports a hang-up.
     pollfd state{fileno_, 0, 0};
     const bool hung_up = poll(&state, 1, 0) > 0 && (state.revents & (POLLHUP | POLLERR)) != 0;
     if (address_.kind == PortAddress::Kind::kTcp || hung_up) close(name() + ": the device hung up");

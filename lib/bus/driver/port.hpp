@@ -8,23 +8,22 @@
 
 namespace orchard::bus {
 
-/// Where a device is, as a person writes it.
+/// Address of a device, as written by the user.
 struct PortAddress {
   enum class Kind { kSerial, kTcp };
   Kind kind = Kind::kSerial;
   std::string path;     ///< serial: "/dev/ttyACM0"
-  int baud = 115200;    ///< serial; without meaning on USB and pseudo terminals
-  std::string host;     ///< TCP: a numeric address or "localhost", so that nothing waits for DNS
-  std::string service;  ///< TCP: the port's number
+  int baud = 115200;    ///< serial; no effect on USB and pseudo terminals
+  std::string host;     ///< TCP: numeric address or "localhost", to avoid waiting for DNS
+  std::string service;  ///< TCP: port number
 };
 
-/// Reads "serial:/dev/ttyACM0", "serial:/dev/ttyUSB0:57600", "/dev/ttyACM0" or
-/// "tcp:192.168.0.10:10940". Throws std::invalid_argument with what is wrong and what would be
-/// right.
+/// Parses "serial:/dev/ttyACM0", "serial:/dev/ttyUSB0:57600", "/dev/ttyACM0" or
+/// "tcp:192.168.0.10:10940". Throws std::invalid_argument with the error and the correct form.
 PortAddress parse_port(const std::string& text);
 
-/// A byte stream to a device on a serial line or over TCP that comes back by itself: what cannot be
-/// opened, ends or fails is opened again every half second. Nothing here blocks.
+/// A byte stream to a device on a serial line or over TCP that reconnects by itself: after a
+/// failure or the end of the stream it tries to open again every half second. No call blocks.
 class Port {
  public:
   using Clock = std::chrono::steady_clock;
@@ -36,26 +35,27 @@ class Port {
   Port(const Port&) = delete;
   Port& operator=(const Port&) = delete;
 
-  /// Opens when it is time to, and completes what began. True when it has become open just now.
+  /// Opens the port when an attempt is due, or completes a pending one. Returns true when the port
+  /// has just become open.
   bool poll_connection();
 
-  /// Appends what is there to be read to `bytes`, at most 64 KiB; closes when the other end did.
+  /// Appends the available bytes to `bytes`, at most 64 KiB; closes when the other end has closed.
   void read_into(std::string& bytes);
 
-  /// Sends `bytes`, keeping for later what does not go out at once; closes when nobody takes it.
+  /// Sends `bytes` and buffers what cannot be sent at once; closes when the device does not read.
   void write(std::string_view bytes);
 
-  /// Closes and says why; opens again after half a second.
+  /// Closes with a reason; reopens after half a second.
   void close(const std::string& reason);
 
   State state() const { return state_; }
   int fileno() const { return fileno_; }
   bool has_unsent() const { return !unsent_.empty(); }
 
-  /// When poll_connection() has something to do; only while not open.
+  /// Time at which poll_connection() must be called next; only valid while not open.
   Clock::time_point next_attempt() const { return next_attempt_; }
 
-  /// Why it is not open, in words for a person.
+  /// Why the port is not open, for the user.
   const std::string& problem() const { return problem_; }
 
   /// "serial:/dev/ttyACM0" or "tcp:192.168.0.10:10940".

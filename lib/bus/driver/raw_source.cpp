@@ -29,8 +29,8 @@ std::optional<Message> RawSource::next() {
 bool RawSource::feed() {
   const std::optional<io::RawEvent> event = reader_.next();
   if (!event) return false;
-  // Live, what has arrived is read before a deadline is looked at: a host that was held up finds
-  // both at once.
+  // Live, received bytes are processed before the deadline is checked: after a delay of the host
+  // both can be due at once.
   const auto keep_deadline = [&] {
     const auto due = protocol_->deadline();
     if (due && *due <= event->utime) protocol_->expire(event->utime);

@@ -14,7 +14,7 @@
 
 namespace orchard::bus {
 
-/// A recording of a device's raw bytes, read through the protocol that read them live: the same
+/// Replays a recording of a device's raw bytes through the same protocol as live, giving the same
 /// measurements with the same stamps.
 class RawSource : public Source {
  public:

@@ -7,16 +7,16 @@
 
 namespace orchard::bus {
 
-/// A sensor, or something that plays one: the messages of a driver in order of utime. The host
-/// paces and publishes them.
+/// A sensor or an emulation of one: provides messages in order of utime. The host paces and
+/// publishes them.
 class Source {
  public:
   virtual ~Source() = default;
 
-  /// The next message, or none when there will be no more.
+  /// Returns the next message, or none at the end.
   virtual std::optional<Message> next() = 0;
 
-  /// How long all messages together last, by their own time [s]; none when that is not known.
+  /// Duration of all messages by their own time [s]; none when unknown.
   virtual std::optional<double> duration_s() const { return std::nullopt; }
 };
 

@@ -96,7 +96,7 @@ void StreamDriver::record(io::RawKind kind, std::string bytes, std::int64_t host
   try {
     raw_->write({host_utime, kind, std::move(bytes)});
   } catch (const std::exception& error) {
-    // The measurements matter more than their bytes: the driver goes on and says so.
+    // The measurements matter more than the recording: the driver continues and reports it.
     raw_problem_ = std::string("raw bytes are no longer recorded: ") + error.what();
     spdlog::error("{}", raw_problem_);
     raw_.reset();

@@ -15,21 +15,21 @@
 
 namespace orchard::bus {
 
-/// Numbers a driver's messages: seq from 0, +1 per message of a channel.
+/// Assigns sequence numbers to a driver's messages: seq from 0, +1 per message of a channel.
 class MessageNumbers {
  public:
-  /// The measurement as a message with its number.
+  /// Converts a measurement to a numbered message.
   Message number(device::Measurement measurement);
 
  private:
   std::array<std::int32_t, kNumChannels> next_seq_{};
 };
 
-/// A device that speaks in bytes: its protocol on a port. A cable that is pulled out, a device that
-/// reboots or falls silent only makes it connect again.
+/// Driver of a device with a byte protocol: runs the protocol on a port. It reconnects after an
+/// unplugged cable, a reboot or silence of the device.
 class StreamDriver : public Driver {
  public:
-  /// `raw_path`: where the raw bytes are recorded; empty: nowhere. Throws io::FileError.
+  /// `raw_path`: file to which the raw bytes are recorded; empty: none. Throws io::FileError.
   StreamDriver(std::unique_ptr<device::Protocol> protocol, PortAddress address,
                const std::string& raw_path = {});
 

@@ -18,7 +18,7 @@
 namespace orchard::bus {
 namespace {
 
-/// As typed.
+/// Values of the command-line options.
 struct StreamOptions {
   std::string device;
   std::string raw_out;
@@ -27,8 +27,8 @@ struct StreamOptions {
   std::string emulate_at;
 };
 
-/// A log's measurements through an emulated device on a port of its own, and the driver that reads
-/// it, in one loop.
+/// Plays a log through an emulated device on a port of its own, together with the driver that reads
+/// that port, in one loop.
 class EmulatedDriver : public Driver {
  public:
   EmulatedDriver(const StreamDevice& device, const std::string& log_path, std::int64_t start_utime,
@@ -68,7 +68,7 @@ class EmulatedDriver : public Driver {
   StreamDriver driver_;
 };
 
-/// A scanner's driver whose scans are those of a robot's second scanner.
+/// Publishes the scans of a driver as those of the robot's second scanner (SCAN.rear).
 class RearDriver : public Driver {
  public:
   explicit RearDriver(std::unique_ptr<Driver> driver) : driver_(std::move(driver)) {}
@@ -90,7 +90,7 @@ class RearDriver : public Driver {
   std::unique_ptr<Driver> driver_;
 };
 
-/// A recording of raw bytes as a driver.
+/// Plays a recording of raw bytes as a driver.
 class RawDriver : public Driver {
  public:
   RawDriver(std::unique_ptr<device::Protocol> protocol, const std::string& path)

@@ -8,8 +8,8 @@
 
 namespace orchard::bus {
 
-/// Every channel of the system. The order is the tie-break between messages of equal utime, and
-/// the numbers travel in ack_t: append, never reorder.
+/// Every channel of the system. The order decides between messages of equal utime, and the numbers
+/// are sent in ack_t: append new channels, never reorder.
 enum class Channel : std::int8_t {
   kScan = 0,
   kImage = 1,
@@ -31,21 +31,21 @@ enum class Channel : std::int8_t {
 
 inline constexpr std::size_t kNumChannels = 16;
 
-/// What a channel is for, and with that what a replay does with it.
+/// Purpose of a channel, which decides how a replay treats it.
 enum class Role {
-  kSource,   ///< comes from sensors: recorded, and replayed
-  kDerived,  ///< follows from the sources: recorded, compared, never replayed
-  kService,  ///< about processes: never replayed or compared
+  kSource,   ///< published by sensor drivers: recorded and replayed
+  kDerived,  ///< computed from the sources: recorded and compared, never replayed
+  kService,  ///< about processes: never replayed, never compared
 };
 
 struct ChannelInfo {
   Channel channel;
   std::string_view name;  ///< on the wire
-  std::string_view type;  ///< LCM type that is sent, without the package
+  std::string_view type;  ///< LCM type that is published, without the package
   Role role;
 };
 
-/// The one table of channel names.
+/// Table of all channels with their names, types and roles.
 inline constexpr std::array<ChannelInfo, kNumChannels> kChannels{{
     {Channel::kScan, "SCAN", "scan_t", Role::kSource},
     {Channel::kImage, "IMAGE", "image_t", Role::kSource},
@@ -69,7 +69,7 @@ constexpr const ChannelInfo& info(Channel channel) {
   return kChannels[static_cast<std::size_t>(channel)];
 }
 
-/// The channel of that name on the wire, or none.
+/// Finds a channel by its name on the wire.
 constexpr std::optional<Channel> find_channel(std::string_view name) {
   for (const ChannelInfo& entry : kChannels) {
     if (entry.name == name) return entry.channel;

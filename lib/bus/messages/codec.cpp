@@ -21,7 +21,7 @@ std::variant<Message, Rejection> decode_as(Channel channel, const void* data, st
   return message;
 }
 
-/// Finds the alternative of Message that the channel carries, from `kIndex` on.
+/// Finds the alternative of Message that belongs to the channel, starting at `kIndex`.
 template <std::size_t kIndex = 0>
 std::variant<Message, Rejection> decode_alternative(Channel channel, const void* data,
                                                     std::size_t size) {

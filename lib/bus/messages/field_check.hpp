@@ -14,7 +14,7 @@
 
 namespace orchard::bus {
 
-/// Visitor that compares fields with their limits and keeps the first objection. See fields.hpp.
+/// Visitor that compares each field with its limits and keeps the first violation. See fields.hpp.
 class FieldCheck {
  public:
   void stamp(std::int64_t utime, std::int32_t seq) {
@@ -74,7 +74,7 @@ class FieldCheck {
   }
   void text(const char*, const std::string&) {}
 
-  /// What no limit of one field says.
+  /// Checks a condition that involves more than one field.
   void that(bool condition, Reason reason, const char* detail) {
     if (!condition && !rejection_) rejection_ = Rejection{reason, detail};
   }

@@ -14,7 +14,7 @@
 
 namespace orchard::bus {
 
-/// The bytes of a message as LCM carries them.
+/// Encodes a message as LCM bytes.
 template <class M>
 std::vector<std::uint8_t> encode_fields(Channel channel, const M& message) {
   FieldWriter writer(type_hash(channel));
@@ -22,8 +22,9 @@ std::vector<std::uint8_t> encode_fields(Channel channel, const M& message) {
   return std::move(writer).bytes();
 }
 
-/// From bytes to a message whose sizes, type, counts and limits are right; never throws on account
-/// of the bytes. `Fields` describes the form in which the bytes are.
+/// Decodes a message and checks its size, type hash, array counts and field limits. Invalid bytes
+/// never throw. `Fields` describes the wire layout of the bytes, which may be that of an older
+/// version.
 template <class M, class Fields>
 std::variant<M, Rejection> decode_fields(Channel channel, const void* data, std::size_t size,
                                          Fields) {

@@ -16,8 +16,8 @@
 
 namespace orchard::bus {
 
-/// Visitor that reads fields as LCM writes them and trusts nothing: what does not fit the bytes
-/// ends the reading with a rejection, and no array is allocated beyond the bytes that follow. See
+/// Visitor that reads fields in LCM's encoding from untrusted bytes. The first error stops the
+/// reading with a rejection, and no array is allocated that the remaining bytes cannot fill. See
 /// fields.hpp.
 class FieldReader {
  public:
@@ -72,7 +72,8 @@ class FieldReader {
     for (T& value : values) get(name, value.*member);
   }
   void text(const char* name, std::string& value) {
-    // The length counts the closing zero, and there is no other: LCM's encoder would cut there.
+    // The length includes the terminating zero; an inner zero is refused, as LCM's encoder would
+    // cut the string there.
     std::uint32_t length = 0;
     get(name, length);
     if (rejection_) return;
@@ -85,7 +86,7 @@ class FieldReader {
     position_ += length;
   }
 
-  /// Why the bytes are no such message, after all its fields were visited.
+  /// Returns why the bytes are invalid, or none; call it after all fields were visited.
   std::optional<Rejection> result() && {
     if (!rejection_ && position_ != size_) {
       refuse(Reason::kBadCount,
@@ -126,11 +127,11 @@ class FieldReader {
     for (T& value : values) get(name, value);
   }
 
-  /// Makes room for the elements that were counted, if the bytes that follow can hold them.
+  /// Resizes an array to its count if the remaining bytes can hold that many elements.
   template <class T>
   bool size_for(std::vector<T>& values, const char* count_name, std::size_t element_bytes) {
     if (rejection_) return false;
-    // The latest of that name: items of an array may have counts of their own.
+    // Use the latest count of that name: array items may have counts of their own.
     for (auto entry = counts_.rbegin(); entry != counts_.rend(); ++entry) {
       const auto& [name, count] = *entry;
       if (std::strcmp(name, count_name) != 0) continue;

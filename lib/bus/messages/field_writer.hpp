@@ -12,12 +12,12 @@
 
 namespace orchard::bus {
 
-/// Unsigned integer of the size of a number on the wire.
+/// Unsigned integer type with the size of a number on the wire.
 template <std::size_t kBytes>
 using WireBits = std::conditional_t<kBytes == 1, std::uint8_t,
                                     std::conditional_t<kBytes == 4, std::uint32_t, std::uint64_t>>;
 
-/// Visitor that writes fields as LCM does: big-endian, without padding. See fields.hpp.
+/// Visitor that writes fields in LCM's encoding: big-endian, without padding. See fields.hpp.
 class FieldWriter {
  public:
   FieldWriter() = default;
@@ -59,7 +59,8 @@ class FieldWriter {
   void column(const char*, const std::vector<T>& values, const char*, Member T::*member, Lo, Hi) {
     for (const T& value : values) put(value.*member);
   }
-  /// Up to its first zero, as LCM's own encoder does; the length counts a closing zero.
+  /// Writes the string up to its first zero, as LCM's encoder does; the length includes the
+  /// terminating zero.
   void text(const char*, const std::string& value) {
     const std::size_t length = std::strlen(value.c_str()) + 1;
     put(static_cast<std::int32_t>(length));

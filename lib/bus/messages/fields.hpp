@@ -15,13 +15,13 @@
 
 namespace orchard::bus {
 
-/// The first moment no message may carry: 2200-01-01 [us].
+/// Upper limit (exclusive) of any time in a message: 2200-01-01 [us].
 inline constexpr std::int64_t kUtimeEnd = 7258118400000000;
 
-/// Shows a visitor every field of a message in the order of its .lcm file.
+/// Calls a visitor with every field of a message, in the order of its .lcm file.
 ///
-/// The fields stand in a ..._fields.hpp beside the struct, once for everything that goes through
-/// them: encoding, decoding, limits, text, tests. `fields_of(m)` finds them. A visitor `v` has
+/// The fields of a type are listed once, in a ..._fields.hpp beside the struct; encoding, decoding,
+/// limits, text output and tests all use this list. `fields_of(m)` finds it. A visitor `v` has
 ///   v.stamp(utime, seq)                   the two fields that every message begins with
 ///   v.time(name, utime)                   a time of measurement
 ///   v.field(name, value, lo, hi)          a number, enum (as its number), bool, or std::array
@@ -31,7 +31,7 @@ inline constexpr std::int64_t kUtimeEnd = 7258118400000000;
 ///   v.items(name, vector, count, Fields)  of structs whose fields these are
 ///   v.column(name, vector, count, &Element::member, lo, hi)  one member of each element
 ///   v.text(name, string)
-/// A number that is not finite lies within no limits.
+/// NaN and infinity violate any limits.
 template <class M, class Visitor>
 void visit_fields(M& message, Visitor& visitor) {
   decltype(fields_of(message))::visit(message, visitor);

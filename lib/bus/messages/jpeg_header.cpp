@@ -12,7 +12,7 @@ std::optional<JpegSize> find_jpeg_size(const std::vector<std::uint8_t>& data) {
   while (i + 4 <= size) {
     if (data[i] != 0xFF) return std::nullopt;
     const std::uint8_t marker = data[i + 1];
-    if (marker == 0xFF) {  // a fill byte
+    if (marker == 0xFF) {  // fill byte
       ++i;
       continue;
     }

@@ -12,7 +12,8 @@ struct JpegSize {
   int height_px = 0;
 };
 
-/// The size a JPEG's frame header states, or none when the bytes are no JPEG or end before it.
+/// Reads the image size from a JPEG's frame header. None when the bytes are not a JPEG or end
+/// before that header.
 std::optional<JpegSize> find_jpeg_size(const std::vector<std::uint8_t>& data);
 
 }  // namespace orchard::bus

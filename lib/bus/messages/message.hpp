@@ -16,14 +16,14 @@
 
 namespace orchard::bus {
 
-/// What a node reads and writes. The alternative decides the channel.
+/// A message that a node reads or writes. The type held determines the channel.
 using Message =
     std::variant<laser::Scan, vision::Image, pose::Odometry, pose::Gnss, pose::PoseFix,
                  pose::PoseEstimate, detection::Detections, mapping::MapTile,
                  detection::AdaptationStep, pose::Imu, pose::TrajectoryPage, laser::RearScan>;
 
-/// The channel of an alternative of Message: they stand in the order of Channel, the service
-/// channels left out.
+/// Channel of the alternative with this index in Message. The alternatives are in the order of
+/// Channel, without the service channels.
 constexpr Channel channel_of_alternative(std::size_t index) {
   constexpr auto kFirstService = static_cast<std::size_t>(Channel::kStatus);
   constexpr auto kAfterService = static_cast<std::size_t>(Channel::kAdaptation);
@@ -31,7 +31,7 @@ constexpr Channel channel_of_alternative(std::size_t index) {
                                                     : index - kFirstService + kAfterService);
 }
 
-/// The channel a message travels on.
+/// Channel on which a message is sent.
 inline Channel channel_of(const Message& message) {
   return channel_of_alternative(message.index());
 }

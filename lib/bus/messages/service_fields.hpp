@@ -5,7 +5,7 @@
 
 namespace orchard::bus {
 
-// The fields of the service types in the order of the wire; see fields.hpp.
+// The fields of the service types in wire order; see fields.hpp.
 
 struct StatusFields {
   template <class M, class Visitor>
@@ -25,7 +25,7 @@ struct StatusFields {
     v.text("host", m.host);
     v.text("text", m.text);
   }
-  static constexpr double kDurationMax_s = 1e300;  ///< any that is finite
+  static constexpr double kDurationMax_s = 1e300;  ///< any finite duration
 };
 
 struct ConfigNoticeFields {

@@ -14,7 +14,7 @@ namespace orchard::bus {
 
 enum class Level : std::int8_t { kOk = 0, kWaiting = 1, kWarning = 2, kError = 3 };
 
-/// How a process is: STATUS. Times are wall clock.
+/// State of a process, sent on STATUS. utime is wall clock time.
 struct Status {
   std::int64_t utime = 0;
   std::int32_t seq = 0;
@@ -33,7 +33,7 @@ struct Status {
   std::string text;
 };
 
-/// What a process runs with: CONFIG.
+/// Configuration of a process, sent on CONFIG.
 struct ConfigNotice {
   std::int64_t utime = 0;
   std::int32_t seq = 0;
@@ -43,16 +43,18 @@ struct ConfigNotice {
   std::string text;
 };
 
-/// An output that followed from an input. In the ACK of a BEGIN: a channel the node consumes.
+/// Identifies an output caused by an input. In the ACK of a BEGIN it names a channel that the node
+/// reads.
 struct OutputId {
   Channel channel = Channel::kScan;
   std::int32_t seq = 0;
 };
 
-/// Nodes that take part in a lockstep replay: detector, pose, mapper, numbered as in ack_t.
+/// Number of nodes in a lockstep replay (detector, pose, mapper), numbered as in ack_t.
 inline constexpr std::int8_t kNumLockstepNodes = 3;
 
-/// Lockstep: a node has consumed an input and published what follows from it. ACK.
+/// Acknowledges in a lockstep replay that a node has handled an input and published its outputs;
+/// sent on ACK.
 struct Ack {
   std::int64_t utime = 0;            ///< of the input
   std::int32_t seq = 0;              ///< of the input
@@ -61,10 +63,10 @@ struct Ack {
   std::vector<OutputId> outputs;
 };
 
-/// Lockstep: a log begins or ends. REPLAY.
+/// Marks the begin or the end of a log in a lockstep replay; sent on REPLAY.
 struct ReplayMark {
   std::int64_t utime = 0;
-  std::int32_t seq = 0;  ///< BEGIN: 0. END: 1 + the number of the node that is to flush
+  std::int32_t seq = 0;  ///< BEGIN: 0. END: 1 + number of the node that flushes
   bool end = false;
 };
 
@@ -73,8 +75,7 @@ std::vector<std::uint8_t> encode(const ConfigNotice& notice);
 std::vector<std::uint8_t> encode(const Ack& ack);
 std::vector<std::uint8_t> encode(const ReplayMark& mark);
 
-// The guarded decode of the service types; as bus::decode, they never throw on account of the
-// bytes.
+// Decode and validate the service types. As with bus::decode, invalid bytes never throw.
 std::variant<Status, Rejection> decode_status(const void* data, std::size_t size);
 std::variant<ConfigNotice, Rejection> decode_config(const void* data, std::size_t size);
 std::variant<Ack, Rejection> decode_ack(const void* data, std::size_t size);

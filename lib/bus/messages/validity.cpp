@@ -10,7 +10,7 @@
 namespace orchard::bus {
 namespace {
 
-/// What a message says within its fields' limits is consistent unless there is a check below.
+/// Default: a message has no consistency checks beyond its field limits.
 template <class M>
 void check(FieldCheck&, const M&) {}
 
@@ -25,8 +25,8 @@ void check(FieldCheck& c, const laser::Scan& scan) {
          Reason::kInconsistent, "its beams cover more than one turn");
   c.that(scan.intensities.empty() || scan.intensities.size() == scan.ranges_m.size(),
          Reason::kInconsistent, "num_intensities is neither 0 nor num_ranges");
-  // Scanners that speak ROS send +inf for no return and NaN or -inf for a beam that failed
-  // (REP 117): every reader of ranges takes them for no return.
+  // ROS drivers send +inf for no return and NaN or -inf for a failed beam (REP 117); all readers of
+  // ranges treat them as no return.
   for (const float range_m : scan.ranges_m) {
     const bool usual = range_m >= 0.0f && range_m <= 1e5f;
     if (!usual && std::isfinite(range_m)) c.field("ranges_m", range_m, 0, 1e5);
@@ -58,7 +58,7 @@ void check(FieldCheck& c, const vision::Image& image) {
 
 void check(FieldCheck& c, const detection::Detections& detections) {
   for (const detection::Detection& trunk : detections.trunks) {
-    // single precision: the two may add up to a little more than one
+    // single precision: the sum may slightly exceed one
     c.field("probability_tree + probability_object",
             trunk.probability_tree + trunk.probability_object, 0, 1.0001);
     if (!c.ok()) return;
@@ -66,7 +66,7 @@ void check(FieldCheck& c, const detection::Detections& detections) {
 }
 
 void check(FieldCheck& c, const pose::TrajectoryPage& page) {
-  // Wide: of a message that is all wrong, num_pages may be the least number there is.
+  // 64-bit, because num_pages of an invalid message may be INT32_MIN.
   c.field("page", page.page, 0, std::int64_t{page.num_pages} - 1);
   std::int64_t before = -1;
   for (const pose::PoseEstimate& pose : page.poses) {

@@ -8,8 +8,8 @@
 
 namespace orchard::bus {
 
-/// Why a message whose fields are each within their limits cannot be what it says, by what its
-/// fields say of each other and of its arrays; none when it can be.
+/// Checks that the fields of a message are consistent with each other and with its arrays. Expects
+/// each field to be within its own limits. Returns the first violation, or none.
 std::optional<Rejection> check_consistency(const Message& message);
 
 }  // namespace orchard::bus

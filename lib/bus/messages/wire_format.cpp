@@ -55,7 +55,7 @@ const WireFormat& format_of(Channel channel) {
   return formats[static_cast<std::size_t>(channel)];
 }
 
-/// Big-endian, as LCM writes it.
+/// Big-endian, as in LCM.
 std::int64_t read_hash(const void* data) {
   const auto* bytes = static_cast<const std::uint8_t*>(data);
   std::uint64_t hash = 0;
@@ -80,7 +80,8 @@ bool is_older_form(Channel channel, const void* data) {
 
 std::optional<Rejection> check_head(Channel channel, const void* data, std::size_t size,
                                     std::size_t min_bytes) {
-  // A runt datagram arrives with a size of 4 GB, so the upper limit comes before any access.
+  // A datagram that is too short arrives with a size of 4 GB, so check the upper limit before any
+  // access.
   if (size > max_bytes(channel)) {
     return Rejection{Reason::kTooLarge, std::to_string(size) + " bytes, at most " +
                                             std::to_string(max_bytes(channel))};

@@ -10,17 +10,17 @@
 
 namespace orchard::bus {
 
-/// LCM's hash of the type that a channel carries: the first eight bytes of each message.
+/// LCM type hash of a channel: the first eight bytes of each of its messages.
 std::int64_t type_hash(Channel channel);
 
-/// The largest message a channel carries [bytes].
+/// Maximum message size of a channel [bytes].
 std::size_t max_bytes(Channel channel);
 
-/// Whether the bytes (at least 8) are of a form that an earlier release sent on that channel.
+/// Whether the bytes (at least 8) have the type hash of an older version that is still readable.
 bool is_older_form(Channel channel, const void* data);
 
-/// Why bytes cannot be a message of that channel, by their size and type hash alone; `min_bytes`
-/// is the size of one whose arrays are empty.
+/// Checks the size and the type hash of received bytes. `min_bytes` is the encoded size with empty
+/// arrays. Returns the reason for rejection, or none.
 std::optional<Rejection> check_head(Channel channel, const void* data, std::size_t size,
                                     std::size_t min_bytes);
 

@@ -7,7 +7,7 @@
 namespace orchard::bus {
 namespace {
 
-/// A gap larger than this is no matter of a network's order.
+/// Larger gaps are not caused by reordering in the network.
 constexpr std::int64_t kGapMax = 64;
 constexpr std::size_t kParkedMax = 128;
 
@@ -39,7 +39,7 @@ void Inbox::add(Arrival arrival) {
 
 void Inbox::pass(Lane& lane, Arrival arrival) {
   const std::int32_t seq = seq_of(arrival.message);
-  // A duplicate or one of long ago leaves the count where it is; a source begun again does not.
+  // A duplicate or an old message keeps last_seq; a restarted source resets it.
   if (!lane.last_seq || seq > *lane.last_seq || *lane.last_seq - seq > kGapMax) {
     lane.last_seq = seq;
   }
@@ -47,7 +47,7 @@ void Inbox::pass(Lane& lane, Arrival arrival) {
   ready_.push_back(std::move(arrival));
 }
 
-/// Lets those go on that follow without a gap, and those that have waited since before that time.
+/// Passes on the messages that follow without a gap, and those that arrived before the given time.
 void Inbox::release(Lane& lane, Clock::time_point arrived_before) {
   std::size_t num = 0;
   for (Arrival& first : lane.parked) {

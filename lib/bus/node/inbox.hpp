@@ -12,35 +12,38 @@
 
 namespace orchard::bus {
 
-/// Messages that have arrived and wait for their node: in order of arrival, but in order of seq
-/// where a network has swapped those of one channel. Bounded, whatever arrives.
+/// Queue of received messages that wait for their node, bounded in number and size. The order is
+/// that of arrival; messages of one channel that the network swapped are sorted by seq.
 class Inbox {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// How long a message waits for one before it that is missing: networks swap within less.
+  /// How long a message waits for a missing predecessor; networks swap messages within less.
   static constexpr std::chrono::milliseconds kReorderWait{60};
-  /// Messages of a channel, and bytes of all, that wait at most: what is more is dropped.
+  /// Limits on waiting messages per channel and on their total size [bytes]; messages beyond are
+  /// dropped.
   static constexpr std::size_t kMessagesMax = 2000;
   static constexpr std::size_t kBytesMax = 64 << 20;
-  /// Pictures that wait for a slow node; of more the oldest is dropped, since the newest matter.
+  /// Max number of images waiting for a slow node; beyond it the oldest is dropped, because the
+  /// newest matter.
   static constexpr std::size_t kImagesMax = 4;
 
   struct Arrival {
     Clock::time_point time;
     Message message;
-    std::size_t num_bytes = 0;  ///< as it came
+    std::size_t num_bytes = 0;  ///< encoded size as received
   };
 
   void add(Arrival arrival);
 
-  /// Nothing is waited for any longer.
+  /// Releases all messages that still wait for a missing predecessor.
   void release_all();
 
-  /// The next message for the node; none when there is none, or it waits for one before it.
+  /// Takes the next message for the node. None when the queue is empty or the next message still
+  /// waits for its predecessor.
   std::optional<Arrival> take(Clock::time_point now);
 
-  /// When take() will have one [ms]; none while nothing waits.
+  /// Time until take() returns a message [ms]; none when nothing waits.
   std::optional<int> ms_until_next(Clock::time_point now) const;
 
   std::size_t size() const { return ready_.size() + num_parked_; }
@@ -48,8 +51,8 @@ class Inbox {
 
  private:
   struct Lane {
-    std::optional<std::int32_t> last_seq;  ///< of those that went on
-    std::vector<Arrival> parked;           ///< in order of seq
+    std::optional<std::int32_t> last_seq;  ///< highest seq passed on
+    std::vector<Arrival> parked;           ///< waiting for a predecessor, in order of seq
     std::size_t num_ready = 0;
   };
   Lane& lane_of(const Message& message) {

@@ -11,12 +11,12 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-/// A channel is stale after so many of its usual periods, and not before half a second: a busy
-/// machine may delay ten scans a second by a few of theirs.
+/// A channel is stale after this many of its usual periods, but not before half a second: a busy
+/// machine may delay several scans at 10 Hz.
 constexpr double kPeriodsSilent = 3.0;
 constexpr Seconds kSilentMin{0.5};
 
-/// Gaps that must be known before a period is.
+/// Min number of gaps to estimate a period.
 constexpr std::size_t kGapsMin = 2;
 
 constexpr std::size_t kSecondsCounted = 10;
@@ -36,7 +36,7 @@ void InputWatch::note(Channel channel, Clock::time_point now) {
   input.last = now;
 }
 
-/// The median: one long silence does not make the next one usual.
+/// The median, so that one long silence does not become the expected period.
 std::optional<Seconds> InputWatch::period(const Input& input) {
   if (input.num_gaps < kGapsMin) return std::nullopt;
   auto gaps = input.gaps;
@@ -80,7 +80,6 @@ void InputWatch::count(Channel channel, const SequenceCounts& counts, std::int64
   if (seconds.size() > kSecondsCounted + 1) seconds.pop_front();
 }
 
-/// What was counted in the last ten seconds.
 SequenceCounts InputWatch::lately(const Input& input) {
   if (input.seconds.size() < 2) return {};
   const SequenceCounts& then = input.seconds.front().counts;

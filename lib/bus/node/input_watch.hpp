@@ -14,31 +14,31 @@
 
 namespace orchard::bus {
 
-/// How the input channels of a live process fare: which came and has fallen silent, and what
-/// fraction of each was lost lately. The clock is that of arrival.
+/// Monitors the input channels of a live process: detects channels that have fallen silent and
+/// measures the fraction of lost messages. Times are times of arrival.
 class InputWatch {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// A message of the channel has arrived.
+  /// Records that a message of the channel has arrived.
   void note(Channel channel, Clock::time_point now);
 
-  /// Compares with the last call who has fallen silent and who is back. Whether that has changed.
+  /// Updates which channels are silent. Returns whether that changed since the last call.
   bool update(Clock::time_point now);
   bool is_stale(Channel channel) const { return at(channel).stale; }
 
-  /// Whether people should look: it is silent, or messages were lost or refused lately.
+  /// Whether the channel needs attention: it is silent, or messages were lost or refused recently.
   bool is_serious(Channel channel) const;
   bool has_two_sources(Channel channel) const;
 
-  /// When update() could next say something new [ms]; at most a second.
+  /// Time until the result of update() can change [ms], at most 1000.
   int ms_until_change(Clock::time_point now) const;
 
-  /// What the gate has counted so far on a channel: call it once a second.
+  /// Adds the gate's current totals of a channel. Call it once a second.
   void count(Channel channel, const SequenceCounts& counts, std::int64_t num_used);
 
-  /// "SCAN is silent for 2.3 s (came every 0.10 s)", "SCAN: 4.8 % lost of the last 10 s"; empty
-  /// when all is well.
+  /// Describes the problems of a channel for the user: "SCAN is silent for 2.3 s (came every 0.10
+  /// s)", "SCAN: 4.8 % lost of the last 10 s". Empty when there are none.
   std::string text(Channel channel, Clock::time_point now) const;
 
  private:
@@ -51,7 +51,7 @@ class InputWatch {
     std::array<std::chrono::duration<double>, 16> gaps{};
     std::size_t num_gaps = 0;
     bool stale = false;
-    std::deque<Totals> seconds;  ///< of the last ten
+    std::deque<Totals> seconds;  ///< totals of the last ten seconds
   };
   const Input& at(Channel channel) const { return inputs_[static_cast<std::size_t>(channel)]; }
   static SequenceCounts lately(const Input& input);

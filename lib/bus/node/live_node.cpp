@@ -10,32 +10,33 @@
 namespace orchard::bus {
 namespace {
 
-/// Between two live saves of map.csv: what a killed process may lose.
+/// Period of live saves of map.csv: the most that a killed process can lose.
 constexpr std::chrono::seconds kSavePeriod{1};
 
-/// Between two live saves of everything, which may take a tenth of a second: a scan in three
-/// hundred at 10 Hz can meet one.
+/// Period of live saves of everything. One may take a tenth of a second, so at 10 Hz one scan in
+/// three hundred can be delayed.
 constexpr std::chrono::seconds kFullSavePeriod{30};
 
-/// How long a due save lets waiting messages go first.
+/// Max delay of a due save in favour of waiting messages.
 constexpr std::chrono::milliseconds kSaveDelayMax{100};
 
-/// After a stop: what was sent before still counts, and LCM's thread may not have read it all. So
-/// long it is taken in, and worked off.
+/// After a stop, messages sent earlier still count although LCM's thread may not have read them
+/// all. They are received and then handled for at most these times.
 constexpr std::chrono::milliseconds kTakeInMax{500};
 constexpr std::chrono::milliseconds kWorkOffMax{1000};
 constexpr int kQuiet_ms = 30;
 
-/// How long one that may only run alone listens for another before it begins, and how long it
-/// gives way to one that was there before.
+/// Time for which a process that must run alone listens for another at the start, and time in which
+/// it still yields to one that was there before.
 constexpr std::chrono::milliseconds kLookAround{300};
 constexpr std::chrono::seconds kGiveWay{3};
 
-/// Over so many seconds it is said how much came too late; a few do at every start.
+/// Late messages are reported over this many seconds; a few occur at every start.
 constexpr std::size_t kLateSeconds = 10;
 constexpr std::int64_t kLateFew = 2;
 
-/// Messages taken from LCM before one is handed over, so that a flood cannot starve the node.
+/// Max number of messages read from LCM before one is handled, so that a flood cannot starve the
+/// node.
 constexpr int kDrainMax = 200;
 
 const char* publisher_of(Channel channel) {
@@ -84,7 +85,7 @@ LiveNode::LiveNode(Bus& bus, Node& node, const std::string& name, const io::Effe
     bus_.subscribe(channel, [this](const Message& message, Bytes bytes) { take(message, bytes); });
   }
   bus_.subscribe_status([this](const Status& status) {
-    // Who is new learns of this process at once, not within a second.
+    // A new process learns of this one at once instead of within a second.
     if (neighbours_.note(status, wall_utime(), Clock::now())) report_.hurry(true);
     node_.overhear(status);
   });
@@ -110,7 +111,8 @@ void LiveNode::run(StopSignal& stop) {
   if (!not_saved.empty()) throw std::runtime_error("the last save failed: " + not_saved);
 }
 
-/// Until a message comes, STATUS or a save is due, or an input has been silent for too long.
+/// Waits until a message arrives, STATUS or a save is due, or an input has been silent for too
+/// long.
 void LiveNode::wait(StopSignal& stop) {
   const Clock::time_point now = Clock::now();
   int timeout_ms = std::min(report_.ms_until_due(), inputs_.ms_until_change(now));
@@ -135,7 +137,7 @@ void LiveNode::use_up() {
 
 void LiveNode::look_around(StopSignal& stop) {
   const Clock::time_point end = Clock::now() + kLookAround;
-  report_.send(status());  // whoever is there answers
+  report_.send(status());  // processes already running answer
   while (!stop.raised() && Clock::now() < end) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
     if (stop.wait(bus_.fileno(), static_cast<int>(left.count()))) drain();
@@ -143,7 +145,8 @@ void LiveNode::look_around(StopSignal& stop) {
   }
 }
 
-/// One that has run for a while goes on whatever is said: a STATUS may be a recorded one.
+/// A process that has run for a while continues in any case, because a STATUS may be a recorded
+/// one.
 void LiveNode::refuse_to_be_second() const {
   const Clock::time_point now = Clock::now();
   if (!alone_ || now - start_ > kGiveWay) return;
@@ -172,7 +175,7 @@ void LiveNode::report() {
 }
 
 void LiveNode::log_missing_inputs() {
-  // To the log when it changes; STATUS repeats it every second.
+  // Logged only when it changes; STATUS repeats it every second.
   std::string missing;
   for (const Channel channel : node_.inputs()) {
     if (host_.seen(channel) || node_.need_of(channel) != InputNeed::kRequired) continue;
@@ -232,7 +235,7 @@ std::string LiveNode::save_now(SaveKind kind) {
     is_save_failing_ = false;
     return {};
   } catch (const std::exception& error) {
-    // A full disk must not end the mapping; the last good file stays.
+    // A full disk must not end the mapping; the last good file remains.
     spdlog::error("not saved: {}", error.what());
     report_.set_error(std::string("not saved: ") + error.what());
     if (!is_save_failing_) report_.hurry(false);
@@ -308,7 +311,8 @@ Level LiveNode::say_inputs(std::string& text) const {
   return level;
 }
 
-/// What waits as long as anything moves is no matter; what waits for the same for a second is.
+/// Waiting is reported only when nothing was sent or the text is the same as a second ago; short
+/// waits are normal.
 std::string LiveNode::waiting_text() const {
   std::string text = node_.waiting_for();
   if (outputs_flow_ && text != waited_for_before_) text.clear();

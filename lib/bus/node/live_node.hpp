@@ -17,16 +17,16 @@
 
 namespace orchard::bus {
 
-/// A node on the network: one thread, one event loop, until a signal ends it.
+/// Runs a node on the network: one thread with one event loop, until a signal ends it.
 class LiveNode {
  public:
-  /// `alone`: refuses to run where another of its name does already.
+  /// `alone`: refuses to run when a process of the same name is already on the network.
   LiveNode(Bus& bus, Node& node, const std::string& name, const io::EffectiveConfig& config,
            SaveHook save, bool alone = false);
 
-  /// Runs until a stop is asked for, then takes in what has already arrived, as far as that goes in
-  /// a second, flushes and saves. Throws BusError, what the node throws, and std::runtime_error
-  /// when that last save failed or another of its name was there before.
+  /// Runs until a stop is requested. Then handles the messages that have already arrived (for at
+  /// most a second), flushes the node and saves. Throws BusError, whatever the node throws, and
+  /// std::runtime_error when the last save failed or a process of the same name was running before.
   void run(StopSignal& stop);
 
  private:
@@ -41,7 +41,7 @@ class LiveNode {
   void refuse_to_be_second() const;
   void report();
   void save_when_due();
-  /// "", or what was thrown.
+  /// Returns an empty string, or the message of the exception thrown.
   std::string save_now(SaveKind kind);
   Status status() const;
   std::string waiting_text() const;
@@ -55,17 +55,17 @@ class LiveNode {
   Clock::time_point next_save_;
   Clock::time_point next_full_save_;
   bool changed_ = false;
-  bool is_save_failing_ = false;  ///< and STATUS has been told at once
+  bool is_save_failing_ = false;  ///< STATUS was already sent for this failure
   Clock::time_point start_;
   Inbox inbox_;
   InputWatch inputs_;
   Neighbours neighbours_;
   bool alone_;
-  bool outputs_flow_ = true;  ///< some were sent in the last second, or nothing was asked for
+  bool outputs_flow_ = true;  ///< outputs were sent between the last two reports; true at first
   std::int64_t num_published_before_ = 0;
   std::int64_t num_dropped_before_ = 0;
   std::int64_t num_dropped_lately_ = 0;
-  std::deque<std::int64_t> num_late_;  ///< of the node, by the second: the last ten
+  std::deque<std::int64_t> num_late_;  ///< num_late of the node, once a second, for the last ten
   std::string waited_for_before_;
   std::string logged_warning_;
   std::string logged_missing_;

@@ -10,24 +10,24 @@
 namespace orchard::bus {
 namespace {
 
-/// STATUS comes once a second: who has missed three is gone.
+/// STATUS is sent once a second: after three missed ones a process is considered gone.
 constexpr std::chrono::milliseconds kGoneAfter{3500};
 
 /// CONFIG comes every ten seconds.
 constexpr std::chrono::seconds kConfigGoneAfter{25};
 
-/// How long people are told that this machine's clock was set.
+/// How long a step of this machine's clock is reported.
 constexpr std::chrono::seconds kClockStepSaid{60};
 
-/// Names come from outside: only so many are remembered.
+/// Names come from the network, so the number of processes remembered is limited.
 constexpr std::size_t kProcessesMax = 64;
 
-/// STATUS that are compared for the offset of clocks.
+/// Number of STATUS messages compared to estimate a clock offset.
 constexpr std::size_t kOffsets = 4;
 constexpr std::int64_t kSkew_us = 100'000;
 constexpr std::int64_t kClockStep_us = 500'000;
 
-/// Without its process id.
+/// Host name without the process id.
 std::string machine(const std::string& host) { return host.substr(0, host.rfind(':')); }
 
 void append(std::string& text, const std::string& more) {
@@ -116,7 +116,7 @@ std::string Neighbours::text(Clock::time_point now) const {
   }
   for (const Process& process : processes_) {
     if (now - process.heard > kGoneAfter || process.offsets_us.size() < kOffsets) continue;
-    // On its way a message only loses time: the quickest tells the offset best.
+    // Transport only delays a message, so the fastest one gives the best offset.
     const std::int64_t offset_us =
         *std::max_element(process.offsets_us.begin(), process.offsets_us.end());
     if (std::llabs(offset_us) < kSkew_us) continue;

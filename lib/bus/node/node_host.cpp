@@ -25,7 +25,7 @@ bool NodeHost::receive(const Message& input, std::optional<std::int64_t> arrival
     held.erase(held.begin(), held.begin() + static_cast<std::ptrdiff_t>(num_old));
     return false;
   }
-  // Nodes are promised a rising seq.
+  // Nodes require increasing seq.
   if (decision == GateDecision::kDuplicate || decision == GateDecision::kReordered) return false;
   if (decision == GateDecision::kBelieved) {
     for (const Message& message : held) deliver(message);

@@ -13,7 +13,7 @@
 
 namespace orchard::bus {
 
-/// One output of a node, encoded.
+/// One encoded output of a node.
 struct Output {
   Channel channel = Channel::kScan;
   std::int32_t seq = 0;
@@ -21,20 +21,20 @@ struct Output {
   std::vector<std::uint8_t> bytes;
 };
 
-/// What surrounds a node wherever it runs (live process, lockstep process, in-process replay):
-/// drops what came before, hands over the rest, encodes what it sends.
+/// Runs a node in any environment (live process, lockstep process, in-process replay): drops old
+/// messages, passes the others to the node and encodes its outputs.
 class NodeHost {
  public:
   using Publish = std::function<void(Output&&)>;
 
   NodeHost(Node& node, Publish publish);
 
-  /// Live: hands the message over unless it is old, or keeps it aside until others agree with it
-  /// (SequenceGate). Returns whether any was handed over.
-  /// `arrival_us`: by the receiver's clock, for SequenceGate.
+  /// Live: passes the message to the node, drops it if it is old, or holds it until later messages
+  /// confirm it (SequenceGate). Returns whether any message was passed to the node.
+  /// `arrival_us`: time of arrival on the receiver's clock, for SequenceGate.
   bool receive(const Message& input, std::optional<std::int64_t> arrival_us = std::nullopt);
 
-  /// Replay, whose player has already decided what is new: hands the message over.
+  /// Replay: passes the message to the node without checks, which the player has made.
   void deliver(const Message& input);
 
   void flush();
@@ -48,7 +48,7 @@ class NodeHost {
     return traffic_.num_in[static_cast<std::size_t>(channel)];
   }
 
-  /// All but what the bus refused before it came here.
+  /// Traffic counts of this host, without the messages that the bus rejected.
   TrafficCounts traffic() const;
   Node& node() { return node_; }
 
@@ -57,8 +57,8 @@ class NodeHost {
   Publish publish_;
   Outbox outbox_;
   SequenceGate gate_;
-  std::array<std::vector<Message>, kNumChannels> held_;  ///< as the gate says
-  TrafficCounts traffic_;                                ///< its num_in and num_out
+  std::array<std::vector<Message>, kNumChannels> held_;  ///< messages held back by the gate
+  TrafficCounts traffic_;                                ///< only num_in and num_out are set
 };
 
 }  // namespace orchard::bus

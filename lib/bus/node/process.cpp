@@ -21,7 +21,8 @@
 namespace orchard::bus {
 namespace {
 
-/// Runs the body of a process and turns what it throws into a sentence and an exit code.
+/// Runs the body of a process; prints an exception as one sentence and returns the exit code for
+/// it.
 int guarded(const std::string& name, const std::function<void()>& body) {
   const auto say = [&name](const std::exception& error) {
     std::cerr << name << ": " << error.what() << "\n";
@@ -99,7 +100,7 @@ int run_device_process(int argc, char** argv, ProcessInfo info, io::ConfigFile& 
       try {
         return make_driver();
       } catch (const std::invalid_argument& error) {
-        throw io::FileError(error.what());  // an address or file that is none
+        throw io::FileError(error.what());  // invalid address or file
       }
     }();
     LiveDriver(bus, *driver, info.name, options).run(stop);

@@ -14,59 +14,60 @@
 
 namespace orchard::bus {
 
-/// Exit codes of every program.
+/// Exit codes of all programs.
 enum ExitCode : int { kExitOk = 0, kExitRuntime = 1, kExitUsage = 2, kExitInput = 3 };
 
-/// A command-line option beyond the common ones (--config, --lcm-url, --log-level, --version,
-/// --help, --print-config with --all; --lockstep for nodes; --speed, --wait-for for drivers).
+/// A command-line option in addition to the common ones (--config, --lcm-url, --log-level,
+/// --version, --help, --print-config with --all; --lockstep for nodes; --speed, --wait-for for
+/// drivers).
 struct ExtraOption {
   std::string flag;        ///< as typed: "--out"
   std::string value_name;  ///< "DIR"; empty for a switch, whose value becomes "true"
   std::string help;
-  std::string* value = nullptr;  ///< filled when given
+  std::string* value = nullptr;  ///< set when the option is given
 };
 
 struct ProcessInfo {
   std::string name;         ///< of the executable: "orchard-detector"
   std::string description;  ///< the first lines of --help
   std::vector<ExtraOption> options;
-  /// Fills the configuration where no --config is given; empty: the built-in defaults stay.
+  /// Fills the configuration when no --config is given; if empty, the built-in defaults remain.
   std::function<void()> load_default;
-  bool alone = false;        ///< refuses to run where another of its name does already
+  bool alone = false;        ///< refuses to run when a process of the same name is already running
   bool* lockstep = nullptr;  ///< set when --lockstep is given
 };
 
-/// How much a save may cost.
+/// Kind of save, which limits how long it may take.
 enum class SaveKind {
-  kQuick,  ///< live, about every second: the node waits for it
-  kFull,   ///< live, every half minute, and only when no message waits
+  kQuick,  ///< live, about once a second; the node waits for it
+  kFull,   ///< live, every half minute, only while no message waits
   kFinal,  ///< once, after the flush
 };
 
-/// A node's state is to be saved.
+/// Request to save a node's state.
 struct SaveRequest {
   SaveKind kind = SaveKind::kFinal;
-  TrafficCounts traffic;  ///< so far
+  TrafficCounts traffic;  ///< counts so far
 };
 
-/// Called when something may have changed since the last time. Live, what it throws is shown in
-/// STATUS and the process goes on.
+/// Saves a node's state; called when it may have changed since the last save. In a live process an
+/// exception is reported in STATUS and the process continues.
 using SaveHook = std::function<void(Node& node, const SaveRequest& request)>;
 
-/// Runs one node as a process: parses options, loads the configuration, opens the bus, hands the
-/// node what the guard lets through, sends its outputs, STATUS and CONFIG, stops at SIGINT or
-/// SIGTERM with a flush. `make_node` is called once `config` is loaded. Returns the exit code;
-/// prints every error in one clear sentence.
+/// Runs one node as a process: parses the options, loads the configuration, opens the bus, passes
+/// validated messages to the node, publishes its outputs, STATUS and CONFIG, and flushes the node
+/// on SIGINT or SIGTERM. `make_node` is called after `config` is loaded. Prints every error as one
+/// sentence and returns the exit code.
 int run_node_process(int argc, char** argv, ProcessInfo info, io::ConfigFile& config,
                      const std::function<std::unique_ptr<Node>()>& make_node,
                      const SaveHook& save = {});
 
-/// Runs a source as a process: the same, publishing what the source gives at its pace (--speed).
+/// Runs a source as a process in the same way, publishing its messages at their pace (--speed).
 int run_driver_process(int argc, char** argv, ProcessInfo info, io::ConfigFile& config,
                        const std::function<std::unique_ptr<Source>()>& make_source);
 
-/// Runs the driver of a device as a process: the same, at the device's own pace. `make_driver` may
-/// throw io::ConfigError, io::FileError and std::invalid_argument (an option that is none).
+/// Runs a device driver as a process in the same way, at the device's pace. `make_driver` may throw
+/// io::ConfigError, io::FileError and std::invalid_argument (an invalid option).
 int run_device_process(int argc, char** argv, ProcessInfo info, io::ConfigFile& config,
                        const std::function<std::unique_ptr<Driver>()>& make_driver);
 

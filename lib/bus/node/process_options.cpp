@@ -15,7 +15,7 @@ constexpr const char* kFooter =
     "Exit codes: 0 stopped (Ctrl-C, SIGTERM) or at the end, 1 runtime failure,\n"
     "2 bad command line, 3 bad configuration or input file.";
 
-/// Log lines go to stderr: stdout belongs to what a program is asked to print.
+/// Log lines go to stderr; stdout is reserved for output that was requested.
 void set_up_log(const std::string& name, const std::string& level) {
   auto logger = spdlog::get(name);
   if (!logger) logger = spdlog::stderr_color_mt(name);

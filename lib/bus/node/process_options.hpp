@@ -12,13 +12,13 @@ namespace orchard::bus {
 
 enum class ProcessKind {
   kNode,
-  kDriver,  ///< of a source that is paced
-  kDevice,  ///< of a sensor with a pace of its own
+  kDriver,  ///< publishes a paced source
+  kDevice,  ///< publishes a sensor at its own pace
 };
 
-/// What the command line of a process said.
+/// Parsed command line of a process.
 struct ProcessOptions {
-  io::EffectiveConfig config;  ///< with the lcm.url to use
+  io::EffectiveConfig config;  ///< effective configuration, with the lcm.url in use
   bool lockstep = false;
   double speed = 1.0;
   std::vector<std::string> wait_for;  ///< full names of processes
@@ -28,16 +28,16 @@ struct ProcessOptions {
 /// Version of the software.
 std::string_view version();
 
-/// The LCM network: --lcm-url when given, else the rig's, else LCM_DEFAULT_URL, else the built-in
-/// one. Returns which of them, in words.
+/// Selects the LCM network: --lcm-url if given, else the rig's URL, else LCM_DEFAULT_URL, else the
+/// built-in default. Returns the origin of the URL in words.
 const char* choose_url(const std::string& lcm_url, bool has_rig, io::LcmConfig& lcm);
 
-/// Loads the rig at `path` ("": the defaults stay), logs the reader's warnings and prints what is
-/// wrong with it; false when it was refused.
+/// Loads the rig at `path` (empty: keeps the defaults), logs the reader's warnings and prints its
+/// errors. Returns false when the rig is invalid.
 bool load_config(const std::string& program, const std::string& path, io::ConfigFile& config);
 
-/// Reads the command line and the configuration, prints what is wrong with them, and sets the log
-/// level. Returns the exit code when the program is to end here (also after --help).
+/// Parses the command line, loads the configuration, prints errors in either and sets the log
+/// level. Returns the exit code if the program must end here (also after --help).
 std::optional<int> read_options(int argc, char** argv, const ProcessInfo& info, ProcessKind kind,
                                 io::ConfigFile& config, ProcessOptions& options);
 

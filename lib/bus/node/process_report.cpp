@@ -11,7 +11,7 @@
 namespace orchard::bus {
 namespace {
 
-/// No sooner than this after the last: strangers must not make us talk.
+/// Minimum intervals between two messages, so that other processes cannot trigger a flood.
 constexpr std::chrono::milliseconds kStatusApart{100};
 constexpr std::chrono::seconds kConfigApart{1};
 constexpr std::chrono::seconds kConfigPeriod{10};

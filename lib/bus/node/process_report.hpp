@@ -11,36 +11,36 @@
 
 namespace orchard::bus {
 
-/// Wall clock, for what is about processes and never about measurements [us].
+/// Wall clock time [us]; for messages about processes, never for measurements.
 std::int64_t wall_utime();
 
-/// Tells the world how a process is: STATUS once a second, CONFIG at the start and every ten
-/// seconds (none for a process without a rig), and a supervisor's watchdog.
+/// Publishes the state of a process: STATUS once a second, CONFIG at the start and every ten
+/// seconds (none for a process without a rig), and the watchdog of a supervisor.
 class ProcessReport {
  public:
   ProcessReport(Bus& bus, std::string name, const io::EffectiveConfig& config);
 
-  /// One input was handed to the node and its outputs were sent, `latency_s` later.
+  /// Records that one input was handled and its outputs were sent, `latency_s` after its arrival.
   void note_input(double latency_s);
 
-  /// Something went wrong that people must see; stays until cleared with an empty text.
+  /// Sets an error that STATUS shows until it is cleared with an empty text.
   void set_error(std::string text) { error_ = std::move(text); }
 
-  /// "robot:4711": the machine and the process, as STATUS says them.
+  /// Machine and process id as sent in STATUS: "robot:4711".
   const std::string& host() const { return host_; }
 
-  /// How many STATUS were sent.
+  /// Number of STATUS messages sent.
   std::int32_t num_sent() const { return status_seq_; }
 
-  /// STATUS and CONFIG are due now (somebody new is there to read them, or something changed),
-  /// unless they were sent a moment ago.
+  /// Makes STATUS (and CONFIG) due now, because a new process appeared or something changed, unless
+  /// they were sent a moment ago.
   void hurry(bool with_config);
 
   bool due() const { return Clock::now() >= next_status_; }
   int ms_until_due() const;
 
-  /// Sends STATUS with the given counts and level (periods, names and times are filled in here),
-  /// and CONFIG when it is due.
+  /// Sends STATUS with the given counts and level, and CONFIG when it is due. Period, latency,
+  /// names and times are filled in here.
   void send(Status status);
 
  private:

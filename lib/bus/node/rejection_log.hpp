@@ -9,8 +9,8 @@
 
 namespace orchard::bus {
 
-/// Logs refused messages, each channel and reason at most once in five seconds, so that a flood of
-/// bad datagrams does not become a flood of log lines.
+/// Logs rejected messages, at most one line per channel and reason in five seconds, so that a flood
+/// of bad datagrams does not flood the log.
 class RejectionLog {
  public:
   void note(Channel channel, const Rejection& rejection);

@@ -10,44 +10,46 @@
 namespace orchard::bus {
 namespace {
 
-/// Messages of a channel that are remembered, to tell a duplicate and a gap: a minute of the
-/// fastest wheels.
+/// Messages remembered per channel to detect duplicates and gaps: one minute of the fastest wheel
+/// odometry.
 constexpr std::int32_t kHistory = 4096;
 
-/// How far from a missing message its neighbours are looked for.
+/// Max distance in seq at which neighbours of a missing message are searched.
 constexpr std::int32_t kNeighbours = 64;
 
-/// What came before the first message of a source may come this much later.
+/// Max time by which a late message may precede its next neighbour when it has no earlier
+/// neighbour, as at the start of a source.
 constexpr std::int64_t kBeforeFirst_us = 1'000'000;
 
-/// However slow a channel is, so much ahead of how it kept its time needs others that agree: more
-/// than a link that catches up skips.
+/// Max lead over the expected time without confirmation, however slow the channel is. A link that
+/// catches up skips less.
 constexpr std::int64_t kAheadMax_us = 2'000'000;
 
-/// A number may go on so many times as fast as the channel's rate says: a source that was slow
-/// for long, and whose rate is known from that.
+/// A seq may grow this many times faster than the channel's rate: that rate may have been estimated
+/// while the source was slow.
 constexpr std::int64_t kRateMax = 4;
 
-/// Of what was accepted last, so many steps tell how a channel keeps its time.
+/// Min number of steps from which the pace of a channel is known.
 constexpr std::size_t kStepsMin = 7;
 
-/// Longer than a robot pauses in a drive; what leaps farther needs others that agree.
+/// Longest pause of a robot in a drive; a larger jump needs confirmation.
 constexpr std::int64_t kPauseMax_us = std::int64_t{4} * 3600 * 1'000'000;
 
-/// A channel that was silent for so many messages of the others does not say what time it is.
+/// After this many messages of other channels, a silent channel no longer tells the current time.
 constexpr std::int64_t kTimeGoodFor = 1000;
 
-/// Two sources on one channel: one goes on within a few numbers while the other is far away.
+/// Two sources on one channel: one continues within kNearSeq of its last seq while the other is
+/// more than kFarSeq away.
 constexpr std::int32_t kNearSeq = 100;
 constexpr std::int32_t kFarSeq = 1000;
 
-/// A source that begins again so soon after it did, at a seq that is none to begin with, is rather
-/// two sources.
+/// A restart within this many accepted messages of the previous one, at a seq that is not a first
+/// one, indicates two sources.
 constexpr std::int64_t kRestartsApart = 50;
 
-/// The lead that the next message should have: the two clocks need not run at one rate, as when a
-/// simulation is played fast, so what the older half of the steps was behind the newer one is gone
-/// on with. `steps` is a ring to which `num` were written.
+/// Expected lead of the next message. The clocks of source and receiver may run at different rates
+/// (a simulation played fast), so the difference between the medians of the older and newer half of
+/// the steps is extrapolated. `steps` is a ring buffer to which `num` steps were written.
 template <class Steps>
 std::int64_t expected_lead_us(const Steps& steps, std::size_t num) {
   const std::size_t half = std::min(num, steps.size()) / 2;
@@ -72,7 +74,7 @@ bool SequenceGate::follows(const Stamp& last, const Stamp& next) {
          next.utime - last.utime <= kLeap_us;
 }
 
-/// Whether the source was silent for as long as it says.
+/// Whether as much time has passed at the receiver as the time stamps say.
 bool SequenceGate::is_pause(const Stamp& last, const Stamp& next) {
   if (!last.arrival_us || !next.arrival_us) return false;
   const std::int64_t passed_us = next.utime - last.utime;
@@ -128,8 +130,8 @@ bool SequenceGate::goes_on(Channel channel, const Stamp& next) const {
   const Stamp& last = last_[index(channel)].stamp;
   const Pace& pace = last_[index(channel)].pace;
   if (follows(last, next)) return !pace.is_early(last, next) && !pace.skips(last, next);
-  // After a long silence of this channel alone, the others know what time it is; after one of all,
-  // the clock of who receives them does.
+  // After a silence of this channel alone, the other channels tell the time; after a silence of all
+  // channels, the receiver's clock does.
   return next.seq > last.seq && next.seq - last.seq <= kLeap_seq && next.utime >= last.utime &&
          (others_are_at(channel, next.utime) || is_pause(last, next));
 }
@@ -139,7 +141,7 @@ bool SequenceGate::is_other_source(const Last& last, const Stamp& next) const {
          next.seq - last.stamp.seq > kFarSeq;
 }
 
-/// Whether the source sent it between two messages that have come, by number and by time.
+/// Whether the source sent the message between two received ones, by seq and by utime.
 bool SequenceGate::fills_gap(const Last& last, const Stamp& late, bool& was_lost) const {
   if (late.seq >= last.stamp.seq || last.stamp.seq - late.seq >= kHistory) return false;
   const auto at = [&](std::int32_t seq) -> const Seen* {
@@ -172,7 +174,7 @@ GateDecision SequenceGate::accept(Channel channel, std::int32_t seq, std::int64_
     return GateDecision::kDuplicate;
   }
   if (is_other_source(last, stamp)) {
-    // The source that seemed to have begun again is a second one: the first goes on.
+    // The apparent restart is a second source; the first one continues.
     last.stamp = *std::exchange(last.before, std::nullopt);
     last.contested = true;
     ++counts.num_contests;
@@ -182,8 +184,8 @@ GateDecision SequenceGate::accept(Channel channel, std::int32_t seq, std::int64_
     const bool lies_between = follows(last.stamp, last.held_first);
     if (num_right > 0 && follows(last.held, stamp) &&
         (lies_between || !follows(last.stamp, stamp))) {
-      // The source, or the others, have come to the time of those that were kept aside: they were
-      // right.
+      // The source or the other channels have reached the time of the held messages, which confirms
+      // them.
       counts.num_lost += std::max(0, seq - last.stamp.seq - 1 - last.num_held);
       last.num_held = last.num_held_old = 0;
       take(last, stamp);
@@ -214,8 +216,8 @@ GateDecision SequenceGate::accept(Channel channel, std::int32_t seq, std::int64_
   return hold(channel, stamp, !last.contested && time_is_known);
 }
 
-/// Keeps a message aside, with those that it agrees with, until they are enough or the other
-/// channels are at their time.
+/// Holds a message together with those it agrees with, until they are enough or the other channels
+/// confirm their time.
 GateDecision SequenceGate::hold(Channel channel, const Stamp& stamp, bool is_time_known) {
   Last& last = last_[index(channel)];
   if (last.num_held > 0 && stamp.seq == last.held.seq && stamp.utime == last.held.utime) {
@@ -223,7 +225,7 @@ GateDecision SequenceGate::hold(Channel channel, const Stamp& stamp, bool is_tim
     return GateDecision::kDuplicate;
   }
   if (last.num_held > 0 && !follows(last.held, stamp)) {
-    // Where some agree already, one that does not is refused, but not for ever.
+    // If several messages agree, one that disagrees is refused, but only a limited number of times.
     if (last.num_held > 1 && ++last.num_against < kNumToBelieve) {
       ++counts_[index(channel)].num_leaps;
       return GateDecision::kDuplicate;
@@ -232,7 +234,7 @@ GateDecision SequenceGate::hold(Channel channel, const Stamp& stamp, bool is_tim
   }
   last.num_against = 0;
   if (++last.num_held == 1) last.held_first = stamp;
-  // Refused one by one, and yet they go on: somebody else sends them.
+  // Single messages were refused one by one and yet continue each other: another source sends them.
   const bool goes_on_beside = last.num_held == 1 && last.rival && follows(*last.rival, stamp) &&
                               stamp.seq - last.rival->seq <= kNearSeq;
   if (goes_on_beside) ++counts_[index(channel)].num_contests;
@@ -244,7 +246,7 @@ GateDecision SequenceGate::hold(Channel channel, const Stamp& stamp, bool is_tim
   last.held = stamp;
   if (last.num_held < kNumToBelieve && !is_time_known) return GateDecision::kHeld;
   const bool alone = last.num_held == 1;
-  if (last.seen && follows(last.stamp, stamp)) {  // it ran ahead, and so does the source
+  if (last.seen && follows(last.stamp, stamp)) {  // a jump ahead, and the source stays there
     counts_[index(channel)].num_lost += std::max(0, stamp.seq - last.stamp.seq - last.num_held);
     last.num_held = last.num_held_old = 0;
     last.pace.forget();

@@ -10,62 +10,61 @@
 
 namespace orchard::bus {
 
-/// What the sequence numbers and times of arriving messages said.
+/// Counters derived from the sequence numbers and times of arriving messages.
 struct SequenceCounts {
   std::int64_t num_lost = 0;       ///< missing by seq
-  std::int64_t num_duplicate = 0;  ///< came before, or too old to tell
-  std::int64_t num_reordered = 0;  ///< came behind a later one, and are not counted lost
-  std::int64_t num_leaps = 0;      ///< refused: their time or number leaps, and nothing agreed
-  std::int64_t num_restarts = 0;   ///< a source began again, or its clock was set
-  std::int64_t num_contests = 0;   ///< signs of a second source on the channel
-  double clock_change_s = 0.0;     ///< by how much a clock was last set, beyond kLeap_us
+  std::int64_t num_duplicate = 0;  ///< received before, or too old to tell
+  std::int64_t num_reordered = 0;  ///< arrived after a later message; not counted as lost
+  std::int64_t num_leaps = 0;     ///< refused: time or seq jumps, and no other message confirmed it
+  std::int64_t num_restarts = 0;  ///< the source was restarted, or its clock was set
+  std::int64_t num_contests = 0;  ///< indications of a second source on the channel
+  double clock_change_s = 0.0;    ///< last step of a source's clock, if larger than kLeap_us
 };
 
-/// What is to be done with a message.
+/// What to do with a message.
 enum class GateDecision {
-  kNew,        ///< it is used
-  kReordered,  ///< it is used where order is made afterwards (a log), and comes too late live
-  kDuplicate,  ///< it is dropped: it came before, or disagrees with those held
-  kHeld,       ///< it leaps: it is kept aside, and so are those before it that num_held() counts
-  kBelieved,   ///< it agrees with those held: they are used, in their order, and then it
+  kNew,        ///< use it
+  kReordered,  ///< use it in a log, where messages are sorted afterwards; too late when live
+  kDuplicate,  ///< drop it: received before, or contradicts the held messages
+  kHeld,       ///< hold it: it jumps. Keep the newest num_held() held messages
+  kBelieved,   ///< it agrees with the held messages: use those in order, then this one
 };
 
-/// Decides per channel whether a message is new. The same rule holds live, in the order of
-/// arrival, and for a log, in the order of the file: so both use the same messages.
+/// Decides per channel whether a message is new. The rule is the same live (order of arrival) and
+/// for a log (order in the file), so both use the same messages.
 ///
-/// New is a higher seq that is not earlier in time. A seq that falls to a beginning while time goes
-/// on is a source that was started again. No single message is believed about more: a leap of more
-/// than a minute or of 100,000 in seq, or a time that goes back, is taken when kNumToBelieve
-/// messages in a row agree on it, when the other channels are at that time already, or when as much
-/// time has passed where the messages arrive: a robot that pauses.
+/// A message is new if its seq is higher and its utime is not earlier. A seq that falls to a low
+/// number while time continues means that the source was restarted. Any other jump needs
+/// confirmation: more than kLeap_us or kLeap_seq, or a utime that goes back. It is accepted once
+/// kNumToBelieve messages in a row agree on it, if the other channels are already at that time, or
+/// if as much time has passed at the receiver (the robot paused).
 ///
-/// Where arrivals are told, so does one that comes earlier than its channel keeps its time: by as
-/// long as kNumToBelieve of its messages take, at most two seconds, after what the medians of the
-/// last ones let expect, which none alone moves. So does one whose number goes on by more than its
-/// time does at the channel's own rate. What was kept aside and lies between two that are new was
-/// right.
+/// If arrival times are known, two more cases need confirmation: a utime that is ahead of the
+/// channel's pace by more than kNumToBelieve periods (at most two seconds), and a seq that grows
+/// faster than the utime at the channel's rate. The pace is the median of recent messages, so no
+/// single message shifts it. Held messages that lie between two new ones are accepted.
 class SequenceGate {
  public:
   static constexpr std::int64_t kLeap_us = 60'000'000;
   static constexpr std::int32_t kLeap_seq = 100'000;
   static constexpr int kNumToBelieve = 5;
 
-  /// `arrival_us`: when it arrived, by any one clock of the receiver [us] (in a log: when it was
-  /// recorded); none where that says nothing of the source's time.
+  /// Classifies one message. `arrival_us`: time of arrival on any one clock of the receiver [us]
+  /// (in a log: time of recording); none where it is unrelated to the source's time.
   GateDecision accept(Channel channel, std::int32_t seq, std::int64_t utime,
                       std::optional<std::int64_t> arrival_us = std::nullopt);
 
-  /// How many of the newest messages of the channel wait for others to agree.
+  /// Number of the newest messages of the channel that wait for confirmation.
   int num_held(Channel channel) const { return last_[index(channel)].num_held; }
 
-  /// Which run of its source the newest message of the channel belongs to: +1 with every restart.
+  /// Run of the source that the newest message of the channel belongs to; +1 with every restart.
   std::int32_t run(Channel channel) const { return last_[index(channel)].run; }
 
-  /// There will be no more: what is held is refused, and counted so.
+  /// Ends the input: held messages are refused and counted as such.
   void finish();
 
   const SequenceCounts& counts(Channel channel) const { return counts_[index(channel)]; }
-  /// Of all channels; clock_change_s is the largest.
+  /// Sums over all channels; clock_change_s is the largest.
   SequenceCounts counts() const;
 
  private:
@@ -74,47 +73,47 @@ class SequenceGate {
     std::int64_t utime = 0;
     std::optional<std::int64_t> arrival_us;
   };
-  /// How a channel keeps its time, by what was accepted last.
+  /// Timing of a channel, estimated from the messages accepted last.
   class Pace {
    public:
-    /// One that was accepted after `before`; both of one run.
+    /// Adds an accepted message; `before` is the previous one of the same run.
     void note(const Stamp& before, const Stamp& stamp);
     void forget() { num_ = 0; }
-    /// Whether it comes so early that others must agree.
+    /// Whether the utime is so far ahead that the message needs confirmation.
     bool is_early(const Stamp& last, const Stamp& next) const;
-    /// The same of its number for its time.
+    /// Whether the seq grows so much faster than the utime that the message needs confirmation.
     bool skips(const Stamp& last, const Stamp& next) const;
 
    private:
     static constexpr std::size_t kRecent = 31;
     struct Step {
-      std::int64_t lead_us = 0;    ///< time of measurement less that of arrival
+      std::int64_t lead_us = 0;    ///< utime minus time of arrival
       std::int64_t period_us = 0;  ///< between two messages of the source
     };
     std::int64_t median(std::int64_t Step::*of) const;
     std::array<Step, kRecent> steps_{};
-    std::size_t num_ = 0;  ///< ever since forget()
+    std::size_t num_ = 0;  ///< steps since forget()
   };
   struct Seen {
     Stamp stamp;
-    std::int32_t run = 0;  ///< of which run of the source; 0: none was seen here
+    std::int32_t run = 0;  ///< run of the source; 0: no message here
   };
   struct Last {
     bool seen = false;
     Stamp stamp;
-    std::int32_t first_seq = 0;   ///< of its run
+    std::int32_t first_seq = 0;   ///< first seq of the run
     std::int32_t run = 0;         ///< +1 with every restart
-    std::int64_t order = 0;       ///< when it was accepted, counted in accepted messages
-    std::vector<Seen> history;    ///< by seq modulo its size
-    std::optional<Stamp> before;  ///< where the source was before its last restart
+    std::int64_t order = 0;       ///< number of accepted messages when this one was accepted
+    std::vector<Seen> history;    ///< indexed by seq modulo its size
+    std::optional<Stamp> before;  ///< last message before the last restart
     std::int64_t restart_order = 0;
-    bool contested = false;  ///< the source before a restart is there still
+    bool contested = false;  ///< the source from before the restart still sends
     int num_held = 0;
-    int num_against = 0;         ///< that did not agree with them, since the last that did
-    int num_held_old = 0;        ///< of those, the ones that look like duplicates
-    Stamp held;                  ///< the newest of them
-    std::optional<Stamp> rival;  ///< the newest that was held and refused
-    Stamp held_first;            ///< the oldest that is held
+    int num_against = 0;         ///< contradictions of the held messages since the last agreement
+    int num_held_old = 0;        ///< held messages that look like duplicates
+    Stamp held;                  ///< newest held message
+    std::optional<Stamp> rival;  ///< newest held message that was refused
+    Stamp held_first;            ///< oldest held message
     Pace pace;
   };
 

@@ -21,7 +21,7 @@ ServiceNotifier::ServiceNotifier() {
     return;
   }
   std::memcpy(address.sun_path, path, std::strlen(path));
-  if (path[0] == '@') address.sun_path[0] = '\0';  // Linux's abstract names
+  if (path[0] == '@') address.sun_path[0] = '\0';  // Linux abstract socket name
   const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + std::strlen(path));
   fileno_ = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (fileno_ >= 0 && connect(fileno_, reinterpret_cast<sockaddr*>(&address), size) != 0) {
@@ -48,7 +48,7 @@ void ServiceNotifier::alive(const std::string& text) {
 }
 
 void ServiceNotifier::send(const std::string& state) {
-  // A supervisor that does not read is no reason to wait: the next word comes in a second.
+  // Non-blocking: if the supervisor does not read, the next notification follows in a second.
   if (fileno_ >= 0) (void)::send(fileno_, state.data(), state.size(), MSG_NOSIGNAL);
 }
 

@@ -5,8 +5,8 @@
 
 namespace orchard::bus {
 
-/// Tells a supervisor that speaks systemd's notification protocol (sd_notify(3)) how the process
-/// is: one datagram to the socket that NOTIFY_SOCKET names. Without that variable it does nothing.
+/// Reports the process state to a supervisor by systemd's notification protocol (sd_notify(3)): one
+/// datagram to the socket named by NOTIFY_SOCKET. Does nothing when that variable is not set.
 class ServiceNotifier {
  public:
   ServiceNotifier();
@@ -14,10 +14,10 @@ class ServiceNotifier {
   ServiceNotifier(const ServiceNotifier&) = delete;
   ServiceNotifier& operator=(const ServiceNotifier&) = delete;
 
-  /// The process has begun its work.
+  /// Reports READY: initialization is complete.
   void ready();
 
-  /// It is alive, called from its loop: feeds the watchdog. `text` is shown by systemctl status.
+  /// Feeds the watchdog; call it from the process's loop. `text` is shown by systemctl status.
   void alive(const std::string& text);
 
  private:

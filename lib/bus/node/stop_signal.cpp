@@ -17,8 +17,8 @@ bool is_ignored(int signal) {
   return sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
 }
 
-/// Also a terminal that was closed and a pipe that nobody reads: they end a process, but not
-/// without its last save. Whoever ignores them (nohup, systemd's IgnoreSIGPIPE) goes on.
+/// Includes a closed terminal and a broken pipe: they end the process, but only after its last
+/// save. If they are ignored (nohup, systemd's IgnoreSIGPIPE), the process continues.
 sigset_t stop_signals() {
   sigset_t set;
   sigemptyset(&set);
@@ -43,8 +43,8 @@ StopSignal::StopSignal() {
 
 StopSignal::~StopSignal() {
   close(fileno_);
-  // One that came after the first, as each further line into a broken pipe brings one, is obeyed
-  // already: it must not end the process with another exit code.
+  // A further signal (each line written to a broken pipe raises one) must not end the process with
+  // another exit code.
   if (raised_) {
     for (const int stopping : {SIGHUP, SIGPIPE}) signal(stopping, SIG_IGN);
   }

@@ -3,8 +3,8 @@
 
 namespace orchard::bus {
 
-/// SIGINT, SIGTERM, SIGHUP and SIGPIPE as a readable file descriptor, so that they arrive in the
-/// event loop and nowhere else. Make it before the bus: LCM's thread inherits the blocked signals.
+/// Receives SIGINT, SIGTERM, SIGHUP and SIGPIPE through a file descriptor, so that they arrive only
+/// in the event loop. Construct it before the bus: LCM's thread inherits the blocked signals.
 class StopSignal {
  public:
   /// Throws std::system_error.
@@ -15,10 +15,10 @@ class StopSignal {
 
   int fileno() const { return fileno_; }
 
-  /// Whether a stop was asked for; stays true.
+  /// Whether a stop was requested; stays true.
   bool raised();
 
-  /// Waits until `other` is readable, a stop is asked for, or the time is over (negative: none).
+  /// Waits until `other` is readable, a stop is requested, or the timeout ends (negative: none).
   /// Returns whether `other` is readable.
   bool wait(int other, int timeout_ms);
 

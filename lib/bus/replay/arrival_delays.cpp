@@ -12,17 +12,17 @@ namespace {
 constexpr std::size_t kSamplesMax = 4096;
 constexpr std::size_t kSamplesMin = 20;
 
-/// Half of the delays of a channel lie within this of each other, or its log was not recorded as it
-/// was measured: it was played faster, or its times are made up.
+/// Max interquartile range of a channel's delays. A larger one means that the log was not recorded
+/// in real time: it was played faster, or its times are artificial.
 constexpr std::int64_t kSteady_us = 100'000;
 
-/// Nothing is recorded before it was measured; clocks that a network sets agree to this.
+/// No message is recorded before its measurement; clocks synchronized over a network agree to this.
 constexpr std::int64_t kBefore_us = 50'000;
 
-/// More than a sweep, an exposure, its compression and a wireless network take together.
+/// Larger than the delays of a sweep, an exposure, compression and a wireless network together.
 constexpr std::int64_t kApart_us = 300'000;
 
-/// GNSS and POSE_FIX tell late what they have measured.
+/// Channels that publish without delay; GNSS and POSE_FIX do not.
 constexpr std::array<Channel, 5> kPrompt = {Channel::kScan, Channel::kScanRear, Channel::kImage,
                                             Channel::kOdometry, Channel::kImu};
 

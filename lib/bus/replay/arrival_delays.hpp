@@ -11,18 +11,18 @@
 
 namespace orchard::bus {
 
-/// How long after its measurement a log recorded each message of the sensors that tell at once: by
-/// that a clock that differs from the others' is seen, as STATUS shows it live.
+/// Measures the delay between measurement and recording for sensors that publish without delay.
+/// Differences between channels reveal a clock offset, which STATUS reports in a live system.
 class ArrivalDelays {
  public:
   void add(Channel channel, std::int64_t utime, std::int64_t recorded_utime);
 
-  /// A sentence for people on the channels whose clock is another; none where all agree, where only
-  /// one tells, and where the log was not recorded as it was measured.
+  /// Warnings for the user about channels with a different clock. Empty when all agree, when only
+  /// one channel has data, or when the log was not recorded in real time.
   std::vector<std::string> warnings() const;
 
  private:
-  /// Every so many messages one is kept, so that a long log needs no more than a short one.
+  /// Keeps every n-th message, so that memory does not grow with the log.
   struct Sample {
     std::int64_t num = 0;
     std::int64_t every = 1;

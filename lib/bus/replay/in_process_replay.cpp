@@ -14,18 +14,18 @@
 namespace orchard::bus {
 namespace {
 
-/// A batch is large enough that handing it over costs nothing beside its work, and small enough
-/// that all on their way are little memory.
+/// A batch is large enough that the cost of passing it on is negligible, and small enough that all
+/// batches in work need little memory.
 constexpr std::size_t kBatchEvents = 64;
 constexpr std::size_t kBatchBytes = 1u << 20;
 
-/// Events that go through the nodes together.
+/// Events that pass through the nodes together.
 struct Batch {
   Batch() = default;
   Batch(Batch&&) = default;
   Batch& operator=(Batch&&) = default;
 
-  std::vector<const ReplayEntry*> entries;  ///< none: the flush of a node
+  std::vector<const ReplayEntry*> entries;  ///< empty: flush of a node
   std::vector<std::vector<std::uint8_t>> bytes;
   std::vector<ReplayEvent> events;
 };
@@ -73,7 +73,7 @@ class Replay {
                         : std::max(1u, std::thread::hardware_concurrency());
   }
 
-  /// One thread takes event after event, so that who asked sees each as it happens.
+  /// A single thread takes one event at a time, so that the callbacks follow each event at once.
   bool fill(Batch& batch) {
     batch = {};
     std::size_t num_bytes = 0;
@@ -112,8 +112,8 @@ class Replay {
     }
   }
 
-  /// The outputs of each event in order of (channel, seq): an order that does not depend on which
-  /// of several nodes was faster, so that lockstep gives the same.
+  /// Passes on the outputs of each event in order of (channel, seq). This order does not depend on
+  /// which node was faster, so lockstep gives the same one.
   void pass_on(Batch& batch) {
     ReplayReport& report = index_.report;
     for (std::size_t i = 0; i < batch.events.size(); ++i) {

@@ -11,7 +11,7 @@
 namespace orchard::bus {
 namespace {
 
-/// More than one input can ever cause on one channel before the player waits for its answers.
+/// Replies kept per channel: more than one input can cause before the player waits for answers.
 constexpr std::size_t kNumRemembered = 4096;
 
 }  // namespace
@@ -36,8 +36,8 @@ LockstepNode::LockstepNode(Bus& bus, MakeNode make_node, SaveHook save, const st
     bus_.subscribe(channel, [this](const Message& input, Bytes) { on_input(input); });
   }
   bus_.subscribe_replay([this](const ReplayMark& mark) { on_mark(mark); });
-  // What is refused is logged and not answered: the player sends its own again and, in the end,
-  // says who did not answer. A stranger's is nothing to either.
+  // Rejected messages are logged but not answered: the player repeats its own and finally reports
+  // the node that did not answer. Those of other senders do not matter.
 }
 
 void LockstepNode::run(StopSignal& stop) {
@@ -76,7 +76,7 @@ void LockstepNode::restart() {
 
 void LockstepNode::on_mark(const ReplayMark& mark) {
   if (mark.end) {
-    if (mark.seq != 1 + number_) return;  // another node's turn to flush
+    if (mark.seq != 1 + number_) return;  // another node flushes
     fresh_ = false;
     answer(Channel::kReplay, {mark.utime, mark.seq}, [this] {
       host_->flush();
@@ -102,8 +102,8 @@ void LockstepNode::on_input(const Message& input) {
   });
 }
 
-/// A derived message whose predecessor was lost on the way is not answered: the player then asks
-/// for both again, and they come in order.
+/// A derived message whose predecessor was lost is not answered; the player then repeats both in
+/// order.
 bool LockstepNode::comes_too_early(Channel channel, std::int32_t seq) const {
   return info(channel).role == Role::kDerived &&
          seq > last_seq_[static_cast<std::size_t>(channel)] + 1;

@@ -19,20 +19,20 @@
 
 namespace orchard::bus {
 
-/// The number of a node in ack_t. Throws std::invalid_argument for a name it does not know.
+/// Number of a node in ack_t. Throws std::invalid_argument for an unknown name.
 std::int8_t node_number(std::string_view name);
 
-/// A node that takes turns with orchard-log-player: each input is answered by its outputs and an
-/// ACK; an input that comes again (its ACK or an output was lost) is answered with the same
-/// outputs again and is not handled twice. A BEGIN after inputs makes a fresh node. STATUS goes out
-/// as ever, on the network of the replay.
+/// Runs a node in lockstep with orchard-log-player: it answers each input with its outputs and an
+/// ACK. A repeated input (its ACK or an output was lost) gets the same outputs again without being
+/// handled twice. A BEGIN after inputs creates a new node. STATUS is sent as usual, on the network
+/// of the replay.
 class LockstepNode {
  public:
   using MakeNode = std::function<std::unique_ptr<Node>()>;
   LockstepNode(Bus& bus, MakeNode make_node, SaveHook save, const std::string& name,
                const io::EffectiveConfig& config);
 
-  /// Runs until a stop is asked for. Throws BusError, and what the node throws.
+  /// Runs until a stop is requested. Throws BusError and whatever the node throws.
   void run(StopSignal& stop);
 
  private:
@@ -41,7 +41,7 @@ class LockstepNode {
     Ack ack;
     std::vector<Output> outputs;
   };
-  /// The answers to the newest inputs of one channel.
+  /// Replies to the latest inputs of one channel.
   struct Answered {
     std::map<Key, Reply> replies;
     std::deque<Key> order;
@@ -63,7 +63,7 @@ class LockstepNode {
   std::unique_ptr<NodeHost> host_;
   std::int8_t number_ = 0;
   bool fresh_ = true;
-  std::vector<Output> outputs_;  ///< of the input being handled
+  std::vector<Output> outputs_;  ///< outputs of the input being handled
   std::array<Answered, kNumChannels> answered_;
   std::array<std::int32_t, kNumChannels> last_seq_{};
 };

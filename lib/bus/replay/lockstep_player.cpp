@@ -20,11 +20,10 @@ using Clock = std::chrono::steady_clock;
 
 struct Stopped {};
 
-/// Messages that may follow from one input and are kept until it is done: strangers must not fill
-/// the memory.
+/// Max number of outputs kept for one input, so that other senders cannot fill the memory.
 constexpr std::size_t kOutputsMax = 100'000;
 
-/// One message as acknowledgements name it. For REPLAY, seq tells BEGIN and END apart.
+/// Identifies a message in acknowledgements. For REPLAY, seq distinguishes BEGIN and END.
 struct MessageId {
   Channel channel = Channel::kScan;
   std::int32_t seq = 0;
@@ -40,7 +39,7 @@ struct Participant {
   std::set<Channel> inputs;
 };
 
-/// The player's side of the exchange: one source message at a time and all that follows from it.
+/// The player's side of the protocol: one source message at a time and everything derived from it.
 class Exchange {
  public:
   Exchange(Bus& bus, StopSignal& stop, const LockstepOptions& options)
@@ -54,7 +53,8 @@ class Exchange {
                      [this](const Message& message, Bytes bytes) { on_output(message, bytes); });
     }
     bus_.subscribe_ack([this](const Ack& ack) { on_ack(ack); });
-    // A stranger's is nothing to this replay; a node's own is missed, and named with this.
+    // Rejected messages of other senders do not matter; a node's own will be missing, and the error
+    // message then quotes this reason.
     bus_.on_rejection([this](Channel channel, const Rejection& rejection) {
       last_refusal_ = std::string(info(channel).name) + ": " + rejection.detail;
     });
@@ -103,7 +103,7 @@ class Exchange {
     run({Channel::kReplay, mark.seq}, utime, {number}, encode(mark));
   }
 
-  /// The outputs have been passed on; what comes of them again is old.
+  /// Ends the step after its outputs were passed on; repeated ones are then recognized as old.
   void close_step() {
     for (const auto& [id, output] : outputs_) {
       std::int32_t& last = past_.emplace(id.channel, -1).first->second;
@@ -111,7 +111,7 @@ class Exchange {
     }
   }
 
-  /// What the message that was just run caused, in order of (channel, seq).
+  /// Outputs caused by the last message, in order of (channel, seq).
   const std::map<MessageId, Output>& outputs() const { return outputs_; }
   std::int64_t num_resent() const { return num_resent_; }
 
@@ -124,7 +124,8 @@ class Exchange {
     return names;
   }
 
-  /// Sends one message until all that follows from it has been acknowledged and received.
+  /// Sends one message, repeatedly if needed, until everything derived from it has been
+  /// acknowledged and received.
   void run(MessageId id, std::int64_t utime, std::set<std::int8_t> expected,
            const std::vector<std::uint8_t>& bytes) {
     root_ = id;
@@ -135,7 +136,7 @@ class Exchange {
     promised_.clear();
     outputs_.clear();
     if (!expected.empty()) waiting_[id] = std::move(expected);
-    // The last flush may save the map of a day, on a machine that has other things to do.
+    // A flush may save the map of a whole day on a busy machine.
     const bool is_mark = id.channel == Channel::kReplay;
     const int num_tries = options_.num_tries * (is_mark ? 120 : 1);
     for (int i = 0; i < num_tries; ++i) {
@@ -144,7 +145,7 @@ class Exchange {
       bus_.publish(id.channel, bytes);
       auto pause = Clock::now() + std::chrono::milliseconds(options_.timeout_ms);
       while (!done() && Clock::now() < pause) {
-        // As long as something moves, a long chain of consequences is not sent again.
+        // Do not repeat the message while its chain of outputs still makes progress.
         if (wait(pause)) pause = Clock::now() + std::chrono::milliseconds(options_.timeout_ms);
       }
       if (done()) return drop_strangers();
@@ -152,7 +153,7 @@ class Exchange {
     throw LockstepError(what_is_missing() + "; given up after sending it again and again");
   }
 
-  /// What no node says it sent does not belong to this replay.
+  /// Drops outputs that no node announced: they do not belong to this replay.
   void drop_strangers() {
     for (auto output = outputs_.begin(); output != outputs_.end();) {
       output = promised_.count(output->first) > 0 ? std::next(output) : outputs_.erase(output);
@@ -215,7 +216,7 @@ class Exchange {
     const bool is_root = info(ack.channel).role != Role::kDerived;
     if (is_root && ack.utime != root_utime_) return;
     if (open == waiting_.end() || open->second.erase(ack.node) == 0) {
-      // A consumer may be faster than the ACK that announces what it consumed.
+      // A consumer may acknowledge an output before the ACK that announces the output arrives.
       if (!is_root && !is_past(id) && acknowledged_.count({id, ack.node}) == 0) accept(id, ack);
       return;
     }
@@ -223,7 +224,7 @@ class Exchange {
     accept(id, ack);
   }
 
-  /// Notes an acknowledgement and expects what it announces.
+  /// Records an acknowledgement and the outputs that it announces.
   void accept(const MessageId& id, const Ack& ack) {
     acknowledged_.insert({id, ack.node});
     for (const OutputId& output : ack.outputs) {
@@ -241,7 +242,7 @@ class Exchange {
   void on_output(const Message& message, Bytes bytes) {
     const MessageId id{channel_of(message), seq_of(message)};
     announced_.erase(id);
-    if (is_past(id)) return;                     // sent again
+    if (is_past(id)) return;                     // repeated
     if (outputs_.size() >= kOutputsMax) return;  // no input causes so many
     outputs_.emplace(
         id, Output{id.channel, id.seq, utime_of(message), {bytes.data, bytes.data + bytes.size}});
@@ -256,7 +257,7 @@ class Exchange {
   std::map<MessageId, std::set<std::int8_t>> waiting_;
   std::set<std::pair<MessageId, std::int8_t>> acknowledged_;
   std::set<MessageId> announced_;
-  std::set<MessageId> promised_;  ///< by the acknowledgements of this message's consequences
+  std::set<MessageId> promised_;  ///< outputs announced by the acknowledgements of this step
   std::map<MessageId, Output> outputs_;
   std::string last_refusal_;
   std::map<Channel, std::int32_t> past_;  ///< highest seq passed on

@@ -11,7 +11,7 @@ namespace {
 constexpr int kPortsApart = 10'000;
 constexpr int kPortMax = 65'535;
 
-/// Those of a URL that names none (LCM's own default).
+/// LCM's defaults for a URL without address or port.
 constexpr std::string_view kDefaultAddress = "239.255.76.67";
 constexpr int kDefaultPort = 7667;
 
@@ -29,7 +29,7 @@ std::string lockstep_url(const std::string& lcm_url) {
   if (colon < network.size()) {
     const char* text = network.data() + colon + 1;
     const auto read = std::from_chars(text, network.data() + network.size(), port);
-    if (read.ec != std::errc()) return lcm_url;  // LCM says what is wrong with it
+    if (read.ec != std::errc()) return lcm_url;  // LCM reports the error
   }
   port += port + kPortsApart <= kPortMax ? kPortsApart : -kPortsApart;
   return std::string(kScheme) + address + ":" + std::to_string(port) + lcm_url.substr(end);

@@ -5,9 +5,10 @@
 
 namespace orchard::bus {
 
-/// Where a lockstep replay on that LCM network takes place: the same address, 10,000 ports on (or
-/// back, at the end of them). A live system beside it sends the very messages that a replay waits
-/// for, and nothing in them tells the two apart. Other URLs than udpm:// stay as they are.
+/// Returns the URL for a lockstep replay on the given LCM network: the same address with the port
+/// plus 10,000 (minus 10,000 where that exceeds the port range). A live system on the same port
+/// would send the messages that the replay waits for, and they cannot be told apart. URLs other
+/// than udpm:// are returned unchanged.
 std::string lockstep_url(const std::string& lcm_url);
 
 }  // namespace orchard::bus

@@ -72,7 +72,7 @@ LoggedRig rig_of_log(const io::LogPaths& logs, const std::string& process) {
       throw io::FileError(fmt::format("{} holds no CONFIG of {}, only of {}", log_path, process,
                                       fmt::join(names, ", ")));
     }
-    return rigs.back();  // of a process that was restarted: what it ran with last
+    return rigs.back();  // a restarted process: its last configuration
   }
   for (std::size_t i = 1; i < rigs.size(); ++i) {
     const auto differences = io::config_differences(rigs.front().yaml, rigs[i].yaml);

@@ -8,20 +8,20 @@
 
 namespace orchard::bus {
 
-/// A configuration that a log's CONFIG messages carry.
+/// A configuration found in the CONFIG messages of a log.
 struct LoggedRig {
-  std::vector<std::string> processes;  ///< that ran with it, in order of appearance
-  std::string version;                 ///< of the first of them
-  std::string yaml;                    ///< as io::effective_config() writes it
+  std::vector<std::string> processes;  ///< processes that used it, in order of appearance
+  std::string version;                 ///< version of the first of them
+  std::string yaml;                    ///< as written by io::effective_config()
 };
 
-/// The different configurations of a log, in order of appearance. CONFIG messages that are damaged
-/// or contradict their hash are left out. Throws io::FileError when the log cannot be opened.
+/// Reads the distinct configurations of a log, in order of appearance. Ignores CONFIG messages that
+/// are damaged or do not match their hash. Throws io::FileError when the log cannot be opened.
 std::vector<LoggedRig> read_logged_rigs(const io::LogPaths& logs);
 
-/// The configuration of a log: the one that all its processes ran with or, when `process` is not
-/// empty, the one of that process. Throws io::FileError, in a sentence that says what to do, when
-/// there is none, and when several disagree about the map.
+/// Returns the configuration with which a log was recorded: the one common to all processes or, if
+/// `process` is not empty, that of this process. Throws io::FileError with advice when there is
+/// none, or when several differ in keys that affect the map.
 LoggedRig rig_of_log(const io::LogPaths& logs, const std::string& process = "");
 
 }  // namespace orchard::bus

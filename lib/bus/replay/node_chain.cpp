@@ -55,7 +55,7 @@ void NodeChain::pass(std::size_t node, ReplayEvent& event) {
   Sink& sink = sinks_[node];
   sink.event = &event;
   const std::vector<bool>& reads = reads_[node];
-  std::vector<std::size_t> inputs;  // what earlier nodes sent, by number: this one adds its own
+  std::vector<std::size_t> inputs;  // outputs of earlier nodes; this node appends its own
   for (std::size_t i = 0; i < event.derived.size(); ++i) {
     const ReplayEvent::Derived& derived = event.derived[i];
     if (reads[static_cast<std::size_t>(derived.output.channel)]) inputs.push_back(i);

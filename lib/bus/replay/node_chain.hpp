@@ -13,30 +13,30 @@
 
 namespace orchard::bus {
 
-/// A source message on its way through the nodes, with all that followed from it so far.
+/// A source message on its way through the nodes, with the messages derived from it so far.
 struct ReplayEvent {
   ReplayEvent() = default;
   ReplayEvent(ReplayEvent&&) = default;
   ReplayEvent& operator=(ReplayEvent&&) = default;
 
-  /// What a node sent.
+  /// A message sent by a node.
   struct Derived {
-    /// Who sent it, caused by which message: (node, how many of its outputs before it) from the
-    /// source message on. Shorter ones come first, as on a bus that hands over in turn.
+    /// Chain of causes from the source message on: pairs of (node, index among its outputs).
+    /// Shorter chains come first, as on a bus that delivers in turn.
     std::vector<std::int32_t> way;
     Output output;
-    std::optional<Message> message;  ///< where a later node reads its channel
+    std::optional<Message> message;  ///< decoded, if a later node reads its channel
   };
 
-  std::optional<Message> source;                    ///< none: only a node's flush
-  std::size_t flushed_node = 0;                     ///< of an event without source
-  std::vector<std::unique_ptr<Foreseen>> foreseen;  ///< of each node
-  std::deque<Derived> derived;  // what a node reads stays in place while it sends more
+  std::optional<Message> source;                    ///< none: the event is only a flush
+  std::size_t flushed_node = 0;                     ///< for an event without source
+  std::vector<std::unique_ptr<Foreseen>> foreseen;  ///< one per node
+  std::deque<Derived> derived;  // a deque: appending does not move what a node is reading
 };
 
-/// Nodes that read source messages and what earlier ones of them send. Each gets its inputs in the
-/// order in which a bus would hand them over that is drained after every source message, whether
-/// the nodes take an event one after the other or later events are at earlier nodes meanwhile.
+/// A chain of nodes, each reading source messages and outputs of earlier nodes. Every node gets its
+/// inputs in the order of a bus that is drained after each source message, even while earlier nodes
+/// already process later events.
 class NodeChain {
  public:
   explicit NodeChain(const std::vector<Node*>& nodes);
@@ -44,12 +44,12 @@ class NodeChain {
   std::size_t size() const { return nodes_.size(); }
   bool is_read(Channel channel) const { return is_read_from(0, channel); }
 
-  /// Asks every node what can be computed ahead of its turn. Events in order.
+  /// Asks every node for work that can be computed in advance. Call for events in order.
   void foresee(ReplayEvent& event) const;
-  /// Computes that; several events at once may.
+  /// Computes that work; may run for several events at once.
   static void compute_foreseen(ReplayEvent& event);
-  /// One node takes what the event holds for it. Events in order, after the earlier nodes. Throws
-  /// std::logic_error for a message that the guard refuses, or that an earlier node reads.
+  /// Passes the event's messages to one node. Call for events in order, after the earlier nodes.
+  /// Throws std::logic_error for an output that is invalid, or that this or an earlier node reads.
   void pass(std::size_t node, ReplayEvent& event);
 
  private:
@@ -58,10 +58,10 @@ class NodeChain {
 
   std::vector<Node*> nodes_;
   std::vector<std::vector<bool>> reads_;  ///< node, channel
-  /// Where a node's outputs go while it is in pass().
+  /// Receives a node's outputs while it is in pass().
   struct Sink {
     ReplayEvent* event = nullptr;
-    std::vector<std::int32_t> cause;  ///< the way of the message that it handles
+    std::vector<std::int32_t> cause;  ///< chain of causes of the message being handled
     std::int32_t num_sent = 0;
   };
   std::vector<Sink> sinks_;

@@ -14,14 +14,14 @@
 namespace orchard::bus {
 namespace {
 
-/// Batches on their way, and who may work on which.
+/// State of the batches in work and the assignment of threads to them.
 class OrderedPipeline {
  public:
   OrderedPipeline(const std::function<bool(std::size_t)>& fill,
                   const std::vector<PipelineStage>& stages, std::size_t num_slots)
       : fill_(fill), stages_(stages), next_of_stage_(stages.size(), 0), slots_(num_slots) {}
 
-  /// What each thread does until nothing is left.
+  /// Loop of each thread; returns when no work is left.
   void work() {
     std::unique_lock<std::mutex> lock(mutex_);
     while (!is_done()) {
@@ -40,9 +40,9 @@ class OrderedPipeline {
 
  private:
   struct Slot {
-    std::size_t stage = 0;  ///< that comes next
+    std::size_t stage = 0;  ///< next stage
     bool is_busy = false;
-    std::exception_ptr error;  ///< what a stage threw: the later ones leave the batch out
+    std::exception_ptr error;  ///< exception of a stage; later stages skip the batch
   };
 
   Slot& slot_of(std::uint64_t batch) { return slots_[batch % slots_.size()]; }
@@ -51,7 +51,7 @@ class OrderedPipeline {
     return !is_ended_ && !is_filling_ && num_filled_ - oldest_ < slots_.size();
   }
 
-  /// The oldest batch that can go on: so that few are on their way.
+  /// The oldest batch that can proceed, to keep the number of batches in work small.
   std::optional<std::uint64_t> runnable() {
     for (std::uint64_t batch = oldest_; batch < num_filled_; ++batch) {
       const Slot& slot = slot_of(batch);
@@ -65,7 +65,7 @@ class OrderedPipeline {
     Slot& slot = slot_of(batch);
     const PipelineStage& stage = stages_[slot.stage];
     slot.is_busy = true;
-    if (!slot.error && batch < first_bad_) {  // what follows a failure is never passed on
+    if (!slot.error && batch < first_bad_) {  // batches after a failed one are never passed on
       lock.unlock();
       std::exception_ptr error;
       try {
@@ -83,7 +83,7 @@ class OrderedPipeline {
       if (slot.error && !error_) {
         error_ = slot.error;
         is_ended_ = true;
-        num_filled_ = batch + 1;  // those after it are left where they are
+        num_filled_ = batch + 1;  // later batches are abandoned
       }
       slot = {};
       ++oldest_;
@@ -104,7 +104,7 @@ class OrderedPipeline {
     }
     lock.lock();
     is_filling_ = false;
-    if (error_) {  // an earlier batch has ended it meanwhile
+    if (error_) {  // an earlier batch has failed meanwhile
     } else if (is_filled || error) {
       slot_of(batch).error = error;
       ++num_filled_;
@@ -119,13 +119,13 @@ class OrderedPipeline {
   const std::vector<PipelineStage>& stages_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::vector<std::uint64_t> next_of_stage_;  ///< the batch that each stage in order takes next
+  std::vector<std::uint64_t> next_of_stage_;  ///< next batch of each ordered stage
   std::vector<Slot> slots_;
-  std::uint64_t oldest_ = 0;      ///< batch that is not through
-  std::uint64_t num_filled_ = 0;  ///< batches so far
+  std::uint64_t oldest_ = 0;      ///< oldest batch that is not finished
+  std::uint64_t num_filled_ = 0;  ///< number of batches so far
   bool is_filling_ = false;
   bool is_ended_ = false;  ///< no batch follows
-  /// The earliest batch known to have thrown.
+  /// Earliest batch known to have failed.
   std::uint64_t first_bad_ = std::numeric_limits<std::uint64_t>::max();
   std::exception_ptr error_;
 };
@@ -139,7 +139,7 @@ void run_pipeline(const std::function<bool(std::size_t slot)>& fill,
   std::vector<std::thread> threads;
   try {
     for (int i = 1; i < num_threads; ++i) threads.emplace_back([&pipeline] { pipeline.work(); });
-  } catch (const std::system_error&) {  // no more threads are to be had: these do it all
+  } catch (const std::system_error&) {  // no more threads available: continue with those that exist
   }
   pipeline.work();
   for (std::thread& thread : threads) thread.join();

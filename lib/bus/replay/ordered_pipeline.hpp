@@ -7,21 +7,21 @@
 
 namespace orchard::bus {
 
-/// One thing that is done to every batch of work.
+/// One processing step that is applied to every batch.
 struct PipelineStage {
-  /// The batches come one at a time and in order, so that the stage may have a state of its own;
-  /// else several may be worked on at once.
+  /// True: batches pass one at a time and in order, so the stage may keep state. False: several
+  /// batches may be processed at once.
   bool in_order = true;
   std::function<void(std::size_t slot)> work;
 };
 
-/// Sends batches of work through stages, on the calling thread and `num_threads` - 1 more: each
-/// batch through all stages in their order. `fill` puts the next batch into a slot, or says that
-/// there is none; it is called like a stage that is in order. At most `num_slots` batches are on
-/// their way at once. Of work that throws, what the earliest batch threw is thrown here, after all
-/// batches before it are through every stage; the last stage must be in order.
+/// Sends batches of work through all stages, on the calling thread and `num_threads` - 1 others.
+/// `fill` writes the next batch into a slot, or returns false at the end; it is called in order. At
+/// most `num_slots` batches are in work at once; the last stage must be in order. If work throws,
+/// the exception of the earliest batch is rethrown after all batches before it have passed every
+/// stage.
 ///
-/// What the stages in order make does not depend on the number of threads.
+/// The results of the ordered stages do not depend on the number of threads.
 void run_pipeline(const std::function<bool(std::size_t slot)>& fill,
                   const std::vector<PipelineStage>& stages, int num_threads, std::size_t num_slots);
 

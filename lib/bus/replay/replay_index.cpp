@@ -19,7 +19,7 @@
 namespace orchard::bus {
 namespace {
 
-/// "IMAGE.left": a sensor of a kind that is known, under a name of its own.
+/// Whether the name is that of an additional sensor of a known kind, such as "IMAGE.left".
 bool is_second_sensor(const std::string& channel) {
   const std::size_t dot = channel.find('.');
   if (dot == std::string::npos) return false;
@@ -27,7 +27,7 @@ bool is_second_sensor(const std::string& channel) {
   return kind && info(*kind).role == Role::kSource;
 }
 
-/// One sentence for what the gate noticed on one channel.
+/// Adds one sentence per problem that the gate found on a channel.
 void add_warnings(ReplayReport& report, Channel channel, const SequenceCounts& counts) {
   const std::string name(info(channel).name);
   if (counts.num_leaps > 0) {
@@ -66,12 +66,12 @@ void add_warnings(ReplayReport& report, const SequenceGate& gate) {
   }
 }
 
-/// What the gate let through so far, and what it keeps aside.
+/// Collects the messages accepted by the gate and those it holds.
 class Gathered {
  public:
   explicit Gathered(std::vector<ReplayEntry>& entries) : entries_(entries) {}
 
-  /// `recorded_utime`: when the log says that it arrived [us].
+  /// `recorded_utime`: time of arrival according to the log [us].
   void add(const ReplayEntry& entry, std::int64_t recorded_utime) {
     std::vector<ReplayEntry>& held = held_[static_cast<std::size_t>(entry.channel)];
     const GateDecision decision =
@@ -90,11 +90,12 @@ class Gathered {
     take(entry);
   }
 
-  /// A log's first message may be the one that leaps: runs too short to be believed that the
-  /// source's later time contradicts are left out. How many messages those were.
+  /// Removes runs at a source's beginning that are too short to be confirmed and that the source's
+  /// later time contradicts: the first message of a log may be an outlier. Returns the number of
+  /// messages removed.
   std::int64_t finish() {
     gate_.finish();
-    std::map<Run, std::pair<int, std::int64_t>> runs;  // how many, and when
+    std::map<Run, std::pair<int, std::int64_t>> runs;  // count and last utime
     for (std::size_t i = 0; i < entries_.size(); ++i) {
       auto& [num, utime] = runs[runs_[i]];
       ++num;
@@ -125,12 +126,12 @@ class Gathered {
     runs_.emplace_back(entry.channel, gate_.run(entry.channel));
   }
   std::vector<ReplayEntry>& entries_;
-  std::vector<Run> runs_;  ///< of each entry
+  std::vector<Run> runs_;  ///< run of each entry
   SequenceGate gate_;
   std::array<std::vector<ReplayEntry>, kNumChannels> held_;
 };
 
-/// Keeps what lies within the asked-for seconds after the first message.
+/// Keeps the entries within the requested time window after the first message.
 void cut(ReplayIndex& index, const ReplayOptions& options) {
   if (index.entries.empty()) return;
   const std::int64_t first = index.entries.front().utime;

@@ -19,7 +19,7 @@ constexpr auto kHang = std::chrono::seconds(4);
 constexpr int kDatagram_bytes = 60000;
 constexpr std::size_t kMaxFramesAtOnce = 8;
 
-/// A log's pictures as a camera.
+/// A camera source that plays the pictures of a log.
 class LogCamera : public io::CameraSource {
  public:
   LogCamera(const std::string& path, std::int64_t start_utime)
@@ -100,7 +100,7 @@ std::vector<pollfd> CameraDriver::files() {
 }
 
 bus::Driver::Clock::time_point CameraDriver::deadline() {
-  // A camera that is silent must be noticed although nothing happens.
+  // Wake up to detect a silent camera even when nothing happens.
   const auto observation = source_->fileno() < 0 ? Clock::time_point::max() : heard_ + kHang;
   return std::min(source_->deadline(), std::max(observation, Clock::now()));
 }
@@ -117,7 +117,8 @@ void CameraDriver::step(const bus::Outbox& send) {
 
 void CameraDriver::restart_when_silent() {
   if (source_->fileno() < 0) {
-    heard_ = std::max(heard_, Clock::now() - kSilence);  // a device that is opened has its time
+    heard_ = std::max(heard_,
+                      Clock::now() - kSilence);  // a device that was just opened gets time to start
   } else if (Clock::now() - heard_ > kHang) {
     source_->restart("no picture for 4 s; opens the camera again");
     heard_ = Clock::now();
@@ -129,7 +130,7 @@ void CameraDriver::restart_when_silent() {
 
 void CameraDriver::take(device::CameraFrame frame, const bus::Outbox& send) {
   watch_.add(frame.data);
-  // A camera that knows higher rates only: every so manieth.
+  // A camera may support only higher rates: skip frames.
   const double period_us = 1e6 / config_.rate_hz;
   if (last_utime_ && static_cast<double>(frame.utime - *last_utime_) < 0.9 * period_us &&
       frame.utime > *last_utime_) {

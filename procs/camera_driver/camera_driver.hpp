@@ -15,18 +15,19 @@
 
 namespace orchard::procs {
 
-/// What orchard-camera-driver takes beyond the common options, as typed.
+/// Command-line options of orchard-camera-driver beyond the common ones, as typed.
 struct CameraDriverOptions {
-  std::string device;      ///< instead of the configuration's
-  std::string emulate;     ///< a log whose pictures are played
-  std::string emulate_at;  ///< when its first event is played [us]
+  std::string device;      ///< overrides the configuration's device
+  std::string emulate;     ///< log whose pictures are played instead of a device
+  std::string emulate_at;  ///< utime at which its first event is played [us]
 };
 
-/// The pictures of a camera as IMAGE: not more of them than asked for, of the calibrated size, none
-/// above the limit of bytes. Says when the camera is gone, silent or frozen, and opens it anew.
+/// Publishes a camera's pictures as IMAGE: at most at the configured rate, only in the calibrated
+/// size, within the limit of bytes. Reopens a camera that is gone, silent or frozen, and reports
+/// it.
 class CameraDriver : public bus::Driver {
  public:
-  /// `width_px`, `height_px`: of the calibration.
+  /// `width_px`, `height_px`: image size of the calibration.
   CameraDriver(std::unique_ptr<io::CameraSource> source, const device::CameraDriverConfig& config,
                int width_px, int height_px);
 
@@ -50,10 +51,10 @@ class CameraDriver : public bus::Driver {
   std::optional<std::int64_t> last_utime_;
   std::int32_t next_seq_ = 0;
   std::int64_t num_refused_ = 0;
-  std::string refusal_;  ///< of the last frame, if it became no picture
+  std::string refusal_;  ///< reason why the last frame gave no picture; empty: it gave one
 };
 
-/// The driver that the options and the rig ask for. Throws io::FileError, std::invalid_argument.
+/// Makes the driver for the options and the rig. Throws io::FileError, std::invalid_argument.
 std::unique_ptr<CameraDriver> make_camera_driver(const CameraDriverOptions& options,
                                                  const io::Config& config);
 

@@ -15,17 +15,17 @@ struct MapAlignmentConfig;
 
 namespace orchard::cli {
 
-/// What the command line asked for: set by the callback of the subcommand that was given.
+/// The action of the command line; the callback of the given subcommand sets it.
 using Run = std::function<int()>;
 
-/// A new subcommand of `app` with examples under its help.
+/// Adds a subcommand to `app`, with examples under its help.
 CLI::App& add_subcommand(CLI::App& app, const char* name, const char* description,
                          const char* examples);
 
 /// Calls `callback` when the command line ends with this command, not one of its subcommands.
 void on_command(CLI::App& command, std::function<void()> callback);
 
-/// One word per subcommand, with its options on the heap of the closure: they live as long as the
+/// Adds a subcommand with its options. The options live in a closure on the heap, as long as the
 /// App that fills them.
 template <class Options>
 CLI::App& add_command(CLI::App& app, Run& run, const char* name, const char* description,
@@ -56,7 +56,7 @@ void add_publish(CLI::App& app, Run& run);
 void add_report(CLI::App& app, Run& run);
 void add_view(CLI::App& app, Run& run);
 
-/// Options of every command that lays one map on another.
+/// Adds the options of map registration.
 void add_alignment_options(CLI::App& command, mapping::MapAlignmentConfig& config);
 
 }  // namespace orchard::cli

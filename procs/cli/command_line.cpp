@@ -38,11 +38,11 @@ std::ptrdiff_t num_positionals(const CLI::App& command) {
                        [](const CLI::Option* option) { return option->get_positional(); });
 }
 
-/// The command that the leading words name, for help and messages; a misspelt word is an error
-/// sentence in `problem`.
+/// Finds the command named by the leading words, for help and messages; `problem` gets a sentence
+/// for a misspelt word.
 const CLI::App* find_command(const CLI::App& app, int argc, char** argv, std::string& problem) {
   const CLI::App* command = &app;
-  std::ptrdiff_t num_own = 0;  // words that tell a command what it is about
+  std::ptrdiff_t num_own = 0;  // positional arguments of a command
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     const std::vector<std::string> words = words_of(*command);
@@ -63,7 +63,7 @@ std::string title_of(const CLI::App& command) {
   return (parent ? title_of(*parent) + " " : "") + command.get_name();
 }
 
-/// A misspelt option with its nearest neighbour, or CLI11's own sentence.
+/// Names a misspelt option with its nearest neighbour, or returns CLI11's own sentence.
 std::string usage_problem(const CLI::App& command, const CLI::ParseError& error, int argc,
                           char** argv) {
   std::vector<std::string> options;
@@ -101,7 +101,7 @@ int run_and_report(const Run& run, const std::string& title) {
 
 namespace {
 
-/// `orchard help log info` as `orchard log info --help`.
+/// Converts `orchard help log info` to `orchard log info --help`.
 std::vector<char*> with_help_option(int argc, char** argv) {
   static char help_option[] = "--help";
   std::vector<char*> words(argv, argv + argc);

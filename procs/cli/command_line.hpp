@@ -7,8 +7,8 @@
 
 namespace orchard::cli {
 
-/// The `orchard` tool with the commands that `add_commands` declares: parses the command line, runs
-/// the subcommand, prints every error as one clear sentence, and returns the exit code
+/// Runs the `orchard` tool with the commands declared by `add_commands`: parses the command line,
+/// runs the subcommand, and prints every error as one clear sentence. Returns the exit code
 /// (bus::ExitCode).
 int run_command_line(int argc, char** argv,
                      const std::function<void(CLI::App&, Run&)>& add_commands);

@@ -18,7 +18,7 @@
 namespace orchard::cli {
 namespace {
 
-/// The board is another program's: who makes maps needs none of what draws it.
+/// The board scene runs in another program, so that mapping does not need its rendering code.
 int simulate(const SimulateOptions& options) {
   return options.scene == "board" ? run_simulate_board(options) : run_simulate(options);
 }

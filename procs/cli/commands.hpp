@@ -5,7 +5,7 @@
 
 namespace orchard::cli {
 
-/// Every command of `orchard`, in the order of its help.
+/// Adds all commands of `orchard`, in the order of its help.
 void add_all_commands(CLI::App& app, Run& run);
 
 }  // namespace orchard::cli

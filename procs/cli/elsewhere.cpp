@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which program runs which command. All read the same command line; a command that this program was
-// not linked with is run by the one beside it that was: who makes maps builds and loads nothing of
-// what calibrates, imports or prints. The definitions here are weak: those of a command's own file
-// take their place where it is linked.
+// Forwards commands between the programs. All programs parse the same command line. A command that
+// is not linked into this program is run by the companion program that has it, so that the mapping
+// program neither builds nor loads the code of calibration, import and reports. The definitions
+// here are weak: those in a command's own file replace them where it is linked.
 #include "cli/elsewhere.hpp"
 
 #include <unistd.h>
@@ -55,7 +55,7 @@
 namespace orchard::cli {
 namespace {
 
-/// The words that this process was started with, each ended by a zero.
+/// The arguments of this process, each null-terminated.
 std::string own_command_line() {
   std::ifstream file("/proc/self/cmdline", std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
@@ -96,7 +96,7 @@ ORCHARD_RUNS_IN("orchard", run_record, RecordOptions)
 ORCHARD_RUNS_IN("orchard", run_simulate, SimulateOptions)
 ORCHARD_RUNS_IN("orchard", run_status, StatusOptions)
 
-// What makes or judges a rig.
+// Commands for rigs.
 ORCHARD_RUNS_IN("orchard-calibrate", run_calibrate_appearance, CalibrateAppearanceOptions)
 ORCHARD_RUNS_IN("orchard-calibrate", run_calibrate_camera, CalibrateCameraOptions)
 ORCHARD_RUNS_IN("orchard-calibrate", run_calibrate_delay, CalibrateDelayOptions)
@@ -106,11 +106,11 @@ ORCHARD_RUNS_IN("orchard-calibrate", run_calibrate_trunks, CalibrateTrunksOption
 ORCHARD_RUNS_IN("orchard-calibrate", run_evaluate_windows, EvaluateWindowsOptions)
 ORCHARD_RUNS_IN("orchard-calibrate", run_simulate_board, SimulateOptions)
 
-// Other systems' recordings.
+// Commands for recordings of other systems.
 ORCHARD_RUNS_IN("orchard-import", run_import, ImportOptions)
 ORCHARD_RUNS_IN("orchard-import", run_log_mcap, LogMcapOptions)
 
-// What is done with finished maps.
+// Commands for finished maps.
 ORCHARD_RUNS_IN("orchard-maps", run_compare, CompareOptions)
 ORCHARD_RUNS_IN("orchard-maps", run_edit, EditOptions)
 ORCHARD_RUNS_IN("orchard-maps", run_edit_apply, EditOptions)

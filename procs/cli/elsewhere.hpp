@@ -3,8 +3,8 @@
 
 namespace orchard::cli {
 
-/// Goes on as `program` beside this one, with the same words; returns only by an exception. Throws
-/// io::FileError when it cannot be started.
+/// Replaces this process by `program` from the same folder, with the same arguments; does not
+/// return. Throws io::FileError when it cannot be started.
 [[noreturn]] void go_on_as(const char* program);
 
 }  // namespace orchard::cli

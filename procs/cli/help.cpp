@@ -21,7 +21,7 @@ std::string replace_all(std::string text, const std::string& from, const std::st
   return text;
 }
 
-/// "{b->1,a->0} OR {1,0}" and "{a,b}" as "a|b".
+/// Formats "{b->1,a->0} OR {1,0}" and "{a,b}" with a vertical bar between the choices.
 std::string choices_text(const std::string& list) {
   const std::size_t begin = list.find('{') + 1;
   std::string text = list.substr(begin, list.find('}') - begin);
@@ -32,7 +32,7 @@ std::string choices_text(const std::string& list) {
   return replace_all(text, ",", "|");
 }
 
-/// What an option takes, from CLI11's "TYPE:CHECK".
+/// Describes the value of an option, from CLI11's "TYPE:CHECK".
 std::string value_text(const std::string& type_name) {
   const std::size_t colon = type_name.find(':');
   const std::string check = colon == std::string::npos ? "" : type_name.substr(colon + 1);
@@ -49,7 +49,7 @@ std::string value_text(const std::string& type_name) {
 }
 
 std::string names_text(const std::set<CLI::Option*>& options) {
-  std::vector<std::string> names;  // by name, not by where the options lie in memory
+  std::vector<std::string> names;  // sorted by name, independent of memory addresses
   for (const CLI::Option* option : options) names.push_back(option->get_name());
   std::sort(names.begin(), names.end());
   std::string text;

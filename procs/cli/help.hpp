@@ -9,16 +9,15 @@ class App;
 
 namespace orchard::cli {
 
-/// Help in the words of the person who reads it: to be called before the commands are added, which
-/// inherit it.
+/// Sets up the texts of the help. Call it before the commands are added; they inherit the settings.
 void set_up_help(CLI::App& app);
 
-/// --version for every command, and examples that name the rigs of config/ where they lie: to be
-/// called when all commands have been added.
+/// Adds --version to every command and completes examples with the paths of the rigs of config/.
+/// Call it after all commands have been added.
 void finish_help(CLI::App& app);
 
-/// The folder with the rigs that come with the program: where it is installed, config/ of the
-/// checkout else.
+/// The folder of the rigs that come with the program: the installed one, else config/ of the
+/// checkout.
 std::string config_folder();
 
 }  // namespace orchard::cli

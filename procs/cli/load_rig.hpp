@@ -7,8 +7,7 @@
 
 namespace orchard::cli {
 
-/// Reads a rig's YAML and prints to stderr which of its keys have another name now or are fixed.
-/// Throws io::ConfigError.
+/// Reads a rig's YAML and prints renamed and fixed keys to stderr. Throws io::ConfigError.
 io::Config load_rig(const std::string& path);
 
 }  // namespace orchard::cli

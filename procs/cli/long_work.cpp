@@ -7,7 +7,7 @@
 namespace orchard::cli {
 namespace {
 
-volatile std::sig_atomic_t interrupted = 0;  // all that a signal handler may touch
+volatile std::sig_atomic_t interrupted = 0;  // a type that a signal handler may write
 
 void note_signal(int) { interrupted = 1; }
 
@@ -15,7 +15,7 @@ void handle_stop_signals(void (*handler)(int)) {
   for (const int signal : {SIGINT, SIGTERM}) {
     struct sigaction action {};
     sigaction(signal, nullptr, &action);
-    if (action.sa_handler == SIG_IGN) continue;  // as whoever started the program wants it
+    if (action.sa_handler == SIG_IGN) continue;  // keep a signal ignored if the parent ignores it
     action.sa_handler = handler;
     action.sa_flags = static_cast<int>(SA_RESETHAND);
     sigemptyset(&action.sa_mask);

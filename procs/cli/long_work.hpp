@@ -9,14 +9,15 @@
 
 namespace orchard::cli {
 
-/// Ctrl-C or SIGTERM while something long ran. What was being written has been taken back.
+/// Thrown at Ctrl-C or SIGTERM during a long operation. Partly written files have been removed.
 class Interrupted : public std::runtime_error {
  public:
   Interrupted() : std::runtime_error("interrupted; nothing was written") {}
 };
 
-/// A progress bar on a terminal, and an end of the work at Ctrl-C that cleans up: while one lives,
-/// SIGINT and SIGTERM make its next update() throw. A second Ctrl-C kills at once.
+/// Shows a progress bar on a terminal and makes a long operation interruptible: while an object
+/// exists, SIGINT and SIGTERM make its next update() throw, so that the caller can clean up. A
+/// second Ctrl-C kills at once.
 class LongWork {
  public:
   explicit LongWork(std::string label, bool show_progress = true);

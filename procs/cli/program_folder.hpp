@@ -5,7 +5,7 @@
 
 namespace orchard::cli {
 
-/// Where this program lies, and those that belong beside it. Throws io::FileError.
+/// The folder of this program and its companion programs. Throws io::FileError.
 std::string program_folder();
 
 }  // namespace orchard::cli

@@ -11,7 +11,7 @@
 namespace orchard::procs {
 namespace {
 
-/// Whether the rig's wheels are heard: by the detector itself, or by who tells its poses.
+/// True if the detector or orchard-pose uses the rig's odometry.
 bool has_wheels(const io::Config& config) {
   const auto odometry = static_cast<std::size_t>(pose::MeasurementKind::kOdometry);
   return config.detector.use_odometry ||
@@ -128,8 +128,8 @@ JudgedPair DetectorNode::judge(const detection::ScanImagePair& pair) {
     ForeseenDetections::Pair& foreseen = foreseen_->pairs[num_foreseen_used_++];
     if (foreseen.is_of(pair, edge_reach_px)) return std::move(foreseen.judged);
   }
-  // The scans before this one have moved the width since it came: judge it by where they led, as
-  // if it had come after them.
+  // Earlier scans may have changed the width model after this scan arrived: find again with the
+  // current one.
   if (!findings.laser || findings.width_model != width_model_) {
     findings.laser = detection::find_by_laser(pair.scan, rig_);
   }

@@ -19,23 +19,25 @@
 
 namespace orchard::procs {
 
-/// SCAN and IMAGE in, DETECTIONS out: one message per scan, in order of the scans.
+/// Detects trunks: SCAN and IMAGE in, DETECTIONS out, one message per scan in order of the scans.
 ///
-/// A rig without a camera answers each scan at once. With a camera a scan is cut into objects as it
-/// comes, so that less is left to do once its picture is there, and waits for its picture;
-/// without one in time its trunk candidates are UNSEEN. With detector.use_odometry it waits for the
-/// ODOMETRY at the picture's time too, to account for the motion between the two; where none comes
-/// within image_wait_s the pair is used without it, and warning() says so. Warns too of what else
-/// is wrong with its inputs (InputHealth), and when laser and image edges disagree for long
-/// (detector.extrinsics_monitor). With detector.adaptation.enabled each scan is judged by the
-/// models that the scans before it have led to, whatever order the channels arrive in, and
-/// ADAPTATION says what became of them.
-/// With laser_rear.enabled what SCAN.rear shows joins what SCAN shows, in one message for both; the
-/// wheels, where the rig has them, undo what it drove between the two.
+/// Without a camera in the rig each scan is answered at once. With a camera, a scan is segmented on
+/// arrival, to leave less work for later, and waits for its picture; if none arrives in time, its
+/// trunk candidates are UNSEEN. With detector.use_odometry it also waits for the ODOMETRY at the
+/// picture's time, to compensate the motion between the two; if none arrives within image_wait_s,
+/// the pair is used without it, and warning() says so. warning() also reports other faults of the
+/// inputs (InputHealth) and a lasting disagreement of laser and image edges
+/// (detector.extrinsics_monitor).
+///
+/// With detector.adaptation.enabled each scan is classified with the models adapted from the scans
+/// before it, in whatever order the channels arrive; ADAPTATION reports each change.
+///
+/// With laser_rear.enabled the detections of SCAN.rear are joined with those of SCAN into one
+/// message; odometry, where the rig has it, compensates the motion between the two scans.
 class DetectorNode : public bus::Node {
  public:
   explicit DetectorNode(const io::Config& config);
-  DetectorNode(const DetectorNode&) = delete;  // what looks ahead refers to its rigs
+  DetectorNode(const DetectorNode&) = delete;  // foresight_ refers to its rigs
   DetectorNode& operator=(const DetectorNode&) = delete;
 
   std::string_view name() const override { return "detector"; }
@@ -49,8 +51,8 @@ class DetectorNode : public bus::Node {
   std::string warning() const override;
 
  private:
-  /// A scan's laser half, and which state of the width model it was made with; none of a scan that
-  /// was judged ahead of its turn.
+  /// Laser findings of a scan and the version of the width model they were made with; without
+  /// findings when they were computed ahead of their turn.
   struct Findings {
     std::optional<detection::LaserFindings> laser;
     std::int64_t width_model = 0;
@@ -64,17 +66,18 @@ class DetectorNode : public bus::Node {
   void send_views(std::vector<detection::Detections> views, const bus::Outbox& send);
 
   detection::Rig rig_;
-  std::optional<detection::Rig> rear_rig_;  ///< its camera sees nothing of it
+  std::optional<detection::Rig> rear_rig_;  ///< the camera does not see its scans
   std::optional<detection::RearJoiner> joiner_;
   detection::ScanImagePairer pairer_;
-  std::deque<Findings> findings_;  ///< of the scans in pairer_, in its order
+  std::deque<Findings> findings_;  ///< one per scan in pairer_, in the same order
   std::optional<Foresight> foresight_;
-  std::unique_ptr<ForeseenDetections> foreseen_;  ///< of the input that is handled
-  std::size_t num_foreseen_used_ = 0;             ///< of its pairs
+  std::unique_ptr<ForeseenDetections> foreseen_;  ///< for the input being handled
+  std::size_t num_foreseen_used_ = 0;             ///< pairs of foreseen_ used so far
   std::optional<detection::Adaptation> adaptation_;
-  std::int64_t width_model_ = 0;  ///< +1 with every change of the width model
+  std::int64_t width_model_ = 0;  ///< version of the width model
   std::int32_t next_seq_ = 0;
-  std::int64_t num_unusable_ = 0;     ///< pictures, and scans without the intensities wanted
+  std::int64_t num_unusable_ =
+      0;  ///< unusable pictures, and scans without the required intensities
   bool intensities_missing_ = false;  ///< of the newest scan answered
   detection::ConsistencyMonitor monitor_;
   double edge_reach_px_;

@@ -15,20 +15,20 @@
 
 namespace orchard::procs {
 
-/// What one input lets the detector send, computed ahead of its turn.
+/// The detector's results for one input, computed ahead of its turn.
 class ForeseenDetections : public bus::Foreseen {
  public:
   void compute() override;
 
-  /// A scan that no camera looks at; none where the input is no such scan.
+  /// The result for a scan without a camera; none for any other input.
   std::optional<detection::DetectResult> alone;
-  /// The pairs that the input decides, in their order.
+  /// The scan-image pairs completed by the input, in order.
   struct Pair {
     detection::ScanImagePair pair;
     std::optional<double> edge_reach_px;
     JudgedPair judged;
 
-    /// Whether it is what the detector itself arrived at.
+    /// True if this is the pair and the search window that the detector itself arrived at.
     bool is_of(const detection::ScanImagePair& other,
                const std::optional<double>& other_reach_px) const;
   };
@@ -40,16 +40,16 @@ class ForeseenDetections : public bus::Foreseen {
   const laser::Scan* scan_alone_ = nullptr;
 };
 
-/// Goes ahead of the detector and tells what it will have to look at: which scan has which picture
-/// and motion follows from the inputs alone, and what they show from nothing else. Not while models
-/// adapt themselves: then each scan is judged by what the scans before it have taught.
+/// Predicts the detector's work from the inputs alone: the pairing of scans with pictures and
+/// motions depends on nothing else, and neither do the results. Not used with adaptation, where
+/// each result depends on the scans before it.
 class Foresight {
  public:
-  /// The rigs of both scanners must outlive it and what it gives; `rear_rig` may be null.
+  /// Both rigs must outlive this object and its results; `rear_rig` may be null.
   Foresight(const io::Config& config, const detection::Rig& rig, const detection::Rig* rear_rig,
             double edge_reach_px);
 
-  /// Inputs in order. Gives something for every scan.
+  /// Takes the inputs in order. Every scan gives a result.
   std::unique_ptr<ForeseenDetections> foresee(const bus::Message& input);
 
  private:
@@ -57,10 +57,10 @@ class Foresight {
   const detection::Rig* rear_rig_;
   double edge_reach_px_;
   detection::ScanImagePairer pairer_;
-  detection::ConsistencyMonitor monitor_;  ///< for when it is due only
+  detection::ConsistencyMonitor monitor_;  ///< only for is_due()
 };
 
-/// What decides which picture belongs to which scan, by the configuration.
+/// Makes the pairer of scans and pictures for a configuration.
 detection::ScanImagePairer make_pairer(const io::Config& config);
 
 }  // namespace orchard::procs

@@ -7,7 +7,7 @@
 namespace orchard::procs {
 namespace {
 
-/// In a row, from when on a camera is missed: two seconds at 10 Hz.
+/// Consecutive scans without a picture before a warning: two seconds at 10 Hz.
 constexpr std::int64_t kScansWithoutPicture = 20;
 
 laser::OwnReturnsConfig own_returns_config(const laser::LaserConfig& laser,

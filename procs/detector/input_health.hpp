@@ -12,23 +12,24 @@
 
 namespace orchard::procs {
 
-/// What is wrong with the scans and pictures that a detector is given, in words for a person: no
-/// picture comes, none can be used, ODOMETRY is missing, scans show the robot itself. Changes no
-/// output.
+/// Diagnoses a detector's inputs as text for the user: no picture arrives, none is usable, ODOMETRY
+/// is missing, scans show the robot itself. Changes no output.
 class InputHealth {
  public:
   explicit InputHealth(const io::Config& config);
 
   void note_scan(const laser::Scan& scan) { own_returns_.add(scan); }
   void note_rear_scan(const laser::Scan& scan) { rear_own_returns_.add(scan); }
-  /// A scan was answered without a picture.
+  /// Notes a scan that was answered without a picture.
   void note_no_picture();
-  /// A scan was answered with this picture; `without_motion`: motion was asked for, and none came.
+  /// Notes a scan that was answered with a picture. `without_motion`: motion was required and none
+  /// was available.
   void note_picture(bool without_motion);
-  /// What the picture was needed for could be looked at, or not.
+  /// Notes whether a picture that was needed was usable.
   void note_looked_at(const vision::Image& image, bool is_usable);
 
-  /// What is wrong now; at the end what was. `num_without_motion`: pictures so far.
+  /// The current faults; with `ended` those of the whole run. `num_without_motion`: pictures used
+  /// without motion so far.
   std::string text(bool ended, std::int64_t num_without_motion) const;
 
  private:
@@ -41,14 +42,14 @@ class InputHealth {
   std::int32_t height_px_;
   laser::OwnReturns own_returns_;
   laser::OwnReturns rear_own_returns_;
-  std::int64_t num_pictures_ = 0;         ///< that belonged to a scan
-  std::int64_t num_without_picture_ = 0;  ///< scans that none belonged to
-  std::int64_t num_since_picture_ = 0;    ///< of those, since the last that had one
-  bool last_without_motion_ = false;      ///< the newest of them, where motion was asked for
-  std::int64_t num_usable_ = 0;           ///< of those that were needed
+  std::int64_t num_pictures_ = 0;         ///< pictures paired with a scan
+  std::int64_t num_without_picture_ = 0;  ///< scans without a picture
+  std::int64_t num_since_picture_ = 0;    ///< scans without a picture since the last one with
+  bool last_without_motion_ = false;      ///< the newest pair had no motion, although required
+  std::int64_t num_usable_ = 0;           ///< usable ones among the needed pictures
   std::int64_t num_unusable_ = 0;
   std::int64_t num_since_usable_ = 0;
-  std::int32_t bad_width_px_ = 0;  ///< of the newest that was not usable
+  std::int32_t bad_width_px_ = 0;  ///< size of the newest unusable picture
   std::int32_t bad_height_px_ = 0;
 };
 

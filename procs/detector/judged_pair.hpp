@@ -10,16 +10,17 @@
 
 namespace orchard::procs {
 
-/// What a scan and its picture show.
+/// Detections of a scan and its picture.
 struct JudgedPair {
   detection::DetectResult result;
-  /// Found minus expected column of each object's middle [px], where laser and picture were
+  /// Found minus expected column of each object's centre [px]; none when the edges were not
   /// compared.
   std::optional<std::vector<double>> edge_offsets_px;
 };
 
-/// The detector's work on a scan and its picture. A pure function. With a reach the edges are
-/// looked for as widely [px], too: what they say never reaches the detections.
+/// Classifies the laser findings of a scan with its picture. A pure function. With `edge_reach_px`,
+/// also searches the image edges within this window [px] for the extrinsics monitor, without effect
+/// on the detections.
 JudgedPair judge_pair(detection::LaserFindings findings, const detection::ScanImagePair& pair,
                       const detection::Rig& rig, std::optional<double> edge_reach_px);
 

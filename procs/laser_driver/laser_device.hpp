@@ -6,8 +6,7 @@
 
 namespace orchard::procs {
 
-/// The scanner that a section of the rig's drivers names, as the first (SCAN) or the second of a
-/// robot (SCAN.rear).
+/// The scanner of a section of the rig's drivers, on SCAN or on SCAN.rear.
 bus::StreamDevice make_laser_device(const device::LaserDriverConfig& config, bus::Channel channel);
 
 }  // namespace orchard::procs

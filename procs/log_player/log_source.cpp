@@ -15,7 +15,7 @@ std::optional<bus::Message> LogSource::next() {
   if (position_ == index_.entries.size()) return std::nullopt;
   const bus::ReplayEntry& entry = index_.entries[position_++];
   const std::vector<std::uint8_t> bytes = reader_.read_at(entry.offset).data;
-  // The index holds only what the guard let through.
+  // The index holds only messages that passed the guard.
   return std::get<bus::Message>(bus::decode(entry.channel, bytes.data(), bytes.size()));
 }
 

@@ -11,7 +11,7 @@
 
 namespace orchard::procs {
 
-/// The source messages of a log, in the order in which a replay takes them.
+/// Source of the sensor messages of a log, in replay order.
 class LogSource : public bus::Source {
  public:
   /// Throws io::FileError as bus::index_log does.

@@ -23,7 +23,7 @@
 namespace orchard::procs {
 namespace {
 
-/// Where derived messages go: a log, a comparison, or both.
+/// Sink of derived messages: a log, a comparison, or both.
 class Sink {
  public:
   explicit Sink(const PlayerOptions& options) {

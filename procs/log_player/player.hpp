@@ -5,8 +5,8 @@
 
 namespace orchard::procs {
 
-/// Replays as the options say and prints what was read, made and lost. Returns the exit code.
-/// Throws io::FileError, bus::BusError, bus::LockstepError.
+/// Replays a log and prints numbers of messages read, made and lost. Returns the exit code. Throws
+/// io::FileError, bus::BusError, bus::LockstepError.
 int play(const PlayerOptions& options);
 
 }  // namespace orchard::procs

@@ -36,7 +36,7 @@ void set_up_log(const std::string& level) {
   spdlog::set_level(spdlog::level::from_str(level == "warning" ? "warn" : level));
 }
 
-/// The rig to replay the log with, and what to say of it; false when there is none.
+/// Chooses the rig of the replay and prints its notes; false on failure.
 bool take_replay_rig(PlayerOptions& options, const std::string& config_path) {
   try {
     ReplayRig rig = choose_rig(options.log_path, config_path);

@@ -13,11 +13,11 @@ namespace orchard::procs {
 
 enum class PlayerMode { kInProcess, kLockstep, kPaced };
 
-/// What the command line of orchard-log-player said.
+/// Command line of orchard-log-player.
 struct PlayerOptions {
   PlayerMode mode = PlayerMode::kInProcess;
   std::string log_path;
-  std::string out_path;  ///< empty: derived messages are not written
+  std::string out_path;  ///< empty: do not write derived messages
   bool verify = false;
   bus::ReplayOptions replay;                                     ///< strict, from_s, to_s
   std::vector<std::string> nodes{"detector", "pose", "mapper"};  ///< lockstep
@@ -26,7 +26,7 @@ struct PlayerOptions {
   bus::ProcessOptions process;  ///< speed, wait_for and hold when paced
 };
 
-/// Returns the exit code when the program is to end here.
+/// Parses the command line. Returns the exit code if the program must end here.
 std::optional<int> read_player_options(int argc, char** argv, PlayerOptions& options);
 
 }  // namespace orchard::procs

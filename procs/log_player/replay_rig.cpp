@@ -9,12 +9,12 @@
 namespace orchard::procs {
 namespace {
 
-/// With this release's defaults for the keys that an older one did not have.
+/// The logged rig, with this release's defaults for keys that an older release did not have.
 std::string completed(const bus::LoggedRig& rig) {
   try {
     return io::effective_config(io::parse_config(rig.yaml, ""));
   } catch (const io::ConfigError&) {
-    return rig.yaml;  // a key of another release: compared as it stands
+    return rig.yaml;  // has a key of another release: compare verbatim
   }
 }
 
@@ -37,7 +37,7 @@ ReplayRig choose_rig(const io::LogPaths& logs, const std::string& config_path) {
   io::LoadedConfig loaded = io::load_config_with_warnings(config_path);
   ReplayRig chosen{std::move(loaded.config), config_path, std::move(loaded.warnings)};
   const std::string given = io::effective_config(chosen.config);
-  std::vector<io::ConfigDifference> of_first;  // the first rig of the log speaks for it
+  std::vector<io::ConfigDifference> of_first;  // the first rig of the log is compared
   for (const bus::LoggedRig& rig : bus::read_logged_rigs(logs)) {
     auto differences = io::config_differences(completed(rig), given);
     if (differences.empty()) return chosen;

@@ -9,16 +9,16 @@
 
 namespace orchard::procs {
 
-/// The configuration to replay a log with.
+/// The configuration for a replay of a log.
 struct ReplayRig {
   io::Config config;
-  std::string name;                ///< where it is from, for people: a file, or "the rig in a.lcm"
-  std::vector<std::string> notes;  ///< for people: keys of an earlier release, and what
-                                   ///< differs from the rig in the log
+  std::string name;  ///< origin, for the user: a file, or "the rig in a.lcm"
+  std::vector<std::string>
+      notes;  ///< for the user: keys of an earlier release, and differences from the rig in the log
 };
 
-/// The rig of `config_path`, compared with the one in the log, or the log's own when `config_path`
-/// is empty. Throws io::ConfigError, and io::FileError as bus::rig_of_log() does.
+/// Reads the rig of `config_path` and compares it with the one in the log; an empty `config_path`
+/// selects the log's own. Throws io::ConfigError, and io::FileError like bus::rig_of_log().
 ReplayRig choose_rig(const io::LogPaths& logs, const std::string& config_path);
 
 }  // namespace orchard::procs

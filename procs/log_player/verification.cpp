@@ -10,7 +10,7 @@ namespace {
 
 std::string name_of(std::size_t channel) { return std::string(bus::kChannels[channel].name); }
 
-/// utime and seq stand at the same place in every message: after the type's hash.
+/// All types have utime and seq first, after the 8-byte hash of the type.
 std::int32_t seq_at(const std::vector<std::uint8_t>& bytes) {
   if (bytes.size() < 20) return -1;
   std::uint32_t seq = 0;
@@ -33,7 +33,7 @@ Verification::Verification(const std::string& log_path) : reader_(log_path) {
     const auto channel = bus::find_channel(event->channel);
     if (!channel || bus::info(*channel).role != bus::Role::kDerived) continue;
     any = true;
-    // A damaged seq still takes part: it will be found missing or too many.
+    // A damaged seq is recorded, too: it will count as missing or as an extra message.
     states_[static_cast<std::size_t>(*channel)].recorded.emplace(seq_at(event->data),
                                                                  event->offset);
   }

@@ -13,7 +13,7 @@
 namespace orchard::procs {
 namespace {
 
-/// Scans during which base moved, before it is said: one may be a leap of the pose.
+/// Min number of such scans before the finding is reported; a single one may be a jump of the pose.
 constexpr std::int64_t kMovedMin = 20;
 
 }  // namespace
@@ -33,8 +33,8 @@ void BeamTimes::note_scan(const laser::Scan& scan) {
 void BeamTimes::note_pose(std::int64_t utime, const geometry::Pose2& T_map_base) {
   const double since_s = 1e-6 * static_cast<double>(utime - utime_);
   const bool follows = utime_ != 0 && since_s > 0.0 && since_s <= gap_max_s_;
-  // A scanner turns once from a scan to the next at most: what base moves meanwhile is the most
-  // that it moves during the part of the turn that shows something.
+  // A scanner makes at most one turn between two scans: the motion between them, times the covered
+  // fraction of a turn, bounds the motion during the sweep.
   if (turn_fraction_ > 0.0 && follows) {
     const double turned_rad = geometry::wrap_angle_rad(T_map_base.yaw_rad - yaw_rad_);
     const double moved_m =

@@ -8,13 +8,13 @@
 namespace orchard::procs {
 namespace {
 
-/// Shorter is no loss: pictures come slower than scans, and a fix once a second.
+/// Shorter gaps are normal: pictures are slower than scans, and fixes arrive once a second.
 constexpr std::int64_t kWithoutPicture_us = 3'000'000;
 constexpr std::int64_t kWithoutFix_us = 5'000'000;
 
 constexpr std::int64_t kIdPeriod_us = 1'000'000;
 
-/// Of a contact that comes and goes all day; further stretches become one.
+/// Limit for a loose contact; further intervals are merged into the last.
 constexpr std::size_t kStretchesMax = 1000;
 
 void add(std::vector<std::pair<std::int64_t, std::int64_t>>& spans, std::int64_t from,
@@ -26,7 +26,7 @@ void add(std::vector<std::pair<std::int64_t, std::int64_t>>& spans, std::int64_t
   }
 }
 
-/// The name of a channel, which the table of channels ends in a zero.
+/// The name of a channel, null-terminated in the table of channels.
 const char* name_of(bus::Channel channel) { return bus::info(channel).name.data(); }
 
 }  // namespace
@@ -54,7 +54,7 @@ void Degradation::note_fix(std::int64_t utime) {
   last_fix_utime_ = utime;
 }
 
-/// The highest id that was given up to that time.
+/// The highest landmark id up to a time.
 std::int32_t Degradation::id_at(std::int64_t utime) const {
   const auto after =
       std::upper_bound(ids_.begin(), ids_.end(), utime,
@@ -62,7 +62,7 @@ std::int32_t Degradation::id_at(std::int64_t utime) const {
   return after == ids_.begin() ? 0 : (after - 1)->second;
 }
 
-/// Whether a scan was used after the one time and before the other.
+/// True if a scan was mapped between the two times.
 bool Degradation::has_scan_between(std::int64_t after_utime, std::int64_t before_utime) const {
   const auto next =
       std::upper_bound(ids_.begin(), ids_.end(), after_utime,
@@ -78,7 +78,7 @@ std::vector<io::DegradedInterval> Degradation::intervals() const {
     for (Span span : spans) {
       span.first = std::max(span.first, *first_utime_);
       span.second = std::min(span.second, last_utime_);
-      // A robot that pauses maps nothing, and so nothing without.
+      // Skip intervals in which the robot paused: nothing was mapped.
       if (!has_scan_between(span.first + least_us, span.second)) continue;
       all.push_back({missing, span.first, span.second, id_at(span.first) + 1, id_at(span.second)});
     }

@@ -12,27 +12,28 @@
 
 namespace orchard::procs {
 
-/// Stretches of a drive in which something that the rig has did not come, while the mapper went on
-/// without it, and which landmarks were first seen then.
+/// Intervals of a drive in which an expected input was missing while the mapper continued without
+/// it, and the landmarks first seen in them.
 ///
-/// Everything is a function of message times, in whatever order the channels came.
+/// Depends on message times only, not on the order in which the channels arrive.
 class Degradation {
  public:
-  /// `has_camera`: DETECTIONS without a picture are less than usual.
+  /// `has_camera`: DETECTIONS without a picture count as degraded.
   explicit Degradation(bool has_camera) : has_camera_(has_camera) {}
 
-  /// A scan was used; `image_utime` 0: without a picture. `last_id`: the highest so far.
+  /// Adds a mapped scan; `image_utime` 0: without a picture. `last_id`: the highest landmark id so
+  /// far.
   void note_scan(std::int64_t utime, std::int64_t image_utime, std::int32_t last_id);
-  /// A usable fix came.
+  /// Adds a usable GNSS fix.
   void note_fix(std::int64_t utime);
 
-  /// All stretches so far, in order of time; of a rig that never had a fix none for GNSS.
+  /// All intervals so far, in order of time; none for GNSS if the rig never had a fix.
   std::vector<io::DegradedInterval> intervals() const;
 
-  /// Whether the last scan stands in a stretch without pictures.
+  /// True if the last scan is in an interval without pictures.
   bool lacks_pictures_now() const { return has_camera_ && !pictures_.empty() && is_open_; }
 
-  /// What it comes to, in words for a person; empty for none.
+  /// The finding as text for the user; empty if there is none.
   std::string text() const;
 
   template <class Archive>
@@ -49,12 +50,13 @@ class Degradation {
   bool has_camera_;
   std::optional<std::int64_t> first_utime_;
   std::int64_t last_utime_ = 0;
-  std::optional<std::int64_t> last_picture_utime_;  ///< of the last scan that had one
-  bool is_open_ = false;                            ///< the last of pictures_ goes on
-  std::vector<Span> pictures_;                      ///< without
+  std::optional<std::int64_t> last_picture_utime_;  ///< of the last scan with a picture
+  bool is_open_ = false;                            ///< the last of pictures_ has not ended
+  std::vector<Span> pictures_;                      ///< intervals without pictures
   std::optional<std::int64_t> first_fix_utime_, last_fix_utime_;
-  std::vector<Span> fixes_;                                 ///< between two
-  std::vector<std::pair<std::int64_t, std::int32_t>> ids_;  ///< the highest, about once a second
+  std::vector<Span> fixes_;  ///< intervals between two fixes
+  std::vector<std::pair<std::int64_t, std::int32_t>>
+      ids_;  ///< highest id by time, about once a second
 };
 
 }  // namespace orchard::procs

@@ -14,20 +14,20 @@
 namespace orchard::procs {
 namespace {
 
-/// Kind of the record that stands for a flush; the others are numbers of channels.
+/// Record kind of a flush; all other kinds are channel numbers.
 constexpr std::uint8_t kFlushRecord = 255;
 
-/// What the journal leaves free on the disk for the map's own files.
+/// Disk space that the journal leaves for the map's own files.
 constexpr std::uint64_t kReserved_bytes = 4u << 20;
 
-/// Earlier maps that STATUS names; all stand in the log.
+/// Max number of earlier maps in STATUS; the log has all.
 constexpr std::size_t kNotesMax = 10;
 
 const char* const kOtherConfiguration = "it was made with another configuration";
 const char* const kOtherProgram = "it was made by another version of this program";
 
-/// Whether the frame of the poses is the same after orchard-pose began anew: told from outside, and
-/// not where the robot happened to start.
+/// True if the frame of the poses survives a restart of orchard-pose: it is given from outside, not
+/// by the robot's start.
 bool frame_is_given(const pose::PoseConfig& config) {
   switch (config.mode) {
     case pose::PoseMode::kOdometry:
@@ -54,7 +54,7 @@ JournaledMapper::JournaledMapper(const io::Config& config, std::int64_t config_h
   if (!why_not.empty()) begin_new_map(why_not);
 }
 
-/// Goes on with the map in the folder; why that cannot be, or "".
+/// Resumes the map in the folder. Returns "" or the reason why it cannot.
 std::string JournaledMapper::go_on() {
   using State = io::SnapshotReading::State;
   const io::SnapshotReading reading = io::read_snapshot(place_.file(kSnapshotName), config_hash_);
@@ -82,8 +82,9 @@ std::string JournaledMapper::go_on_from(const io::Snapshot& snapshot) {
   return {};
 }
 
-/// The snapshot covers the first bytes of the journal of its number; where the process ended right
-/// after it was written, the journal of the next number has none yet or the first of its records.
+/// The snapshot covers the first `covered_bytes` of the journal with its number. If the process
+/// ended right after a snapshot, the journal of the next number is missing or has only its first
+/// records.
 std::string JournaledMapper::go_on_with_journal(bool has_snapshot, std::uint64_t covered_bytes) {
   using State = io::JournalReading::State;
   const std::string path = place_.file(kJournalName);
@@ -116,7 +117,7 @@ std::string JournaledMapper::go_on_with_journal(bool has_snapshot, std::uint64_t
   return {};
 }
 
-/// Another journal must not pass for the one that a snapshot goes with.
+/// Identifies the journal that belongs to a snapshot.
 std::int64_t JournaledMapper::journal_identity() const {
   return config_hash_ ^ static_cast<std::int64_t>(journal_number_ * 0x9E3779B97F4A7C15u);
 }
@@ -179,7 +180,8 @@ void JournaledMapper::note_pose(const pose::PoseEstimate& pose) {
 
 void JournaledMapper::handle(const bus::Message& input, const bus::Outbox& send) {
   if (const auto* pose = std::get_if<pose::PoseEstimate>(&input)) {
-    // Reordered ones are earlier, too; a later one of a lower number is another process's.
+    // Reordered messages have an earlier utime; a later utime with a lower seq comes from a new
+    // process.
     const bool is_anew =
         last_pose_ && pose->utime > last_pose_->utime && pose->seq < last_pose_->seq;
     if (is_anew && !frame_is_given(config_.pose)) {
@@ -199,8 +201,8 @@ void JournaledMapper::handle(const bus::Message& input, const bus::Outbox& send)
   mapper_->handle(input, send);
 }
 
-/// A message as the journal keeps it: of a scan that the mapper only takes the time of, one beam;
-/// of a picture that it does not look at, one pixel.
+/// Encodes a message for the journal. A scan of which the mapper uses only the time is cut to one
+/// beam, an unused picture to one pixel.
 std::vector<std::uint8_t> JournaledMapper::journal_bytes(const bus::Message& input) const {
   const auto* image = std::get_if<vision::Image>(&input);
   if (image != nullptr && !mapper_->keeps_picture_of(image->utime)) {
@@ -233,14 +235,14 @@ void JournaledMapper::commit() {
   if (is_snapshot_due()) keep_snapshot();
 }
 
-/// At the end, after what takes long to do again, and now and then.
+/// Snapshots are due after a flush, after a rebuild of the map, and every snapshot_period_ inputs.
 bool JournaledMapper::is_snapshot_due() const {
   if (num_since_snapshot_ == 0) return false;
   return is_flushed_ || num_since_snapshot_ >= snapshot_period_ ||
          mapper_->num_rebuilt() != num_rebuilt_;
 }
 
-/// Everything is in the journal: without a snapshot it only grows.
+/// Writes a snapshot. On failure the journal still has everything and grows on.
 void JournaledMapper::keep_snapshot() {
   num_since_snapshot_ = 0;
   num_rebuilt_ = mapper_->num_rebuilt();

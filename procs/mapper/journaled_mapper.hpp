@@ -20,25 +20,25 @@
 
 namespace orchard::procs {
 
-/// A mapper whose map outlives its process: it keeps snapshots of its state beside the map, and a
-/// journal of its inputs since the last one. Made anew, it takes in both before anything else. The
-/// map is a function of its inputs, so it goes on as if nothing had happened, with every id.
+/// A mapper that can resume its map after a restart. It saves snapshots of its state beside the
+/// map, and a journal of its inputs since the last snapshot; the constructor restores both. The map
+/// is a function of its inputs, so it continues exactly as without the restart, with the same ids.
 ///
-/// A map that has neither, of another configuration or with a damaged file is not gone on with: it
-/// is set aside, and so is one whose frame ended because orchard-pose began anew in a mode that
-/// starts from its own origin. STATUS and summary.json say so.
+/// A map without these files, of another configuration or with a damaged file is not continued: it
+/// is set aside. So is a map whose frame ended because orchard-pose restarted in a mode with its
+/// own origin. STATUS and summary.json report it.
 class JournaledMapper : public bus::Node {
  public:
   static constexpr const char* kJournalName = "mapper.journal";
   static constexpr const char* kSnapshotName = "mapper.snapshot";
-  /// What a long drive leaves: of it the snapshot only has the places.
+  /// The chunks of a long drive's data; the snapshot refers to them.
   static constexpr const char* kChunksName = "mapper.chunks";
 
-  /// Inputs since the last snapshot that make another one due: taking in a tenth of a second's
-  /// worth of them, or less than a second's in a large map.
+  /// Number of inputs after which a new snapshot is due. It limits the time to replay the journal
+  /// to a tenth of a second, or less than a second in a large map.
   static constexpr int kSnapshotPeriod = 3000;
 
-  /// Takes in what `place` holds, which must outlive this. Throws io::FileError.
+  /// Resumes the map in `place`, which must outlive this. Throws io::FileError.
   JournaledMapper(const io::Config& config, std::int64_t config_hash, io::MapPlace& place,
                   int snapshot_period = kSnapshotPeriod);
 
@@ -51,22 +51,23 @@ class JournaledMapper : public bus::Node {
   std::string waiting_for() const override { return mapper_->waiting_for(); }
   std::string warning() const override;
 
-  /// Writes the inputs since the last time to the journal, and a snapshot where one is due. Throws
-  /// io::FileError when the inputs cannot be written, and when it would take the last of the disk,
-  /// which the map itself needs.
+  /// Writes the inputs since the last call to the journal, and a snapshot if one is due. Throws
+  /// io::FileError when the inputs cannot be written, or when they would take the disk space
+  /// reserved for the map.
   void commit();
 
-  /// Called with the map that is about to be set aside, so that its files are its last state.
+  /// Sets a function to be called before a map is set aside, so that its files can be saved in
+  /// their last state.
   void before_new_map(std::function<void(const MapperNode&)> hook) {
     before_new_map_ = std::move(hook);
   }
 
   const MapperNode& mapper() const { return *mapper_; }
 
-  /// Inputs that earlier processes took in, by channel.
+  /// Number of inputs restored from earlier processes, by channel.
   const std::array<std::int64_t, bus::kNumChannels>& num_replayed() const { return num_replayed_; }
 
-  /// What happened to earlier maps, one sentence each.
+  /// One sentence for each earlier map that was set aside.
   const std::vector<std::string>& notes() const { return notes_; }
 
  private:
@@ -92,10 +93,11 @@ class JournaledMapper : public bus::Node {
   std::function<void(const MapperNode&)> before_new_map_;
   std::uint64_t journal_number_ = 0;
   int num_since_snapshot_ = 0;
-  std::size_t num_rebuilt_ = 0;  ///< of the mapper at the last snapshot
-  bool is_flushed_ = false;      ///< nothing has come since
+  std::size_t num_rebuilt_ = 0;  ///< num_rebuilt() at the last snapshot
+  bool is_flushed_ = false;      ///< no input since the last flush
   std::array<std::int64_t, bus::kNumChannels> num_replayed_{};
-  std::array<std::int64_t, bus::kNumChannels> num_taken_{};  ///< by those and this one
+  std::array<std::int64_t, bus::kNumChannels>
+      num_taken_{};  ///< inputs of earlier processes and this one
   std::optional<pose::PoseEstimate> last_pose_;
   std::vector<std::string> notes_;
 };

@@ -16,18 +16,18 @@
 namespace orchard::procs {
 namespace {
 
-/// Drawing more than this takes over 0.1 s, and the node waits meanwhile: it is left to the end.
+/// Max number of landmarks for saving the whole folder in a running process. Drawing more takes
+/// over 0.1 s, during which the node waits; these are drawn at the end.
 constexpr std::size_t kDrawnLiveMax = 3000;
 
-/// So many more landmarks, one save more between two numberings.
+/// One more save between two numberings per this many landmarks.
 constexpr std::size_t kNumberedEachSave = 1000;
 
 }  // namespace
 
 void MapSaver::save(const MapperNode& mapper, const bus::SaveRequest& request) {
   if (folder_.empty()) return;
-  // The first save makes the folder and every file in it, while the map is still small: who looks
-  // finds them all.
+  // The first save writes all files while the map is still small, so that users find every file.
   const bool live = request.kind != bus::SaveKind::kFinal;
   const bool quick =
       request.kind == bus::SaveKind::kQuick || mapper.num_landmarks() > kDrawnLiveMax;
@@ -53,8 +53,7 @@ void MapSaver::save_table(const std::vector<mapping::Landmark>& landmarks) {
   saved_table_ = std::move(table);
 }
 
-/// Rows are found over the whole map, which takes long in a large one: there, the numbers found
-/// last stay for some saves.
+/// Finding rows takes long in a large map: there, the last numbers are reused for some saves.
 std::vector<mapping::Landmark> MapSaver::numbered_landmarks(const MapperNode& mapper) {
   if (--saves_until_numbering_ > 0) {
     std::vector<mapping::Landmark> landmarks = mapper.landmarks();
@@ -103,13 +102,12 @@ void MapSaver::save_folder(const MapperNode& mapper, const bus::TrafficCounts& t
     content.summary.first_utime = content.trajectory.front().utime;
     content.summary.last_utime = content.trajectory.back().utime;
   }
-  std::error_code ignored;  // said below
+  std::error_code ignored;  // the write below reports it
   std::filesystem::create_directories(folder_, ignored);
   save_table(content.landmarks);
   io::write_map_folder(folder_, content);
   saved_table_ = io::map_csv(content.landmarks);
-  // The path of a long drive takes tens of megabytes while its files are made, which the allocator
-  // would keep.
+  // The content of a long drive takes tens of megabytes, which the allocator would keep.
   content = {};
   ::malloc_trim(0);
 }

@@ -12,22 +12,22 @@
 
 namespace orchard::procs {
 
-/// The files of a mapper that runs as a process: its map.csv whenever the map has changed, all of
-/// them when there is time and at the end.
+/// Writes the files of a mapper process: map.csv whenever the map has changed, the whole folder
+/// when there is time and at the end.
 class MapSaver {
  public:
-  /// Nothing is saved into an empty `folder`.
+  /// With an empty `folder` nothing is saved.
   MapSaver(std::string folder, std::int64_t config_hash)
       : folder_(std::move(folder)), config_hash_(config_hash) {}
 
-  /// map.csv is replaced first, since it fits where the others do not. Throws io::FileError and
-  /// then leaves every other earlier file as it was.
+  /// Saves map.csv first, since it fits on a disk where the others do not. Throws io::FileError and
+  /// then leaves all other files as they were.
   void save(const MapperNode& mapper, const bus::SaveRequest& request);
 
-  /// Sentences that summary.json says besides the mapper's own warning.
+  /// Sets warnings for summary.json in addition to the mapper's own.
   void set_notes(std::vector<std::string> notes) { notes_ = std::move(notes); }
 
-  /// The next save is of another map.
+  /// Forgets the saved map: the next save is of another one.
   void begin_new_map();
 
  private:
@@ -38,10 +38,11 @@ class MapSaver {
   std::string folder_;
   std::int64_t config_hash_;
   std::vector<std::string> notes_;
-  std::string saved_table_;  ///< map.csv as it stands in the folder; empty: unknown
-  /// Of the rows found last: (row, position) by id.
+  std::string saved_table_;  ///< content of map.csv in the folder; empty: unknown
+  /// (row, position) by landmark id, of the rows found last.
   std::vector<std::pair<std::int32_t, std::int32_t>> numbers_;
-  /// What numbered_landmarks() joined last, and of what.
+  /// The long objects last joined by numbered_landmarks(), and the ids of the landmarks that they
+  /// replace.
   std::vector<mapping::Landmark> long_;
   std::set<std::int32_t> parts_;
   int saves_until_numbering_ = 0;

@@ -19,37 +19,36 @@
 namespace orchard::procs {
 namespace {
 
-/// Corrections of the past that together move base farther rebuild the landmarks [m]: half of
-/// what a map is sure to.
+/// Total motion by corrections above which the map is rebuilt [m]: half of the map's accuracy.
 constexpr double kRebuild_m = 0.02;
 
-/// Message time between two refreshes of the whole MAP [s]: what a late joiner waits for.
+/// Period of the refresh of the whole MAP in message time [s]: the longest wait of a late joiner.
 constexpr double kRefreshPeriod_s = 2.0;
 
-/// Most landmarks refreshed per second: larger maps come round less often.
+/// Max number of landmarks refreshed per second: larger maps take more than one period.
 constexpr double kRefreshMax_per_s = 200.0;
 
-/// 97 bytes per landmark and 4 per removed id on the wire: well below 60 kB.
+/// Sizes of a tile: with 97 bytes per landmark and 4 per removed id it is well below 60 kB.
 constexpr std::size_t kLandmarksPerTile = 500;
 constexpr std::size_t kRemovedPerTile = 1000;
-/// Landmarks that the slow refresh adds to one scan at most: one more tile.
+/// Max number of refreshed landmarks per scan: one more tile.
 constexpr std::size_t kRefreshMax = kLandmarksPerTile;
 constexpr double kFixSpacing_m = 0.5;
 
-/// How long DETECTIONS wait for the first POSE of all [s]: a receiver takes its time, and what was
-/// driven meanwhile is told once the pose is known.
+/// How long DETECTIONS wait for the first POSE of all [s]: a GNSS receiver takes time to start, and
+/// earlier poses follow once the first pose is known.
 constexpr double kFirstPoseWait_s = 60.0;
 
-/// Over less than this, what base moves does not tell how fast.
+/// Min duration for an estimate of the velocity from two poses.
 constexpr double kSweepMin_s = 0.005;
 
-/// Free-space evidence that waits for its DETECTIONS at most: four minutes, a megabyte.
+/// Max number of scans waiting for their DETECTIONS: four minutes, a megabyte.
 constexpr std::size_t kScansWaitingMax = 1000;
 
 std::int64_t microseconds(double duration_s) { return static_cast<std::int64_t>(1e6 * duration_s); }
 
-/// How long DETECTIONS wait for their SCAN, whose beams say what is gone and where ways are free;
-/// none where SCAN is of no use.
+/// How long DETECTIONS wait for their SCAN, which gives free space for landmark existence and for
+/// the aisles; none if SCAN is not used.
 std::optional<std::int64_t> scan_wait_us(const mapping::MapperConfig& config) {
   const bool is_used = config.existence.enabled || config.rows.enabled;
   const std::int64_t wait_us = is_used ? microseconds(config.existence.scan_wait_s) : 0;
@@ -84,8 +83,8 @@ MapperNode::MapperNode(const io::Config& config,
       widest_m_(config.detector.segmentation.width_max_m),
       has_reflectors_(config.detector.segmentation.reflector != laser::ReflectorUse::kIgnored) {}
 
-/// DETECTIONS wait for POSE and SCAN. GNSS and SCAN come on whatever the others do: they say
-/// nothing of message time.
+/// DETECTIONS wait for POSE and SCAN. GNSS and SCAN arrive independently of the other channels and
+/// so do not advance message time.
 MapperNode::Queue::Rules MapperNode::rules_of(const mapping::MapperConfig& config) {
   Queue::Rules rules;
   rules[kPose].wait_us = microseconds(std::max(config.pose_wait_s, kFirstPoseWait_s));
@@ -102,7 +101,7 @@ std::vector<bus::Channel> MapperNode::inputs() const {
   return channels;
 }
 
-/// There is a map without a receiver, without free-space evidence and without an album.
+/// GNSS, free-space evidence and the album are optional.
 bus::InputNeed MapperNode::need_of(bus::Channel channel) const {
   const bool optional = channel == bus::Channel::kGnss || channel == bus::Channel::kScan ||
                         channel == bus::Channel::kImage;
@@ -137,7 +136,7 @@ void MapperNode::handle(const bus::Message& input, const bus::Outbox& send) {
   release(send);
 }
 
-// An earlier one than the last comes of a clock that was set back: kept like any other.
+// A scan earlier than the last comes from a clock that was set back and is kept.
 bool MapperNode::keeps_beams_of(std::int64_t scan_utime) const {
   if (last_kept_scan_utime_ == Queue::kNever) return true;
   const std::int64_t since_us = scan_utime - last_kept_scan_utime_;
@@ -158,7 +157,7 @@ void MapperNode::add_scan(const laser::Scan& scan) {
 void MapperNode::add_gnss(const pose::Gnss& gnss) {
   const auto fix = gnss_.add(gnss);
   if (fix) degradation_.note_fix(gnss.utime);
-  // A robot that stands tells nothing new, however long it stands.
+  // While the robot stands, further fixes add nothing.
   if (fix && (fixes_.empty() || (fix->p_enu_m - fixes_.back().p_enu_m).norm() > kFixSpacing_m)) {
     fixes_.push_back(*fix);
   }
@@ -169,8 +168,8 @@ bool MapperNode::undoes_sweep(const detection::Detections& detections) const {
   return gap_max_us > 0 && track_.is_dense_at(detections.utime, gap_max_us);
 }
 
-/// What the next DETECTIONS wait for, by what has come for their time: it does not depend on when
-/// the scans come.
+/// The channel that the next DETECTIONS wait for. Depends on whether poses cover their time, not on
+/// when the scans arrive.
 std::optional<std::size_t> MapperNode::blocker() const {
   const auto& next = std::get<detection::Detections>(queue_.front(kDetections));
   const bool to_last = track_.covers(next.utime) && undoes_sweep(next);
@@ -190,7 +189,7 @@ void MapperNode::release(const bus::Outbox& send) {
     const std::int64_t utime = queue_.front_utime(kDetections);
     if (track_.covers(utime)) {
       place_front(send);
-    } else {  // its POSE has not come in time
+    } else {  // its POSE has not arrived in time
       last_used_utime_ = utime;
       queue_.take(kDetections);
       ++counts_.num_late;
@@ -200,8 +199,8 @@ void MapperNode::release(const bus::Outbox& send) {
 
 void MapperNode::place_front(const bus::Outbox& send) {
   const auto detections = std::get<detection::Detections>(queue_.take(kDetections));
-  // A correction within the sweep is taken first: the poses behind it are told with it, those
-  // before it are not, and between the two base would seem to have leapt.
+  // Apply a correction within the sweep first: it moves the poses before it, while later poses are
+  // published corrected; the pose would seem to jump between them.
   const bool undoes = undoes_sweep(detections);
   correct_up_to(undoes ? mapping::last_utime_of(detections) : detections.utime, send);
   last_used_utime_ = detections.utime;
@@ -219,7 +218,7 @@ void MapperNode::place_front(const bus::Outbox& send) {
   }
 }
 
-/// The free-space evidence of exactly that time, or none; older evidence is dropped.
+/// Takes the free-space evidence of exactly this time, or none; drops older evidence.
 MapperNode::FreeSpacePtr MapperNode::take_free_space(std::int64_t utime) {
   if (!scan_wait_us(config_)) return nullptr;
   if (queue_.reached(kScan) < utime) {
@@ -231,8 +230,7 @@ MapperNode::FreeSpacePtr MapperNode::take_free_space(std::int64_t utime) {
   return std::get<FreeSpacePtr>(queue_.take(kScan));
 }
 
-/// The beams of a scan, and how base moved from its first object to its last while they were sent.
-/// None where that cannot be told.
+/// The beams of a scan with the velocity of base during its sweep; none if the velocity is unknown.
 std::shared_ptr<const mapping::FreeSpace> MapperNode::free_space_of(
     const detection::Detections& detections, const pose::PoseEstimate& T_map_base) {
   FreeSpacePtr free_space = take_free_space(detections.utime);
@@ -255,8 +253,8 @@ void MapperNode::correct_up_to(std::int64_t utime, const bus::Outbox& send) {
   if (is_rebuild_due()) rebuild_map(send);
 }
 
-/// All of it costs as much as the drive is long: small corrections wait until the drive has grown
-/// by a tenth, so that all of them together cost no more than ten drives.
+/// A rebuild takes time proportional to the drive. Small corrections wait until the drive has grown
+/// by a tenth, so the total cost is limited to ten rebuilds of the whole drive.
 bool MapperNode::is_rebuild_due() const {
   if (moved_m_ < kRebuild_m) return false;
   return moved_m_ >= config_.gate_m || 10 * mapper_.num_observations() >= 11 * num_rebuilt_;
@@ -276,7 +274,7 @@ void MapperNode::flush(const bus::Outbox& send) {
   correct_up_to(std::numeric_limits<std::int64_t>::max(), send);
   if (moved_m_ > 0.0) rebuild_map(send);
   album_.flush();
-  // the whole map once more, so that a recorded log ends with it
+  // Send the whole map once more, so that a recorded log ends with it.
   if (mapper_.num_landmarks() > 0) {
     std::vector<mapping::Landmark> all = mapper_.landmarks();
     if (config_.rows.enabled) {
@@ -336,8 +334,8 @@ std::optional<geometry::Georeference> MapperNode::georeference() const {
   return georeference;
 }
 
-/// A reflector flashes in most observations, and nothing else does: where that is not so, the
-/// threshold lies within what the reflectors return.
+/// A real reflector is detected in most observations of its landmark, other objects never.
+/// Otherwise the threshold lies within the reflectors' returns.
 const std::string& MapperNode::votes_text() const {
   const std::size_t num = mapper_.num_observations();
   if (!has_reflectors_ || (!is_flushed_ && 8 * num < 9 * num_voted_)) return votes_text_;
@@ -354,7 +352,7 @@ const std::string& MapperNode::votes_text() const {
 
 std::string MapperNode::warning() const {
   std::string warning;
-  // While it runs only what is missing now; at the end whatever was.
+  // While running, report only what is missing now; after the flush, all intervals.
   if (is_flushed_) {
     warning = degradation_.text();
   } else if (degradation_.lacks_pictures_now()) {
@@ -382,7 +380,7 @@ bus::NodeCounts MapperNode::counts() const {
 }
 
 std::vector<std::int32_t> MapperNode::refresh_ids(std::int64_t utime) {
-  // as many per scan as bring the whole map round once per period, or as may be per second
+  // Refresh the whole map once per period, limited to kRefreshMax_per_s.
   const std::int64_t last = std::exchange(last_refresh_utime_, utime);
   if (last == 0 || utime <= last) return {};
   const auto num_landmarks = static_cast<double>(mapper_.num_landmarks());

@@ -22,30 +22,30 @@
 
 namespace orchard::procs {
 
-/// Puts detections on the map: one MAP tile or more per scan used.
+/// Maps detections: one MAP tile or more per scan used.
 ///
-/// DETECTIONS(t) wait for a POSE at or after t (with frequent poses: at or after the last object of
-/// the scan, so that each is placed at its own time), however the two channels arrive; what has
-/// waited mapper.pose_wait_s of message time is counted late and left out. So the map does not
-/// depend on how far one channel runs ahead of the other within that time.
+/// DETECTIONS(t) wait for a POSE at or after t, in whatever order the two channels arrive; with
+/// frequent poses they wait for a POSE at or after the last object of the scan, so that each object
+/// is placed with the pose of its own time. DETECTIONS that have waited mapper.pose_wait_s of
+/// message time are counted late and dropped. Within that time the map does not depend on how far
+/// one channel is ahead of the other.
 ///
-/// TRAJECTORY corrects the past: poses before its utime move, and once they have moved by
-/// kRebuild_m the map is rebuilt from all observations, with its ids kept.
-/// TRAJECTORY takes its turn before the first DETECTIONS at or after its utime; the end of the log
-/// flushes.
+/// TRAJECTORY corrects the past: poses before its utime move. Once they have moved by kRebuild_m,
+/// the map is rebuilt from all observations, with its ids kept. A TRAJECTORY is applied before the
+/// first DETECTIONS at or after its utime; the end of the log flushes.
 ///
-/// SCAN is free-space evidence: its beams pass through what stands there no more. One SCAN per
-/// mapper.existence.period_s is kept for its DETECTIONS. DETECTIONS(t) wait for a SCAN at or after
-/// t; where none has come within mapper.existence.scan_wait_s of message time, nobody waits until
-/// SCAN is heard (again): a mapper that is given none works without.
+/// SCAN is free-space evidence: a beam that passes through a landmark's position is evidence of its
+/// absence. One SCAN per mapper.existence.period_s is kept for its DETECTIONS. DETECTIONS(t) wait
+/// for a SCAN at or after t. If none arrives within mapper.existence.scan_wait_s of message time,
+/// waiting stops until the next SCAN: a mapper without SCAN works without this evidence.
 ///
-/// IMAGE is only cut up for the album (mapper.album): a photograph of each landmark. It holds
-/// nothing back, and the map is the same without it.
+/// IMAGE is used only for the album (mapper.album), a photograph of each landmark. DETECTIONS do
+/// not wait for it, and the map does not depend on it.
 ///
-/// GNSS says where on the earth the map lies: the corrected path is laid upon the fixes.
+/// GNSS gives the georeference: the corrected path is fitted to the fixes.
 class MapperNode : public bus::Node {
  public:
-  /// `memory` holds what a long drive leaves; none: the heap. It changes no output.
+  /// `memory` stores the data of a long drive; none: the heap. It changes no output.
   explicit MapperNode(const io::Config& config,
                       const std::shared_ptr<mapping::ChunkMemory>& memory = nullptr);
 
@@ -58,34 +58,37 @@ class MapperNode : public bus::Node {
   std::string waiting_for() const override;
   std::string warning() const override;
 
-  /// The map so far, for its files: landmarks with at least mapper.min_observations, numbered by
-  /// their rows, and all POSE.
+  /// Content of the map's files: landmarks with at least mapper.min_observations, numbered by their
+  /// rows, and all POSE.
   io::MapFolderContent content(const io::MapSummary& summary) const;
 
-  /// Its landmarks alone, in order of id, not numbered: rows are found over the whole map.
+  /// The landmarks with at least mapper.min_observations, in order of id. Not numbered, since rows
+  /// are found over the whole map.
   std::vector<mapping::Landmark> landmarks() const {
     return mapper_.landmarks(config_.min_observations);
   }
 
-  /// The same, numbered by their rows, and what is longer than any scan reports as one: map.csv.
+  /// The landmarks of map.csv: numbered by their rows, legs of people left out, and long objects
+  /// joined.
   std::vector<mapping::Landmark> numbered_landmarks() const;
 
-  /// Whether a SCAN of that time would be kept for its DETECTIONS; of others only the time counts.
+  /// True if the beams of a SCAN of this time are kept for its DETECTIONS; of other SCANs only the
+  /// time is used.
   bool keeps_beams_of(std::int64_t scan_utime) const;
 
-  /// Whether an IMAGE of that time is looked at; of others nothing depends.
+  /// True if an IMAGE of this time is used; others have no effect.
   bool keeps_picture_of(std::int64_t image_utime) const {
     return album_.keeps_picture(image_utime);
   }
 
-  /// All that later outputs depend on; the configuration is the maker's. Throws std::exception when
-  /// the memory does not keep what a long drive leaves, or does not have it.
+  /// Reads or writes all state that later outputs depend on; the caller provides the configuration.
+  /// Throws std::exception when the memory fails to save or to find its chunks.
   void persist(mapping::StateArchive& archive);
 
-  /// Grows with every rebuilding of the map, which takes long to do again.
+  /// Changes with every rebuild of the map, which is expensive to repeat.
   std::size_t num_rebuilt() const { return num_rebuilt_; }
 
-  /// All of them, however seldom seen.
+  /// Number of all landmarks, including those with few observations.
   std::size_t num_landmarks() const { return mapper_.num_landmarks(); }
 
  private:
@@ -132,22 +135,23 @@ class MapperNode : public bus::Node {
   laser::BlindSector blind_;
   std::int64_t last_kept_scan_utime_ = Queue::kNever;
   bool has_pose_caught_up_ = false;
-  bool is_scan_missing_ = false;  ///< DETECTIONS were used without theirs, and none has come since
+  bool is_scan_missing_ =
+      false;  ///< DETECTIONS were used without their SCAN, and none has arrived since
   mapping::Album album_;
   Degradation degradation_;
   BeamTimes beam_times_;
   bool has_camera_;
-  double widest_m_;  ///< that the detector reports whole
+  double widest_m_;  ///< max object width reported by the detector
   bool has_reflectors_;
-  /// Of the reflectors' votes: counting them takes as long as the drive, and so waits for an eighth
-  /// of it.
+  /// Warning about inconsistent reflector detections. Counting them takes time proportional to the
+  /// drive, so it is repeated only after growth by an eighth.
   mutable std::string votes_text_;
   mutable std::size_t num_voted_ = 0;
-  std::int32_t last_id_ = 0;  ///< the highest that was given
+  std::int32_t last_id_ = 0;  ///< highest landmark id so far
   bool is_flushed_ = false;
   pose::TrajectoryCollector collector_;
-  double moved_m_ = 0.0;         ///< by corrections since the map was rebuilt last
-  std::size_t num_rebuilt_ = 0;  ///< observations when that was
+  double moved_m_ = 0.0;         ///< motion by corrections since the last rebuild
+  std::size_t num_rebuilt_ = 0;  ///< number of observations at the last rebuild
   std::optional<std::int64_t> last_used_utime_;
   std::int32_t next_seq_ = 0;
   std::int32_t refresh_from_id_ = 1;

@@ -8,7 +8,7 @@
 namespace orchard::procs {
 namespace {
 
-/// Over this, how fast base moves about a picture is read from its poses.
+/// Interval over which the velocity of base is estimated from its poses.
 constexpr std::int64_t kMotion_us = 200'000;
 
 constexpr double kMotion_s = 1e-6 * static_cast<double>(kMotion_us);
@@ -22,7 +22,7 @@ void MapperNode::photograph(const detection::Detections& detections,
   for (const detection::Detection& d : detections.trunks) {
     subjects.push_back({d.centre_x_m, d.centre_y_m, d.width_m, d.occlusion});
   }
-  // How base moves is read from the past alone: which later poses are there depends on the bus.
+  // Use past poses only: the later poses available here depend on the order of arrival.
   detection::Motion motion;
   const auto before = track_.at(detections.utime - kMotion_us);
   if (before && undoes_sweep(detections)) {

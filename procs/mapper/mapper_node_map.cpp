@@ -11,7 +11,7 @@
 namespace orchard::procs {
 namespace {
 
-/// Takes those of `ids`, which rise, out of the landmarks; how many those were.
+/// Removes the landmarks with the ids in `ids`, which are in ascending order; returns their number.
 std::size_t drop(const std::vector<std::int32_t>& ids, std::vector<mapping::Landmark>& landmarks) {
   const std::size_t num_before = landmarks.size();
   const auto is_dropped = [&](const mapping::Landmark& l) {
@@ -23,8 +23,8 @@ std::size_t drop(const std::vector<std::int32_t>& ids, std::vector<mapping::Land
 
 }  // namespace
 
-/// Trees of rows stand there for themselves, and so does a stem that is as sharp as theirs and what
-/// a camera called a tree: a laser alone takes a hedge's bits for trunks.
+/// Joins long objects. Trees of rows, stems as sharp as theirs, and trees classified with a camera
+/// stay separate landmarks; without a camera, parts of a hedge may be classified as trunks.
 void MapperNode::join_long(std::vector<mapping::Landmark>& landmarks) const {
   const mapping::SharpStems stems(landmarks);
   const auto stands_alone = [&](const mapping::Landmark& l) {
@@ -35,14 +35,14 @@ void MapperNode::join_long(std::vector<mapping::Landmark>& landmarks) const {
                                         mapper_.seen_free(), stands_alone);
 }
 
-/// What was seen often enough and, by all scans of the drive, stands there.
+/// Landmarks with enough observations that exist by the evidence of all scans of the drive.
 std::vector<mapping::Landmark> MapperNode::standing_landmarks() const {
   std::vector<mapping::Landmark> all = landmarks();
   drop(mapper_.stray_ids(), all);
   return all;
 }
 
-/// Leaves out the legs of people, of landmarks with rows; how many those were.
+/// Removes legs of people from landmarks with row numbers; returns their number.
 std::size_t MapperNode::drop_legs(std::vector<mapping::Landmark>& landmarks) const {
   return drop(mapper_.leg_ids(landmarks, has_camera_), landmarks);
 }

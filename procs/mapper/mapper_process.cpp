@@ -28,7 +28,7 @@ std::unique_ptr<bus::Node> MapperProcess::make_node(const io::Config& config,
       saver_->begin_new_map();
     });
     return mapper;
-  } catch (const io::FileError& error) {  // no input file: nothing of what was given is wrong
+  } catch (const io::FileError& error) {  // a failure to write, not a bad input file
     throw std::runtime_error(error.what());
   }
 }
@@ -41,8 +41,8 @@ void MapperProcess::save(bus::Node& node, const bus::SaveRequest& request) {
     all.traffic.num_in[i] += journaled->num_replayed()[i];
   }
   saver_->set_notes(journaled->notes());
-  // The journal first, so that what is on the map is known again; the map whether or not it could
-  // be written.
+  // Write the journal first, so that a restart can restore the map; save the map even if this
+  // fails.
   std::string not_kept;
   try {
     journaled->commit();

@@ -12,15 +12,15 @@
 
 namespace orchard::procs {
 
-/// What makes a mapper a process: the folder of its map, its journal and its saves.
+/// The file side of a mapper process: the folder of its map, its journal and its saves.
 class MapperProcess {
  public:
-  /// The node; with a folder, one that goes on with the map in it (a replay in lockstep always
-  /// begins anew). Throws std::runtime_error when the folder cannot be written.
+  /// Makes the node; with a folder, one that resumes the map in it (a lockstep replay always starts
+  /// a new map). Throws std::runtime_error when the folder cannot be written.
   std::unique_ptr<bus::Node> make_node(const io::Config& config, std::int64_t config_hash,
                                        const std::string& folder, bool lockstep);
 
-  /// Saves what make_node() made. Throws io::FileError once all that can be saved is.
+  /// Saves the node of make_node(). Throws io::FileError after saving as much as possible.
   void save(bus::Node& node, const bus::SaveRequest& request);
 
  private:

@@ -8,7 +8,8 @@
 
 namespace orchard::procs {
 
-/// A device that speaks text lines, at `address`; `channel`: what is played in its place.
+/// A device that sends text lines, at `address`; `channel`: the channel played when a log replaces
+/// the device.
 bus::StreamDevice make_controller_device(const device::DriversConfig& drivers,
                                          const std::string& address, bus::Channel channel);
 

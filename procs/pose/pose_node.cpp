@@ -29,7 +29,7 @@ timing::OrderedQueue<pose::Measurement, kNumKinds>::Rules rules_of(
   return rules;
 }
 
-/// None for a message that is no measurement.
+/// Converts a message to a measurement; none for other messages.
 std::optional<pose::Measurement> measurement_of(const bus::Message& input) {
   return std::visit(
       [](const auto& m) -> std::optional<pose::Measurement> {
@@ -65,12 +65,12 @@ std::vector<bus::Channel> PoseNode::inputs() const {
   return channels;
 }
 
-/// A receiver and a unit help where they are; wheels, scans and trunks are what a mode goes by.
+/// GNSS and IMU are optional; odometry, scans and trunks are required by the modes that use them.
 bus::InputNeed PoseNode::need_of(bus::Channel channel) const {
   if (channel == bus::Channel::kGnss || channel == bus::Channel::kImu) {
     return bus::InputNeed::kOptional;
   }
-  // Beside wheels scans only close loops.
+  // With odometry, scans are used only for loop closure.
   const bool has_wheels =
       waits_s_[static_cast<std::size_t>(pose::MeasurementKind::kOdometry)].has_value();
   if (channel == bus::Channel::kScan && has_wheels) return bus::InputNeed::kOptional;
@@ -94,12 +94,12 @@ void PoseNode::push(pose::Measurement measurement) {
     while (queue_.pop_flushed()) ++num_late_;
     localiser_ = make_localiser_();
   } else if (clock_utime_ && utime > *clock_utime_ + Queue::kClockSet_us) {
-    ++num_late_;  // its clock is the one of before
+    ++num_late_;  // it still has the old clock
     return;
   } else if (clock_utime_) {
     clock_utime_ = std::max(*clock_utime_, utime);
   }
-  // Equal to the released time is late as well: its pose has been published.
+  // A measurement at the released time is late, too: its pose has been published.
   if (utime <= released_utime_ || utime < queue_.reached(kind)) {
     ++num_late_;
     return;
@@ -116,13 +116,13 @@ void PoseNode::flush(const bus::Outbox& send) {
 void PoseNode::use(const pose::Measurement& measurement, const bus::Outbox& send) {
   released_utime_ = pose::utime_of(measurement);
   localiser_->add(measurement);
-  // Before the pose of that time: poses from there on are published with the correction.
+  // Send the correction first: poses from this time on include it.
   send_correction(send);
   for (pose::PoseEstimate& past : localiser_->take_past()) {
     if (past.utime > last_utime_) send_pose(past, send);
   }
   std::optional<pose::PoseEstimate> estimate = localiser_->estimate();
-  // Measurements of one time make one pose.
+  // Measurements with the same time give one pose.
   if (estimate && estimate->utime > last_utime_ && queue_.next_utime() != estimate->utime) {
     send_pose(*estimate, send);
   }

@@ -19,12 +19,12 @@
 
 namespace orchard::procs {
 
-/// Says where the robot is: one POSE per time of measurement, in order of time, and TRAJECTORY
-/// whenever the past was corrected. When a clock is set back by more than a minute, it begins anew.
+/// Estimates the robot's pose: one POSE per time of measurement, in order of time, and TRAJECTORY
+/// whenever the past is corrected. Restarts when a clock is set back by more than a minute.
 class PoseNode : public bus::Node {
  public:
-  /// Throws io::FileError when mode prior_map has no map to go by.
-  /// `memory` holds what a long drive leaves; none: the heap. It changes no output.
+  /// Throws io::FileError when the map of mode prior_map cannot be read. `memory` stores the data
+  /// of a long drive; none: the heap. It changes no output.
   explicit PoseNode(const io::Config& config, std::shared_ptr<pose::ChunkMemory> memory = nullptr);
 
   std::string_view name() const override { return "pose"; }
@@ -35,7 +35,7 @@ class PoseNode : public bus::Node {
   bus::NodeCounts counts() const override;
   std::string waiting_for() const override;
   std::string warning() const override { return localiser_->warning(); }
-  /// What pose.mode did so far in named numbers.
+  /// Statistics of the localiser as named numbers.
   std::vector<std::pair<std::string, std::int64_t>> account() const {
     return localiser_->account();
   }
@@ -50,9 +50,10 @@ class PoseNode : public bus::Node {
 
   pose::MeasurementWaits waits_s_;
   Queue queue_;
-  std::int64_t released_utime_ = Queue::kNever;  ///< of the last measurement that was used
+  std::int64_t released_utime_ = Queue::kNever;  ///< of the last measurement used
   std::int64_t num_late_ = 0;
-  /// The newest time since a clock was set back: what is far beyond it is of the clock before.
+  /// The newest time since a clock was set back; measurements far beyond it still have the old
+  /// clock.
   std::optional<std::int64_t> clock_utime_;
   std::function<std::unique_ptr<pose::Localiser>()> make_localiser_;
   std::unique_ptr<pose::Localiser> localiser_;

@@ -30,7 +30,7 @@ int main(int argc, char** argv) {
         try {
           return orchard::procs::make_sim_source(options, rig.config());
         } catch (const std::invalid_argument&) {
-          bad_usage = true;  // a scene or seed that is none
+          bad_usage = true;  // unknown scene or invalid seed
           throw;
         }
       });

@@ -11,12 +11,12 @@
 
 namespace orchard::procs {
 
-/// What orchard-sim-driver takes beyond the common options, as typed.
+/// Command-line options of orchard-sim-driver beyond the common ones, as typed.
 struct SimDriverOptions {
   std::string scene = "tubes";
   std::string seed = "1";
-  std::string truth_path;  ///< CSV of what stands there; empty = do not write
-  std::string poses_path;  ///< CSV of where base truly was; empty = do not write
+  std::string truth_path;  ///< CSV of the true objects; empty: do not write
+  std::string poses_path;  ///< CSV of the true poses of base; empty: do not write
 };
 
 /// A simulated robot as a source of messages.
@@ -32,8 +32,8 @@ class SimSource : public bus::Source {
   simulation::Simulator simulator_;
 };
 
-/// The source that the options ask for; writes the truth files before anything is published.
-/// Throws std::invalid_argument for a scene or seed that is none, io::FileError for the files.
+/// Makes the source for the options; writes the truth files before the first message. Throws
+/// std::invalid_argument for an unknown scene or an invalid seed, io::FileError for the files.
 std::unique_ptr<SimSource> make_sim_source(const SimDriverOptions& options,
                                            const io::Config& config);
 

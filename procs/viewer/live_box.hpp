@@ -11,13 +11,13 @@
 
 namespace orchard::procs {
 
-/// The state of a live drive between the thread that hears of it and those that show it. Who writes
-/// never waits for who reads longer than a thousand landmarks take to copy.
+/// State of a live drive, shared between the thread that receives messages and those that serve the
+/// page. The writer waits for a reader at most as long as copying a thousand landmarks takes.
 class LiveBox {
  public:
   explicit LiveBox(view::LiveState state) : state_(std::move(state)) {}
 
-  /// Hands a message over, of any kind that LiveState takes.
+  /// Adds a message of any kind that LiveState takes.
   template <typename Message>
   void take(const Message& message) {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -27,7 +27,7 @@ class LiveBox {
     const std::lock_guard<std::mutex> lock(mutex_);
     state_.take_status(std::move(event));
   }
-  /// Returns by how much the map's revision rose on account of it.
+  /// Returns the resulting increase of the map's revision.
   std::int64_t take_rows(const std::vector<mapping::Landmark>& numbered,
                          std::string rows_and_ways) {
     const std::lock_guard<std::mutex> lock(mutex_);

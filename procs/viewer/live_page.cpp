@@ -38,7 +38,7 @@ std::optional<PageAnswer> LivePage::get(const std::string& name, const Parameter
 }
 
 PageAnswer LivePage::edit(const std::string& json) {
-  const std::lock_guard<std::mutex> lock(edit_mutex_);  // two at once are shown in their order
+  const std::lock_guard<std::mutex> lock(edit_mutex_);  // concurrent edits are shown in order
   io::StoredMap map;
   map.name = "the map so far";
   map.landmarks = box_.landmarks();

@@ -11,11 +11,11 @@
 
 namespace orchard::procs {
 
-/// The page of a live drive: what a LiveBox holds, and the picture that its last "look" is of.
+/// The page of a live drive: the content of a LiveBox and the picture of its last "look" event.
 class LivePage : public PageContent {
  public:
-  /// `editor`: of the folder in which the mapper saves; null: the page is for looking on alone.
-  /// `box` and `editor` outlive this.
+  /// `editor`: editor of the mapper's folder; null: the page is read-only. `box` and `editor` must
+  /// outlive this.
   LivePage(LiveBox& box, MapEditor* editor, const std::string& version);
 
   std::string page() const override { return page_; }
@@ -33,8 +33,8 @@ class LivePage : public PageContent {
   std::string page_;
 };
 
-/// A page before anything is known: `mode` is "live" or "drive", `boot` a number of this server by
-/// which the page tells it from another one at the same address.
+/// An empty page: `mode` is "live" or "drive"; `boot` identifies this run of the server, so that
+/// the page can detect a restart at the same address.
 std::string empty_page(const std::string& mode, const std::string& title,
                        const std::string& version, bool can_edit, const std::string& boot = "");
 

@@ -20,7 +20,7 @@ using Json = nlohmann::ordered_json;
 using mapping::Correction;
 using mapping::CorrectionKind;
 
-/// Corrections that a page lists at most; the file has them all.
+/// Max number of corrections in a page's list; the file has all.
 constexpr std::size_t kListedMax = 200;
 constexpr int kJsonDepthMax = 8;
 
@@ -28,7 +28,7 @@ PageAnswer problem(int status, const std::string& words) {
   return {status, "application/json", "{\"problem\":" + view::json_text(words) + "}"};
 }
 
-/// Fields of what a page asks for; a wrong type throws io::FileError.
+/// Reads the fields of a page's request; a wrong type throws io::FileError.
 class Fields {
  public:
   explicit Fields(const std::string& text) {
@@ -145,7 +145,7 @@ std::optional<std::vector<Correction>> MapEditor::if_changed() {
   try {
     return io::read_corrections(folder_).list;
   } catch (const io::FileError&) {
-    return std::nullopt;  // somebody is amid it; whoever edits is told what is wrong
+    return std::nullopt;  // another program is writing it; edit() reports errors
   }
 }
 

@@ -11,19 +11,19 @@
 
 namespace orchard::procs {
 
-/// The corrections of one map folder between the pages that make them and the file that keeps them,
-/// which others may write, too.
+/// Edits the corrections file of one map folder for the pages; other programs may write the file,
+/// too.
 class MapEditor {
  public:
   explicit MapEditor(std::string folder) : folder_(std::move(folder)) {}
 
-  /// Makes of `mapped` the correction that a page asks for; `after`: the map with it. The answer
-  /// is {"words"} or, with status 400 or 409 and nothing changed, {"problem"}.
+  /// Adds the correction requested by a page to the map `mapped`; `after` receives the corrected
+  /// map. The answer is {"words"} or, with status 400 or 409 and nothing changed, {"problem"}.
   PageAnswer edit(const std::string& json, const io::StoredMap& mapped,
                   io::CorrectedMapFolder& after);
 
-  /// All corrections, when they are others than at the last call; what cannot be read stays as it
-  /// was.
+  /// All corrections if they changed since the last call; none if not, or if the file cannot be
+  /// read.
   std::optional<std::vector<mapping::Correction>> if_changed();
 
  private:
@@ -32,8 +32,8 @@ class MapEditor {
   std::string last_state_ = "never looked";
 };
 
-/// A whole event of kind "corrections": {"list": [{"n", "when", "who", "words", "outcome",
-/// "reason", "note"}], "row_names", "notes", "can_undo", "can_redo"}, the last corrections first.
+/// An event of kind "corrections": {"list": [{"n", "when", "who", "words", "outcome", "reason",
+/// "note"}], "row_names", "notes", "can_undo", "can_redo"}, the latest corrections first.
 std::string corrections_event(const io::CorrectedMapFolder& map);
 
 }  // namespace orchard::procs

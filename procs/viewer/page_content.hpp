@@ -10,17 +10,17 @@
 
 namespace orchard::procs {
 
-/// What a page server answers.
+/// Answer to an HTTP request.
 struct PageAnswer {
   int status = 200;
   std::string type = "application/json";
   std::string body;
 };
 
-/// What is behind a served page. Called from many threads at once.
+/// Content of a served page. Called from several threads concurrently.
 class PageContent {
  public:
-  /// Words after the question mark of an address; bounded, not checked.
+  /// Query parameters of the URL; limited in size, not validated.
   using Parameters = std::map<std::string, std::string>;
 
   virtual ~PageContent() = default;
@@ -28,19 +28,19 @@ class PageContent {
   /// The page itself, as HTML.
   virtual std::string page() const = 0;
 
-  /// Events that are new to somebody who looks on; see view::LiveState::events_for().
+  /// Events that a client has not seen yet; see view::LiveState::events_for().
   virtual std::vector<std::string> events_for(view::Seen& seen, bool& is_more) const = 0;
 
   /// The first event of each stream.
   virtual std::string hello() const { return "{\"kind\":\"hello\"}"; }
 
-  /// What stands at /api/NAME; none: nothing does.
+  /// Content of /api/NAME; none: 404.
   virtual std::optional<PageAnswer> get(const std::string& name, const Parameters& parameters) = 0;
 
-  /// Whether people may correct the map by edit().
+  /// True if users may correct the map with edit().
   virtual bool can_edit() const { return false; }
 
-  /// Makes a correction that a page asks for in JSON.
+  /// Makes the correction requested by a page in JSON.
   virtual PageAnswer edit(const std::string& json) = 0;
 };
 

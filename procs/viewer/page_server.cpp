@@ -16,18 +16,19 @@
 namespace orchard::procs {
 namespace {
 
-constexpr std::chrono::milliseconds kEventPeriod{150};  ///< a person sees no more
-constexpr std::chrono::seconds kAliveAfter{10};  ///< of silence a comment shows that it lives
+constexpr std::chrono::milliseconds kEventPeriod{150};  ///< faster updates are not perceptible
+constexpr std::chrono::seconds kAliveAfter{
+    10};  ///< of silence, then a comment keeps the stream alive
 constexpr int kThreads = PageServer::kStreamsMax + 12;
 constexpr int kNextPorts = 20;
 constexpr char kEditPath[] = "/api/edit";
 constexpr std::size_t kEditMax_bytes = 16384;
 constexpr std::size_t kParametersMax = 8, kParameterMax_bytes = 100;
 
-/// What a client that does not read may leave unread in the kernel [bytes].
+/// Send buffer in the kernel for a slow client [bytes].
 constexpr int kSendBuffer = 256 * 1024;
 
-/// Connections at once, with those that wait: more are refused by the kernel.
+/// Max number of connections, including waiting ones; the kernel refuses more.
 constexpr rlim_t kFilesMax = 512;
 
 void limit_files() {
@@ -46,9 +47,8 @@ std::string cookie_token(const httplib::Request& request) {
   return cookies.substr(at + name.size(), end == std::string::npos ? end : end - at - name.size());
 }
 
-/// Whether a browser sends this on behalf of this server's page: JSON cannot be sent from another
-/// one without asking first, and what asks is refused; a browser that says where it comes from must
-/// say here.
+/// True if the request comes from this server's own page. Another page cannot send JSON without a
+/// preflight request, which is refused, and an Origin header must name this server.
 bool is_from_own_page(const httplib::Request& request) {
   if (request.get_header_value("Content-Type").rfind("application/json", 0) != 0) return false;
   const std::string origin = request.get_header_value("Origin");
@@ -102,7 +102,7 @@ httplib::Server::HandlerResponse PageServer::Impl::admit(const httplib::Request&
   if (is_edit && !is_from_own_page(request)) {
     return refuse(403, "Only this server's own page may edit.\n");
   }
-  if (is_edit && request.has_header("Content-Encoding")) {  // no page of ours packs its few bytes
+  if (is_edit && request.has_header("Content-Encoding")) {  // our pages never compress requests
     return refuse(415, "An edit is sent as it is, without Content-Encoding.\n");
   }
   if (options.token.empty()) {
@@ -146,7 +146,8 @@ void PageServer::Impl::stream(const httplib::Request& request, httplib::Response
     std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
   };
   const auto client = std::make_shared<Client>();
-  client->seen.map = std::atoll(request.get_param_value("map").c_str());  // what the page has
+  client->seen.map =
+      std::atoll(request.get_param_value("map").c_str());  // map revision of the page
   response.set_header("Cache-Control", "no-store");
   response.set_chunked_content_provider(
       "text/event-stream",
@@ -154,7 +155,7 @@ void PageServer::Impl::stream(const httplib::Request& request, httplib::Response
         if (is_stopping) return false;
         bool is_more = false;
         std::string text;
-        // Who comes again, after a break, is told everything anew.
+        // A client that reconnects after a break gets everything again.
         if (!client->is_greeted) text = "retry: 1000\ndata: " + content.hello() + "\n\n";
         client->is_greeted = true;
         for (const std::string& event : content.events_for(client->seen, is_more)) {
@@ -177,8 +178,8 @@ void PageServer::Impl::set_up() {
   server.set_payload_max_length(kEditMax_bytes);
   server.set_read_timeout(std::chrono::seconds(3));
   server.set_write_timeout(std::chrono::seconds(3));
-  // One request per connection: the body of one that is refused is not read, and on a connection
-  // that stays open it would be taken for the next request, with any headers that it likes.
+  // One request per connection: the body of a rejected request is not read and, on a persistent
+  // connection, would be parsed as the next request, with arbitrary headers.
   server.set_keep_alive_max_count(1);
   server.set_socket_options([](socket_t socket) {
     const int yes = 1;

@@ -8,26 +8,26 @@
 
 namespace orchard::procs {
 
-/// Where the page is served, and to whom.
+/// Address and access control of a page server.
 struct PageServerOptions {
   std::string address = "127.0.0.1";
   int port = 8420;
-  bool may_move = true;  ///< to one of the next ports when that one is taken
-  std::string token;     ///< who asks from elsewhere must know it; empty: nobody else is let in
+  bool may_move = true;  ///< use one of the next ports when this one is taken
+  std::string token;     ///< required from clients on other hosts; empty: no other host has access
 };
 
-/// Serves a page and its events over HTTP, in threads of its own.
+/// Serves a page and its events over HTTP, in its own threads.
 ///
-/// `/` the page; `/api/stream` events as they come (server-sent events); `/api/NAME` what the
-/// content has there, else 404. Every other method than GET is 405, but for POST to `/api/edit`
-/// where the content can be edited, from its own page.
+/// `/` is the page, `/api/stream` the server-sent events, `/api/NAME` the content's answer, else
+/// 404. All methods other than GET give 405, except POST to `/api/edit` from the server's own page
+/// where the content can be edited.
 class PageServer {
  public:
-  /// Streams at once at most, each of which holds a thread; one more is told to come later (503).
+  /// Max number of concurrent streams, each of which holds a thread; a further one gets status 503.
   static constexpr int kStreamsMax = 32;
 
-  /// Throws std::runtime_error when the address cannot be had, or is no loopback one and there is
-  /// no token. `content` outlives this.
+  /// Throws std::runtime_error when the address is not available, or is not a loopback address and
+  /// there is no token. `content` must outlive this.
   PageServer(PageContent& content, const PageServerOptions& options);
   ~PageServer();
 
@@ -39,14 +39,14 @@ class PageServer {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Whether an address is this host alone.
+/// True if an address is a loopback address.
 bool is_loopback(const std::string& address);
 
-/// Whether a request's Host is one that a page of a loopback server can have: a name that points
-/// elsewhere, but resolves to here, is a stranger's page (DNS rebinding).
+/// True if a request's Host header is valid for a page of a loopback server. Another name that
+/// resolves to this host indicates a foreign page (DNS rebinding).
 bool is_own_host(const std::string& host, const std::string& address, int port);
 
-/// Whether two texts are the same, in a time that does not tell where they differ.
+/// Compares two texts in a time that does not reveal where they differ.
 bool is_same_secret(const std::string& a, const std::string& b);
 
 }  // namespace orchard::procs

@@ -13,7 +13,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kPeriodMin{2};
-constexpr int kRestPerWork = 20;  ///< so that it takes a twentieth of a core at most
+constexpr int kRestPerWork = 20;  ///< limits the load to a twentieth of a core
 
 }  // namespace
 
@@ -49,7 +49,8 @@ void RowSurvey::run() {
       mapping::number_landmarks(rows, landmarks);
     }
     const std::vector<mapping::Landmark> numbered = landmarks;
-    // What people said meanwhile holds too: else the page would lose it until the next survey.
+    // Include corrections made during the search: otherwise the page would lose them until the next
+    // one.
     if (editor_ != nullptr) {
       if (auto newest = editor_->if_changed()) corrections_ = std::move(*newest);
     }
@@ -63,7 +64,7 @@ void RowSurvey::run() {
     }
     const std::int64_t num_own = box_.take_rows(
         numbered, view::rows_and_ways_json(rows, mapping::navigation_graph(landmarks, rows)));
-    surveyed = revision + num_own;  // its own numbers are no news; what came meanwhile is
+    surveyed = revision + num_own;  // counts own changes as surveyed, concurrent ones not
     rest = std::max<Clock::duration>(kPeriodMin, kRestPerWork * (Clock::now() - begin));
     lock.lock();
   }

@@ -11,12 +11,12 @@
 
 namespace orchard::procs {
 
-/// Finds the rows of the growing map from time to time, in a thread of its own: over a large map
-/// that takes seconds, and only the finished map carries numbers. What people corrected, on the
-/// page or elsewhere, is applied to it.
+/// Finds the rows of the growing map periodically in its own thread: in a large map this takes
+/// seconds, and only the final map has row numbers. Applies the corrections made on the page or
+/// elsewhere to the map.
 class RowSurvey {
  public:
-  /// `editor`: of the map's folder; null: nobody corrects it.
+  /// `editor`: editor of the map's folder; null: no corrections.
   RowSurvey(LiveBox& box, const mapping::RowsConfig& config, MapEditor* editor);
   ~RowSurvey();
   RowSurvey(const RowSurvey&) = delete;

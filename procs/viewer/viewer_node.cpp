@@ -35,7 +35,7 @@ void ViewerNode::overhear(const bus::Status& status) {
   const std::int64_t now_utime = bus::wall_utime();
   board_.note(status, now_utime);
   std::string event = cli::status_json(board_.processes(now_utime));
-  // One object more than `orchard status --json` has: what the page needs besides.
+  // The page needs more than `orchard status --json` has: extend the object.
   event.erase(event.rfind('}'));
   std::string more = ",\"kind\":\"status\"";
   std::error_code error;

@@ -10,15 +10,15 @@
 
 namespace orchard::procs {
 
-/// Listens to a drive for those who look on; sends nothing.
+/// Receives all channels of a drive for the page; sends nothing.
 class ViewerNode : public bus::Node {
  public:
-  /// `folder`: whose disk is watched; empty: none. `box` outlives this.
+  /// `folder`: its disk's free space is shown; empty: none. `box` must outlive this.
   ViewerNode(LiveBox& box, bool has_camera, std::string folder);
 
   std::string_view name() const override { return "viewer"; }
   std::vector<bus::Channel> inputs() const override;
-  /// What does not come is not shown, and STATUS of who needs it says so.
+  /// The viewer needs no input: the nodes that need one report it missing in STATUS.
   bus::InputNeed need_of(bus::Channel) const override { return bus::InputNeed::kOccasional; }
   void handle(const bus::Message& input, const bus::Outbox& send) override;
   void overhear(const bus::Status& status) override;

@@ -15,7 +15,7 @@
 namespace orchard::procs {
 namespace {
 
-/// Others measure; this one only shows.
+/// Low priority: the processes that measure come first.
 constexpr int kNice = 10;
 constexpr std::size_t kTokenMin = 12;
 

@@ -13,19 +13,19 @@
 
 namespace orchard::procs {
 
-/// What orchard-viewer was asked for.
+/// Command-line options of orchard-viewer.
 struct ViewerOptions {
   std::string listen;      ///< "ADDRESS", "ADDRESS:PORT", ":PORT"; empty: 127.0.0.1:8420 or next
-  std::string token_file;  ///< whose first line is the token
-  std::string folder;      ///< whose disk is watched
+  std::string token_file;  ///< file with the token in its first line
+  std::string folder;      ///< folder whose free disk space is shown
   std::string
-      edit_folder;  ///< of the map, which people may correct on the page; empty: they may not
+      edit_folder;  ///< folder of the map that users may correct on the page; empty: read-only
 };
 
-/// A viewer with everything round its node: the server, the survey of rows.
+/// A viewer process: the node, the page server and the row survey.
 class ViewerProcess {
  public:
-  /// Starts to serve. Throws std::runtime_error, io::FileError.
+  /// Starts the server and makes the node. Throws std::runtime_error, io::FileError.
   std::unique_ptr<bus::Node> make_node(const io::Config& config, const ViewerOptions& options);
 
  private:
@@ -36,10 +36,10 @@ class ViewerProcess {
   std::unique_ptr<PageServer> server_;
 };
 
-/// Address and port of a --listen. Throws io::FileError for one that is none.
+/// Parses the address and port of --listen. Throws io::FileError for an invalid one.
 PageServerOptions parse_listen(const std::string& listen);
 
-/// The token that a file's first line is. Throws io::FileError for one that is too weak.
+/// Reads the token from a file's first line. Throws io::FileError for a token that is too weak.
 std::string read_token(const std::string& path);
 
 }  // namespace orchard::procs

@@ -11,15 +11,15 @@
 
 namespace orchard::cli {
 
-/// What a window looks like, and where in its scan it stood.
+/// Appearance features of a window, with its scan and detection.
 struct SeenWindow {
   std::int64_t utime = 0;  ///< of the scan
   std::size_t index = 0;   ///< of the detection in its message
   vision::AppearanceFeatures features{};
 };
 
-/// A node that looks at the windows of everything that the camera is asked about - what the laser
-/// takes for a possible trunk - in every `stride`-th scan; sends nothing.
+/// A node that collects the windows of all trunk candidates of the laser in every `stride`-th scan;
+/// sends nothing.
 class AppearanceCollector : public bus::Node {
  public:
   AppearanceCollector(const io::Config& config, int stride);

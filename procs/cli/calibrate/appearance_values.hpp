@@ -8,9 +8,9 @@
 
 namespace orchard::cli {
 
-/// What makes a rig use a learnt appearance model: colour_model and all of detector.appearance, as
-/// values to set in its YAML. Numbers are rounded to six digits, which changes no confidence by
-/// more than 1e-4.
+/// The YAML values that make a rig use a learnt appearance model: colour_model and all of
+/// detector.appearance. Numbers are rounded to six digits, which changes no confidence by more than
+/// 1e-4.
 std::vector<io::ConfigValue> appearance_values(const vision::AppearanceConfig& config);
 
 }  // namespace orchard::cli

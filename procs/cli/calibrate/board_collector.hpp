@@ -11,7 +11,7 @@
 
 namespace orchard::cli {
 
-/// A node that looks for a calibration board in a log's scan-image pairs; sends nothing.
+/// A node that detects a calibration board in a log's scan-image pairs; sends nothing.
 class BoardCollector : public bus::Node {
  public:
   BoardCollector(const io::Config& config, const calibration::BoardConfig& board);
@@ -21,16 +21,16 @@ class BoardCollector : public bus::Node {
   void handle(const bus::Message& input, const bus::Outbox& send) override;
   void flush(const bus::Outbox& send) override;
 
-  /// Pairs whose picture shows the board, in order of time.
+  /// The pairs with the board in their picture, in order of time.
   const std::vector<calibration::BoardPair>& pairs() const { return pairs_; }
   int num_scans() const { return num_scans_; }
   int num_images() const { return num_images_; }
   int num_pairs() const { return num_pairs_; }
-  /// Pictures that could not be read, of those in pairs.
+  /// Number of unreadable pictures in pairs.
   int num_unreadable() const { return num_unreadable_; }
-  /// Pictures whose size is not the configured one.
+  /// Number of pictures with another size than configured.
   int num_wrong_size() const { return num_wrong_size_; }
-  /// The size of the last of them, "640x480"; empty when there is none.
+  /// Size of the last of them, "640x480"; empty: none.
   const std::string& wrong_size() const { return wrong_size_; }
 
  private:

@@ -19,10 +19,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of a log's pictures: a board is moved slowly, and each costs some 20 ms.
+/// Max number of pictures of a log to search: a board moves slowly, and each picture takes about 20
+/// ms.
 constexpr std::size_t kMaxSearched = 400;
 
-/// Adds pictures one by one and holds them to one size.
+/// Searches pictures one by one and requires them to have equal size.
 class Search {
  public:
   Search(const calibration::BoardConfig& board, BoardViews& found) : board_(board), found_(found) {}

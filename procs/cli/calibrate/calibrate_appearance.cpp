@@ -26,7 +26,7 @@ namespace {
 
 using calibration::AppearanceSample;
 
-/// More things than a drive has: keeps the groups of two drives apart.
+/// Above the number of objects in a drive: separates the groups of two drives.
 constexpr int kThingsMax = 100000;
 
 void add_samples(const CalibrateAppearanceOptions& options, const io::Config& config, std::size_t i,

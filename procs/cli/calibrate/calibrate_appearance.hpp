@@ -8,15 +8,17 @@ namespace orchard::cli {
 
 /// `orchard calibrate appearance LOG... --observations CSV... --config IN --out OUT`.
 struct CalibrateAppearanceOptions {
-  std::vector<std::string> log_paths;          ///< drives with scans and pictures
-  std::vector<std::string> observation_paths;  ///< what each truly held, in the same order
+  std::vector<std::string> log_paths;  ///< drives with scans and pictures
+  std::vector<std::string>
+      observation_paths;  ///< ground truth of each log's scans, in the same order
   std::string config_path;
-  std::string out_path;  ///< empty or config_path: that file, the old one as .bak
-  int stride = 5;        ///< every how manieth scan is looked at: neighbours look alike
+  std::string
+      out_path;    ///< empty or config_path: overwrites that file and keeps the old one as .bak
+  int stride = 5;  ///< uses every stride-th scan: consecutive scans are similar
   bool quiet = false;
 };
 
-/// Learns what trunks look like from drives whose truth is known and writes the model into a rig's
+/// Learns the appearance of trunks from drives with ground truth and writes the model into a rig's
 /// YAML; returns the exit code. Throws io::FileError and io::ConfigError, and then writes nothing.
 int run_calibrate_appearance(const CalibrateAppearanceOptions& options);
 

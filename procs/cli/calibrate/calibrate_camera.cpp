@@ -52,7 +52,7 @@ void print_calibration(const CameraCalibration& calibration) {
   std::printf("%-40s %8s %8s %9s %10s\n", "view", "corners", "rms px", "tilt deg", "distance m");
   double least_m = 1e9, most_m = 0.0, tilt_rad = 0.0;
   for (const calibration::ViewFigures& view : calibration.views) {
-    // the end of a long path tells the views apart
+    // Show the end of a long path: it distinguishes the views.
     const std::string name =
         view.name.size() <= 40 ? view.name : ".." + view.name.substr(view.name.size() - 38);
     std::printf("%-40s %8d %8.3f %9.1f %10.3f%s\n", name.c_str(), view.num_corners, view.rms_px,
@@ -139,7 +139,7 @@ int import_camera(const CalibrateCameraOptions& options) {
   return bus::kExitOk;
 }
 
-/// The views to use, the most different ones when there are many.
+/// Selects the views to use: the most different ones if there are many.
 std::vector<calibration::NamedView> selected_views(const BoardViews& found, int max_views,
                                                    bool quiet) {
   std::vector<calibration::NamedView> views;

@@ -21,11 +21,11 @@
 namespace orchard::cli {
 namespace {
 
-/// A better delay pairs other pictures and shortens what odometry bridges: look again until the
-/// delay stays.
+/// A better delay changes the pairing of pictures and shortens the interval bridged by odometry:
+/// repeat until the delay converges.
 constexpr int kMaxRounds = 6;
 constexpr double kSettled_s = 0.0005;
-/// A camera that is turned by more than this is worth a calibration of its own.
+/// A camera rotation above this is reported: the extrinsics need a calibration.
 constexpr double kOffsetWorthTelling_deg = 0.3;
 
 struct Round {

@@ -10,12 +10,13 @@ namespace orchard::cli {
 struct CalibrateDelayOptions {
   std::vector<std::string> log_paths;  ///< drives with curves past trunks
   std::string config_path;
-  std::string out_path;  ///< empty or config_path: that file, the old one as .bak
+  std::string
+      out_path;  ///< empty or config_path: overwrites that file and keeps the old one as .bak
   bool quiet = false;
 };
 
-/// Measures the camera's fixed delay (camera.delay_s) from logs in which the robot turns and writes
-/// it into a rig's YAML; returns the exit code. Throws io::FileError and io::ConfigError, and then
+/// Measures the camera's fixed delay (camera.delay_s) from logs of a turning robot and writes it
+/// into a rig's YAML; returns the exit code. Throws io::FileError and io::ConfigError, and then
 /// writes nothing.
 int run_calibrate_delay(const CalibrateDelayOptions& options);
 

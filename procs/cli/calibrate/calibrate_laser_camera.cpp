@@ -28,14 +28,15 @@ using calibration::LaserCameraView;
 using calibration::Mount;
 
 constexpr double kDeg = 3.14159265358979323846 / 180.0;
-/// Corners of a board held still move by less between two pictures of 320 pixels' width.
+/// Max motion of the corners of a still board between two pictures, as a fraction of the image
+/// width.
 constexpr double kStillShift = 0.8 / 320.0;
 
 std::string three(const std::array<double, 3>& values) {
   return fmt::format("[{:.5f}, {:.5f}, {:.5f}]", values[0], values[1], values[2]);
 }
 
-/// What of a log can be used, with every reason why not.
+/// The usable views of a log; prints the reasons for rejecting others.
 std::vector<calibration::StillView> read_views(const CalibrateLaserCameraOptions& options,
                                                const io::Config& config) {
   BoardCollector collector(config, options.board);
@@ -210,7 +211,7 @@ int run_calibrate_laser_camera(const CalibrateLaserCameraOptions& options) {
                                            : calibration::BoardConfig::kChessboard;
   if (const auto problem = calibration::problem_with(o.board)) throw io::FileError(*problem);
 
-  // the outer size, measured or guessed; a guess only tells what cannot be the board
+  // The outer size, measured or guessed; a guess only rules out objects that cannot be the board.
   const bool measured = o.board_width_m > 0.0 && o.board_height_m > 0.0;
   calibration::BoardOutline outline = calibration::outline_of(o.board);
   if (measured) {

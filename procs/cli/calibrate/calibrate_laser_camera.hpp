@@ -12,22 +12,23 @@ namespace orchard::cli {
 struct CalibrateLaserCameraOptions {
   std::string log_path;
   std::string config_path;
-  std::string out_path;  ///< empty or config_path: that file, the old one as .bak
+  std::string
+      out_path;  ///< empty or config_path: overwrites that file and keeps the old one as .bak
   calibration::BoardConfig board;
   std::string board_kind = "chessboard";
-  double board_width_m = 0.0;  ///< outer size, pattern in its middle; 0 = unknown
+  double board_width_m = 0.0;  ///< outer size, with the pattern in the middle; 0: unknown
   double board_height_m = 0.0;
   int max_views = 40;
-  bool any_mount = false;  ///< believe a mount that contradicts the rig's YAML
+  bool any_mount = false;  ///< accept extrinsics that contradict the rig's YAML
   std::string import_path;
   std::string import_axes = "toolbox";
   std::string import_angles = "stated";
   bool quiet = false;
 };
 
-/// Finds where the laser is at the camera from a log of a board held before both, or imports it,
-/// and writes it into a rig's YAML, whose comments and layout stay; returns the exit code. Throws
-/// io::FileError and io::ConfigError, and then writes nothing.
+/// Calibrates the laser-camera extrinsics from a log of a board in view of both, or imports them,
+/// and writes them into a rig's YAML, keeping its comments and layout; returns the exit code.
+/// Throws io::FileError and io::ConfigError, and then writes nothing.
 int run_calibrate_laser_camera(const CalibrateLaserCameraOptions& options);
 
 }  // namespace orchard::cli

@@ -24,11 +24,11 @@ namespace orchard::cli {
 namespace {
 
 constexpr const char* kCommand = "orchard calibrate";
-constexpr double kHueTail = 0.02;  // as for trunks seen from a drive
+constexpr double kHueTail = 0.02;  // same as for trunks from a drive
 constexpr double kHueMargin_deg = 2.0;
 constexpr double kUselessHues_deg = 90.0;
 
-/// What the windows of all pictures teach.
+/// Training data from the windows of all pictures.
 struct Lessons {
   std::vector<calibration::AppearanceSample> samples;
   vision::HueHistogram hues;  ///< of the windows on trunks

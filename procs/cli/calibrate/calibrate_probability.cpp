@@ -40,7 +40,7 @@ Outcome outcome_of(const evaluation::ObservationPair& observation) {
   return observation.is_tree() ? Outcome::kTree : Outcome::kObject;
 }
 
-/// What each detection of a log was an observation of.
+/// Adds a sample for each detection of a log, with its true object.
 void add_samples(const CalibrateProbabilityOptions& options, const io::Config& config,
                  std::size_t i, std::vector<ProbabilitySample>& samples) {
   const int recording = static_cast<int>(i);

@@ -8,16 +8,18 @@ namespace orchard::cli {
 
 /// `orchard calibrate probability LOG... --observations CSV... --config IN --out OUT`.
 struct CalibrateProbabilityOptions {
-  std::vector<std::string> log_paths;          ///< with scans, or derived ones
-  std::vector<std::string> observation_paths;  ///< what each truly held, in the same order
+  std::vector<std::string> log_paths;  ///< logs with scans, or derived logs
+  std::vector<std::string>
+      observation_paths;  ///< ground truth of each log's scans, in the same order
   std::string config_path;
-  std::string out_path;  ///< empty or config_path: that file, the old one as .bak
+  std::string
+      out_path;  ///< empty or config_path: overwrites that file and keeps the old one as .bak
   bool quiet = false;
 };
 
-/// Learns what probability of a tree the detector's measurements stand for and writes it, and the
-/// mapper's prior and correlation, into a rig's YAML; returns the exit code. Throws io::FileError
-/// and io::ConfigError, and then writes nothing.
+/// Learns the probability of a tree as a function of the detector's measurements and writes it,
+/// with the mapper's prior and correlation, into a rig's YAML; returns the exit code. Throws
+/// io::FileError and io::ConfigError, and then writes nothing.
 int run_calibrate_probability(const CalibrateProbabilityOptions& options);
 
 }  // namespace orchard::cli

@@ -101,13 +101,13 @@ void print_spot(const std::optional<calibration::SpotGrowth>& spot, double spot_
               spot->significant() ? fixed_text(spot_rad, 4).c_str() : "stays");
 }
 
-/// The divergence with which widths do not grow with range: at least none.
+/// The beam divergence that makes the measured widths independent of range; at least zero.
 double spot_rad_of(const calibration::TrunkModel& model, const io::Config& config) {
   if (!model.spot || !model.spot->significant()) return config.laser.spot_rad;
   return std::clamp(config.laser.spot_rad + model.spot->divergence_rad, 0.0, 0.05);
 }
 
-/// Where the landmarks with these ids stand in a first map.
+/// Positions of the landmarks with these ids in a first map.
 std::vector<calibration::PickedPlace> places_of(const CalibrateTrunksOptions& options) {
   namespace fs = std::filesystem;
   const std::string path = fs::is_directory(options.map_folder)
@@ -143,7 +143,8 @@ calibration::TrunkModelOptions rules_of(const CalibrateTrunksOptions& options,
   return rules;
 }
 
-/// The appearance model, when it is asked for or better than the hue interval. Says which and why.
+/// Returns the appearance model if it is requested or better than the hue interval, and prints the
+/// choice and its reason.
 std::optional<vision::AppearanceConfig> choose_appearance(
     const std::vector<calibration::TrunkObservation>& observations,
     const calibration::TrunkModel& model, const io::Config& config,

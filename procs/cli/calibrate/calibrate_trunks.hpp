@@ -8,7 +8,7 @@
 
 namespace orchard::cli {
 
-/// Which colour model a calibration writes.
+/// The colour model written by a calibration.
 enum class ColourChoice {
   kAuto,         ///< the better one by the area under the ROC curve
   kHueInterval,  ///< the paper's
@@ -19,21 +19,22 @@ enum class ColourChoice {
 struct CalibrateTrunksOptions {
   std::vector<std::string> log_paths;  ///< one or more drives past trunks of one kind
   std::string config_path;
-  std::string out_path;    ///< empty or config_path: that file, the old one as .bak
+  std::string
+      out_path;  ///< empty or config_path: overwrites that file and keeps the old one as .bak
   int wanted_trunks = 20;  ///< fewer give a warning
   ColourChoice colour_model = ColourChoice::kAuto;
-  std::string list_folder;        ///< only write a page of everything seen, to pick trunks from
+  std::string list_folder;        ///< only writes a page of all objects, for selecting trunks
   std::string trees;              ///< numbers of that page: "3,7,9-20"; empty: automatic
-  std::string map_folder;         ///< or a first map (a folder, or its map.csv) ...
-  std::string ids;                ///< ... and the ids of its landmarks that are trunks
-  MaskedPictureOptions pictures;  ///< instead of logs, when it names folders
+  std::string map_folder;         ///< or a first map (a folder, or its map.csv) and ...
+  std::string ids;                ///< ... the ids of its trunks
+  MaskedPictureOptions pictures;  ///< used instead of logs when it has folders
   bool quiet = false;
 };
 
-/// Measures width (by range) and colour of the trunks in logs (the paper's initialisation): those
-/// picked, or else the largest population alike. Writes them into a rig's YAML, whose comments and
-/// layout stay; returns the exit code. Throws io::FileError and io::ConfigError, and then writes
-/// nothing.
+/// Measures the width (by range) and colour of the trunks in logs (the paper's initialisation), of
+/// either the selected trunks or the largest homogeneous population. Writes them into a rig's YAML,
+/// keeping its comments and layout; returns the exit code. Throws io::FileError and
+/// io::ConfigError, and then writes nothing.
 int run_calibrate_trunks(const CalibrateTrunksOptions& options);
 
 }  // namespace orchard::cli

@@ -9,7 +9,7 @@
 namespace orchard::cli {
 namespace {
 
-/// How far from where they are expected edges are looked for: 0.2 s at 0.5 rad/s.
+/// Search window of edges around their expected positions: 0.2 s at 0.5 rad/s.
 constexpr double kReach_deg = 6.0;
 
 }  // namespace

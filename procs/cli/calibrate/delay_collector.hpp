@@ -11,11 +11,11 @@
 
 namespace orchard::cli {
 
-/// A node that looks at the trunks of a log's scan-image pairs to measure the camera's delay; sends
-/// nothing.
+/// A node that collects observations of trunks in a log's scan-image pairs for the calibration of
+/// the camera's delay; sends nothing.
 class DelayCollector : public bus::Node {
  public:
-  /// `first_picture`: what to number the pictures from. Throws nothing.
+  /// `first_picture`: number of the first picture. Throws nothing.
   DelayCollector(const io::Config& config, std::int32_t first_picture);
 
   std::string_view name() const override { return "calibration"; }
@@ -28,7 +28,7 @@ class DelayCollector : public bus::Node {
   const std::vector<calibration::DelayObservation>& observations() const { return observations_; }
   std::int32_t next_picture() const { return next_picture_; }
   int num_pairs() const { return num_pairs_; }
-  int num_moving() const { return num_moving_; }  ///< of the pairs, with ODOMETRY at their time
+  int num_moving() const { return num_moving_; }  ///< number of pairs with ODOMETRY at their time
 
  private:
   void observe(const detection::ScanImagePair& pair);

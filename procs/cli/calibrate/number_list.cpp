@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMaxNumbers = 10000;
 
-/// The number that fills a text, or -1.
+/// Parses a text that is entirely a number; -1 otherwise.
 int number_of(const std::string& text) {
   int number = -1;
   const char* end = text.data() + text.size();

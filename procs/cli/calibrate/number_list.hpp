@@ -6,8 +6,8 @@
 
 namespace orchard::cli {
 
-/// The numbers of a list like "3,7,9-20", rising and each once; `what` is the option for messages.
-/// Throws io::FileError for anything else, and for more than 10000 numbers.
+/// Parses a list of numbers such as "3,7,9-20" to unique numbers in ascending order; `what` names
+/// the option in messages. Throws io::FileError for anything else, and for more than 10000 numbers.
 std::vector<int> parse_number_list(const std::string& text, const std::string& what);
 
 }  // namespace orchard::cli

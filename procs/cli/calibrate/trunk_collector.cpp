@@ -12,7 +12,7 @@
 namespace orchard::cli {
 namespace {
 
-/// Narrower things tell nothing of a trunk's width.
+/// Min number of beams: the width of narrower objects is unreliable.
 constexpr int kMinBeams = 4;
 
 using geometry::Pose2;

@@ -10,7 +10,7 @@
 
 namespace orchard::cli {
 
-/// A node that looks at everything in a log's scan-image pairs, for calibration; sends nothing.
+/// A node that collects all objects of a log's scan-image pairs for calibration; sends nothing.
 class TrunkCollector : public bus::Node {
  public:
   TrunkCollector(const io::Config& config, int log, bool crops = false);
@@ -20,7 +20,7 @@ class TrunkCollector : public bus::Node {
   void handle(const bus::Message& input, const bus::Outbox& send) override;
   void flush(const bus::Outbox& send) override;
 
-  /// All observations in order of time; in map when poses around their time are known.
+  /// All observations in order of time; in the map frame where poses around their time are known.
   std::vector<calibration::TrunkObservation> observations() const;
   int num_pairs() const { return num_pairs_; }
 

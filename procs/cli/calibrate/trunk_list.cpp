@@ -36,7 +36,7 @@ void write_picture(const std::string& path, const vision::PixelBlock& crop) {
   io::write_file_atomically(path, std::string(png.begin(), png.end()));
 }
 
-/// `format` has places for what is known of a thing, in this order.
+/// Formats an object; `format` has placeholders for its properties in this order.
 std::string row(const char* format, int number, const calibration::ThingSeen& t) {
   return fmt::format(fmt::runtime(format), number, t.is_trunk ? "trunk" : "other", t.log + 1, t.x_m,
                      t.y_m, t.num_observations, 1e3 * t.median_width_m, t.dominant_hue_deg);

@@ -8,10 +8,10 @@
 
 namespace orchard::cli {
 
-/// Writes a page for a person to pick trunks from: `index.html` with one picture per thing (its
-/// nearest observation) and its number, place, width, hue and observations; `things.csv` with the
-/// same; and the pictures. `observations` are those of the model. Throws io::FileError when the
-/// folder cannot be written.
+/// Writes a page for selecting trunks: `index.html` with one picture per object (its nearest
+/// observation), its number, position, width, hue and number of observations; `things.csv` with the
+/// same data; and the pictures. `observations` are those of the model. Throws io::FileError when
+/// the folder cannot be written.
 void write_trunk_list(const std::string& folder, const calibration::TrunkModel& model,
                       const std::vector<calibration::TrunkObservation>& observations);
 

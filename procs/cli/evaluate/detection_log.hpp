@@ -9,11 +9,11 @@
 
 namespace orchard::cli {
 
-/// Every detections message of a log, or of derived.lcm in a map folder, in order. Throws
-/// io::FileError for a file that cannot be read or holds none.
+/// Reads all detections messages of a log, or of derived.lcm in a map folder, in order. Throws
+/// io::FileError for a file that cannot be read or has none.
 std::vector<detection::Detections> read_detections(const std::string& path);
 
-/// The same; of a log with scans, what this rig's detector makes of them now.
+/// The same; for a log with scans it runs this rig's detector instead.
 std::vector<detection::Detections> detect_log(const std::string& path, const io::Config& config,
                                               bool show_progress);
 

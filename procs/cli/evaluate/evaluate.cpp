@@ -22,7 +22,7 @@ std::string in_folder(const std::string& path, const char* file) {
   return std::filesystem::is_directory(path) ? (std::filesystem::path(path) / file).string() : path;
 }
 
-/// trajectory.csv beside the map against the true poses.
+/// Evaluates trajectory.csv beside the map against the true poses.
 evaluation::TrajectoryEvaluation judge_trajectory(const EvaluateOptions& options) {
   const std::string folder = std::filesystem::is_directory(options.map_path)
                                  ? options.map_path
@@ -34,7 +34,7 @@ evaluation::TrajectoryEvaluation judge_trajectory(const EvaluateOptions& options
                                          io::read_track_csv(options.poses_path), rules);
 }
 
-/// In a line for a person.
+/// Prints the evaluation as one line.
 void print_trajectory(const evaluation::TrajectoryEvaluation& evaluation, bool aligned) {
   constexpr double kDegPerRad = 180.0 / geometry::kPi;
   std::printf(

@@ -11,16 +11,16 @@ namespace orchard::cli {
 struct EvaluateOptions {
   std::string map_path;  ///< a map.csv, or the folder that holds one
   std::string truth_path;
-  std::string poses_path;  ///< true poses, to judge trajectory.csv by; empty = do not
-  double gate_m = 0.3;     ///< farthest a landmark may lie from what it stands for
-  bool align = false;      ///< lay the map upon the truth first, by its trees
+  std::string poses_path;  ///< true poses, to evaluate trajectory.csv; empty: do not
+  double gate_m = 0.3;     ///< max distance of a landmark from its true object
+  bool align = false;      ///< register the map to the truth first, by its trees
   evaluation::AlignmentSearch search;
   bool json = false;
   bool check = false;  ///< exit 1 unless the map is perfect
 };
 
 /// Prints the paper's tables with the error against truth; returns the exit code. Throws
-/// io::FileError for files that are not what they should be.
+/// io::FileError for missing or invalid files.
 int run_evaluate(const EvaluateOptions& options);
 
 }  // namespace orchard::cli

@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using evaluation::ObservationPair;
 
-/// All observations of all recordings, and the landmarks of those with a truth.
+/// Observations of all recordings, and the landmarks of those with a truth.
 struct Material {
   std::vector<ObservationPair> observations;
   std::vector<std::string> names;

@@ -10,17 +10,19 @@ namespace orchard::cli {
 
 /// `orchard evaluate detections MAP_DIR|DERIVED_LOG... --observations CSV...`.
 struct EvaluateDetectionsOptions {
-  std::vector<std::string> paths;              ///< map folders or logs with detections
-  std::vector<std::string> observation_paths;  ///< what each truly held, in the same order
-  std::vector<std::string> truth_paths;  ///< what stands there; none, or as many: landmarks too
-  std::string html_path;                 ///< empty = no page
+  std::vector<std::string> paths;  ///< map folders or logs with detections
+  std::vector<std::string>
+      observation_paths;  ///< ground truth of each one's scans, in the same order
+  std::vector<std::string>
+      truth_paths;        ///< true objects; none, or one per path to evaluate the landmarks, too
+  std::string html_path;  ///< empty: no page
   bool json = false;
   evaluation::DetectionRules rules;
-  bool without_picture = false;  ///< count what the camera does not have, too
+  bool without_picture = false;  ///< also count objects outside the picture
 };
 
-/// Prints how good detections are against the truth of each scan; returns the exit code. Throws
-/// io::FileError for files that are not what they should be.
+/// Evaluates detections against the truth of each scan and prints the result; returns the exit
+/// code. Throws io::FileError for missing or invalid files.
 int run_evaluate_detections(const EvaluateDetectionsOptions& options);
 
 }  // namespace orchard::cli

@@ -20,8 +20,8 @@ struct EvaluateTrajectoryOptions {
   std::string figure_path;  ///< .svg, .png or .pdf; empty = none
 };
 
-/// Prints absolute and relative errors as evo computes them; returns the exit code: 1 when nothing
-/// could be compared. Throws io::FileError for files that are not what they should be.
+/// Prints absolute and relative errors as evo computes them; returns the exit code: 1 when no poses
+/// could be compared. Throws io::FileError for missing or invalid files.
 int run_evaluate_trajectory(const EvaluateTrajectoryOptions& options);
 
 }  // namespace orchard::cli

@@ -17,8 +17,8 @@ struct EvaluateWindowsOptions {
   bool json = false;
 };
 
-/// Tells how well a model tells windows on trunks from windows elsewhere; returns the exit code.
-/// Throws io::FileError and io::ConfigError.
+/// Evaluates how well a model separates windows on trunks from other windows; returns the exit
+/// code. Throws io::FileError and io::ConfigError.
 int run_evaluate_windows(const EvaluateWindowsOptions& options);
 
 }  // namespace orchard::cli

@@ -11,7 +11,7 @@
 namespace orchard::cli {
 namespace {
 
-/// FNV-1a: each picture has windows of its own, whatever other pictures are looked at.
+/// Seed of a picture (FNV-1a of its name), so that its windows do not depend on the other pictures.
 std::uint64_t seed_of(const std::string& name, std::uint64_t seed) {
   std::uint64_t hash = 1469598103934665603ull;
   for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;

@@ -10,7 +10,7 @@
 
 namespace orchard::cli {
 
-/// Which pictures with masks to take windows from.
+/// The pictures with masks to take windows from.
 struct MaskedPictureOptions {
   std::string picture_folder;
   std::string mask_folder;
@@ -23,21 +23,22 @@ struct MaskedPictureOptions {
 struct PictureWindows {
   std::string name;
   io::MaskedPicture picture;
-  /// Pictures whose masks have as many trunk pixels show the same tree: crops or copies.
+  /// Pictures with equal numbers of trunk pixels in their masks show the same tree: crops or
+  /// copies.
   int group = 0;
   std::vector<calibration::LabelledWindow> windows;
 };
 
-/// What became of the pictures.
+/// Numbers of pictures used and skipped.
 struct PictureCount {
   int used = 0;
   int num_groups = 0;
-  std::vector<std::string> left_out;  ///< one sentence each
+  std::vector<std::string> left_out;  ///< skipped pictures, one sentence each
 };
 
-/// Gives each picture with its windows to `visit`, in order of name. A picture without a mask, that
-/// cannot be read or has no windows is left out with a warning; throws io::FileError when none
-/// is left. Where the windows of a picture lie depends on its name and the seed only.
+/// Calls `visit` with each picture and its windows, in order of name. Skips a picture with a
+/// warning if it has no mask, cannot be read or has no windows; throws io::FileError when none is
+/// left. The positions of a picture's windows depend only on its name and the seed.
 PictureCount for_each_masked_picture(const MaskedPictureOptions& options, const char* command,
                                      const std::function<void(const PictureWindows&)>& visit);
 

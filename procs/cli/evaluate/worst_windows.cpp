@@ -20,7 +20,7 @@ constexpr int kColumns = 8;
 constexpr int kRowsPerKind = 3;
 constexpr std::size_t kKept = kColumns * kRowsPerKind;
 
-/// The window in the middle of three of its widths, as a square.
+/// A square picture of the window, three times its width.
 cv::Mat tile_of(const vision::PixelBlock& pixels, const vision::PixelRect& window) {
   const cv::Mat picture(pixels.area.height_px, pixels.area.width_px, CV_8UC3,
                         const_cast<std::uint8_t*>(pixels.bgr.data()));

@@ -12,23 +12,23 @@
 
 namespace orchard::cli {
 
-/// Keeps the windows that a model judges worst and draws them on one sheet, for a person.
+/// Keeps the worst errors of a model on windows and draws them on one sheet for the user.
 class WorstWindows {
  public:
   void add(const std::string& picture, const vision::PixelBlock& pixels,
            const calibration::LabelledWindow& labelled, double confidence);
 
-  /// A PNG: three rows of windows elsewhere that were taken for trunks, worst first, then three of
-  /// trunks that were not; each with its bands, picture and confidence. Throws io::FileError.
+  /// Writes a PNG: three rows of false positives, worst first, then three of missed trunks; each
+  /// window with its bands, picture and confidence. Throws io::FileError.
   void write(const std::string& path) const;
 
  private:
   struct Entry {
-    double error = 0.0;  ///< of the confidence
+    double error = 0.0;  ///< error of the confidence
     std::string text;
     std::vector<std::uint8_t> bgr;  ///< kTile_px x kTile_px
   };
-  std::array<std::vector<Entry>, 2> entries_;  ///< elsewhere, on trunks; worst first
+  std::array<std::vector<Entry>, 2> entries_;  ///< false positives, missed trunks; worst first
 };
 
 }  // namespace orchard::cli

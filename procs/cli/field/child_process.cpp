@@ -25,13 +25,13 @@ constexpr std::chrono::seconds kLongLife{10};
 constexpr std::chrono::milliseconds kFirstWait{200};
 constexpr std::chrono::milliseconds kWaitMax{5000};
 
-/// In the child, between fork and exec: only what is safe there.
+/// Runs in the child between fork and exec; calls only async-signal-safe functions.
 [[noreturn]] void become(const std::vector<char*>& arguments, int log) {
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
-  setpgid(0, 0);                     // Ctrl-C reaches the parent alone, which stops in order
-  prctl(PR_SET_PDEATHSIG, SIGTERM);  // a parent that is killed leaves nobody running
+  setpgid(0, 0);  // Ctrl-C reaches only the parent, which stops the children in order
+  prctl(PR_SET_PDEATHSIG, SIGTERM);  // if the parent is killed, the child stops
   if (log >= 0) {
     dup2(log, STDOUT_FILENO);
     dup2(log, STDERR_FILENO);
@@ -98,7 +98,7 @@ std::string ChildProcess::take_end(int status) {
     text += " ended with exit code " + std::to_string(*exit_code_);
   }
   const bool is_mistake = *exit_code_ == bus::kExitUsage || *exit_code_ == bus::kExitInput ||
-                          *exit_code_ == 127;  // the same would follow from the same
+                          *exit_code_ == 127;  // a restart would fail in the same way
   if (stopping_ || *exit_code_ == bus::kExitOk || is_mistake) return text;
   if (Clock::now() - started_ > kLongLife) wait_ = std::chrono::milliseconds(0);
   restart_at_ = Clock::now() + wait_;

@@ -10,52 +10,54 @@
 
 namespace orchard::cli {
 
-/// What is to be started, and when it is stopped.
+/// A process to be started, and its place in the order of stopping.
 struct ChildPlan {
-  std::string name;                    ///< of the process: "orchard-detector"
+  std::string name;                    ///< process name, "orchard-detector"
   std::vector<std::string> arguments;  ///< the program's path first
   std::string log_path;                ///< its standard output and error are appended here
-  /// Stopped in rising order, each stage when the one before has ended: who sends before who takes.
+  /// Stages are stopped in ascending order, each after the one before has ended: senders before
+  /// receivers.
   int stage = 0;
-  /// Plays a log: it starts when all others are heard of, so that they take all that it sends.
+  /// True for a player of a log: it starts once all other processes have sent STATUS, so that they
+  /// receive all its messages.
   bool plays = false;
 };
 
-/// A process that is started, watched, started again when it fails, and stopped.
+/// A child process that is monitored, restarted when it fails, and stopped.
 class ChildProcess {
  public:
   using Clock = std::chrono::steady_clock;
 
   explicit ChildProcess(ChildPlan plan);
-  ~ChildProcess();  ///< kills what still runs
+  ~ChildProcess();  ///< kills the process if it still runs
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// Starts it, with `more` arguments from then on. Throws std::system_error when no process can be
-  /// made.
+  /// Starts the process; `more` arguments are also used for later restarts. Throws
+  /// std::system_error when no process can be created.
   void start(const std::vector<std::string>& more = {});
 
-  /// What has happened since the last call, in words for a person; none: nothing. Starts it again
-  /// when it has failed and the wait is over: at once the first time, then after twice as long as
-  /// before, up to five seconds, while it fails within ten seconds of its start.
+  /// Returns what has happened since the last call, as text for the user; none: nothing. Restarts a
+  /// failed process after a wait: none at first, then doubling up to five seconds while the process
+  /// fails within ten seconds of its start.
   std::optional<std::string> watch();
 
-  /// Asks it to stop (SIGINT): it is not started again.
+  /// Asks the process to stop (SIGINT); it is not restarted.
   void ask_to_stop();
   void kill_now();
 
   bool running() const { return pid_ > 0; }
 
-  /// A file descriptor that becomes readable when it ends; -1 when it does not run.
+  /// File descriptor that becomes readable when the process ends; -1: it is not running.
   int fileno() const { return pidfd_; }
 
-  /// Of a process that has ended by itself: its exit code, 128 + signal for one that was killed.
+  /// Exit code of a process that ended by itself; 128 + signal for a killed one.
   std::optional<int> exit_code() const { return exit_code_; }
 
-  /// When a failed one is to be started again; max: it is not.
+  /// Time of the next restart of a failed process; max: none.
   Clock::time_point restart_at() const { return restart_at_; }
 
-  /// How often it was started again.
+  /// Number of restarts.
   int num_restarts() const { return num_restarts_; }
   const ChildPlan& plan() const { return plan_; }
 
@@ -73,7 +75,7 @@ class ChildProcess {
   std::chrono::milliseconds wait_{0};
 };
 
-/// The last lines of a file, for a person who wants to know why a process failed.
+/// The last lines of a file, to show the user why a process failed.
 std::string last_lines(const std::string& path, int num_lines);
 
 }  // namespace orchard::cli

@@ -5,8 +5,8 @@
 
 namespace orchard::cli {
 
-/// The LCM network to use: --lcm-url when given, else the rig's, else LCM_DEFAULT_URL, else the
-/// built-in one. Says on standard error which and why. Throws io::ConfigError.
+/// Selects the LCM network: --lcm-url when given, else the rig's, else LCM_DEFAULT_URL, else the
+/// built-in one. Prints the choice and its reason on standard error. Throws io::ConfigError.
 std::string field_url(const std::string& lcm_url, const std::string& config_path);
 
 }  // namespace orchard::cli

@@ -16,10 +16,10 @@ namespace {
 
 enum Stage { kDrivers, kDetector, kPose, kMapper, kRecorder };
 
-/// A driver, what it sends, and where its device is by the rig.
+/// A driver, its channel, and the address of its device in the rig.
 struct KnownDriver {
   const char* name;
-  std::optional<bus::Channel> channel;  ///< none: several, of other programs
+  std::optional<bus::Channel> channel;  ///< none: converts several channels of other programs
   const std::string& (*device)(const device::DriversConfig& drivers);
 };
 
@@ -41,7 +41,7 @@ const KnownDriver kDriversKnown[] = {
      [](const Drivers& d) -> const std::string& { return d.bot_core.lcm_url; }},
 };
 
-/// Drivers of the sensors that the rig names a device for.
+/// Drivers of the sensors with a device in the rig.
 std::vector<std::string> drivers_of(const io::Config& config) {
   std::vector<std::string> names;
   for (const KnownDriver& driver : kDriversKnown) {
@@ -50,9 +50,9 @@ std::vector<std::string> drivers_of(const io::Config& config) {
   return names;
 }
 
-/// Drivers of the sensors that a log holds messages of.
+/// Drivers of the sensors with messages in a log.
 std::set<std::string> drivers_played(const std::string& log_path) {
-  constexpr std::int64_t kSurvey_us = 20'000'000;  // every sensor speaks within that
+  constexpr std::int64_t kSurvey_us = 20'000'000;  // every sensor sends within this time
   std::set<std::string> names;
   io::LogReader log(log_path);
   std::optional<std::int64_t> end_utime;
@@ -71,7 +71,7 @@ std::string full_name(const std::string& name) {
   return name.rfind("orchard-", 0) == 0 ? name : "orchard-" + name;
 }
 
-/// The processes that a list of names means.
+/// Resolves a list of names to processes.
 std::set<std::string> named(const std::vector<std::string>& names,
                             const std::vector<ChildPlan>& plans) {
   std::set<std::string> found;
@@ -121,7 +121,7 @@ std::vector<ChildPlan> plan_launch(const LiveOptions& options, const io::Config&
   add("orchard-pose", kPose);
   add("orchard-detector", kDetector);
   if (!options.scene.empty()) {
-    // A simulated drive begins when everyone listens; a real robot's drives go on anyway.
+    // A simulated drive waits until all processes listen; the drive of a real robot does not wait.
     std::string listeners;
     for (const ChildPlan& plan : plans) listeners += (listeners.empty() ? "" : ",") + plan.name;
     add("orchard-sim-driver", kDrivers,
@@ -136,7 +136,7 @@ std::vector<ChildPlan> plan_launch(const LiveOptions& options, const io::Config&
     for (const std::string& driver : drivers_of(config)) add(driver, kDrivers);
   }
 
-  // Looks on only: nobody waits for it.
+  // The viewer only displays: no process waits for it.
   if (!options.viewer_address.empty()) {
     std::vector<std::string> words{"--listen", options.viewer_address, "--folder",
                                    options.out_folder};

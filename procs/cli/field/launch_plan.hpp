@@ -10,24 +10,24 @@
 
 namespace orchard::cli {
 
-/// What `orchard live` was asked for.
+/// Command-line options of `orchard live`.
 struct LiveOptions {
   std::string config_path;
   std::string lcm_url;
-  std::string out_folder;         ///< for the map; empty: out/live/DATE
-  std::string record_folder;      ///< empty: nothing is recorded
+  std::string out_folder;         ///< map folder; empty: out/live/DATE
+  std::string record_folder;      ///< empty: no recording
   std::vector<std::string> only;  ///< processes by name, with or without "orchard-"; "drivers"
   std::vector<std::string> without;
   std::string scene;  ///< orchard-sim-driver in place of the rig's drivers
   std::string seed = "1";
-  std::string speed = "1";      ///< of the simulated drive, times real time
-  std::string played_log;      ///< what the devices of the drivers play, each in its own protocol
-  std::string viewer_address;  ///< ADDRESS:PORT where the viewer serves its page; empty: none
-  bool edit = false;  ///< on that page people may correct the map
+  std::string speed = "1";     ///< speed of the simulated drive relative to real time
+  std::string played_log;      ///< log that emulated devices play, each in its own protocol
+  std::string viewer_address;  ///< ADDRESS:PORT of the viewer's page; empty: none
+  bool edit = false;           ///< users may correct the map on that page
 };
 
-/// The processes of one machine, in the order in which they are started. `program_folder`: where
-/// the executables are. Throws io::FileError for a name that is none and when nothing would be
+/// Plans the processes of this machine, in the order of their start. `program_folder`: the folder
+/// of the executables. Throws io::FileError for an unknown name and when no process would be
 /// started.
 std::vector<ChildPlan> plan_launch(const LiveOptions& options, const io::Config& config,
                                    const std::string& program_folder);

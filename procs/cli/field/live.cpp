@@ -32,13 +32,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// From the start of programs that play one log to its first event, which none may miss.
+/// Time from the start of the programs that play one log to its first event, so that none of them
+/// misses it.
 constexpr std::int64_t kPlayAfter_us = 2'000'000;
 
-/// How long a stage may take to stop; the mapper then writes its whole folder.
+/// Max time for a stage to stop, in which the mapper writes its whole folder.
 constexpr std::chrono::seconds kStopMax{20};
 
-/// The processes of this machine, with what happened to them last.
+/// The child processes of this machine and their last event.
 class Launch {
  public:
   explicit Launch(std::vector<ChildPlan> plans) {
@@ -50,7 +51,7 @@ class Launch {
     }
   }
 
-  /// Starts those that play a log, once `board` has heard of all others.
+  /// Starts the players of a log once `board` has STATUS of all other processes.
   void play_when_heard(const StatusBoard& board) {
     if (plays_) return;
     const std::vector<ProcessView> heard = board.processes(bus::wall_utime());
@@ -65,14 +66,14 @@ class Launch {
     }
   }
 
-  /// Notes who has ended and starts again who failed.
+  /// Reports processes that ended and restarts those that failed.
   void watch() {
     for (const auto& child : children_) {
       while (const std::optional<std::string> event = child->watch()) say(*event, *child);
     }
   }
 
-  /// A process that ends with a mistake in its configuration or command line ends all.
+  /// Exit code of a process that ended because of its configuration or command line; this ends all.
   std::optional<int> mistake() const {
     for (const auto& child : children_) {
       const std::optional<int> code = child->running() ? std::nullopt : child->exit_code();
@@ -97,7 +98,8 @@ class Launch {
     return next;
   }
 
-  /// Stops stage after stage, calling `meanwhile` often. True when all ended by themselves, well.
+  /// Stops the processes stage by stage, calling `meanwhile` often. Returns true if all ended by
+  /// themselves without error.
   bool stop(const std::function<void()>& meanwhile) {
     int last = 0;
     for (const auto& child : children_) last = std::max(last, child->plan().stage);
@@ -106,7 +108,7 @@ class Launch {
     return well;
   }
 
-  /// "started 6 processes" and what has happened since, newest last.
+  /// Text of the events: "started 6 processes" first, the newest last.
   const std::string& last_event() const { return last_event_; }
   std::size_t size() const { return children_.size(); }
 
@@ -153,14 +155,14 @@ class Launch {
   bool plays_ = false;
 };
 
-/// Where the viewer will serve its page: this host's first free port from that on. Known before it
-/// starts, so that it stays the same when it is started again.
+/// Address of the viewer's page: the first free port of this host. Chosen before the viewer starts,
+/// so that it stays the same after a restart.
 std::string viewer_address() {
   constexpr int kFirstPort = 8420, kPorts = 100;
   for (int port = kFirstPort; port < kFirstPort + kPorts; ++port) {
     const int file = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     if (file < 0) return {};
-    const int yes = 1;  // as the viewer does: a port that was left a moment ago is free
+    const int yes = 1;  // like the viewer: a recently closed port counts as free
     setsockopt(file, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
     sockaddr_in address{};
     address.sin_family = AF_INET;

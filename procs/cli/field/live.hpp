@@ -5,8 +5,9 @@
 
 namespace orchard::cli {
 
-/// Starts the processes of this machine, keeps them running, shows how everyone is, and stops them
-/// in order at Ctrl-C, so that the map holds all that was measured. Returns 0 when all ended well.
+/// Starts the processes of this machine, keeps them running, and shows their status. At Ctrl-C
+/// stops them in order, so that the map contains all measurements. Returns 0 when all ended without
+/// error.
 int run_live(const LiveOptions& options);
 
 }  // namespace orchard::cli

@@ -77,7 +77,7 @@ int run_record(const RecordOptions& options) {
     }
     if (stop.wait(bus.fileno(), report.ms_until_due())) bus.handle(0);
   }
-  // What was sent before the stop still counts, and LCM's thread may not have read it all.
+  // Read messages sent before the stop: LCM's thread may not have read all of them.
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(2);
   while (std::chrono::steady_clock::now() < end && bus.handle(30)) {
   }

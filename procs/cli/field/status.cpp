@@ -19,7 +19,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// STATUS comes once a second: after this everyone has been heard.
+/// Listening time: STATUS is sent once a second, so every process is heard within it.
 constexpr std::chrono::milliseconds kListen{2500};
 
 }  // namespace

@@ -12,8 +12,8 @@ struct StatusOptions {
   bool json = false;
 };
 
-/// Shows every process of every host until Ctrl-C; `once`: after 2.5 s, and then returns 1 when one
-/// needs attention or none was heard.
+/// Shows all processes of all hosts until Ctrl-C. `once`: prints them after 2.5 s and returns 1
+/// when one needs attention or none was heard.
 int run_status(const StatusOptions& options);
 
 }  // namespace orchard::cli

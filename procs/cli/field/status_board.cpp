@@ -7,13 +7,14 @@
 namespace orchard::cli {
 namespace {
 
-/// STATUS messages whose delays are compared: the quickest tells the clock's offset best.
+/// Number of STATUS messages for the estimate of a clock offset: the one with the least delay is
+/// used.
 constexpr std::size_t kNumOffsets = 8;
 
-/// STATUS comes once a second.
+/// Silence after which a process counts as ended; STATUS is sent once a second.
 constexpr std::int64_t kSilentAfter_us = 1'200'000;
 
-/// A process that was not heard of for so long is no longer shown.
+/// Silence after which a process is no longer shown.
 constexpr std::int64_t kForgetAfter_us = 60'000'000;
 
 }  // namespace
@@ -31,7 +32,7 @@ void StatusBoard::note(const bus::Status& status, std::int64_t receipt_utime) {
   if (entry.offsets_us.size() > kNumOffsets) entry.offsets_us.erase(entry.offsets_us.begin());
 }
 
-/// A process that was started again is the same to people, though its host says another number.
+/// Removes the earlier entry of a restarted process, whose host field has another process id.
 void StatusBoard::forget_earlier(const bus::Status& status, std::int64_t receipt_utime) {
   const auto machine = [](const std::string& host) { return host.substr(0, host.rfind(':')); };
   for (auto entry = entries_.begin(); entry != entries_.end();) {
@@ -52,7 +53,7 @@ std::vector<ProcessView> StatusBoard::processes(std::int64_t now_utime) const {
     view.status = entry.last;
     view.age_s = 1e-6 * static_cast<double>(age_us);
     if (entry.last.input_period_s > 0.0) view.input_hz = 1.0 / entry.last.input_period_s;
-    // The way takes time, so the receipt is late by a little and never early.
+    // Transport delays the receipt, never advances it: the max difference has the least delay.
     view.clock_offset_s = 1e-6 * static_cast<double>(*std::max_element(entry.offsets_us.begin(),
                                                                        entry.offsets_us.end()));
     view.num_new_lost = entry.num_new_lost;

@@ -24,7 +24,7 @@ void StatusScreen::show(const StatusBoard& board, const std::string& headline,
                         std::int64_t now_utime) {
   const std::vector<ProcessView> processes = board.processes(now_utime);
   if (!is_terminal()) return print_changes(processes);
-  // Home, draw over, clear what is left below: no flicker as after clearing the whole screen.
+  // Move home, overwrite, clear the rest: this flickers less than clearing the whole screen.
   std::string text = headline + "\n" + status_table(processes, terminal_width(), true);
   std::string drawn = "\033[H";
   for (const char c : text) drawn += c == '\n' ? std::string("\033[K\n") : std::string(1, c);
@@ -34,7 +34,7 @@ void StatusScreen::show(const StatusBoard& board, const std::string& headline,
 
 void StatusScreen::print_changes(const std::vector<ProcessView>& processes) {
   for (const ProcessView& process : processes) {
-    // The numbers in the words change every second; what matters is which words they are.
+    // Numbers in the text change every second: compare the text without digits.
     std::string key = state_word(process);
     for (const char c : process.status.text) {
       if (c < '0' || c > '9') key += c;

@@ -11,17 +11,17 @@
 
 namespace orchard::cli {
 
-/// How often the screen is drawn anew.
+/// Period of redrawing the screen.
 inline constexpr std::chrono::milliseconds kRedraw{500};
 
-/// Shows how all processes are: a table that is drawn anew on a terminal; in a pipe a line whenever
-/// a process's state or words change.
+/// Prints the status of all processes: a redrawn table on a terminal; in a pipe, a line whenever
+/// the state or text of a process changes.
 class StatusScreen {
  public:
   /// `headline`: lines above the table.
   void show(const StatusBoard& board, const std::string& headline, std::int64_t now_utime);
 
-  /// Whether standard output is a terminal.
+  /// True if standard output is a terminal.
   static bool is_terminal();
 
  private:

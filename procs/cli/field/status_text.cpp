@@ -32,7 +32,7 @@ const char* colour_of(const std::string& word) {
   return word == "waiting" || word == "warning" ? kYellow : kRed;
 }
 
-/// What the counts and the clock say beyond the process's own words.
+/// The process's own text with remarks on its counts and its clock.
 std::string remarks(const ProcessView& process) {
   std::string text = printable_text(process.status.text);
   const auto add = [&text](const std::string& words) {

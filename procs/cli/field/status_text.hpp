@@ -9,21 +9,21 @@
 
 namespace orchard::cli {
 
-/// How a process is in one word: "ok", "waiting", "warning", "error", "silent".
+/// The state of a process in one word: "ok", "waiting", "warning", "error", "silent".
 std::string state_word(const ProcessView& process);
 
-/// Whether somebody should look: anything but ok and waiting, or clocks apart.
+/// True if a process needs attention: any state except ok and waiting, or a clock offset.
 bool needs_attention(const ProcessView& process);
 
-/// The processes as a table with a header, one line each and its words below; lines are cut at
-/// `width` columns (0: not). `colour`: with escape codes for a terminal. What came from outside is
-/// printed with its control characters replaced.
+/// Formats the processes as a table with a header; each has one line, with its text below. Lines
+/// are cut at `width` columns (0: not cut). `colour`: with escape codes for a terminal. Control
+/// characters in received text are replaced.
 std::string status_table(const std::vector<ProcessView>& processes, std::size_t width, bool colour);
 
 /// The lines of one process in that table.
 std::string process_lines(const ProcessView& process, std::size_t width, bool colour);
 
-/// The same for programs: one JSON object with a list.
+/// The processes as one JSON object with a list.
 std::string status_json(const std::vector<ProcessView>& processes);
 
 }  // namespace orchard::cli

@@ -8,39 +8,39 @@
 
 namespace orchard::cli {
 
-/// `orchard edit MAP WHAT ...`.
+/// `orchard edit MAP KIND ...`.
 struct EditOptions {
   std::string map_folder;
   mapping::CorrectionKind kind = mapping::CorrectionKind::kNote;
   std::string tree;                ///< id, or row/tree
-  std::vector<std::string> trees;  ///< the same, of merge
+  std::vector<std::string> trees;  ///< the same, for merge
   std::vector<double> at_m;        ///< x y [x y] in map
   std::string class_word = "tree";
   double width_m = 0.0;
   std::string row;
   std::string name;
   int position = 0;
-  int of = 0;  ///< undo, redo; 0: the last
+  int of = 0;  ///< number of the correction for undo and redo; 0: the last
   std::string who;
   std::string note;
   std::string out_folder;  ///< apply
   bool json = false;       ///< list, check
 };
 
-/// Adds one correction to the map's; returns the exit code. Throws io::FileError when it cannot be
-/// made or would contradict the map; nothing is added then.
+/// Adds one correction to the map's corrections; returns the exit code. Throws io::FileError,
+/// without adding it, when it is impossible or would contradict the map.
 int run_edit(const EditOptions& options);
 
-/// Prints the corrections and what became of each.
+/// Prints the corrections and the outcome of each.
 int run_edit_list(const EditOptions& options);
 
-/// The same, of conflicts alone; exit code 3 when there are some.
+/// Prints the corrections in conflict; returns exit code 3 when there are any.
 int run_edit_check(const EditOptions& options);
 
-/// Writes the corrected map as a folder of its own.
+/// Writes the corrected map to a separate folder.
 int run_edit_apply(const EditOptions& options);
 
-/// Who is at the keyboard, as the system knows it.
+/// The name of the current user, from the system.
 std::string person();
 
 }  // namespace orchard::cli

@@ -25,7 +25,7 @@ const io::GeoFormatInfo& format_named(const std::string& word) {
   throw io::FileError("\"" + word + "\" is no format (`orchard export --help`)");
 }
 
-/// Programs know a file by its extension; an older file is somebody's.
+/// Requires the format's file extension, and does not overwrite a file unless requested.
 void require_place(const ExportOptions& options, const io::GeoFormatInfo& format) {
   const std::filesystem::path out(options.out_path);
   const std::string name = out.filename().string(), extension = format.extension;

@@ -10,13 +10,13 @@ struct ExportOptions {
   std::string map_path;
   std::string format;
   std::string out_path;
-  std::string layer;  ///< empty: all that the format can hold
+  std::string layer;  ///< empty: all layers that the format supports
   bool as_mapped = false;
   bool overwrite = false;
   bool json = false;
 };
 
-/// Writes a map, as corrected by hand, for another program; returns the exit code. Throws
+/// Exports a map with its manual corrections to another format; returns the exit code. Throws
 /// io::FileError.
 int run_export(const ExportOptions& options);
 

@@ -11,7 +11,8 @@ namespace {
 
 using mapping::CorrectionKind;
 
-/// The words under `orchard edit MAP`, which share their options' struct: only one can be given.
+/// The subcommands of `orchard edit MAP`; they share one options struct, since only one can be
+/// given.
 class EditCommands {
  public:
   EditCommands(CLI::App& edit, Run& run, std::shared_ptr<EditOptions> options)

@@ -21,7 +21,8 @@ namespace {
 
 using mapping::Correction;
 
-/// A file with one row of the map is no order to delete the others.
+/// Rejects a file that lacks most landmarks, such as an export of one row: they were hardly deleted
+/// on purpose.
 void require_most(const mapping::CorrectedMap& before, const io::EditedMapFile& edited,
                   const ImportEditsOptions& options) {
   if (options.keep_missing) return;
@@ -37,7 +38,7 @@ void require_most(const mapping::CorrectedMap& before, const io::EditedMapFile& 
                       "; if it is a part of that map, say --keep-missing");
 }
 
-/// The corrections that the file held when it was written.
+/// The corrections that the file contained when it was written.
 std::vector<Correction> held(const std::vector<Correction>& all, const io::EditedMapFile& edited,
                              const ImportEditsOptions& options) {
   const auto num = static_cast<std::size_t>(edited.num_corrections);
@@ -99,7 +100,7 @@ int run_import_edits(const ImportEditsOptions& options) {
   std::vector<std::string> conflicts;
   std::vector<Correction> added;
   const auto make = [&](const std::vector<Correction>& all) {
-    // With rows as they were numbered then: what a row was given by its place is no edit.
+    // Compare with the row numbers of that time: numbers assigned by position are not edits.
     const mapping::CorrectedMap before =
         io::corrected_map_of(mapped, held(all, edited, options)).corrected;
     require_most(before, edited, options);

@@ -12,14 +12,14 @@ namespace orchard::cli {
 struct PlanOptions {
   std::string plan_path;
   io::PlanFileOptions file;
-  std::string map_path;  ///< empty: only the plan is looked at
-  std::string out_path;  ///< with a map its folder, else a GeoJSON file; empty: only printed
+  std::string map_path;  ///< empty: only reads the plan
+  std::string out_path;  ///< with a map a map folder, else a GeoJSON file; empty: only prints
   mapping::PlanMatchConfig match;
   bool json = false;
 };
 
-/// Reads a grower's plan and prints what it holds, or lays it on a map and prints what is missing,
-/// extra or out of place; returns the exit code. Throws io::FileError.
+/// Reads a grower's plan and prints its content; with a map, registers the plan to it and prints
+/// missing, extra and misplaced trees. Returns the exit code. Throws io::FileError.
 int run_plan(const PlanOptions& options);
 
 }  // namespace orchard::cli

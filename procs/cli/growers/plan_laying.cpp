@@ -22,7 +22,7 @@ constexpr int kLinesMax = 60;
 
 std::size_t index_of(PlanDeviation deviation) { return static_cast<std::size_t>(deviation); }
 
-/// A placement as a person on the spot knows it again.
+/// Describes a placement so that a person in the orchard can recognise it.
 std::string placement_text(const io::StoredPlan& plan, const io::StoredMap& map,
                            const geometry::Pose2& T_map_plan) {
   const mapping::IndexedPoints places(plan.plan.places());

@@ -13,7 +13,7 @@ struct PlanMatchConfig;
 
 namespace orchard::cli {
 
-/// Options of every command that lays a plan on a map: how its file is read, what is out of place.
+/// Adds the options of plan registration: format of the plan's file and limits of a misplaced tree.
 void add_plan_options(CLI::App& command, io::PlanFileOptions& file,
                       mapping::PlanMatchConfig& match);
 

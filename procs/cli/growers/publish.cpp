@@ -21,7 +21,7 @@ namespace orchard::cli {
 namespace {
 
 constexpr std::size_t kLongestBlock = 64;
-constexpr std::int64_t kYear2000_us = 946684800000000;  ///< earlier is no clock's time
+constexpr std::int64_t kYear2000_us = 946684800000000;  ///< min valid time of a clock
 
 std::string date_of(std::int64_t utime) {
   const std::time_t seconds = static_cast<std::time_t>(utime / 1000000);
@@ -60,7 +60,7 @@ void require_block(const std::string& block) {
   }
 }
 
-/// The grower's names: what people called rows since, else what a plan gave.
+/// The grower's names of rows: those given by corrections, else those of the plan.
 std::vector<io::Publication::Name> names_of(const mapping::CorrectedMap& map,
                                             const std::string& folder) {
   std::map<std::int32_t, mapping::PlanName> of_plan;

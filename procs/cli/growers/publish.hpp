@@ -10,13 +10,13 @@ struct PublishOptions {
   std::string map_path;
   std::string url;
   std::string block;
-  std::string date;  ///< empty: that of the drive
+  std::string date;  ///< empty: the date of the drive
   bool as_mapped = false;
   bool json = false;
 };
 
-/// Puts a map, as corrected by hand, into PostGIS; returns the exit code. Throws io::FileError, and
-/// std::runtime_error for what the server refuses.
+/// Writes a map with its manual corrections to PostGIS; returns the exit code. Throws
+/// io::FileError, and std::runtime_error for errors of the server.
 int run_publish(const PublishOptions& options);
 
 }  // namespace orchard::cli

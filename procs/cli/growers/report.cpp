@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The map's folder, whose name people know it by.
+/// The map's folder; its name is the name of the map.
 fs::path folder_of(const std::string& map_path) {
   fs::path folder = fs::absolute(map_path).lexically_normal();
   if (!fs::is_directory(folder)) folder = folder.parent_path();
@@ -80,7 +80,7 @@ io::PlanCounts planned(const ReportOptions& options, const io::StoredMap& map) {
   return counts;
 }
 
-/// Numbers as report.csv has them; `row` of everything is "all".
+/// The values of report.csv as JSON; the totals have "all" as `row`.
 nlohmann::ordered_json json_of(const std::vector<std::vector<std::string>>& table,
                                const fs::path& folder) {
   using Json = nlohmann::ordered_json;

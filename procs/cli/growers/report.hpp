@@ -16,16 +16,16 @@ struct ReportOptions {
   std::string plan_path;      ///< the grower's plan; empty: none
   io::PlanFileOptions plan_file;
   mapping::PlanMatchConfig plan_match;
-  std::string name;        ///< of the map, for its reader; empty: its folder's
-  std::string out_folder;  ///< empty: the folder report within the map's
+  std::string name;        ///< name of the map in the report; empty: that of its folder
+  std::string out_folder;  ///< empty: folder `report` inside the map's
   std::string language = "en";
   mapping::MapAlignmentConfig alignment;
-  bool as_mapped = false;  ///< without what people corrected
-  bool json = false;       ///< the table of rows on the standard output, for machines
+  bool as_mapped = false;  ///< without manual corrections
+  bool json = false;       ///< prints the table of rows as JSON
 };
 
 /// Writes report.html, report.pdf and report.csv; returns the exit code. Throws io::FileError for
-/// maps that cannot be read or not be laid on each other.
+/// maps that cannot be read or registered.
 int run_report(const ReportOptions& options);
 
 }  // namespace orchard::cli

@@ -25,13 +25,13 @@
 namespace orchard::cli {
 namespace {
 
-/// Where the laser sat is no message: it belongs into the rig's configuration.
+/// The laser's extrinsics are not a message but belong to the rig's configuration: print them.
 void print_mount(const io::SensorMount& mount) {
   std::printf("the rig's YAML needs: laser: {mount_x_m: %g, mount_y_m: %g, mount_yaw_rad: %g}\n",
               mount.x_m, mount.y_m, mount.yaw_rad);
 }
 
-/// Whether a file begins as lcm-logger's do.
+/// True if a file begins like those of lcm-logger.
 bool is_lcm_log(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::array<char, 4> begin{};
@@ -39,7 +39,7 @@ bool is_lcm_log(const std::string& path) {
   return file && std::string_view(begin.data(), begin.size()) == "\xED\xA1\xDA\x01";
 }
 
-/// A log of a robot that speaks libbot's types.
+/// Imports a log of a robot with libbot's types.
 int import_bot_core(const std::string& source_path, const ImportOptions& options) {
   const io::Config rig = options.config_path.empty() ? io::Config() : load_rig(options.config_path);
   bus::BotCoreTranslator translator(rig.drivers.bot_core,

@@ -17,9 +17,10 @@
 namespace orchard::cli {
 namespace {
 
-constexpr std::size_t kMaxKinds = 100;  // of what is refused; a detail may be any number
+constexpr std::size_t kMaxKinds =
+    100;  // max number of different reasons, since details may contain numbers
 
-/// The files, those of rosbag2's folders in their order.
+/// The bag files; those in rosbag2 folders in their order.
 std::vector<std::string> files_of(const std::vector<std::string>& paths) {
   std::vector<std::string> files;
   for (const std::string& path : paths) {
@@ -34,7 +35,7 @@ std::vector<std::string> files_of(const std::vector<std::string>& paths) {
   return files;
 }
 
-/// Why a message is none of ours; empty when it is.
+/// The reason why a message is invalid; empty if it is valid.
 std::string objection_to(const bus::Message& message) {
   const std::vector<std::uint8_t> bytes = bus::encode(message);
   const auto checked = bus::decode(bus::channel_of(message), bytes.data(), bytes.size());

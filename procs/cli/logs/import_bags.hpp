@@ -5,7 +5,7 @@
 
 namespace orchard::cli {
 
-/// Writes the bags of one drive as an LCM log; returns the exit code. Throws io::FileError.
+/// Converts the bags of one drive to an LCM log; returns the exit code. Throws io::FileError.
 int import_bags(const ImportOptions& options);
 
 }  // namespace orchard::cli

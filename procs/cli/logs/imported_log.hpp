@@ -16,7 +16,7 @@ namespace orchard::cli {
 
 using NextMessage = std::function<std::optional<bus::Message>()>;
 
-/// What a log was written of.
+/// Numbers of the imported messages and their range of time.
 struct Imported {
   std::array<std::int64_t, bus::kNumChannels> num_messages{};
   std::int64_t first_utime = 0;
@@ -24,14 +24,14 @@ struct Imported {
   std::int64_t num_all = 0;
 };
 
-/// Writes messages as a log until `next` gives none. `num_all`: how many there are, 0 when that is
-/// not known. Throws io::FileError.
+/// Writes messages to a log until `next` returns none. `num_all`: their number, 0 when unknown.
+/// Throws io::FileError.
 Imported write_imported(const NextMessage& next, std::uint64_t num_all,
                         const std::string& out_path);
 
 void print_imported(const std::string& out_path, const Imported& imported);
 
-/// Prints what was not used, and how often.
+/// Prints the ignored inputs and their numbers.
 void print_ignored(const std::map<std::string, std::int64_t>& ignored);
 
 inline bus::Message as_message(io::SensorMessage sensed) {

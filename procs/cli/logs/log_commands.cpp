@@ -50,7 +50,7 @@ void print_gap(const std::string& path, const io::LogGap& gap) {
               gap.offset);
 }
 
-/// Prints each finding as a line.
+/// Prints one line per finding.
 void print_findings(const std::string& path, const LogSurvey& survey) {
   for (const io::LogGap& gap : survey.gaps) {
     print_gap(path, gap);

@@ -37,7 +37,7 @@ std::string log_json(const std::string& path, const LogSurvey& survey) {
     json["gaps"].push_back({{"offset", gap.offset}, {"num_bytes", gap.size}});
   }
   if (!survey.notes.empty()) json["notes"] = survey.notes;
-  // Bytes of a damaged log may be no UTF-8.
+  // Text in a damaged log may be invalid UTF-8.
   return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 

@@ -7,7 +7,7 @@
 
 namespace orchard::cli {
 
-/// What a log holds and what is wrong with it, for programs; times in seconds, ends with a newline.
+/// Content and faults of a log as JSON; times in seconds, ends with a newline.
 std::string log_json(const std::string& path, const LogSurvey& survey);
 
 }  // namespace orchard::cli

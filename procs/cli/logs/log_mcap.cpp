@@ -22,7 +22,7 @@
 namespace orchard::cli {
 namespace {
 
-/// Writes messages on topics of a viewer's schemas.
+/// Writes messages to topics with the viewer's schemas.
 class Show {
  public:
   Show(std::ostream& out, const io::Config& rig, std::optional<io::StoredMap> map)
@@ -37,7 +37,7 @@ class Show {
   std::int64_t num_taken() const { return num_taken_; }
 
  private:
-  /// What does not change, and the finished map, from the first moment on.
+  /// Writes static transforms and the finished map at the start.
   void begin(std::int64_t utime) {
     write("/tf_static", "foxglove.FrameTransforms", utime,
           io::foxglove_mounts(utime, rig_.laser, rig_.camera));
@@ -61,7 +61,7 @@ class Show {
   void show(const laser::Scan& scan) {
     write("/scan", "foxglove.LaserScan", scan.utime, io::foxglove_json(scan, "laser"));
   }
-  void show(const laser::RearScan&) {}  // the rig does not say here where its frame stands
+  void show(const laser::RearScan&) {}  // its frame is not published here
   void show(const vision::Image& image) {
     const bool is_jpeg = image.encoding == vision::Encoding::kJpeg;
     write(is_jpeg ? "/camera" : "/camera/raw",
@@ -80,7 +80,7 @@ class Show {
   void show(const pose::PoseFix& fix) {
     write("/pose_fix", "foxglove.PoseInFrame", fix.utime, io::foxglove_json(fix));
   }
-  // A finished map knows better than what was thought on the way.
+  // The trajectory of the finished map replaces the recorded poses.
   void show(const pose::PoseEstimate& pose) {
     if (!map_ || map_->trajectories.empty()) show_pose(pose);
   }
@@ -93,7 +93,7 @@ class Show {
     write("/detections", "foxglove.SceneUpdate", detections.utime, io::foxglove_scene(detections));
   }
   template <class Message>
-  void show(const Message&) {}  // nothing to see
+  void show(const Message&) {}  // nothing to show
 
   void write(const char* topic, const char* schema_name, std::int64_t utime,
              const std::string& json) {

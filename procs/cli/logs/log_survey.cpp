@@ -25,7 +25,7 @@ void count_refusal(const bus::Rejection& rejection, ChannelSurvey& survey) {
 }
 
 void count(const io::LogEvent& event, bus::SequenceGate& gate, ChannelSurvey& survey) {
-  const bool first = survey.last_utime == 0;  // the first good one
+  const bool first = survey.last_utime == 0;  // first valid message
   ++survey.num_messages;
   survey.num_bytes += static_cast<std::int64_t>(event.data.size());
   std::int64_t utime = event.timestamp_us;
@@ -40,7 +40,7 @@ void count(const io::LogEvent& event, bus::SequenceGate& gate, ChannelSurvey& su
     utime = bus::utime_of(message);
     const auto decision = gate.accept(*bus::find_channel(event.channel), bus::seq_of(message),
                                       utime, event.timestamp_us);
-    if (decision == bus::GateDecision::kHeld) return;  // its time may be none
+    if (decision == bus::GateDecision::kHeld) return;  // its time may be invalid
   }
   survey.first_utime = first ? utime : std::min(survey.first_utime, utime);
   survey.last_utime = first ? utime : std::max(survey.last_utime, utime);

@@ -37,7 +37,7 @@ std::string text_of(bus::Level level) {
 }
 std::string text_of(bus::Channel channel) { return std::string(bus::info(channel).name); }
 
-/// Visitor that puts a message's fields into JSON; see bus/messages/fields.hpp.
+/// Visitor that writes a message's fields to JSON; see bus/messages/fields.hpp.
 class FieldsAsJson {
  public:
   void stamp(std::int64_t utime, std::int32_t seq) {
@@ -61,7 +61,8 @@ class FieldsAsJson {
   void array(const char* name, const std::vector<T>& values, const char*, Limits...) {
     put(name, values);
   }
-  void array(const char*, const std::vector<std::uint8_t>&, const char*) {}  // a picture
+  void array(const char*, const std::vector<std::uint8_t>&, const char*) {
+  }  // bytes of a picture are left out
   template <class T, class Fields>
   void items(const char* name, const std::vector<T>& values, const char*, Fields) {
     json_[name] = Json::array();
@@ -97,7 +98,7 @@ class FieldsAsJson {
   Json json_;
 };
 
-/// One value in words: numbers short, arrays with their beginning only, objects in braces.
+/// Formats a value as text: numbers short, arrays truncated, objects in braces.
 std::string words(const Json& value) {
   if (value.is_number_float()) {
     return fmt::format("{:.6g}", value.get<double>());
@@ -119,8 +120,8 @@ std::string words(const Json& value) {
 }
 
 std::string line(const Json& all, bool json) {
-  // Strings from the network may be no UTF-8, and may hold codes that steer a terminal: none of
-  // those is left in ASCII.
+  // Strings from the network may be invalid UTF-8 or contain terminal escape codes; ASCII output
+  // avoids both.
   if (json) return all.dump(-1, ' ', true, Json::error_handler_t::replace);
   std::string text;
   for (const auto& [key, field] : all.items()) {

@@ -8,8 +8,8 @@
 
 namespace orchard::cli {
 
-/// A message as one line: JSON with all its fields, or words with long arrays shortened. Names are
-/// those of lcmtypes/*.lcm.
+/// Formats a message as one line: JSON with all fields, or text with long arrays shortened. Field
+/// names are those of lcmtypes/*.lcm.
 std::string message_text(const bus::Message& message, bool json);
 std::string message_text(const bus::Status& status, bool json);
 std::string message_text(const bus::ConfigNotice& notice, bool json);

@@ -29,7 +29,7 @@ bus::Message to_message(const simulation::SensorMessage& sensed) {
   return std::visit([](const auto& m) { return bus::Message(m); }, sensed);
 }
 
-/// What part of the scene's time is wanted.
+/// The requested interval of the scene's time.
 struct Interval {
   std::int64_t begin_utime = 0, end_utime = 0;
   bool holds(std::int64_t utime) const { return utime >= begin_utime && utime <= end_utime; }
@@ -51,7 +51,7 @@ Interval interval_of(const SimulateOptions& options, std::int64_t scene_end_utim
   return interval;
 }
 
-/// Writes what the simulator senses; returns the number of messages.
+/// Writes the simulator's messages; returns their number.
 std::int64_t write_log(const SimulateOptions& options, const io::Config& config,
                        simulation::Simulator& simulator, const Interval& interval,
                        std::int64_t& last_utime) {
@@ -78,7 +78,7 @@ std::int64_t write_log(const SimulateOptions& options, const io::Config& config,
   return num_messages;
 }
 
-/// What each scan of the interval truly held.
+/// The truth of each scan in the interval.
 std::vector<simulation::TrueObservation> observe_all(const simulation::Simulator& simulator,
                                                      const Interval& interval) {
   std::vector<simulation::TrueObservation> all;

@@ -5,8 +5,8 @@
 
 namespace orchard::cli {
 
-/// `orchard simulate --scene board`: the log for `orchard calibrate laser-camera`. The truth is the
-/// rig's own `camera`; there is no map, so --truth, --poses and --observations are refused.
+/// `orchard simulate --scene board`: writes the log for `orchard calibrate laser-camera`. The rig's
+/// own `camera` is the truth; there is no map, so --truth, --poses and --observations are rejected.
 int run_simulate_board(const SimulateOptions& options);
 
 }  // namespace orchard::cli

@@ -9,10 +9,10 @@
 
 namespace orchard::cli {
 
-/// The rig that the options ask for: that of the file, or the scene's own. Throws io::ConfigError.
+/// The rig of the options' file, or the scene's own. Throws io::ConfigError.
 io::Config rig_of(const SimulateOptions& options);
 
-/// Writes the CONFIG message that a simulated log begins with.
+/// Writes the CONFIG message at the start of a simulated log.
 void write_rig(io::LogWriter& writer, const io::Config& config, std::int64_t utime);
 
 }  // namespace orchard::cli

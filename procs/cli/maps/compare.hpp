@@ -11,17 +11,17 @@ namespace orchard::cli {
 struct CompareOptions {
   std::string earlier_path;  ///< a map folder, or its map.csv
   std::string later_path;
-  std::string out_folder;  ///< empty: only what is printed
+  std::string out_folder;  ///< empty: only prints
   mapping::MapAlignmentConfig alignment;
   mapping::ComparisonConfig comparison;
-  double reach_m = 0.0;    ///< of the laser; 0 = as the map folders say
-  bool as_mapped = false;  ///< without what people corrected
+  double reach_m = 0.0;    ///< max range of the laser; 0: that of the map folders
+  bool as_mapped = false;  ///< without manual corrections
   bool json = false;
 };
 
-/// Lays the later map on the earlier one, tells what changed, prints it and writes it into a
-/// folder; returns the exit code. Throws io::FileError for maps that cannot be read, that cannot be
-/// aligned, or that can be aligned in more than one way.
+/// Registers the later map to the earlier one, prints the changes and writes them into a folder;
+/// returns the exit code. Throws io::FileError for maps that cannot be read, that cannot be
+/// aligned, or whose alignment is ambiguous.
 int run_compare(const CompareOptions& options);
 
 }  // namespace orchard::cli

@@ -43,7 +43,7 @@ std::int64_t num_out(const ReplayReport& report, Channel channel) {
   return report.num_out[static_cast<std::size_t>(channel)];
 }
 
-/// An empty map must not pass for a result: says what the log lacks.
+/// Throws for an empty map, with the inputs that the log lacks: it must not pass for a result.
 void require_usable(const MapOptions& options, const pose::PoseConfig& config,
                     const bus::Node& pose_node, const ReplayReport& report) {
   if (num_in(report, Channel::kScan) == 0) {
@@ -65,7 +65,7 @@ void require_usable(const MapOptions& options, const pose::PoseConfig& config,
   }
 }
 
-/// Before the names of what the pose's mode says of itself, among the counts.
+/// Prefix of the pose node's statistics in the counts.
 const std::string kPoseAccount = "pose_";
 
 std::uint64_t num_lost_bytes(const ReplayReport& report) {
@@ -107,8 +107,7 @@ void print_summary(const MapOptions& options, const ReplayReport& report,
               1e-6 * static_cast<double>(report.last_utime - report.first_utime));
   std::string losses;
   for (const auto& [name, value] : content.summary.counts) {
-    // Other programs' channels on the bus, and LCM's own, are nothing that was lost.
-    // Ids kept of an earlier map are none either.
+    // Not losses: channels of other programs, LCM's own channels, and ids kept from an earlier map.
     const bool is_loss = name != "events" && name != "unknown_channel" &&
                          name.rfind("in_", 0) != 0 && name.rfind(kPoseAccount, 0) != 0 &&
                          name.rfind("out_", 0) != 0 && name.rfind(kCorrectionCount, 0) != 0 &&
@@ -141,7 +140,7 @@ void print_summary(const MapOptions& options, const ReplayReport& report,
       options.no_derived ? "" : ", derived.lcm (every message on the way)");
 }
 
-/// Where the laser looks, by the rig and the log's first scan: what later comparisons go by.
+/// The laser's field of view from the rig and the log's first scan, for later comparisons.
 mapping::SensorView sensor_view(const io::Config& config, const io::LogPaths& logs) {
   mapping::SensorView view;
   view.reach_m =
@@ -181,7 +180,7 @@ int run_map(const MapOptions& options) {
   }
   io::make_folder(options.out_folder, "give another one with --out");
   MapPipeline pipeline(config, options.out_folder);
-  LongWork work("mapping", !options.quiet);  // from here on Ctrl-C takes back what was begun
+  LongWork work("mapping", !options.quiet);  // from here on Ctrl-C removes partly written files
   const std::string derived_path = options.out_folder + "/derived.lcm";
   std::optional<io::LogWriter> derived;
   if (!options.no_derived) derived.emplace(derived_path);
@@ -230,7 +229,8 @@ int run_map(const MapOptions& options) {
   std::string corrections;
   if (kept) {
     corrections = account_corrections("orchard map", kept->corrections, content);
-  } else {  // of an earlier map in this folder: said, but what is written goes by the log alone
+  } else {  // corrections of an earlier map in this folder: reported only; the map depends on the
+            // log alone
     io::MapFolderContent seen = content;
     corrections =
         account_corrections("orchard map", io::read_corrections(options.out_folder).list, seen);
@@ -240,7 +240,7 @@ int run_map(const MapOptions& options) {
   if (derived) {
     derived->close();
   } else {
-    std::filesystem::remove(derived_path);  // of an earlier map: it would pass for this one's
+    std::filesystem::remove(derived_path);  // an old file would pass for this map's
   }
   if (!options.quiet) print_summary(options, report, content, kept, corrections);
   if (options.timing) std::fputs(timer.text().c_str(), stdout);

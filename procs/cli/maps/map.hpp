@@ -10,21 +10,22 @@ namespace orchard::cli {
 
 /// `orchard map LOG... --out DIR`.
 struct MapOptions {
-  std::vector<std::string> log_paths;  ///< of one drive, in any order
-  std::string config_path;             ///< empty: the rig that the log carries
+  std::vector<std::string> log_paths;  ///< logs of one drive, in any order
+  std::string config_path;             ///< empty: the rig stored in the log
   std::string out_folder;
-  std::string previous_path;  ///< map whose ids and numbers are kept; empty: none
+  std::string previous_path;  ///< earlier map whose ids and numbers are kept; empty: none
   mapping::MapAlignmentConfig previous_alignment;
-  bool strict = false;      ///< refuse a log with any damage or any message that has to be dropped
-  bool quiet = false;       ///< no progress and no closing summary; warnings and errors still come
-  bool no_derived = false;  ///< no derived.lcm, the messages on the way; an earlier one is removed
-  int num_jobs = 0;         ///< threads at once; 0: one for each core
-  bool timing = false;      ///< print what every thousand scans took
+  bool strict = false;  ///< reject a log with any damage or any dropped message
+  bool quiet = false;   ///< no progress and no summary; warnings and errors are still printed
+  bool no_derived =
+      false;            ///< no derived.lcm (log of intermediate messages); removes an earlier one
+  int num_jobs = 0;     ///< number of threads; 0: one per core
+  bool timing = false;  ///< print the cost of every thousand scans
 };
 
-/// Replays a log, or the pieces of one, through detector, pose and mapper in this process and
-/// writes the map folder; returns the exit code. Throws io::FileError and io::ConfigError, and then
-/// leaves an earlier map in the folder as it was; Interrupted as well.
+/// Replays a log, or its parts, through detector, pose and mapper in this process and writes the
+/// map folder; returns the exit code. Throws io::FileError, io::ConfigError and Interrupted, and
+/// then leaves an earlier map in the folder unchanged.
 int run_map(const MapOptions& options);
 
 }  // namespace orchard::cli

@@ -10,20 +10,20 @@
 
 namespace orchard::cli {
 
-/// Before the names of what became of corrections, among the counts.
+/// Prefix of the counts of correction outcomes in the summary.
 inline const std::string kCorrectionCount = "corrections_";
 
-/// Throws io::FileError when the folder that a map is to be written into holds corrections that the
-/// earlier map has not: they would be lost.
+/// Throws io::FileError when the output folder has corrections that the earlier map lacks: they
+/// would be lost.
 void require_corrections_of(const std::string& out_folder, const io::CorrectedMapFolder& earlier);
 
-/// Says in the summary what becomes of corrections on the map; each conflict is a warning, there
-/// and on stderr. Returns it in a line; empty: there are none. The map stays as it is.
+/// Adds the outcome of the corrections to the summary; each conflict is a warning, there and on
+/// stderr. Returns the outcome as one line; empty: no corrections. Does not change the map.
 std::string account_corrections(const char* command,
                                 const std::vector<mapping::Correction>& corrections,
                                 io::MapFolderContent& content);
 
-/// Makes them the folder's corrections.
+/// Writes the corrections into the folder.
 void write_corrections(const std::string& folder,
                        const std::vector<mapping::Correction>& corrections);
 

@@ -9,23 +9,24 @@
 
 namespace orchard::cli {
 
-/// Where the drives of a map looked; `reach_m` over 0 replaces what the map says.
+/// Detection-probability map of a map's drives; `reach_m` above 0 replaces the range stored in the
+/// map.
 mapping::DetectionMap view_of(const io::StoredMap& map, double reach_m);
 
-/// How map b lies on map a. Throws io::FileError in one sentence when that cannot be told.
+/// Registers map b to map a. Throws io::FileError in one sentence when the registration fails or is
+/// ambiguous.
 mapping::MapAlignment lay_on(const io::StoredMap& a, const mapping::DetectionMap& view_a,
                              const io::StoredMap& b, const mapping::DetectionMap& view_b,
                              const mapping::MapAlignmentConfig& config);
 
-/// What a new map has of an earlier one.
+/// Data that a new map keeps from an earlier one.
 struct KeptMap {
   mapping::KeptNumbers numbers;
-  std::vector<mapping::Correction> corrections;  ///< of the earlier map, as of the new one
+  std::vector<mapping::Correction> corrections;  ///< of the earlier map, converted to the new one
 };
 
-/// Gives what `content` has in common with an earlier map the ids and numbers it had there, and
-/// says so in its summary. What people added to the earlier one counts as known. Throws as
-/// lay_on().
+/// Gives landmarks of `content` that match an earlier map their ids and numbers there, and notes it
+/// in the summary. Manual additions to the earlier map count as known. Throws like lay_on().
 KeptMap keep_known(const io::CorrectedMapFolder& earlier, const mapping::MapAlignmentConfig& config,
                    const mapping::RowsConfig& rows, io::MapFolderContent& content);
 

@@ -13,9 +13,9 @@
 
 namespace orchard::cli {
 
-/// The three roles between a log and its map.
+/// The three nodes between a log and its map.
 struct MapPipeline {
-  /// What pose and mapper keep of a long drive lies in files in `folder`.
+  /// Pose and mapper store the data of a long drive in files in `folder`.
   MapPipeline(const io::Config& config, const std::string& folder)
       : detector(config),
         pose(config, std::make_shared<io::FileMemory>(folder)),

@@ -49,17 +49,17 @@ void append_ids(std::size_t number, const std::vector<mapping::KeptId>& ids, std
   }
 }
 
-/// A map that was left out, and why.
+/// A map that was left out, and the reason.
 struct LeftOut {
   std::size_t map;
   std::string reason;
 };
 
-/// What has been laid on each other so far.
+/// The maps merged so far.
 struct Whole {
   io::StoredMap map;  ///< its landmarks are those of `merged`
   mapping::MergedMap merged;
-  std::vector<std::string> ids_of_map;  ///< lines of ids.csv; empty of a map that is not in it
+  std::vector<std::string> ids_of_map;  ///< lines of ids.csv; empty for a map that is not merged
   std::vector<std::string> laid;        ///< a sentence for each map after the first
   std::vector<LeftOut> left_out;
 };
@@ -90,8 +90,9 @@ void add_map(const io::StoredMap& map, std::size_t k, const mapping::MapAlignmen
   }
 }
 
-/// Lays the other maps on the one at `first`, a map that touches only a later one after it. Throws
-/// io::FileError when one cannot be laid, unless such are left out.
+/// Merges the other maps into the one at `first`; a map that overlaps only a later one is added
+/// after that one. Throws io::FileError when a map cannot be registered, unless such maps are left
+/// out.
 Whole lay_all(const std::vector<io::StoredMap>& maps, std::size_t first,
               const MergeOptions& options, io::ProgressBar& bar) {
   Whole whole = begin_with(maps, first, options);
@@ -126,7 +127,7 @@ Whole lay_all(const std::vector<io::StoredMap>& maps, std::size_t first,
   return whole;
 }
 
-/// The first map that lies on the previous one. Throws io::FileError when none does.
+/// The first map that can be registered to the previous one. Throws io::FileError if none can.
 std::size_t first_on(const io::StoredMap& previous, const std::vector<io::StoredMap>& maps,
                      const MergeOptions& options) {
   const mapping::DetectionMap view = view_of(previous, 0.0);
@@ -142,11 +143,13 @@ std::size_t first_on(const io::StoredMap& previous, const std::vector<io::Stored
   throw io::FileError(reason);
 }
 
-/// The whole that leaves out fewest. Throws io::FileError when most of the maps are not in it.
+/// The merge that leaves out the fewest maps. Throws io::FileError if it leaves out at least half
+/// of them.
 Whole largest_whole(const std::vector<io::StoredMap>& maps, const MergeOptions& options,
                     io::ProgressBar& bar) {
   std::optional<Whole> best;
-  std::vector<bool> is_in(maps.size(), false);  // a whole already: it would be the same again
+  std::vector<bool> is_in(maps.size(),
+                          false);  // already merged: starting from it gives the same result
   for (std::size_t first = 0; first < maps.size(); ++first) {
     if (is_in[first]) continue;
     Whole whole = lay_all(maps, first, options, bar);
@@ -170,12 +173,13 @@ Whole lay(const std::vector<io::StoredMap>& maps, const io::StoredMap* previous,
   return largest_whole(maps, options, bar);
 }
 
-/// Lines of ids.csv with the ids that landmarks have now; `before`: as they were when it was made.
+/// Lines of ids.csv with the current ids; `before`: the landmarks with the ids at the time of
+/// merging.
 std::string renamed(const std::vector<std::string>& ids_of_map,
                     const std::vector<mapping::Landmark>& before,
                     const std::vector<mapping::Landmark>& now) {
   using Place = std::pair<double, double>;
-  std::map<Place, std::int32_t> id_at;  // keeping ids moves nothing
+  std::map<Place, std::int32_t> id_at;  // positions are unchanged and identify landmarks
   for (const mapping::Landmark& l : now) id_at[{l.x_m, l.y_m}] = l.id;
   std::map<std::string, std::string> renaming;
   for (const mapping::Landmark& l : before) {

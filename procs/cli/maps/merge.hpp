@@ -10,24 +10,26 @@ namespace orchard::cli {
 
 /// `orchard merge MAP_A MAP_B ... --out DIR`.
 struct MergeOptions {
-  std::vector<std::string> map_paths;  ///< map folders, or map.csv; the first gives frame and ids
-  std::string previous_path;           ///< map whose ids and numbers are kept; empty: none
-  bool leave_out = false;              ///< what cannot be laid is left out and said, not refused
+  std::vector<std::string>
+      map_paths;              ///< map folders, or map.csv files; the first gives frame and ids
+  std::string previous_path;  ///< earlier map whose ids and numbers are kept; empty: none
+  bool leave_out =
+      false;  ///< maps that cannot be registered are left out with a message instead of an error
   std::string out_folder;
   std::string config_path;  ///< for mapper.rows; empty: its defaults
   mapping::MapAlignmentConfig alignment;
-  double reach_m = 0.0;  ///< of the laser; 0 = as the map folders say
+  double reach_m = 0.0;  ///< max range of the laser; 0: that of the map folders
 };
 
-/// Lays several maps of one orchard on each other and writes one map folder, with ids.csv that says
-/// which landmark of which map became which; returns the exit code. Throws io::FileError for maps
-/// that cannot be read or not be laid on each other without doubt, and before an input would be
-/// overwritten; then nothing is written.
+/// Registers several maps of one orchard to each other and writes one map folder. Its ids.csv tells
+/// the merged landmark of each input landmark. Returns the exit code. Throws io::FileError for maps
+/// that cannot be read or whose registration fails or is ambiguous, and before an input would be
+/// overwritten; then writes nothing.
 ///
-/// With leave_out the whole begins with the first map that lies on the previous one or, where there
-/// is none, with that upon which most of the others can be laid; left_out.csv says what was left
-/// out and why. Where no map has a majority behind it, nothing tells which is of the orchard, and
-/// all are refused.
+/// With leave_out the merge starts from the first map that can be registered to the previous one;
+/// without a previous one, from the map to which most others can be registered. left_out.csv lists
+/// the maps left out and the reasons. Without a majority for any map it is unknown which maps show
+/// the orchard, and all are rejected.
 int run_merge(const MergeOptions& options);
 
 }  // namespace orchard::cli

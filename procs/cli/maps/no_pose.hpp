@@ -9,9 +9,9 @@
 
 namespace orchard::cli {
 
-/// Why a drive gave no pose at all, in words that complete "LOG ...": the mode, the inputs of it
-/// that are missing, and the keys to set. `missing`: channels that the mode needs and did not get;
-/// `state`: what the mode says itself, or nothing.
+/// The reason why a drive gave no pose at all, as text that completes "LOG ...": the mode, its
+/// missing inputs, and the keys to set. `missing`: required channels without messages; `state`: the
+/// mode's own message, or empty.
 std::string no_pose_text(const pose::PoseConfig& config, const std::vector<bus::Channel>& missing,
                          const std::string& state);
 

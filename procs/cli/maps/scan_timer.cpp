@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::int64_t kStretch = 1000;
 
-/// The most memory that this process has held so far [MiB]; 0 where the system does not say.
+/// Peak memory of this process [MiB]; 0 where the system does not report it.
 double peak_mib() {
   std::ifstream status("/proc/self/status");
   std::string line;

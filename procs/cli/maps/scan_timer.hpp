@@ -8,11 +8,11 @@
 
 namespace orchard::cli {
 
-/// What a long replay costs as it goes on: processor time per scan, and memory, by thousands of
-/// scans. For people and scripts; nothing of it reaches a file.
+/// Measures the cost of a long replay: processor time per scan and memory, per thousand scans.
+/// Printed only; it reaches no file.
 class ScanTimer {
  public:
-  /// One scan more has been dealt with.
+  /// Counts one processed scan.
   void count();
 
   /// One line per thousand: `timing: scans 1-1000: 0.912 ms a scan, 43.1 MiB at most`.

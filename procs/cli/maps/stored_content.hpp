@@ -6,8 +6,8 @@
 
 namespace orchard::cli {
 
-/// A map that was read back as the content of a new folder: landmarks, paths, view, place on the
-/// earth; without rows. Maps keep no beams: what lies beside a driven path counts as seen free.
+/// Converts a stored map to the content of a new folder: landmarks, paths, coverage, georeference;
+/// without rows. Maps store no beams: the area beside a driven path counts as seen free.
 io::MapFolderContent content_of(const io::StoredMap& map);
 
 }  // namespace orchard::cli

@@ -23,7 +23,7 @@ namespace orchard::cli {
 namespace {
 
 constexpr const char* kOpenFirewall = "sudo iptables -I INPUT -p udp -d 239.0.0.0/8 -j ACCEPT";
-/// STATUS takes its time on a busy machine: less is no sign of another clock.
+/// Min difference that indicates another clock; less can be delay on a busy machine.
 constexpr std::int64_t kSkew_us = 150'000;
 
 constexpr const char* kUntilBoot =
@@ -41,12 +41,12 @@ struct Finding {
   std::string text, fix, note;
 };
 
-/// Remembers findings and the worst of them, and prints each at once unless all are wanted as JSON.
+/// Collects findings and their max severity; prints each at once unless JSON is requested.
 class Findings {
  public:
   explicit Findings(bool json) : json_(json) {}
 
-  /// `fix` is a command to type (or else says so in words); `note` says more.
+  /// `fix`: a command, or instructions; `note`: further explanation.
   void add(Severity severity, const std::string& text, const std::string& fix = {},
            const std::string& note = {}) {
     worst_ = std::max(worst_, severity);
@@ -148,8 +148,8 @@ void check_buffers(Findings& findings, const UdpmUrl& url) {
   }
 }
 
-/// Between machines a picture travels in pieces: what is left of broken ones must not fill the
-/// memory for whole ones.
+/// Checks the kernel's limits for IP fragments: remains of incomplete pictures must not use up the
+/// memory for complete ones.
 void check_fragments(Findings& findings, const UdpmUrl& url) {
   constexpr std::int64_t kTimeMax_s = 5;
   constexpr std::int64_t kMemoryMin_bytes = 16 << 20;
@@ -173,7 +173,8 @@ void check_fragments(Findings& findings, const UdpmUrl& url) {
   }
 }
 
-/// Crafted datagrams end LCM 1.3.1: ours filter their sockets, others need the firewall's help.
+/// Checks the protection against malformed datagrams, which crash LCM 1.3.1: our programs filter
+/// their sockets, others need the firewall.
 void check_guard(Findings& findings, const UdpmUrl& url) {
   if (bus::socket_filters_work()) {
     findings.add(Severity::kOk, "programs of Orchard Mapper drop datagrams that end LCM");
@@ -203,12 +204,12 @@ void check_port(Findings& findings, const UdpmUrl& url) {
                                       std::to_string(url.port) + " (LCM programs share it)");
 }
 
-/// Sends to itself through the real network path, and listens to what others send meanwhile.
+/// Sends messages to itself over the network, and listens to other senders meanwhile.
 void check_traffic(Findings& findings, const std::string& lcm_url) {
   bus::Bus bus(lcm_url);
   const std::string own_name = "orchard-doctor";
   bool heard_self = false;
-  std::map<std::string, std::int64_t> others;  // and how far their clocks are off [us]
+  std::map<std::string, std::int64_t> others;  // and their clock offsets [us]
   bus.subscribe_status([&](const bus::Status& status) {
     if (status.name == own_name) {
       heard_self = true;

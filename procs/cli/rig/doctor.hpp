@@ -11,9 +11,9 @@ struct DoctorOptions {
   bool json = false;
 };
 
-/// Looks at what LCM needs of this machine (multicast route, loopback, sockets, buffers, traffic)
-/// and prints each finding as OK, WARN or FAIL with the command that mends it. Returns 0 when
-/// nothing failed, 1 otherwise, 2 for a URL it cannot read.
+/// Checks this machine for LCM's needs (multicast route, loopback, sockets, buffers, traffic) and
+/// prints each finding as OK, WARN or FAIL with the command that fixes it. Returns 0 when nothing
+/// failed, 1 otherwise, 2 for an invalid URL.
 int run_doctor(const DoctorOptions& options);
 
 }  // namespace orchard::cli

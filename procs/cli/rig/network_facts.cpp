@@ -153,14 +153,14 @@ std::optional<bool> runts_arrive(const UdpmUrl& url) {
   address.sin_addr = group.imr_multiaddr;
   const unsigned char ttl = 0;
   setsockopt(sender, IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof(ttl));
-  // Shorter than LCM's header: every LCM program lets it fall.
+  // Shorter than LCM's header: every LCM program ignores it.
   const char runt[5] = {'L', 'C', '0', '2', 0};
   if (sendto(sender, runt, sizeof(runt), 0, reinterpret_cast<const sockaddr*>(&address),
              sizeof(address)) != static_cast<ssize_t>(sizeof(runt))) {
     return std::nullopt;
   }
   char bytes[65536];
-  for (int i = 0; i < 200; ++i) {  // among what the others send
+  for (int i = 0; i < 200; ++i) {  // among datagrams of other senders
     const ssize_t size = recv(listener, bytes, sizeof(bytes), 0);
     if (size < 0) return false;
     if (size == static_cast<ssize_t>(sizeof(runt))) return true;

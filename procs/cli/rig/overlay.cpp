@@ -25,9 +25,9 @@
 namespace orchard::cli {
 namespace {
 
-/// Larger numbers are no seconds of a drive.
+/// Values from here on are an absolute utime, not seconds since the start.
 constexpr double kAbsoluteFrom = 1e12;
-/// Around the time asked for, which a pair may lie from it and its messages from the pair.
+/// Max distances from the requested time: of the pair, and of the messages read.
 constexpr double kReach_s = 1.0;
 constexpr double kMargin_s = 1.5;
 
@@ -73,7 +73,7 @@ class NearestPair : public bus::Node {
   std::optional<detection::ScanImagePair> nearest_;
 };
 
-/// The utime asked for, within what the log covers.
+/// The requested utime, limited to the range of the log.
 std::int64_t utime_asked(const OverlayOptions& options, const bus::ReplayIndex& index) {
   const std::int64_t first = index.report.first_utime, last = index.report.last_utime;
   const double at_us =

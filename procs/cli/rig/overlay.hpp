@@ -9,12 +9,12 @@ namespace orchard::cli {
 struct OverlayOptions {
   std::string log_path;
   double at = 0.0;          ///< seconds from the log's first message, or an absolute utime [us]
-  std::string config_path;  ///< empty: the rig that the log carries
+  std::string config_path;  ///< empty: the rig stored in the log
   std::string out_path;
 };
 
-/// Draws what the laser and the detector see onto the picture nearest to a time; returns the exit
-/// code. Throws io::FileError and io::ConfigError, and then writes nothing.
+/// Draws the scan points and the detector's results onto the picture nearest to a time; returns the
+/// exit code. Throws io::FileError and io::ConfigError, and then writes nothing.
 int run_overlay(const OverlayOptions& options);
 
 }  // namespace orchard::cli

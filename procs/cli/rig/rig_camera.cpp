@@ -61,7 +61,7 @@ std::vector<io::ConfigValue> rig_values_of(const geometry::CameraIntrinsics& cam
 void write_rig_camera(const RigTarget& target, const geometry::CameraIntrinsics& camera,
                       const std::string& note, bool quiet) {
   if (target.out_path.empty()) return;
-  std::string line = note;  // the names of files in it may hold anything; a comment is one line
+  std::string line = note;  // file names may contain line breaks; a comment is one line
   std::replace_if(
       line.begin(), line.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
   const auto values = rig_values_of(camera);

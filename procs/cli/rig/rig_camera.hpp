@@ -9,26 +9,27 @@
 
 namespace orchard::cli {
 
-/// Which rig's YAML a camera is written into.
+/// Input and output files for writing a camera into a rig's YAML.
 struct RigTarget {
-  std::string config_path;  ///< to start from; empty: from nothing
-  std::string out_path;     ///< empty: nothing is written
+  std::string config_path;  ///< rig to start from; empty: none
+  std::string out_path;     ///< empty: do not write
 };
 
-/// --out is the file to write (default: --config, in place); --config the one to start from
-/// (default: --out when it exists). Throws io::ConfigError when that is no rig's YAML.
+/// Resolves the options: --out is the file to write (default: --config, in place), --config the one
+/// to start from (default: --out when it exists). Throws io::ConfigError when that is not a rig's
+/// YAML.
 RigTarget rig_target(const std::string& config_path, const std::string& out_path);
 
-/// Throws io::FileError when the rig to start from has pictures of another size than the camera
-/// has, unless `force`. `what` names the camera's side in the sentence.
+/// Throws io::FileError when the picture size of the rig to start from differs from the camera's,
+/// unless `force`. `what` names the camera in the message.
 void check_size(const RigTarget& target, const geometry::CameraIntrinsics& camera,
                 const std::string& what, bool force);
 
-/// The keys of a rig's YAML that describe the lens.
+/// The lens parameters as values for a rig's YAML.
 std::vector<io::ConfigValue> rig_values_of(const geometry::CameraIntrinsics& camera);
 
-/// Writes the lens with a note that says where it comes from. Throws io::FileError and
-/// io::ConfigError, and then leaves every file as it was.
+/// Writes the lens parameters into the rig, with a note on their source. Throws io::FileError and
+/// io::ConfigError, and then leaves every file unchanged.
 void write_rig_camera(const RigTarget& target, const geometry::CameraIntrinsics& camera,
                       const std::string& note, bool quiet);
 

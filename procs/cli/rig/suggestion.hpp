@@ -6,9 +6,9 @@
 
 namespace orchard::cli {
 
-/// The candidate that was probably meant by a misspelt word, or empty when none is near: the
-/// fewest insertions, deletions, substitutions and swaps of neighbours, at most a third of the
-/// word's length plus one.
+/// The candidate nearest to a misspelt word, or empty when none is near. Distance: the number of
+/// insertions, deletions, substitutions and swaps of neighbours, at most a third of the word's
+/// length plus one.
 std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates);
 
 }  // namespace orchard::cli

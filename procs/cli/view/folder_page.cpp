@@ -40,7 +40,7 @@ FolderPage::FolderPage(const std::string& folder, bool can_edit)
       photo_ids_.push_back(l.id);
     }
   }
-  editor_.if_changed();  // before reading: what is written in between is news
+  editor_.if_changed();  // before reading, so that later changes are noticed
   auto corrections = io::read_corrected_map(folder).corrections;
   show(io::corrected_map_of(std::move(mapped), std::move(corrections)));
 }
@@ -140,14 +140,15 @@ PageAnswer FolderPage::edit(const std::string& json) {
 
 void FolderPage::look_for_corrections() {
   const std::lock_guard<std::mutex> lock(
-      edit_mutex_);  // before reading: an edit between would be lost
+      edit_mutex_);  // before reading, so that no concurrent edit is lost
   auto others = editor_.if_changed();
   if (!others) return;
   const auto last = [](const std::vector<mapping::Correction>& list) {
     return list.empty() ? 0 : list.back().number;
   };
   const auto now = shown();
-  if (last(*others) == last(now->map.corrections)) return;  // this page's own
+  if (last(*others) == last(now->map.corrections))
+    return;  // the last correction is this page's own
   show(io::corrected_map_of(now->map.mapped, std::move(*others)));
 }
 

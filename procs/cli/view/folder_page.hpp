@@ -15,10 +15,10 @@
 
 namespace orchard::cli {
 
-/// The page of a map folder with its corrections, those that somebody else makes meanwhile, too.
+/// The page of a map folder with its corrections, including those that others make meanwhile.
 class FolderPage : public procs::PageContent {
  public:
-  /// Throws io::FileError. `can_edit`: who sees the page may correct the map.
+  /// Throws io::FileError. `can_edit`: users of the page may correct the map.
   FolderPage(const std::string& folder, bool can_edit);
 
   std::string page() const override;
@@ -30,7 +30,7 @@ class FolderPage : public procs::PageContent {
   bool can_edit() const override { return can_edit_; }
   procs::PageAnswer edit(const std::string& json) override;
 
-  /// Takes over what others have written beside the map since.
+  /// Reads corrections that others have written beside the map.
   void look_for_corrections();
 
  private:
@@ -44,11 +44,11 @@ class FolderPage : public procs::PageContent {
 
   std::string folder_, title_;
   bool can_edit_;
-  std::string boot_;  ///< of this server: a page of another one loads itself anew
+  std::string boot_;  ///< identifies this run of the server: the page of an earlier run reloads
   std::vector<std::int32_t> photo_ids_;
-  std::mutex edit_mutex_;  ///< of who changes the map: two at once are shown in their order
+  std::mutex edit_mutex_;  ///< serialises edits, so that they are shown in order
   procs::MapEditor editor_;
-  mutable std::mutex mutex_;  ///< of all below: who looks on waits for no edit
+  mutable std::mutex mutex_;  ///< guards all below, so that readers do not wait for an edit
   std::shared_ptr<const Shown> shown_;
   view::LiveMap landmarks_{0};
   std::string rows_event_, corrections_event_;

@@ -43,7 +43,7 @@ struct Stopped : std::runtime_error {
   Stopped() : std::runtime_error("stopped") {}
 };
 
-/// A message of the log that is what it says; null where it is damaged.
+/// Decodes a message of the log; none when it is damaged.
 template <class Kind>
 std::optional<Kind> decoded(Channel channel, const std::vector<std::uint8_t>& data) {
   auto result = bus::decode(channel, data.data(), data.size());
@@ -282,7 +282,7 @@ std::optional<PageAnswer> LogPage::get(const std::string& name, const Parameters
     if (!text) return std::nullopt;
     return PageAnswer{200, "application/json", std::move(*text)};
   } catch (const io::FileError&) {
-    return std::nullopt;  // the log has been changed under us
+    return std::nullopt;  // the log file has changed meanwhile
   }
 }
 

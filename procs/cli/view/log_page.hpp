@@ -16,14 +16,14 @@
 
 namespace orchard::cli {
 
-/// The page of a log: it is mapped while people look on, and stepped through scan by scan.
+/// The page of a log: maps the log in the background and lets users step through it scan by scan.
 ///
-/// Scans and pictures stay in the log and are read when a page asks for them; detections lie in a
-/// file without a name in the folder for temporary ones.
+/// Scans and pictures stay in the log and are read on request; detections are kept in an unnamed
+/// file in the temporary folder.
 class LogPage : public procs::PageContent {
  public:
-  /// Begins to map. Throws io::FileError when the log or the temporary folder cannot be opened;
-  /// what else goes wrong, outcome() says.
+  /// Starts mapping. Throws io::FileError when the log or the temporary folder cannot be opened;
+  /// outcome() reports other errors.
   LogPage(const io::LogPaths& logs, const io::Config& config, const std::string& version);
   ~LogPage() override;
 
@@ -32,17 +32,17 @@ class LogPage : public procs::PageContent {
     is_more = false;
     return {};
   }
-  /// `drive?steps=N&changes=N&paths=N`: what is new since; `step?at=K`: scan and what the camera
-  /// was asked; `picture?at=K`.
+  /// `drive?steps=N&changes=N&paths=N`: everything new since; `step?at=K`: scan K and its trunk
+  /// candidates; `picture?at=K`.
   std::optional<procs::PageAnswer> get(const std::string& name,
                                        const Parameters& parameters) override;
   procs::PageAnswer edit(const std::string&) override { return {405, "text/plain", ""}; }
 
-  /// How the mapping went, once it has ended: empty while it runs, "ok", or what went wrong.
+  /// The result of the mapping: empty while it runs, "ok", or the error.
   std::string outcome() const;
 
  private:
-  /// Where in the log a message lies, by the time in it.
+  /// (utime, offset in the log) of each message.
   using Places = std::vector<std::pair<std::int64_t, std::uint64_t>>;
   struct Stored {
     std::int64_t utime = 0;
@@ -58,16 +58,16 @@ class LogPage : public procs::PageContent {
 
   io::LogPaths logs_;
   io::Config config_;
-  std::string boot_;  ///< of this server: a page of another one loads itself anew
+  std::string boot_;  ///< identifies this run of the server: the page of an earlier run reloads
   std::string page_;
   Places scans_, images_;
-  mutable std::mutex log_mutex_;  ///< of the reader
+  mutable std::mutex log_mutex_;  ///< guards the reader
   std::unique_ptr<io::LogSeries> reader_;
   std::unique_ptr<Spill> spill_;
-  mutable std::mutex mutex_;  ///< of all below
+  mutable std::mutex mutex_;  ///< guards all below
   view::DriveRecord record_;
   std::vector<Stored> detections_;
-  std::string finish_json_;  ///< rows, ways, place on the earth: once it is mapped
+  std::string finish_json_;  ///< rows, navigation graph and georeference, after mapping
   std::string outcome_;
   double fraction_ = 0.0;
   std::atomic<bool> is_stopping_{false};

@@ -26,15 +26,15 @@ extern char** environ;
 namespace orchard::cli {
 namespace {
 
-constexpr int kRefresh_ms = 500;  ///< for what others have written beside the map
+constexpr int kRefresh_ms = 500;  ///< period of checking for corrections by others
 
-/// The user's browser, if there is one; whoever is not there is not missed.
+/// Opens the user's browser; does nothing when there is none.
 void open_in_browser(const std::string& url) {
   std::string program = "xdg-open", address = url;
   char* arguments[] = {program.data(), address.data(), nullptr};
   posix_spawnattr_t attributes;
   ::posix_spawnattr_init(&attributes);
-  sigset_t none;  // it shall end at Ctrl-C, which this program blocks
+  sigset_t none;  // the browser must end at Ctrl-C, which this program blocks
   sigemptyset(&none);
   ::posix_spawnattr_setsigmask(&attributes, &none);
   ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
@@ -45,8 +45,9 @@ void open_in_browser(const std::string& url) {
   ::posix_spawnattr_destroy(&attributes);
 }
 
-/// A file that only this user can read and that leads to the page: as an argument of the browser
-/// the token could be read by everybody on this machine. Gone with this object.
+/// A temporary file, readable only by this user, that redirects to the page. As a command-line
+/// argument of the browser, the token would be visible to all users of this machine. The destructor
+/// removes it.
 class TokenPage {
  public:
   TokenPage(const std::string& url, const std::string& token) {
@@ -103,7 +104,7 @@ int run_view(const ViewOptions& options) {
       std::fprintf(stderr, "orchard view: note: %s\n", note.c_str());
     }
   }
-  // Until here Ctrl-C simply ends; from here on no thread takes the signals.
+  // Before this line Ctrl-C ends the program; from here on all threads block the signals.
   bus::StopSignal stop;
   std::unique_ptr<LogPage> log;
   if (rig) log = std::make_unique<LogPage>(logs, rig->config, ORCHARD_VERSION);
@@ -119,7 +120,7 @@ int run_view(const ViewOptions& options) {
   bool is_told = false, has_failed = false;
   while (!stop.raised()) {
     stop.wait(-1, kRefresh_ms);
-    while (::waitpid(-1, nullptr, WNOHANG) > 0) {  // the browser's starter
+    while (::waitpid(-1, nullptr, WNOHANG) > 0) {  // reap the browser's launcher
     }
     if (folder) folder->look_for_corrections();
     if (log && !is_told && !log->outcome().empty()) {

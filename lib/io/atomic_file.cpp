@@ -65,7 +65,7 @@ void rename_durably(const std::string& from, const std::string& to) {
   if (std::rename(from.c_str(), to.c_str()) != 0) fail(to, "be replaced", errno);
   const fs::path folder = fs::path(to).parent_path();
   const Descriptor directory(folder.empty() ? "." : folder.string(), O_RDONLY | O_DIRECTORY);
-  // Some file systems refuse to sync folders; the file itself is in place all the same.
+  // Some file systems do not support syncing folders; the file has been replaced anyway.
   if (directory.get() >= 0) (void)::fsync(directory.get());
 }
 
@@ -95,7 +95,7 @@ std::string FileReplacement::temporary_for(const std::string& path) {
                            std::to_string(counter++) + target.extension().string();
   const std::string temporary = (target.parent_path() / name).string();
   std::error_code ignored;
-  fs::remove(temporary, ignored);  // of a killed process that had the same number
+  fs::remove(temporary, ignored);  // left by a killed process with the same process id
   entries_.push_back({target.string(), temporary});
   return temporary;
 }

@@ -8,32 +8,33 @@
 
 namespace orchard::io {
 
-/// Replaces `path` by `content` so that a reader sees the old file or the new one, never a half:
-/// writes a temporary beside it, syncs, renames. Throws FileError (full disk, no permission) and
-/// then leaves the old file as it was.
+/// Replaces the content of `path` atomically: a reader sees either the old or the new file. Writes
+/// a temporary file beside it, syncs and renames it. Throws FileError (full disk, no permission)
+/// and then leaves the old file unchanged.
 void write_file_atomically(const std::string& path, std::string_view content);
 
-/// The same for libraries that write by name: `write` fills the temporary path it is given (same
-/// extension as `path`); throwing from it leaves the old file as it was.
+/// The same for libraries that write to a file name: `write` fills the temporary path it is given
+/// (same extension as `path`). If it throws, the old file remains unchanged.
 void replace_file_atomically(const std::string& path,
                              const std::function<void(const std::string& temporary)>& write);
 
-/// Several files replaced together: all are written and synced under temporary names before the
-/// first is renamed, so a full disk leaves every old file as it was.
+/// Replaces several files together: all are written and synced under temporary names before the
+/// first is renamed, so a full disk leaves every old file unchanged.
 class FileReplacement {
  public:
   FileReplacement() = default;
-  ~FileReplacement();  ///< without commit(): removes the temporaries
+  ~FileReplacement();  ///< without commit(): removes the temporary files
   FileReplacement(const FileReplacement&) = delete;
   FileReplacement& operator=(const FileReplacement&) = delete;
 
-  /// Prepares a new content of `path`. Throws FileError.
+  /// Prepares new content for `path`. Throws FileError.
   void write(const std::string& path, std::string_view content);
 
-  /// A new name beside `path`, same extension, for a library that writes by name.
+  /// Returns a temporary path beside `path` with the same extension, for a library that writes to a
+  /// file name.
   std::string temporary_for(const std::string& path);
 
-  /// Syncs and renames all. Throws FileError.
+  /// Syncs and renames all files. Throws FileError.
   void commit();
 
  private:
@@ -47,14 +48,15 @@ class FileReplacement {
 /// Writes all bytes to an open file. Throws FileError naming `path` (full disk).
 void write_fully(int fd, const std::string& path, const void* bytes, std::size_t size);
 
-/// Throws FileError naming `path` when the file's bytes do not reach the disk.
+/// Syncs a file to the disk. Throws FileError naming `path` on failure.
 void sync_file(int fd, const std::string& path);
 
-/// Renames and makes the renaming last (syncs the folder). Throws FileError.
+/// Renames a file and syncs its folder, so that the renaming survives a power cut. Throws
+/// FileError.
 void rename_durably(const std::string& from, const std::string& to);
 
-/// The file that `path` stands for when it is a symbolic link. Throws FileError when something
-/// is there that is no regular file and so must not be replaced by one.
+/// Resolves a symbolic link at `path` to the file to be replaced. Throws FileError when something
+/// other than a regular file is there.
 std::string replaceable_path(const std::string& path);
 
 }  // namespace orchard::io

@@ -27,7 +27,7 @@ std::string shown(std::string_view text) {
 
 }  // namespace
 
-/// Where the bytes come from.
+/// Source of the bytes.
 class CsvReader::Source {
  public:
   virtual ~Source() = default;
@@ -43,7 +43,7 @@ class CsvReader::GzipSource : public CsvReader::Source {
       throw FileError(path + " is a folder, not a CSV file");
     }
     errno = 0;
-    file_ = ::gzopen(path.c_str(), "rb");  // reads what is not compressed as it is
+    file_ = ::gzopen(path.c_str(), "rb");  // reads uncompressed files unchanged
     if (file_ == nullptr) {
       throw FileError(path + ": cannot be opened (" +
                       (errno != 0 ? std::strerror(errno) : "out of memory") +
@@ -61,7 +61,7 @@ class CsvReader::GzipSource : public CsvReader::Source {
     const int count = ::gzread(file_, buffer.data() + size, kReadBytes);
     int code = Z_OK;
     const char* message = ::gzerror(file_, &code);
-    if (count < 0 || code == Z_BUF_ERROR) {  // Z_BUF_ERROR: the compressed data are cut short
+    if (count < 0 || code == Z_BUF_ERROR) {  // Z_BUF_ERROR: the compressed data are truncated
       throw FileError(path_ + ": damaged or cut short (" + message + "); fetch or record it again");
     }
     buffer.resize(size + static_cast<std::size_t>(count));

@@ -9,47 +9,47 @@
 
 namespace orchard::io {
 
-/// Reads comma-separated values strictly: a header line, then records of as many fields; no
-/// quotes, no empty lines, lines of at most kMaxLineBytes. Plain or gzip-compressed.
+/// Reads comma-separated values strictly: a header line, then records with the same number of
+/// fields. No quotes, no empty lines, lines of at most kMaxLineBytes. Plain or gzip-compressed.
 ///
-/// Every error is a FileError "file:line:column: what"; column counts characters from 1.
+/// Every error is a FileError "file:line:column: what"; columns count characters from 1.
 class CsvReader {
  public:
   static constexpr std::size_t kMaxLineBytes = std::size_t{1} << 20;
 
-  /// Opens the file and reads its header. Throws FileError when there is none.
+  /// Opens the file and reads its header. Throws FileError if there is none.
   static CsvReader open(const std::string& path);
 
-  /// The same on text in memory (which must outlive the reader); `name` stands for the file.
+  /// Reads text in memory, which must outlive the reader; `name` replaces the path in messages.
   static CsvReader from_text(std::string_view text, const std::string& name);
 
   CsvReader(CsvReader&&) noexcept;
   CsvReader& operator=(CsvReader&&) noexcept;
   ~CsvReader();
 
-  /// Names of the header's columns.
+  /// Column names of the header.
   const std::vector<std::string>& columns() const { return columns_; }
 
   /// Throws FileError unless the header is exactly these columns.
   void expect_columns(const std::vector<std::string>& expected) const;
 
-  /// Reads the next record; false at the end. Throws FileError when it has another number of
-  /// fields than the header.
+  /// Reads the next record; false at the end. Throws FileError if its number of fields differs from
+  /// the header's.
   bool next();
 
   std::size_t num_fields() const { return fields_.size(); }
   std::string_view text(std::size_t field) const;
 
-  /// A finite number. Throws FileError.
+  /// Parses a finite number. Throws FileError.
   double number(std::size_t field) const;
-  /// The same, refusing what lies outside [lo, hi].
+  /// Parses a finite number in [lo, hi]. Throws FileError.
   double number_in(std::size_t field, double lo, double hi) const;
   std::int64_t integer(std::size_t field) const;
   std::int64_t integer_in(std::size_t field, std::int64_t lo, std::int64_t hi) const;
 
   std::int64_t line() const { return line_; }
 
-  /// Throws FileError "file:line:column: why" at a field of the current record.
+  /// Throws FileError "file:line:column: why" for a field of the current record.
   [[noreturn]] void fail(std::size_t field, const std::string& why) const;
   [[noreturn]] void fail_at_column(std::size_t column, const std::string& why) const;
 

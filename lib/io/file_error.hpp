@@ -6,8 +6,8 @@
 
 namespace orchard::io {
 
-/// A file that cannot be read or written as what it should be; the message says which, where in
-/// it, why, and what to do. A program that gets one exits with code 3.
+/// Thrown when a file cannot be read or written. The message names the file, the place in it, the
+/// reason and the remedy. A program that catches it exits with code 3.
 class FileError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

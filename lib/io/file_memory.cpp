@@ -20,10 +20,10 @@
 namespace orchard::io {
 namespace {
 
-/// Chunks that stay in memory when the next one is given.
+/// Chunks that stay in memory when the next one is taken.
 constexpr std::size_t kWarm = 3;
 
-/// What is left of the disk for files that somebody reads.
+/// Disk space left free for the output files.
 constexpr std::uintmax_t kLeft_bytes = 64u << 20;
 
 std::uint32_t crc_of(const void* chunk) {
@@ -66,7 +66,7 @@ bool FileMemory::open_file(bool anew) noexcept {
   return fd_ >= 0;
 }
 
-/// A chunk of the file, which is that long, at its place in memory; none where there is none left.
+/// Maps a chunk of the file, which must be long enough; null if no address space is left.
 void* FileMemory::map(std::uint32_t number) noexcept {
   void* chunk = ::mmap(nullptr, kChunkBytes, PROT_READ | PROT_WRITE, MAP_SHARED, fd_,
                        static_cast<off_t>(number) * static_cast<off_t>(kChunkBytes));
@@ -80,8 +80,8 @@ void* FileMemory::map(std::uint32_t number) noexcept {
   return chunk;
 }
 
-/// The next part of the file; none where there is no room, which must show here and not when it is
-/// written to.
+/// Extends the file by one chunk and maps it; null if there is no space, which must be detected
+/// here and not when the chunk is written to.
 void* FileMemory::map_next() noexcept {
   if (!open_file(true)) return nullptr;
   std::error_code error;
@@ -106,7 +106,7 @@ void* FileMemory::take() {
     ++num_on_heap_;
     return ::operator new(kChunkBytes);
   }
-  // Whatever was read since the last time leaves memory, too; the file keeps it.
+  // Older chunks that were read since the last call are unloaded too; the file keeps them.
   warm_.push_back(chunk);
   if (warm_.size() > kWarm) warm_.pop_front();
   for (const Mapped& other : mapped_) {

@@ -13,21 +13,23 @@
 
 namespace orchard::io {
 
-/// A chunk that a file keeps: its number, and the CRC-32 of its bytes.
+/// A chunk that must remain unchanged in the file: its index in the file and the CRC-32 of its
+/// bytes.
 struct KeptChunk {
   std::uint32_t number = 0;
   std::uint32_t crc = 0;
 };
 
-/// Chunks in a file: only those given last stand in memory, the others come when they are asked
-/// for. Where the disk has little room, a chunk is the heap's.
+/// Allocates chunks in a memory-mapped file, so that only the most recent ones occupy memory. When
+/// the disk is nearly full, chunks are allocated on the heap.
 ///
-/// A file without a name goes away with the process. One with a name can be gone on with: what
-/// keep() was asked for stays as it is in the file until release_others() after the next time.
+/// A file without a name is deleted with the process. A named one can be used again by the next
+/// process: chunks passed to keep() remain unchanged in the file until release_others() after the
+/// next write_kept().
 class FileMemory : public mapping::ChunkMemory {
  public:
-  /// The file is made in `folder`, which must be there, at the first chunk. With a `name` it
-  /// replaces the one of that name.
+  /// The file is created in the existing folder `folder` with the first chunk. With a `name` it
+  /// replaces the file of that name.
   explicit FileMemory(std::string folder, std::string name = {})
       : folder_(std::move(folder)), name_(std::move(name)) {}
   ~FileMemory() override;
@@ -40,24 +42,24 @@ class FileMemory : public mapping::ChunkMemory {
   std::int64_t keep(void* chunk) override;
   void* find(std::int64_t number) override;
 
-  /// What keep() was asked for so far is not meant.
+  /// Forgets all calls of keep() so far.
   void begin_keeping() { to_keep_.clear(); }
 
-  /// Writes what keep() was asked for since then to the disk; all of it, in order of number. Throws
-  /// FileError.
+  /// Syncs the chunks passed to keep() since begin_keeping() to the disk and returns them in order
+  /// of number. Throws FileError.
   std::vector<KeptChunk> write_kept();
 
-  /// Only what write_kept() gave last needs to be kept any longer.
+  /// Allows the reuse of all chunks except those returned by the last write_kept().
   void release_others();
 
-  /// Goes on with the named file of an earlier process, before anything else. Whether all of these
-  /// chunks are in it as they were.
+  /// Opens the named file of an earlier process; call it before any other function. Returns whether
+  /// all of these chunks are in it unchanged.
   bool restore(const std::vector<KeptChunk>& chunks);
 
   std::size_t num_on_heap() const { return num_on_heap_; }
 
  private:
-  using Mapped = std::pair<void*, std::uint32_t>;  ///< where, and its number
+  using Mapped = std::pair<void*, std::uint32_t>;  ///< address and number
   bool open_file(bool anew) noexcept;
   void* map_next() noexcept;
   void* map(std::uint32_t number) noexcept;
@@ -67,15 +69,15 @@ class FileMemory : public mapping::ChunkMemory {
   std::string folder_;
   std::string name_;
   int fd_ = -1;
-  bool is_refused_ = false;          ///< no such file can be made there
-  std::uint32_t num_in_file_ = 0;    ///< chunks, given out and given back
+  bool is_refused_ = false;          ///< the file cannot be created in this folder
+  std::uint32_t num_in_file_ = 0;    ///< chunks in the file, in use or not
   std::vector<Mapped> mapped_;       ///< in order of address
-  std::vector<void*> unused_;        ///< of those: given back
-  std::deque<void*> warm_;           ///< given last
+  std::vector<void*> unused_;        ///< mapped but given back
+  std::deque<void*> warm_;           ///< most recently taken
   std::vector<KeptChunk> kept_;      ///< in order of number
-  std::vector<KeptChunk> written_;   ///< by write_kept() last
-  std::set<std::uint32_t> to_keep_;  ///< asked for since
-  std::vector<void*> released_;      ///< given back, but still kept
+  std::vector<KeptChunk> written_;   ///< result of the last write_kept()
+  std::set<std::uint32_t> to_keep_;  ///< passed to keep() since then
+  std::vector<void*> released_;      ///< given back, but still to be kept
   std::size_t num_on_heap_ = 0;
 };
 

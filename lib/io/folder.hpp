@@ -5,8 +5,8 @@
 
 namespace orchard::io {
 
-/// Makes a folder, and those above it, unless they are there already. Throws FileError, which ends
-/// with what to do instead where `advice` says it.
+/// Creates a folder and its parents if they are missing. Throws FileError; `advice`, if given, is
+/// the remedy at the end of the message.
 void make_folder(const std::string& folder, const std::string& advice = {});
 
 }  // namespace orchard::io

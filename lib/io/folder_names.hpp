@@ -6,7 +6,7 @@
 
 namespace orchard::io {
 
-/// The names of what lies in a folder, sorted; none where it cannot be read.
+/// Lists the names in a folder, sorted; empty if it cannot be read.
 std::vector<std::string> folder_names(const std::string& folder);
 
 }  // namespace orchard::io

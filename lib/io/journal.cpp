@@ -24,10 +24,11 @@ constexpr std::size_t kJournalHeaderBytes = 24;
 constexpr std::uint32_t kBlockMark = 0x314B424Au;  // "JBK1"
 constexpr std::size_t kBlockHeaderBytes = 16;
 constexpr std::size_t kRecordHeaderBytes = 5;
-/// Records that fraction a block; one of them may be as large as the largest message.
+/// Size at which a block is closed; a single record may be as large as the largest message.
 constexpr std::size_t kBlockMax = std::size_t{1} << 20;
 constexpr std::size_t kBlockReadMax = std::size_t{32} << 20;
-/// Blocks that wait for a disk that takes none: 64 MB, a quarter of an hour.
+/// Max number of blocks waiting while the disk cannot be written: 64 MB, about a quarter of an
+/// hour.
 constexpr std::size_t kWaitingMax = 64;
 
 template <class Unsigned>
@@ -56,7 +57,7 @@ std::string header_of(std::int64_t identity) {
   return header;
 }
 
-/// Why a header is not that of this maker.
+/// Compares a header with the expected one and states the difference.
 JournalReading judge_header(const std::string& header, std::int64_t identity) {
   JournalReading reading;
   if (header == header_of(identity)) {
@@ -78,7 +79,7 @@ JournalReading judge_header(const std::string& header, std::int64_t identity) {
   return reading;
 }
 
-/// The records of an inflated block, or none where sizes contradict each other.
+/// Passes the records of an inflated block to the hook; false if their sizes are inconsistent.
 bool hand_over(std::string_view records, JournalReading& reading,
                const JournalRecordHook& on_record) {
   while (!records.empty()) {
@@ -95,7 +96,7 @@ bool hand_over(std::string_view records, JournalReading& reading,
   return true;
 }
 
-/// Whether a block holds together; its records then went to the hook.
+/// Checks a block and passes its records to the hook; false if it is damaged.
 bool use_block(const std::string& header, const std::string& stored, JournalReading& reading,
                const JournalRecordHook& on_record) {
   if (crc_of(stored) != get32(header.data() + 12)) return false;
@@ -131,7 +132,7 @@ JournalReading read_journal(const std::string& path, std::int64_t identity,
   std::ifstream file(path, std::ios::binary);
   if (!file) throw FileError(path + ": cannot be read (" + std::strerror(errno) + ")");
   const std::uint64_t file_size = std::filesystem::file_size(path, error);
-  if (file_size < kJournalHeaderBytes) return {};  // killed before its first commit
+  if (file_size < kJournalHeaderBytes) return {};  // killed before the first commit
   std::string header(kJournalHeaderBytes, '\0');
   file.read(header.data(), kJournalHeaderBytes);
   JournalReading reading = judge_header(header, identity);
@@ -160,7 +161,7 @@ JournalReading read_journal(const std::string& path, std::int64_t identity,
     if (holds) {
       reading.num_good_bytes = end;
     } else {
-      // Only what was written last can be torn: a part of it is missing, or reads as zeros.
+      // A killed process leaves only the last block incomplete: cut off or filled with zeros.
       reading.num_torn_bytes = left;
       if (end < file_size && !is_zero_to_the_end(file, offset)) {
         reading.state = JournalReading::State::kDamaged;
@@ -237,7 +238,7 @@ void Journal::write_block(const std::string& records) {
   block.replace(0, kBlockHeaderBytes, header);
   try {
     write_fully(fd_, path_, block.data(), block.size());
-  } catch (const FileError&) {  // no half of a block stays
+  } catch (const FileError&) {  // remove the partial block
     if (::ftruncate(fd_, static_cast<off_t>(size_)) == 0) ::lseek(fd_, 0, SEEK_END);
     throw;
   }
@@ -246,7 +247,7 @@ void Journal::write_block(const std::string& records) {
 
 void Journal::commit() {
   if (waiting_.empty()) return;
-  if (size_ == 0) write_header();  // there was no room for it
+  if (size_ == 0) write_header();  // the disk was full at the start
   while (!waiting_.empty()) {
     write_block(waiting_.front().records);
     waiting_.erase(waiting_.begin());

@@ -10,55 +10,55 @@
 
 namespace orchard::io {
 
-/// What a journal held when it was read.
+/// Result of reading a journal.
 struct JournalReading {
   enum class State {
-    kAbsent,      ///< no file, or one that was never committed to
-    kWhole,       ///< at most its last block is torn: a killed process's
-    kOtherMaker,  ///< made with another identity
-    kDamaged,     ///< something before its end does not hold together, or it is no journal
+    kAbsent,      ///< no file, or one without a commit
+    kWhole,       ///< at most the last block is incomplete (the process was killed)
+    kOtherMaker,  ///< written with another identity
+    kDamaged,     ///< damaged before its end, or not a journal
   };
   State state = State::kAbsent;
   std::int64_t num_records = 0;
   std::uint64_t num_good_bytes = 0;  ///< up to the end of the last whole block
-  std::uint64_t num_torn_bytes = 0;  ///< after it
-  std::string reason;                ///< of kDamaged: one clause for a person
+  std::uint64_t num_torn_bytes = 0;  ///< bytes after that
+  std::string reason;                ///< for kDamaged: one clause for the user
 };
 
-/// Takes one record of a journal: its kind, and its bytes, which are gone after the call.
+/// Receives one record of a journal: its kind and its bytes, which are valid only during the call.
 using JournalRecordHook = std::function<void(std::uint8_t kind, std::string_view bytes)>;
 
-/// Reads a journal of that identity from its start, or from `from_bytes` on, which an earlier
-/// Journal::num_bytes() told; never more than one block in memory. Records of
-/// a journal that turns out kDamaged later have been handed over: whoever needs all or nothing
-/// reads twice, without a hook first. Throws FileError when it is there and cannot be read.
+/// Reads a journal with the given identity from its start, or from `from_bytes` on (a value of
+/// Journal::num_bytes()). Holds at most one block in memory. Records are passed on before a later
+/// block turns out to be damaged: for all or nothing, first read once without a hook. Throws
+/// FileError when the file exists but cannot be read.
 JournalReading read_journal(const std::string& path, std::int64_t identity,
                             const JournalRecordHook& on_record = {}, std::uint64_t from_bytes = 0);
 
-/// A file that records are appended to, in compressed blocks with a checksum each: what was
-/// committed outlives the process, and a block that was torn is left out.
+/// An append-only file of records, written in compressed blocks with a checksum each. Committed
+/// records survive the process; an incomplete block is ignored when reading.
 ///
-/// Layout, little-endian: "ORCHJRNL", version u32, identity i64, CRC-32 of these; then blocks: mark
-/// u32, bytes when inflated u32, bytes in the file u32, CRC-32 of those u32, zlib's deflate stream
-/// of records; a record: kind u8, size u32, bytes.
+/// Layout, little-endian. Header: "ORCHJRNL", version u32, identity i64, CRC-32 of these. Block:
+/// mark u32, inflated size u32, stored size u32, CRC-32 of the stored bytes u32, zlib deflate
+/// stream of records. Record: kind u8, size u32, bytes.
 class Journal {
  public:
-  /// Goes on after `num_good_bytes` of the file at `path`, as read_journal() told; 0 begins anew.
-  /// Throws FileError.
+  /// Continues after the first `num_good_bytes` of the file at `path`, as given by read_journal();
+  /// 0 starts a new journal. Throws FileError.
   Journal(std::string path, std::int64_t identity, std::uint64_t num_good_bytes);
   ~Journal();
   Journal(const Journal&) = delete;
   Journal& operator=(const Journal&) = delete;
 
-  /// Keeps a record for the next commit(). When the file takes nothing for long, the oldest that
-  /// wait are dropped.
+  /// Adds a record to the next commit(). If the file cannot be written for long, the oldest waiting
+  /// records are dropped.
   void add(std::uint8_t kind, const void* bytes, std::size_t size);
 
-  /// Writes and syncs what waits. Throws FileError (full disk); then it still waits, and the file
-  /// ends with its last whole block.
+  /// Writes and syncs the waiting records. Throws FileError (full disk); then they still wait, and
+  /// the file ends with its last complete block.
   void commit();
 
-  /// Drops all records, those that wait, too: the file goes on as a new one of that identity.
+  /// Drops all records, including the waiting ones, and starts a new journal with that identity.
   void begin_anew(std::int64_t identity);
 
   /// Size of the file.
@@ -78,7 +78,7 @@ class Journal {
   std::int64_t identity_;
   int fd_ = -1;
   std::uint64_t size_ = 0;
-  std::vector<Waiting> waiting_;  ///< the oldest first; the last one grows
+  std::vector<Waiting> waiting_;  ///< oldest first; records are added to the last one
   std::int64_t num_dropped_ = 0;
 };
 

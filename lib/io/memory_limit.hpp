@@ -7,8 +7,9 @@
 
 namespace orchard::io {
 
-/// Lets the process grow by no more than that many bytes while this object lives: an allocation
-/// beyond throws std::bad_alloc. For one thread; does nothing under sanitizers, which need it all.
+/// Limits the growth of the process by that many bytes during its lifetime: a larger allocation
+/// throws std::bad_alloc. For single-threaded programs; has no effect under sanitizers, which
+/// reserve all address space.
 class MemoryLimit {
  public:
   explicit MemoryLimit(std::uint64_t more_bytes);

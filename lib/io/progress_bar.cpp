@@ -11,7 +11,7 @@
 namespace orchard::io {
 namespace {
 
-/// Before so much has passed, the time left is a guess.
+/// Minimum elapsed time for an estimate of the remaining time.
 constexpr double kEarly_s = 2.0;
 
 }  // namespace

@@ -7,8 +7,7 @@
 
 namespace orchard::io {
 
-/// A bar with the time left on standard error while something long runs: on a terminal only,
-/// nothing in a pipe.
+/// Shows a progress bar with the remaining time on standard error, on a terminal only.
 class ProgressBar {
  public:
   explicit ProgressBar(std::string label, bool enabled = true);
@@ -16,10 +15,10 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// A total of 0 is not known: `done` is shown as it is.
+  /// Updates the bar. If `total` is 0 (unknown), `done` is shown as a number.
   void update(std::uint64_t done, std::uint64_t total);
 
-  /// Removes the bar, so that what is printed next starts on a clean line.
+  /// Removes the bar, so that later output starts on a clean line.
   void finish();
 
  private:
@@ -32,7 +31,7 @@ class ProgressBar {
   Clock::time_point drawn_;
 };
 
-/// "40 s", "3 min" or "2 h 5 min", rounded up: what a person wants to know of a time to wait [s].
+/// Formats a waiting time [s], rounded up: "40 s", "3 min" or "2 h 5 min".
 std::string waiting_text(double seconds);
 
 }  // namespace orchard::io

@@ -17,7 +17,7 @@ namespace orchard::io {
 namespace {
 
 constexpr std::string_view kSnapshotMagic = "ORCHSNAP";
-/// To be raised when a state's bytes come to mean something else, though they are as many.
+/// Increment when the meaning of a state's bytes changes although their number does not.
 constexpr std::uint32_t kVersion = 1;
 
 template <class Unsigned>
@@ -27,7 +27,7 @@ void put(std::string& to, Unsigned value) {
   }
 }
 
-/// Takes numbers off the front of bytes; zeros where they have ended, which is_whole() tells.
+/// Reads numbers from the front of the bytes; zeros beyond the end, which is_whole() reports.
 class Reader {
  public:
   explicit Reader(std::string_view bytes) : left_(bytes) {}

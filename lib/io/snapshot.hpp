@@ -9,30 +9,30 @@
 
 namespace orchard::io {
 
-/// The state of a process at one moment, in one file: from it and the records of a journal that
-/// came later the process goes on as if it had never ended.
+/// State of a process at one moment, stored in one file. From it and the later records of a journal
+/// the process resumes as if it had not ended.
 struct Snapshot {
-  std::uint64_t journal_number = 0;  ///< of the journal that it covers up to:
+  std::uint64_t journal_number = 0;  ///< journal up to which the state is valid
   std::uint64_t journal_bytes = 0;
-  std::vector<KeptChunk> chunks;  ///< of the FileMemory beside it, in order of number
+  std::vector<KeptChunk> chunks;  ///< chunks of the FileMemory beside it, in order of number
   std::string state;
 };
 
-/// What a snapshot's file held.
+/// Result of reading a snapshot.
 struct SnapshotReading {
   enum class State { kAbsent, kWhole, kOtherMaker, kDamaged };
   State state = State::kAbsent;
-  Snapshot snapshot;  ///< of kWhole
+  Snapshot snapshot;  ///< for kWhole
 };
 
-/// Replaces the file at `path`. Throws FileError and then leaves the earlier one.
+/// Replaces the file at `path`. Throws FileError and then leaves the earlier file.
 ///
-/// Layout, little-endian: "ORCHSNAP", version u32, identity i64, journal number u64, bytes u64,
-/// number of chunks u32, of each its number u32 and CRC-32 u32, size of the state u64, the state,
-/// CRC-32 of all that u32.
+/// Layout, little-endian: "ORCHSNAP", version u32, identity i64, journal number u64, journal bytes
+/// u64, number of chunks u32, then number u32 and CRC-32 u32 of each chunk, size of the state u64,
+/// the state, CRC-32 of everything before u32.
 void write_snapshot(const std::string& path, std::int64_t identity, const Snapshot& snapshot);
 
-/// Reads one of that identity. Throws FileError when it is there and cannot be read.
+/// Reads a snapshot with that identity. Throws FileError when the file exists but cannot be read.
 SnapshotReading read_snapshot(const std::string& path, std::int64_t identity);
 
 }  // namespace orchard::io

@@ -12,16 +12,16 @@
 namespace orchard::io {
 namespace {
 
-constexpr std::uint32_t kMaxPixels_px = 16384;  // along a side
+constexpr std::uint32_t kMaxPixels_px = 16384;  // per side
 
-/// How the pixels of an encoding lie, and what turns them into BGR; -1: nothing needs to.
+/// Pixel layout of an encoding and the OpenCV conversion to BGR; -1: none needed.
 struct Pixels {
   int type;
   int conversion;
 };
 
-/// By sensor_msgs/image_encodings. OpenCV names a Bayer pattern by its second row, ROS by its
-/// first.
+/// Encodings by sensor_msgs/image_encodings. OpenCV names a Bayer pattern by its second row, ROS by
+/// its first.
 const std::map<std::string, Pixels>& encodings() {
   static const std::map<std::string, Pixels> kEncodings{
       {"bgr8", {CV_8UC3, -1}},
@@ -61,7 +61,7 @@ bool is_sane(std::uint32_t width_px, std::uint32_t height_px) {
   return width_px > 0 && height_px > 0 && width_px <= kMaxPixels_px && height_px <= kMaxPixels_px;
 }
 
-/// The size that a PNG's header states lies within bounds: asked before anything is decoded.
+/// Checks the image size in a PNG header before anything is decoded.
 bool is_sane_png(const std::uint8_t* data, std::size_t size) {
   constexpr std::uint8_t kMagic[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
   if (size < 24 || std::memcmp(data, kMagic, sizeof(kMagic)) != 0) return false;

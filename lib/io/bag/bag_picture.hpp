@@ -8,9 +8,9 @@
 
 namespace orchard::io {
 
-/// A picture of a bag as one of ours: JPEG as it is; uncompressed colours, PNG, YUV 4:2:2 and Bayer
-/// patterns as BGR without loss, grey as grey. seq is left 0. NotUsed: another encoding, or sizes
-/// that contradict the data.
+/// Converts an image from a bag: JPEG is kept unchanged; uncompressed colour, PNG, YUV 4:2:2 and
+/// Bayer patterns become BGR without loss, grey stays grey. seq is left 0. Returns NotUsed for
+/// another encoding, or sizes that contradict the data.
 std::variant<vision::Image, ros::NotUsed> bag_picture(const ros::Picture& picture);
 
 }  // namespace orchard::io

@@ -20,12 +20,12 @@ using Decoded = std::variant<SensorMessage, NotUsed>;
 
 constexpr std::int64_t kLongestStep_us = 1'000'000;
 
-/// Where a message that may be used stands.
+/// Position of a message that may be used.
 struct Entry {
   std::int64_t utime = 0;
   BagPlace place;
   std::uint16_t file = 0;
-  std::uint16_t topic = 0;  ///< of Impl::topics
+  std::uint16_t topic = 0;  ///< index into Impl::topics
   std::uint8_t kind = 0;
   bool has_own_time = true;
 };
@@ -85,12 +85,12 @@ void BagRecording::Impl::ignore(std::size_t topic, const std::string& why) {
   }
 }
 
-/// Looks at every message of a file once.
+/// Examines every message of a file once.
 void BagRecording::Impl::index(std::size_t file,
                                const std::function<void(std::uint64_t)>& progress) {
   constexpr std::size_t kMaxTopics = 60000;
   BagReader& reader = *readers[file];
-  std::vector<std::size_t> number_of;  // by the reader's own numbers
+  std::vector<std::size_t> number_of;  // index into topics by the reader's own index
   while (const auto message = reader.next()) {
     while (number_of.size() <= message->topic) {
       number_of.push_back(topic_number(reader.topics()[number_of.size()]));
@@ -116,7 +116,7 @@ void BagRecording::Impl::index(std::size_t file,
   }
 }
 
-/// Keeps what was chosen, in order of (time, kind, file, place).
+/// Keeps the messages of the chosen topics, in order of (time, kind, file, place).
 void BagRecording::Impl::choose(const BagOptions& options) {
   std::vector<FoundTopic> found;
   for (const Topic& topic : topics) found.push_back(topic.found);
@@ -134,7 +134,7 @@ void BagRecording::Impl::choose(const BagOptions& options) {
   for (Entry entry : entries) {
     const Topic& topic = topics[entry.topic];
     for (std::size_t kind = 0; kind < kNumBagKinds; ++kind) {
-      // An odometry topic can be both its velocities and a track.
+      // One odometry topic can provide both velocities and poses.
       if (chosen[kind] != topic.found.name) continue;
       entry.kind = static_cast<std::uint8_t>(kind);
       kept.push_back(entry);
@@ -155,7 +155,7 @@ void BagRecording::Impl::choose(const BagOptions& options) {
   }
 }
 
-/// The velocities; of a robot that fills in positions alone the mean over the step.
+/// Returns the velocities; if the robot sends positions only, the mean over the step.
 Decoded BagRecording::Impl::decode_odometry(const BagMessage& message, ros::Wire wire) {
   auto decoded = ros::decode_odometry(message.data, message.size, wire);
   if (auto* none = std::get_if<NotUsed>(&decoded)) return std::move(*none);
@@ -174,7 +174,7 @@ Decoded BagRecording::Impl::decode_odometry(const BagMessage& message, ros::Wire
   velocity.utime = before->utime + step_us / 2;
   velocity.speed_mps = (dx_m * std::cos(heading_rad) + dy_m * std::sin(heading_rad)) / step_s;
   velocity.yaw_rate_radps = turn_rad / step_s;
-  velocity.covariance = {};  // what the message states is of its twist
+  velocity.covariance = {};  // the message's covariance is that of its twist
   return SensorMessage(velocity);
 }
 

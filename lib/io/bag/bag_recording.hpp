@@ -15,37 +15,37 @@
 
 namespace orchard::io {
 
-/// How bags are read.
+/// Options for reading bags.
 struct BagOptions {
-  std::map<std::string, std::string> topics;  ///< by kind, as choose_topics takes them
-  ros::CloudSlice slice;                      ///< of clouds that stand for a scan
+  std::map<std::string, std::string> topics;  ///< topic by kind, as for choose_topics
+  ros::CloudSlice slice;                      ///< slice of point clouds that are used as scans
 };
 
-/// The bags of one drive as sensor messages, in order of their own times.
+/// Converts the bags of one drive to sensor messages, in order of their own times.
 ///
-/// Each bag is read twice: once to know its topics and times, once in order of time, so that memory
-/// holds a few chunks and 40 bytes a message. A message without a time of its own gets the bag's,
-/// which is said.
+/// Each bag is read twice: once for topics and times, once in order of time. Memory therefore holds
+/// only a few chunks and 40 bytes per message. A message without a time of its own gets the time of
+/// recording, which ignored() counts.
 class BagRecording {
  public:
-  /// Called with bytes (or rows) read so far, and all of them.
+  /// Receives the bytes (or rows) read so far and the total.
   using Progress = std::function<void(std::uint64_t, std::uint64_t)>;
 
-  /// Throws FileError when a file is no bag, or choose_topics does.
+  /// Throws FileError when a file is not a bag, or as choose_topics does.
   BagRecording(const std::vector<std::string>& paths, const BagOptions& options,
                const Progress& progress);
   ~BagRecording();
   BagRecording(const BagRecording&) = delete;
   BagRecording& operator=(const BagRecording&) = delete;
 
-  /// The next message, seq left 0; none at the end.
+  /// Returns the next message with seq 0; none at the end.
   std::optional<SensorMessage> next();
 
-  std::uint64_t num_messages() const;  ///< that next() looks at
-  /// "scan: /front/scan (sensor_msgs/LaserScan)", one for each kind that is there.
+  std::uint64_t num_messages() const;  ///< messages that next() examines
+  /// Describes the chosen topic of each kind: "scan: /front/scan (sensor_msgs/LaserScan)".
   std::vector<std::string> choices() const;
-  std::map<std::string, std::int64_t> ignored() const;  ///< by topic and reason
-  std::vector<std::string> losses() const;              ///< each with its file
+  std::map<std::string, std::int64_t> ignored() const;  ///< numbers by topic and reason
+  std::vector<std::string> losses() const;              ///< each with the name of its file
 
  private:
   struct Impl;

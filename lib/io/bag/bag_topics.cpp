@@ -11,7 +11,7 @@ namespace {
 using ros::MessageType;
 using Types = std::vector<MessageType>;
 
-/// The types that can become a kind; those of one line stand for each other.
+/// Message types that can be converted to a kind; types of one group are equivalent.
 std::vector<Types> types_of(BagKind kind) {
   switch (kind) {
     case BagKind::kScan:

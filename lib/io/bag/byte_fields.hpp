@@ -8,8 +8,8 @@
 
 namespace orchard::io {
 
-/// Little-endian numbers and counted texts one after the other, never beyond their bytes: what is
-/// not there is 0 or empty, and ok() is false from then on.
+/// Reads consecutive little-endian numbers and length-prefixed texts from bytes. Reading beyond the
+/// end gives 0 or empty values, and ok() is false from then on.
 class ByteFields {
  public:
   ByteFields(const std::uint8_t* bytes, std::size_t size) : bytes_(bytes), size_(size) {}

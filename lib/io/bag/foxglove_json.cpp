@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kShownHeight_m = 1.5;  // of a trunk's cylinder: the map knows no heights
+constexpr double kShownHeight_m = 1.5;  // of a trunk's cylinder: the map has no heights
 
 Json time(std::int64_t utime) {
   return {{"sec", utime / 1'000'000}, {"nsec", utime % 1'000'000 * 1000}};
@@ -31,7 +31,7 @@ Json place(double x, double y, double z = 0.0) {
 Json colour(double r, double g, double b, double a) {
   return {{"r", r}, {"g", g}, {"b", b}, {"a", a}};
 }
-/// As figures have it: trees green, objects red, what no camera saw grey.
+/// Colours as in the figures: trees green, objects red, landmarks no camera saw grey.
 Json colour(detection::Label label, double opacity) {
   if (label == detection::Label::kTree) return colour(0.13, 0.55, 0.13, opacity);
   if (label == detection::Label::kObject) return colour(0.8, 0.1, 0.1, opacity);
@@ -64,7 +64,7 @@ Json transform(std::int64_t utime, const char* parent, const char* child, const 
           {"rotation", rotation}};
 }
 
-/// An entity with nothing in it yet; the schema asks for every kind of shape.
+/// An empty entity; the schema requires an entry for every kind of shape.
 Json entity(std::int64_t utime, const char* frame, const std::string& id) {
   Json shown{{"timestamp", time(utime)},
              {"frame_id", frame},
@@ -118,7 +118,7 @@ Json tree(std::int64_t utime, const mapping::Landmark& landmark) {
   return shown;
 }
 
-/// What is not finite becomes null: JSON has no other word for it.
+/// Non-finite numbers become null, as JSON cannot express them.
 std::string text_of(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

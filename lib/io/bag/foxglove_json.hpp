@@ -16,17 +16,17 @@
 
 namespace orchard::io {
 
-// What is measured and mapped as JSON of Foxglove's schemas (docs.foxglove.dev, "schemas"), which
-// Foxglove and Lichtblick draw. Frames are map, base, laser and camera.
+// Conversion of sensor data and maps to JSON in Foxglove's schemas (docs.foxglove.dev, "schemas"),
+// which Foxglove and Lichtblick display. Frames are map, base, laser and camera.
 
-/// The name of a schema as it is registered, and its JSON schema: what messages of ours hold of it.
+/// A registered schema name and the JSON schema of the fields that we write.
 struct FoxgloveSchema {
   const char* name;
   std::string json;
 };
 FoxgloveSchema foxglove_schema(const char* name);
 
-/// foxglove.LaserScan. A beam without a return is 0.
+/// foxglove.LaserScan. A beam without return is 0.
 std::string foxglove_json(const laser::Scan& scan, const char* frame);
 /// foxglove.CompressedImage of a JPEG, foxglove.RawImage otherwise.
 std::string foxglove_json(const vision::Image& image);
@@ -35,10 +35,10 @@ std::string foxglove_json(const pose::Gnss& gnss);
 /// foxglove.PoseInFrame, and of the same pose foxglove.FrameTransforms from map to base.
 std::string foxglove_json(const pose::PoseEstimate& pose);
 std::string foxglove_transform(const pose::PoseEstimate& pose);
-/// orchard.Odometry and orchard.Imu: numbers to plot.
+/// orchard.Odometry and orchard.Imu: numbers for plots.
 std::string foxglove_json(const pose::Odometry& odometry);
 std::string foxglove_json(const pose::Imu& imu);
-/// foxglove.PoseInFrame of a position from outside.
+/// foxglove.PoseInFrame of an external position.
 std::string foxglove_json(const pose::PoseFix& fix);
 
 /// foxglove.FrameTransforms from base to laser and to camera.
@@ -47,11 +47,11 @@ std::string foxglove_mounts(std::int64_t utime, const laser::LaserConfig& laser,
 /// foxglove.CameraCalibration.
 std::string foxglove_calibration(std::int64_t utime, const geometry::CameraIntrinsics& camera);
 
-/// foxglove.SceneUpdate: each landmark a cylinder of its width with its number (and row and
-/// position) beside it, coloured by class; those of `removed_ids` go.
+/// foxglove.SceneUpdate: each landmark as a cylinder of its width, labelled with its number (and
+/// row and position) and coloured by class; deletes those of `removed_ids`.
 std::string foxglove_scene(std::int64_t utime, const std::vector<mapping::Landmark>& landmarks,
                            const std::vector<std::int32_t>& removed_ids);
-/// foxglove.SceneUpdate: what one scan detected, in base.
+/// foxglove.SceneUpdate: the detections of one scan, in base.
 std::string foxglove_scene(const detection::Detections& detections);
 /// foxglove.SceneUpdate: a path as a line in map.
 std::string foxglove_path(std::int64_t utime, const std::vector<pose::PoseEstimate>& path);

@@ -25,7 +25,7 @@ Json whole() { return {{"type", "integer"}}; }
 Json yes_or_no() { return {{"type", "boolean"}}; }
 Json moment(const char* title) {
   Json schema = object({{"sec", whole()}, {"nsec", whole()}});
-  schema["title"] = title;  // by which viewers know a time
+  schema["title"] = title;  // viewers identify a time by it
   return schema;
 }
 Json time() { return moment("time"); }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// MCAP, by its specification (mcap.dev/spec): records of an opcode, a length of eight bytes, and
-// content; chunks hold schemas, channels and messages.
+// MCAP, by its specification (mcap.dev/spec): each record has an opcode, a length of eight bytes,
+// and content; chunks contain schemas, channels and messages.
 #include <map>
 #include <utility>
 
@@ -42,7 +42,7 @@ class McapFormat : public RecordFormat {
     ByteFields fields(bytes, size);
     if (fields.number<std::uint8_t>() != kChunk) return false;
     const auto length = fields.number<std::uint64_t>();
-    fields.take(28);  // times, length and check sum of the content
+    fields.take(28);  // times, length and checksum of the content
     const auto name_size = fields.number<std::uint32_t>();
     if (!fields.ok() || name_size > 4) return false;
     fields.take(name_size);

@@ -26,7 +26,7 @@ enum Opcode : std::uint8_t {
   kDataEnd = 0x0F,
 };
 
-/// Little-endian, as x86 and ARM are.
+/// Little-endian, which is the byte order of x86 and ARM.
 template <class T>
 std::string number(T value) {
   return std::string(reinterpret_cast<const char*>(&value), sizeof(T));
@@ -146,7 +146,7 @@ void McapWriter::finish() {
                                 counted("zstd") + number(chunk.packed_size) +
                                 number(chunk.content_size));
   }
-  // No summary of offsets and no check sum of the summary: 0 says so.
+  // 0: neither summary offsets nor a checksum of the summary.
   put_record(kFooter, number(summary) + number(std::uint64_t{0}) + number(std::uint32_t{0}));
   put(kMagic);
   out_.flush();

@@ -10,20 +10,20 @@
 
 namespace orchard::io {
 
-/// Writes MCAP by its specification (mcap.dev/spec): JSON messages in chunks compressed by zstd,
-/// each with its index, and a summary, so that a viewer can go to any time.
+/// Writes an MCAP file (mcap.dev/spec): JSON messages in zstd-compressed chunks, each with its
+/// index, and a summary, so that a viewer can seek to any time.
 class McapWriter {
  public:
-  /// The stream outlives this.
+  /// The stream must outlive the writer.
   explicit McapWriter(std::ostream& out);
 
-  /// A topic whose messages are JSON of a named schema; returns the number for write().
+  /// Adds a topic with JSON messages of a named schema; returns its number for write().
   std::uint16_t add_topic(const std::string& topic, const std::string& schema_name,
                           const std::string& json_schema);
 
   void write(std::uint16_t topic, std::int64_t utime, std::string_view json);
 
-  /// Writes the last chunk and the summary; nothing may follow.
+  /// Writes the last chunk and the summary; nothing may be written afterwards.
   void finish();
 
   std::uint64_t num_messages() const { return num_messages_; }
@@ -31,7 +31,7 @@ class McapWriter {
  private:
   struct ChunkPlace {
     std::uint64_t first_ns, last_ns, offset, size, packed_size, content_size, index_size;
-    std::map<std::uint16_t, std::uint64_t> indexes;  ///< offset of each topic's index
+    std::map<std::uint16_t, std::uint64_t> indexes;  ///< offset of each topic's message index
   };
   void put(std::string_view bytes);
   void put_record(std::uint8_t opcode, std::string_view content);
@@ -40,7 +40,7 @@ class McapWriter {
 
   std::ostream& out_;
   std::uint64_t position_ = 0;
-  std::string topics_;  ///< records of schemas and channels, which the summary repeats
+  std::string topics_;  ///< schema and channel records, repeated in the summary
   std::map<std::string, std::uint16_t> schema_of_;
   std::vector<std::uint64_t> num_of_topic_;
   std::string chunk_;

@@ -14,8 +14,8 @@ namespace {
 constexpr std::size_t kMaxChunkBytes = std::size_t{256} << 20;
 constexpr std::size_t kMaxLosses = 100;
 constexpr std::size_t kMaxTopics = 10000;
-constexpr std::size_t kRecentChunks = 8;  // of several topics, whose times differ by little
-constexpr std::size_t kHeadBytes = std::size_t{1} << 17;  // enough to know any record's size
+constexpr std::size_t kRecentChunks = 8;                  // for topics whose times differ slightly
+constexpr std::size_t kHeadBytes = std::size_t{1} << 17;  // enough to determine any record's size
 
 std::string at_byte(std::uint64_t place) { return "at byte " + std::to_string(place) + ": "; }
 
@@ -152,7 +152,7 @@ std::optional<BagMessage> RecordBag::message_of(const MessageRecord& record,
 
 void RecordBag::add_topic(const TopicRecord& record) {
   if (topic_of_id_.count(record.id) > 0 || topic_of_id_.size() >= kMaxTopics) return;
-  // Several publishers of one topic have a number each.
+  // Each publisher of a topic has an id of its own.
   const auto same = std::find_if(topics_.begin(), topics_.end(), [&](const BagTopic& topic) {
     return topic.name == record.topic.name && topic.type == record.topic.type &&
            topic.wire == record.topic.wire && topic.is_known_wire == record.topic.is_known_wire;

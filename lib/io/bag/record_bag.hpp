@@ -16,10 +16,10 @@
 
 namespace orchard::io {
 
-/// A bag that is a file of records, some of them chunks: rosbag's and MCAP's.
+/// Reads a bag that is a file of records, some of them chunks of records: rosbag and MCAP.
 class RecordBag : public BagReader {
  public:
-  /// The stream must be able to seek, and begins with the format's magic.
+  /// The stream must be seekable and begin with the format's magic.
   RecordBag(std::unique_ptr<std::istream> stream, std::unique_ptr<RecordFormat> format);
 
   std::optional<BagMessage> next() override;
@@ -30,7 +30,7 @@ class RecordBag : public BagReader {
   std::uint64_t size() const override { return window_.size(); }
 
  private:
-  /// An unpacked chunk, and where the next record in it begins.
+  /// An unpacked chunk and the position of its next record.
   struct Chunk {
     std::uint64_t place = 0;
     std::vector<std::uint8_t> content;
@@ -44,14 +44,14 @@ class RecordBag : public BagReader {
                                                       std::uint64_t place);
   void go_on_behind_damage(const std::string& why);
   void lose(const std::string& what);
-  /// The whole record there; none when it ends beyond the file or is too large.
+  /// Returns the complete record at `place`; none when it ends beyond the file or is too large.
   std::optional<FileWindow::View> record_at(std::uint64_t place);
 
   FileWindow window_;
   std::unique_ptr<RecordFormat> format_;
   std::uint64_t position_ = 0;
-  std::optional<Chunk> chunk_;  ///< that next() is in
-  std::deque<Chunk> recent_;    ///< that at() unpacked
+  std::optional<Chunk> chunk_;  ///< current chunk of next()
+  std::deque<Chunk> recent_;    ///< chunks unpacked by at()
   std::map<std::uint32_t, std::size_t> topic_of_id_;
   std::vector<BagTopic> topics_;
   std::vector<std::string> losses_;

@@ -11,9 +11,9 @@
 
 namespace orchard::io {
 
-/// What a record of a bag says. Pointers point into the record.
+/// Contents of the records of a bag. Pointers point into the record.
 struct TopicRecord {
-  std::uint32_t id = 0;  ///< by which messages name it
+  std::uint32_t id = 0;  ///< referred to by messages
   BagTopic topic;
 };
 struct MessageRecord {
@@ -25,35 +25,36 @@ struct MessageRecord {
 struct ChunkRecord {
   std::string compression;
   std::uint64_t unpacked_size = 0;
-  std::uint32_t crc = 0;  ///< of what is unpacked; 0: not stated
+  std::uint32_t crc = 0;  ///< of the unpacked data; 0: not given
   const std::uint8_t* data = nullptr;
   std::size_t size = 0;
 };
 struct OtherRecord {};
-struct LastRecord {};  ///< behind it stands no message
+struct LastRecord {};  ///< no message follows
 struct DamagedRecord {
   std::string why;
 };
 using BagRecord =
     std::variant<OtherRecord, TopicRecord, MessageRecord, ChunkRecord, LastRecord, DamagedRecord>;
 
-/// rosbag's and MCAP's files alike: after a magic records, some of which are chunks of records.
+/// Common structure of rosbag's and MCAP's files: a magic followed by records, some of which are
+/// chunks of records.
 class RecordFormat {
  public:
   virtual ~RecordFormat() = default;
 
   virtual std::size_t magic_bytes() const = 0;
 
-  /// How many bytes the record that begins here has. 0: more than `size` must be seen to know;
-  /// none: no record begins like this.
+  /// Size in bytes of the record that begins here. 0: more than `size` bytes are needed to tell;
+  /// none: not the beginning of a record.
   virtual std::optional<std::uint64_t> record_size(const std::uint8_t* bytes,
                                                    std::size_t size) const = 0;
 
-  /// Whether a chunk's record begins here: asked byte by byte to go on behind damage, so it must be
-  /// hard to be met by chance.
+  /// Whether a chunk record begins here. Tested at every byte to resume after damage, so it must
+  /// hardly match by chance.
   virtual bool begins_chunk(const std::uint8_t* bytes, std::size_t size) const = 0;
 
-  /// What a whole record says. Formats remember what later records stand on (schemas).
+  /// Parses a complete record. The format remembers what later records refer to (schemas).
   virtual BagRecord read(const std::uint8_t* bytes, std::size_t size) = 0;
 };
 

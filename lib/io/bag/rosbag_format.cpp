@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// rosbag 2.0, by its page in ROS's wiki ("Bags/Format/2.0"): records of a header, which is a list
-// of name=value, and data; chunks hold connections and messages.
+// rosbag 2.0, by the ROS wiki ("Bags/Format/2.0"): each record has a header, which is a list of
+// name=value, and data; chunks contain connections and messages.
 #include <map>
 #include <utility>
 
@@ -61,7 +61,7 @@ class RosbagFormat : public RecordFormat {
     ByteFields fields(bytes, size);
     const auto header_size = fields.number<std::uint32_t>();
     if (!fields.ok()) return 0;
-    // Every header names its operation: "op=" and a byte.
+    // Every header contains its operation: "op=" and a byte.
     if (header_size < 8 || header_size > kMaxHeaderBytes) return std::nullopt;
     fields.take(header_size);
     const auto data_size = fields.number<std::uint32_t>();

@@ -19,7 +19,8 @@ constexpr std::size_t kMaxTopics = 10000;
 using Database = std::unique_ptr<sqlite3, int (*)(sqlite3*)>;
 using Statement = std::unique_ptr<sqlite3_stmt, int (*)(sqlite3_stmt*)>;
 
-/// Nothing that stands in the file may run or reach out of it, and no row may fill the memory.
+/// Opens the database read-only and restricted: its content must not execute code or access other
+/// files, and no row may exhaust the memory.
 Database open(const std::string& path) {
   sqlite3* raw = nullptr;
   const int code = sqlite3_open_v2(path.c_str(), &raw, SQLITE_OPEN_READONLY, nullptr);

@@ -9,11 +9,11 @@
 
 namespace orchard::io {
 
-/// A bag of rosbag2's sqlite3 storage: tables `topics` and `messages`; single messages may be
-/// compressed by zstd. A row that SQLite cannot read ends the reading, and is said.
+/// Reads a bag in rosbag2's sqlite3 storage: tables `topics` and `messages`; single messages may be
+/// zstd-compressed. A row that SQLite cannot read ends the reading and is listed in losses().
 class SqliteBag : public BagReader {
  public:
-  /// Throws FileError when the file is no database, or has not these tables.
+  /// Throws FileError when the file is not a database or lacks these tables.
   explicit SqliteBag(const std::string& path);
   ~SqliteBag() override;
   SqliteBag(const SqliteBag&) = delete;

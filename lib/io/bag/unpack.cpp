@@ -27,7 +27,7 @@ std::string unpack_lz4(const std::uint8_t* data, std::size_t size, std::vector<s
     if (LZ4F_isError(hint)) return std::string("damaged: ") + LZ4F_getErrorName(hint);
     read += in;
     written += room;
-    if (hint == 0) return written == out.size() ? "" : kOtherLength;  // the frame's end
+    if (hint == 0) return written == out.size() ? "" : kOtherLength;  // end of the frame
     if (in == 0 && room == 0) return kOtherLength;
   }
   return "cut short";
@@ -35,7 +35,7 @@ std::string unpack_lz4(const std::uint8_t* data, std::size_t size, std::vector<s
 
 std::string unpack_bz2(const std::uint8_t* data, std::size_t size, std::vector<std::uint8_t>& out) {
   auto length = static_cast<unsigned>(out.size());
-  // libbz2 takes a pointer to characters that it does not write to.
+  // libbz2 takes a non-const pointer but does not write to it.
   auto* source = const_cast<char*>(reinterpret_cast<const char*>(data));
   const int code = BZ2_bzBuffToBuffDecompress(reinterpret_cast<char*>(out.data()), &length, source,
                                               static_cast<unsigned>(size), 0, 0);

@@ -8,17 +8,17 @@
 
 namespace orchard::io {
 
-/// The compressions of bags: bz2, lz4 (its frames) and zstd; "" or "none" is none.
+/// Decompresses data of a bag: bz2, lz4 (frame format) and zstd; "" or "none" is a copy.
 ///
-/// Fills `unpacked`, which the caller made as long as the file says it is. Returns why it could
-/// not: unknown, damaged, or of another length; empty when it could.
+/// Fills `unpacked`, whose size the caller has set to the size given in the file. Returns an empty
+/// string, or the reason for failure: unknown compression, damage, or another size.
 std::string unpack(const std::string& compression, const std::uint8_t* data, std::size_t size,
                    std::vector<std::uint8_t>& unpacked);
 
-/// Whether bytes begin as zstd's frames do; rosbag2 compresses single messages so.
+/// Whether the bytes begin like a zstd frame; rosbag2 compresses single messages that way.
 bool is_zstd(const std::uint8_t* data, std::size_t size);
 
-/// The length that a frame of zstd states; 0 when it states none or more than `most_bytes`.
+/// Returns the content size given in a zstd frame; 0 if none is given or it exceeds `most_bytes`.
 std::size_t zstd_size(const std::uint8_t* data, std::size_t size, std::size_t most_bytes);
 
 }  // namespace orchard::io

@@ -9,30 +9,30 @@
 
 namespace orchard::io {
 
-/// Where pictures come from: a camera, or files that play one. Never blocks.
+/// Source of images: a camera, or files that emulate one. Never blocks.
 class CameraSource {
  public:
   using Clock = std::chrono::steady_clock;
   virtual ~CameraSource() = default;
 
-  /// A file that becomes readable when a picture is there; -1: none at present.
+  /// File descriptor that becomes readable when an image is available; -1: none at present.
   virtual int fileno() const = 0;
 
-  /// When take() is wanted although the file is not readable.
+  /// Time at which take() must be called even if the file is not readable.
   virtual Clock::time_point deadline() const = 0;
 
-  /// The next picture that is there; opens the device again when it is time to.
+  /// Returns the next available image; reopens the device when an attempt is due.
   virtual std::optional<device::CameraFrame> take() = 0;
 
-  /// Why no picture can come, in words for a person; empty: one can.
+  /// Why no image can be delivered, for the user; empty if one can.
   virtual std::string problem() const = 0;
 
-  /// Closes the device because it hangs; it is opened again in a moment.
+  /// Closes a device that hangs; it is reopened shortly afterwards.
   virtual void restart(const std::string& why) = 0;
 
   virtual bool ended() const = 0;
 
-  /// Pictures that the device itself marked as damaged.
+  /// Number of images that the device marked as damaged.
   virtual std::int64_t num_damaged() const { return 0; }
 };
 

@@ -11,14 +11,14 @@
 
 namespace orchard::io {
 
-/// Pictures that files hold, one after the other, utime as the files have it; none at the end.
+/// Returns one image after the other, with the utime of the files; none at the end.
 using NextFrame = std::function<std::optional<device::CameraFrame>()>;
 
-/// Plays pictures as a camera would give them: each at its time, counted from the first, and
-/// stamped with exactly that time by the host's clock.
+/// Emulates a camera with images: each is delivered at its time relative to the first, and stamped
+/// with exactly that time on the host's clock.
 class PictureCamera : public CameraSource {
  public:
-  /// `first_utime`: what `start_utime` of the host's clock stands for, in the time of the files.
+  /// `first_utime`, in the time of the files, corresponds to `start_utime` on the host's clock.
   PictureCamera(NextFrame next, std::int64_t first_utime, std::int64_t start_utime);
 
   int fileno() const override { return -1; }
@@ -37,12 +37,12 @@ class PictureCamera : public CameraSource {
   std::string problem_;
 };
 
-/// The files FOLDER/<utime_us>.jpg. `start_utime`: when the first is given [us]; 0: at its own time
-/// where that is within an hour from now, else now. Throws FileError.
+/// Opens the files FOLDER/<utime_us>.jpg. `start_utime`: time of the first image [us]; 0: its own
+/// time if that is within the next hour, else now. Throws FileError.
 std::unique_ptr<CameraSource> open_picture_folder(const std::string& folder,
                                                   std::int64_t start_utime);
 
-/// A video that OpenCV can read, at its own rate. Throws FileError.
+/// Opens a video that OpenCV can read, at its own frame rate. Throws FileError.
 std::unique_ptr<CameraSource> open_video(const std::string& path, std::int64_t start_utime);
 
 }  // namespace orchard::io

@@ -8,21 +8,20 @@
 
 namespace orchard::io {
 
-/// What a camera is reached by: the kernel, or what stands for it in tests. Errors are errno's
-/// numbers, negative.
+/// System calls used for a camera; replaced by a fake in tests. Errors are negative errno values.
 class V4l2Calls {
  public:
   virtual ~V4l2Calls() = default;
   virtual int open(const std::string& path) = 0;
   virtual void close(int fileno) = 0;
   virtual int ioctl(int fileno, unsigned long request, void* argument) = 0;
-  virtual void* map(int fileno, std::size_t size, std::int64_t offset) = 0;  ///< null: cannot
+  virtual void* map(int fileno, std::size_t size, std::int64_t offset) = 0;  ///< null on failure
   virtual void unmap(void* memory, std::size_t size) = 0;
   virtual std::int64_t monotonic_us() = 0;
   virtual std::int64_t time_of_day_us() = 0;
 };
 
-/// The kernel's.
+/// Returns the real system calls.
 std::unique_ptr<V4l2Calls> make_v4l2_calls();
 
 }  // namespace orchard::io

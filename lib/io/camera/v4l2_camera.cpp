@@ -24,7 +24,7 @@ struct Format {
   PixelFormat format;
 };
 
-/// In order of preference: what costs neither bandwidth nor compression first.
+/// In order of preference: the formats that need least bandwidth and compression first.
 constexpr std::array<Format, 6> kFormats{{{V4L2_PIX_FMT_MJPEG, PixelFormat::kJpeg},
                                           {V4L2_PIX_FMT_JPEG, PixelFormat::kJpeg},
                                           {V4L2_PIX_FMT_YUYV, PixelFormat::kYuyv},
@@ -32,7 +32,7 @@ constexpr std::array<Format, 6> kFormats{{{V4L2_PIX_FMT_MJPEG, PixelFormat::kJpe
                                           {V4L2_PIX_FMT_BGR24, PixelFormat::kBgr},
                                           {V4L2_PIX_FMT_RGB24, PixelFormat::kRgb}}};
 
-/// A request's structure of that kind, all zero, for capture.
+/// A zero-initialized request structure for capture.
 template <class T>
 T capture() {
   T request{};
@@ -127,7 +127,7 @@ std::string V4l2Camera::open() {
   auto rate = capture<v4l2_streamparm>();
   rate.parm.capture.timeperframe = {1000,
                                     static_cast<std::uint32_t>(std::lround(1000 * mode_.rate_hz))};
-  call(VIDIOC_S_PARM, &rate);  // a camera that has one rate only keeps it
+  call(VIDIOC_S_PARM, &rate);  // a camera with a fixed rate keeps it
   read_exposure();
   return start_streaming();
 }

@@ -12,19 +12,21 @@
 
 namespace orchard::io {
 
-/// What is asked of a camera.
+/// Requested image size and rate.
 struct CameraMode {
   int width_px = 320;
   int height_px = 240;
   double rate_hz = 10.0;
 };
 
-/// A camera of Linux (Video4Linux2, streaming from mapped buffers). Asks for the camera's own JPEG,
-/// else for uncompressed pixels. What cannot be opened, is pulled out or fails is opened again
-/// every half second.
+/// A Linux camera (Video4Linux2, streaming from mapped buffers). Requests the camera's own JPEG,
+/// else uncompressed pixels. After an unplugged cable or another failure it tries to reopen the
+/// device every half second.
 ///
-/// A stamp is the driver's own (CLOCK_MONOTONIC, as the time of day): of the start of exposure
-/// where it says so (USB cameras do), else of the end of the frame; half the exposure time is added
+/// The stamp is that of the kernel driver (CLOCK_MONOTONIC, converted to the time of day): the
+/// start of exposure if the driver says so (as for USB cameras), else the end of the frame. Half
+/// the exposure time is added or subtracted if exposure is manual and known. The remaining constant
+/// delay is `camera.delay_s`.
 /// or taken off where exposure is manual and known. What stays is constant: `camera.delay_s`.
 class V4l2Camera : public CameraSource {
  public:

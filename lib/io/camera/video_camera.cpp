@@ -10,13 +10,13 @@
 namespace orchard::io {
 
 std::unique_ptr<CameraSource> open_video(const std::string& path, std::int64_t start_utime) {
-  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // errors are ours to say
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // reported below
   auto video = std::make_shared<cv::VideoCapture>(path);
   if (!video->isOpened()) {
     throw FileError(path + ": OpenCV cannot read it; give a video file such as .avi or .mp4");
   }
   double rate_hz = video->get(cv::CAP_PROP_FPS);
-  if (!(rate_hz > 0.0 && rate_hz <= 1000.0)) rate_hz = 25.0;  // a file that does not say
+  if (!(rate_hz > 0.0 && rate_hz <= 1000.0)) rate_hz = 25.0;  // the file has no rate
   NextFrame next = [video, rate_hz, i = 0]() mutable -> std::optional<device::CameraFrame> {
     cv::Mat picture;
     if (!video->read(picture) || picture.type() != CV_8UC3) return std::nullopt;

@@ -11,7 +11,7 @@
 namespace orchard::io {
 namespace {
 
-/// The largest of the vectors that are read has five numbers; longer ones are not kept.
+/// The largest vector needed has five numbers; longer ones are ignored.
 constexpr std::size_t kNumbersMax = 16;
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r'; }
@@ -19,7 +19,7 @@ bool is_name(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
 }
 
-/// "[ 1.0 ; 2.0 ]" or "3" as numbers; none for anything else.
+/// Parses "[ 1.0 ; 2.0 ]" or "3"; none for anything else.
 std::optional<std::vector<double>> numbers_of(std::string_view text) {
   std::vector<double> numbers;
   bool open = false, closed = false;
@@ -49,12 +49,13 @@ std::optional<std::vector<double>> numbers_of(std::string_view text) {
   return numbers;
 }
 
-/// Every "name = numbers;" of a Matlab script; the last one of a name counts, as in Matlab.
+/// Parses all "name = numbers;" of a Matlab script; the last assignment of a name is used, as in
+/// Matlab.
 std::map<std::string, std::vector<double>, std::less<>> assignments_in(std::string_view text) {
   std::map<std::string, std::vector<double>, std::less<>> assignments;
   std::size_t i = 0;
   while (i < text.size()) {
-    // a statement: up to a ";" or the end of a line, both outside brackets; without its comments
+    // one statement: up to a ";" or a line end outside brackets, without comments
     std::string statement;
     bool in_brackets = false;
     for (; i < text.size(); ++i) {
@@ -119,7 +120,7 @@ ImportedCamera parse_camera_matlab(std::string_view text, const std::string& nam
   }
   lens.width_px = static_cast<int>(nx);
   lens.height_px = static_cast<int>(ny);
-  // the toolbox states "approximately three times the standard deviations"
+  // the toolbox gives "approximately three times the standard deviations"
   if (const auto* error = find("fc_error"); error && error->size() == 2) {
     camera.fc_sd_px = {(*error)[0] / 3.0, (*error)[1] / 3.0};
   }

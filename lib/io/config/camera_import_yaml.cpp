@@ -12,11 +12,11 @@
 namespace orchard::io {
 namespace {
 
-/// Reads the parts of one camera's YAML, whichever tool wrote it.
+/// Reads the parameters of a camera from the YAML of either tool.
 class CameraYaml {
  public:
   CameraYaml(std::string_view text, std::string name) : name_(std::move(name)) {
-    // OpenCV's first line is no YAML directive: "%YAML:1.0"
+    // OpenCV's first line is not a valid YAML directive: "%YAML:1.0"
     from_opencv_ = text.substr(0, 6) == "%YAML:";
     if (from_opencv_) text.remove_prefix(std::min(text.find('\n'), text.size()));
     try {
@@ -97,7 +97,7 @@ class CameraYaml {
     return size;
   }
 
-  /// "{rows, cols, data: [...]}", or the list itself.
+  /// Accepts "{rows, cols, data: [...]}" or the list itself.
   std::vector<double> numbers_of(std::initializer_list<const char*> keys, const char* what) const {
     YAML::Node node = find(keys);
     if (node.IsMap()) node = node["data"];

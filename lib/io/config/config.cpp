@@ -12,10 +12,10 @@
 namespace orchard::io {
 namespace {
 
-/// A rig has some 10 kB. What is a thousand times that is another file, or one that never ends.
+/// A rig has about 10 kB. A much larger file is not a rig, or it never ends.
 constexpr std::size_t kConfigBytesMax = 1 << 20;
 
-/// Presents all sections of a configuration, which must outlive what is given.
+/// Presents all sections of a configuration, which must outlive the returned schema.
 ConfigSchema schema_of(Config& c) {
   return [&c](ConfigVisitor& v) {
     v.section("lcm", c.lcm, "messages");
@@ -69,7 +69,7 @@ std::string effective_config(const Config& config) {
   return print_values(schema_of(copy));
 }
 
-/// Which network the messages take says nothing of what is made of them.
+/// The LCM network does not affect results, so it is not part of the hash.
 std::int64_t config_hash(const Config& config) {
   Config copy = config;
   copy.lcm = LcmConfig();

@@ -18,8 +18,9 @@
 
 namespace orchard::io {
 
-/// The whole configuration of a rig: one YAML file, read by every process. Whoever includes this
-/// header is compiled anew whenever a key of any room changes: only programs and tests do.
+/// The complete configuration of a rig: one YAML file, read by every process. A source that
+/// includes this header is recompiled whenever a key of any module changes, so only programs and
+/// tests include it.
 struct Config {
   LcmConfig lcm;
   laser::LaserConfig laser;
@@ -32,33 +33,34 @@ struct Config {
   simulation::SimulationConfig simulation;
 };
 
-/// A rig's configuration and what the reader warned of: keys that were renamed or are fixed now.
+/// A rig's configuration with the reader's warnings about renamed and removed keys.
 struct LoadedConfig {
   Config config;
   std::vector<std::string> warnings;  ///< one line each
 };
 
-/// Reads a rig's YAML over the defaults. Throws ConfigError naming every unknown key (with its
-/// nearest neighbour), wrong type, value out of range and crossed limit at once; repairs nothing.
+/// Reads a rig's YAML over the defaults. Throws ConfigError listing all errors at once: unknown
+/// keys (with the nearest known one), wrong types, values out of range and violated conditions
+/// between keys. Nothing is corrected silently.
 LoadedConfig load_config_with_warnings(const std::string& path);
 
-/// The same from text; `name` stands for the file in messages.
+/// Parses text instead; `name` replaces the path in messages.
 LoadedConfig parse_config_with_warnings(const std::string& yaml, const std::string& name);
 
-/// The same for who has nobody to warn.
+/// The same without the warnings.
 Config load_config(const std::string& path);
 Config parse_config(const std::string& yaml, const std::string& name);
 
-/// All keys with values, units, ranges and meanings, as YAML that load_config reads.
+/// Prints all keys with values, units, ranges and meanings, as YAML that load_config reads.
 std::string print_config(const Config& config, PrintedKeys keys = PrintedKeys::kAll);
 
-/// The effective configuration without comments: what CONFIG carries and the hash is of.
+/// Prints the effective configuration without comments: the text sent in CONFIG and hashed.
 std::string effective_config(const Config& config);
 
-/// FNV-1a of effective_config().
+/// FNV-1a hash of effective_config().
 std::int64_t config_hash(const Config& config);
 
-/// A rig's configuration as a process loads it.
+/// The configuration of a rig, as loaded by a process.
 class RigFile : public ConfigFile {
  public:
   RigFile() = default;

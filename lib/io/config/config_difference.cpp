@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* kNone = "(none)";
 
-/// More lines than this are no list that a person reads.
+/// Max number of lines listed for the user.
 constexpr std::size_t kMaxLines = 20;
 
 using Values = std::vector<std::pair<std::string, std::string>>;

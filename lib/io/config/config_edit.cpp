@@ -36,7 +36,7 @@ std::size_t indent_of(const std::string& line) {
   return first == std::string::npos ? 0 : first;
 }
 
-/// Where the plain or quoted scalar or the bracketed list that begins at `begin` ends in its line.
+/// End of the plain or quoted scalar or bracketed list that begins at `begin`, within its line.
 std::size_t end_of_value(const std::string& line, std::size_t begin, bool in_flow) {
   if (begin >= line.size()) return begin;
   const char first = line[begin];
@@ -64,17 +64,17 @@ std::size_t end_of_value(const std::string& line, std::size_t begin, bool in_flo
   return end;
 }
 
-/// The text of one rig's YAML, edited line by line where yaml-cpp says things stand.
+/// Edits the text of a rig's YAML line by line, at the positions given by yaml-cpp.
 class Editor {
  public:
   explicit Editor(const std::string& yaml) : lines_(split(yaml, '\n')) {}
 
-  /// Sets one value; gives the line (0-based) on which it stands now.
+  /// Sets one value and returns the (0-based) line on which it is.
   std::size_t set(const ConfigValue& value) {
     const std::vector<std::string> path = split(value.key, '.');
     YAML::Node section = YAML::Load(join(lines_));
     std::size_t depth = 0;
-    YAML::Node key_node;  // of the innermost section that is there
+    YAML::Node key_node;  // of the innermost existing section
     bool in_flow = false;
     while (depth < path.size()) {
       YAML::Node found_key, found;
@@ -95,7 +95,7 @@ class Editor {
     return insert(key_node, section, depth, path, value.value, in_flow);
   }
 
-  /// Puts the comment above a line, in place of the one of the same tag that is there.
+  /// Inserts the comment above a line, replacing one of the same tag.
   void note(std::size_t line, const std::string& tag, const std::string& text) {
     const std::string comment =
         std::string(indent_of(lines_[line]), ' ') + "# " + tag + ": " + text;
@@ -114,7 +114,7 @@ class Editor {
  private:
   std::size_t replace(const YAML::Node& key, const YAML::Node& value, const std::string& text,
                       bool in_flow) {
-    if (value.IsNull()) {  // "key:" and nothing more
+    if (value.IsNull()) {  // "key:" without a value
       const auto line = static_cast<std::size_t>(key.Mark().line);
       const std::size_t colon = lines_[line].find(':', static_cast<std::size_t>(key.Mark().column));
       lines_[line].insert(colon + 1, " " + text);
@@ -128,8 +128,8 @@ class Editor {
     return line;
   }
 
-  /// Brings a bracketed list that goes on over several lines onto its first, without the comments
-  /// between its numbers.
+  /// Joins a bracketed list of several lines into its first line, without the comments between its
+  /// numbers.
   void join_list(std::size_t line, std::size_t begin) {
     while (lines_[line].find(']', begin) == std::string::npos && line + 1 < lines_.size()) {
       std::string& first = lines_[line];
@@ -176,9 +176,9 @@ class Editor {
 std::string edit_config(const std::string& yaml, const std::string& name,
                         const std::vector<ConfigValue>& values, const std::string& tag,
                         const std::string& note) {
-  parse_config(yaml, name);  // refuses what is not a configuration before it is touched
+  parse_config(yaml, name);  // rejects an invalid configuration before it is changed
   Editor editor(yaml);
-  // What is inserted goes to the top of its section: the last one first keeps the order given.
+  // New keys are inserted at the top of their section: inserting in reverse keeps the given order.
   for (auto value = values.rbegin(); value != values.rend(); ++value) editor.set(*value);
   if (!note.empty() && !values.empty()) {
     editor.note(editor.set(values.front()), tag, note);
@@ -197,7 +197,7 @@ void edit_config_file(const std::string& path, const std::string& out_path,
     throw FileError(path + ": cannot be read; give an existing configuration");
   }
   const std::string edited = edit_config(text.str(), path, values, tag, note);
-  // What stands at out_path may be another rig's only copy.
+  // The file at out_path may be the only copy of another rig.
   std::error_code error;
   if (std::filesystem::is_regular_file(out_path, error)) {
     std::ifstream replaced(out_path, std::ios::binary);

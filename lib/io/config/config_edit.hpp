@@ -8,22 +8,23 @@ namespace orchard::io {
 
 /// One value to set in a rig's YAML.
 struct ConfigValue {
-  std::string key;    ///< whole path: "detector.width.mean_m"
-  std::string value;  ///< as it is to stand in the file: "0.0897"
+  std::string key;    ///< full path: "detector.width.mean_m"
+  std::string value;  ///< as written to the file: "0.0897"
 };
 
-/// A rig's YAML with values set: each in its place, everything else - comments, order, spacing -
-/// as it was; a key or section that is missing is inserted. With a `note`, a comment line
-/// "# <tag>: <note>" stands above the first value, instead of an earlier one of the same tag.
+/// Sets values in a rig's YAML and keeps everything else - comments, order, spacing; missing keys
+/// or sections are inserted. With a `note`, a comment line "# <tag>: <note>" is placed above the
+/// first value and replaces an earlier one of the same tag.
 ///
-/// The result is checked as load_config() would: throws ConfigError (with `name` for the file)
-/// when the text was no good before, or is none with the new values.
+/// The result is checked as by load_config(): throws ConfigError (with `name` for the file) when
+/// the text is invalid before or after the change.
 std::string edit_config(const std::string& yaml, const std::string& name,
                         const std::vector<ConfigValue>& values, const std::string& tag = {},
                         const std::string& note = {});
 
-/// edit_config() on a file, into `out_path` (which may be the same file). What stood there is kept
-/// as "<out_path>.bak". Throws ConfigError or FileError and then leaves every file as it was.
+/// Applies edit_config() to a file and writes `out_path`, which may be the same file. The previous
+/// content of `out_path` is kept as "<out_path>.bak". Throws ConfigError or FileError and then
+/// leaves every file unchanged.
 void edit_config_file(const std::string& path, const std::string& out_path,
                       const std::vector<ConfigValue>& values, const std::string& tag,
                       const std::string& note);

@@ -7,7 +7,7 @@
 
 namespace orchard::io {
 
-/// A configuration that was refused: one line per mistake, each "file:line: key = value: why".
+/// Thrown for an invalid configuration: one line per error, "file:line: key = value: why".
 class ConfigError : public std::runtime_error {
  public:
   explicit ConfigError(std::vector<std::string> problems);

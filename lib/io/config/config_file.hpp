@@ -9,7 +9,7 @@
 
 namespace orchard::io {
 
-/// Where the messages go. Section `lcm`.
+/// LCM network to use. Section `lcm`.
 struct LcmConfig {
   std::string url = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=4194304";
 };
@@ -19,31 +19,30 @@ void describe(Visitor& v, LcmConfig& c) {
   v.text("url", c.url, "LCM provider; ttl=0 stays on this machine, ttl=1 reaches its network");
 }
 
-/// A configuration as CONFIG carries it: all keys with their values, and a number that stands for
-/// them.
+/// The effective configuration as sent in CONFIG: all keys with their values, and a hash.
 struct EffectiveConfig {
-  std::string text;       ///< YAML without comments, which reads back as the same configuration
+  std::string text;       ///< YAML without comments; reads back as the same configuration
   std::int64_t hash = 0;  ///< FNV-1a of the text with the default lcm.url
 };
 
-/// Which keys are printed.
+/// Selection of keys to print.
 enum class PrintedKeys {
-  kUser,  ///< those for users, and what differs from its default among those for experts
+  kUser,  ///< keys for users, and expert keys that differ from their defaults
   kAll,
 };
 
-/// The configuration of a process, whatever its sections are: what the bus needs of it.
+/// The configuration of a process, independent of its sections: the interface that the bus needs.
 class ConfigFile {
  public:
   virtual ~ConfigFile() = default;
 
-  /// Reads a rig's YAML over the defaults; gives warnings, one line each. Throws ConfigError.
+  /// Reads a rig's YAML over the defaults and returns warnings, one line each. Throws ConfigError.
   virtual std::vector<std::string> load(const std::string& path) = 0;
 
   virtual LcmConfig& lcm() = 0;
   virtual EffectiveConfig effective() const = 0;
 
-  /// Values, units, ranges and meanings, as YAML that load() reads.
+  /// Prints values, units, ranges and meanings, as YAML that load() reads.
   virtual std::string print(PrintedKeys keys) const = 0;
 };
 

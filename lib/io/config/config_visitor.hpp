@@ -11,7 +11,7 @@
 
 namespace orchard::io {
 
-/// What a configuration's struct says of one of its keys.
+/// Description of one configuration key.
 struct ConfigKey {
   const char* name = "";
   const char* unit = "";
@@ -19,21 +19,21 @@ struct ConfigKey {
   bool is_expert = false;  ///< --print-config shows it only with --all, or when it is not default
 };
 
-/// A list of numbers in place: fixed in size, or resizable through `values`.
+/// A list of numbers in a configuration struct: of fixed size, or resizable through `values`.
 struct NumberList {
   double* data = nullptr;
   std::size_t size = 0;
   std::vector<double>* values = nullptr;  ///< null: the size is fixed
 };
 
-/// What reads or prints a configuration. The structs of the rooms present their keys to it by
-/// `describe(visitor, struct)`; readers and printers implement the on_ functions, once for all
-/// structs, so that neither the rooms know YAML nor YAML the rooms.
+/// Interface for reading or printing a configuration. Each module presents the keys of its struct
+/// by `describe(visitor, struct)`; readers and printers implement the on_ functions. The modules
+/// therefore do not depend on YAML, nor the YAML code on the modules.
 class ConfigVisitor {
  public:
   virtual ~ConfigVisitor() = default;
 
-  /// Says that the next key, or all keys of the next section, are for experts.
+  /// Marks the next key, or all keys of the next section, as expert keys.
   ConfigVisitor& expert() {
     is_next_expert_ = true;
     return *this;
@@ -54,7 +54,7 @@ class ConfigVisitor {
     on_text(next(key, "", doc), value);
   }
 
-  /// `names` in the order of the enumerators, which count from 0.
+  /// `names` in the order of the enumerators, which must count from 0.
   template <class Enum>
   void choice(const char* key, Enum& value, std::initializer_list<const char*> names,
               const char* doc) {
@@ -83,7 +83,7 @@ class ConfigVisitor {
     is_section_expert_ = was_expert;
   }
 
-  /// A condition between keys: `why` completes "key = value: ...".
+  /// Checks a condition between keys; `why` completes the message "key = value: ...".
   void check(bool holds, const char* key, const char* why) {
     if (!holds) on_broken_check(key, why);
   }

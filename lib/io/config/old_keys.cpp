@@ -133,7 +133,7 @@ const std::vector<OldKey>& old_keys() {
 }
 
 std::vector<std::string> former_names(const std::string& path) {
-  const std::size_t begin = path.rfind('.') + 1;  // 0 without a dot
+  const std::size_t begin = path.rfind('.') + 1;  // 0 if there is no dot
   std::vector<std::string> names;
   for (const OldKey& old : old_keys()) {
     const std::string_view old_path(old.path);

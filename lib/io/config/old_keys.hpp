@@ -6,20 +6,21 @@
 
 namespace orchard::io {
 
-/// A key of an earlier version.
+/// A key of the previous version that was renamed or removed.
 struct OldKey {
   const char* path;  ///< with the present names of its sections: "mapper.existence.past_rate"
-  const char* name;  ///< its name now, in the same section; null: no longer a key
-  const char* fixed_at = "";  ///< no longer a key: its value for good; empty: without effect
+  const char* name;  ///< present name, in the same section; null: removed
+  const char* fixed_at = "";  ///< removed key: its constant value; empty: it has no effect
 };
 
-/// The keys of the last version that have another name now, or none. They go with the next one.
+/// Lists the keys of the previous version that were renamed or removed; they are dropped with the
+/// next version.
 const std::vector<OldKey>& old_keys();
 
-/// The former names of a key or section, given its present path.
+/// Former names of a key or section, given its present path.
 std::vector<std::string> former_names(const std::string& path);
 
-/// The entry of a key that is none any more; null when there never was such a key.
+/// Entry of a removed key; null if there was no such key.
 const OldKey* find_fixed_key(const std::string& path);
 
 }  // namespace orchard::io

@@ -14,7 +14,8 @@ namespace orchard::io {
 
 namespace {
 
-/// Sightings of one pass are alike: as many standard errors as these are one of the position.
+/// Position sigma in standard errors of the mean: observations of one pass are correlated, so a
+/// single standard error is too optimistic.
 constexpr double kStandardErrors = 2.0;
 
 constexpr double kPathStep_m = 0.5;
@@ -35,7 +36,7 @@ std::vector<Eigen::Vector2d> laser_path(const StoredMap& map) {
   return path_m;
 }
 
-/// Throws when nobody can find a place by these.
+/// Throws FileError when the landmarks are not sufficient for localization.
 void require_places(const std::string& name, const std::vector<pose::PriorLandmark>& landmarks) {
   const std::string problem = pose::problem_with(landmarks);
   if (problem.empty()) return;

@@ -6,10 +6,10 @@
 
 namespace orchard::io {
 
-/// The landmarks of config.map_file (a map.csv, or a folder that holds one) that were seen at least
-/// config.min_observations times; of a folder also where its drives looked, and so how often each
-/// landmark was seen of its chances. The files are only read. Throws FileError when one cannot be
-/// read, or when no place can be found by what they hold.
+/// Reads the prior map: the landmarks of config.map_file (a map.csv or a map folder) with at least
+/// config.min_observations observations. From a folder also the sensor coverage of its drives, and
+/// from that the detection rate of each landmark. The files are only read. Throws FileError when
+/// one cannot be read, or when its landmarks are not sufficient for localization.
 pose::EarlierMap read_prior_map(const pose::PriorMapConfig& config);
 
 }  // namespace orchard::io

@@ -7,9 +7,9 @@
 
 namespace orchard::io {
 
-/// The rig that a simulated scene ("tubes", "orchard", "board") is driven with unless another one
-/// is given: config/tubes.yaml or config/orchard.yaml as they were when the program was built, so
-/// that it is found wherever the program is installed. The defaults for any other name.
+/// Default rig of a simulated scene ("tubes", "orchard", "board"): config/tubes.yaml or
+/// config/orchard.yaml as of the build, so that it is available wherever the program is installed.
+/// Returns the built-in defaults for any other name.
 Config scene_rig(std::string_view scene);
 
 }  // namespace orchard::io

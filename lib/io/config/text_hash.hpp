@@ -6,7 +6,7 @@
 
 namespace orchard::io {
 
-/// FNV-1a of a text, 64 bits: the hash that travels with a configuration in CONFIG.
+/// 64-bit FNV-1a hash of a text: the hash of a configuration in CONFIG.
 constexpr std::int64_t text_hash(std::string_view text) {
   std::uint64_t hash = 1469598103934665603ull;
   for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;

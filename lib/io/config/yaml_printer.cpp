@@ -12,7 +12,7 @@
 namespace orchard::io {
 namespace {
 
-/// One key, or the head of a section, as it is to be printed.
+/// One key, or the head of a section, to be printed.
 struct Line {
   int depth = 0;
   std::string key;
@@ -78,10 +78,10 @@ std::vector<Line> lines_of(const ConfigSchema& schema) {
   return collector.lines;
 }
 
-/// Drops sections without a key.
+/// Removes sections without keys.
 std::vector<Line> without_empty_sections(const std::vector<Line>& lines) {
   std::vector<Line> kept;
-  int depth_below = -1;  // of the key or section that follows
+  int depth_below = -1;  // depth of the key or section that follows
   for (auto line = lines.rbegin(); line != lines.rend(); ++line) {
     if (line->is_section && depth_below <= line->depth) continue;
     depth_below = line->depth;

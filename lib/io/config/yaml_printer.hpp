@@ -7,13 +7,13 @@
 
 namespace orchard::io {
 
-/// All keys with values, units, ranges and meanings, as YAML; those for experts are marked so.
+/// Prints all keys with values, units, ranges and meanings as YAML; expert keys are marked.
 std::string print_all_keys(const ConfigSchema& schema);
 
-/// The same without the keys for experts that are equal in `schema` and `defaults`.
+/// The same without the expert keys that are equal in `schema` and `defaults`.
 std::string print_user_keys(const ConfigSchema& schema, const ConfigSchema& defaults);
 
-/// All keys with values, without comments.
+/// Prints all keys with values, without comments.
 std::string print_values(const ConfigSchema& schema);
 
 }  // namespace orchard::io

@@ -18,7 +18,7 @@
 namespace orchard::io {
 namespace {
 
-/// Most numbers of a list: no list of a rig is anywhere near as long.
+/// Max length of a list; far above that of any list in a rig.
 constexpr std::size_t kMaxNumbers = 4096;
 
 /// Levenshtein distance.
@@ -55,7 +55,7 @@ std::string scalar_text(const YAML::Node& node) {
   return node.IsNull() ? "(nothing)" : node.IsSequence() ? "(a list)" : "(a section)";
 }
 
-/// The whole text as a number, with a leading + allowed; none when it is not one.
+/// Parses the whole text as a number; a leading + is allowed. None if it is not a number.
 std::optional<double> parse_number(const std::string& text) {
   double value = 0.0;
   const char* begin = text.data();
@@ -67,12 +67,12 @@ std::optional<double> parse_number(const std::string& text) {
   return value;
 }
 
-/// Fills a configuration from YAML and collects what is wrong with it.
+/// Fills a configuration from YAML and collects the errors.
 class Reader : public ConfigVisitor {
  public:
   Reader(const YAML::Node& root, std::string file) : file_(std::move(file)), root_{root, ""} {}
 
-  /// Names the keys of the present section that nothing has asked for.
+  /// Reports the keys of the current section that the schema did not ask for.
   void refuse_unknown() {
     if (!section_->node.IsMap()) return;
     std::set<std::string> seen;
@@ -94,12 +94,12 @@ class Reader : public ConfigVisitor {
   std::vector<std::string> warnings;
 
  private:
-  /// What is being read.
+  /// The section being read.
   struct Section {
     YAML::Node node;
     std::string prefix;               ///< "detector.width."
     std::set<std::string> known{};    ///< keys that the schema has asked for
-    std::set<std::string> renamed{};  ///< keys of the file that were read by their former name
+    std::set<std::string> renamed{};  ///< keys of the file that were read under a former name
   };
 
   void on_number(const ConfigKey& key, double& value, double lo, double hi) override {
@@ -198,7 +198,7 @@ class Reader : public ConfigVisitor {
     refuse(field ? field : section_->node, key, field ? scalar_text(field) : "(default)", why);
   }
 
-  /// The value of a key, by its present name or a former one; undefined when it is not given.
+  /// The value of a key by its present or a former name; undefined if it is not given.
   YAML::Node find(const std::string& key) {
     section_->known.insert(key);
     YAML::Node field = entry(key);

@@ -8,10 +8,10 @@
 
 namespace orchard::io {
 
-/// Reads a configuration's YAML into what the schema presents; `name` stands for the file in
-/// messages. Gives warnings, one line each: keys that have another name now, and keys that are none
-/// any more. Throws ConfigError naming every unknown key (with its nearest neighbour), wrong type,
-/// value out of range and crossed limit at once, and then may have changed some values.
+/// Reads YAML into the configuration that the schema presents; `name` replaces the path in
+/// messages. Returns warnings about renamed and removed keys, one line each. Throws ConfigError
+/// listing all errors at once: unknown keys (with the nearest known one), wrong types, values out
+/// of range and violated conditions between keys. Some values may have been changed then.
 std::vector<std::string> read_yaml(const std::string& yaml, const std::string& name,
                                    const ConfigSchema& schema);
 

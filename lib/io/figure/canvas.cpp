@@ -15,14 +15,14 @@
 namespace orchard::io {
 namespace {
 
-constexpr int kSizeMaxPx = 30000;         // cairo's pictures end at 32767
-constexpr double kCoordinateMaxPx = 1e6;  // cairo's fixed point ends at 8e6
-constexpr double kPointsPerPx = 0.75;     // PDF measures in 1/72 inch
+constexpr int kSizeMaxPx = 30000;         // cairo's images end at 32767
+constexpr double kCoordinateMaxPx = 1e6;  // cairo's fixed-point numbers end at 8e6
+constexpr double kPointsPerPx = 0.75;     // PDF uses units of 1/72 inch
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kDashPx[] = {4.0, 3.0};
 constexpr double kHaloPx = 3.0;
 constexpr const char* kFont = "DejaVu Sans";
-// PDF asks for a date; the time of drawing would make every file another one.
+// PDF requires a date; the current time would make every file different.
 constexpr const char* kPdfDate = "2000-01-01T00:00:00Z";
 
 struct FontOptions {
@@ -48,10 +48,10 @@ cairo_status_t append(void* file, const unsigned char* data, unsigned int size) 
   return CAIRO_STATUS_SUCCESS;
 }
 
-/// cairo numbers the surfaces and pictures of a process, and the numbers stand in the file as
-/// names: here they count from 0 in each file.
+/// cairo numbers the surfaces and images of a process and writes the numbers to the file as ids.
+/// Renumbers them from 0, so that equal drawings give equal files.
 std::string with_numbers_of_its_own(const std::string& svg) {
-  std::map<std::string, std::size_t> numbers;  // by the name that cairo gave
+  std::map<std::string, std::size_t> numbers;  // by cairo's name
   std::string result;
   std::size_t done = 0;
   for (std::size_t i = svg.find_first_of("\"#"); i != std::string::npos;
@@ -132,7 +132,7 @@ struct Canvas::Page {
 
   void set(Colour c) { cairo_set_source_rgb(cairo, c.r / 255.0, c.g / 255.0, c.b / 255.0); }
 
-  /// Fills and draws the outline of the path that was laid.
+  /// Fills and strokes the current path.
   void paint(std::optional<Colour> fill, std::optional<Colour> stroke, double width) {
     if (fill) {
       set(*fill);
@@ -146,7 +146,7 @@ struct Canvas::Page {
     cairo_new_path(cairo);
   }
 
-  /// Lays a path through the points, a new part after each that cannot be drawn.
+  /// Adds a path through the points; starts a new part after each point that cannot be drawn.
   void lay(const std::vector<PixelPoint>& points) {
     cairo_new_path(cairo);
     bool is_begun = false;

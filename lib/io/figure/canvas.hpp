@@ -28,7 +28,7 @@ struct PixelBox {
 
 enum class FigureFormat { kSvg, kPng, kPdf };
 
-/// By the ending of a file's name: .svg, .png or .pdf. Throws FileError at another one.
+/// File format by the extension .svg, .png or .pdf. Throws FileError for another one.
 FigureFormat figure_format(const std::string& path);
 
 enum class TextAnchor { kStart, kMiddle, kEnd };
@@ -38,19 +38,19 @@ struct TextStyle {
   Colour colour{};
   TextAnchor anchor = TextAnchor::kStart;
   bool is_bold = false;
-  bool is_upward = false;               ///< read from below
-  std::optional<Colour> halo_colour{};  ///< an outline that keeps it readable on lines
+  bool is_upward = false;               ///< rotated, reads from bottom to top
+  std::optional<Colour> halo_colour{};  ///< outline that keeps the text readable on lines
 };
 
-/// How far a text runs, the same on every canvas.
+/// Width of a text, the same in every format.
 double text_width_px(const std::string& text, double size_px, bool is_bold = false);
 
-/// A page that a figure is drawn on: the same calls give SVG, PNG or PDF. All lengths in pixels of
-/// 1/96 inch. What is not finite or far off the page is not drawn. Equal calls give equal bytes on
-/// one machine.
+/// A page to draw on; the same calls give SVG, PNG or PDF. All lengths are in pixels of 1/96 inch.
+/// Shapes with non-finite coordinates or far off the page are not drawn. Equal calls give equal
+/// bytes on one machine.
 class Canvas {
  public:
-  /// Throws FileError where there is no such page (of more than 30,000 pixels, or none).
+  /// Throws FileError for an invalid page size (more than 30,000 pixels, or none).
   Canvas(FigureFormat format, int width_px, int height_px, Colour background = kWhite);
   ~Canvas();
 
@@ -62,23 +62,24 @@ class Canvas {
   void rectangle(const PixelBox& box, std::optional<Colour> fill, std::optional<Colour> stroke,
                  double width = 1.0);
   void circle(PixelPoint centre, double radius, Colour fill, Colour stroke);
-  /// `position` is on the text's base line. What drawn_text() does not keep is drawn as '?'.
+  /// `position` is on the text's baseline. Characters that drawn_text() does not keep are drawn as
+  /// '?'.
   void text(PixelPoint position, const std::string& text, const TextStyle& style);
-  /// A picture stretched over the box without smoothing. `bgr`: rows of three bytes a pixel.
+  /// Draws an image stretched to the box without smoothing. `bgr`: rows of three bytes per pixel.
   void image(const PixelBox& box, const std::vector<std::uint8_t>& bgr, int width_px,
              int height_px);
 
-  /// What is drawn until end_inset() has its origin there and is so much larger.
+  /// Moves the origin to `origin` and scales by `scale` until end_inset().
   void begin_inset(PixelPoint origin, double scale);
   void end_inset();
 
-  /// The day that a PDF says it was made on, "2026-11-22"; empty: the same one in every PDF.
+  /// Sets the creation date of a PDF, "2026-11-22"; empty: the same constant date in every PDF.
   void set_day(const std::string& day);
 
-  /// What is drawn from now on stands on a new page. Throws FileError where there is only one.
+  /// Starts a new page. Throws FileError in a format with a single page.
   void next_page();
 
-  /// The finished file; nothing can be drawn afterwards. Throws FileError.
+  /// Returns the finished file; nothing can be drawn afterwards. Throws FileError.
   std::string finish();
 
  private:

@@ -38,7 +38,8 @@ Colour colour_of(Change change) {
 
 constexpr Colour kEdge{120, 120, 120};
 
-/// Told apart by form, too: missing is crossed out, grown has a ring about it, thinner one in it.
+/// The signs also differ in shape: missing is crossed out, grown has an outer ring, thinner an
+/// inner one.
 void draw_sign(Change change, const PixelPoint& at, Canvas& canvas) {
   constexpr double kRadiusPx = 5.5, kRingPx = 8.5, kCrossPx = 4.0;
   const Colour colour = colour_of(change);
@@ -67,7 +68,7 @@ void draw_sign(Change change, const PixelPoint& at, Canvas& canvas) {
   canvas.circle(at, kRadiusPx, colour, kBlack);
 }
 
-/// The id by which the earlier map knows it, or that it is new, and by how much it changed.
+/// Caption: the id in the earlier map (or "new" and the later id) and the amount of the change.
 std::string caption(const ComparisonContent& content, const MapChange& c) {
   const std::string id = c.a < 0
                              ? "new " + std::to_string(content.b[static_cast<std::size_t>(c.b)].id)
@@ -116,7 +117,7 @@ std::string comparison_figure(const ComparisonContent& content, FigureFormat for
   Canvas canvas(format, frame.width_px(), frame.height_px());
   frame.draw(canvas);
   LabelPlacement placement(frame.box());
-  for (const bool quiet : {true, false}) {  // what changed on top
+  for (const bool quiet : {true, false}) {  // changed landmarks on top
     for (const MapChange& c : changes) {
       if (is_quiet(c.change) != quiet) continue;
       draw_change(frame, content, c, canvas);

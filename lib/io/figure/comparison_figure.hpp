@@ -11,9 +11,9 @@
 
 namespace orchard::io {
 
-/// What was compared, and what came of it. References: all outlive it.
+/// Two compared maps and the result of the comparison. All references must outlive it.
 struct ComparisonContent {
-  std::string name_a;  ///< of the earlier map, as the user gave it
+  std::string name_a;  ///< earlier map, as the user named it
   std::string name_b;
   const std::vector<mapping::Landmark>& a;
   const std::vector<mapping::Landmark>& b;
@@ -22,9 +22,9 @@ struct ComparisonContent {
   std::optional<geometry::Georeference> georeference;  ///< of the earlier map
 };
 
-/// Where what changed: missing red and crossed out, new green, moved blue with a line from the old
-/// place, grown and thinner violet with a ring, unchanged and not seen grey; with ids, ways and
-/// widths. Returns the file.
+/// Draws the changes: missing red and crossed out, new green, moved blue with a line from the old
+/// position, grown and thinner violet with a ring, unchanged and not seen grey; with ids, distances
+/// and widths. Returns the file.
 std::string comparison_figure(const ComparisonContent& content, FigureFormat format);
 
 }  // namespace orchard::io

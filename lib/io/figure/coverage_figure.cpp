@@ -11,9 +11,9 @@
 namespace orchard::io {
 namespace {
 
-constexpr double kPictureWidth_px = 960.0;  ///< of the camera's picture, whatever the camera's
+constexpr double kPictureWidth_px = 960.0;  ///< of the camera's image, for any resolution
 constexpr double kTop_px = 68.0;
-constexpr double kArrow_px = 18.0;  ///< length of an arrow of the root mean square error
+constexpr double kArrow_px = 18.0;  ///< length of an arrow for the root mean square error
 constexpr Colour kCorner{30, 140, 60}, kArrow{200, 40, 30};
 
 void draw_cross(PixelPoint at, Canvas& canvas) {
@@ -30,7 +30,7 @@ std::string coverage_figure(const calibration::CameraCalibration& calibration,
   const double scale = kPictureWidth_px / camera.width_px;
   const PixelBox box{PlotAxes::kLeftPx, kTop_px, PlotAxes::kLeftPx + kPictureWidth_px,
                      kTop_px + scale * camera.height_px};
-  // Whole numbers are the centres of pixels; rows count downward.
+  // Pixel centres are at whole numbers; rows count downward.
   const PlotAxes axes(box, {-0.5, camera.width_px - 0.5}, {camera.height_px - 0.5, -0.5});
   Canvas canvas(format, static_cast<int>(std::ceil(box.x1 + PlotAxes::kRightPx)),
                 static_cast<int>(std::ceil(box.y1 + PlotAxes::kBottomPx)));
@@ -38,7 +38,7 @@ std::string coverage_figure(const calibration::CameraCalibration& calibration,
   const double lengthen = kArrow_px / (scale * std::max(calibration.rms_px, 1e-6));
   for (const calibration::CornerResidual& corner : calibration.residuals) {
     const double x_px = corner.found_px.x_px, y_px = corner.found_px.y_px;
-    // the model's place is the found one minus the residual
+    // the position by the model is the found one minus the residual
     canvas.line(axes.at(x_px, y_px),
                 axes.at(x_px - lengthen * corner.dx_px, y_px - lengthen * corner.dy_px), kArrow,
                 1.0);

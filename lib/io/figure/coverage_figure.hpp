@@ -8,9 +8,9 @@
 
 namespace orchard::io {
 
-/// Draws the camera's picture area in axes of pixels: where corners of the board were seen, each
-/// with an arrow to where the model has it (lengthened; the scale is written above), and the
-/// principal point. Returns the file.
+/// Draws the coverage of a calibration in pixel axes: the observed board corners, each with an
+/// arrow to its position by the model (enlarged; the scale is given above), and the principal
+/// point. Returns the file.
 std::string coverage_figure(const calibration::CameraCalibration& calibration, FigureFormat format);
 
 }  // namespace orchard::io

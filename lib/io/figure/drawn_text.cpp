@@ -12,7 +12,7 @@ unsigned byte_at(std::string_view text, std::size_t i) {
 
 bool continues(unsigned byte) { return (byte & 0xC0u) == 0x80u; }
 
-/// Bytes of a character that begins there: 0 where none does.
+/// Number of bytes of the UTF-8 character that begins here; 0 if none does.
 std::size_t length_at(std::string_view text, std::size_t i) {
   const unsigned first = byte_at(text, i), second = byte_at(text, i + 1),
                  third = byte_at(text, i + 2);
@@ -28,14 +28,14 @@ std::size_t length_at(std::string_view text, std::size_t i) {
              : 0;
 }
 
-/// Whether DejaVu Sans has it: Latin letters, dashes, quotes and arithmetic.
+/// Whether DejaVu Sans has the character: Latin letters, dashes, quotes and arithmetic signs.
 bool is_drawn(std::string_view character) {
   const unsigned first = byte_at(character, 0), second = byte_at(character, 1),
                  third = byte_at(character, 2);
   if (character.size() == 1) return first >= ' ' && first <= '~';
   if (character.size() == 2) {
     const unsigned code = (first & 0x1Fu) << 6 | (second & 0x3Fu);
-    return code >= 0xA1u && code < 0x250u && code != 0xADu;  // the soft hyphen is none
+    return code >= 0xA1u && code < 0x250u && code != 0xADu;  // the soft hyphen is not drawn
   }
   if (character.size() != 3) return false;
   const unsigned code = (first & 0x0Fu) << 12 | (second & 0x3Fu) << 6 | (third & 0x3Fu);

@@ -6,8 +6,8 @@
 
 namespace orchard::io {
 
-/// Text from anywhere as the figures' font can draw it: printable ASCII, Latin letters and common
-/// signs of UTF-8 stay; every other character, and every byte that is no UTF-8, becomes '?'.
+/// Restricts text to characters of the figures' font: printable ASCII, Latin letters and common
+/// signs of UTF-8 are kept; other characters and invalid UTF-8 bytes become '?'.
 std::string drawn_text(std::string_view text);
 
 }  // namespace orchard::io

@@ -9,7 +9,7 @@ namespace orchard::io {
 namespace {
 
 constexpr double kCellPx = 2.0;
-constexpr double kCapHeight = 0.73;  // of the font, in text sizes
+constexpr double kCapHeight = 0.73;  // of the font, relative to the text size
 constexpr std::array<double, 2> kGapsPx{3.0, 8.0};
 constexpr std::array<std::array<double, 2>, 8> kSides{
     {{1, 0}, {-1, 0}, {0, -1}, {0, 1}, {1, -1}, {-1, -1}, {1, 1}, {-1, 1}}};
@@ -18,7 +18,7 @@ int num_cells(double length_px) {
   return std::clamp(static_cast<int>(std::ceil(length_px / kCellPx)), 1, 10000);
 }
 
-/// The cells from the first that is touched to one past the last.
+/// Index range of the cells touched: first, and one past the last.
 std::array<int, 2> cells(double from, double to, int num) {
   const auto cell = [num](double value) {
     return static_cast<int>(std::clamp(value / kCellPx, 0.0, static_cast<double>(num)));

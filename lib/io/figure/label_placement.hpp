@@ -9,17 +9,16 @@
 
 namespace orchard::io {
 
-/// Places labels one after the other where nothing is yet; each that is placed takes its room.
+/// Places labels one after another without overlap.
 class LabelPlacement {
  public:
-  /// No label leaves `within`.
+  /// No label extends beyond `within`.
   explicit LabelPlacement(const PixelBox& within);
 
   void take(const PixelBox& box);
 
-  /// The centre of a free box of that size beside a sign: right, left, above, below, then the
-  /// corners, then the same a little farther off. None when all are taken: the map is too full for
-  /// the label.
+  /// Returns the centre of a free box of that size beside a sign: right, left, above, below, then
+  /// the corners, then the same a little farther away. None when all are occupied.
   std::optional<PixelPoint> place(PixelPoint sign, double sign_radius, double width, double height);
 
  private:
@@ -27,11 +26,11 @@ class LabelPlacement {
 
   PixelBox within_;
   int num_columns_, num_rows_;
-  std::vector<bool> taken_;  ///< by cell, row after row
+  std::vector<bool> taken_;  ///< by cell, row by row
 };
 
-/// Draws a text on white beside a sign, where there is room for it; whether there was. Without a
-/// canvas it only takes the room.
+/// Draws a text on white beside a sign if there is space for it and returns whether there was.
+/// Without a canvas it only reserves the space.
 bool draw_label(PixelPoint sign, double sign_radius_px, const std::string& text, double text_px,
                 Colour colour, LabelPlacement& placement, Canvas* canvas);
 

@@ -14,10 +14,10 @@ struct LegendItem {
   std::function<void(PixelPoint centre, Canvas&)> draw_sign;  ///< at most 20 pixels wide and high
 };
 
-/// A short line as a sign.
+/// A legend item with a short line as its sign.
 LegendItem line_item(const std::string& name, Colour colour, bool is_dashed = false);
 
-/// Signs with their names, in as many rows as the width asks for.
+/// Signs with their names, in as many rows as the width requires.
 class Legend {
  public:
   Legend(std::vector<LegendItem> items, double width_px);
@@ -27,7 +27,7 @@ class Legend {
 
  private:
   std::vector<LegendItem> items_;
-  std::vector<PixelPoint> places_;  ///< of the signs' centres, from the top left corner
+  std::vector<PixelPoint> places_;  ///< centres of the signs, relative to the top left corner
 };
 
 }  // namespace orchard::io

@@ -33,18 +33,18 @@ Style style_of(Label label) {
   return {{205, 205, 205}, {140, 140, 140}};
 }
 
-/// Sizes by how many landmarks share the page.
+/// Sizes of signs and texts, depending on the number of landmarks.
 struct Sizes {
   Sizes(std::size_t num_landmarks, bool is_print) {
     if (num_landmarks <= 100) return;
     radius_px = 3.0;
     text_px = is_print ? 8.0 : 10.0;
   }
-  double radius_px = 6.0;  ///< at least
+  double radius_px = 6.0;  ///< minimum
   double text_px = 14.0;
 };
 
-/// A3, lying or upright as the map does.
+/// A3 in landscape or portrait format, depending on the map's extent.
 PlotSizeMax print_size(const std::vector<Eigen::Vector2d>& points_map) {
   constexpr double kLong_px = 1480.0, kShort_px = 960.0;
   Eigen::AlignedBox2d extent;
@@ -65,7 +65,7 @@ void draw_row_lines(const MapFrame& frame, const std::vector<mapping::Row>& rows
   }
 }
 
-/// Where a vehicle can go: between the rows and round their ends.
+/// Draws the navigation graph: alleys and headlands.
 void draw_graph(const MapFrame& frame, const mapping::NavigationGraph& graph, Canvas& canvas) {
   for (const mapping::NavigationEdge& edge : graph.edges) {
     std::vector<PixelPoint> points;
@@ -81,7 +81,7 @@ double radius_px(const MapFrame& frame, const Landmark& l, const Sizes& sizes) {
   return std::max(sizes.radius_px, 0.5 * l.width_m * frame.px_per_m());
 }
 
-/// Hedges and walls as long as they are; all else as a disc, large enough to be found.
+/// Draws hedges and walls with their length, other landmarks as discs of a visible minimum size.
 void draw_landmark(const MapFrame& frame, const Landmark& l, const Sizes& sizes,
                    LabelPlacement& placement, Canvas& canvas) {
   const Style style = style_of(l.label);
@@ -97,7 +97,7 @@ void draw_landmark(const MapFrame& frame, const Landmark& l, const Sizes& sizes,
   placement.take({p.x - r, p.y - r, p.x + r, p.y + r});
 }
 
-/// The number of a row beyond its first place.
+/// Draws each row's number before its first tree.
 void draw_row_numbers(const MapFrame& frame, const std::vector<mapping::Row>& rows,
                       LabelPlacement& placement, Canvas& canvas) {
   constexpr double kOut_px = 14.0;
@@ -112,11 +112,11 @@ void draw_row_numbers(const MapFrame& frame, const std::vector<mapping::Row>& ro
   }
 }
 
-/// Every how manieth number finds a free place beside its sign, by and large.
+/// Label steps (every n-th number); the first is used for which this fraction finds a free place.
 constexpr std::array<std::int32_t, 12> kSteps{1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000};
 constexpr double kPlacedFraction = 0.8;
 
-/// The labels of the numbers that the step divides, and whether nearly all of them were placed.
+/// Draws the labels of the numbers that are multiples of the step; returns whether nearly all fit.
 bool draw_every(std::int32_t step, const MapFrame& frame, const std::vector<Landmark>& landmarks,
                 const Sizes& sizes, LabelPlacement placement, Canvas* canvas) {
   int num_wanted = 0, num_placed = 0;

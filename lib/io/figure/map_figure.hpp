@@ -13,11 +13,11 @@
 
 namespace orchard::io {
 
-/// Draws the paper's figure 11 (Shalal et al. 2013): trees green and objects red with their
-/// numbers (ids), unseen ones grey, the robot's path, the rows with their numbers, the ways between
-/// and round them, axes in metres of equal scale. Circles have the true width, but a least size.
-/// Labels do not overlap: where there are too many, only every 2nd, 5th, 10th ... number stands. A
-/// PDF is as large as A3, for more of them. Returns the file.
+/// Draws a map like figure 11 of the paper (Shalal et al. 2013): trees green and objects red with
+/// their ids, unseen ones grey, the robot's path, the rows with their numbers, the alleys and
+/// headlands, axes in metres of equal scale. Circles have the true width, with a minimum size.
+/// Labels do not overlap: where space is short, only every 2nd, 5th, 10th ... number is drawn. A
+/// PDF has the size of A3 to fit more labels. Returns the file.
 std::string map_figure(const std::vector<mapping::Landmark>& landmarks,
                        const std::vector<pose::PoseEstimate>& trajectory,
                        const std::vector<mapping::Row>& rows, const mapping::NavigationGraph& graph,

@@ -9,21 +9,21 @@
 namespace orchard::io {
 namespace {
 
-constexpr double kPlotMinPx = 220.0;  // a map of one row would be too thin a strip for axes
+constexpr double kPlotMinPx = 220.0;  // a map of one row would otherwise be too narrow for axes
 constexpr double kPageWidthMinPx = 420.0;
-constexpr double kEdgePx = 14.0;    // from the page's edge to the legend, from there to the plot
-constexpr double kMarginPx = 32.0;  // from the outermost point to the frame: room for a label
+constexpr double kEdgePx = 14.0;    // page's edge to legend, and legend to plot
+constexpr double kMarginPx = 32.0;  // from the outermost point to the frame: space for a label
 constexpr double kMarginMin_m = 0.3;
-constexpr double kScaleBarPx = 150.0;  // at most
+constexpr double kScaleBarPx = 150.0;  // max length
 constexpr double kScaleBarTick_px = 4.0;
-constexpr double kTitleTextPx = 17.0, kTitlePx = 28.0;  // letters, and the line with its air
-constexpr double kArrowPx = 44.0;                       // north arrow with its letter and its air
+constexpr double kTitleTextPx = 17.0, kTitlePx = 28.0;  // text height, and line height
+constexpr double kArrowPx = 44.0;                       // north arrow with its letter and spacing
 
-/// As much of a text as fits, with dots where some is left out.
+/// Shortens a text to the given width, with dots at the end.
 std::string shortened(const std::string& text, double width_px, bool is_bold) {
   if (text_width_px(text, kTitleTextPx, is_bold) <= width_px) return text;
   for (std::size_t length = text.size(); length > 0; --length) {
-    // Not within a character of UTF-8.
+    // Do not cut inside a UTF-8 character.
     if ((static_cast<unsigned char>(text[length - 1]) & 0xC0u) >= 0x80u && length < text.size() &&
         (static_cast<unsigned char>(text[length]) & 0xC0u) == 0x80u) {
       continue;
@@ -46,7 +46,7 @@ struct MapFrame::Extent {
     }
     if (x.from > x.to) x = y = {-1.0, 1.0};
     const double width_m = x.to - x.from, height_m = y.to - y.from;
-    // The margin is of pixels, or of metres where that is more.
+    // The margin is given in pixels, with a minimum in metres.
     const double per_px = std::max({width_m / (size_max.width_px - 2.0 * kMarginPx),
                                     height_m / (size_max.height_px - 2.0 * kMarginPx), 1e-9});
     const double margin_m = std::max(kMarginMin_m, kMarginPx * per_px);
@@ -86,7 +86,7 @@ MapFrame::MapFrame(const Extent& extent, std::vector<LegendItem> legend, MapHead
 
 double MapFrame::arrow_px() const { return heading_.north_rad ? kArrowPx : 0.0; }
 
-/// Where the plot begins, below what stands above it.
+/// Top of the plot, below heading and legend.
 double MapFrame::top_px() const {
   const bool has_title = !heading_.title.empty() || !heading_.day.empty();
   const double text_px = (has_title ? kTitlePx : 0.0) + legend_.height_px();
@@ -103,7 +103,7 @@ void MapFrame::draw(Canvas& canvas) const {
   axes_.draw("x (m)", "y (m)", canvas);
   draw_heading(canvas);
   const double most_m = std::min(kScaleBarPx, 0.25 * box().width()) / px_per_m_;
-  const double step_m = round_step(0.4 * most_m);  // steps grow by at most 2.5
+  const double step_m = round_step(0.4 * most_m);  // round steps differ by a factor of at most 2.5
   const double right = box().x1, left = right - step_m * px_per_m_, y = std::floor(box().y1) + 37.0;
   canvas.polyline(
       {{left, y - kScaleBarTick_px}, {left, y}, {right, y}, {right, y - kScaleBarTick_px}}, kBlack,
@@ -146,7 +146,7 @@ void MapFrame::draw_arrow(Canvas& canvas) const {
 }
 
 void MapFrame::draw_path(const std::vector<pose::PoseEstimate>& path, Canvas& canvas) const {
-  constexpr std::size_t kFewPoses = 50;  // where a stepped robot stood
+  constexpr std::size_t kFewPoses = 50;  // stops of a robot that moves in steps
   std::vector<PixelPoint> points;
   for (const pose::PoseEstimate& pose : path) points.push_back({pose.x_m, pose.y_m});
   axes_.draw_line(points, kPathColour, 2.0, canvas);

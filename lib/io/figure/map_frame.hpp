@@ -15,23 +15,23 @@ namespace orchard::io {
 
 inline constexpr Colour kPathColour{60, 110, 200};
 
-/// What stands above a map.
+/// Heading above a map.
 struct MapHeading {
-  std::string title{};                ///< shortened where the page is narrow; empty: none
-  std::string day{};                  ///< of the drive; empty: not known
-  std::optional<double> north_rad{};  ///< direction of north in map; none: not tied to the earth
+  std::string title{};                ///< shortened on a narrow page; empty: none
+  std::string day{};                  ///< date of the drive; empty: unknown
+  std::optional<double> north_rad{};  ///< direction of north in map; none: not georeferenced
 };
 
-/// The largest plot that a figure has.
+/// Max size of a figure's plot.
 struct PlotSizeMax {
   double width_px = 1100.0, height_px = 800.0;
 };
 
-/// A page for a map: axes in metres of equal scale with room for all points, heading and legend
-/// above, a scale bar below.
+/// Page layout of a map: axes in metres of equal scale that contain all points, heading and legend
+/// above, scale bar below.
 class MapFrame {
  public:
-  /// What is not finite is left out of the extent. The page is wide enough for the legend.
+  /// Non-finite points are ignored. The page is wide enough for the legend.
   MapFrame(const std::vector<Eigen::Vector2d>& points_map, std::vector<LegendItem> legend,
            MapHeading heading = {}, PlotSizeMax size_max = {});
 
@@ -41,10 +41,10 @@ class MapFrame {
   int width_px() const;
   int height_px() const;
 
-  /// Axes, heading with a north arrow, legend and scale bar.
+  /// Draws axes, heading with north arrow, legend and scale bar.
   void draw(Canvas& canvas) const;
 
-  /// A robot's path; of few poses each one too.
+  /// Draws a robot's path; if it has few poses, also each pose.
   void draw_path(const std::vector<pose::PoseEstimate>& path, Canvas& canvas) const;
 
  private:

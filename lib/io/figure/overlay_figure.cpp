@@ -17,10 +17,10 @@ constexpr Colour kBackground{0, 0, 0}, kGrey{170, 170, 170};
 constexpr Colour kTree{60, 220, 60}, kObject{240, 60, 60}, kUnseen{250, 200, 60};
 constexpr Colour kLine{0, 255, 255}, kLineNotJudged{0, 150, 150};
 
-/// Red at half a metre over yellow, green and cyan to blue at 6 m.
+/// Red at 0.5 m over yellow, green and cyan to blue at 6 m.
 Colour colour_of_range(double range_m) {
   const double sixth = 4.0 * std::clamp((range_m - 0.5) / 5.5, 0.0, 1.0);
-  const auto channel = [sixth](double centre) {  // full within a sixth of it, then falling
+  const auto channel = [sixth](double centre) {  // full within a sixth of it, then decreasing
     const double value = std::clamp(2.0 - std::abs(sixth - centre), 0.0, 1.0);
     return static_cast<std::uint8_t>(std::lround(255.0 * value));
   };
@@ -37,7 +37,7 @@ const char* name_of(detection::Label label) {
   return label == detection::Label::kObject ? "OBJECT" : "UNSEEN";
 }
 
-/// Draws in picture coordinates on the enlarged picture, and in rows of a table below it.
+/// Draws in image coordinates on the enlarged image, and in the rows of a table below it.
 class Sheet {
  public:
   Sheet(const OverlayContent& content, FigureFormat format)
@@ -67,7 +67,7 @@ class Sheet {
     position.y -= 6.0;
     write(position, text, {kNumberText_px, colour, TextAnchor::kMiddle});
   }
-  /// Row 0 is the title's, row 1 the heads'.
+  /// Row 0 is the title, row 1 the table head.
   void cell(int row, int x_px, const std::string& text, Colour colour) {
     write({1.0 * x_px, 1.0 * (scale_ * area_.height_px + (row + 1) * kRow_px)}, text,
           {kCellText_px, colour});
@@ -75,7 +75,7 @@ class Sheet {
   std::string finish() { return canvas_.finish(); }
 
  private:
-  /// The middle of a pixel.
+  /// The centre of a pixel.
   PixelPoint at(double x_px, double y_px) const {
     return {(x_px + 0.5) * scale_, (y_px + 0.5) * scale_};
   }
@@ -100,7 +100,7 @@ void draw_edge(Sheet& sheet, const vision::EdgeLine& edge, const vision::PixelRe
   sheet.line(edge.x_px - lean, top, edge.x_px + lean, bottom, judged ? kLine : kLineNotJudged);
 }
 
-/// What the table holds of a candidate, by column.
+/// Columns of the table of candidates.
 constexpr std::array<const char*, 13> kHeads{"",       "label", "range",  "width",    "laser",
                                              "colour", "left",  "right",  "parallel", "edges",
                                              "vision", "tree",  "p(tree)"};

@@ -11,11 +11,11 @@ namespace {
 
 constexpr double kMinTickXPx = 60.0, kMinTickYPx = 40.0;
 constexpr double kTick_px = 5.0;
-constexpr double kMinStepPx = 1.0;  // of a line that is drawn
+constexpr double kMinStepPx = 1.0;  // between two points of a line
 constexpr double kMinRange = 1e-3;
 constexpr Colour kGrid{228, 228, 228};
 
-/// The middle of a pixel, where a line one pixel wide is sharp.
+/// The centre of a pixel, where a line of one pixel width is sharp.
 double sharp(double px) { return std::floor(px) + 0.5; }
 
 AxisRange widened(AxisRange range, double least) {
@@ -25,7 +25,7 @@ AxisRange widened(AxisRange range, double least) {
   return {range.from - half, range.to + half};
 }
 
-/// The values at which an axis of that length has ticks.
+/// Values of an axis at which it has ticks.
 std::vector<double> ticks(AxisRange range, double step) {
   const double low = std::min(range.from, range.to), high = std::max(range.from, range.to);
   std::vector<double> values;

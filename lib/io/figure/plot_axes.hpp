@@ -11,31 +11,31 @@ namespace orchard::io {
 inline constexpr double kAxisTextPx = 14.0;
 inline constexpr Colour kBlack{30, 30, 30};
 
-/// From the value at the left (or lower) end of an axis to that at its right (or upper) end.
+/// Values at the left (or lower) and the right (or upper) end of an axis.
 struct AxisRange {
   double from = 0.0, to = 1.0;
 };
 
-/// A rectangle of a figure with axes of its own.
+/// A rectangular plot area with axes.
 class PlotAxes {
  public:
-  /// The box shows the ranges as they are; an empty range is widened to a thousandth.
+  /// Uses the ranges as given; an empty range is widened to a thousandth.
   PlotAxes(const PixelBox& box, AxisRange x, AxisRange y);
 
-  /// A unit is as long upward as to the right: one of the ranges is widened for it.
+  /// Uses equal scales on both axes by widening one of the ranges.
   static PlotAxes equal_scale(const PixelBox& box, AxisRange x, AxisRange y);
 
   PixelPoint at(double x, double y) const;
   const PixelBox& box() const { return box_; }
 
-  /// Grid, ticks, frame and names of the axes. The numbers are right of box.x0 - kLeftPx.
+  /// Draws grid, ticks, frame and axis names. The numbers are right of box.x0 - kLeftPx.
   void draw(const std::string& x_name, const std::string& y_name, Canvas& canvas) const;
 
-  /// A line through points, those nearer than a pixel to the one before left out.
+  /// Draws a line through points; points closer than a pixel to the previous one are omitted.
   void draw_line(const std::vector<PixelPoint>& values, Colour colour, double width,
                  Canvas& canvas) const;
 
-  /// The room that numbers and names take beside the box.
+  /// Margins for numbers and names beside the box.
   static constexpr double kLeftPx = 70.0, kRightPx = 30.0, kBottomPx = 52.0;
 
  private:
@@ -43,10 +43,10 @@ class PlotAxes {
   AxisRange x_, y_;
 };
 
-/// 1, 2 or 5 times a power of ten, at least `least`.
+/// Smallest step of 1, 2 or 5 times a power of ten that is at least `least`.
 double round_step(double least);
 
-/// As many decimals as multiples of the step have.
+/// Number of decimals needed for multiples of the step.
 int decimals_of(double step);
 
 }  // namespace orchard::io

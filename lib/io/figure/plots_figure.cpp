@@ -15,7 +15,7 @@ using evaluation::Plot;
 using evaluation::PlotSeries;
 
 constexpr int kColumns = 2;
-constexpr int kPlotWidth_px = 560, kPlotHeight_px = 420;  // of one plot with all that belongs to it
+constexpr int kPlotWidth_px = 560, kPlotHeight_px = 420;  // one plot with title, legend and axes
 constexpr double kTitle_px = 28.0, kLegend_px = 70.0;
 constexpr std::array<Colour, 7> kColours{{{27, 120, 55},
                                           {33, 102, 172},

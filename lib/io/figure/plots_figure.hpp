@@ -9,7 +9,7 @@
 
 namespace orchard::io {
 
-/// Draws plots two beside each other, each with its title, legend and axes. Returns the file.
+/// Draws plots in two columns, each with title, legend and axes. Returns the file.
 std::string plots_figure(const std::vector<evaluation::Plot>& plots, FigureFormat format);
 
 }  // namespace orchard::io

@@ -8,7 +8,7 @@
 
 namespace orchard::io {
 
-/// An HTML page that needs no other file: the plots as inline SVG, and text in columns below them.
+/// Returns a self-contained HTML page: the plots as inline SVG, and text in columns below them.
 std::string report_page(const std::string& title, const std::vector<evaluation::Plot>& plots,
                         const std::string& tables);
 

@@ -25,7 +25,7 @@ void include(double value, AxisRange& range) {
   range.to = std::max(range.to, value);
 }
 
-/// The same on both ends of an axis.
+/// Adds the same margin to both ends.
 AxisRange with_margin(AxisRange range) {
   const double margin = 0.04 * (range.to - range.from);
   return {range.from - margin, range.to + margin};

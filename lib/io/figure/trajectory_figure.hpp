@@ -8,8 +8,8 @@
 
 namespace orchard::io {
 
-/// Draws the whole truth and what was compared with it, in axes of equal scale, and below it the
-/// position error over the distance that the truth drove. Returns the file.
+/// Draws the ground truth and the compared trajectory in axes of equal scale, and below it the
+/// position error over the travelled distance. Returns the file.
 std::string trajectory_figure(const evaluation::TrajectoryEvaluation& evaluation,
                               const evaluation::Track& truth, FigureFormat format);
 

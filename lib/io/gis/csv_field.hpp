@@ -5,7 +5,7 @@
 
 namespace orchard::io {
 
-/// A name as a field of CSV: in quotes where it holds a separator or quotes (RFC 4180).
+/// Formats a name as a CSV field: quoted if it contains a separator or quotes (RFC 4180).
 inline std::string csv_field(const std::string& text) {
   if (text.find_first_of("\",;") == std::string::npos) return text;
   std::string quoted = "\"";

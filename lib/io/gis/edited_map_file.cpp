@@ -133,7 +133,7 @@ class EditedMapReader {
     return p;
   }
 
-  /// What was drawn anew and not named is a tree.
+  /// A newly drawn feature without class is a tree.
   detection::Label label(const OGRFeature& feature, bool is_new) const {
     const std::string word = text(feature, "class");
     if (word.empty() && is_new) return detection::Label::kTree;
@@ -165,8 +165,7 @@ class EditedMapReader {
     return feature.GetFieldAsString(field);
   }
 
-  /// A correction is a line, and so is the note in it: words of several lines come one after the
-  /// other.
+  /// Joins a note of several lines, because a correction is a single line.
   std::string one_line(const std::string& note, std::int32_t id) {
     std::string line;
     bool is_broken = false;

@@ -10,15 +10,15 @@
 
 namespace orchard::io {
 
-/// A map's GeoPackage after somebody edited it.
+/// A map's GeoPackage after manual editing.
 struct EditedMapFile {
   mapping::EditedMap map;
-  int num_corrections = 0;            ///< that it held when it was written; 0 for the map of a run
-  std::vector<std::string> left_out;  ///< what no correction can say, a sentence each
+  int num_corrections = 0;            ///< contained in it when it was written
+  std::vector<std::string> left_out;  ///< edits that no correction can express, one sentence each
 };
 
 /// Reads the layers `landmarks` and `rows` of a GeoPackage that map_geopackage() or `orchard
-/// export` wrote, in the map's frame. Throws FileError naming file, feature and what to do.
+/// export` wrote, in the map's frame. Throws FileError naming the file, the feature and the remedy.
 EditedMapFile read_edited_map(const std::string& path,
                               const std::optional<geometry::Georeference>& georeference);
 

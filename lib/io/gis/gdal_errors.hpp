@@ -7,7 +7,7 @@
 
 namespace orchard::io {
 
-/// Collects what GDAL complains about on this thread instead of letting it print, while it lives.
+/// Collects GDAL's error messages of this thread during its lifetime instead of printing them.
 class GdalErrors {
  public:
   GdalErrors() { CPLPushErrorHandlerEx(&GdalErrors::handle, this); }
@@ -15,7 +15,7 @@ class GdalErrors {
   GdalErrors(const GdalErrors&) = delete;
   GdalErrors& operator=(const GdalErrors&) = delete;
 
-  /// The first failure; empty while there is none.
+  /// First failure; empty if there is none.
   const std::string& first() const { return first_; }
 
  private:

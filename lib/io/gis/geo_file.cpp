@@ -17,17 +17,17 @@
 namespace orchard::io {
 namespace {
 
-/// GDAL writes the time of day into a GeoPackage unless it is told one.
+/// Without this, GDAL writes the time of day into a GeoPackage.
 constexpr char kFixedDate[] = "2000-01-01T00:00:00.000Z";
 
-/// A file in memory; gone with this object.
+/// A file in memory, deleted with this object.
 class MemoryFile {
  public:
   explicit MemoryFile(const std::string& extension) {
     static std::atomic<unsigned> counter{0};
     folder_ = "/vsimem/orchard-" + std::to_string(::getpid()) + "-" + std::to_string(counter++);
     path_ = folder_ + "/map" + extension;
-    VSIMkdir(folder_.c_str(), 0700);  // the CSV driver asks for it
+    VSIMkdir(folder_.c_str(), 0700);  // required by the CSV driver
   }
   ~MemoryFile() { VSIRmdirRecursive(folder_.c_str()); }
   MemoryFile(const MemoryFile&) = delete;
@@ -59,12 +59,12 @@ OGRFieldType ogr_type(GeoType type) {
   return OFTString;
 }
 
-/// With axes, so that every program takes it for a plane in metres.
+/// With axes, so that every program treats it as a plane in metres.
 constexpr char kLocalSystem[] =
     "LOCAL_CS[\"Orchard map (local)\",LOCAL_DATUM[\"Where the first drive began\",0],"
     "UNIT[\"metre\",1],AXIS[\"x\",EAST],AXIS[\"y\",NORTH]]";
 
-/// GDAL's name of the driver.
+/// Name of the driver in GDAL.
 const char* driver_of(GeoFormat format) {
   switch (format) {
     case GeoFormat::kGeoPackage:
@@ -140,14 +140,14 @@ struct GeoFile::Impl {
   const GeoFormatInfo& info;
   CPLConfigOptionSetter fixed_date{"OGR_CURRENT_DATE", kFixedDate, false};
   CPLConfigOptionSetter label_field{"LIBKML_NAME_FIELD", "label", false};
-  CPLConfigOptionSetter no_hatch{"DXF_WRITE_HATCH", "NO", false};  // a border, as one draws it
+  CPLConfigOptionSetter no_hatch{"DXF_WRITE_HATCH", "NO", false};  // an outline only
   GdalErrors errors;
   MemoryFile file;
   OGRSpatialReference srs;
   std::unique_ptr<GDALDataset> dataset;
-  OGRLayer* layer = nullptr;  ///< none: it is left out
-  GeoLayer begun{};           ///< the layer that was begun last
-  bool is_table = false;      ///< begun.fields hold the place: no geometry is written
+  OGRLayer* layer = nullptr;  ///< null: omitted
+  GeoLayer begun{};           ///< the current layer
+  bool is_table = false;      ///< coordinates are columns, no geometry is written
   std::string chosen;         ///< empty: all, or the first of a format with one layer
   std::vector<std::string> left_out;
   std::vector<std::pair<std::string, std::size_t>> written;
@@ -236,7 +236,7 @@ void GeoFile::begin_layer(const GeoLayer& layer) {
   m.layer = m.dataset->CreateLayer(layer.name, is_drawing || m.is_table ? nullptr : &m.srs,
                                    is_drawing ? wkbUnknown : type, options.List());
   m.require(m.layer != nullptr);
-  if (is_drawing) return;  // its fields are the format's
+  if (is_drawing) return;  // its fields are fixed by the format
   for (const GeoField& field : layer.fields) {
     OGRFieldDefn definition(field.name, ogr_type(field.type));
     m.require(m.layer->CreateField(&definition) == OGRERR_NONE);
@@ -263,7 +263,7 @@ void GeoFile::Impl::set_values(const std::vector<GeoValue>& values, OGRFeature& 
   }
 }
 
-/// A drawing has no columns: the class becomes its layer, the label a text beside it.
+/// A drawing has no columns: the class becomes the layer name, the label a text beside it.
 void GeoFile::Impl::add_drawing(const std::vector<GeoValue>& values, const OGRGeometry& geometry) {
   std::string layer_name = begun.name, label;
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -315,7 +315,7 @@ void GeoFile::add(const std::vector<GeoValue>& values,
   m.require(m.layer->CreateFeature(&feature) == OGRERR_NONE);
 }
 
-/// The table in which QGIS keeps styles inside a GeoPackage; it takes the default one by itself.
+/// Writes the table in which QGIS keeps styles inside a GeoPackage; QGIS applies the default one.
 void GeoFile::Impl::write_styles() {
   if (styled.empty() || info.format != GeoFormat::kGeoPackage) return;
   OGRLayer* table = dataset->CreateLayer("layer_styles", nullptr, wkbNone, nullptr);

@@ -21,27 +21,27 @@ struct GeoField {
   GeoType type;
 };
 
-/// Files that can hold a map's layers.
+/// File formats for a map's layers.
 enum class GeoFormat { kGeoPackage, kGeoJson, kKml, kShapefile, kDxf, kCsv, kFlatGeobuf };
 
-/// A format as people name it, and what it does to a map.
+/// Name and properties of a format.
 struct GeoFormatInfo {
   GeoFormat format;
   const char* word;       ///< "geojson"
   const char* extension;  ///< ".geojson"
   bool has_one_layer;
-  bool is_on_earth;  ///< holds latitude and longitude alone: needs a georeference
-  const char* lost;  ///< what it cannot hold, as a sentence; "": nothing
+  bool is_on_earth;  ///< stores latitude and longitude only: needs a georeference
+  const char* lost;  ///< what it cannot store, as a sentence; "": nothing
 };
 
-/// All of them; GeoPackage first.
+/// Lists all formats, GeoPackage first.
 const std::vector<GeoFormatInfo>& geo_formats();
 
-/// The coordinate system in which a format holds a map, in words.
+/// Name of the coordinate system in which a format stores a map.
 std::string geo_system_text(const std::optional<geometry::Georeference>& georeference,
                             const GeoFormatInfo& format);
 
-/// A value of its field's type; one made of nothing leaves the field empty.
+/// Value of a field, of the field's type; a default-constructed one leaves the field empty.
 struct GeoValue {
   enum class Kind { kNone, kInteger, kReal, kText };
 
@@ -56,19 +56,19 @@ struct GeoValue {
   std::string text;
 };
 
-/// A layer as it begins.
+/// Definition of a layer.
 struct GeoLayer {
   const char* name;
   GeoGeometry geometry;
-  const char* description;  ///< for people, in a sentence
+  const char* description;  ///< one sentence for the user
   std::vector<GeoField> fields;
-  std::string qml{};  ///< how QGIS draws it; empty: as it likes (qgis_style.hpp)
+  std::string qml{};  ///< QGIS style (qgis_style.hpp); empty: QGIS's default
 };
 
-/// A file for geographic information systems that is written in memory, layer by layer.
+/// A GIS file written in memory, layer by layer.
 ///
-/// Points are given in map. With a georeference they are written in the UTM zone of its datum, or
-/// as latitude and longitude where the format knows nothing else (WGS 84); without one in a local
+/// Points are given in map. With a georeference they are written in the UTM zone of its datum (WGS
+/// 84), or as latitude and longitude if the format supports nothing else; without one in a local
 /// metric system that is not tied to the earth. A GeoPackage of equal content has equal bytes.
 /// Throws FileError when GDAL fails.
 class GeoFile {
@@ -79,27 +79,27 @@ class GeoFile {
   GeoFile(const GeoFile&) = delete;
   GeoFile& operator=(const GeoFile&) = delete;
 
-  /// Only this layer is written, all others are left out. Of a format with one layer the first one
-  /// stays without it.
+  /// Writes only this layer and omits all others. Without this call, a format with one layer
+  /// contains the first one.
   void choose_layer(const std::string& name);
 
-  /// Says a word about the file to those who read it again: a GeoPackage's metadata.
+  /// Stores a metadata item in a GeoPackage, for reading the file back.
   void set_metadata(const char* name, const std::string& value);
 
-  /// Starts a layer; what is added from now on goes there.
+  /// Starts a layer; the following features are added to it.
   void begin_layer(const GeoLayer& layer);
 
-  /// One feature: a value per field, and its points (one for kPoint, two or more
-  /// for kLine; of kArea its border, three or more, the first not again).
+  /// Adds a feature: one value per field, and its points (one for kPoint, two or more for kLine;
+  /// for kArea the boundary of three or more, without repeating the first).
   void add(const std::vector<GeoValue>& values, const std::vector<Eigen::Vector2d>& points_map);
 
-  /// Layers that were left out.
+  /// Layers that were omitted.
   const std::vector<std::string>& left_out() const;
 
-  /// Layers that were begun and not left out, with the number of their features.
+  /// Layers that were written, with the number of their features.
   const std::vector<std::pair<std::string, std::size_t>>& written() const;
 
-  /// The file's bytes; nothing can be added afterwards.
+  /// Returns the file's bytes; nothing can be added afterwards.
   std::string finish();
 
  private:

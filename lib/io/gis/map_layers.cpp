@@ -19,7 +19,7 @@ constexpr char kBrown[] = "120,144,90", kBlue[] = "66,120,190", kOrange[] = "239
 
 GeoValue integer(std::int64_t value) { return value; }
 
-/// Numbers that are not known yet are 0.
+/// Empty value for 0 (number not known).
 GeoValue number_or_none(std::int32_t number) {
   return number == 0 ? GeoValue() : GeoValue(std::int64_t{number});
 }
@@ -29,7 +29,7 @@ std::string row_name(const MapLayers& map, std::int32_t row) {
   return found == map.row_names.end() ? std::to_string(row) : found->second;
 }
 
-/// "3/14", as people say it; of what has no number, its id.
+/// Label for the user: row and tree such as "3/14", else "#id".
 std::string label_of(const MapLayers& map, const mapping::Landmark& l) {
   if (l.row == 0 || l.position == 0) return "#" + std::to_string(l.id);
   return row_name(map, l.row) + "/" + std::to_string(l.position);
@@ -104,7 +104,7 @@ void write_landmarks(const MapLayers& map, GeoFile& file) {
   }
 }
 
-/// What is no trunk covers ground: bushes, posts, hedges, walls.
+/// Writes areas for landmarks with an extent: bushes, posts, hedges, walls.
 void write_extents(const MapLayers& map, GeoFile& file) {
   QgisStyle style;
   style.is_area = true;

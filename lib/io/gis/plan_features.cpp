@@ -23,11 +23,11 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr std::size_t kNumFeaturesMax = 2000000;
-constexpr std::size_t kNumPointsMax = 100000;  ///< of one line
+constexpr std::size_t kNumPointsMax = 100000;  ///< per line
 constexpr std::size_t kLongestName = 64;
-constexpr double kWidestCrown_m = 15.0;  ///< a closed line no wider is a tree as drawings have it
+constexpr double kWidestCrown_m = 15.0;  ///< a closed line up to this width is a tree
 
-// Names that columns have in the wild, likeliest first.
+// Common column names, most likely first.
 constexpr std::array kRowFields{"row",  "row_name", "row_number", "rowname", "row_id", "row_no",
                                 "line", "fila",     "hilera",     "linea",   "reihe",  "rang"};
 constexpr std::array kTreeFields{"tree",   "tree_name", "tree_number", "position", "tree_no",
@@ -109,7 +109,7 @@ class PlanFeatureReader {
   }
 
  private:
-  /// KML and DXF: layers are folders of one plan. Else one layer.
+  /// The layers to read. In KML and DXF all layers belong to one plan; otherwise one layer.
   std::vector<OGRLayer*> chosen_layers() const {
     std::vector<OGRLayer*> layers;
     std::string names;
@@ -152,7 +152,7 @@ class PlanFeatureReader {
                       fields_text(definition));
     }
     set_crs(layer, is_table && has_degrees);
-    // a drawing's layers hold rows each, where there are several
+    // if a drawing has several layers, each is a row
     const int drawing_layer = driver_ == "DXF" ? definition.GetFieldIndex("Layer") : -1;
     if (row_field < 0 && drawing_layer >= 0 && has_several(layer, drawing_layer)) {
       row_field = drawing_layer;
@@ -260,7 +260,7 @@ class PlanFeatureReader {
     return value;
   }
 
-  /// In WGS 84 where the file's system is known.
+  /// Transforms a point to WGS 84 if the file's coordinate system is known.
   Vector2d checked(Vector2d p) const {
     if (to_wgs84_ && !to_wgs84_->Transform(1, &p.x(), &p.y())) {
       throw FileError(at_ + " lies outside of what " + result_.crs + " can express");
@@ -271,7 +271,7 @@ class PlanFeatureReader {
     return p;
   }
 
-  /// The points of a feature; false for what is neither a point nor a line.
+  /// Adds the points of a feature; false for geometries other than points and lines.
   bool take(const OGRGeometry& geometry, PlanFeature& f) const {
     const auto flat = wkbFlatten(geometry.getGeometryType());
     if (flat == wkbPoint) {
@@ -307,7 +307,7 @@ class PlanFeatureReader {
   const std::string& path_;
   const PlanFileOptions& options_;
   GdalErrors errors_;
-  // blocks of a drawing (a tree's symbol) as points where they stand
+  // insert blocks of a drawing (a tree's symbol) as points
   CPLConfigOptionSetter symbols_as_points_{"DXF_INLINE_BLOCKS", "FALSE", false};
   GDALDatasetUniquePtr dataset_;
   std::unique_ptr<OGRCoordinateTransformation> to_wgs84_;

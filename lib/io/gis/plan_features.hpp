@@ -5,10 +5,11 @@
 
 namespace orchard::io {
 
-/// A feature of a plan's file: a tree, or a row's line.
+/// A feature of a plan file: a tree, or the line of a row.
 struct PlanFeature {
-  std::string row, tree;  ///< empty: not named
-  /// Longitude and latitude [degrees], or the file's own metres; one of a tree, more of a line.
+  std::string row, tree;  ///< empty: no name
+  /// Longitude and latitude [degrees], or coordinates in the file's metric system; one point for a
+  /// tree, several for a line.
   std::vector<Eigen::Vector2d> points;
 };
 
@@ -20,10 +21,10 @@ struct PlanFeatures {
   std::vector<std::string> notes;
 };
 
-/// What a file that GDAL reads holds of trees and rows. Throws FileError.
+/// Reads the trees and rows of a file through GDAL. Throws FileError.
 PlanFeatures read_plan_features(const std::string& path, const PlanFileOptions& options);
 
-/// The same of a regular grid described in YAML. Throws ConfigError, FileError.
+/// Reads a regular grid described in YAML. Throws ConfigError, FileError.
 PlanFeatures read_plan_grid(const std::string& path);
 
 }  // namespace orchard::io

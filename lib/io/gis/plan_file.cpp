@@ -18,7 +18,8 @@ using Eigen::Vector2d;
 constexpr double kFarthest_m = 20000.0;  ///< from the middle of one block
 constexpr double kLocalMax_m = 100000.0;
 
-/// Amid all points; of degrees where no block crosses the date line unnoticed.
+/// Middle of the bounding box of all points. For a block across the date line it is far away, which
+/// to_metres() reports.
 Vector2d middle_of(const PlanFeatures& features) {
   Vector2d low(1e300, 1e300), high(-1e300, -1e300);
   for (const auto* list : {&features.trees, &features.lines}) {
@@ -32,7 +33,7 @@ Vector2d middle_of(const PlanFeatures& features) {
   return 0.5 * (low + high);
 }
 
-/// Into metres about the middle, where the points are degrees.
+/// Converts degrees to metres about the middle. Throws FileError for points too far from it.
 void to_metres(PlanFeatures& features, StoredPlan& stored) {
   const Vector2d middle = middle_of(features);
   if (features.is_geographic) {

@@ -11,31 +11,32 @@
 namespace orchard::io {
 
 struct PlanFileOptions {
-  std::string layer;       ///< of a file with several; empty: the only one
+  std::string layer;       ///< layer to read; empty: the only one
   std::string row_field;   ///< empty: row, row_name ... (kRowFields)
   std::string tree_field;  ///< empty: tree, position ... (kTreeFields)
-  std::string crs;         ///< such as EPSG:25830, where the file does not say; empty: none
-  double spacing_m = 0.0;  ///< between trees, where the file has rows as lines; 0: not known
+  std::string crs;         ///< such as EPSG:25830, if the file does not give one; empty: none
+  double spacing_m = 0.0;  ///< between trees, if the file has rows as lines; 0: unknown
 };
 
-/// A plan as it was read from its file.
+/// A plan read from a file.
 struct StoredPlan {
-  std::string name;    ///< of the file, for messages
+  std::string name;    ///< file name, for messages
   std::string format;  ///< GeoPackage, CSV ...
-  std::string crs;     ///< as its authority names it; "local" for none
+  std::string crs;     ///< name by its authority; "local" for none
   mapping::OrchardPlan plan;
-  /// Where the plan's frame lies: its x axis to the east, its origin amid the trees. None: the
-  /// file's own flat frame in metres, not tied to the earth.
+  /// Pose of the plan's frame: x axis to the east, origin amid the trees. None: the file's own flat
+  /// frame in metres, not tied to the earth.
   std::optional<geometry::Georeference> georeference;
-  std::vector<std::string> notes;  ///< what was decided on the way, a sentence each
+  std::vector<std::string> notes;  ///< decisions made while reading, one sentence each
 };
 
 /// Reads a grower's plan: trees as points or rows as lines from a GeoPackage, Shapefile, GeoJSON,
 /// KML, DXF or CSV through GDAL, in any coordinate system; or a regular grid from YAML (its keys:
-/// README.md). Throws FileError naming file, feature and what to do.
+/// README.md). Throws FileError naming the file, the feature and the remedy.
 StoredPlan read_plan(const std::string& path, const PlanFileOptions& options);
 
-/// The plan in map, by the two georeferences; heights apart exact.
+/// Transforms the plan into the map frame by the two georeferences; exact apart from heights. A
+/// plan without georeference is returned unchanged.
 mapping::OrchardPlan plan_in_map(const StoredPlan& plan, const geometry::Georeference& of_map);
 
 }  // namespace orchard::io

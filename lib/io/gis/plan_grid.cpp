@@ -16,7 +16,7 @@ using Eigen::Vector2d;
 
 enum class RowsTo { kRight, kLeft };
 
-/// "12 rows, 4.5 m apart, 40 trees every 3 m, from this corner".
+/// A regular grid, for example 12 rows, 4.5 m apart, 40 trees every 3 m, from a corner.
 struct PlanGrid {
   int rows = 0;
   int trees = 0;

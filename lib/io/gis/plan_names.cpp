@@ -13,7 +13,7 @@ namespace {
 
 constexpr char kHeader[] = "id,row,tree";
 
-/// The fields of a line; none when its quotes do not close.
+/// Splits a line into fields; empty if its quotes are not closed.
 std::vector<std::string> fields_of(const std::string& line) {
   std::vector<std::string> fields{""};
   bool is_quoted = false;

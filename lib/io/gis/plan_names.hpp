@@ -9,10 +9,10 @@
 
 namespace orchard::io {
 
-/// names.csv: the plan's names by landmark id; what holds commas or quotes stands in quotes.
+/// names.csv: the plan's names by landmark id; names with commas or quotes are quoted.
 std::string plan_names_csv(const std::vector<mapping::PlanName>& names);
 
-/// Reads it back, by landmark id. Throws FileError naming file and line.
+/// Reads names.csv, by landmark id. Throws FileError naming the file and line.
 std::map<std::int32_t, mapping::PlanName> read_plan_names(const std::string& path);
 
 }  // namespace orchard::io

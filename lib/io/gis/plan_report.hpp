@@ -9,7 +9,7 @@
 
 namespace orchard::io {
 
-/// A plan laid on a map.
+/// A plan matched to a map.
 struct PlanReport {
   const StoredPlan& plan;
   const std::vector<mapping::Landmark>& landmarks;
@@ -22,10 +22,10 @@ std::string plan_csv(const PlanReport& report);
 /// plan_rows.csv: a line for each row.
 std::string plan_rows_csv(const PlanReport& report);
 
-/// All of it for programs: counts, rows, and the trees that are not as planned.
+/// plan.json: counts, rows, and the trees that are not as planned.
 std::string plan_match_json(const PlanReport& report);
 
-/// What a plan holds, for programs.
+/// The content of a plan as JSON.
 std::string plan_json(const StoredPlan& plan);
 
 /// The plan's trees as GeoJSON (WGS 84). Throws FileError for a plan that is not tied to the earth.

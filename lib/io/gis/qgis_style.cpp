@@ -10,7 +10,7 @@ namespace {
 constexpr char kTreeColour[] = "46,125,50", kObjectColour[] = "198,40,40";
 constexpr char kUnseenColour[] = "140,140,140";
 
-/// Text of ours inside an attribute.
+/// Text as an escaped XML attribute.
 std::string quoted(const std::string& text) { return "\"" + markup_text(text) + "\""; }
 
 std::string property(const char* name, const std::string& value) {
@@ -47,7 +47,7 @@ std::string symbol_text(const QgisStyle& style, std::size_t i) {
 }
 
 std::string labels_text(const QgisStyle& style) {
-  // Placement: QGIS counts its ways; 0 is around a point, 2 along a line.
+  // Values of QGIS's placement: 0 is around a point, 2 along a line.
   return "  <labeling type=\"simple\">\n   <settings calloutType=\"simple\">\n    <text-style "
          "fieldName=" +
          quoted(style.label) +

@@ -17,7 +17,7 @@ FileWindow::View FileWindow::at(std::uint64_t offset, std::size_t wanted) {
   if (offset >= size_) return {};
   wanted = static_cast<std::size_t>(std::min<std::uint64_t>(wanted, size_ - offset));
   if (offset < begin_ || offset + wanted > begin_ + filled_) {
-    // Keeps what is there already, so that reading on never reads a byte twice.
+    // Keep the overlapping bytes, so that sequential reading never reads a byte twice.
     std::size_t kept = 0;
     if (offset >= begin_ && offset < begin_ + filled_) {
       kept = static_cast<std::size_t>(begin_ + filled_ - offset);
@@ -32,7 +32,7 @@ FileWindow::View FileWindow::at(std::uint64_t offset, std::size_t wanted) {
                   static_cast<std::streamsize>(capacity - kept));
     begin_ = offset;
     filled_ = kept + static_cast<std::size_t>(std::max<std::streamsize>(stream_->gcount(), 0));
-    if (filled_ < capacity) size_ = begin_ + filled_;  // the file shrank, or the disk fails here
+    if (filled_ < capacity) size_ = begin_ + filled_;  // the file was truncated, or a read error
   }
   const std::size_t skip = static_cast<std::size_t>(offset - begin_);
   return {buffer_.data() + skip, filled_ - skip};

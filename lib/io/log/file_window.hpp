@@ -9,14 +9,14 @@
 
 namespace orchard::io {
 
-/// A piece of a seekable stream in memory that moves to where it is asked to.
+/// A window of a seekable stream in memory, moved on demand.
 class FileWindow {
  public:
-  /// The stream must be able to seek.
+  /// The stream must be seekable.
   explicit FileWindow(std::unique_ptr<std::istream> stream);
 
-  /// The bytes from `offset` on and how many of them are there: at least `wanted`, or all to the
-  /// end of the stream. They stay until the next call.
+  /// Bytes from the requested offset on: at least `wanted` of them, or all up to the end of the
+  /// stream. Valid until the next call.
   struct View {
     const std::uint8_t* bytes = nullptr;
     std::size_t size = 0;

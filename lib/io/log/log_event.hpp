@@ -7,11 +7,11 @@
 
 namespace orchard::io {
 
-/// One event of an LCM log as it stands in the file.
+/// One event of an LCM log.
 struct LogEvent {
   std::uint64_t offset = 0;  ///< of its first byte in the file
   std::int64_t event_number = 0;
-  std::int64_t timestamp_us = 0;  ///< when lcm-logger received it (wall clock)
+  std::int64_t timestamp_us = 0;  ///< time of receipt by lcm-logger (wall clock)
   std::string channel;
   std::vector<std::uint8_t> data;
 };

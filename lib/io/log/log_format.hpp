@@ -6,7 +6,7 @@
 
 namespace orchard::io {
 
-/// What stands before channel and data of every event in lcm-logger's files; big-endian.
+/// Header of an event in lcm-logger's files; big-endian in the file.
 struct LogEventHeader {
   static constexpr std::uint32_t kSyncWord = 0xEDA1DA01u;
   static constexpr std::size_t kBytes = 28;
@@ -22,7 +22,7 @@ struct LogEventHeader {
   }
 };
 
-/// `bytes` holds at least LogEventHeader::kBytes.
+/// `bytes` must hold at least LogEventHeader::kBytes.
 LogEventHeader parse_log_event_header(const std::uint8_t* bytes);
 void put_log_event_header(const LogEventHeader& header, std::uint8_t* bytes);
 

@@ -37,7 +37,7 @@ std::unique_ptr<std::istream> open_log(const std::string& path) {
   return file;
 }
 
-/// LCM's channel names are printable; anything else is damage.
+/// LCM's channel names are printable; other bytes indicate damage.
 bool is_channel_name(const std::uint8_t* bytes, std::size_t size) {
   return std::all_of(bytes, bytes + size, [](std::uint8_t c) { return c > 0x20 && c < 0x7F; });
 }
@@ -60,7 +60,7 @@ std::optional<LogEvent> LogReader::next() {
     const auto resumed = find_plausible(position_ + 1);
     skip_to(resumed ? *resumed : file_size_);
   }
-  if (position_ < file_size_) skip_to(file_size_);  // the file shrank while it was read
+  if (position_ < file_size_) skip_to(file_size_);  // the file was truncated during reading
   return std::nullopt;
 }
 
@@ -103,25 +103,26 @@ std::optional<std::uint64_t> LogReader::find_plausible(std::uint64_t offset) {
   return std::nullopt;
 }
 
-/// Size of the event at `offset`, unless what stands around it says that its header is damaged.
+/// Size of the event at `offset`, or none if the surrounding events show that its header is
+/// damaged.
 std::optional<std::uint64_t> LogReader::believed_size(std::uint64_t offset) {
   const auto size = plausible_size(offset);
   if (!size) return std::nullopt;
   const std::uint64_t end = offset + *size;
-  // Copied: the window moves below.
+  // Copy the number: the calls below move the window.
   const std::int64_t next_number =
       static_cast<std::int64_t>(static_cast<std::uint64_t>(event_number_at(offset)) + 1);
   const bool followed = end == window_.size() || plausible_size(end).has_value();
   const bool numbered = end == window_.size() || (followed && event_number_at(end) == next_number);
   if (followed && numbered && end != window_.size()) return size;
-  // A length that damage made longer swallows its successor; at times it even ends where a later
-  // event begins. Numbers tell: lcm-logger counts events without a break.
+  // A length that was damaged to a larger value covers the following event, and may even end at the
+  // start of a later one. The event numbers reveal it: lcm-logger numbers events without gaps.
   const auto inner = find_plausible(offset + kSyncBytes);
   if (!inner || *inner >= end) return size;
   if (followed) {
     return event_number_at(*inner) == next_number ? std::nullopt : size;
   }
-  // The successor may have lost only its sync word, and the data merely look like an event.
+  // The following event may have lost only its sync word, and the data may only resemble an event.
   const auto successor = plausible_size(end, false);
   const bool successor_holds =
       successor && event_number_at(end) == next_number &&
@@ -129,7 +130,7 @@ std::optional<std::uint64_t> LogReader::believed_size(std::uint64_t offset) {
   return successor_holds ? size : std::nullopt;
 }
 
-/// `offset` holds a plausible header.
+/// `offset` must have a plausible header.
 std::int64_t LogReader::event_number_at(std::uint64_t offset) {
   return parse_log_event_header(window_.at(offset, LogEventHeader::kBytes).bytes).event_number;
 }

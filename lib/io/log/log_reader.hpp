@@ -13,19 +13,19 @@
 
 namespace orchard::io {
 
-/// A stretch of a log that could not be read.
+/// A part of a log that could not be read.
 struct LogGap {
   std::uint64_t offset = 0;  ///< of its first byte in the file
   std::uint64_t size = 0;    ///< bytes skipped
 };
 
-/// Reads the format of lcm-logger: bounded, and going on after damage.
+/// Reads lcm-logger's format with bounded memory and recovers after damage.
 ///
-/// An event whose header is implausible, that swallows the start of another one, or that ends
-/// beyond the file, is skipped up to the next one that can be believed; each skip is a LogGap.
-/// Never reads more into memory than one event of at most kMaxEventBytes. What damage did to an
-/// event's data cannot be seen here, nor that its length was made too short (the rest of it is a
-/// gap then): whoever decodes the data must check it.
+/// An event is skipped if its header is implausible, if it contains the start of another event, or
+/// if it ends beyond the file; reading continues at the next plausible event, and each skip is a
+/// LogGap. At most one event of kMaxEventBytes is in memory. Damage to the data of an event cannot
+/// be detected here, nor a length that is too short (its rest becomes a gap), so the decoder must
+/// check the data.
 class LogReader {
  public:
   static constexpr std::uint32_t kMaxChannelBytes = 63;
@@ -34,14 +34,14 @@ class LogReader {
   /// Throws io::FileError naming the path when the file cannot be opened.
   explicit LogReader(const std::string& path);
 
-  /// The same from a stream that can seek; `name` stands for the path in messages.
+  /// Reads from a seekable stream; `name` replaces the path in messages.
   LogReader(std::unique_ptr<std::istream> stream, const std::string& name);
 
   /// The next event, or none at the end of the file.
   std::optional<LogEvent> next();
 
-  /// The event at an offset that next() reported before; next() goes on where it was. Throws
-  /// FileError when it is not there.
+  /// Reads the event at an offset reported by next(), without moving next(). Throws FileError when
+  /// it is not there.
   LogEvent read_at(std::uint64_t offset);
 
   const std::vector<LogGap>& gaps() const { return gaps_; }
@@ -51,7 +51,8 @@ class LogReader {
   const std::string& path() const { return path_; }
 
  private:
-  /// Size of the event at `offset` when its header is plausible; `sync_word` demands its own.
+  /// Size of the event at `offset` if its header is plausible; `sync_word`: it must have the sync
+  /// word.
   std::optional<std::uint64_t> plausible_size(std::uint64_t offset, bool sync_word = true);
   std::optional<std::uint64_t> find_plausible(std::uint64_t offset);
   std::optional<std::uint64_t> believed_size(std::uint64_t offset);

@@ -103,7 +103,7 @@ void LogRecorder::flush() {
     file_bytes_ += static_cast<std::int64_t>(done);
     num_written_ += num_in_buffer_;
   } else {
-    // Half an event would hide the ones that follow: the file goes back to its last whole buffer.
+    // A partial event would hide the following ones: truncate the file to its last complete buffer.
     problem_ = path_ + ": cannot be written (" + std::strerror(errno) + ")";
     if (::ftruncate(fileno_, file_bytes_) != 0) close_file();
     num_dropped_ += num_in_buffer_;
@@ -147,7 +147,7 @@ void LogRecorder::sync() {
   problem_.clear();
   flush();
   if (fileno_ >= 0) {
-    // Begins to write and does not wait: a slow card must not hold the messages up.
+    // Start writing without waiting: a slow memory card must not delay the messages.
     sync_file_range(fileno_, 0, 0, SYNC_FILE_RANGE_WRITE);
     if (file_bytes_ >= limits_.split_bytes) close_file();
   }

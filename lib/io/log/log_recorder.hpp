@@ -9,41 +9,41 @@
 
 namespace orchard::io {
 
-/// How long a recording's files get and what they leave of the disk.
+/// Limits on the size of a recording's files and on the disk space they use.
 struct RecordingLimits {
-  std::int64_t split_bytes = 500'000'000;         ///< a new file begins when one has this size
-  std::int64_t keep_bytes = 0;                    ///< the oldest files go beyond this; 0: none goes
-  std::int64_t least_free_bytes = 1'000'000'000;  ///< nothing is written when less would be free
+  std::int64_t split_bytes = 500'000'000;  ///< size at which a new file begins
+  std::int64_t keep_bytes = 0;  ///< the oldest files are deleted beyond this total; 0: never
+  std::int64_t least_free_bytes = 1'000'000'000;  ///< free space below which writing stops
 };
 
-/// Records messages as they come into logs of lcm-logger's format, STEM-000.lcm, STEM-001.lcm, ...
-/// A file has its own name from its first event on and holds whole events only, so that what was
-/// handed over more than about a second before the power fails can be read.
+/// Records messages into logs of lcm-logger's format, STEM-000.lcm, STEM-001.lcm, ... A file has
+/// its final name from its first event on and contains only complete events, so that after a power
+/// failure everything written more than about a second before can be read.
 class LogRecorder {
  public:
-  /// `stem`: path without number and ending; its folder is made. Throws FileError when a file of
-  /// that stem is there already or none can be made.
+  /// `stem`: path without number and extension; its folder is created. Throws FileError when a file
+  /// of that stem exists or none can be created.
   LogRecorder(std::string stem, RecordingLimits limits);
-  ~LogRecorder();  ///< writes what is left
+  ~LogRecorder();  ///< writes the remaining events
   LogRecorder(const LogRecorder&) = delete;
   LogRecorder& operator=(const LogRecorder&) = delete;
 
-  /// Takes an event. One that cannot be written (no space, a name or size that no log may hold) is
-  /// counted and left out.
+  /// Adds an event. One that cannot be written (no space, invalid channel name or size) is counted
+  /// and dropped.
   void write(std::int64_t utime, std::string_view channel, const std::uint8_t* data,
              std::size_t size);
 
-  /// Hands everything to the system and asks it to put it on the disk, looks at the space that is
-  /// left, begins new files and removes old ones. To be called about once a second.
+  /// Writes all buffered events, asks the system to sync them, checks the free space, begins new
+  /// files and deletes old ones. Call it about once a second.
   void sync();
 
   std::int64_t num_written() const { return num_written_; }
   std::int64_t num_dropped() const { return num_dropped_; }
   std::int64_t total_bytes() const;
   std::int64_t free_bytes() const { return free_bytes_; }
-  const std::string& path() const { return path_; }  ///< of the file being written
+  const std::string& path() const { return path_; }  ///< file being written
 
-  /// Why nothing is recorded, in words for a person; empty when all is well.
+  /// Why nothing is recorded, for the user; empty when all is well.
   const std::string& problem() const { return problem_; }
 
  private:
@@ -64,9 +64,9 @@ class LogRecorder {
   std::string path_;
   int fileno_ = -1;
   int next_number_ = 0;
-  std::int64_t file_bytes_ = 0;  ///< on the disk or on the way there
+  std::int64_t file_bytes_ = 0;  ///< including buffered bytes
   std::int64_t num_in_file_ = 0;
-  std::vector<std::uint8_t> buffer_;  ///< whole events that are not written yet
+  std::vector<std::uint8_t> buffer_;  ///< complete events not written yet
   std::int64_t num_in_buffer_ = 0;
   std::deque<Segment> finished_;
   std::int64_t num_written_ = 0;

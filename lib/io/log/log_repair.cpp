@@ -14,7 +14,7 @@ LogRepair repair_log(const std::string& path, const std::string& out_path,
   if (std::filesystem::equivalent(path, out_path, ignored)) {
     throw FileError(out_path + " is the log to be repaired; give another name");
   }
-  LogReader reader(path);  // before anything is made
+  LogReader reader(path);  // opened before the output is created
   LogWriter writer(out_path);
   LogRepair repair;
   while (const auto event = reader.next()) {

@@ -11,14 +11,14 @@
 namespace orchard::io {
 namespace {
 
-/// An offset holds the number of its log above these bits: files of up to 256 TB.
+/// The bits of an offset above these contain the number of its log; files up to 256 TB.
 constexpr int kOffsetBits = 48;
 constexpr std::size_t kLogsMax = 4096;
 
-/// Logs that overlap hold an event within this of each other.
+/// Max time difference between copies of one event in overlapping logs.
 constexpr std::int64_t kRepeatWithin_us = 60'000'000;
 
-/// A silence between two logs that is worth a word.
+/// Minimum gap between two logs that is reported.
 constexpr std::int64_t kBreak_us = 1'000'000;
 
 constexpr std::size_t kReadersOpen = 8;
@@ -77,8 +77,7 @@ void LogSeries::advance(Log& log) {
   if (!log.head) log.reader.reset();
 }
 
-/// The log whose next event comes first; none at the end of all. Logs are opened as their time
-/// comes.
+/// Log with the earliest next event; null at the end. Logs are opened when their time comes.
 LogSeries::Log* LogSeries::earliest() {
   const auto first_head = [this] {
     Log* first = nullptr;
@@ -124,7 +123,7 @@ std::optional<LogEvent> LogSeries::next() {
   while (Log* log = earliest()) {
     LogEvent event = *std::move(log->head);
     advance(*log);
-    // Within one log what repeats is the senders' doing, and theirs who read it.
+    // Repetitions within one log are from the sender; they are handled when decoding.
     if (logs_.size() > 1 && is_in_another(*log, event)) {
       ++log->num_repeated;
       continue;

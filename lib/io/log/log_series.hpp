@@ -14,60 +14,62 @@
 
 namespace orchard::io {
 
-/// The logs of one drive, in any order: one, or the pieces that lcm-logger split it into.
+/// Paths of the logs of one drive, in any order: a single log, or the pieces into which lcm-logger
+/// split it.
 class LogPaths {
  public:
   LogPaths(std::string path) : paths_{std::move(path)} {}
   LogPaths(const char* path) : paths_{path} {}
-  /// At least one.
+  /// Must not be empty.
   LogPaths(std::vector<std::string> paths) : paths_(std::move(paths)) {}
 
   const std::vector<std::string>& paths() const { return paths_; }
 
-  /// For messages: "a.lcm", or "a.lcm and 2 more".
+  /// Text for messages: "a.lcm", or "a.lcm and 2 more".
   std::string text() const;
 
-  /// The names of the files without folders: "a.lcm, b.lcm".
+  /// File names without folders: "a.lcm, b.lcm".
   std::string names() const;
 
  private:
   std::vector<std::string> paths_;
 };
 
-/// Several logs read as one: their events in order of receipt, those of equal time in order of the
-/// logs' beginnings, and of events that several logs hold only the first. What was split is read as
-/// if it had not been.
+/// Reads several logs as one. Events come in order of receipt; for equal times in order of the
+/// logs' beginnings. An event that several logs contain is returned only once. A split log is read
+/// as if it had not been split.
 class LogSeries {
  public:
   /// Throws io::FileError naming the path when a file cannot be opened.
   explicit LogSeries(const LogPaths& paths);
 
-  /// The next event; its offset stands for its log, too: read_at() and where() know.
+  /// Returns the next event. Its offset also identifies the log; only read_at() and where() can
+  /// interpret it.
   std::optional<LogEvent> next();
   LogEvent read_at(std::uint64_t offset);
 
-  /// "b.lcm at offset 1234" of an event's offset.
+  /// Describes the place of an offset: "b.lcm at offset 1234".
   std::string where(std::uint64_t offset) const;
 
-  /// Of the logs read so far, each with offsets of its own.
+  /// Gaps of the logs read so far, with offsets in the individual files.
   std::vector<LogGap> gaps() const;
   std::int64_t num_events() const { return num_events_; }
-  /// Bytes consumed and bytes of all, for progress.
+  /// Bytes read and total bytes, for progress.
   std::uint64_t position() const { return position_; }
   std::uint64_t file_size() const { return file_size_; }
 
-  /// Once all is read: stretches that no log covers, events that several hold, logs without any;
-  /// one sentence each.
+  /// After the last event: describes times that no log covers, repeated events and logs without
+  /// events, in one sentence each.
   std::vector<std::string> notes() const;
 
  private:
   struct Log {
     std::string path;
     std::optional<std::int64_t> first_timestamp_us;
-    std::unique_ptr<LogReader> reader;  ///< open while it is read
+    std::unique_ptr<LogReader> reader;  ///< open while it is being read
     std::optional<LogEvent> head;
     std::vector<LogGap> gaps;
-    std::int64_t num_repeated = 0;  ///< events that another log held before
+    std::int64_t num_repeated = 0;  ///< events already read from another log
   };
   Log* earliest();
   void advance(Log& log);
@@ -80,8 +82,8 @@ class LogSeries {
   std::int64_t num_events_ = 0;
   std::optional<std::int64_t> last_timestamp_us_;
   std::vector<std::string> breaks_;
-  std::deque<std::pair<std::int64_t, std::uint64_t>> recent_;  ///< when and what came, lately
-  std::unordered_map<std::uint64_t, const Log*> log_of_;       ///< of recent_
+  std::deque<std::pair<std::int64_t, std::uint64_t>> recent_;  ///< time and hash of recent events
+  std::unordered_map<std::uint64_t, const Log*> log_of_;       ///< first log of each recent event
 };
 
 }  // namespace orchard::io

@@ -38,7 +38,7 @@ struct LogWriter::Impl {
 
   ~Impl() {
     if (fd < 0) return;
-    ::unlink(part.c_str());  // before the lock goes, so that it is ours
+    ::unlink(part.c_str());  // before the lock is released, so that it is still our file
     ::close(fd);
   }
 

@@ -11,23 +11,23 @@
 
 namespace orchard::io {
 
-/// Writes the format of lcm-logger. The file appears under its name only at close(): until then
-/// it grows as "<path>.part" beside it, so a killed writer never leaves a half log that looks
-/// whole (what it had written can be had with `orchard log repair`).
+/// Writes lcm-logger's format. Until close() the file grows as "<path>.part" and is then renamed,
+/// so a killed writer never leaves a partial log under the final name. `orchard log repair`
+/// recovers the partial file.
 class LogWriter {
  public:
-  /// Throws io::FileError when the file cannot be made, or when another writer is at it.
+  /// Throws io::FileError when the file cannot be created or another writer has it open.
   explicit LogWriter(const std::string& path);
-  ~LogWriter();  ///< without close(): removes the temporary
+  ~LogWriter();  ///< without close(): removes the temporary file
   LogWriter(const LogWriter&) = delete;
   LogWriter& operator=(const LogWriter&) = delete;
 
-  /// Appends an event; numbers events itself. Throws io::FileError when the disk is full, and for
-  /// a channel name or a size that LogReader would refuse.
+  /// Appends an event and numbers it. Throws io::FileError when the disk is full, and for a channel
+  /// name or a size that LogReader would reject.
   void write(std::int64_t timestamp_us, std::string_view channel,
              const std::vector<std::uint8_t>& data);
 
-  /// Syncs and renames. Throws io::FileError.
+  /// Syncs and renames the file. Throws io::FileError.
   void close();
 
  private:

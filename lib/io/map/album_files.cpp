@@ -22,7 +22,7 @@ constexpr const char* kTable = "album.csv";
 
 std::string file_name(std::int32_t landmark_id) { return std::to_string(landmark_id) + ".jpg"; }
 
-/// Also what a process that was killed had not renamed yet.
+/// Includes temporary files of a killed process.
 bool is_album_file(const std::string& name) {
   static const std::regex kNames(
       "[0-9]+\\.jpg|album\\.csv|\\.([0-9]+|album)\\.[0-9]+-[0-9]+\\.(jpg|csv)");
@@ -58,7 +58,7 @@ void remove_others(const fs::path& folder, const std::set<std::string>& names) {
     if (is_album_file(name) && names.count(name) == 0) others.push_back(file.path());
   }
   for (const fs::path& other : others) fs::remove(other, error);
-  if (names.empty()) fs::remove(folder, error);  // unless something of somebody else's is in it
+  if (names.empty()) fs::remove(folder, error);  // fails if the folder contains other files
 }
 
 }  // namespace

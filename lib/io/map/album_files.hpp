@@ -9,13 +9,13 @@
 
 namespace orchard::io {
 
-/// Where in a map folder the photograph of a landmark is.
+/// Path of a landmark's photograph in a map folder.
 std::string photo_path(std::int32_t landmark_id);
 
-/// Writes album/ID.jpg and album/album.csv (`id,image_utime_us,x_px,y_px,width_px,height_px`: which
-/// part of which IMAGE each is) into a map folder. Files that are there with the same bytes are
-/// left alone, photographs of other landmarks removed; of no entries nothing stays. Each file is
-/// replaced by renaming; throws FileError.
+/// Writes album/ID.jpg and album/album.csv (`id,image_utime_us,x_px,y_px,width_px,height_px`: the
+/// source image and the crop) into a map folder. Existing files with equal bytes are kept,
+/// photographs of other landmarks are removed; without entries the album is removed. Each file is
+/// replaced by renaming. Throws FileError.
 void write_album(const std::string& map_folder, const std::vector<mapping::AlbumEntry>& entries);
 
 }  // namespace orchard::io

@@ -34,7 +34,7 @@ const Landmark* of_b(const ComparisonContent& content, const MapChange& c) {
   return c.b < 0 ? nullptr : &content.b[static_cast<std::size_t>(c.b)];
 }
 
-/// The number by which people know the tree: the earlier map's, else the later one's.
+/// The landmark whose id the user knows: that of the earlier map, else of the later one.
 const Landmark& known_as(const ComparisonContent& content, const MapChange& c) {
   const Landmark* a = of_a(content, c);
   const Landmark* b = of_b(content, c);

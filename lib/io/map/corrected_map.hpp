@@ -10,23 +10,23 @@
 
 namespace orchard::io {
 
-/// A map folder as people know it: what was mapped, and the corrections beside it.
+/// A map folder with the manual corrections: the map of the run and the corrected map.
 struct CorrectedMapFolder {
-  StoredMap mapped;  ///< as the run left it
+  StoredMap mapped;  ///< the map as the run wrote it
   std::vector<mapping::Correction> corrections;
-  std::size_t num_unfinished_bytes = 0;  ///< StoredCorrections
-  mapping::CorrectedMap corrected;       ///< without corrections: as it was mapped
-  std::vector<mapping::Row> rows;        ///< of the corrected map; none where it has no numbers
+  std::size_t num_unfinished_bytes = 0;  ///< as in StoredCorrections
+  mapping::CorrectedMap corrected;  ///< equal to the map of the run if there are no corrections
+  std::vector<mapping::Row> rows;   ///< of the corrected map; empty without row numbers
 };
 
-/// Reads a map folder (or a map.csv alone) with its corrections, unless `as_mapped`. What was added
-/// by hand in a row gets that row and the number of its place. Throws FileError.
+/// Reads a map folder (or a map.csv alone) and applies its corrections, unless `as_mapped`. A
+/// landmark added by hand within a row gets this row and its position number. Throws FileError.
 CorrectedMapFolder read_corrected_map(const std::string& folder_or_csv, bool as_mapped = false);
 
-/// The same with a list of corrections in place of those beside the map.
+/// The same with a given list of corrections instead of the file's.
 CorrectedMapFolder corrected_map_of(StoredMap mapped, std::vector<mapping::Correction> corrections);
 
-/// "3 applied, 1 conflict": what became of the corrections, in words; "none" of none.
+/// Summarizes the result of the corrections: "3 applied, 1 conflict"; "none" if there are none.
 std::string corrections_text(const mapping::CorrectedMap& corrected);
 
 }  // namespace orchard::io

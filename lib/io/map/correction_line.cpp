@@ -38,7 +38,7 @@ Json target_json(const CorrectionTarget& target) {
   return json;
 }
 
-/// One line's fields, each of which must be what it should be.
+/// The fields of one line, with type checks.
 class Line {
  public:
   Line(std::string_view text, std::string place) : place_(std::move(place)) {
@@ -147,7 +147,7 @@ class Line {
     if (end == nullptr || *end != '\0') fail("when must be like 2026-05-04T08:00:00Z");
     return std::int64_t{1000000} * static_cast<std::int64_t>(::timegm(&utc));
   }
-  /// A field that nobody read is one of a later release, or a slip: neither may pass in silence.
+  /// An unknown field is from a later release or a mistake, so it is an error.
   void require_all_used() const {
     for (const auto& [key, value] : json_.items()) {
       if (std::find(used_.begin(), used_.end(), key) == used_.end()) {
@@ -223,7 +223,7 @@ bool is_correction_text(const std::string& text) {
   try {
     return !Json(text).dump().empty();
   } catch (const Json::exception&) {
-    return false;  // no UTF-8
+    return false;  // not UTF-8
   }
 }
 

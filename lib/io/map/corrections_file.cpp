@@ -30,15 +30,15 @@ std::string path_in(const std::string& folder) {
                   (error == EACCES || error == EROFS ? "; may you write there?" : ""));
 }
 
-/// The file, open and ours alone until this object goes.
+/// The file, open and exclusively locked during the lifetime of this object.
 class LockedFile {
  public:
   explicit LockedFile(std::string path) : path_(std::move(path)) {
-    // Who waited may hold a file that has been replaced or removed meanwhile: then again.
+    // The file may have been replaced or removed while waiting for the lock: then try again.
     while (!open_and_lock()) ::close(fd_);
   }
   ~LockedFile() {
-    if (is_empty()) ::unlink(path_.c_str());  // made for nothing
+    if (is_empty()) ::unlink(path_.c_str());  // nothing was written
     ::close(fd_);
   }
   LockedFile(const LockedFile&) = delete;
@@ -65,7 +65,7 @@ class LockedFile {
     return text;
   }
 
-  /// Everything from `offset` on becomes `lines`, or stays as it was where the disk is full.
+  /// Replaces everything from `offset` on by `lines`, or leaves it unchanged when the disk is full.
   void write_from(std::size_t offset, const std::string& lines) {
     const auto end = static_cast<off_t>(offset);
     if (::ftruncate(fd_, end) != 0) fail(path_, "be written");
@@ -84,7 +84,7 @@ class LockedFile {
     if (fd_ < 0) fail(path_, "be opened for writing");
     constexpr int kTries = 1000;
     constexpr useconds_t kPause_us = 10000;
-    // Where a file system knows no locks, there is none.
+    // On a file system without locks, none is used.
     for (int i = 0; ::flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; ++i) {
       if (i >= kTries) {
         ::close(fd_);
@@ -147,7 +147,7 @@ std::vector<mapping::Correction> append_corrections(
     c.number = ++number;
     lines += correction_line(c);
   }
-  parse_corrections(lines, path);  // what would not be read again is not written
+  parse_corrections(lines, path);  // throws if the lines could not be read again
   if (!lines.empty()) file.write_from(text.size() - stored.num_unfinished_bytes, lines);
   return added;
 }

@@ -11,39 +11,38 @@
 
 namespace orchard::io {
 
-/// The name of a map folder's corrections: one JSON object per line, in the order in which people
-/// made them. Lines are only ever added.
+/// Name of the corrections file in a map folder: one JSON object per line, in order of time. The
+/// file is append-only.
 inline constexpr char kCorrectionsFile[] = "corrections.jsonl";
 
-inline constexpr std::size_t kCorrectionTextMax_bytes = 2000;  ///< of a note, a name, a person
+inline constexpr std::size_t kCorrectionTextMax_bytes = 2000;  ///< of a note, name or person
 
 struct StoredCorrections {
   std::vector<mapping::Correction> list;
-  /// After the last whole line: what a killed program began to write. It is not used.
+  /// Bytes after the last complete line, left by a killed program. They are ignored.
   std::size_t num_unfinished_bytes = 0;
 };
 
-/// What corrections.jsonl of a map folder holds; nothing when there is none. Throws FileError
-/// "file:line: what" at the first mistake.
+/// Reads corrections.jsonl of a map folder; empty if there is none. Throws FileError "file:line:
+/// what" at the first error.
 StoredCorrections read_corrections(const std::string& folder);
 
-/// The same of a text; `name` stands for the file.
+/// Parses a text instead; `name` replaces the path in messages.
 StoredCorrections parse_corrections(std::string_view text, const std::string& name);
 
-/// A correction as a line of the file, its end included.
+/// Formats a correction as a line of the file, including the line end.
 std::string correction_line(const mapping::Correction& correction);
 
-/// "2026-05-04T08:00:00Z" of a utime.
+/// Formats a utime as "2026-05-04T08:00:00Z".
 std::string utc_text(std::int64_t utime);
 
-/// Whether a text from a person can stand in the file: UTF-8 without control characters, and not
-/// too long.
+/// Whether a user's text is valid in the file: UTF-8 without control characters, of limited size.
 bool is_correction_text(const std::string& text);
 
-/// Adds corrections to a folder's file. `make` is called with all that there are, while nobody else
-/// can add any, and returns the new ones; their numbers are given here. So several editors at once
-/// lose nothing, and each sees what the others did before its own is judged. Throws FileError, and
-/// what `make` throws; nothing is added then. Returns what was added.
+/// Appends corrections to a folder's file under a lock. `make` receives all existing corrections
+/// and returns the new ones, which are numbered here. Several editors therefore lose nothing, and
+/// each decides with the others' corrections known. Throws FileError and whatever `make` throws;
+/// nothing is appended then. Returns the appended corrections.
 std::vector<mapping::Correction> append_corrections(
     const std::string& folder,
     const std::function<std::vector<mapping::Correction>(const std::vector<mapping::Correction>&)>&

@@ -7,8 +7,8 @@
 
 namespace orchard::io {
 
-/// graph.json as text, for planners: nodes with id and place, edges with kind, nodes, rows, length,
-/// free width and line, in metres of the map frame.
+/// graph.json as text, for path planners: nodes with id and position, edges with kind, nodes, rows,
+/// length, free width and line, in metres of the map frame.
 std::string graph_json(const mapping::NavigationGraph& graph);
 
 }  // namespace orchard::io

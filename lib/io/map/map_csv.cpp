@@ -35,7 +35,7 @@ std::int32_t parse_number_or_empty(const CsvReader& csv, std::size_t field) {
 std::vector<Landmark> read_map(CsvReader csv) {
   std::vector<std::string> columns{"id",          "class",  "x_m",    "y_m",     "n",   "roc_mean",
                                    "probability", "se_x_m", "se_y_m", "width_m", "row", "position"};
-  // maps of earlier releases end here
+  // files of earlier releases have fewer columns
   const bool has_width_sd = csv.columns().size() > columns.size();
   if (has_width_sd) columns.push_back("width_sd_m");
   const bool has_length = csv.columns().size() > columns.size();

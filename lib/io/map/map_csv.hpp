@@ -9,14 +9,14 @@
 
 namespace orchard::io {
 
-/// map.csv as text: the columns of its README.md, fixed formatting.
+/// map.csv as text: the columns listed in README.md, with fixed number formats.
 std::string map_csv(const std::vector<mapping::Landmark>& landmarks);
 
-/// Reads a map.csv (plain or .gz). Throws FileError naming file, line and column of the first
-/// mistake, also for an id that stands there twice. The covariance, which a map.csv lacks, is 0.
+/// Reads a map.csv (plain or .gz). The covariance, which the file lacks, is set to 0. Throws
+/// FileError naming file, line and column of the first error, including a repeated id.
 std::vector<mapping::Landmark> read_map_csv(const std::string& path);
 
-/// The same from text; `name` stands for the file in messages.
+/// Parses text instead; `name` replaces the path in messages.
 std::vector<mapping::Landmark> parse_map_csv(std::string_view text, const std::string& name);
 
 }  // namespace orchard::io

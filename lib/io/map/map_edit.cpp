@@ -34,7 +34,7 @@ constexpr int kPositionMax = 1000000;
 
 CorrectionTarget target_of(const Landmark& l) { return {l.id, {l.x_m, l.y_m}, l.label, l.width_m}; }
 
-/// Two observations of one thing: the better known one says where it stands.
+/// Weighted mean position of the landmarks to merge.
 Vector2d place_of_all(const CorrectedMapFolder& map, const std::vector<std::string>& trees) {
   Vector2d sum(0, 0);
   double num = 0.0;
@@ -47,7 +47,7 @@ Vector2d place_of_all(const CorrectedMapFolder& map, const std::vector<std::stri
   return sum / num;
 }
 
-/// The number that undo or redo means.
+/// Number of the correction to undo or redo.
 std::int32_t number_to_turn(const MapEdit& edit, const std::vector<Correction>& corrections) {
   const bool undoes = edit.kind == CorrectionKind::kUndo;
   if (edit.of == 0) {
@@ -69,7 +69,7 @@ std::int32_t number_to_turn(const MapEdit& edit, const std::vector<Correction>& 
                   " (`orchard edit MAP list`)");
 }
 
-/// A row's number; one that has no tree yet is new.
+/// Number of a row; a row without trees is new.
 std::int32_t row_to_give(const std::string& name, const CorrectedMapFolder& map) {
   const int number = std::atoi(name.c_str());
   const bool is_number = number > 0 && number < 1000000 && std::to_string(number) == name;
@@ -126,7 +126,7 @@ Correction correction_of(const MapEdit& edit, const CorrectedMapFolder& map) {
   return c;
 }
 
-/// Throws where the map would not take it.
+/// Throws FileError if the correction cannot be applied to the map.
 void require_possible(const Correction& c, const CorrectedMapFolder& after) {
   const mapping::CorrectionResult& result = after.corrected.results.back();
   if (result.outcome == CorrectionOutcome::kConflict) throw FileError(result.reason);
@@ -138,8 +138,8 @@ void require_possible(const Correction& c, const CorrectedMapFolder& after) {
   }
 }
 
-/// As many trees and places as its kind needs, and texts that a file can hold: what comes from a
-/// page is no better than what comes from a network.
+/// Checks the number of trees and positions for the kind, and that the texts can be stored. Input
+/// from a page is not trusted.
 void require_sound(const MapEdit& edit) {
   for (const std::string* text : {&edit.who, &edit.note, &edit.name}) {
     if (!is_correction_text(*text)) {

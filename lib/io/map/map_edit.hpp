@@ -9,11 +9,11 @@
 
 namespace orchard::io {
 
-/// A correction as a person asks for it, in names: `orchard edit`, and the page.
+/// A correction as requested by the user, with names instead of ids: `orchard edit`, and the page.
 struct MapEdit {
   mapping::CorrectionKind kind = mapping::CorrectionKind::kNote;
-  /// Ids, or row/tree: of merge two or more, of add one gap or none, of all else that is about a
-  /// landmark one.
+  /// Ids, or row/tree. Merge needs two or more, add has one gap or none, all other kinds that
+  /// concern a landmark need one.
   std::vector<std::string> trees;
   std::vector<Eigen::Vector2d> places_map;
   std::string class_word = "tree";
@@ -21,27 +21,27 @@ struct MapEdit {
   std::string row;  ///< number or name
   std::string name;
   int position = 0;
-  int of = 0;  ///< undo, redo; 0: the last
+  int of = 0;  ///< number of the correction to undo or redo; 0: the last
   std::string who;
   std::string note;
 };
 
-/// What an edit did.
+/// Result of an edit.
 struct MapEditEffect {
   mapping::Correction correction;
   CorrectedMapFolder before, after;
 
-  /// Earlier corrections that the new one has brought into conflict: "correction 3 (move) is in
-  /// conflict now: ...".
+  /// Describes earlier corrections that now conflict because of the new one: "correction 3 (move)
+  /// is in conflict now: ...".
   std::vector<std::string> new_conflicts() const;
 
-  /// "correction 3: delete 17", for people.
+  /// Describes the new correction: "correction 3: delete 17".
   std::string words() const;
 };
 
-/// Makes the correction of `mapped` and adds it to the corrections of its folder, after all that
-/// others have added by then. Throws FileError when it cannot be made, would contradict the map or
-/// change nothing, or cannot be written; nothing is added then.
+/// Creates a correction of `mapped` and appends it to the folder's corrections, after those
+/// appended by others meanwhile. Throws FileError when it is invalid, contradicts the map, changes
+/// nothing, or cannot be written; nothing is appended then.
 MapEditEffect edit_map(const std::string& folder, const StoredMap& mapped, const MapEdit& edit);
 
 }  // namespace orchard::io

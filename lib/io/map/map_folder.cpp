@@ -71,7 +71,7 @@ void write_map_folder(const std::string& folder, const MapFolderContent& content
   if (!content.ids_csv.empty()) files.write((path / "ids.csv").string(), content.ids_csv);
   files.write((path / "graph.json").string(), graph_json(graph));
   files.write((path / "summary.json").string(), summary_json(content));
-  write_album(folder, album);  // where the disk is full, every other file stays as it was
+  write_album(folder, album);  // if the disk is full, every other file remains unchanged
   files.commit();
 }
 

@@ -18,7 +18,7 @@
 
 namespace orchard::io {
 
-/// What summary.json says besides the map: how it was made and what was lost on the way.
+/// Part of summary.json about the run: how the map was made and what was lost.
 struct MapSummary {
   std::string source;  ///< log file name (no folder), or "live"
   std::int64_t config_hash = 0;
@@ -30,13 +30,13 @@ struct MapSummary {
   std::vector<std::string> warnings;
 };
 
-/// A part of a drive that was mapped without something that the rig has.
+/// A time interval that was mapped without one of the rig's sensors.
 struct DegradedInterval {
-  std::string missing;  ///< the channel
+  std::string missing;  ///< name of the channel
   std::int64_t first_utime = 0;
   std::int64_t last_utime = 0;
-  std::int32_t first_id = 0;  ///< landmarks first seen then: from this id
-  std::int32_t last_id = 0;   ///< to this one; below first_id: none
+  std::int32_t first_id = 0;  ///< landmarks first seen in the interval: from this id
+  std::int32_t last_id = 0;   ///< to this id; below first_id: none
 };
 
 struct MapFolderContent {
@@ -44,25 +44,25 @@ struct MapFolderContent {
   std::vector<pose::PoseEstimate> trajectory;  ///< in order of utime
   MapSummary summary;
   std::vector<mapping::Row> rows;  ///< in order of number
-  /// Of a map of several drives: the paths of the second and later ones.
+  /// For a map of several drives: the paths of the second and later ones.
   std::vector<std::vector<pose::PoseEstimate>> more_trajectories{};
   std::optional<geometry::Georeference> georeference{};
-  std::optional<mapping::SensorView> view{};  ///< where the laser looks; `orchard compare` asks
-  std::string ids_csv{};                      ///< of a merged map: ids.csv; empty: there is none
-  std::optional<double> tree_scatter_m{};     ///< Mapper::tree_scatter_m() of what made it
+  std::optional<mapping::SensorView> view{};  ///< sensor coverage; used by `orchard compare`
+  std::string ids_csv{};                      ///< ids.csv of a merged map; empty: none
+  std::optional<double> tree_scatter_m{};     ///< Mapper::tree_scatter_m() of the mapper
   std::vector<DegradedInterval> degraded{};   ///< in order of time
-  /// What was seen free, for graph.json; asked while the folder is written.
+  /// Observed free space for graph.json; evaluated while the folder is written.
   mapping::SeenFree seen_free{};
-  std::int32_t next_id = 0;  ///< no landmark of an earlier map had this or more
-  std::vector<mapping::PlacedPhotograph> photographs{};  ///< whose they are is found out here
+  std::int32_t next_id = 0;  ///< above every id of this and earlier maps
+  std::vector<mapping::PlacedPhotograph> photographs{};  ///< assigned to landmarks when writing
   std::size_t album_bytes_max = 0;
 };
 
-/// Writes map.csv, map.gpkg, map.svg, map.png, map.pdf, map.html, trajectory.csv and
-/// trajectory.tum (trajectory_2.csv ... for more drives), graph.json, summary.json, and ids.csv
-/// when there is one, into `folder` (made when missing), all together: written and synced under
-/// temporary names before the first is renamed. Equal content gives equal bytes. Throws FileError
-/// and then leaves every earlier file as it was.
+/// Writes map.csv, map.gpkg, map.svg, map.png, map.pdf, map.html, trajectory.csv and trajectory.tum
+/// (trajectory_2.csv ... for more drives), graph.json, summary.json, and ids.csv if there is one,
+/// into `folder` (created if missing). All files are written and synced under temporary names
+/// before the first is renamed. Equal content gives equal bytes. Throws FileError and then leaves
+/// every earlier file unchanged.
 void write_map_folder(const std::string& folder, const MapFolderContent& content);
 
 }  // namespace orchard::io

@@ -8,8 +8,8 @@
 
 namespace orchard::io {
 
-/// map.html as text: the map as one page that a browser opens from a disk, without a network,
-/// with the album's photographs inside. Equal content gives equal bytes.
+/// map.html as text: the map as one page, with the album's photographs embedded, that a browser
+/// opens from a disk without a network. Equal content gives equal bytes.
 std::string map_page(const MapFolderContent& content, const mapping::NavigationGraph& graph,
                      const std::vector<mapping::AlbumEntry>& album);
 

@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Files that write_map_folder() and `orchard map` leave.
+/// Files written by write_map_folder() and `orchard map`.
 bool is_map_file(const std::string& name) {
   static const std::regex kNames(
       "corrections\\.jsonl|map\\.(csv|gpkg|svg|png|pdf|html)|trajectory(_[0-9]+)?\\.csv|"
@@ -34,7 +34,7 @@ bool is_map_file(const std::string& name) {
   return std::regex_match(name, kNames);
 }
 
-/// "20261122T084500Z" of a file's last change.
+/// Modification time of a file as "20261122T084500Z".
 std::string change_time(const std::string& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) return {};
@@ -53,7 +53,7 @@ MapPlace::MapPlace(std::string folder) : folder_(std::move(folder)) {
   make_folder(folder_, "give another place for the map");
   lock();
   try {
-    remove_temporaries();  // before the trial: they may be what fills the disk
+    remove_temporaries();  // first, because they may have filled the disk
     try_to_write();
   } catch (...) {
     ::close(fd_);
@@ -70,7 +70,7 @@ std::string MapPlace::file(const std::string& name) const {
 void MapPlace::lock() {
   fd_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (fd_ < 0) throw FileError(folder_ + ": cannot be read (" + std::strerror(errno) + ")");
-  // Where a file system knows no locks, there is none.
+  // On a file system without locks, none is used.
   if (::flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     ::close(fd_);
     throw FileError(folder_ +
@@ -80,7 +80,7 @@ void MapPlace::lock() {
 }
 
 void MapPlace::try_to_write() const {
-  FileReplacement trial;  // never committed: gone at once
+  FileReplacement trial;  // never committed: removed at once
   trial.write(file("trial.csv"), "id\n");
 }
 
@@ -92,7 +92,7 @@ void MapPlace::remove_temporaries() {
     const std::string target = part[1].str() + part[3].str();
     if (target != "trial.csv" && target != "mapper.snapshot" && !is_map_file(target)) continue;
     const long pid = std::stol(part[2].str());
-    // This process has made none yet: a number like its own was an earlier one's.
+    // This process has none yet, so a file with its own process id is from an earlier process.
     if (pid != ::getpid() && is_alive(pid)) continue;
     std::error_code error;
     if (fs::remove(file(name), error)) ++num_removed_temporaries_;

@@ -7,13 +7,12 @@
 
 namespace orchard::io {
 
-/// The folder that a running mapper saves into: tried before anything is mapped, one process's
-/// alone, and never with another map's files under the new ones.
+/// The folder into which a running mapper saves: checked before mapping starts, locked for one
+/// process, and never with files of another map among the new ones.
 class MapPlace {
  public:
-  /// Makes the folder, locks it, tries to write there, and removes the temporaries that killed
-  /// processes of ours left. Throws FileError when it cannot be written, or when another mapper
-  /// saves there.
+  /// Creates and locks the folder, tests writing, and removes temporary files of killed mappers.
+  /// Throws FileError when the folder is not writable or another mapper uses it.
   explicit MapPlace(std::string folder);
   ~MapPlace();
   MapPlace(const MapPlace&) = delete;
@@ -22,14 +21,14 @@ class MapPlace {
   const std::string& folder() const { return folder_; }
   std::string file(const std::string& name) const;
 
-  /// Whether a file of a map stands there.
+  /// Whether the folder contains a file of a map.
   bool holds_map() const;
 
-  /// Moves all files of a map, and those named in `more`, into a folder within this one, named
-  /// after the time of the newest of them; its path, "" when there was none. Throws FileError.
+  /// Moves all files of a map, and those named in `more`, into a subfolder named after the time of
+  /// the newest one. Returns its path, or "" if there were none. Throws FileError.
   std::string set_aside(const std::vector<std::string>& more);
 
-  /// What is left on its disk for who may write there; without end where that cannot be told.
+  /// Free disk space for this user [bytes]; the maximum value if unknown.
   std::uint64_t free_bytes() const;
 
   int num_removed_temporaries() const { return num_removed_temporaries_; }

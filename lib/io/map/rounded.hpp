@@ -7,14 +7,15 @@
 
 namespace orchard::io {
 
-/// Rounded to a whole number of 1/scale (0.1 mm of metres): files hold no digits nobody measured.
+/// Rounds to a multiple of 1/scale (default 0.1 mm for metres), so that files contain no
+/// meaningless digits.
 inline double rounded(double value, double scale = 1e4) {
   return std::round(value * scale) / scale;
 }
 
 inline double millimetres(double value_m) { return rounded(value_m, 1e3); }
 
-/// A row or its position; nothing where there is none (0).
+/// Formats a row or position number; empty for 0 (none).
 inline std::string number_or_empty(std::int32_t number) {
   return number == 0 ? std::string() : std::to_string(number);
 }

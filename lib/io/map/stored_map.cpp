@@ -22,10 +22,10 @@ using mapping::Landmark;
 using Json = nlohmann::ordered_json;
 
 constexpr double kWidestTrunk_m = 5.0;
-constexpr double kWidestSpacing_m = 300.0;  ///< from one thing to the nearest, usually
+constexpr double kWidestSpacing_m = 300.0;  ///< median distance to the nearest neighbour
 constexpr double kNarrowestSpacing_m = 0.02;
 
-/// map.csv has a header and no empty lines.
+/// Place of a landmark in a map.csv, which has a header and no empty lines.
 std::string at_line(const std::string& name, std::size_t index) {
   return name + ":" + std::to_string(index + 2) + ": ";
 }
@@ -60,7 +60,7 @@ void require_metres(const std::string& name, const std::vector<Landmark>& landma
                     fixed_text(std::max(x1 - x0, y1 - y0), 4) +
                     "; are these degrees? Give metres of a flat map");
   }
-  // a spacing of 0 says that nothing has a neighbour within 162 m
+  // a spacing of 0 means that no landmark has a neighbour within 162 m
   if (spacing_m > kWidestSpacing_m || spacing_m == 0.0 || spacing_m > 100.0) {
     throw FileError(at_line(name, 0) +
                     "x_m, y_m: things stand more than 100 apart; are these millimetres? Give "

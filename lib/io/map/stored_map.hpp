@@ -13,20 +13,20 @@
 
 namespace orchard::io {
 
-/// A map as it was read back from its files.
+/// A map read from its files.
 struct StoredMap {
-  std::string name;  ///< of its map.csv, for messages
+  std::string name;  ///< path of its map.csv, for messages
   std::vector<mapping::Landmark> landmarks;
-  std::vector<std::vector<pose::PoseEstimate>> trajectories;  ///< of each drive; none: not known
-  mapping::SensorView view;  ///< the usual one where the folder does not tell
+  std::vector<std::vector<pose::PoseEstimate>> trajectories;  ///< one per drive; empty: unknown
+  mapping::SensorView view;  ///< default values if the folder has none
   std::optional<geometry::Georeference> georeference;
-  std::int32_t next_id = 1;  ///< no landmark of it or of an earlier map had this or more
+  std::int32_t next_id = 1;  ///< above every id of this and earlier maps
 };
 
-/// Reads a map folder, or its map.csv alone (then neither path nor view are known).
+/// Reads a map folder, or only its map.csv (then path and view are unknown).
 ///
-/// Throws FileError naming file, line and column of the first mistake; also for a map without
-/// landmarks, and for one whose numbers are no metres (millimetres, degrees).
+/// Throws FileError naming file, line and column of the first error; also for a map without
+/// landmarks, and for one whose coordinates cannot be metres (millimetres, degrees).
 StoredMap read_stored_map(const std::string& folder_or_csv);
 
 }  // namespace orchard::io

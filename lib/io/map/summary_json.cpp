@@ -29,7 +29,7 @@ double path_length_m(const std::vector<pose::PoseEstimate>& path) {
   return length_m;
 }
 
-/// As everything that is written here.
+/// Id above all landmarks of this and earlier maps.
 std::int32_t next_id(const MapFolderContent& content) {
   std::int32_t next = std::max(1, content.next_id);
   for (const mapping::Landmark& l : content.landmarks) next = std::max(next, l.id + 1);
@@ -58,7 +58,7 @@ Json georeference_json(const geometry::Georeference& g) {
           {"epsg", geometry::utm_epsg(g)}};
 }
 
-/// JSON's numbers are doubles to most readers: a hash is text.
+/// The hash as text: most readers parse JSON numbers as doubles.
 std::string hash_text(std::int64_t hash) {
   return fmt::format("{:016x}", static_cast<std::uint64_t>(hash));
 }
@@ -116,7 +116,7 @@ std::string summary_json(const MapFolderContent& content) {
       content.georeference->residual_rms_m > geometry::kGeoreferenceResidualMax_m) {
     json["warnings"].push_back(residual_warning(*content.georeference));
   }
-  // Names from outside may hold anything; what is no UTF-8 must not stop the map.
+  // Names from outside may be invalid UTF-8, which must not prevent writing the map.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

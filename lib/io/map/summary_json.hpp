@@ -7,10 +7,10 @@
 
 namespace orchard::io {
 
-/// summary.json as text: how the map was made, what it holds, what was lost on the way.
+/// summary.json as text: how the map was made, what it contains and what was lost.
 std::string summary_json(const MapFolderContent& content);
 
-/// What is said of a georeference whose residual is above kGeoreferenceResidualMax_m.
+/// Warning for a georeference whose residual is above kGeoreferenceResidualMax_m.
 std::string residual_warning(const geometry::Georeference& georeference);
 
 }  // namespace orchard::io

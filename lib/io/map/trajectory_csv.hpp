@@ -9,18 +9,19 @@
 
 namespace orchard::io {
 
-/// `utime_us,x_m,y_m,yaw_rad`, T_map_base over time, as text with fixed formatting.
+/// trajectory.csv as text: `utime_us,x_m,y_m,yaw_rad` (T_map_base over time), with fixed number
+/// formats.
 std::string trajectory_csv(const std::vector<pose::PoseEstimate>& trajectory);
 
-/// The same as evo and other tools for trajectories take it (the TUM RGB-D benchmark's format): a
-/// line `seconds x y z qx qy qz qw` a pose.
+/// The same in the format of the TUM RGB-D benchmark, for evo and other tools: a line `seconds x y
+/// z qx qy qz qw` per pose.
 std::string trajectory_tum(const std::vector<pose::PoseEstimate>& trajectory);
 
 void write_trajectory_csv(const std::string& path,
                           const std::vector<pose::PoseEstimate>& trajectory);
 
-/// Reads the same; seq counts from 0, yaw is wrapped into (-pi, pi]. Throws FileError naming file,
-/// line and column, also when time does not go up.
+/// Reads a trajectory.csv; seq counts from 0, yaw is wrapped into (-pi, pi]. Throws FileError
+/// naming file, line and column, also when time does not increase.
 std::vector<pose::PoseEstimate> read_trajectory_csv(const std::string& path);
 std::vector<pose::PoseEstimate> parse_trajectory_csv(std::string_view text,
                                                      const std::string& name);

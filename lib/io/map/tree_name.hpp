@@ -7,17 +7,17 @@
 
 namespace orchard::io {
 
-/// The landmark that people call so: its id ("17"), or row and tree ("3/14", the row by number or
-/// by name). Throws FileError in one sentence when there is none.
+/// Finds a landmark by the user's name for it: its id ("17"), or row and tree ("3/14", the row by
+/// number or by name). Throws FileError with one sentence if there is none.
 const mapping::Landmark& landmark_named(const CorrectedMapFolder& map, const std::string& name);
 
-/// Where the gap "3/14" lies. Throws FileError when there is no such gap.
+/// Position of the gap "3/14". Throws FileError if there is no such gap.
 Eigen::Vector2d gap_named(const CorrectedMapFolder& map, const std::string& name);
 
-/// The number of a row that is called so; throws FileError when there is none.
+/// Number of the row with that name. Throws FileError if there is none.
 std::int32_t row_named(const CorrectedMapFolder& map, const std::string& name);
 
-/// "17 (tree, row 3 tree 14)": a landmark in words.
+/// Describes a landmark: "17 (tree, row 3 tree 14)".
 std::string landmark_words(const mapping::Landmark& landmark);
 
 }  // namespace orchard::io

@@ -16,7 +16,7 @@ struct ResultClearer {
 };
 using Result = std::unique_ptr<PGresult, ResultClearer>;
 
-/// The first line, which says what; the others say where in our own statements.
+/// The first line of a server message, which states the error; the others refer to our SQL.
 std::string first_line(const char* message) {
   std::string text = message == nullptr ? "" : message;
   text = text.substr(0, text.find('\n'));
@@ -27,7 +27,7 @@ void require_no_password(const std::string& url) {
   char* error = nullptr;
   PQconninfoOption* options = PQconninfoParse(url.c_str(), &error);
   if (options == nullptr) {
-    PQfreemem(error);  // it may quote the password
+    PQfreemem(error);  // it may contain the password
     throw FileError(
         "--to: this is no URL of PostgreSQL; give one such as postgresql://user@host/database");
   }
@@ -51,7 +51,7 @@ PostgresConnection::PostgresConnection(const std::string& url) {
   require_no_password(url);
   const bool has_timeout = url.find("connect_timeout") != std::string::npos ||
                            std::getenv("PGCONNECT_TIMEOUT") != nullptr;
-  // what comes later in the list wins, so the URL's own name does
+  // later entries of the list win, so the URL's own application_name does
   const char* keys[] = {"application_name", "client_encoding",
                         has_timeout ? "dbname" : "connect_timeout",
                         has_timeout ? nullptr : "dbname", nullptr};

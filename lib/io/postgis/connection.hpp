@@ -10,24 +10,25 @@ struct pg_conn;
 
 namespace orchard::io {
 
-/// A connection to PostgreSQL. Errors are std::runtime_error, one sentence with the server's own
-/// words; what was not committed is taken back when it ends.
+/// A connection to PostgreSQL. Errors are std::runtime_error with the server's message in one
+/// sentence. Uncommitted changes are rolled back when the connection ends.
 class PostgresConnection {
  public:
-  /// Waits ten seconds at most unless the URL says otherwise (connect_timeout). Throws FileError
-  /// for a URL that is none or that holds a password.
+  /// Waits at most ten seconds unless the URL sets connect_timeout. Throws FileError for an invalid
+  /// URL or one with a password.
   explicit PostgresConnection(const std::string& url);
   ~PostgresConnection();
   PostgresConnection(const PostgresConnection&) = delete;
   PostgresConnection& operator=(const PostgresConnection&) = delete;
 
-  /// Several statements without arguments.
+  /// Executes several statements without arguments.
   void run(const char* statements);
 
-  /// One statement with $1, $2 ...; the number of lines it changed, or, for a SELECT, gave.
+  /// Executes one statement with $1, $2 ...; returns the number of rows it changed or, for a
+  /// SELECT, returned.
   std::int64_t run(const char* statement, const std::vector<std::string>& arguments);
 
-  /// Sends text lines to the COPY ... FROM STDIN that `statement` is.
+  /// Sends text lines to `statement`, a COPY ... FROM STDIN.
   void begin_copy(const char* statement);
   void copy(std::string_view lines);
   void end_copy();

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kLinesAtOnce = 1000;
 
-/// A text in COPY's format.
+/// Appends a text in COPY's format.
 void append_text(const std::string& text, std::string& line) {
   for (const char c : text) {
     switch (c) {
@@ -48,7 +48,7 @@ void append_number(std::int32_t number, std::string& line) {
   line += number == 0 ? "\\N" : std::to_string(number);
 }
 
-/// The columns of `incoming`, below.
+/// Appends the columns of `incoming`, below.
 void append_line(const mapping::Landmark& l, const Publication::Name* name,
                  const std::optional<geometry::Georeference>& georeference, std::string& lines) {
   lines += std::to_string(l.id);
@@ -77,7 +77,7 @@ void append_line(const mapping::Landmark& l, const Publication::Name* name,
   lines += '\n';
 }
 
-/// Two who make the tables at once would meet in the catalogue.
+/// Creates the tables under a lock, because concurrent creation conflicts in the catalogue.
 void make_tables(PostgresConnection& connection) {
   connection.run("BEGIN");
   connection.run("SELECT pg_advisory_xact_lock(hashtextextended('orchard.schema', 0))");
@@ -124,7 +124,7 @@ PublishedCounts publish(const std::string& url, const Publication& publication,
                  {publication.block});
   send(connection, publication, progress);
   PublishedCounts counts;
-  // what changes or is no longer there stays, beside the table
+  // rows that change or disappear are kept in another table
   counts.num_replaced = connection.run(
       "INSERT INTO orchard.tree_replaced SELECT t.*, now() FROM orchard.tree t "
       "LEFT JOIN incoming i USING (id) WHERE t.block = $1 AND t.date = $2::date AND "

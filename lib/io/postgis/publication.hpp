@@ -12,7 +12,7 @@
 
 namespace orchard::io {
 
-/// A map as it goes into the database.
+/// A map to be published in the database.
 struct Publication {
   struct Name {
     std::string row, tree;
@@ -22,23 +22,23 @@ struct Publication {
   std::string date;  ///< YYYY-MM-DD
   std::string source;
   std::vector<mapping::Landmark> landmarks;
-  std::vector<Name> names;  ///< of the landmarks in their order; empty: none are known
+  std::vector<Name> names;  ///< in the order of the landmarks; empty: no names
   std::optional<geometry::Georeference> georeference;
 };
 
 struct PublishedCounts {
   std::int64_t num_published = 0;
-  std::int64_t num_replaced = 0;  ///< of an earlier publication of this block and date; kept apart
+  std::int64_t num_replaced = 0;  ///< from an earlier publication of the date; kept elsewhere
 };
 
-/// Called with what is done of what there is; may throw, and then nothing is published.
+/// Receives the progress; may throw, and then nothing is published.
 using PublishProgress = std::function<void(std::uint64_t done, std::uint64_t total)>;
 
-/// Puts a map into PostGIS in one transaction: all of it or nothing, whatever dies in between. Two
-/// publishers of one block wait for each other. Makes the tables when they are missing
-/// (orchard_schema.sql). `url` as libpq has it, without a password: that comes from PGPASSWORD,
-/// .pgpass or a service file, and is printed nowhere. Throws FileError for a URL that is none,
-/// std::runtime_error with the server's own sentence when it refuses.
+/// Publishes a map to PostGIS in one transaction: completely or not at all. Two publishers of one
+/// block wait for each other. Creates missing tables (orchard_schema.sql). `url`: in libpq's form,
+/// without a password, which comes from PGPASSWORD, .pgpass or a service file and is never printed.
+/// Throws FileError for an invalid URL and std::runtime_error with the server's message when it
+/// refuses.
 PublishedCounts publish(const std::string& url, const Publication& publication,
                         const PublishProgress& progress);
 

@@ -9,12 +9,12 @@
 namespace orchard::io {
 namespace {
 
-/// "3/14" as people call it, else "#id".
+/// Label: row and tree such as "3/14", else "#id".
 constexpr char kLabel[] =
     "coalesce(coalesce(\"row_name\", to_string(\"row\")) || '/' || coalesce(\"tree_name\", "
     "to_string(\"position\")), '#' || to_string(\"id\"))";
 
-/// The columns of layer_styles as QGIS 3 makes them.
+/// The columns of layer_styles as created by QGIS 3.
 constexpr char kBegin[] =
     "DO $do$ BEGIN "
     "CREATE TABLE IF NOT EXISTS public.layer_styles (id serial PRIMARY KEY, "

@@ -5,9 +5,9 @@ namespace orchard::io {
 
 class PostgresConnection;
 
-/// Lets QGIS draw the published trees in colours and with their numbers, as it does a map's
-/// GeoPackage: a style for each table that has none, in `public.layer_styles`, where QGIS keeps
-/// styles. Whoever may not write there publishes without one.
+/// Adds a default style (colours, labels) to each published table that has none, as in a map's
+/// GeoPackage. QGIS reads styles from `public.layer_styles`; without the right to write there, the
+/// tables are published without a style.
 void style_for_qgis(PostgresConnection& connection);
 
 }  // namespace orchard::io

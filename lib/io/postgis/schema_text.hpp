@@ -3,7 +3,7 @@
 
 namespace orchard::io {
 
-/// orchard_schema.sql, as it stands.
+/// Content of orchard_schema.sql.
 const char* schema_text();
 
 }  // namespace orchard::io

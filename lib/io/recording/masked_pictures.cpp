@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kMaskMaxBytes = std::uintmax_t{16} << 20;
 constexpr int kMaskMaxSide_px = 8192;
-constexpr int kMinRed = 64;  // darker pixels of a mask are its background
+constexpr int kMinRed = 64;  // darker pixels are background
 
 using Range = std::pair<long, long>;  // first and last number
 
@@ -68,7 +68,7 @@ std::string ending_of(const fs::path& path) {
   return ending;
 }
 
-/// Name without ending -> path, of the pictures in a folder.
+/// Images in a folder: name without extension -> path.
 std::map<std::string, std::string> pictures_in(const std::string& folder) {
   std::map<std::string, std::string> pictures;
   std::error_code error;
@@ -89,7 +89,7 @@ std::map<std::string, std::string> pictures_in(const std::string& folder) {
   throw FileError(path + ": is no picture that can be read to its end; remove or replace it");
 }
 
-/// OpenCV would give what there is of a cut-off JPEG as a picture; our decoder refuses it.
+/// Reads a JPEG with our decoder, which rejects truncated files; OpenCV returns a partial image.
 vision::PixelBlock read_jpeg(const std::string& path) {
   const vision::Image image = read_jpeg_file(path);
   if (image.width_px > kMaskMaxSide_px || image.height_px > kMaskMaxSide_px)
@@ -114,7 +114,7 @@ vision::PixelBlock read_png(const std::string& path) {
   cv::Mat picture;
   try {
     picture = cv::imdecode(bytes, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
-  } catch (const cv::Exception&) {  // sizes beyond what OpenCV reads
+  } catch (const cv::Exception&) {  // larger than OpenCV supports
     picture.release();
   }
   if (picture.empty() || picture.cols > kMaskMaxSide_px || picture.rows > kMaskMaxSide_px) {

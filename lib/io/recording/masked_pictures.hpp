@@ -9,34 +9,35 @@
 
 namespace orchard::io {
 
-/// A picture and the mask of the same name.
+/// Paths of an image and of the mask with the same name.
 struct MaskedPicturePaths {
-  std::string name;  ///< without folder and ending
+  std::string name;  ///< without folder and extension
   std::string picture;
   std::string mask;
 };
 
-/// What two folders hold of pictures with masks.
+/// Images of a folder with and without masks.
 struct MaskedPictureList {
   std::vector<MaskedPicturePaths> pictures;  ///< in order of name
-  std::vector<std::string> without_mask;     ///< names
+  std::vector<std::string> without_mask;     ///< names of images without a mask
 };
 
-/// A picture with the pixels of it that are trunk.
+/// An image and its trunk mask.
 struct MaskedPicture {
   vision::PixelBlock pixels;
   calibration::TrunkMask mask;
 };
 
-/// The pictures (.jpg, .jpeg, .png) of a folder whose masks (.png, .jpg, .jpeg) another one holds
-/// under the same name. `only` chooses by number: "000-019", "7", "0-19,30-39"; empty = all.
+/// Lists the images (.jpg, .jpeg, .png) of a folder that have a mask (.png, .jpg, .jpeg) of the
+/// same name in the other folder. `only` selects by number: "000-019", "7", "0-19,30-39"; empty:
+/// all.
 ///
-/// Throws FileError when a folder cannot be read, `only` is no such text, or nothing is left.
+/// Throws FileError when a folder cannot be read, `only` is malformed, or no image is left.
 MaskedPictureList list_masked_pictures(const std::string& picture_folder,
                                        const std::string& mask_folder, const std::string& only);
 
-/// Reads both files. Red pixels of the mask - red at least 64 and twice green and blue - are trunk.
-/// Throws FileError when one is no picture, their sizes differ or nothing is red.
+/// Reads an image and its mask. Red pixels of the mask (red at least 64 and twice green and blue)
+/// are trunk. Throws FileError when a file is not an image, the sizes differ or no pixel is red.
 MaskedPicture read_masked_picture(const MaskedPicturePaths& paths);
 
 }  // namespace orchard::io

@@ -10,16 +10,16 @@
 namespace orchard::io {
 
 /// Reads `utime_us,object,class,x_m,y_m,width_m,range_m,bearing_rad,num_beams,hidden_fraction,
-/// in_picture`: one row per scan and thing that the scanner could see (TrueObservation).
-/// Throws FileError naming file, line and column; also when scans do not come in the order of
-/// time, or an object stands twice in one scan or changes its class.
+/// in_picture`: one row per scan and object that the scanner could see (TrueObservation). Throws
+/// FileError naming file, line and column; also when scans are not in order of time, or an object
+/// occurs twice in one scan or changes its class.
 std::vector<simulation::TrueObservation> read_observation_csv(const std::string& path);
 
-/// The same from text; `name` stands for the file in messages.
+/// Parses text instead; `name` replaces the path in messages.
 std::vector<simulation::TrueObservation> parse_observation_csv(std::string_view text,
                                                                const std::string& name);
 
-/// Writes the same, atomically. Throws FileError.
+/// Writes the same format atomically. Throws FileError.
 void write_observation_csv(const std::string& path,
                            const std::vector<simulation::TrueObservation>& observations);
 

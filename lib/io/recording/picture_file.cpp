@@ -26,7 +26,7 @@ std::uint32_t big_endian(const std::uint8_t* bytes) {
 }
 
 vision::Image decode_png(const std::string& path, const std::vector<std::uint8_t>& bytes) {
-  // the size is checked before anything of that size is allocated
+  // check the size before allocating
   const std::uint32_t width_px = big_endian(&bytes[16]), height_px = big_endian(&bytes[20]);
   if (width_px == 0 || height_px == 0 || width_px > kMaxSide_px || height_px > kMaxSide_px) {
     throw FileError(path + ": its PNG header states " + std::to_string(width_px) + " x " +

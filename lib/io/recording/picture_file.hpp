@@ -7,11 +7,12 @@
 
 namespace orchard::io {
 
-/// A JPEG file as it is, or a PNG file decoded to GRAY8; utime and seq are left 0. Throws FileError
-/// when it cannot be read, is over 16 MB, is neither, or is larger than 8192 pixels a side.
+/// Reads a JPEG file without decoding it, or a PNG file decoded to GRAY8; utime and seq are left 0.
+/// Throws FileError when it cannot be read, is over 16 MB, is of another format, or is larger than
+/// 8192 pixels per side.
 vision::Image read_picture_file(const std::string& path);
 
-/// Whether a file's name ends as that of a picture which read_picture_file() may read.
+/// Whether the extension is one that read_picture_file() supports.
 bool has_picture_name(const std::string& path);
 
 }  // namespace orchard::io

@@ -9,30 +9,29 @@
 
 namespace orchard::io {
 
-/// What happened on the line to a device.
+/// Kind of an event on the line to a device.
 enum class RawKind : std::uint8_t {
-  kConnected = 'C',     ///< a connection was made; no bytes
-  kReceived = 'R',      ///< bytes came from the device
-  kSent = 'S',          ///< bytes went to the device
-  kClockStepped = 'T',  ///< the host's clock was set; 8 bytes: by how much [us]
+  kConnected = 'C',     ///< the connection was opened; no bytes
+  kReceived = 'R',      ///< bytes received from the device
+  kSent = 'S',          ///< bytes sent to the device
+  kClockStepped = 'T',  ///< the host's clock was set; 8 bytes: the step [us]
 };
 
 /// One event on the line to a device.
 struct RawEvent {
-  std::int64_t utime = 0;  ///< host's clock when the bytes were there to be read [us]
+  std::int64_t utime = 0;  ///< host clock when the bytes could be read [us]
   RawKind kind = RawKind::kReceived;
   std::string bytes;
 };
 
-/// Writes a device's raw bytes, to be read again through the parser that read them live. Format:
-/// the 8 bytes "ORCHRAW1", then per event big-endian int64 utime, one byte of kind, uint32 size,
-/// bytes.
+/// Records a device's raw bytes for replay through the same protocol. Format: the 8 bytes
+/// "ORCHRAW1", then per event big-endian int64 utime, one byte of kind, uint32 size, bytes.
 class RawBytesWriter {
  public:
-  /// Begins the file anew. Throws FileError.
+  /// Creates or overwrites the file. Throws FileError.
   explicit RawBytesWriter(const std::string& path);
 
-  /// Throws FileError when the disk is full; what was written before stays readable.
+  /// Throws FileError when the disk is full; earlier events remain readable.
   void write(const RawEvent& event);
 
  private:
@@ -40,14 +39,14 @@ class RawBytesWriter {
   std::ofstream file_;
 };
 
-/// Reads what RawBytesWriter wrote.
+/// Reads files of RawBytesWriter.
 class RawBytesReader {
  public:
-  /// Throws FileError when there is no such file or it is none of raw bytes.
+  /// Throws FileError when the file does not exist or has another format.
   explicit RawBytesReader(const std::string& path);
 
-  /// The next event, or none at the end. A file that was cut short ends with its last whole event;
-  /// throws FileError at one whose kind or size (above 1 MiB) cannot be.
+  /// Returns the next event, or none at the end. A truncated file ends with its last complete
+  /// event. Throws FileError at an invalid kind or size (above 1 MiB).
   std::optional<RawEvent> next();
 
  private:

@@ -28,8 +28,8 @@ namespace {
 
 using namespace mrpt::obs;
 
-/// Reads the file once, so that a compressed one's check sum is checked before MRPT, which does
-/// not, trusts a byte of it. Returns how many bytes it holds, not compressed.
+/// Reads the file once to verify the checksum of a compressed file, which MRPT does not check.
+/// Returns the uncompressed size in bytes.
 std::uint64_t checked_size(const std::string& path) {
   if (!std::filesystem::is_regular_file(path)) {
     throw FileError(path + " is no file; give an MRPT rawlog");
@@ -91,10 +91,10 @@ void read_objects(const std::string& path, std::uint64_t size, RawlogCollector& 
   }
 }
 
-/// Runs in a process of its own: tells its mistake through the pipe, or says nothing.
+/// Runs in a child process; reports an error through the pipe, or nothing.
 [[noreturn]] void try_in_child(const std::string& path, std::uint64_t size, int pipe_end) {
   constexpr std::uint64_t kSpareBytes = std::uint64_t{2} << 30;
-  const int null = ::open("/dev/null", O_WRONLY | O_CLOEXEC);  // MRPT prints what it thinks
+  const int null = ::open("/dev/null", O_WRONLY | O_CLOEXEC);  // MRPT prints to stdout and stderr
   if (null >= 0) {
     ::dup2(null, STDOUT_FILENO);
     ::dup2(null, STDERR_FILENO);
@@ -112,8 +112,8 @@ void read_objects(const std::string& path, std::uint64_t size, RawlogCollector& 
   ::_exit(told ? 0 : 1);
 }
 
-/// MRPT's reading dies at some damage (a class name that became another's), so a process that may
-/// die tries the file first. Throws FileError when it does, or when it met a mistake.
+/// Reads the file in a child process first, because MRPT crashes on some damage (a class name
+/// changed to another). Throws FileError if the child crashes or reports an error.
 void require_readable(const std::string& path, std::uint64_t size) {
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0) throw FileError(path + ": no pipe to check it through");

@@ -11,23 +11,24 @@
 
 namespace orchard::io {
 
-/// What a rawlog (MRPT) held.
+/// Content of an MRPT rawlog.
 struct RawlogContent {
   std::vector<SensorMessage> messages;          ///< in order of (utime, kind), numbered from 0
-  std::optional<SensorMount> laser_mount;       ///< of the first scan
-  std::string laser_label;                      ///< of the one laser that was taken
-  std::string camera_label;                     ///< of the one camera that was taken
+  std::optional<SensorMount> laser_mount;       ///< from the first scan
+  std::string laser_label;                      ///< label of the laser that was used
+  std::string camera_label;                     ///< label of the camera that was used
   std::map<std::string, std::int64_t> ignored;  ///< count by class name and reason
 };
 
-/// Reads an MRPT rawlog, plain or gzip-compressed, of sensory frames or of observations alone:
-/// 2D scans, images, odometry (absolute, velocities, or increments of an action), GPS (GGA). Of
-/// several lasers or cameras the first one's label is taken. What is not used is counted.
+/// Reads an MRPT rawlog, plain or gzip-compressed, of sensory frames or of single observations: 2D
+/// scans, images, odometry (absolute, velocities, or increments of an action), GPS (GGA). With
+/// several lasers or cameras, the one whose label comes first is used. Unused observations are
+/// counted.
 ///
-/// A speed from increments is the mean over the step stamped at its end. Pictures kept
-/// outside must lie in the rawlog's image folder. Throws FileError for a file that is damaged,
-/// cut short, none, or empty. A child process of limited memory reads the file first, because MRPT
-/// dies at some damage: for programs of one thread, such as the orchard tool.
+/// A velocity from increments is the mean over the step, stamped at its end. External images must
+/// be in the rawlog's image folder. Throws FileError for a file that is damaged, truncated, empty
+/// or of another format. A child process with limited memory reads the file first, because MRPT
+/// crashes on some damage; call this only from single-threaded programs, such as the orchard tool.
 RawlogContent read_rawlog(const std::string& path);
 
 }  // namespace orchard::io

@@ -29,7 +29,7 @@ using namespace mrpt::obs;
 constexpr int kJpegQuality = 95;
 constexpr double kMaxTiltRad = 0.05;
 
-/// MRPT counts 100 ns from the year 1601.
+/// MRPT counts units of 100 ns since 1601.
 std::optional<std::int64_t> utime_of(mrpt::system::TTimeStamp time) {
   constexpr std::int64_t kUnixEpochTicks = 116444736000000000;
   const std::int64_t ticks = static_cast<std::int64_t>(time.time_since_epoch().count());
@@ -96,7 +96,7 @@ void RawlogCollector::add(const CActionCollection& actions) {
     movement.utime = utime_of(source->timestamp);
     mrpt::poses::CPose2D step = source->rawOdometryIncrementReading;
     if (source->estimationMethod != CActionRobotMovement2D::emOdometry && source->poseChange) {
-      step = source->poseChange->getMeanVal();  // by scan matching: no raw reading
+      step = source->poseChange->getMeanVal();  // from scan matching: there is no raw reading
     }
     movement.forward_m = step.x();
     movement.turn_rad = step.phi();
@@ -185,7 +185,7 @@ void RawlogCollector::add_odometry(const CObservationOdometry& source) {
   } else if (last_place_ && place.utime > last_place_->utime) {
     const double dx = place.x_m - last_place_->x_m, dy = place.y_m - last_place_->y_m;
     const double turn_rad = geometry::wrap_angle_rad(place.yaw_rad - last_place_->yaw_rad);
-    const double heading_rad = last_place_->yaw_rad + 0.5 * turn_rad;  // the chord's direction
+    const double heading_rad = last_place_->yaw_rad + 0.5 * turn_rad;  // direction of the chord
     add_step(last_place_->utime, place.utime,
              dx * std::cos(heading_rad) + dy * std::sin(heading_rad), turn_rad);
   } else {

@@ -21,7 +21,7 @@ class CSensoryFrame;
 
 namespace orchard::io {
 
-/// Turns MRPT's observations into messages, in the order of the rawlog.
+/// Converts MRPT's observations to messages, in the order of the rawlog.
 class RawlogCollector {
  public:
   explicit RawlogCollector(const std::string& rawlog_path);
@@ -53,7 +53,7 @@ class RawlogCollector {
   std::string path_;
   RawlogContent content_;
   bool has_camera_ = false;
-  std::optional<Movement> movement_;  ///< waits for its time
+  std::optional<Movement> movement_;  ///< waits for the time of its end
   std::optional<std::int64_t> last_movement_utime_;
   struct Place {
     std::int64_t utime;

@@ -15,7 +15,7 @@ constexpr double kMaxSpeedMps = 100.0;
 constexpr double kMaxYawRateRadps = 100.0;
 constexpr std::int64_t kMaxUtime = std::int64_t{1} << 60;
 
-/// The first line must name utime_us and then as many columns as there are beams.
+/// The header must be utime_us followed by one column per beam.
 void expect_beams(const CsvReader& csv, const LaserDescription& laser) {
   if (csv.columns().front() != "utime_us") {
     csv.fail_at_column(1, "the first line must be utime_us and then a column per beam");

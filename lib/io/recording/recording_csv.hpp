@@ -10,20 +10,20 @@
 
 namespace orchard::io {
 
-/// What sensors.yaml says of the laser.
+/// Laser parameters in sensors.yaml.
 struct LaserDescription {
   int num_beams = 0;
   double bearing_min_rad = 0.0;  ///< laser frame, x forward, counter-clockwise positive
   double bearing_step_rad = 0.0;
-  double beam_period_us = 0.0;  ///< 0 = unknown
+  double beam_period_us = 0.0;  ///< 0: unknown
   double range_min_m = 0.0;
   double range_max_m = 0.0;
   SensorMount mount;
 };
 
-/// The tables of a recording folder, one class each. Every next() gives the next line with seq
-/// from 0, none at the end, and throws FileError naming file, line and column: also when time
-/// does not go up from line to line.
+/// Base of the readers for the tables of a recording folder. Every next() returns the next line
+/// with seq from 0, none at the end, and throws FileError naming file, line and column, also when
+/// time does not increase.
 class RecordingCsv {
  protected:
   explicit RecordingCsv(CsvReader csv) : csv_(std::move(csv)) {}
@@ -35,8 +35,8 @@ class RecordingCsv {
   std::int32_t seq_ = -1;
 };
 
-/// `utime_us`, then one range in metres per beam (0 = no return); with a second table, intensities
-/// of the same lines.
+/// Reads scans: `utime_us`, then one range in metres per beam (0 = no return); a second table has
+/// the intensities of the same lines.
 class ScanCsv : RecordingCsv {
  public:
   ScanCsv(CsvReader ranges, const LaserDescription& laser,
@@ -50,21 +50,21 @@ class ScanCsv : RecordingCsv {
   std::optional<CsvReader> intensities_;
 };
 
-/// `utime_us,v_mps,yaw_rate_radps`; states no covariance.
+/// Reads odometry: `utime_us,v_mps,yaw_rate_radps`, without covariance.
 class OdometryCsv : RecordingCsv {
  public:
   explicit OdometryCsv(CsvReader csv);
   std::optional<pose::Odometry> next();
 };
 
-/// `utime_us,latitude_deg,longitude_deg,altitude_m`; states no covariance.
+/// Reads GNSS fixes: `utime_us,latitude_deg,longitude_deg,altitude_m`, without covariance.
 class GnssCsv : RecordingCsv {
  public:
   explicit GnssCsv(CsvReader csv);
   std::optional<pose::Gnss> next();
 };
 
-/// `utime_us,x_m,y_m,yaw_rad`; yaw comes wrapped into (-pi, pi]; states no covariance.
+/// Reads pose fixes: `utime_us,x_m,y_m,yaw_rad`, without covariance; yaw is wrapped into (-pi, pi].
 class PoseFixCsv : RecordingCsv {
  public:
   explicit PoseFixCsv(CsvReader csv);

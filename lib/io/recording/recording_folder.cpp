@@ -25,7 +25,7 @@ struct ImageFile {
   std::string path;
 };
 
-/// The table of that name, plain or compressed; none when neither is there.
+/// Opens the table of that name, plain or compressed; none if neither exists.
 std::optional<CsvReader> open_table(const fs::path& folder, const std::string& name) {
   const fs::path plain = folder / (name + ".csv");
   const fs::path compressed = folder / (name + ".csv.gz");

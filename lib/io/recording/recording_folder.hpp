@@ -14,20 +14,20 @@ namespace orchard::io {
 /// Reads a recording folder: sensors.yaml, scans.csv[.gz], and any of intensities.csv[.gz],
 /// odometry.csv, poses.csv, gnss.csv (each also .gz), images/<utime_us>.jpg.
 ///
-/// Nothing is repaired: every mistake is a FileError naming file, line and what to do. Messages
-/// come in order of (utime, kind), one at a time; memory holds one of each kind.
+/// Errors are not corrected: each is a FileError naming file, line and remedy. Messages come in
+/// order of (utime, kind), one at a time; memory holds one of each kind.
 class RecordingFolder {
  public:
-  /// Throws FileError when the folder is none, or holds no sensors.yaml or no scans.
+  /// Throws FileError when the path is not a folder, or has no sensors.yaml or no scans.
   explicit RecordingFolder(const std::string& path);
   ~RecordingFolder();
   RecordingFolder(const RecordingFolder&) = delete;
   RecordingFolder& operator=(const RecordingFolder&) = delete;
 
-  /// What sensors.yaml says: its mount belongs into the rig's configuration.
+  /// Laser parameters of sensors.yaml; the mount belongs in the rig's configuration.
   const LaserDescription& laser() const;
 
-  /// The next message; none at the end. Throws FileError.
+  /// Returns the next message; none at the end. Throws FileError.
   std::optional<SensorMessage> next();
 
  private:
@@ -35,7 +35,7 @@ class RecordingFolder {
   std::unique_ptr<Impl> impl_;
 };
 
-/// All messages of a recording folder. Throws FileError.
+/// Reads all messages of a recording folder. Throws FileError.
 std::vector<SensorMessage> read_recording_folder(const std::string& path);
 
 }  // namespace orchard::io

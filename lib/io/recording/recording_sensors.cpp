@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kMaxBeams = 100000;
 
-/// One section of the file; remembers which keys were asked for.
+/// One section of the file; records which keys were read.
 class Section {
  public:
   Section(YAML::Node node, std::string file, std::string prefix)

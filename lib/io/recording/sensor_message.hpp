@@ -13,7 +13,7 @@
 
 namespace orchard::io {
 
-/// What a recording can hold; equal times come in the order of the alternatives.
+/// A message of a recording; messages of equal time are ordered by alternative.
 using SensorMessage = std::variant<laser::Scan, vision::Image, pose::Odometry, pose::Gnss,
                                    pose::PoseFix, pose::Imu, laser::RearScan>;
 
@@ -21,14 +21,14 @@ inline std::int64_t utime_of(const SensorMessage& message) {
   return std::visit([](const auto& m) { return m.utime; }, message);
 }
 
-/// A sensor's place on the robot, T_base_sensor in the plane, as the recording states it.
+/// Pose of a sensor on the robot, T_base_sensor in the plane, as given in the recording.
 struct SensorMount {
   double x_m = 0.0;
   double y_m = 0.0;
   double yaw_rad = 0.0;
 };
 
-/// Puts messages into order of (utime, alternative) and numbers each kind from 0.
+/// Sorts messages by (utime, alternative) and numbers each kind from 0.
 void sort_and_number(std::vector<SensorMessage>& messages);
 
 }  // namespace orchard::io

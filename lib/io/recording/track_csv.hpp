@@ -8,10 +8,10 @@
 
 namespace orchard::io {
 
-/// Reads where something was over time: columns utime_us, x_m, y_m and, where known, yaw_rad, in
-/// any order; others are ignored. trajectory.csv and a recording's poses.csv are such files. Yaw is
-/// wrapped into (-pi, pi]. Throws FileError naming file, line and column, also when time does not
-/// go up and for a file without poses.
+/// Reads positions over time: columns utime_us, x_m, y_m and optionally yaw_rad, in any order;
+/// others are ignored. trajectory.csv and a recording's poses.csv have this form. Yaw is wrapped
+/// into (-pi, pi]. Throws FileError naming file, line and column, also when time does not increase
+/// and for a file without poses.
 evaluation::Track read_track_csv(const std::string& path);
 evaluation::Track parse_track_csv(std::string_view text, const std::string& name);
 

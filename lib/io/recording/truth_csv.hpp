@@ -9,21 +9,21 @@
 
 namespace orchard::io {
 
-/// Reads `class,x_m,y_m,width_m` (class tree or object; map frame). Names are T1, T2 ... and B1,
-/// B2 ... in the file's order. Throws FileError naming file, line and column.
+/// Reads `class,x_m,y_m,width_m` (class tree or object; map frame). The objects are named T1, T2
+/// ... and B1, B2 ... in the file's order. Throws FileError naming file, line and column.
 std::vector<simulation::TruthObject> read_truth_csv(const std::string& path);
 
-/// The same from text; `name` stands for the file in messages.
+/// Parses text instead; `name` replaces the path in messages.
 std::vector<simulation::TruthObject> parse_truth_csv(std::string_view text,
                                                      const std::string& name);
 
-/// Writes the same, atomically. Throws FileError.
+/// Writes the same format atomically. Throws FileError.
 void write_truth_csv(const std::string& path, const std::vector<simulation::TruthObject>& truth);
 
 /// Writes true poses of base in map as `utime_us,x_m,y_m,yaw_rad`, atomically. Throws FileError.
 void write_poses_csv(const std::string& path, const std::vector<simulation::TruePose>& poses);
 
-/// Reads the same. Throws FileError also when time does not go up.
+/// Reads the same format. Throws FileError also when time does not increase.
 std::vector<simulation::TruePose> read_poses_csv(const std::string& path);
 
 }  // namespace orchard::io

@@ -25,7 +25,7 @@ void draw_gap(PixelPoint centre, double radius_px, Canvas& canvas) {
   canvas.circle(centre, radius_px, kWhite, kGap);
 }
 
-/// Everything that the drawing needs: it is drawn after this is gone.
+/// All data for the drawing, copied because it is drawn later.
 struct Block {
   std::vector<Landmark> landmarks;
   std::vector<mapping::InventoryGap> gaps;

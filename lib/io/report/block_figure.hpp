@@ -10,13 +10,12 @@
 
 namespace orchard::io {
 
-/// The block as its grower knows it: trees with the thickness of their trunks, empty places and
-/// other things, rows by their numbers.
+/// Draws the block for the grower: trees by trunk diameter, gaps, other objects and row numbers.
 DocumentFigure block_figure(const std::vector<mapping::Landmark>& landmarks,
                             const mapping::Inventory& inventory, std::optional<double> north_rad,
                             const ReportTexts& texts);
 
-/// Bars of how many trees have which diameter.
+/// Draws a histogram of trunk diameters.
 DocumentFigure diameter_figure(const mapping::DiameterHistogram& histogram,
                                const ReportTexts& texts);
 

@@ -18,15 +18,15 @@ struct DocumentText {
   std::string text;
 };
 
-/// Cells are numbers, except those of the first column and of columns named in `text_columns`.
+/// Cells are numbers, except in the first column and in `text_columns`.
 struct DocumentTable {
   std::vector<std::string> head;
-  std::vector<std::vector<std::string>> rows;  ///< as many cells as the head
+  std::vector<std::vector<std::string>> rows;  ///< with as many cells as the head
   std::vector<std::size_t> text_columns{};
   bool has_sum = false;  ///< the last row is the sum of the others
 };
 
-/// A drawing of that size, scaled to the page's width where it is wider.
+/// A drawing of that size, reduced to the page width if it is wider.
 struct DocumentFigure {
   int width_px = 0;
   int height_px = 0;
@@ -35,20 +35,20 @@ struct DocumentFigure {
 
 using DocumentPart = std::variant<DocumentHeading, DocumentText, DocumentTable, DocumentFigure>;
 
-/// Something to print, whatever the form.
+/// A printable document, independent of the output format.
 struct Document {
-  std::string language = "en";  ///< as HTML names it
+  std::string language = "en";  ///< language code of HTML
   std::string title;
   std::string subtitle;
-  std::string day{};      ///< of the PDF's making, "2026-11-22"
+  std::string day{};      ///< creation date of the PDF, "2026-11-22"
   std::string page_word;  ///< before page numbers
   std::vector<DocumentPart> parts;
 };
 
-/// One HTML page with everything inside and no script, which prints well. All texts are escaped.
+/// Returns a self-contained HTML page without script, suitable for printing. All texts are escaped.
 std::string document_html(const Document& document);
 
-/// The same on A4 pages. Tables go on over pages under their heads.
+/// Returns a PDF of A4 pages. Tables continue on the next page under a repeated head.
 std::string document_pdf(const Document& document);
 
 }  // namespace orchard::io

@@ -29,7 +29,7 @@ bool is_text(const DocumentTable& table, std::size_t column) {
          std::count(table.text_columns.begin(), table.text_columns.end(), column) > 0;
 }
 
-/// Ids of drawings stand for the whole page: each drawing's begin with its own number.
+/// Prefixes the ids of a drawing with its number, because ids must be unique in the page.
 std::string with_own_ids(const std::string& svg, std::size_t number) {
   const std::string prefix = "d" + std::to_string(number) + "-";
   std::string result;

@@ -14,7 +14,7 @@ constexpr double kText_px = 12.0, kLine_px = 17.0, kTableText_px = 11.0, kRow_px
 constexpr double kCellGap_px = 9.0;
 constexpr Colour kInk{34, 34, 34}, kSoft{95, 95, 95}, kRule{190, 190, 190};
 
-/// Text in lines that are no longer than the width; a word that is goes on beyond it.
+/// Breaks a text into lines of at most that width; a longer word extends beyond it.
 std::vector<std::string> lines_of(const std::string& text, double width_px, double size_px) {
   std::vector<std::string> lines(1);
   for (std::size_t i = 0; i < text.size();) {
@@ -46,7 +46,7 @@ class PdfWriter {
     y_px_ += 6.0;
   }
 
-  /// A heading does not stand alone at the foot of a page: what follows it begins there, too.
+  /// Starts a new page if the heading would be alone at the end of a page.
   void begin_section(const DocumentPart* next) {
     constexpr double kHeading_px = 46.0, kBeginning_px = 64.0;
     const auto* figure = next != nullptr ? std::get_if<DocumentFigure>(next) : nullptr;
@@ -101,7 +101,7 @@ class PdfWriter {
 
  private:
   static double figure_scale(const DocumentFigure& figure) {
-    const double room_px = kBottom_px - kMargin_px - 80.0;  // its heading stands above it
+    const double room_px = kBottom_px - kMargin_px - 80.0;  // minus the space of its heading
     return std::min({1.0, kWidth_px / figure.width_px, room_px / figure.height_px});
   }
 
@@ -127,8 +127,8 @@ class PdfWriter {
            std::count(table.text_columns.begin(), table.text_columns.end(), column) > 0;
   }
 
-  /// As wide as their longest cells; where that is too much, the widest gives way and its texts go
-  /// over several lines.
+  /// Column widths by the longest cells; if the sum is too large, the widest column is reduced and
+  /// its texts are broken into several lines.
   static std::vector<double> column_widths(const DocumentTable& table) {
     std::vector<double> widths_px(table.head.size(), 0.0);
     const auto take = [&](const std::vector<std::string>& cells, bool is_bold) {

@@ -23,7 +23,7 @@ using mapping::RowInventory;
 
 constexpr std::size_t kGapsListedMax = 500;
 
-/// What both files say of the growth; empty without an earlier map.
+/// Growth per row, used by the document and the CSV; empty without an earlier map.
 GrowthByRow growth_of(const ReportContent& content) {
   if (!content.earlier) return {};
   return mapping::growth_by_row(content.earlier->landmarks, content.map.landmarks,
@@ -35,7 +35,7 @@ mapping::Growth growth_in(const GrowthByRow& growth, std::int32_t row) {
   return it == growth.end() ? mapping::Growth() : it->second;
 }
 
-/// Writes one report; every number goes through here, so that it looks as its language has it.
+/// Writes one report; formats all numbers for its language.
 class Writer {
  public:
   Writer(const ReportContent& content, const ReportTexts& texts)
@@ -176,7 +176,7 @@ class Writer {
                               number(gap.p_map.x(), 2) + "; " + number(gap.p_map.y(), 2)});
         if (!georeference) continue;
         const geometry::Geodetic place = geometry::geodetic_of(*georeference, gap.p_map);
-        // With a point in every language: for whoever copies it into a telephone.
+        // A decimal point in every language, for copying into a telephone.
         table.rows.back().push_back(fixed_text(place.latitude_deg, 7) + ", " +
                                     fixed_text(place.longitude_deg, 7));
       }

@@ -17,7 +17,7 @@
 
 namespace orchard::io {
 
-/// An earlier map that a report is compared with.
+/// An earlier map with which a report compares.
 struct EarlierMap {
   std::string name;
   std::string day;
@@ -25,37 +25,37 @@ struct EarlierMap {
   mapping::MapComparison comparison;  ///< a: the earlier map, b: this one
 };
 
-/// A row of the grower's plan, and what the map has of it.
+/// Counts of the map for a row of the grower's plan.
 struct PlannedRowCounts {
-  std::string name;  ///< as the plan has it
+  std::string name;  ///< name in the plan
   int num_as_planned = 0, num_out_of_place = 0, num_missing = 0, num_not_seen = 0, num_extra = 0;
-  bool is_shifted = false;  ///< it was set out elsewhere as a whole
+  bool is_shifted = false;  ///< the whole row stands elsewhere than planned
 };
 struct PlanCounts {
-  std::string name;  ///< of its file
+  std::string name;  ///< file name of the plan
   std::vector<PlannedRowCounts> rows;
 };
 
-/// What a grower's report is made of.
+/// Input of a grower's report.
 struct ReportContent {
-  std::string name;  ///< of the map
+  std::string name;  ///< name of the map
   SummaryFacts facts;
   StoredMap map;
   std::optional<EarlierMap> earlier{};
   std::optional<PlanCounts> plan{};
-  std::map<std::int32_t, std::string> row_names{};  ///< of rows that people call otherwise
+  std::map<std::int32_t, std::string> row_names{};  ///< of rows with another name than their number
 };
 
-/// The report in words, tables and pictures.
+/// Builds the report from texts, tables and figures.
 Document map_report(const ReportContent& content, const ReportTexts& texts);
 
-/// Its table of rows, the names of the columns first:
+/// Table of the rows, column names first:
 /// `row,trees,empty_places,empty_positions,diameter_mean_cm,tcsa_cm2,tcsa_sd_cm2` and, with an
-/// earlier map, `measured_twice,tcsa_growth_cm2,tcsa_growth_percent`. Row 0 is what stands in no
-/// row, "all" everything. Points as decimal signs in every language.
+/// earlier map, `measured_twice,tcsa_growth_cm2,tcsa_growth_percent`. Row 0 is landmarks outside
+/// rows, "all" the total. The decimal sign is a point in every language.
 std::vector<std::vector<std::string>> report_table(const ReportContent& content);
 
-/// That table as CSV.
+/// Formats that table as CSV.
 std::string report_csv(const std::vector<std::vector<std::string>>& table);
 
 }  // namespace orchard::io

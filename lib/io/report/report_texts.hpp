@@ -6,10 +6,10 @@
 
 namespace orchard::io {
 
-/// Every sentence of a grower's report, one file per language. {} stands for what is filled in.
+/// All texts of a grower's report in one language. {} are placeholders.
 struct ReportTexts {
-  const char* language;  ///< as HTML names it
-  char decimal_point;    ///< in text; files have a point in every language
+  const char* language;  ///< language code of HTML
+  char decimal_point;    ///< in texts; files have a point in every language
   const char* title;     ///< {}: the map
   const char* subtitle;  ///< {}: the day, {}: the program's version
   const char* unknown_day;
@@ -27,7 +27,7 @@ struct ReportTexts {
   const char* legend_tree;
   const char* legend_gap;
   const char* legend_object;
-  const char* row_short;  ///< before a row's number
+  const char* row_short;  ///< prefix of a row's number
   // Rows.
   const char* rows;
   const char* column_row;
@@ -71,13 +71,13 @@ struct ReportTexts {
   // The grower's plan.
   const char* plan;
   const char* plan_of;          ///< {}: the plan's file
-  const char* plan_column_row;  ///< as the plan names it
+  const char* plan_column_row;  ///< row name in the plan
   const char* as_planned;
   const char* out_of_place;
   const char* plan_missing;
   const char* plan_not_seen;
   const char* extra;
-  const char* shifted;  ///< said of a row that was set out elsewhere as a whole
+  const char* shifted;  ///< for a row that stands elsewhere than planned as a whole
   // What was not seen.
   const char* not_seen;
   const char* unseen;  ///< {} things never in the camera's view
@@ -94,7 +94,7 @@ struct ReportTexts {
   const char* width_bias;
 };
 
-/// "en" or "es"; none for anything else.
+/// Texts for "en" or "es"; null for another language.
 const ReportTexts* find_report_texts(const std::string& language);
 
 extern const ReportTexts kReportTextsEn;

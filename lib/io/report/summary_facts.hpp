@@ -7,19 +7,19 @@
 
 namespace orchard::io {
 
-/// What a map's summary.json says that a report tells; all of it empty where there is none.
+/// Facts from a map's summary.json that a report mentions; empty if there is no such file.
 struct SummaryFacts {
-  std::string day;      ///< of the drive, "2026-11-22"; empty: not known
-  std::string version;  ///< of the program that made the map
+  std::string day;      ///< date of the drive, "2026-11-22"; empty: unknown
+  std::string version;  ///< version of the program that made the map
   double without_pictures_s = 0.0;
-  int num_met_without_pictures = 0;  ///< things first seen then
+  int num_met_without_pictures = 0;  ///< landmarks first seen then
   double without_fixes_s = 0.0;
   std::vector<std::string> warnings;
 };
 
-/// Reads the summary.json beside a map.csv, or in a map folder. A file that is absent says nothing.
-/// `fix_channel`: the name by which it says that fixes were missing; all else missing is pictures.
-/// Throws FileError for one that is no JSON of the right form.
+/// Reads the summary.json beside a map.csv or in a map folder; a missing file gives empty facts.
+/// `fix_channel`: name under which missing fixes are listed; all other missing inputs are counted
+/// as images. Throws FileError for invalid JSON or another structure.
 SummaryFacts read_summary_facts(const std::string& folder_or_csv, std::string_view fix_channel);
 
 }  // namespace orchard::io

@@ -15,7 +15,8 @@
 namespace orchard::simulation {
 namespace {
 
-/// The cut of a cylinder or box by the scan plane, from the laser's place; axes of the map.
+/// Cross-section of a cylinder or box with the scan plane, relative to the laser's position; axes
+/// of the map.
 struct Outline {
   double x_m, y_m;       ///< of its middle
   double radius_m;       ///< of a circle; 0 for a rectangle
@@ -28,7 +29,7 @@ struct Outline {
     return radius_m > 0.0 ? radius_m : std::hypot(half_length_m, half_width_m);
   }
 
-  /// Directions that it fills, counted from `middle_rad`.
+  /// Interval of directions that it covers, relative to `middle_rad`.
   AngularInterval interval(double middle_rad) const {
     const double to_rad = geometry::wrap_angle_rad(std::atan2(y_m, x_m) - middle_rad);
     const double distance_m = std::hypot(x_m, y_m);
@@ -47,7 +48,7 @@ struct Outline {
     return result;
   }
 
-  /// Distance to its surface in a direction that it fills [m].
+  /// Distance to its surface in a direction that it covers [m].
   double range_m(double direction_rad) const {
     const double distance_m = std::hypot(x_m, y_m);
     if (radius_m > 0.0) {
@@ -114,7 +115,7 @@ class TruthObserver {
     }
   }
 
-  /// Whether truth[index] belongs into the scan's list; fills `seen`.
+  /// True if truth[index] is observable in the scan; fills `seen`.
   bool observe(int index, const TruthObject& thing, TrueObservation& seen) {
     const Passing passing = passing_over(thing);
     const Pose2& pose = passing.pose;
@@ -156,7 +157,7 @@ class TruthObserver {
     AngularInterval interval;
   };
 
-  /// When and from where the scanner's beam passes over the thing's middle.
+  /// Time and pose at which the scanner's beam passes over the object's centre.
   struct Passing {
     Pose2 pose;
     double time_s = 0.0;  ///< from the middle of the sweep
@@ -186,7 +187,7 @@ class TruthObserver {
     return falls > 0.0 ? scanner_.height_m / falls : std::numeric_limits<double>::infinity();
   }
 
-  /// Directions that the scanner looks into, counted from a bearing.
+  /// Interval of the scanner's field of view, relative to a bearing.
   AngularInterval field_of_view(double bearing_rad) const {
     const double half_rad = 0.5 * (scanner_.num_beams - 1) * scanner_.bearing_step_rad;
     if (2.0 * half_rad + 1.5 * scanner_.bearing_step_rad >= 2.0 * geometry::kPi) {
@@ -197,7 +198,8 @@ class TruthObserver {
     return {-half_rad - off_rad, half_rad - off_rad};
   }
 
-  /// The thing's own pieces within reach and view, and everything that may stand before them.
+  /// Collects the object's visible shapes within range and view, and all shapes that may be in
+  /// front of them.
   void gather(int index, const Passing& passing, double middle_rad, const AngularInterval& view) {
     own_.clear();
     others_.clear();

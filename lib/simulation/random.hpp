@@ -6,8 +6,8 @@
 
 namespace orchard::simulation {
 
-/// What a random number is for. Every stream is independent of all others, so that a sensor that
-/// is switched off changes nothing in the rest.
+/// Purpose of a random number. Every stream is independent of all others, so disabling a sensor
+/// changes nothing in the others.
 enum class Stream : std::uint64_t {
   kScene = 1,
   kAppearance,
@@ -50,10 +50,10 @@ enum class Stream : std::uint64_t {
   kGnssSky,
 };
 
-/// Seeded random numbers that are the same on every standard library.
+/// Seeded random numbers, identical on every standard library.
 class Random {
  public:
-  /// The numbers of message `index` of a stream.
+  /// The random numbers of message `index` of a stream.
   explicit Random(std::uint64_t seed, Stream stream = Stream::kBench, std::uint64_t index = 0);
 
   std::uint64_t bits() { return engine_(); }
@@ -68,10 +68,10 @@ class Random {
   bool has_spare_ = false;
 };
 
-/// 64 well-mixed bits of a number.
+/// Hashes a number to 64 well-mixed bits.
 std::uint64_t mix_bits(std::uint64_t value);
 
-/// A number of mean 0 and standard deviation 1 from twice 64 well-mixed bits.
+/// Converts twice 64 well-mixed bits to a normal number of mean 0 and standard deviation 1.
 double normal_of(std::uint64_t bits, std::uint64_t other_bits);
 
 }  // namespace orchard::simulation

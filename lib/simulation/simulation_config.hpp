@@ -13,33 +13,34 @@
 
 namespace orchard::simulation {
 
-/// The simulated scanner; the defaults are a Hokuyo URG-04LX-UG01. Section `simulation.scanner`.
+/// The simulated scanner; the defaults are those of a Hokuyo URG-04LX-UG01. Section
+/// `simulation.scanner`.
 ///
-/// Its data sheet's +-3 % (+-30 mm below 1 m) is a limit over all targets, temperatures and
-/// units, not a standard deviation. It is modelled as the sum of three parts and cut at the limit:
-/// every beam by itself, one error per target and scan (what moves a whole trunk: SE of eq. 13
-/// comes from it), and one per target for good (its surface: a bias that no SE shows).
+/// Its data sheet's +-3 % (+-30 mm below 1 m) is a limit over all targets, temperatures and units,
+/// not a standard deviation. It is modelled as the sum of three errors, clipped at the limit: one
+/// per beam; one per target and scan, which moves a whole trunk and causes the SE of eq. 13; and a
+/// constant one per target, due to its surface, a bias that no SE shows.
 struct ScannerConfig {
   int num_beams = 683;
   double bearing_min_rad = -2.0923497946760149;     ///< -341 steps
   double bearing_step_rad = 0.0061359231515425649;  ///< 360/1024 deg
   double range_min_m = 0.02;
   double range_max_m = 5.6;
-  double rate_hz = 10.0;                ///< sweeps a second while driving
+  double rate_hz = 10.0;                ///< sweeps per second while driving
   double beam_period_us = 97.65625;     ///< 100 ms / 1024
-  double spot_rad = 0.004;              ///< angular width of the spot, which makes mixed pixels
-  double spot_m = 0.0;                  ///< its width where it leaves
-  double return_fraction = 0.5;         ///< of a spot on something from which it returns
-  double bloom_rad = 0.0;               ///< a reflector shines into beams this far beside it
-  double mixed_probability = 0.5;       ///< that a spot split over two surfaces reads between them
-  double dropout_probability = 0.0005;  ///< that a beam gets no return although it hits
+  double spot_rad = 0.004;              ///< angular width of the spot, which causes mixed pixels
+  double spot_m = 0.0;                  ///< width of the spot at the scanner
+  double return_fraction = 0.5;         ///< min fraction of a spot on an object that gives a return
+  double bloom_rad = 0.0;               ///< a reflector affects beams up to this far beside it
+  double mixed_probability = 0.5;       ///< that a spot on two surfaces gives a range between them
+  double dropout_probability = 0.0005;  ///< that a hit gives no return
   double beam_sd_m = 0.003;             ///< of each beam, constant part
   double beam_sd_fraction = 0.003;      ///< of each beam, per metre of range
   double scan_sd_fraction = 0.004;      ///< of each target in each scan, per metre of range
-  double target_sd_fraction = 0.002;    ///< of each target for good, per metre of range
-  double limit_fraction = 0.03;         ///< the class limit, from 1 m on
-  double limit_m = 0.03;                ///< the class limit nearer than that
-  double resolution_m = 0.001;          ///< ranges are whole multiples of it
+  double target_sd_fraction = 0.002;    ///< constant error of each target, per metre of range
+  double limit_fraction = 0.03;         ///< class limit of the error from 1 m on
+  double limit_m = 0.03;                ///< class limit of the error below 1 m
+  double resolution_m = 0.001;          ///< step of the ranges
   double height_m = 0.27;               ///< of the scan plane above the ground
   bool intensities = false;             ///< whether it reports them
   double tilt_sd_rad = 0.0;             ///< pitch and roll of each sweep on uneven ground
@@ -79,14 +80,14 @@ void describe(Visitor& v, ScannerConfig& c) {
   v.check(c.range_min_m < c.range_max_m, "range_min_m", "must be below range_max_m");
 }
 
-/// How pictures are made. Section `simulation.image`; optics and mount come from `camera`.
+/// Image acquisition. Section `simulation.image`; optics and extrinsics are in section `camera`.
 struct ImageConfig {
   double rate_hz = 10.0;    ///< while driving
-  double offset_s = 0.035;  ///< pictures come this much after sweeps while driving
+  double offset_s = 0.035;  ///< delay of pictures after sweeps while driving
   double noise_sd = 2.5;    ///< of every pixel and channel
   double blur_px = 0.6;     ///< sigma of lens and sensor
   int jpeg_quality = 88;
-  double stamp_delay_s = 0.0;  ///< a picture's utime comes this much after its exposure
+  double stamp_delay_s = 0.0;  ///< utime of a picture minus its exposure time
 };
 
 template <class Visitor>
@@ -104,7 +105,7 @@ void describe(Visitor& v, ImageConfig& c) {
 struct TubesConfig {
   double tube_spacing_m = 1.0;  ///< along a row
   double row_spacing_m = 1.6;
-  double jitter_m = 0.04;         ///< each tube stands off its place by at most this much
+  double jitter_m = 0.04;         ///< max offset of each tube from its nominal position
   double first_tube_m = 3.3;      ///< from the robot's start to the first tubes
   double step_m = 0.4;            ///< the robot's equal steps
   int num_steps = 19;             ///< scan-image pairs
@@ -126,35 +127,35 @@ void describe(Visitor& v, TubesConfig& c) {
   v.number("fix_yaw_sd_rad", c.fix_yaw_sd_rad, 0, 1, "rad", "of the heading measured by hand");
 }
 
-/// The orchard. Section `simulation.orchard`.
+/// Scene orchard. Section `simulation.orchard`.
 struct OrchardConfig {
   int num_rows = 4;
   int trees_per_row = 15;
   double row_spacing_m = 4.0;
   double tree_spacing_m = 2.0;
-  double jitter_m = 0.15;  ///< most that a tree stands off its place
+  double jitter_m = 0.15;  ///< max offset of a tree from its nominal position
   double missing_fraction = 0.08;
   double trunk_width_m = 0.125;  ///< mean
   double trunk_width_sd_m = 0.012;
   double post_every_m = 10.0;  ///< trellis posts in the rows; 0 = none
   double post_width_m = 0.08;
-  double wide_post_fraction = 0.25;  ///< of the posts are as wide as a trunk
+  double wide_post_fraction = 0.25;  ///< fraction of posts as wide as a trunk
   int num_bushes = 6;
-  double bark_hue_min_deg = 20.0;  ///< of the trunks; each draws its own
+  double bark_hue_min_deg = 20.0;  ///< of the trunks; each trunk has its own
   double bark_hue_max_deg = 34.0;
   double bark_saturation_min = 0.30;
   double bark_saturation_max = 0.48;
   double bark_value_min = 0.45;
   double bark_value_max = 0.65;
-  bool rough_bark = false;      ///< patches of moss and grey, bands, instead of even streaks
-  double lean_sd_rad = 0.0;     ///< of the trunks, in the pictures
-  double stop_every_m = 0.0;    ///< stands still for every scan and picture; 0 = drives on
-  double weave_radps = 0.0;     ///< most that the robot turns left and right between the rows
-  double weave_period_s = 4.0;  ///< of that weaving
+  bool rough_bark = false;      ///< patches of moss and grey, and bands, instead of uniform streaks
+  double lean_sd_rad = 0.0;     ///< lean of the trunks, in pictures only
+  double stop_every_m = 0.0;    ///< distance between stops for every scan and picture; 0: no stops
+  double weave_radps = 0.0;     ///< max yaw rate of weaving between the rows
+  double weave_period_s = 4.0;  ///< period of weaving
   double speed_mps = 1.0;
-  double headland_m = 3.0;      ///< driven beyond a row's end before turning
-  int laps = 0;                 ///< times round, back to the start; 0 = to the last alley's end
-  bool start_anywhere = false;  ///< somewhere on the lap instead of at the map's origin
+  double headland_m = 3.0;      ///< distance driven beyond a row's end before turning
+  int laps = 0;                 ///< laps back to the start; 0: ends at the last alley
+  bool start_anywhere = false;  ///< starts anywhere on the lap instead of at the map's origin
   double fix_rate_hz = 10.0;    ///< of POSE_FIX; 0 = none
   double fix_sd_m = 0.015;
   double fix_yaw_sd_rad = 0.005;
@@ -204,9 +205,9 @@ void describe(Visitor& v, OrchardConfig& c) {
 /// Odometry and GNSS while driving. Section `simulation.motion`.
 struct MotionConfig {
   double odometry_rate_hz = 50.0;         ///< 0 = none
-  double speed_scale_sd = 0.01;           ///< of the run's one error of the wheels' size
+  double speed_scale_sd = 0.01;           ///< scale error of speed (wheel size), per run
   double speed_sd_mps = 0.01;             ///< of each sample
-  double yaw_rate_bias_sd_radps = 0.001;  ///< of the run's one bias
+  double yaw_rate_bias_sd_radps = 0.001;  ///< of the bias, per run
   double yaw_rate_sd_radps = 0.01;        ///< of each sample
   double gnss_rate_hz = 5.0;              ///< 0 = none
   double gnss_sd_m = 0.02;                ///< east and north; twice that upwards
@@ -228,7 +229,7 @@ void describe(Visitor& v, MotionConfig& c) {
   v.check(c.datum[1] >= -180 && c.datum[1] <= 180, "datum", "longitude must be in [-180, 180]");
 }
 
-/// What the simulated world and sensors are like. Section `simulation`.
+/// Configuration of the simulated world and sensors. Section `simulation`.
 struct SimulationConfig {
   ScannerConfig scanner;
   ImageConfig image;

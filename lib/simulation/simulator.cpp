@@ -17,7 +17,7 @@
 namespace orchard::simulation {
 namespace {
 
-constexpr double kSweepWay_m = 5.0;  ///< more than a robot moves while it scans
+constexpr double kSweepWay_m = 5.0;  ///< above a robot's motion during a scan
 
 enum Sensor : std::size_t { kScan, kImage, kOdometry, kGnss, kPoseFix, kImu, kScanRear };
 
@@ -38,7 +38,8 @@ Scene make_scene(SceneKind kind, std::uint64_t seed, const RigConfig& rig) {
   return scene;
 }
 
-/// The lasting range errors of a scene's targets: a later day changes nothing in what stays.
+/// The constant range errors of a scene's targets; change_orchard() does not change those of
+/// remaining targets.
 std::vector<double> target_errors(std::uint64_t seed, const Scene& scene,
                                   const ScannerConfig& scanner) {
   Random random(seed, Stream::kTargets);
@@ -91,7 +92,7 @@ Simulator::Simulator(SceneKind kind, std::uint64_t seed, const RigConfig& rig)
     start_clock(kPoseFix, config.orchard.fix_rate_hz, 0.0);
     start_clock(kImu, config.imu.rate_hz, 0.0);
     if (rig.laser_rear.enabled) {
-      // Two scanners do not begin their sweeps together: a third of a turn apart, say.
+      // The sweeps of two scanners are not synchronised: use an offset of a third of a turn.
       start_clock(kScanRear, config.scanner.rate_hz, 1.0 / (3.0 * config.scanner.rate_hz));
     }
   }
@@ -139,10 +140,11 @@ World Simulator::world_at_time(double time_s) const {
   return has_motion(scene_) ? world_at(scene_, time_s) : scene_.world;
 }
 
-/// What the scanner may reach during a sweep: nothing while the robot is carried above it all.
+/// The world within the scanner's range during a sweep; empty while the robot is carried above
+/// everything.
 World Simulator::world_in_reach(double time_s, const Pose2& T_map_laser) const {
   if (scene_.path.carried_at(time_s)) return {};
-  // truth is told of things up to 1.5 ranges away, and what is in reach may hide them
+  // The truth contains objects up to 1.5 ranges away, and objects within range may hide them.
   const double reach_m = 1.5 * rig_.simulation.scanner.range_max_m + kSweepWay_m;
   return world_near(scene_, index_, T_map_laser.x_m, T_map_laser.y_m, reach_m, time_s);
 }

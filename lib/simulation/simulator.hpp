@@ -23,19 +23,19 @@
 
 namespace orchard::simulation {
 
-/// What a simulated sensor says. The alternatives stand in the order of bus::Channel.
+/// A message of a simulated sensor. The alternatives are in the order of bus::Channel.
 using SensorMessage = std::variant<laser::Scan, vision::Image, pose::Odometry, pose::Gnss,
                                    pose::PoseFix, pose::Imu, laser::RearScan>;
 
-/// Where simulated time begins: 2013-12-02 00:00 UTC, the day ACRA 2013 opened [us].
+/// Start of simulated time: 2013-12-02 00:00 UTC, the day ACRA 2013 opened [us].
 inline constexpr std::int64_t kEpochUtime = 1385942400000000;
 
-/// "tubes", "orchard" or "park"; none for anything else.
+/// The scene "tubes", "orchard", "park" or "yard"; none for any other name.
 std::optional<SceneKind> find_scene(std::string_view name);
 
-/// A robot that drives through a scene: its sensors' messages one by one in the order of
-/// (utime, kind), all from one seed. Every message has random numbers of its own, so switching a
-/// sensor off leaves the others' bytes as they were.
+/// Simulates a robot that drives through a scene: its sensors' messages one by one in the order of
+/// (utime, kind), all from one seed. Every message has its own random numbers, so disabling a
+/// sensor leaves the bytes of the others unchanged.
 class Simulator {
  public:
   Simulator(SceneKind kind, std::uint64_t seed, const RigConfig& rig);
@@ -43,25 +43,25 @@ class Simulator {
   /// The next message, or none at the end of the run.
   std::optional<SensorMessage> next();
 
-  /// What stands in the world; people are in true_observations() only.
+  /// The truth of the static objects; people are in true_observations() only.
   std::vector<TruthObject> truth() const;
   const Scene& scene() const { return scene_; }
 
-  /// Where base truly was: at every stop, or at the first beam of every sweep.
+  /// True poses of base: at every stop, or at the first beam of every sweep.
   std::vector<TruePose> true_poses() const;
 
   std::int64_t num_scans() const { return clocks_[0].count; }
   std::int64_t scan_utime(std::int64_t index) const { return utime_of(0, index); }
 
-  /// What scan `index` (its seq) truly held of every thing of the world that it could see.
+  /// True observations of scan `index` (its seq): all objects of the world that it could see.
   std::vector<TrueObservation> true_observations(std::int64_t index) const;
 
  private:
   static constexpr std::size_t kNumSensors = std::variant_size_v<SensorMessage>;
   struct Clock {
-    std::int64_t count = 0;     ///< messages in the whole run, were there no outages
+    std::int64_t count = 0;     ///< messages in the whole run without outages
     std::int64_t next = 0;      ///< index of the next one
-    std::int64_t num_sent = 0;  ///< less than that after outages
+    std::int64_t num_sent = 0;  ///< messages sent; fewer than `next` after outages
     double period_s = 1.0;
     double offset_s = 0.0;
   };

@@ -12,17 +12,17 @@
 
 namespace orchard::simulation {
 
-/// What an emulated SICK scanner is and can do.
+/// Model and capabilities of an emulated SICK scanner.
 struct ColaDeviceModel {
   std::string name = "TiM561-2050101";
   double rate_hz = 15.0;
   bool allows_login = true;
-  bool sends_intensities = false;  ///< before it has been asked to
+  bool sends_intensities = false;  ///< without being configured to
 };
 
-/// An emulated SICK scanner that speaks CoLa-A by the telegram listing 8014631: it puts out the
-/// beams of the scans that it is given, whose first is the first shot of its sweep when that looks
-/// 45 degrees behind the right.
+/// An emulated SICK scanner with CoLa-A (telegram listing 8014631). Its output is the beams of the
+/// given scans. The first beam counts as the first shot of a sweep if it points 45 degrees behind
+/// the right.
 class ColaDevice : public EmulatedDevice {
  public:
   ColaDevice(ColaDeviceModel model, EmulatedClock clock);
@@ -52,7 +52,7 @@ class ColaDevice : public EmulatedDevice {
   bool is_logged_in_ = false;
   bool sends_intensities_ = false;
   std::deque<Sweep> sweeps_;
-  std::optional<laser::Scan> last_;  ///< tells the range of angles
+  std::optional<laser::Scan> last_;  ///< for the range of angles
   std::int64_t num_sent_ = 0;
 };
 

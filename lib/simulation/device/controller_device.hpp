@@ -9,13 +9,14 @@
 
 namespace orchard::simulation {
 
-/// A robot's controller that prints odometry as V lines and an inertial unit's samples as I lines,
-/// with the time of its own clock (32 bits of microseconds) and checksums (lib/device/lines).
+/// An emulated controller of a robot: sends odometry as V lines and IMU samples as I lines, with
+/// its own clock (32 bits of microseconds) and checksums (lib/device/lines).
 class ControllerDevice : public EmulatedDevice {
  public:
   explicit ControllerDevice(const EmulatedClock& clock) : clock_(clock) {}
 
-  /// An empty line first, as controllers print at their start: who listens skips what comes before.
+  /// Sends an empty line first, as controllers do at their start: the receiver skips everything
+  /// before it.
   void connected(std::int64_t) override { to_send_ = "\r\n"; }
   void receive(std::string_view, std::int64_t) override {}
   void measured(const device::Measurement& measurement) override;

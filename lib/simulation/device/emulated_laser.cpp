@@ -12,10 +12,10 @@
 namespace orchard::simulation {
 namespace {
 
-/// Two crystals that differ by as much as good ones do.
+/// Clock skew: the difference between two good crystals.
 constexpr double kSkew = 40e-6;
 
-/// A scanner whose model is not known before it has measured: until then it does not answer.
+/// A scanner whose model is taken from its first scans; it does not answer before them.
 class LikeItsScans : public EmulatedDevice {
  public:
   LikeItsScans(device::LaserProtocol protocol, EmulatedClock clock)

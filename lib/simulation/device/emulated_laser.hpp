@@ -9,8 +9,8 @@
 
 namespace orchard::simulation {
 
-/// An emulated scanner that speaks `protocol` and was switched on at `start_utime`; its angles,
-/// ranges and rate are those of the first scans that it is given.
+/// Makes an emulated scanner with `protocol`, powered up at `start_utime`. It takes its angles,
+/// ranges and rate from the first scans that it is given.
 std::unique_ptr<EmulatedDevice> make_emulated_laser(device::LaserProtocol protocol,
                                                     std::int64_t start_utime);
 

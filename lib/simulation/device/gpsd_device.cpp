@@ -15,7 +15,7 @@ constexpr std::size_t kLongestRequest_bytes = 1024;
 
 bool is_leap(int year) { return (year % 4 == 0 && year % 100 != 0) || year % 400 == 0; }
 
-/// "2026-05-04T10:11:12.250000Z", by counting years and months.
+/// Formats a time as "2026-05-04T10:11:12.250000Z", by counting years and months.
 std::string utc_text(std::int64_t utime) {
   constexpr std::array<int, 12> kDays{31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
   std::int64_t days = utime / 86'400'000'000;
@@ -36,13 +36,13 @@ std::string utc_text(std::int64_t utime) {
   return text.data();
 }
 
-/// gpsd's status of NMEA's quality.
+/// Converts an NMEA quality to gpsd's status.
 int status_of(std::int8_t quality) {
   constexpr std::array<int, 10> kStatus{0, 1, 2, 9, 3, 4, 5, 7, 8, 1};
   return kStatus[static_cast<std::size_t>(quality) % kStatus.size()];
 }
 
-/// The ellipse of the covariance; none where that is unknown.
+/// The GST report with the error ellipse; empty when the covariance is unknown.
 std::string noise_report(const pose::Gnss& gnss, const std::string& time) {
   const auto& covariance = gnss.covariance;
   if (covariance[0] <= 0.0) return {};

@@ -11,8 +11,8 @@
 
 namespace orchard::simulation {
 
-/// gpsd with one receiver: fixes as GST and TPV reports (gpsd_json(5)), each `latency_s` after its
-/// instant, to a client that has asked for them by ?WATCH. Satellite time is true time.
+/// An emulated gpsd with one receiver: sends fixes as GST and TPV reports (gpsd_json(5)),
+/// `latency_s` after their time, to a client that has sent ?WATCH. Satellite time is true time.
 class GpsdDevice : public EmulatedDevice {
  public:
   explicit GpsdDevice(double latency_s) : latency_us_(static_cast<std::int64_t>(1e6 * latency_s)) {}

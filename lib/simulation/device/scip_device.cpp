@@ -34,7 +34,8 @@ std::string parameter(const std::string& text) {
   return text + ";" + summed.back() + "\n";
 }
 
-/// The beam of the scan that looks where a step does, as it is sent; `none` where there is none.
+/// The beam of the scan in the direction of a step, in units of the protocol; `none` where there is
+/// no beam.
 struct Beam {
   std::uint32_t range_mm = 0;
   std::uint32_t intensity = 0;
@@ -80,7 +81,7 @@ ScipModel scip_model_like(const laser::Scan& scan, double rate_hz) {
   const int ahead = static_cast<int>(std::lround(-right_rad / std::abs(scan.bearing_step_rad)));
   if (ahead >= 0) {
     model.front_step = ahead;
-  } else {  // it does not see straight ahead: step 0 is where it would
+  } else {  // the field of view does not include straight ahead: extrapolate step 0
     model.front_step = 0;
     model.first_step -= ahead;
     model.last_step -= ahead;

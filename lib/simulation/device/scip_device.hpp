@@ -12,7 +12,7 @@
 
 namespace orchard::simulation {
 
-/// What an emulated Hokuyo scanner says of itself, and what it can do.
+/// Parameters and capabilities of an emulated Hokuyo scanner.
 struct ScipModel {
   std::string name = "UST-10LX";
   int range_min_mm = 20;
@@ -23,20 +23,20 @@ struct ScipModel {
   int front_step = 540;
   int rate_rpm = 2400;
   std::uint32_t no_return = 65533;  ///< sent for a beam without return
-  bool has_intensities = true;      ///< knows ME
-  bool has_clock_mode = true;       ///< knows TM
+  bool has_intensities = true;      ///< supports ME
+  bool has_clock_mode = true;       ///< supports TM
 };
 
 ScipModel ust_10lx();
 ScipModel utm_30lx();
 ScipModel urg_04lx_ug01();
 
-/// A model whose beams are those of a scan, to the bit where its step divides a turn; `rate_hz` is
-/// the speed of its motor.
+/// A model with the beams of a scan, exact where its step divides a turn; `rate_hz` is the motor
+/// speed.
 ScipModel scip_model_like(const laser::Scan& scan, double rate_hz);
 
-/// An emulated Hokuyo scanner: answers commands by the SCIP 2.0 specification (C-42-03320B) and,
-/// once asked to, sends what it measures, right after the last beam.
+/// An emulated Hokuyo scanner: answers commands by the SCIP 2.0 specification (C-42-03320B) and, on
+/// request, sends each sweep right after its last beam.
 class ScipDevice : public EmulatedDevice {
  public:
   ScipDevice(ScipModel model, EmulatedClock clock);
@@ -47,7 +47,7 @@ class ScipDevice : public EmulatedDevice {
   std::optional<std::int64_t> deadline() const override;
   void advance(std::int64_t utime) override;
 
-  /// Sent sweeps, for tests.
+  /// Number of sweeps sent, for tests.
   std::int64_t num_sent() const { return num_sent_; }
 
  private:
@@ -66,7 +66,7 @@ class ScipDevice : public EmulatedDevice {
   ScipModel model_;
   EmulatedClock clock_;
   std::string half_command_;
-  std::string stream_;  ///< the command that is being served; empty: none
+  std::string stream_;  ///< the active stream command; empty: none
   bool is_in_clock_mode_ = false;
   std::deque<Sweep> sweeps_;
   std::int64_t num_sent_ = 0;

@@ -9,7 +9,7 @@ namespace orchard::simulation {
 namespace {
 
 constexpr int kTries =
-    400;  ///< before the picture's middle is taken instead of a place at its edge
+    400;  ///< attempts per view, while its position moves from the picture's edge to the middle
 
 bool in_view(const geometry::CameraModel& model, const calibration::BoardConfig& board,
              const Eigen::Isometry3d& T_camera_board) {
@@ -38,7 +38,7 @@ std::vector<Eigen::Isometry3d> show_board(const geometry::CameraIntrinsics& came
   for (int i = 0; i < num_views; ++i) {
     for (int attempt = 0; attempt < kTries; ++attempt) {
       const double reach = config.reach * (1.0 - static_cast<double>(attempt) / kTries);
-      // the nine parts of the picture in turn
+      // Use the nine parts of the picture in turn.
       const double u = 0.5 + reach * ((i % 3 - 1) / 3.0 + random.uniform(-1.0 / 6.0, 1.0 / 6.0));
       const double v =
           0.5 + reach * ((i / 3 % 3 - 1) / 3.0 + random.uniform(-1.0 / 6.0, 1.0 / 6.0));
@@ -46,7 +46,7 @@ std::vector<Eigen::Isometry3d> show_board(const geometry::CameraIntrinsics& came
           model.undistort({u * (camera.width_px - 1), v * (camera.height_px - 1)});
       const double size = random.uniform(config.size_min, config.size_max);
       const double z_m = camera.fc_px[0] * width_m / (size * camera.width_px);
-      // tilts about axes all around, mostly large ones
+      // Tilt about axes in all directions, mostly by large angles.
       const double axis_rad = geometry::kPi * (2.0 * i / 5.0 + random.uniform(-0.3, 0.3));
       const double tilt_rad = config.tilt_max_rad * std::sqrt(random.uniform());
       const double turn_rad = random.uniform(-config.turn_max_rad, config.turn_max_rad);

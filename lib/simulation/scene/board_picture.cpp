@@ -12,9 +12,9 @@
 namespace orchard::simulation {
 namespace {
 
-constexpr double kBackOfBoard = 0.45;  ///< fraction of the light that bare wood sends back
+constexpr double kBackOfBoard = 0.45;  ///< fraction of the light that bare wood reflects
 
-/// Grey levels of a wall of things behind the board: soft stains and hard edges.
+/// Grey levels of the background: soft stains and hard edges.
 float clutter_at(float x, float y, std::uint32_t seed, float contrast) {
   const float soft = value_noise(x * 3.0f, y * 3.0f, seed);
   const float fine = value_noise(x * 17.0f, y * 17.0f, seed + 1);
@@ -50,9 +50,9 @@ calibration::GreyPicture BoardPainter::take(const std::optional<Eigen::Isometry3
   const auto shade_x = static_cast<float>(config_.shading * std::cos(light_rad) / width_px);
   const auto shade_y = static_cast<float>(config_.shading * std::sin(light_rad) / height_px);
 
-  // p_board = R^T (t ray - p): the ray meets the board's plane where its third part is 0
+  // p_board = R^T (t ray - p): the ray meets the board's plane where the third component is 0.
   Eigen::Matrix3d R_board_camera = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d camera_board = Eigen::Vector3d::Zero();  // the camera's place in the board frame
+  Eigen::Vector3d camera_board = Eigen::Vector3d::Zero();  // camera position in the board frame
   if (T_camera_board) {
     R_board_camera = T_camera_board->linear().transpose();
     camera_board = -(R_board_camera * T_camera_board->translation());
@@ -64,7 +64,7 @@ calibration::GreyPicture BoardPainter::take(const std::optional<Eigen::Isometry3
   const Ray* ray = rays_.data();
   for (int v = 0; v < height_px; ++v) {
     for (int u = 0; u < width_px; ++u) {
-      double sum = 0.0, clutter = -1.0;  // behind the board one observation per pixel is enough
+      double sum = 0.0, clutter = -1.0;  // for the background one sample per pixel is enough
       for (int i = 0; i < samples; ++i, ++ray) {
         double grey = -1.0;
         if (T_camera_board) {

@@ -12,27 +12,26 @@
 
 namespace orchard::simulation {
 
-/// How a board is lit and photographed. Grey levels are 0 to 255.
+/// Light and camera properties of a picture of a board. Grey levels are 0 to 255.
 struct BoardPictureConfig {
   double white = 205.0;      ///< of the paper in full light
   double black = 35.0;       ///< of the ink
   double shading = 0.25;     ///< largest change of light from one side of the picture to another
-  double clutter = 55.0;     ///< contrast of what stands behind
+  double clutter = 55.0;     ///< contrast of the background
   double blur_px = 0.6;      ///< standard deviation of the lens' blur
   double noise_sd = 2.0;     ///< of each pixel, grey levels
   int samples_per_side = 4;  ///< rays through a pixel: this number squared
 };
 
-/// Takes pictures of a board through a lens with its distortion: rays through every part of a pixel
-/// to the board's plane, so that corners lie where the camera model says to a few hundredths of a
-/// pixel.
+/// Renders pictures of a board through a distorting lens. Rays through every part of a pixel meet
+/// the board's plane, so the corners agree with the camera model to a few hundredths of a pixel.
 class BoardPainter {
  public:
   BoardPainter(const geometry::CameraIntrinsics& camera, const calibration::BoardConfig& board,
                const BoardPictureConfig& config = {});
 
-  /// What the camera sees of a board at T_camera_board (its back away from the camera), or of the
-  /// clutter alone. The board's back is blank.
+  /// Renders a board at T_camera_board (its back away from the camera), or the background alone.
+  /// The board's back is blank.
   calibration::GreyPicture take(const std::optional<Eigen::Isometry3d>& T_camera_board,
                                 Random& random) const;
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kNoHit = std::numeric_limits<double>::infinity();
 constexpr int kNumRays = 9;              ///< across a spot
-constexpr double kSameSurface_m = 0.10;  ///< rays of one spot nearer than this see one surface
+constexpr double kSameSurface_m = 0.10;  ///< max range difference of rays on one surface
 constexpr double kDeg = 3.14159265358979323846 / 180.0;
 
 Eigen::Isometry3d isometry(const Eigen::Matrix3d& R, const Eigen::Vector3d& t) {
@@ -55,7 +55,7 @@ double ray_leg(const Eigen::Vector2d& ray, const Eigen::Vector2d& centre, double
   return inside < 0.0 || along_m <= 0.0 ? kNoHit : along_m - std::sqrt(inside);
 }
 
-/// Where a ray of the scan plane meets the board's sheet.
+/// Range at which a ray of the scan plane meets the board.
 double ray_board(const Eigen::Vector2d& ray, const Eigen::Isometry3d& T_board_laser,
                  const calibration::BoardOutline& outline) {
   const Eigen::Vector3d origin = T_board_laser.translation();
@@ -76,7 +76,7 @@ struct Hit {
   int surface = kRoom;
 };
 
-/// What a spot reads: the surface that fills more than half of it, or something between two.
+/// Range measured by a spot: of the surface that fills more than half of it, or a mixture of two.
 Hit read_spot(const std::array<Hit, kNumRays>& rays, bool mixes) {
   const Hit nearest = *std::min_element(
       rays.begin(), rays.end(), [](const Hit& a, const Hit& b) { return a.range_m < b.range_m; });
@@ -159,7 +159,7 @@ std::optional<Eigen::Isometry3d> BoardScene::draw_pose(std::size_t number, Rando
   if (config_.handling == BoardHandling::kStill && !poses_.empty()) return poses_.front();
   const double range_m = random.uniform(config_.range_min_m, config_.range_max_m);
   const double bearing_rad = random.uniform(-0.6, 0.6);
-  // in the laser frame, so that the scan plane cuts the board well inside its edges
+  // In the laser frame, so that the scan plane cuts the board well inside its edges.
   Eigen::Vector3d middle_laser(range_m * std::cos(bearing_rad), range_m * std::sin(bearing_rad),
                                random.uniform(-0.3, 0.3) * (outline_.y_max_m - outline_.y_min_m));
   if (config_.seen_by == BoardAudience::kCameraOnly) middle_laser.z() = random.uniform(0.5, 0.7);
@@ -168,7 +168,9 @@ std::optional<Eigen::Isometry3d> BoardScene::draw_pose(std::size_t number, Rando
   const double tilt = config_.tilt_max_rad;
   double turn_y = random.uniform(-tilt, tilt), lean_x = random.uniform(-tilt, tilt);
   double roll_z = random.uniform(-0.35, 0.35);
-  const auto jitter = [&] { return random.normal(0.0, 0.4 * kDeg); };  // no hand is exact
+  const auto jitter = [&] {
+    return random.normal(0.0, 0.4 * kDeg);
+  };  // orientation error of a hand
   switch (config_.handling) {
     case BoardHandling::kCareful:
       if (std::hypot(turn_y, lean_x) > tilt) return std::nullopt;
@@ -194,7 +196,7 @@ std::optional<Eigen::Isometry3d> BoardScene::draw_pose(std::size_t number, Rando
       lean_x = jitter();
       break;
   }
-  // the tilts about the camera's own axes; careful hands tilt from the line of sight
+  // Tilts about the camera's own axes; kCareful tilts from the line of sight.
   Eigen::Matrix3d R = (Eigen::AngleAxisd(turn_y, Eigen::Vector3d::UnitY()) *
                        Eigen::AngleAxisd(lean_x, Eigen::Vector3d::UnitX()))
                           .toRotationMatrix();
@@ -209,7 +211,7 @@ std::optional<Eigen::Isometry3d> BoardScene::draw_pose(std::size_t number, Rando
   if (config_.seen_by == BoardAudience::kLaserOnly) return T;  // the camera looks elsewhere
   if (!wholly_in_picture(T)) {
     if (config_.seen_by != BoardAudience::kCameraOnly) return std::nullopt;
-    // what the scan plane misses must still be in view: higher up, farther off
+    // A board missed by the scan plane must still be in view: higher and farther.
     T.translation().z() += 0.5;
     if (!wholly_in_picture(T)) return std::nullopt;
   }

@@ -17,10 +17,11 @@
 
 namespace orchard::simulation {
 
-/// A person holds a chessboard before a robot that stands still in a room: SCAN and IMAGE of it,
-/// from one seed. The scanner sees the board's face or back where its plane cuts it, the person's
-/// legs behind it, a cupboard of about the board's width and the walls, all with ScannerConfig's
-/// errors; the camera sees the chessboard before clutter. `camera` of the rig is the truth.
+/// Scene of a person who holds a chessboard before a standing robot in a room; gives SCAN and IMAGE
+/// from one seed. The scanner sees the board's face or back where the scan plane cuts it, the
+/// person's legs behind it, a cupboard of about the board's width and the walls, all with
+/// ScannerConfig's errors; the camera sees the chessboard before a cluttered background. The rig's
+/// `camera` is the truth.
 class BoardScene {
  public:
   BoardScene(std::uint64_t seed, const RigConfig& rig);
@@ -30,10 +31,10 @@ class BoardScene {
 
   double duration_s() const;
   const calibration::BoardConfig& board() const { return board_; }
-  /// T_camera_board of the poses that are held.
+  /// T_camera_board of the still poses.
   const std::vector<Eigen::Isometry3d>& poses() const { return poses_; }
 
-  /// What the sensors make of a board at one pose; `index` numbers their random errors.
+  /// The sensors' data for a board at one pose; `index` selects their random errors.
   laser::Scan scan(const Eigen::Isometry3d& T_camera_board, std::uint64_t index) const;
   calibration::GreyPicture picture(const Eigen::Isometry3d& T_camera_board,
                                    std::uint64_t index) const;

@@ -3,22 +3,22 @@
 
 namespace orchard::simulation {
 
-/// How a person moves a board. The first is how it should be done; under each of the others a
-/// laser's place at the camera cannot be found.
+/// How a person moves a board. kCareful is correct; with each of the others the laser-camera
+/// extrinsics are not observable.
 enum class BoardHandling {
-  kCareful,          ///< other places, distances, tilts to all sides
-  kParallel,         ///< other places, but always parallel to the picture
+  kCareful,          ///< different positions and distances, tilts to all sides
+  kParallel,         ///< different positions, always parallel to the picture
   kTurnedOnly,       ///< tilted about the camera's y axis only: left and right
   kLeanedOnly,       ///< tilted about the camera's x axis only: forward and back
-  kTwoOrientations,  ///< other places, two orientations
-  kStill,            ///< one place, one orientation
-  kSmallTilts,       ///< to all sides, but by 5 degrees at most
+  kTwoOrientations,  ///< different positions, two orientations
+  kStill,            ///< one position, one orientation
+  kSmallTilts,       ///< tilts to all sides, by 5 degrees at most
 };
 
-/// Who sees the board.
+/// Sensors that see the board.
 enum class BoardAudience { kBoth, kCameraOnly, kLaserOnly };
 
-/// How a badly set up camera driver sends its pictures.
+/// Mirroring of pictures by a misconfigured camera driver.
 enum class PictureFlip { kNone, kLeftRight, kTopBottom };
 
 /// The scene for `orchard calibrate laser-camera`. Section `simulation.board`.
@@ -27,14 +27,14 @@ struct BoardSceneConfig {
   int rows = 5;
   double square_m = 0.08;
   double margin_m = 0.04;  ///< of white board beyond the outer squares
-  int num_poses = 24;      ///< that it is held still in
+  int num_poses = 24;      ///< number of still poses
   double hold_s = 0.8;
   double move_s = 0.5;         ///< from one pose to the next
   double range_min_m = 0.8;    ///< from the laser to the board's middle
-  double range_max_m = 1.9;    ///< farther, the squares get too small for 320x240 pixels
+  double range_max_m = 1.9;    ///< beyond it, the squares are too small in 320x240 pixels
   double tilt_max_rad = 0.7;   ///< of the board's normal from the line of sight
-  double tremor_m = 0.0003;    ///< standard deviation of a held board's place
-  double tremor_rad = 0.0005;  ///< and of its orientation
+  double tremor_m = 0.0003;    ///< standard deviation of a still board's position
+  double tremor_rad = 0.0005;  ///< standard deviation of its orientation
   BoardHandling handling = BoardHandling::kCareful;
   BoardAudience seen_by = BoardAudience::kBoth;
   PictureFlip flip = PictureFlip::kNone;

@@ -13,7 +13,8 @@ namespace orchard::simulation {
 namespace {
 
 constexpr double kRobotHalfWidth_m = 0.6;
-constexpr std::uint64_t kTrellisPosts = 1u << 20;  ///< their random numbers follow those of trees
+constexpr std::uint64_t kTrellisPosts =
+    1u << 20;  ///< offset of their random numbers from those of trees
 
 class ClutterBuilder {
  public:
@@ -49,7 +50,7 @@ class ClutterBuilder {
   }
 
  private:
-  /// What the trellis posts of the scene are made of.
+  /// Assigns materials to the trellis posts.
   void give_posts_materials() {
     for (std::size_t i = 0; i < scene_.world.cylinders.size(); ++i) {
       Cylinder& c = scene_.world.cylinders[i];
@@ -98,7 +99,7 @@ class ClutterBuilder {
     }
   }
 
-  /// What posts are made of: galvanized steel, weathered timber, treated timber, concrete.
+  /// Appearance of a post of galvanized steel, weathered timber, treated timber or concrete.
   static Appearance post_appearance(Random& random) {
     Appearance appearance;
     appearance.texture = Appearance::Texture::kWood;
@@ -163,7 +164,7 @@ class ClutterBuilder {
   void add_branches() {
     for (int i = 0; i < clutter_.num_branches; ++i) {
       Random random(seed_, Stream::kBranches, i);
-      Box branch;  // propped up on its own twigs
+      Box branch;  // raised by its own twigs
       branch.length_m = random.uniform(0.5, 1.4);
       branch.width_m = random.uniform(0.03, 0.07);
       branch.base_m = std::max(0.0, config_.scanner.height_m - random.uniform(0.02, 0.15));
@@ -176,7 +177,7 @@ class ClutterBuilder {
     }
   }
 
-  /// Somewhere within `beside_m` of a row, clear of everything; not at all where none is found.
+  /// Places a box at a free position within `beside_m` of a row; drops it if none is found.
   void place_box(Random& random, Box box, double beside_m, detection::Label label,
                  const std::string& name) {
     const OrchardConfig& orchard = config_.orchard;
@@ -195,7 +196,7 @@ class ClutterBuilder {
     }
   }
 
-  /// In pieces of a metre, each a thing of its own.
+  /// Adds hedges in pieces of one metre, each an object of its own.
   void add_hedges() {
     double low_m = first_y_m(), high_m = last_y_m();
     for (const Pose2& pose : track_) {
@@ -228,7 +229,8 @@ class ClutterBuilder {
     }
   }
 
-  /// Stalks that rise, or twigs that hang, into the scan plane near trunks: no things of the truth.
+  /// Adds stalks that rise, or twigs that hang, into the scan plane near trunks; they are not in
+  /// the truth.
   void add_thin(Stream stream, double mean) {
     const bool grass = stream == Stream::kGrass;
     const double scan_m = config_.scanner.height_m;
@@ -289,8 +291,8 @@ class ClutterBuilder {
     }
   }
 
-  /// Passes 4 to 8 m ahead of where the robot is at some time, along the alley or across it; or
-  /// walks the robot's way, beside it or behind; or stands until the robot is past.
+  /// Adds a person who crosses 4 to 8 m ahead of the robot or walks along the alley there; or walks
+  /// in the robot's direction beside or behind it; or stands until the robot has passed.
   void add_person(int index) {
     Random random(seed_, Stream::kPeople, static_cast<std::uint64_t>(index));
     for (int attempt = 0; attempt < 200; ++attempt) {
@@ -332,7 +334,8 @@ class ClutterBuilder {
     }
   }
 
-  /// Through no thing of the truth, and never within a metre of the robot's middle.
+  /// True if a person walks through no object of the truth and stays at least a metre from the
+  /// robot's centre.
   bool walks_free(const Person& person) const {
     const double c = std::cos(person.heading_rad), s = std::sin(person.heading_rad);
     const double way_m = person.speed_mps * scene_.path.duration_s();
@@ -341,7 +344,7 @@ class ClutterBuilder {
       const double ex = thing.x_m - person.x_m, ey = thing.y_m - person.y_m;
       const double along_m = ex * c + ey * s;
       if (along_m < -1.0 || along_m > way_m + 1.0) continue;
-      const bool wide = thing.name[0] == 'H';  // walks through gates in hedges
+      const bool wide = thing.name[0] == 'H';  // hedges have gates
       if (!wide && std::abs(ex * s - ey * c) < 0.5 * thing.width_m + 0.30) return false;
     }
     for (double t_s = 0.0; t_s < scene_.path.duration_s(); t_s += 0.25) {
@@ -353,8 +356,8 @@ class ClutterBuilder {
     return true;
   }
 
-  /// Stands since the start in an alley where the robot has not been yet; leaves when that is 5 m
-  /// behind it.
+  /// Adds a vehicle that stands in an alley before the robot gets there, and leaves when the robot
+  /// is 5 m away.
   void add_vehicle(int index) {
     Random random(seed_, Stream::kVehicles, static_cast<std::uint64_t>(index));
     for (int attempt = 0; attempt < 200; ++attempt) {
@@ -378,7 +381,8 @@ class ClutterBuilder {
     }
   }
 
-  /// Through no thing of the truth but hedges, never within 3 m of the robot's middle.
+  /// True if a vehicle drives through no object of the truth except hedges and stays at least 3 m
+  /// from the robot's centre.
   bool drives_free(const Vehicle& vehicle) const {
     const double c = std::cos(vehicle.heading_rad), s = std::sin(vehicle.heading_rad);
     for (const TruthObject& thing : scene_.truth) {

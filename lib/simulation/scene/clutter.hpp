@@ -8,8 +8,8 @@
 
 namespace orchard::simulation {
 
-/// Adds to an orchard of trees, trellis posts and bushes what `config.clutter` asks for. Moves
-/// nothing that stands there, keeps off the robot's path; what moves comes last in the truth.
+/// Adds the objects of `config.clutter` to an orchard of trees, trellis posts and bushes. Moves no
+/// existing object and keeps clear of the robot's path; moving objects are last in the truth.
 void add_clutter(std::uint64_t seed, const SimulationConfig& config, Scene& scene);
 
 }  // namespace orchard::simulation

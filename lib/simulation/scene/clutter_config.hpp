@@ -3,28 +3,28 @@
 
 namespace orchard::simulation {
 
-/// What stands, hangs, lies and walks about in scene orchard. Section `simulation.clutter`.
-/// Everything is off by default; no entry moves a tree or a post, and each kind has random numbers
-/// of its own.
+/// Additional objects in scene orchard. Section `simulation.clutter`. All are off by default; no
+/// entry moves a tree or a post, and each kind has its own random numbers.
 struct ClutterConfig {
   bool post_materials = false;  ///< trellis posts of steel, timber and concrete instead of paint
-  double trunk_post_fraction = 0.0;  ///< more posts, as wide as a trunk, per tree place
-  double stake_fraction = 0.0;       ///< of the trees have a stake beside them
-  double twin_fraction = 0.0;        ///< of the trees have a second stem that touches
+  double trunk_post_fraction = 0.0;  ///< additional posts of trunk width, per tree position
+  double stake_fraction = 0.0;       ///< of the trees with a stake beside them
+  double twin_fraction = 0.0;        ///< of the trees with a second, touching stem
   int num_crates = 0;
-  double leaf_depth_m = 0.0;    ///< mean depth to which beams go into bushes; 0 = into twigs
-  double bush_sway_m = 0.0;     ///< amplitude with which a bush's twigs move
+  double leaf_depth_m = 0.0;    ///< mean depth of beams in leafy bushes; 0: bushes of twigs
+  double bush_sway_m = 0.0;     ///< amplitude of a bush's moving twigs
   double grass_per_tree = 0.0;  ///< mean number of stalks around a trunk that reach the scan plane
-  double twigs_per_tree = 0.0;  ///< mean number of twigs that hang into the scan plane
-  double sway_m = 0.0;          ///< amplitude with which stalks and twigs move in the wind
+  double twigs_per_tree = 0.0;  ///< mean number of twigs hanging into the scan plane
+  double sway_m = 0.0;          ///< amplitude of stalks and twigs in the wind
   int num_branches = 0;         ///< fallen branches at the height of the scan plane
   int num_people = 0;
-  bool people_around = false;  ///< some walk beside and behind the robot, or stand until it is past
+  bool people_around =
+      false;  ///< some walk beside or behind the robot, or stand until it has passed
   double person_speed_mps = 1.3;
   int num_vehicles = 0;
   double vehicle_speed_mps = 3.0;
   bool row_end_hedges = false;
-  double foliage = 0.0;  ///< fraction of a crown that leaves fill, for the camera; 0 = no crowns
+  double foliage = 0.0;  ///< fraction of a crown filled by leaves, for the camera; 0: no crowns
   double reflector_tree_fraction = 0.0;  ///< trees with a reflector band (in intensities)
   double reflector_post_fraction = 0.0;
 };

@@ -5,13 +5,13 @@
 
 namespace orchard::simulation {
 
-/// When something happens: once, or again and again. Off unless it lasts.
+/// Time of an event: once or periodic. Off when its duration is 0.
 struct EpisodeConfig {
-  double at_s = 0.0;     ///< from the drive's start
-  double for_s = 0.0;    ///< 0 = never
-  double every_s = 0.0;  ///< from one to the next; 0 = once
+  double at_s = 0.0;     ///< first time, since the start of the drive
+  double for_s = 0.0;    ///< duration; 0: never
+  double every_s = 0.0;  ///< period; 0: once
 
-  /// Which time it happens at a moment of the run, from 0; -1 when it does not.
+  /// Index of the occurrence at a time of the run, from 0; -1: none.
   int number_at(double time_s) const {
     if (for_s <= 0.0 || time_s < at_s) return -1;
     const int number = every_s > 0.0 ? static_cast<int>((time_s - at_s) / every_s) : 0;
@@ -27,19 +27,19 @@ void describe(Visitor& v, EpisodeConfig& c) {
   v.number("every_s", c.every_s, 0, 1e6, "s", "from one to the next; 0 = once");
 }
 
-/// What wheel encoders get wrong beyond section motion. Section `simulation.wheels`.
+/// Errors of wheel encoders beyond section `motion`. Section `simulation.wheels`.
 struct WheelsConfig {
-  double yaw_rate_scale_sd = 0.0;     ///< of the run's one error of the track width
-  double turn_slip_sd = 0.0;          ///< of the scale error of speed and yaw rate in each curve
+  double yaw_rate_scale_sd = 0.0;     ///< scale error of the yaw rate (track width), per run
+  double turn_slip_sd = 0.0;          ///< scale error of speed and yaw rate in each curve
   EpisodeConfig outage;               ///< no ODOMETRY
-  double surface_slip_sd = 0.0;       ///< of the scale error of speed that belongs to the ground
-  double surface_turn_slip_sd = 0.0;  ///< the same of the yaw rate
+  double surface_slip_sd = 0.0;       ///< scale error of speed that depends on the ground
+  double surface_turn_slip_sd = 0.0;  ///< scale error of the yaw rate that depends on the ground
   double surface_m = 15.0;            ///< size of a patch of ground
-  double load_sd = 0.0;               ///< of the scale error of speed that belongs to the load
+  double load_sd = 0.0;               ///< scale error of speed that depends on the load
   double load_every_s = 400.0;        ///< from one change of the load to the next
-  double bias_wander_sd_radps = 0.0;  ///< of the yaw rate's bias that comes and goes
-  double bias_wander_s = 60.0;        ///< time over which it does
-  bool states_covariance = true;      ///< else ODOMETRY claims nothing, as most robots' does
+  double bias_wander_sd_radps = 0.0;  ///< varying bias of the yaw rate
+  double bias_wander_s = 60.0;        ///< time constant of that bias
+  bool states_covariance = true;      ///< false: ODOMETRY has no covariance, as on most robots
 };
 
 template <class Visitor>
@@ -60,19 +60,18 @@ void describe(Visitor& v, WheelsConfig& c) {
   v.flag("states_covariance", c.states_covariance, "ODOMETRY tells how sure it is");
 }
 
-/// What the sky does to a receiver as time goes on: errors with a memory, fixes in bursts. Section
-/// `simulation.gnss.sky`.
+/// Time-correlated errors and availability of a GNSS receiver. Section `simulation.gnss.sky`.
 struct SkyConfig {
-  double wander_sd_m = 0.0;         ///< of an error that changes slowly, per axis
-  double wander_time_s = 60.0;      ///< in which it forgets itself (to 1/e)
+  double wander_sd_m = 0.0;         ///< of the slowly varying error, per axis
+  double wander_time_s = 60.0;      ///< its correlation time (to 1/e)
   double gap_every_s = 0.0;         ///< mean time with fixes between two gaps; 0 = no gaps
-  double gap_min_s = 20.0;          ///< shortest gap; lengths are spread evenly in their logarithm
-  double gap_max_s = 180.0;         ///< longest gap
+  double gap_min_s = 20.0;          ///< min gap; lengths are uniform in their logarithm
+  double gap_max_s = 180.0;         ///< max gap
   double burst_s = 0.0;             ///< mean length of a burst of fixes; 0 = no bursts
   double pause_s = 0.0;             ///< mean length of the pause after it
-  double multipath_fraction = 0.0;  ///< of the time signals are reflected
-  double multipath_for_s = 8.0;     ///< mean time that a reflection lasts
-  double multipath_m = 10.0;        ///< mean length of its error, which stays as it is meanwhile
+  double multipath_fraction = 0.0;  ///< fraction of time with reflected signals
+  double multipath_for_s = 8.0;     ///< mean duration of a reflection
+  double multipath_m = 10.0;        ///< mean length of its error, which is constant meanwhile
 };
 
 template <class Visitor>
@@ -91,17 +90,17 @@ void describe(Visitor& v, SkyConfig& c) {
   v.check(c.gap_min_s <= c.gap_max_s, "gap_min_s", "must not be above gap_max_s");
 }
 
-/// Where the receiver's antenna is and what goes wrong with its fixes. Section `simulation.gnss`.
+/// Antenna position and errors of the GNSS receiver. Section `simulation.gnss`.
 struct ReceiverConfig {
   std::array<double, 2> antenna_m{0.0, 0.0};  ///< in base
-  double canopy_fraction = 0.0;               ///< of the stretches between rows have no sky
-  double canopy_length_m = 10.0;              ///< of such a stretch
-  double canopy_sd_m = 0.0;                   ///< noise there, truly stated; 0 = no fix at all
-  double stated_sd_m = 0.0;                   ///< claimed in the covariance; 0 = the truth
-  EpisodeConfig outage;                       ///< no GNSS
-  double jump_m = 30.0;                       ///< how far fixes are off during `jump`
+  double canopy_fraction = 0.0;               ///< fraction of the alley segments without sky view
+  double canopy_length_m = 10.0;              ///< length of a segment
+  double canopy_sd_m = 0.0;                   ///< noise there, stated correctly; 0: no fix
+  double stated_sd_m = 0.0;  ///< standard deviation in the covariance; 0: the true one
+  EpisodeConfig outage;      ///< no GNSS
+  double jump_m = 30.0;      ///< error of fixes during `jump`
   EpisodeConfig jump;
-  EpisodeConfig freeze;  ///< the same position again and again
+  EpisodeConfig freeze;  ///< repeats the same position
   SkyConfig sky;
 };
 
@@ -121,17 +120,17 @@ void describe(Visitor& v, ReceiverConfig& c) {
   v.section("sky", c.sky, "errors with a memory, fixes in bursts with gaps");
 }
 
-/// An inertial unit on base; the defaults are a small MEMS unit's. Section `simulation.imu`.
+/// An IMU on base; the defaults are those of a small MEMS unit. Section `simulation.imu`.
 struct ImuConfig {
   double rate_hz = 0.0;                     ///< 0 = none
   double angular_rate_sd_radps = 0.002;     ///< of each sample and axis
-  double yaw_rate_bias_sd_radps = 0.003;    ///< of the run's first bias
+  double yaw_rate_bias_sd_radps = 0.003;    ///< of the initial bias, per run
   double yaw_rate_walk = 3e-5;              ///< sd of the bias's change in a second [rad/s]
   double acceleration_sd_mps2 = 0.05;       ///< of each sample and axis
-  double acceleration_bias_sd_mps2 = 0.05;  ///< of the run's bias forward and left
+  double acceleration_bias_sd_mps2 = 0.05;  ///< of the bias forward and left, per run
   bool orientation = false;                 ///< whether it reports roll, pitch and yaw
   double orientation_sd_rad = 0.01;         ///< of each sample
-  double yaw_bias_sd_rad = 0.03;            ///< of the run's error of north
+  double yaw_bias_sd_rad = 0.03;            ///< of the error of north, per run
 };
 
 template <class Visitor>
@@ -148,12 +147,12 @@ void describe(Visitor& v, ImuConfig& c) {
   v.number("yaw_bias_sd_rad", c.yaw_bias_sd_rad, 0, 3.2, "rad", "error of north of a run");
 }
 
-/// The robot is lifted over the trees and put down in another alley. Section `simulation.carry`.
+/// The robot is lifted over the trees and set down in another alley. Section `simulation.carry`.
 struct CarryConfig {
-  double at_s = 0.0;     ///< 0 = never
-  double for_s = 0.0;    ///< 0 = never
+  double at_s = 0.0;     ///< time of lifting; 0: never
+  double for_s = 0.0;    ///< duration; 0: never
   int to_alley = 0;      ///< from 1; 0 = any other
-  bool odometry = true;  ///< whether the wheels' messages go on: they stand still
+  bool odometry = true;  ///< whether ODOMETRY continues, with standing wheels
 };
 
 template <class Visitor>

@@ -75,7 +75,7 @@ Pose2 DrivePath::pose_at(double time_s) const {
   const Pose2 from = pose_at_length(begin_m_ + leap_.at_s * speed_mps_);
   const Pose2 to = pose_at_length(leap_.to_m);
   const double u = (time_s - leap_.at_s) / leap_.for_s;
-  const double fraction = u * u * (3.0 - 2.0 * u);  // lifted and put down gently
+  const double fraction = u * u * (3.0 - 2.0 * u);  // smooth at both ends
   return {from.x_m + fraction * (to.x_m - from.x_m), from.y_m + fraction * (to.y_m - from.y_m),
           geometry::wrap_angle_rad(from.yaw_rad +
                                    fraction * geometry::wrap_angle_rad(to.yaw_rad - from.yaw_rad))};

@@ -10,8 +10,8 @@ namespace orchard::simulation {
 
 using geometry::Pose2;
 
-/// Straight lines and arcs driven one after the other at one speed, and at most one leap: the
-/// robot is lifted, carried through the air and put down elsewhere on its way.
+/// A path of straight lines and arcs driven at constant speed, with at most one jump: the robot is
+/// lifted, carried through the air and set down elsewhere on the path.
 class DrivePath {
  public:
   DrivePath() = default;
@@ -20,29 +20,30 @@ class DrivePath {
   /// Appends an arc; curvature is positive to the left, 0 for a straight line.
   void append(double length_m, double curvature_per_m);
 
-  /// The robot begins `begin_m` along the way and ends at `end_m` instead of driving all of it.
+  /// Restricts the drive to the part from `begin_m` to `end_m` of the path.
   void drive_only(double begin_m, double end_m);
 
-  /// Lifts the robot at a time of the drive, and puts it down `for_s` later `to_m` along the way.
+  /// Lifts the robot at a time of the drive and sets it down `for_s` later at `to_m` of the path.
   void carry(double at_s, double for_s, double to_m);
 
-  double length_m() const { return length_m_; }  ///< of the whole way
+  double length_m() const { return length_m_; }  ///< of the whole path
   double duration_s() const;
   double speed_mps() const { return speed_mps_; }
 
   /// T_map_base; before the start and after the end the robot stands still.
   Pose2 pose_at(double time_s) const;
 
-  /// Whether the wheels are off the ground.
+  /// True if the wheels are off the ground.
   bool carried_at(double time_s) const;
 
-  /// How far along the way the robot is; while it is carried, where it was lifted [m].
+  /// Position of the robot along the path; while it is carried, the position where it was lifted
+  /// [m].
   double way_at(double time_s) const;
 
-  /// Which of the appended arcs it is on, from 0.
+  /// Index of the current arc, from 0.
   std::size_t piece_at(double time_s) const;
 
-  /// What an ideal gyroscope says at a time [rad/s].
+  /// True yaw rate at a time [rad/s].
   double yaw_rate_at(double time_s) const;
 
  private:

@@ -5,8 +5,8 @@
 
 namespace orchard::simulation {
 
-/// Makes each bush of a scene leaves instead of twigs: one that beams go into by `depth_m` in the
-/// mean [m], and here and there through.
+/// Converts each bush of a scene from twigs to leaves, into which beams penetrate by `depth_m` on
+/// average [m], sometimes through.
 void make_bushes_leafy(double depth_m, Scene& scene);
 
 }  // namespace orchard::simulation

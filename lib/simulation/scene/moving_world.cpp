@@ -10,16 +10,16 @@
 namespace orchard::simulation {
 namespace {
 
-// a grown person in trousers; stride and step width as gait studies give them for 1.3 m/s
+// An adult in trousers; stride and step width from gait studies at 1.3 m/s.
 constexpr double kStride_m = 1.4;     ///< two steps
 constexpr double kLegSwing_m = 0.28;  ///< of a knee before and behind the hips
 constexpr double kLegApart_m = 0.18;
 constexpr double kLegRadius_m = 0.065;
 constexpr double kHip_m = 0.85;
 
-// a narrow orchard tractor
+// A narrow orchard tractor.
 constexpr double kAxlesApart_m = 1.4;
-constexpr double kTrack_m = 0.9;  ///< between the middles of the wheels of an axle
+constexpr double kTrack_m = 0.9;  ///< between the wheel centres of an axle
 constexpr double kWheel_m = 0.65;
 constexpr double kTyre_m = 0.22;
 constexpr double kStart_mps2 = 1.0;
@@ -68,7 +68,7 @@ void add_person(const Person& person, double time_s, World& world) {
   }
 }
 
-/// How far a vehicle has come, and its speed.
+/// Distance driven by a vehicle, and its speed.
 struct Way {
   double way_m = 0.0;
   double speed_mps = 0.0;
@@ -110,10 +110,10 @@ void add_vehicle(const Vehicle& vehicle, double time_s, World& world) {
   add(0.0, 0.0);
 }
 
-/// Where the `i`-th cylinder of a scene swings to.
+/// Moves the `i`-th cylinder of a scene to its swaying position.
 void sway(Cylinder& cylinder, std::size_t i, double time_s) {
   if (cylinder.sway_m <= 0.0) return;
-  // each at a rate of its own between 0.4 and 1.6 Hz
+  // Each sways at its own rate between 0.4 and 1.6 Hz.
   const std::uint64_t bits = mix_bits(cylinder.appearance.texture_seed + 0x51ed270bull * i);
   const double rate_hz = 0.4 + 1.2 * static_cast<double>(bits & 0xffff) / 65536.0;
   const double phase = static_cast<double>((bits >> 16) & 0xffff) / 65536.0;

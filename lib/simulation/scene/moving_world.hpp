@@ -8,18 +8,18 @@
 
 namespace orchard::simulation {
 
-/// Whether anything in the scene moves.
+/// True if anything in the scene moves.
 bool has_motion(const Scene& scene);
 
-/// The scene's world at a time of the run [s]: people and vehicles where they are, what sways
-/// where it is.
+/// The scene's world at a time of the run [s], with people, vehicles and swaying objects at their
+/// current positions.
 World world_at(const Scene& scene, double time_s);
 
-/// The part of it that may reach into a circle, for lasers: no crowns, nothing of light.
+/// The part of the world that may reach into a circle, for lasers: without crowns and light.
 World world_near(const Scene& scene, const WorldIndex& index, double x_m, double y_m,
                  double radius_m, double time_s);
 
-/// The scene's truth at a time of the run [s]: people and vehicles where they are.
+/// The scene's truth at a time of the run [s], with people and vehicles at their current positions.
 std::vector<TruthObject> truth_at(const Scene& scene, double time_s);
 
 }  // namespace orchard::simulation

@@ -13,7 +13,7 @@
 namespace orchard::simulation {
 namespace {
 
-constexpr double kBetweenTrees_m = 0.25;  ///< bark to bark, of what is planted
+constexpr double kBetweenTrees_m = 0.25;  ///< min gap between the trunks of planted trees
 
 class OrchardChanger {
  public:
@@ -74,7 +74,7 @@ class OrchardChanger {
     }
   }
 
-  /// Where only some grow, they are none of the first `num_other` trees.
+  /// Widens trunks; with grown_fraction below 1, none of the first `num_other` trees grow.
   void grow(int num_other) {
     if (config_.growth_m <= 0.0) return;
     std::vector<bool> grows(scene_.truth.size(), config_.grown_fraction >= 1.0);
@@ -82,7 +82,7 @@ class OrchardChanger {
     const auto last = std::min(
         trees_.size(), first + static_cast<std::size_t>(fraction_of_trees(config_.grown_fraction)));
     for (std::size_t k = first; k < last; ++k) grows[static_cast<std::size_t>(trees_[k])] = true;
-    // in the order of the truth: who is felled changes nobody's growth
+    // In the order of the truth, so that felled trees do not change the growth of others.
     for (std::size_t i = 0; i < scene_.truth.size(); ++i) {
       if (!is_tree(scene_.truth[i]) || !grows[i]) continue;
       const double wider_m =
@@ -106,7 +106,7 @@ class OrchardChanger {
     double x_m = 0.0, y_m = 0.0;
   };
 
-  /// Somewhere before or behind a thing in its row: the robot's way stays free.
+  /// A position beside an object along its row, which keeps the robot's path free.
   Place along_row(const TruthObject& thing, double distance_m) {
     const double towards_rad =
         (random_.uniform() < 0.5 ? 0.5 : -0.5) * geometry::kPi + random_.uniform(-0.3, 0.3);
@@ -114,7 +114,7 @@ class OrchardChanger {
             thing.y_m + distance_m * std::sin(towards_rad)};
   }
 
-  /// Puts a thing there if nothing else is in the way.
+  /// Moves an object there if the position is free.
   bool put(int target, const Place& place) {
     TruthObject& thing = scene_.truth[static_cast<std::size_t>(target)];
     if (!clear(place.x_m, place.y_m, 0.5 * thing.width_m, target)) return false;
@@ -131,7 +131,7 @@ class OrchardChanger {
     return true;
   }
 
-  /// What is gone at one place of a row stands at another, beside a tree.
+  /// Moves posts and bushes to another position in a row, beside a tree.
   void relocate_objects() {
     if (config_.objects_fraction <= 0.0 || trees_.empty()) return;
     std::vector<int> objects;
@@ -208,7 +208,7 @@ class OrchardChanger {
     }
   }
 
-  /// Before what moves, which is last.
+  /// Inserts an object before the moving ones, which are last.
   void insert(const TruthObject& thing, Cylinder trunk) {
     const int place = static_cast<int>(std::find_if(scene_.truth.begin(), scene_.truth.end(),
                                                     [](const TruthObject& t) { return t.moving; }) -

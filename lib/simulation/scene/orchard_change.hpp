@@ -8,8 +8,8 @@
 
 namespace orchard::simulation {
 
-/// Makes a later day of an orchard: trees felled, planted in empty places, moved, grown. All that
-/// is not chosen stays where and as it was; truth and targets are numbered anew.
+/// Changes an orchard to a later day: trees felled, planted in empty positions, moved, grown. All
+/// other objects stay unchanged; truth and targets are renumbered.
 void change_orchard(std::uint64_t seed, const ChangeConfig& config, Scene& scene);
 
 }  // namespace orchard::simulation

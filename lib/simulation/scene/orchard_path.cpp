@@ -22,7 +22,7 @@ class OrchardPathBuilder {
         path_({0.0, 0.0, geometry::kPi / 2.0}, config.speed_mps) {}
 
   DrivePath build() {
-    // one lap more than is driven, so that a lap can begin anywhere
+    // One lap more than needed, so that the drive can start anywhere on a lap.
     const int num_laps = std::max(1, config_.laps) + (config_.start_anywhere ? 1 : 0);
     for (int lap = 0; lap < num_laps; ++lap) {
       drive_alleys();
@@ -63,7 +63,8 @@ class OrchardPathBuilder {
     }
   }
 
-  /// Along the headland, and after an odd number of alleys down the outer side of the first row.
+  /// Returns along the headland and, after an odd number of alleys, down the outer side of the
+  /// first row.
   void return_to_start() {
     const double radius_m = 0.5 * config_.row_spacing_m;
     const double quarter_m = 0.5 * geometry::kPi * radius_m;
@@ -85,7 +86,8 @@ class OrchardPathBuilder {
     path_.append(-turn_y_m, 0.0);
   }
 
-  /// Straight on, or with a yaw of a sin(2 pi t / period), which ends where the straight does.
+  /// Appends a straight line, or a weaving path with yaw a sin(2 pi t / period) that ends at the
+  /// same point.
   void drive_alley(double length_m) {
     if (config_.weave_radps <= 0.0) return path_.append(length_m, 0.0);
     const double rate = 2.0 * geometry::kPi / config_.weave_period_s;
@@ -95,7 +97,8 @@ class OrchardPathBuilder {
     for (int i = 0; i < kPieces; ++i) {
       cosines += std::cos(most_rad * std::sin(2.0 * geometry::kPi * (i + 0.5) / kPieces));
     }
-    const double wanted_m = config_.speed_mps * config_.weave_period_s;  // driven in a period
+    const double wanted_m =
+        config_.speed_mps * config_.weave_period_s;  // distance driven in a period
     const double forward = cosines / kPieces;
     const double num_periods = std::max(1.0, std::round(length_m / (wanted_m * forward)));
     const double piece_m = length_m / (num_periods * forward * kPieces);
@@ -106,7 +109,7 @@ class OrchardPathBuilder {
     }
   }
 
-  /// To a place of another alley on the same lap, with most of that alley still ahead.
+  /// Carries the robot to another alley on the same lap, with most of that alley still ahead.
   void carry_away(double begin_m) {
     const double lifted_m = path_.way_at(carry_.at_s);
     const int num_laps = static_cast<int>(alleys_.size()) / num_alleys_;

@@ -10,9 +10,9 @@ namespace orchard::simulation {
 
 inline constexpr double kRowsBegin_m = 4.0;  ///< from the robot's start to the first trees, map y
 
-/// The way through an orchard: up and down every alley from the map's origin on, with half circles
-/// beyond the rows' ends. With `laps` it goes on along the headland back to the origin, and round
-/// again; `start_anywhere` and section `carry` take effect then too.
+/// Makes the path through an orchard: up and down every alley from the map's origin, with half
+/// circles beyond the ends of the rows. With `laps` it returns along the headland to the origin and
+/// repeats; only then `start_anywhere` and section `carry` take effect.
 DrivePath make_orchard_path(std::uint64_t seed, const OrchardConfig& config,
                             const CarryConfig& carry);
 

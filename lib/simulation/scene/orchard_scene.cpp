@@ -59,7 +59,7 @@ class OrchardSceneBuilder {
       }
     }
     if (config_.post_every_m <= 0.0) return;
-    // halfway between two places of a row, as trellis posts stand
+    // Halfway between two tree positions, like real trellis posts.
     for (double y_m = 0.5 * config_.tree_spacing_m; y_m < row_length_m_;
          y_m += std::max(1.0, std::round(config_.post_every_m / config_.tree_spacing_m)) *
                 config_.tree_spacing_m) {
@@ -70,7 +70,7 @@ class OrchardSceneBuilder {
     }
   }
 
-  /// A ragged cluster of twigs, in a row where no tree or post is near.
+  /// Adds a bush: an irregular cluster of twigs in a row, away from trees and posts.
   void add_bush() {
     double x_m = 0.0, y_m = 0.0;
     const double size_m = place_.uniform(0.4, 0.8);
@@ -111,7 +111,8 @@ class OrchardSceneBuilder {
     scene_.path = make_orchard_path(seed_, config_, carry_);
     if (config_.stop_every_m <= 0.0) return;
     scene_.stepped = true;
-    scene_.stop_period_s = config_.stop_every_m / config_.speed_mps;  // as long as the drive takes
+    scene_.stop_period_s =
+        config_.stop_every_m / config_.speed_mps;  // the driving time between stops
     const double way_m = scene_.path.duration_s() * config_.speed_mps;
     for (double s_m = 0.0; s_m <= way_m; s_m += config_.stop_every_m) {
       scene_.stops.push_back(scene_.path.pose_at(s_m / config_.speed_mps));

@@ -8,8 +8,8 @@
 
 namespace orchard::simulation {
 
-/// An orchard: rows of trees along map y, unevenly spaced, some missing; posts and bushes in the
-/// rows; a robot that drives through it as make_orchard_path() says.
+/// Makes an orchard: rows of trees along map y, unevenly spaced, some missing; posts and bushes in
+/// the rows; a robot on the path of make_orchard_path().
 Scene make_orchard_scene(std::uint64_t seed, const OrchardConfig& config,
                          const CarryConfig& carry = {});
 

@@ -11,7 +11,7 @@ namespace orchard::simulation {
 
 enum class SceneKind { kTubes, kOrchard, kPark, kYard };
 
-/// What a surface looks like.
+/// Appearance of a surface.
 struct Appearance {
   enum class Texture { kCardboard, kBark, kLeaves, kRoughBark, kWood };
   double hue_deg = 30.0;
@@ -19,50 +19,51 @@ struct Appearance {
   double value = 0.65;
   Texture texture = Texture::kCardboard;
   std::uint32_t texture_seed = 0;
-  double reflectivity = 0.3;  ///< to the laser; white paper has 1, a reflector more
+  double reflectivity = 0.3;  ///< to the laser; 1: white paper, more: a reflector
 };
 
-/// An upright cylinder that stands on the ground: a tube, a trunk, a post, a twig of a bush.
+/// An upright cylinder on the ground: a tube, a trunk, a post, a twig of a bush.
 struct Cylinder {
   double x_m = 0.0;  ///< map frame
   double y_m = 0.0;
   double radius_m = 0.0;
   double height_m = 0.0;
   double base_m = 0.0;  ///< height at which it begins
-  int target = 0;       ///< cylinders of one target share its lasting laser error; -1 = scenery
+  int target = 0;       ///< cylinders of one target share its constant range error; -1: scenery
   Appearance appearance;
-  double lean_x = 0.0;  ///< of its axis, metres per metre of height; x_m, y_m hold at scan height
+  double lean_x =
+      0.0;  ///< lean of its axis, metres per metre of height; x_m, y_m are at scan height
   double lean_y = 0.0;
-  double sway_m = 0.0;          ///< amplitude with which it moves about its place
-  double leaf_depth_m = 0.0;    ///< mean depth to which beams go into it; 0 = it is solid
-  double velocity_x_mps = 0.0;  ///< while a scan is taken
+  double sway_m = 0.0;          ///< amplitude of its motion about its position
+  double leaf_depth_m = 0.0;    ///< mean penetration depth of beams; 0: solid
+  double velocity_x_mps = 0.0;  ///< during a scan
   double velocity_y_mps = 0.0;
 };
 
-/// An upright box that stands on the ground: a crate, a piece of wall or hedge, a fallen branch.
+/// An upright box on the ground: a crate, a part of a wall or hedge, a fallen branch.
 struct Box {
-  double x_m = 0.0;  ///< of its middle, map frame
+  double x_m = 0.0;  ///< of its centre, map frame
   double y_m = 0.0;
   double yaw_rad = 0.0;   ///< of its length
   double length_m = 0.0;  ///< along its own x
   double width_m = 0.0;   ///< along its own y
   double height_m = 0.0;
   double base_m = 0.0;  ///< height at which it begins
-  int target = 0;       ///< as a cylinder's
+  int target = 0;       ///< see Cylinder
   Appearance appearance;
 };
 
-/// Leaves above a trunk, a ball as the camera sees it; no laser reaches it.
+/// Crown of leaves above a trunk, a ball for the camera; lasers do not reach it.
 struct Crown {
   double x_m = 0.0;
   double y_m = 0.0;
-  double z_m = 0.0;  ///< of its middle above the ground
+  double z_m = 0.0;  ///< of its centre above the ground
   double radius_m = 0.0;
-  double foliage = 0.5;  ///< fraction of it that leaves fill
+  double foliage = 0.5;  ///< fraction filled by leaves
   Appearance appearance;
 };
 
-/// Somebody who stands, then walks straight on: two legs in the scan plane, a body above them.
+/// A person who stands, then walks straight on: two legs in the scan plane, a body above them.
 struct Person {
   double x_m = 0.0;  ///< until `starts_s`, map frame
   double y_m = 0.0;
@@ -73,10 +74,10 @@ struct Person {
   Appearance clothes;
 };
 
-/// A small tractor: four wheels in the scan plane, a body above them. It stands for a while, then
-/// drives off straight on.
+/// A small tractor: four wheels in the scan plane, a body above them. It stands, then drives off
+/// straight ahead.
 struct Vehicle {
-  double x_m = 0.0;  ///< of its middle while it stands, map frame
+  double x_m = 0.0;  ///< of its centre while it stands, map frame
   double y_m = 0.0;
   double heading_rad = 0.0;
   double leaves_s = 0.0;  ///< time of the run
@@ -84,29 +85,29 @@ struct Vehicle {
   int target = 0;
 };
 
-/// Everything that sensors can see. A target is the place of a thing in the scene's truth.
+/// Everything visible to sensors. A target is the index of an object in the scene's truth.
 struct World {
   std::vector<Cylinder> cylinders;
   std::vector<Box> boxes;
   std::vector<Crown> crowns;
   int num_targets = 0;
   bool indoors = true;             ///< floor and walls, or grass, far trees and sky
-  double light_azimuth_rad = 2.0;  ///< where the light comes from, map frame
+  double light_azimuth_rad = 2.0;  ///< direction to the light source, map frame
   double light_elevation_rad = 0.7;
-  double ambient = 0.55;  ///< fraction of light that comes from everywhere
+  double ambient = 0.55;  ///< fraction of diffuse light
   std::uint32_t texture_seed = 0;
 };
 
-/// A world, its truth, and how the robot moves through it.
+/// A world, its truth, and the motion of the robot.
 struct Scene {
-  World world;  ///< what stands
+  World world;  ///< the static objects
   std::vector<Person> people;
   std::vector<Vehicle> vehicles;
-  std::vector<TruthObject> truth;  ///< what moves last: people, then vehicles
-  std::vector<TruthObject> gaps;   ///< empty places of the rows, with the trees that they lack
-  /// Of every target, its number before change_orchard(); empty when nothing was changed.
+  std::vector<TruthObject> truth;  ///< moving objects are last: people, then vehicles
+  std::vector<TruthObject> gaps;   ///< empty positions of the rows, with their missing trees
+  /// For every target its number before change_orchard(); empty when nothing was changed.
   std::vector<int> former_targets;
-  bool stepped = false;      ///< stops at `stops` for every pair, or drives along `path`
+  bool stepped = false;      ///< true: stops at `stops` for every pair; false: drives along `path`
   std::vector<Pose2> stops;  ///< T_map_base
   double stop_period_s = 1.0;
   DrivePath path;

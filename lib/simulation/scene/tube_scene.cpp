@@ -19,11 +19,11 @@ constexpr int kTubesPerRow = 6;
 constexpr double kTubeWidth_m = 0.090;
 constexpr double kWideWidth_m = 0.170;
 constexpr double kExposed_m = 0.500;      ///< of 900 mm, section 3.4
-constexpr double kAccurateRange_m = 4.0;  ///< to which the scanner's class limit holds
+constexpr double kAccurateRange_m = 4.0;  ///< up to which the scanner's class limit holds
 constexpr int kMinPairs = 5;
 constexpr int kMaxPairs = 8;
 
-/// Where a circle appears from a laser: middle and half width, and the range of its front.
+/// A circle as seen from a laser: bearing of its centre, half width, and range of its front.
 struct Outline {
   double range_m;
   double bearing_rad;
@@ -38,7 +38,7 @@ Outline outline(const Pose2& T_map_laser, const Cylinder& c) {
 
 bool in_view(const geometry::CameraModel& camera, const geometry::LaserToCamera& to_camera,
              const Outline& o) {
-  // 0.7 degrees beside each edge, so that a window across the edge is in the picture too
+  // 0.7 degrees beside each edge, so that a window across the edge is in the picture, too.
   constexpr double kBeside_rad = 0.012;
   for (const double side : {-1.0, 1.0}) {
     const double bearing_rad = o.bearing_rad + side * (o.half_rad + kBeside_rad);
@@ -103,7 +103,7 @@ class TubeSceneBuilder {
     }
   }
 
-  /// Where an object may stand; `side` is -1 or 1.
+  /// Allowed region of an object; `side` is -1 or 1.
   struct Place {
     double x_min_m, x_max_m;  ///< from the path, on its side
     double y_min_m, y_max_m;
@@ -121,7 +121,7 @@ class TubeSceneBuilder {
     other.saturation = appearance_.uniform(0.45, 0.65);
     const double side = appearance_.uniform() < 0.5 ? -1.0 : 1.0;
 
-    // B1 outside one row, B2 and B4 between the rows near start and end, B3 outside the other
+    // B1 is outside one row, B2 and B4 between the rows near start and end, B3 outside the other.
     const double out_min_m = row_x + 0.20, out_max_m = row_x + 0.50;
     place("B1", make(kWideWidth_m, cardboard()),
           {out_min_m, out_max_m, first_m + 0.3 * spacing_m, first_m + 2.5 * spacing_m, side});
@@ -133,7 +133,7 @@ class TubeSceneBuilder {
           {0.32, 0.50, end_m - 1.2 * spacing_m, end_m + 0.6 * spacing_m, -side});
   }
 
-  /// Tries places until everything that stands is seen often enough; keeps the best if none does.
+  /// Tries positions until all objects are observed often enough; keeps the best if none succeeds.
   void place(const std::string& name, Cylinder object, const Place& where) {
     constexpr int kTries = 400;
     const Scene before = scene_;
@@ -154,7 +154,7 @@ class TubeSceneBuilder {
     scene_ = std::move(best);
   }
 
-  /// Pairs that are lacking or too many.
+  /// Number of missing and excess pairs.
   int faults() const {
     int sum = 0;
     for (const int n : count_pairs(scene_, rig_, kAccurateRange_m)) {

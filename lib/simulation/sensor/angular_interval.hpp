@@ -5,7 +5,7 @@
 
 namespace orchard::simulation {
 
-/// A stretch of directions [rad], low <= high, counted from some middle so that nothing wraps.
+/// An interval of directions [rad], low <= high, relative to a middle chosen so that nothing wraps.
 struct AngularInterval {
   double low_rad = 0.0;
   double high_rad = 0.0;
@@ -13,13 +13,13 @@ struct AngularInterval {
   double width_rad() const { return high_rad - low_rad; }
 };
 
-/// The shared part; of negative width when there is none.
+/// The intersection; its width is negative when there is none.
 AngularInterval overlap(const AngularInterval& a, const AngularInterval& b);
 
-/// The same directions as few intervals as possible, in rising order.
+/// The union as disjoint intervals in ascending order.
 std::vector<AngularInterval> united(std::vector<AngularInterval> intervals);
 
-/// What is left of `whole` without `parts`, in rising order.
+/// The difference of `whole` and `parts`, in ascending order.
 std::vector<AngularInterval> without(const AngularInterval& whole,
                                      std::vector<AngularInterval> parts);
 

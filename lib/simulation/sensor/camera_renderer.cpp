@@ -17,7 +17,7 @@
 namespace orchard::simulation {
 namespace {
 
-constexpr float kThin_m = 0.007f;  ///< stalks and twigs are nothing beyond a few metres
+constexpr float kThin_m = 0.007f;  ///< stalks and twigs are invisible beyond a few metres
 constexpr float kFarthestThin_m = 6.0f;
 
 }  // namespace
@@ -87,7 +87,7 @@ double CameraRenderer::sun_elevation_rad(const World& world) const {
                                                : light.sun_elevation_deg * geometry::kPi / 180.0;
 }
 
-/// Fraction of the sun at a place given in base axes from the camera's foot.
+/// Fraction of the sun that reaches a point, given in base axes relative to the camera's foot.
 float CameraRenderer::open(const Frame& frame, float x_m, float y_m, float z_m, int target) const {
   if (shadows_.empty()) return 1.0f;
   const Pose2& T = frame.T_map_camera;
@@ -144,7 +144,7 @@ void CameraRenderer::draw_background(const Frame& frame) const {
 void CameraRenderer::draw_cylinder(const Frame& frame, const Cylinder& cylinder) const {
   const World& world = frame.world;
   const Pose2& T_map_camera = frame.T_map_camera;
-  // into base axes, from the camera's foot
+  // In base axes, relative to the camera's foot.
   const double c = std::cos(T_map_camera.yaw_rad), s = std::sin(T_map_camera.yaw_rad);
   const Eigen::Vector2f p_camera =
       transform_back(T_map_camera, {cylinder.x_m, cylinder.y_m}).cast<float>();
@@ -196,7 +196,7 @@ void CameraRenderer::draw_cylinder(const Frame& frame, const Cylinder& cylinder)
                              std::clamp((top_m - z_m) / pixel_m + 0.5f, 0.0f, 1.0f) *
                              std::clamp((z_m - foot_m) / pixel_m + 0.5f, 0.0f, 1.0f);
       if (fraction <= 0.0f) continue;
-      // the normal where the ray enters
+      // The normal at the point where the ray enters.
       const float nx = (t_m * r.x - x_m) / radius_m, ny = (t_m * r.y - y_m) / radius_m;
       const float lambert = std::max(0.0f, nx * frame.sun_x + ny * frame.sun_y);
       const float angle_rad = std::atan2(ny, nx) + static_cast<float>(T_map_camera.yaw_rad);
@@ -255,14 +255,14 @@ Picture CameraRenderer::draw(const World& world, const Pose2& T_map_base,
   return picture;
 }
 
-/// Turns linear light into stored values: smear, vignetting, exposure, clipping, gamma.
+/// Converts linear light to stored values: smear, vignetting, exposure, clipping, gamma.
 void CameraRenderer::respond(const Lighting& lighting, const Exposure& exposure,
                              Picture& picture) const {
   const double smear_px = std::abs(exposure.yaw_rate_radps) *
                           rig_.simulation.camera_response.exposure_s *
                           rig_.camera.intrinsics.fc_px[0];
   if (smear_px > 0.05) {
-    // the middle pixel and as much beside it as the turn covers
+    // The pixel and its neighbours within the smear of the turn.
     const int half = static_cast<int>(std::ceil(0.5 * smear_px));
     cv::Mat kernel(1, 2 * half + 1, CV_32F);
     for (int i = -half; i <= half; ++i) {
@@ -307,7 +307,8 @@ vision::Image CameraRenderer::take(const World& world, const Pose2& T_map_base, 
                      cv::BORDER_REPLICATE);
   }
   if (config.noise_sd > 0.0) {
-    // rows take their noise from random places of one table: a draw per row, not per pixel
+    // Each row takes its noise from a random position of one table: one draw per row, not per
+    // pixel.
     constexpr std::size_t kTable = 8191;
     std::vector<float> table(kTable);
     for (float& value : table) value = static_cast<float>(random.normal(0.0, config.noise_sd));

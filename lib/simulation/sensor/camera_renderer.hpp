@@ -20,30 +20,32 @@ struct Picture {
   std::vector<float> bgr;  ///< 3 x width x height
 };
 
-/// When a picture is taken, and how fast the robot turns then.
+/// Time of an exposure and the robot's yaw rate.
 struct Exposure {
   double time_s = 0.0;  ///< of the run
   double yaw_rate_radps = 0.0;
 };
 
-/// Draws worlds as a rig's camera sees them: one ray per pixel through the inverse of the lens
-/// distortion, edges blended by the fraction of the pixel that they cover.
+/// Renders a world for a rig's camera: one ray per pixel through the inverse of the lens
+/// distortion; edges are blended by the covered fraction of the pixel.
 class CameraRenderer {
  public:
   static constexpr float kNearest_m = 0.05f;
-  static constexpr float kFarthest_m = 40.0f;  ///< trunks farther away are less than a pixel or two
-  static constexpr float kUprightSky = 0.62f;  ///< half of the sky, and some light from the ground
+  static constexpr float kFarthest_m =
+      40.0f;  ///< beyond it trunks are one or two pixels wide at most
+  static constexpr float kUprightSky = 0.62f;  ///< fraction of sky light on upright surfaces: half
+                                               ///< of the sky, and some light from the ground
 
   explicit CameraRenderer(const RigConfig& rig);
 
-  /// What stands and casts shadows from now on, when `simulation.light` asks for them.
+  /// Computes the shadows of a static world if `simulation.light` enables them.
   void cast_shadows(const World& world);
 
-  /// Without noise and blur. T_map_base: where the robot is. Stored values (0 to 255), or linear
-  /// light when `simulation.light` is enabled.
+  /// Renders without noise and blur, at the robot's pose T_map_base. Stored values (0 to 255), or
+  /// linear light when `simulation.light` is enabled.
   Picture draw(const World& world, const Pose2& T_map_base, const Exposure& exposure = {}) const;
 
-  /// The picture a sensor makes of it, as JPEG. Leaves utime and seq 0.
+  /// Renders the sensor's picture as JPEG. Leaves utime and seq 0.
   vision::Image take(const World& world, const Pose2& T_map_base, Random& random,
                      const Exposure& exposure = {}) const;
 
@@ -53,19 +55,19 @@ class CameraRenderer {
     float x = 0.0f;
     float y = 0.0f;
     float slope = 0.0f;
-    float width_rad = 0.0f;     ///< bearing that the pixel covers
-    float slope_height = 0.0f;  ///< slope that the pixel covers
+    float width_rad = 0.0f;     ///< angular width of the pixel
+    float slope_height = 0.0f;  ///< extent of the pixel in slope
   };
   struct Column {
     float azimuth_min_rad = 0.0f;
     float azimuth_max_rad = 0.0f;
   };
 
-  /// What all shapes of one picture share.
+  /// Data shared by all shapes of one picture.
   struct Frame {
     const World& world;
     Pose2 T_map_camera;
-    const Lighting* lighting;   ///< none: the plain shading
+    const Lighting* lighting;   ///< null: simple shading
     float sun_x, sun_y, sun_z;  ///< direction to the sun in base axes
     Picture& picture;
   };
@@ -87,7 +89,7 @@ class CameraRenderer {
   double camera_x_m_ = 0.0;  ///< in base
   double camera_y_m_ = 0.0;
   double camera_height_m_ = 0.0;  ///< above the ground
-  double axis_rad_ = 0.0;         ///< azimuth of the picture's middle in base
+  double axis_rad_ = 0.0;         ///< azimuth of the picture's centre in base
   std::vector<Ray> rays_;
   ShadowMap shadows_;
   std::vector<Column> columns_;  ///< azimuths relative to axis_rad_

@@ -11,7 +11,7 @@
 namespace orchard::simulation {
 namespace {
 
-/// A place of the map in base axes from the camera's foot.
+/// A point in base axes, relative to the camera's foot.
 struct Place {
   float x_m;
   float y_m;
@@ -22,7 +22,7 @@ Place from_camera(const Pose2& T_map_camera, double x_m, double y_m) {
   return {p.x(), p.y()};
 }
 
-/// Where a level ray enters and leaves a rectangle, and the face through which it enters.
+/// Distances at which a level ray enters and leaves a rectangle, and the entry face.
 struct Crossing {
   float enter_m = 0.0f;
   float leave_m = std::numeric_limits<float>::infinity();
@@ -88,7 +88,7 @@ void CameraRenderer::draw_box(const Frame& frame, const Box& box) const {
       float facing = 0.0f, along_m = 0.0f, up_m = z_m - foot_m, fraction = 1.0f;
       const float pixel_m = t_m * r.slope_height;
       if (z_m > top_m) {
-        // over the near edge onto the lid
+        // The ray passes over the near edge and meets the top.
         if (r.slope >= 0.0f) continue;
         t_m = (top_m - camera_m) / r.slope;
         if (t_m > crossing.leave_m) continue;

@@ -56,7 +56,7 @@ pose::Imu InertialUnit::sample(const DrivePath& path, std::int64_t index, double
     force_mps2 = random.normal(0.0, config_.acceleration_sd_mps2);
   }
   imu.acceleration_mps2[0] += acceleration_bias_mps2_[0];
-  // at one speed on arcs: towards the middle of the curve
+  // Centripetal acceleration at constant speed on arcs.
   imu.acceleration_mps2[1] +=
       acceleration_bias_mps2_[1] + (drives ? path.speed_mps() * yaw_rate_radps : 0.0);
   imu.acceleration_mps2[2] += kGravity_mps2;

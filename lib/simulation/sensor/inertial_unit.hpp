@@ -10,7 +10,7 @@
 
 namespace orchard::simulation {
 
-/// An inertial unit fixed to base, its axes those of base, on level ground.
+/// An IMU fixed to base with the axes of base, on level ground.
 class InertialUnit {
  public:
   InertialUnit() = default;
@@ -19,7 +19,7 @@ class InertialUnit {
   /// Sample `index`, taken at a time of the run [s]. Leaves utime and seq 0.
   pose::Imu sample(const DrivePath& path, std::int64_t index, double time_s) const;
 
-  /// What the yaw rate is wrong by at a time, noise apart [rad/s].
+  /// Bias of the yaw rate at a time, without noise [rad/s].
   double yaw_rate_bias_radps(double time_s) const;
 
  private:
@@ -27,7 +27,7 @@ class InertialUnit {
   ImuConfig config_;
   double acceleration_bias_mps2_[2] = {0.0, 0.0};
   double yaw_bias_rad_ = 0.0;
-  std::vector<double> bias_radps_;  ///< every kWalkStep_s; between them on straight lines
+  std::vector<double> bias_radps_;  ///< every kWalkStep_s, linearly interpolated
 };
 
 }  // namespace orchard::simulation

@@ -12,9 +12,9 @@
 namespace orchard::simulation {
 namespace {
 
-constexpr int kNumRays = 9;  ///< across a spot; odd, so that one is its axis
+constexpr int kNumRays = 9;  ///< across a spot; odd, so that the middle one is its axis
 constexpr double kNoHit = std::numeric_limits<double>::infinity();
-constexpr double kSameSurface_m = 0.10;  ///< rays of one spot nearer than this see one surface
+constexpr double kSameSurface_m = 0.10;  ///< max range difference of rays on one surface
 
 struct Hit {
   double range_m = kNoHit;
@@ -22,7 +22,7 @@ struct Hit {
   double strength = 0.0;  ///< reflectivity times the cosine of incidence
 };
 
-/// Distance along a ray to a circle's near side, or kNoHit. Ray and circle in one frame.
+/// Distance along a ray to a circle's near side, or kNoHit. Ray and circle are in one frame.
 double ray_circle(double dx, double dy, double cx, double cy, double radius_m) {
   const double along_m = cx * dx + cy * dy;
   const double across_m = cx * dy - cy * dx;
@@ -32,14 +32,14 @@ double ray_circle(double dx, double dy, double cx, double cy, double radius_m) {
   return range_m > 0.0 ? range_m : kNoHit;
 }
 
-/// Where a ray enters a box, and the cosine of incidence there. Ray and box in one frame.
+/// Range at which a ray enters a box, and the cosine of incidence. Ray and box are in one frame.
 struct BoxHit {
   double range_m = kNoHit;
   double cosine = 0.0;
 };
 
 BoxHit ray_box(double dx, double dy, double cx, double cy, const Box& box) {
-  // into the box's own axes: slabs
+  // Slab method in the box's own axes.
   const double c = std::cos(box.yaw_rad), s = std::sin(box.yaw_rad);
   const std::array<double, 2> towards{c * dx + s * dy, -s * dx + c * dy};
   const std::array<double, 2> from{-(c * cx + s * cy), -(-s * cx + c * cy)};
@@ -61,10 +61,10 @@ BoxHit ray_box(double dx, double dy, double cx, double cy, const Box& box) {
   return enter_m > 0.0 && enter_m < leave_m ? BoxHit{enter_m, cosine} : BoxHit{};
 }
 
-/// What every ray of every beam hits first.
+/// The first hit of every ray of every beam.
 class RayFan {
  public:
-  /// `leaf_bits`: what is random about how far each beam goes into leaves.
+  /// `leaf_bits`: random bits for the penetration of beams into leaves.
   RayFan(const std::vector<Pose2>& T_map_laser, const ScannerConfig& scanner, int num_rays,
          std::uint64_t leaf_bits = 0)
       : poses_(T_map_laser),
@@ -101,7 +101,7 @@ class RayFan {
   const Hit* beam(int index) const { return &hits_[static_cast<std::size_t>(index) * num_rays_]; }
 
  private:
-  /// Every beam that may meet a circle, whose middle and radius are given.
+  /// Calls `function` for every beam that may meet a circle.
   template <class Function>
   void for_each_beam(double x_m, double y_m, double radius_m, const Function& function) {
     const double dx = x_m - middle_.x_m, dy = y_m - middle_.y_m;
@@ -116,7 +116,7 @@ class RayFan {
     }
     const double bearing_rad = std::atan2(dy, dx) - middle_.yaw_rad;
     const double step = scanner_.bearing_step_rad;
-    // the same direction once per turn: scanners of 360 degrees may begin anywhere
+    // Try each direction in several turns: scanners of 360 degrees may begin anywhere.
     for (int turn = -2; turn <= 2; ++turn) {
       const double centre = (geometry::wrap_angle_rad(bearing_rad) + 2.0 * geometry::kPi * turn -
                              scanner_.bearing_min_rad) /
@@ -129,15 +129,15 @@ class RayFan {
     }
   }
 
-  /// Of a beam, counted from the middle of the sweep.
+  /// Time of a beam relative to the middle of the sweep.
   double time_s(int beam) const {
     return (beam - scanner_.num_beams / 2) * scanner_.beam_period_us * 1e-6;
   }
 
-  /// A ray of a beam's spot: they leave side by side and part by the divergence.
+  /// A ray of a beam's spot: the rays start side by side and diverge.
   struct Ray {
     double dx = 1.0, dy = 0.0;    ///< direction in map
-    double x_m = 0.0, y_m = 0.0;  ///< where it leaves, in map
+    double x_m = 0.0, y_m = 0.0;  ///< start point, in map
   };
 
   Ray ray_of(const Pose2& pose, int beam, int ray) const {
@@ -153,7 +153,7 @@ class RayFan {
   const Pose2& pose_of(int beam) const { return poses_.size() == 1 ? poses_[0] : poses_[beam]; }
   Hit& hit_of(int beam, int ray) { return hits_[static_cast<std::size_t>(beam) * num_rays_ + ray]; }
 
-  /// How far a beam goes into leaves: each meets others, so depths are exponential (Beer-Lambert).
+  /// Penetration depth of a beam into leaves: exponentially distributed (Beer-Lambert).
   double leaf_depth_m(const Cylinder& cylinder, int beam) const {
     const auto which = static_cast<std::uint64_t>(cylinder.target) << 32;
     const std::uint64_t bits = mix_bits(leaf_bits_ ^ which ^ static_cast<std::uint64_t>(beam));
@@ -207,8 +207,7 @@ class RayFan {
   double turned_rad_ = 0.0;
 };
 
-/// What a spot reads: the surface nearest to the scanner that fills enough of it, or something
-/// between two.
+/// Range measured by a spot: of the nearest surface that fills enough of it, or a mixture of two.
 Hit read_spot(const Hit* rays, double mixed_draw, const ScannerConfig& scanner) {
   Hit nearest;
   for (int i = 0; i < kNumRays; ++i) {
@@ -234,7 +233,7 @@ Hit read_spot(const Hit* rays, double mixed_draw, const ScannerConfig& scanner) 
       std::max(1, static_cast<int>(std::ceil(scanner.return_fraction * kNumRays)));
   const bool split = num_far > 0 && num_near > kNumRays / 4 && num_far > kNumRays / 4;
   if (split && mixed_draw < scanner.mixed_probability) {
-    // a phase-shift scanner reads between two surfaces that fraction its spot
+    // A phase-shift scanner that sees two surfaces measures a range between them.
     return {(near_sum_m + far_sum_m) / (num_near + num_far), nearest.target,
             (near_strength + far_strength) / kNumRays};
   }
@@ -245,11 +244,11 @@ Hit read_spot(const Hit* rays, double mixed_draw, const ScannerConfig& scanner) 
   return {};
 }
 
-/// A hit from which on a thing shines back what beams beside it send.
+/// Min strength of a hit that counts as a reflector.
 constexpr double kShines = 2.0;
-constexpr double kBloomFraction = 0.5;  ///< of its strength that they get
+constexpr double kBloomFraction = 0.5;  ///< fraction of its strength in neighbouring beams
 
-/// What beams near a reflector read: the reflector, unless they meet something nearer.
+/// Blooming: beams near a reflector measure the reflector, unless they meet a nearer object.
 void bloom(const ScannerConfig& scanner, std::vector<Hit>& hits) {
   const auto reach = static_cast<int>(std::floor(scanner.bloom_rad / scanner.bearing_step_rad));
   if (reach == 0) return;
@@ -268,7 +267,7 @@ void bloom(const ScannerConfig& scanner, std::vector<Hit>& hits) {
 
 constexpr double kGroundStrength = 0.05;  ///< grazing
 
-/// Where a beam of a tilted scan plane meets the level ground.
+/// Range at which a beam of a tilted scan plane meets level ground.
 double ground_range_m(const ScannerConfig& scanner, const Tilt& tilt, int beam) {
   const double bearing_rad = scanner.bearing_min_rad + beam * scanner.bearing_step_rad;
   const double down =
@@ -276,7 +275,7 @@ double ground_range_m(const ScannerConfig& scanner, const Tilt& tilt, int beam) 
   return down > 1e-6 ? scanner.height_m / std::sin(std::min(down, 1.5)) : kNoHit;
 }
 
-/// In units of a white sheet's return, times 1000: scanners take the loss with range back.
+/// Intensity relative to a white sheet, times 1000; scanners compensate the loss with range.
 float intensity_of(const Hit& hit, double noise) {
   constexpr double kNoise = 0.04;
   return static_cast<float>(
@@ -308,7 +307,7 @@ std::vector<double> draw_scan_errors(const World& world, const ScannerConfig& sc
     }
     return errors;
   }
-  // a scan of a large orchard costs what is near: each target there has numbers of its own
+  // Each target has its own random numbers, so the cost depends only on the targets in range.
   const std::uint64_t scan_bits = random.bits();
   const auto draw = [&](int target) {
     if (target < 0 || target >= world.num_targets) return;
@@ -351,7 +350,8 @@ laser::Scan simulate_scan(const World& world, const std::vector<Pose2>& T_map_la
   std::vector<Hit> hits;
   std::vector<std::array<double, 2>> draws;  // dropout and noise of each beam
   for (int i = 0; i < scanner.num_beams; ++i) {
-    // drawn for every beam, hit or not: one target more leaves the others' noise as it was
+    // Draw for every beam, hit or not: an additional target does not change the noise of the
+    // others.
     const double mixed_draw = random.uniform();
     const double dropout_draw = random.uniform();
     draws.push_back({dropout_draw, random.normal()});

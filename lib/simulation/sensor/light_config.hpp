@@ -3,18 +3,18 @@
 
 namespace orchard::simulation {
 
-/// The light in a picture. Section `simulation.light`. Off: the plain shading of the first scenes.
+/// The light in a picture. Section `simulation.light`. Disabled: simple shading.
 struct LightConfig {
   bool enabled = false;
-  bool sun_from_seed = true;  ///< false: the two angles below
+  bool sun_from_seed = true;  ///< false: given by the two angles below
   double sun_azimuth_deg = 0.0;
   double sun_elevation_deg = 40.0;
-  double sun_fraction = 0.75;          ///< of the light on a surface that faces the sun
-  bool shadows = true;                 ///< cast by what stands there, and by crowns
-  double temperature_k = 5500.0;       ///< of the sun
-  double shade_temperature_ratio = 1;  ///< the sky's colour temperature over the sun's
+  double sun_fraction = 0.75;     ///< direct fraction of the light on a surface that faces the sun
+  bool shadows = true;            ///< cast by static objects and crowns
+  double temperature_k = 5500.0;  ///< of the sun
+  double shade_temperature_ratio = 1;  ///< colour temperature of the sky relative to the sun's
   double drift_ev_per_min = 0.0;
-  double drift_ev_amplitude = 0.0;  ///< of a sine, besides
+  double drift_ev_amplitude = 0.0;  ///< of an additional sine
   double drift_k_per_min = 0.0;
   double drift_k_amplitude = 0.0;
   double drift_period_s = 120.0;
@@ -39,17 +39,17 @@ void describe(Visitor& v, LightConfig& c) {
   v.number("drift_period_s", c.drift_period_s, 1, 1e5, "s", "of both sines");
 }
 
-/// What the camera makes of the light. Section `simulation.camera_response`; acts when
+/// Response of the camera to light. Section `simulation.camera_response`; takes effect when
 /// `simulation.light.enabled`.
 struct CameraResponseConfig {
-  double exposure_ev = 0.0;          ///< 0: white facing the sun just does not clip
-  double white_balance_k = 5500.0;   ///< the light that it shows as neutral
-  double auto_exposure = 0.0;        ///< fraction of the light's drift that it takes back
-  double auto_exposure_lag_s = 0.5;  ///< time constant with which it follows
-  double auto_white_balance = 0.0;   ///< fraction of the colour's drift that it takes back
+  double exposure_ev = 0.0;          ///< 0: white that faces the sun is just below clipping
+  double white_balance_k = 5500.0;   ///< light that is rendered neutral
+  double auto_exposure = 0.0;        ///< compensated fraction of the light's drift
+  double auto_exposure_lag_s = 0.5;  ///< time constant of the compensation
+  double auto_white_balance = 0.0;   ///< compensated fraction of the colour's drift
   double vignetting = 0.0;           ///< light lost in the picture's corners
   double gamma = 2.2;
-  double exposure_s = 0.0;  ///< smears the picture while the robot turns; 0 = sharp
+  double exposure_s = 0.0;  ///< motion blur while the robot turns; 0: sharp
 };
 
 template <class Visitor>

@@ -21,11 +21,11 @@ double drift(double per_min, double amplitude, double period_s, double time_s) {
   return per_min * time_s / 60.0 + amplitude * std::sin(2.0 * geometry::kPi * time_s / period_s);
 }
 
-/// What a first-order control with a time constant has reached of a signal at `time_s`.
+/// Response of a first-order control with a time constant to a signal, at `time_s`.
 template <class Signal>
 double lagged(const Signal& signal, double lag_s, double time_s) {
   if (lag_s <= 0.0 || time_s <= 0.0) return signal(time_s);
-  // the last twenty time constants hold all but 2e-9 of it
+  // The last twenty time constants contain all but 2e-9 of the response.
   constexpr int kSteps = 400;
   const double step_s = 20.0 * lag_s / kSteps;
   double sum = 0.0, weights = 0.0;
@@ -103,7 +103,7 @@ Lighting::Lighting(const LightConfig& light, const CameraResponseConfig& respons
 
 float Lighting::store(float light) const {
   const float x = std::clamp(light / 255.0f, 0.0f, 1.0f);
-  // square roots spread the dark end, where the curve is steep
+  // Index by the square root: finer steps at the dark end, where the curve is steep.
   const float place = std::sqrt(x) * static_cast<float>(curve_.size() - 1);
   const auto i = std::min(static_cast<std::size_t>(place), curve_.size() - 2);
   const float fraction = place - static_cast<float>(i);

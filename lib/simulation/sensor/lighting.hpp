@@ -8,39 +8,38 @@
 
 namespace orchard::simulation {
 
-/// Blue, green and red of a black body relative to those of another, green 1: how a camera whose
-/// white balance is set for `white_balance_k` shows light of `temperature_k`. Planck's law at 450,
-/// 540 and 610 nm, about where the Bayer filters of small sensors pass most.
+/// Blue, green and red gains, with green 1, of light of `temperature_k` in a camera whose white
+/// balance is set for `white_balance_k`. Ratio of black bodies by Planck's law at 450, 540 and 610
+/// nm, near the peaks of the Bayer filters of small sensors.
 std::array<double, 3> light_gains(double temperature_k, double white_balance_k);
 
-/// The light of a run relative to its beginning [EV], and its colour temperature [K].
+/// The light of a run relative to its start [EV], and its colour temperature [K].
 double light_ev(const LightConfig& light, double time_s);
 double light_temperature_k(const LightConfig& light, double time_s);
 
-/// Linear light from a stored value (0 to 255 both), at the usual gamma of 2.2.
+/// Converts a stored value to linear light (both 0 to 255), with a gamma of 2.2.
 float linear_of(float stored);
 inline Bgr linear_of(const Bgr& c) { return {linear_of(c.b), linear_of(c.g), linear_of(c.r)}; }
 
-/// Sun, sky and camera at one moment of a run: turns the linear light of a surface, as it would
-/// be under white light, into what the sensor collects.
+/// Sun, sky and camera at one moment of a run: converts the linear light of a surface under white
+/// light to the light that the sensor collects.
 class Lighting {
  public:
   Lighting(const LightConfig& light, const CameraResponseConfig& response, double time_s);
 
-  /// Linear light that a surface sends: `facing` is the cosine between its normal and the sun (0
-  /// when turned away), `open` the fraction of the sun that reaches it, `sky` the fraction of the
-  /// sky that it sees.
+  /// Linear light from a surface. `facing`: cosine between its normal and the sun (0 when turned
+  /// away); `open`: fraction of the sun that reaches it; `sky`: visible fraction of the sky.
   Bgr shade(const Bgr& albedo, float facing, float open, float sky) const {
     const float direct = sun_fraction_ * facing * open, around = (1.0f - sun_fraction_) * sky;
     return {albedo.b * (direct * sun_.b + around * sky_.b),
             albedo.g * (direct * sun_.g + around * sky_.g),
             albedo.r * (direct * sun_.r + around * sky_.r)};
   }
-  /// What shines by itself: the sky and what is far away.
+  /// Light from the sky and the far background.
   Bgr emit(const Bgr& c) const { return {c.b * sky_.b, c.g * sky_.g, c.r * sky_.r}; }
 
-  /// The stored value, 0 to 255, of linear light at a place of the picture; clips.
-  /// `corner` is the squared distance from the middle, 1 in the corners.
+  /// Converts linear light at a position of the picture to a stored value, 0 to 255; clips.
+  /// `corner` is the squared distance from the centre, 1 in the corners.
   Bgr store(const Bgr& light, float corner) const;
 
   double exposure_gain() const { return gain_; }

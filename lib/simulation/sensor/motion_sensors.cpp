@@ -10,7 +10,7 @@
 namespace orchard::simulation {
 namespace {
 
-/// NMEA GGA quality of a receiver that claims so much.
+/// NMEA GGA quality of a receiver that states this standard deviation.
 std::int8_t quality_of(double sd_m) {
   if (sd_m <= 0.05) return 4;  // RTK, fixed
   if (sd_m <= 0.5) return 5;   // RTK, float

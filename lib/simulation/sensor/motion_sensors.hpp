@@ -10,7 +10,7 @@
 
 namespace orchard::simulation {
 
-/// What the wheels get wrong for a whole run.
+/// Constant odometry errors of a run.
 struct OdometryErrors {
   double speed_scale = 0.0;  ///< measured = (1 + speed_scale) true
   double yaw_rate_bias_radps = 0.0;
@@ -20,20 +20,19 @@ struct OdometryErrors {
 OdometryErrors draw_odometry_errors(const MotionConfig& config, const WheelsConfig& wheels,
                                     Random& random);
 
-/// What encoders say at a time: the mean motion since `period_s` ago, with the run's errors and
-/// noise. The covariance states both. Wheels that slip turn more than the robot does while it
-/// turns; wheels in the air stand still. Leaves utime and seq 0.
+/// Simulates ODOMETRY at a time: the mean motion over the last `period_s`, with the run's errors
+/// and noise. The covariance states both. Slipping wheels turn more than the robot in curves;
+/// lifted wheels stand still. Leaves utime and seq 0.
 pose::Odometry simulate_odometry(const DrivePath& path, double time_s, double period_s,
                                  const OdometryErrors& errors, const MotionConfig& config,
                                  const WheelsConfig& wheels, double turn_slip, Random& random);
 
-/// A satellite fix of a place in map, which is east-north-up about `datum`, with noise of sd_m
-/// (twice that upwards) and a covariance and quality that claim stated_sd_m. Leaves utime and
-/// seq 0.
+/// Simulates a GNSS fix of a point in map, which is east-north-up about `datum`, with noise of sd_m
+/// (twice that upwards). Covariance and quality state stated_sd_m. Leaves utime and seq 0.
 pose::Gnss simulate_gnss(double x_m, double y_m, const std::array<double, 3>& datum, double sd_m,
                          double stated_sd_m, Random& random);
 
-/// A position measured from outside. Leaves utime and seq 0.
+/// Simulates an external pose measurement. Leaves utime and seq 0.
 pose::PoseFix simulate_fix(const Pose2& T_map_base, double sd_m, double yaw_sd_rad, Random& random);
 
 }  // namespace orchard::simulation

@@ -11,15 +11,15 @@ namespace {
 
 constexpr double kDay_s = 86400.0;
 
-/// Steps of the wandering error in one time constant: between two it is a straight line.
+/// Steps of the slowly varying error per time constant; linear interpolation between them.
 constexpr double kStepsPerTime = 10.0;
 
-/// A day is kept in at most so many numbers.
+/// Max number of steps per day.
 constexpr double kStepsMax = 1e6;
 
 enum Part : std::uint64_t { kGaps, kPauses, kReflections, kWander };
 
-/// How long something without memory lasts.
+/// Draws a duration from the exponential distribution.
 double exponential(double mean, Random& random) { return -mean * std::log(1.0 - random.uniform()); }
 
 }  // namespace
@@ -30,7 +30,7 @@ ReceiverSky::ReceiverSky(std::uint64_t seed, const SkyConfig& config) : config_(
     Random random = stream(kGaps);
     double time_s = exponential(config.gap_every_s, random);
     while (time_s < kDay_s) {
-      // as many between one and two minutes as between half a minute and one
+      // Uniform in the logarithm of the length.
       const double ratio = config.gap_max_s / config.gap_min_s;
       const double end_s = time_s + config.gap_min_s * std::pow(ratio, random.uniform());
       gaps_.push_back({time_s, end_s, Eigen::Vector2d::Zero()});

@@ -10,23 +10,23 @@
 
 namespace orchard::simulation {
 
-/// What the sky does to a receiver in the course of time: gaps and bursts of fixes, an error that
-/// wanders, reflected signals for a while. Drawn once for a day, which then repeats.
+/// Time-correlated effects on a GNSS receiver: gaps and bursts of fixes, a slowly varying error,
+/// multipath. Drawn once for a day, which then repeats.
 class ReceiverSky {
  public:
   ReceiverSky() = default;
   ReceiverSky(std::uint64_t seed, const SkyConfig& config);
 
-  /// Whether fixes come at a time of the run [s].
+  /// True if fixes are available at a time of the run [s].
   bool is_open(double time_s) const;
 
-  /// East and north by which a fix is off, besides its own noise [m].
+  /// Error of a fix, east and north, without its own noise [m].
   Eigen::Vector2d error_m(double time_s) const;
 
-  /// Whether signals are reflected then.
+  /// True during multipath.
   bool is_reflected(double time_s) const;
 
-  /// Standard deviation of the wandering error per axis [m].
+  /// Standard deviation of the slowly varying error per axis [m].
   double wander_sd_m() const { return config_.wander_sd_m; }
 
  private:

@@ -34,7 +34,7 @@ std::optional<pose::Gnss> SatelliteReceiver::fix(const DrivePath& path, std::int
                                                  double time_s) const {
   if (config_.outage.number_at(time_s) >= 0 || !sky_.is_open(time_s)) return std::nullopt;
   if (const int freeze = config_.freeze.number_at(time_s); freeze >= 0) {
-    // the last fix before, noise and all
+    // Repeat the last fix before, with its noise.
     const double rate_hz = motion_.gnss_rate_hz;
     const double since_s = time_s - config_.freeze.begin_s(freeze);
     const auto back =

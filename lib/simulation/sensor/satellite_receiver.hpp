@@ -11,15 +11,15 @@
 
 namespace orchard::simulation {
 
-/// A satellite receiver on a driving robot, with all that section `simulation.gnss` says.
-/// What a stretch of an alley hides it hides on every lap.
+/// A GNSS receiver on a driving robot with all effects of section `simulation.gnss`. Canopy covers
+/// the same alley segments on every lap.
 class SatelliteReceiver {
  public:
   SatelliteReceiver() = default;
   SatelliteReceiver(std::uint64_t seed, const SimulationConfig& config);
 
-  /// Fix `index`, due at a time of the run [s], with the robot on `path`; none when there is no
-  /// sky. Leaves utime and seq 0.
+  /// Fix `index`, due at a time of the run [s], with the robot on `path`; none without sky view.
+  /// Leaves utime and seq 0.
   std::optional<pose::Gnss> fix(const DrivePath& path, std::int64_t index, double time_s) const;
 
  private:

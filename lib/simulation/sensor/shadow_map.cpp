@@ -11,9 +11,9 @@ namespace orchard::simulation {
 namespace {
 
 constexpr double kCell_m = 0.04;
-constexpr double kBeside_m = 6.0;         ///< around everything that stands
-constexpr double kThinnest_m = 0.012;     ///< thinner things cast nothing that a cell could show
-constexpr double kLongest_cotangent = 6;  ///< a sun under ten degrees casts as one at ten
+constexpr double kBeside_m = 6.0;         ///< margin of the grid around all objects
+constexpr double kThinnest_m = 0.012;     ///< thinner objects are below the resolution of a cell
+constexpr double kLongest_cotangent = 6;  ///< limit of the sun's elevation, about ten degrees
 
 }  // namespace
 
@@ -81,7 +81,7 @@ void ShadowMap::add(const Box& box) {
 }
 
 void ShadowMap::add(const Crown& crown) {
-  // a ball's shadow: an ellipse, longer away from the sun
+  // The shadow of a ball: an ellipse, longer away from the sun.
   const double middle_x_m = crown.x_m - towards_x_ * cotangent_ * crown.z_m;
   const double middle_y_m = crown.y_m - towards_y_ * cotangent_ * crown.z_m;
   const double long_m = crown.radius_m / sine_;
@@ -93,7 +93,7 @@ void ShadowMap::add(const Crown& crown) {
       Cell* cell = at(middle_x_m + towards_x_ * along_m - towards_y_ * across_m,
                       middle_y_m + towards_y_ * along_m + towards_x_ * across_m);
       if (cell == nullptr) continue;
-      // the same leaves as drawn: gaps between clumps, more of them towards the border
+      // The same leaves as rendered: gaps between clumps, more of them towards the border.
       const auto a = static_cast<float>(along_m * sine_), b = static_cast<float>(across_m);
       const float leaves = 0.6f * value_noise(a * 9.0f, b * 9.0f, seed) +
                            0.4f * value_noise(a * 3.0f, b * 3.0f, seed + 1);

@@ -19,7 +19,7 @@ float lattice(std::int32_t x, std::int32_t y, std::uint32_t seed) {
   return static_cast<float>(h >> 8) * (2.0f / 16777216.0f) - 1.0f;
 }
 
-/// Fraction of a pattern that is left when a pixel covers `footprint_m` of it.
+/// Remaining contrast of a pattern when a pixel covers `footprint_m` of it.
 float visible(float footprint_m, float size_m) {
   return 1.0f / (1.0f + 2.0f * footprint_m / size_m);
 }
@@ -94,7 +94,7 @@ Bgr surface_colour(const Appearance& appearance, const Bgr& base, float angle_ra
     case Appearance::Texture::kCardboard: {
       const float grain =
           value_noise(around_m * 90.0f, height_m * 90.0f, seed) * visible(footprint_m, 0.011f);
-      // the seam along which a mailing tube is wound
+      // The spiral seam of a mailing tube.
       const float turns = angle_rad / 6.2831853f + height_m / 0.28f;
       const float seam = std::abs(turns - std::round(turns)) * 0.28f;
       const float dark = seam < 0.003f ? 0.12f * visible(footprint_m, 0.006f) : 0.0f;
@@ -126,7 +126,7 @@ Bgr surface_colour(const Appearance& appearance, const Bgr& base, float angle_ra
       const Bgr skin = patch > 0.0f ? mix(base, lichen, std::min(1.0f, 1.2f * patch))
                                     : mix(base, moss, std::min(1.0f, -1.2f * patch));
       const float dark = band > 0.3f ? 0.9f * (band - 0.3f) : 0.0f;  // lenticels run around
-      // plates, scars and knots of a few centimetres: what is left of bark from some metres away
+      // Plates, scars and knots of a few centimetres, which are visible from some metres away.
       const float plate =
           value_noise(around_m * 26.0f, height_m * 24.0f, seed + 3) * visible(footprint_m, 0.04f);
       return skin * std::max(0.15f, 1.0f + 0.38f * streak + kPlates * plate - dark);

@@ -23,20 +23,20 @@ inline Bgr mix(const Bgr& a, const Bgr& b, float fraction_of_b) {
 /// Hue [deg], saturation and value in [0, 1].
 Bgr from_hsv(double hue_deg, double saturation, double value);
 
-/// Smooth noise in [-1, 1] over a lattice of whole numbers, periodic nowhere.
+/// Smooth, aperiodic noise in [-1, 1] on an integer lattice.
 float value_noise(float x, float y, std::uint32_t seed);
 
-/// Colour of the ground at a place of the map; `footprint_m` is what one pixel covers there.
+/// Colour of the ground at a point of the map; `footprint_m` is the extent of one pixel there.
 Bgr ground_colour(const World& world, float x_m, float y_m, float footprint_m);
 
-/// Colour of what is far away in a direction; slope is rise over horizontal distance.
+/// Colour of the far background in a direction; slope is rise over horizontal distance.
 Bgr backdrop_colour(const World& world, float azimuth_rad, float slope);
 
-/// Slope below which the ground is seen and above which the backdrop is, for a camera at a height.
+/// Slope of the horizon for a camera at a height: the ground is below it, the background above.
 float horizon_slope(const World& world, float camera_height_m);
 
-/// Colour of a cylinder's surface before light: at an angle around it [rad] and a height above its
-/// foot; `base` is from_hsv of its appearance.
+/// Colour of a cylinder's surface before lighting, at an angle around it [rad] and a height above
+/// its foot; `base` is from_hsv of its appearance.
 Bgr surface_colour(const Appearance& appearance, const Bgr& base, float angle_rad, float radius_m,
                    float height_m, float footprint_m);
 

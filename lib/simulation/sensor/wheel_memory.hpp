@@ -10,14 +10,14 @@
 
 namespace orchard::simulation {
 
-/// Errors of wheels that last: slip that belongs to the ground (the same wherever the robot comes
-/// by again), a scale that changes with the load, a bias of the yaw rate that wanders.
+/// Time-correlated wheel errors: slip that depends on the ground (equal on every pass), a scale
+/// that changes with the load, a slowly varying bias of the yaw rate.
 class WheelMemory {
  public:
   WheelMemory() = default;
   WheelMemory(std::uint64_t seed, const WheelsConfig& config, double duration_s);
 
-  /// The run's errors with those of a time and a place; unchanged where nothing lasts.
+  /// The run's errors plus those of a time and place; unchanged if none are configured.
   OdometryErrors errors_at(const OdometryErrors& run, double time_s, const Pose2& T_map_base) const;
 
  private:
@@ -25,7 +25,7 @@ class WheelMemory {
 
   std::uint64_t seed_ = 0;
   WheelsConfig config_;
-  std::vector<double> bias_radps_;  ///< every second
+  std::vector<double> bias_radps_;  ///< one value per second
 };
 
 }  // namespace orchard::simulation

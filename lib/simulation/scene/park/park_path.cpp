@@ -13,15 +13,15 @@
 namespace orchard::simulation {
 namespace {
 
-constexpr double kStep_m = 1.0;          // of constant curvature
-constexpr double kLookAhead_m = 12.0;    // of the driver (pure pursuit)
-constexpr double kLockToLock_m = 9.0;    // driven while the wheel is turned all the way
-constexpr double kBorder_m = 10.0;       // of the ground, without places to go to
-constexpr double kFormerFraction = 0.5;  // of the places: where the car was before
-constexpr double kLegMin_turns = 6.0;    // shortest leg, in turning radii
+constexpr double kStep_m = 1.0;          // length of a piece of constant curvature
+constexpr double kLookAhead_m = 12.0;    // look-ahead distance of pure pursuit
+constexpr double kLockToLock_m = 9.0;    // distance driven while steering from lock to lock
+constexpr double kBorder_m = 10.0;       // border of the ground without waypoints
+constexpr double kFormerFraction = 0.5;  // fraction of the waypoints that revisit earlier ones
+constexpr double kLegMin_turns = 6.0;    // min distance between waypoints, in turning radii
 constexpr int kNumPathTries = 100;
 
-/// Places to go to, one after the other.
+/// The sequence of waypoints.
 class Places {
  public:
   Places(std::uint64_t seed, const ParkConfig& config)
@@ -62,7 +62,8 @@ DrivePath make_park_path(std::uint64_t seed, const ParkConfig& config) {
   Eigen::Vector2d p = Eigen::Vector2d::Zero();
   Eigen::Vector2d goal = places.next(p);
   const double lock_per_m = 1.0 / config.turn_radius_m;
-  // A place is reached within the turning circle, which the car could otherwise go round for ever.
+  // A waypoint counts as reached within the turning circle; otherwise the car could circle around
+  // it forever.
   const double reached_m = 2.0 * config.turn_radius_m;
   double curvature_per_m = 0.0;
   while (path.length_m() < config.way_m) {

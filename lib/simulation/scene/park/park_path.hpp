@@ -8,9 +8,9 @@
 
 namespace orchard::simulation {
 
-/// The way of a car through a park: from the middle to places drawn at random, half of them places
-/// where it was before, which it then reaches from another side. It steers as a car does: no
-/// tighter than its turning circle, and no faster from lock to lock than a driver turns the wheel.
+/// Makes the path of a car through a park: from the centre to random waypoints, half of them
+/// visited before and now reached from another side. The car steers realistically: its curvature is
+/// limited by the turning circle, its change of curvature by the speed of the steering wheel.
 DrivePath make_park_path(std::uint64_t seed, const ParkConfig& config);
 
 }  // namespace orchard::simulation

@@ -18,10 +18,10 @@
 namespace orchard::simulation {
 namespace {
 
-constexpr double kLane_m = 2.0;          // half the width of the way that is kept clear
-constexpr double kGroup_m = 8.0;         // farthest from another tree of its group
-constexpr double kBushSize_m = 1.6;      // of the widest
-constexpr double kTwigsPerMetre = 40.0;  // of a bush's width
+constexpr double kLane_m = 2.0;          // half width of the clear lane along the path
+constexpr double kGroup_m = 8.0;         // max distance to another tree of its group
+constexpr double kBushSize_m = 1.6;      // width of the widest bush
+constexpr double kTwigsPerMetre = 40.0;  // per metre of bush width
 constexpr int kNumPlaceTries = 200;
 
 class ParkBuilder {
@@ -48,7 +48,7 @@ class ParkBuilder {
 
  private:
   void add_tree() {
-    // thin trunks are many, thick ones few: even in the logarithm
+    // Uniform in the logarithm: many thin trunks, few thick ones.
     const double width_m =
         config_.trunk_width_min_m *
         std::pow(config_.trunk_width_max_m / config_.trunk_width_min_m, place_.uniform());
@@ -70,7 +70,7 @@ class ParkBuilder {
     trees_.insert(static_cast<int>(number), *p);
   }
 
-  /// A ragged cluster of twigs.
+  /// Adds a bush: an irregular cluster of twigs.
   void add_bush() {
     const double size_m = place_.uniform(0.3, 1.0) * kBushSize_m;
     const auto p = find_place(0.5 * size_m, false);
@@ -95,7 +95,7 @@ class ParkBuilder {
     trees_.insert(static_cast<int>(scene_.truth.size()) - 1, *p);
   }
 
-  /// Clear of the way and of what stands there already; none where the park is full.
+  /// Finds a position clear of the path and of all objects; none if the park is full.
   std::optional<Eigen::Vector2d> find_place(double radius_m, bool grouped) {
     for (int i = 0; i < kNumPlaceTries; ++i) {
       const double u = place_.uniform(), w = place_.uniform();

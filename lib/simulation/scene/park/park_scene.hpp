@@ -8,8 +8,8 @@
 
 namespace orchard::simulation {
 
-/// A park: trees of all widths in groups and alone, in no order, and bushes, all clear of the way
-/// of the car (make_park_path).
+/// Makes a park: trees of all widths, in groups and alone, and bushes, all clear of the car's path
+/// (make_park_path).
 Scene make_park_scene(std::uint64_t seed, const ParkConfig& config);
 
 }  // namespace orchard::simulation

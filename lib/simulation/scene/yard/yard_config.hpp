@@ -3,10 +3,10 @@
 
 namespace orchard::simulation {
 
-/// A yard between blocks. Section `simulation.yard`.
+/// A farm yard between blocks. Section `simulation.yard`.
 struct YardConfig {
   double speed_mps = 1.0;
-  int num_trees = 45;               ///< scattered, beside those of the block
+  int num_trees = 45;               ///< scattered trees, in addition to those of the block
   double hedge_roughness_m = 0.15;  ///< sd of a hedge's face about its line
 };
 

@@ -20,14 +20,14 @@ constexpr int kTreesPerRow = 20;
 constexpr double kRowsBegin_m = 10.0;
 constexpr double kMissingFraction = 0.1;
 constexpr double kTwigSpacing_m = 0.15;  ///< along a hedge
-constexpr double kHedgeDepth_m = 0.5;    ///< beams end anywhere in it
+constexpr double kHedgeDepth_m = 0.5;    ///< beams end anywhere within it
 constexpr double kHedgeSway_m = 0.03;
-constexpr double kCurveRadius_m = 1.2;  ///< a metre of way turns half the view away
-constexpr double kClear_m = 2.5;        ///< from the way to a scattered tree or a crate
+constexpr double kCurveRadius_m = 1.2;  ///< a metre of path turns half the view away
+constexpr double kClear_m = 2.5;  ///< min distance of a scattered tree or a crate from the path
 
 using Places = std::vector<Eigen::Vector2d>;
 
-/// The corners of the way: alleys of the block up and down, and rings of several sizes around shed
+/// The corners of the path: alleys of the block up and down, and rings of several sizes around shed
 /// and block, some driven in both directions.
 Places corners() {
   return {// up the middle alley, around the block's north, between block hedge and shed, home
@@ -80,7 +80,7 @@ DrivePath path_along(const Places& at, double speed_mps) {
     return std::atan2(way.y(), way.x());
   };
   DrivePath path({at[0].x(), at[0].y(), heading(0)}, speed_mps);
-  double cut_m = 0.0;  // of the straight by the corner behind
+  double cut_m = 0.0;  // length cut from the straight line by the previous corner
   for (std::size_t i = 0; i + 1 < at.size(); ++i) {
     const double length_m = (at[i + 1] - at[i]).norm();
     if (i + 2 == at.size()) {
@@ -109,7 +109,7 @@ class YardBuilder {
     world.indoors = false;
     world.texture_seed = static_cast<std::uint32_t>(appearance_.bits());
     Places way = corners();
-    // the corners outside the block differ from drive to drive
+    // The corners outside the block differ from drive to drive.
     for (std::size_t i = 1; i < way.size(); ++i) {
       const bool in_block = std::abs(way[i].x()) < 13.0;
       const double most_m = in_block ? 0.3 : 1.5;
@@ -153,7 +153,7 @@ class YardBuilder {
     const double yaw_rad = jitter(0.12);
     const double length_m = place_.uniform(30.0, 38.0), width_m = place_.uniform(12.0, 16.0);
     add_box({x_m, y_m}, yaw_rad, {0.0, 0.0}, {length_m, width_m});
-    // a lean-to, gate posts and what stands along the walls
+    // A lean-to, gate posts and objects along the walls.
     const double side_m = 0.5 * width_m;
     add_box({x_m, y_m}, yaw_rad, {place_.uniform(-9.0, 9.0), side_m + 1.5}, {6.0, 3.0});
     for (int i = 0; i < 10; ++i) {
@@ -179,7 +179,7 @@ class YardBuilder {
     scene_.world.boxes.push_back(box);
   }
 
-  /// Bunches of leaves about a line, whose face comes and goes.
+  /// Adds a hedge: bunches of leaves along a line, with a rough face.
   void add_hedge(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
     const double length_m = (to - from).norm();
     const Eigen::Vector2d along = (to - from) / length_m;

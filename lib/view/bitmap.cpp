@@ -7,7 +7,7 @@
 namespace orchard::view {
 namespace {
 
-/// Little-endian, as the format has its numbers.
+/// Little-endian, as required by the format.
 void add_number(std::string& bytes, std::uint32_t value, int num_bytes) {
   for (int k = 0; k < num_bytes; ++k) bytes += static_cast<char>(value >> (8 * k));
 }
@@ -30,13 +30,13 @@ std::string bitmap(const vision::Image& image) {
   add_number(bytes, static_cast<std::uint32_t>(size), 4);
   add_number(bytes, 0, 4);
   add_number(bytes, kHeader, 4);
-  add_number(bytes, 40, 4);  // size of what follows
+  add_number(bytes, 40, 4);  // size of the following header
   add_number(bytes, static_cast<std::uint32_t>(wide), 4);
   add_number(bytes, static_cast<std::uint32_t>(high), 4);
   add_number(bytes, 1, 2);   // planes
-  add_number(bytes, 24, 2);  // bits of a pixel
+  add_number(bytes, 24, 2);  // bits per pixel
   for (int k = 0; k < 6; ++k) add_number(bytes, 0, 4);
-  for (std::size_t row = high; row-- > 0;) {  // from the bottom up
+  for (std::size_t row = high; row-- > 0;) {  // bottom row first
     for (std::size_t k = row * wide; k < (row + 1) * wide; ++k) {
       for (std::size_t c = 0; c < 3; ++c) {
         bytes += static_cast<char>(image.data[is_gray ? k : 3 * k + c]);

@@ -7,8 +7,8 @@
 
 namespace orchard::view {
 
-/// A raw picture (BGR8 or GRAY8, of as many bytes as its size says) as a Windows bitmap of 24 bits,
-/// which browsers show; empty for any other.
+/// Converts a raw image (BGR8 or GRAY8 with the number of bytes of its size) to a 24-bit Windows
+/// bitmap, which browsers display. Empty for any other image.
 std::string bitmap(const vision::Image& image);
 
 }  // namespace orchard::view

@@ -17,15 +17,15 @@ using mapping::Landmark;
 
 namespace {
 
-// Of one answer at most: some hundred kilobytes.
+// Max content of one response: some hundred kilobytes.
 constexpr std::size_t kStepsOfNews = 4000, kChangesOfNews = 2000, kPathsOfNews = 20;
 
-// What can be seen of a change: the page's lines are a pixel wide, of a view some ten metres wide.
+// Minimum visible changes: lines are a pixel wide in a view of about ten metres.
 constexpr double kSeen_m = 0.005;
 constexpr double kSeenProbability = 0.05;
 constexpr double kPathStep_m = 0.05;
 
-/// A path is kept anew when it was corrected; after each so many only half as often.
+/// After each such number of kept paths, the rate of keeping corrected paths is halved.
 constexpr std::size_t kPathsPerStride = 100;
 
 bool are_shown_alike(const Landmark& a, const Landmark& b) {

@@ -16,41 +16,41 @@
 
 namespace orchard::view {
 
-/// How much of a drive a page has been told: so many steps, changes of the map, paths.
+/// How much of a drive has been sent to a page: numbers of steps, map changes and paths.
 struct DriveSeen {
   std::size_t steps = 0, changes = 0, paths = 0;
 };
 
-/// A drive scan by scan, as it was known then: each scan is a step, with the robot's pose, the map
-/// as grown until then and the path as believed then.
+/// Record of a drive, scan by scan: each scan is a step with the robot's pose, the map and the path
+/// as estimated at that time.
 ///
-/// Of a landmark that is seen again and again only changes that can be seen on the page are kept;
-/// of many corrected paths every second, then fourth, is kept.
+/// Changes of a landmark too small to be visible on the page are not kept. Of many corrected paths
+/// every second, later every fourth, is kept, and so on.
 class DriveRecord {
  public:
-  /// Landmarks seen less often than `min_observations` are not shown.
+  /// Landmarks with fewer than `min_observations` observations are not shown.
   explicit DriveRecord(int min_observations) : min_observations_(min_observations) {}
 
-  /// One step: its scan has been looked at.
+  /// Adds one step: the detections of its scan.
   void take(const detection::Detections& detections);
   void take(const pose::PoseEstimate& pose);
   void take(const pose::TrajectoryPage& page);
   void take(const mapping::MapTile& tile);
 
-  /// The finished, numbered map: the last step shows it.
+  /// Ends the drive with the finished, numbered map, which the last step shows.
   void finish(const std::vector<mapping::Landmark>& landmarks);
 
-  /// Steps whose pose is known; all of them at the end.
+  /// Number of steps with a known pose; at the end all steps.
   std::size_t num_steps() const;
   std::int64_t utime_of(std::size_t step) const { return step_utimes_.at(step); }
 
-  /// Pose of base at a step's scan; none before the first pose.
+  /// Pose of base at the scan of a step; none before the first pose.
   std::optional<geometry::Pose2> pose_at(std::size_t step) const;
 
-  /// What is new to somebody, as JSON without braces, and `seen` brought up to date: "from", "t"
-  /// (ms after the first step), "x", "y", "yaw", "covariance" (xx, xy, yy of each); "changes":
-  /// {"step", "removed", "landmarks": columns}; "paths": [{"step", "points"}], the path until that
-  /// step as it was believed from then on; "num_steps", "is_done", "is_more".
+  /// Returns the new data for a page as JSON without braces and updates `seen`: "from", "t" (ms
+  /// after the first step), "x", "y", "yaw", "covariance" (xx, xy, yy of each); "changes": {"step",
+  /// "removed", "landmarks": columns}; "paths": [{"step", "points"}], the path up to that step as
+  /// estimated from then on; "num_steps", "is_done", "is_more".
   std::string news_json(DriveSeen& seen) const;
 
  private:
@@ -78,9 +78,9 @@ class DriveRecord {
   std::vector<std::int64_t> step_utimes_;
   std::vector<Pose> poses_;
   std::vector<Change> changes_;
-  std::map<std::int32_t, mapping::Landmark> shown_;  ///< as the last change of each left it
+  std::map<std::int32_t, mapping::Landmark> shown_;  ///< state after the last change of each
   std::vector<Path> paths_;
-  std::optional<Path> skipped_path_;  ///< the newest, where it was left out
+  std::optional<Path> skipped_path_;  ///< the newest path, if it was skipped
   std::size_t num_paths_ = 0;
   std::size_t path_stride_ = 1;
   pose::TrajectoryCollector collector_;

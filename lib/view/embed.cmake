@@ -1,5 +1,5 @@
 # cmake -DOUT=FILE -DWEB=FOLDER -DSCRIPTS=LIST -P embed.cmake: the files of the page as a C++ source,
-# and the checksums by which the page's policy knows its own script and style.
+# and the hashes of script and style for the content security policy.
 cmake_minimum_required(VERSION 3.22)
 set(script "(() => {\n\"use strict\";\n")
 foreach(name IN LISTS SCRIPTS)
@@ -30,7 +30,7 @@ function(base64_of_sha256 text out)
       string(APPEND result "${character}")
     endforeach()
   endforeach()
-  string(SUBSTRING "${result}" 0 43 result)  # 32 bytes: the last of 44 stands for nothing
+  string(SUBSTRING "${result}" 0 43 result)  # 32 bytes: the last of the 44 digits is padding
   set(${out} "${result}=" PARENT_SCOPE)
 endfunction()
 base64_of_sha256("${script}" script_sum)

@@ -9,12 +9,13 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-/// Directions from the last kept point, about that of the first point after it.
+/// Range of directions from the last kept point, relative to the direction of the first point after
+/// it.
 struct Cone {
-  bool is_open = false;  ///< no point has narrowed it yet
+  bool is_open = false;  ///< not narrowed by any point yet
   double middle_rad = 0.0;
-  double least_rad = -kPi, most_rad = kPi;  ///< relative to the middle
-  double reach_m = 0.0;                     ///< distance of the farthest point in it
+  double least_rad = -kPi, most_rad = kPi;  ///< relative to middle_rad
+  double reach_m = 0.0;                     ///< distance of the farthest point
 };
 
 double relative(double angle_rad, double to_rad) {
@@ -32,7 +33,7 @@ std::vector<Eigen::Vector2d> thinned_line(const std::vector<Eigen::Vector2d>& li
     const auto allows = [&](const Eigen::Vector2d& p) {
       const Eigen::Vector2d step = p - kept.back();
       const double distance_m = step.norm();
-      // A line that turns back would lie on itself, but not reach as far.
+      // A line that turns back stays inside the cone but does not reach as far.
       if (distance_m + tolerance_m < cone.reach_m) return false;
       if (distance_m <= tolerance_m) return true;
       const double angle_rad = std::atan2(step.y(), step.x());

@@ -6,9 +6,9 @@
 
 namespace orchard::view {
 
-/// The line with fewer points: those left out lie within `tolerance_m` of the line through those
-/// kept, of which the first and last are two. One pass (a cone of directions that every point left
-/// out allows: Williams 1978, Zhao and Saalfeld 1997).
+/// Simplifies a line: omitted points lie within `tolerance_m` of the line through the remaining
+/// ones, which include the first and the last. One pass with a cone of directions that all omitted
+/// points allow (Williams 1978, Zhao and Saalfeld 1997).
 std::vector<Eigen::Vector2d> thinned_line(const std::vector<Eigen::Vector2d>& line,
                                           double tolerance_m);
 

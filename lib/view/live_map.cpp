@@ -11,7 +11,7 @@ using mapping::Landmark;
 
 namespace {
 
-/// Of the slow refresh most says nothing new.
+/// Most tiles of the slow refresh contain no change.
 bool is_same(const Landmark& a, const Landmark& b) {
   return a.id == b.id && a.label == b.label && a.num_observations == b.num_observations &&
          a.x_m == b.x_m && a.y_m == b.y_m && a.width_m == b.width_m &&

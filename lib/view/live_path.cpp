@@ -6,13 +6,13 @@
 namespace orchard::view {
 namespace {
 
-/// Of the last poses so many are kept to place scans with: some seconds of any localiser.
+/// Max number of recent poses kept to place scans: some seconds of any localization.
 constexpr std::size_t kRecentMax = 200;
 
 }  // namespace
 
 void LivePath::take(const pose::PoseEstimate& pose) {
-  if (last_ && pose.utime < last_->utime) recent_.clear();  // a clock that was set back
+  if (last_ && pose.utime < last_->utime) recent_.clear();  // the clock was set back
   last_ = pose;
   if (recent_.size() >= kRecentMax) {
     recent_.erase(recent_.begin(), recent_.begin() + kRecentMax / 2);

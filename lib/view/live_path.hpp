@@ -12,26 +12,26 @@
 
 namespace orchard::view {
 
-/// Where the robot was, bounded however long it drives: a point every so often, and the poses of
-/// the last moments.
+/// Path of the robot with bounded memory: points at a step that grows with the length, and the
+/// poses of the last seconds.
 class LivePath {
  public:
-  /// Points that the path has at most; beyond, every second is left out and the step doubles.
+  /// Max number of points; beyond it every second point is dropped and the step doubles.
   static constexpr std::size_t kPointsMax = 20000;
 
   void take(const pose::PoseEstimate& pose);
 
-  /// A page of the corrected past: with its last the path is drawn anew.
+  /// Adds a page of the corrected trajectory; with the last page the path is replaced.
   void take(const pose::TrajectoryPage& page);
 
   const std::optional<pose::PoseEstimate>& last() const { return last_; }
 
-  /// Pose of base at a time between two of the last poses; none before or after.
+  /// Interpolated pose of base among the last poses; none outside their times.
   std::optional<geometry::Pose2> pose_at(std::int64_t utime) const;
 
   const std::vector<Eigen::Vector2d>& points() const { return points_; }
 
-  /// +1 whenever points that were there have changed.
+  /// Incremented whenever existing points have changed.
   std::int64_t generation() const { return generation_; }
 
  private:

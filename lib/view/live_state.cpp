@@ -10,7 +10,7 @@
 namespace orchard::view {
 namespace {
 
-/// Pictures that wait for their DETECTIONS: a detector is never farther behind.
+/// Max number of images waiting for their DETECTIONS; the detector is never further behind.
 constexpr std::size_t kImagesMax = 12;
 
 }  // namespace
@@ -42,7 +42,7 @@ void LiveState::place_scan() {
 void LiveState::take(const vision::Image& image) {
   images_.push_back(image);
   if (images_.size() > kImagesMax) images_.pop_front();
-  // Without a detector the picture itself is all there is to show.
+  // Without a detector, show the plain image.
   if (detections_.utime == 0) show(image);
 }
 

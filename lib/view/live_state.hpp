@@ -18,7 +18,7 @@
 
 namespace orchard::view {
 
-/// What somebody who looks on has been told already.
+/// What has already been sent to a viewer.
 struct Seen {
   std::int64_t map = 0, path_generation = -1, pose = 0, scan = 0, observation = 0, rows = 0,
                status = 0;
@@ -26,16 +26,15 @@ struct Seen {
   std::size_t num_path_points = 0;
 };
 
-/// What a live drive shows, of which only the newest counts: bounded, whoever looks on or not.
+/// The latest state of a live drive, with bounded memory, independent of the number of viewers.
 ///
-/// Events are JSON objects, each with "kind": "map" {"landmarks" in columns, "removed"}, "path"
+/// Events are JSON objects with a "kind": "map" {"landmarks" in columns, "removed"}, "path"
 /// {"is_new", "points" [x, y, ...]}, "pose" {"utime", "x", "y", "yaw", "covariance" xx xy yy},
-/// "scan"
-/// {"points" [x, y, ...]}, "look" (see look_json()), "rows" {"rows", "ways"}, "status",
+/// "scan" {"points" [x, y, ...]}, "look" (see look_json()), "rows" {"rows", "ways"}, "status",
 /// "corrections". Map frame, metres.
 class LiveState {
  public:
-  /// Landmarks of one event at most.
+  /// Max number of landmarks in one event.
   static constexpr std::size_t kLandmarksOfEvent = 1000;
 
   LiveState(const detection::Rig& rig, int min_observations);
@@ -47,26 +46,26 @@ class LiveState {
   void take(const pose::TrajectoryPage& page) { path_.take(page); }
   void take(const mapping::MapTile& tile) { map_.take(tile); }
 
-  /// What find_rows() made of landmarks(): their numbers, and rows_and_ways_json() in braces'
-  /// place.
+  /// Sets the result of find_rows() for landmarks(): the numbered landmarks and the output of
+  /// rows_and_ways_json().
   void take_rows(const std::vector<mapping::Landmark>& numbered, std::string rows_and_ways);
 
-  /// The map as people corrected it, from now on in the place of what MAP says; `event` is a whole
-  /// event of kind "corrections" (procs::corrections_event()).
+  /// Shows the manually corrected map instead of MAP from now on; `event` is a complete event of
+  /// kind "corrections" (procs::corrections_event()).
   void take_corrected(const std::vector<mapping::Landmark>& corrected, std::string event);
 
-  /// A whole event of kind "status", which the caller has made.
+  /// Sets a complete event of kind "status".
   void take_status(std::string event);
 
   std::vector<mapping::Landmark> landmarks() const { return map_.landmarks(); }
-  /// Of what MAP said, whatever people corrected.
+  /// Revision of the map from MAP, without corrections.
   std::int64_t map_revision() const { return map_.revision(); }
 
-  /// The events that are new to somebody, oldest kind first; at most one of each kind. `seen` is
-  /// brought up to date. `is_more`: there are landmarks left to tell.
+  /// Returns the events that are new to a viewer, at most one of each kind, and updates `seen`.
+  /// `is_more`: further landmarks remain to be sent.
   std::vector<std::string> events_for(Seen& seen, bool& is_more) const;
 
-  /// The picture that the last "look" is of; none yet: null.
+  /// Image of the last "look" event; null if there is none.
   std::shared_ptr<const ShownPicture> picture() const { return shown_; }
 
  private:
@@ -75,15 +74,15 @@ class LiveState {
 
   detection::Rig rig_;
   LiveMap map_;
-  std::optional<LiveMap> corrected_;  ///< shown in its place once somebody has corrected it
+  std::optional<LiveMap> corrected_;  ///< shown instead of map_ once there are corrections
   LivePath path_;
   std::int64_t num_poses_ = 0, num_scans_ = 0, num_observations_ = 0, num_rows_ = 0,
                num_status_ = 0, num_corrections_ = 0;
   std::optional<laser::Scan> waiting_scan_;
   std::string scan_event_, rows_event_, status_event_, corrections_event_;
-  std::deque<vision::Image> images_;  ///< the last few, for the DETECTIONS that they belong to
+  std::deque<vision::Image> images_;  ///< the last few, until their DETECTIONS arrive
   std::shared_ptr<const ShownPicture> shown_;
-  detection::Detections detections_;  ///< of the picture shown
+  detection::Detections detections_;  ///< of the image shown
 };
 
 }  // namespace orchard::view

@@ -11,7 +11,7 @@
 namespace orchard::view {
 namespace {
 
-/// Where the camera should have looked for a detection: a segment as wide as it, seen from the
+/// Image window in which the camera looks for a detection: a segment of its width as seen from the
 /// laser.
 std::optional<detection::TrunkView> window_of(const detection::Detection& d,
                                               const detection::Rig& rig) {

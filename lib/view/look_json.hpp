@@ -14,7 +14,7 @@
 
 namespace orchard::view {
 
-/// A picture as a browser takes it.
+/// An image in a format for browsers.
 struct ShownPicture {
   std::int64_t utime = 0;
   const char* type = "image/jpeg";  ///< or image/bmp
@@ -23,16 +23,17 @@ struct ShownPicture {
 
 ShownPicture shown_picture(const vision::Image& image);
 
-/// `[x, y, x, y ...]` in metres, to the centimetre, from point `from` on.
+/// Formats points as `[x, y, x, y ...]` in metres, rounded to the centimetre, starting at index
+/// `from`.
 std::string points_json(const std::vector<Eigen::Vector2d>& points, std::size_t from);
 
-/// The same of a scan's returns, in map.
+/// The same for the returns of a scan, in map.
 std::string scan_points_json(const laser::Scan& scan, const geometry::Pose2& T_map_base,
                              const detection::Rig& rig);
 
-/// What was made of a picture, without braces: "picture" (how to ask for it), "width", "height",
+/// Formats the detections of an image, without braces: "picture" (its URL), "width", "height",
 /// "trunks" [{"label", "centre", "left_edge", "right_edge" [x, y, width, height in pixels],
-/// "range", "laser" ... every confidence}].
+/// "range", "laser" ... all confidences}].
 std::string look_json(const detection::Detections& detections, const detection::Rig& rig,
                       const std::string& picture);
 

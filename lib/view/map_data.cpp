@@ -24,7 +24,7 @@ int label_number(detection::Label label) {
   }
 }
 
-/// `"name":[...]` of what `text_of` says of each.
+/// Formats `[...]` with the output of `text_of` for each item.
 template <typename Items, typename TextOf>
 std::string array_json(const Items& items, const TextOf& text_of) {
   std::string text = "[";

@@ -16,7 +16,7 @@
 
 namespace orchard::view {
 
-/// A map as the page shows it.
+/// Content of the page for a map.
 struct MapData {
   std::string title;  ///< any text
   std::string version;
@@ -26,45 +26,45 @@ struct MapData {
   const std::vector<mapping::Landmark>* landmarks = nullptr;
   const std::vector<mapping::Row>* rows = nullptr;
   const mapping::NavigationGraph* graph = nullptr;
-  std::vector<const std::vector<pose::PoseEstimate>*> paths;  ///< of each drive
+  std::vector<const std::vector<pose::PoseEstimate>*> paths;  ///< one per drive
   std::optional<geometry::Georeference> georeference;
-  /// JPEG files by the landmarks' ids.
+  /// JPEG files by landmark id.
   std::vector<std::pair<std::int32_t, const std::vector<std::uint8_t>*>> photographs{};
-  std::vector<std::int32_t> photo_ids{};  ///< whose photographs the page's server has
+  std::vector<std::int32_t> photo_ids{};  ///< ids whose photographs the page's server has
   std::map<std::int32_t, std::string>
       row_names{};  ///< any text; of rows that people call otherwise
-  std::map<std::int32_t, std::vector<std::string>> notes{};  ///< any text; by landmark
+  std::map<std::int32_t, std::vector<std::string>> notes{};  ///< any text; by landmark id
 };
 
-/// How far the path that the page draws may lie from the robot's [m]: under a pixel of a view 10 m
-/// wide. trajectory.csv has it all.
+/// Tolerance of the simplified path on the page [m]: less than a pixel in a view 10 m wide.
+/// trajectory.csv has all poses.
 inline constexpr double kPathTolerance_m = 0.01;
 
-/// The map as JSON in columns: {"title", "version", "first_utime", "last_utime", "warnings",
-/// "georeference", "landmarks": {"id": [...], "label": [0 tree, 1 object, 2 unseen], "x": [m],
-/// ...}, "rows": [{"number", "spacing", "line": [x, y, ...], "gaps": [[position, x, y], ...]}],
-/// "ways": [{"kind", "width", "line"}], "paths": [[x, y, ...]], "row_names": {row: text},
-/// "notes": {id: [text]}, "photo_ids": [id], "photos": {id: base 64 of a JPEG}}. All of `map_data`
-/// must be set but georeference. Equal maps give equal text; text from outside is made valid
-/// Unicode.
+/// Formats the map as JSON in columns: {"title", "version", "first_utime", "last_utime",
+/// "warnings", "georeference", "landmarks": {"id": [...], "label": [0 tree, 1 object, 2 unseen],
+/// "x": [m], ...}, "rows": [{"number", "spacing", "line": [x, y, ...], "gaps": [[position, x, y],
+/// ...]}], "ways": [{"kind", "width", "line"}], "paths": [[x, y, ...]], "row_names": {row: text},
+/// "notes": {id: [text]}, "photo_ids": [id], "photos": {id: base 64 of a JPEG}}. All members of
+/// `map_data` except georeference must be set. Equal maps give equal text; invalid Unicode in texts
+/// is replaced.
 std::string map_data_json(const MapData& map_data);
 
-/// The part {"rows", "ways"} of it alone, without braces.
+/// Formats only the part {"rows", "ways"}, without braces.
 std::string rows_and_ways_json(const std::vector<mapping::Row>& rows,
                                const mapping::NavigationGraph& graph);
 
-/// One array of the landmarks' columns, without georeference: {"id": [...], ...}.
+/// Formats the columns of the landmarks, without georeference: {"id": [...], ...}.
 std::string landmark_columns_json(const std::vector<mapping::Landmark>& landmarks,
                                   const std::optional<geometry::Georeference>& georeference);
 
-/// `"row_names": {row: text}, "notes": {id: [text]}`, without braces.
+/// Formats `"row_names": {row: text}, "notes": {id: [text]}`, without braces.
 std::string names_and_notes_json(const std::map<std::int32_t, std::string>& row_names,
                                  const std::map<std::int32_t, std::vector<std::string>>& notes);
 
-/// `{"latitude_deg", "longitude_deg", "yaw_rad", "residual_rms_m"}`.
+/// Formats `{"latitude_deg", "longitude_deg", "yaw_rad", "residual_rms_m"}`.
 std::string georeference_json(const geometry::Georeference& georeference);
 
-/// A text from outside as a JSON string in ASCII.
+/// Formats an arbitrary text as a JSON string in ASCII.
 std::string json_text(const std::string& text);
 
 }  // namespace orchard::view

@@ -7,8 +7,8 @@
 namespace orchard::view {
 namespace {
 
-/// JSON inside an element: no text of it may end that element. "<" stands in JSON only within
-/// strings, where its escape means the same.
+/// Escapes JSON for an HTML element, so that no string can close the element. In JSON, "<" occurs
+/// only within strings, where the escape is equivalent.
 std::string json_in_html(std::string_view json) {
   std::string escaped;
   escaped.reserve(json.size());

@@ -6,17 +6,17 @@
 
 namespace orchard::view {
 
-/// Where the page comes from, which decides whom it may talk to.
+/// Origin of the page, which determines its permitted connections.
 enum class PageSource {
-  kFile,    ///< opened from a disk: it asks nobody for anything
-  kServer,  ///< served by orchard-viewer: it asks that server alone
+  kFile,    ///< opened from a disk: no connections
+  kServer,  ///< served by orchard-viewer: connections to that server only
 };
 
-/// The whole page as HTML with style, script and data inside. `title` is any text; `data_json` is
-/// JSON as map_data_json() gives it. Whatever stands in either is shown, never executed.
+/// Returns the page as HTML with embedded style, script and data. `title` is any text; `data_json`
+/// is JSON from map_data_json(). Their content is displayed, never executed.
 std::string page_html(std::string_view title, std::string_view data_json, PageSource source);
 
-/// The page's content security policy: nothing but its own script and style.
+/// Content security policy of the page: only its own script and style.
 std::string page_policy(PageSource source);
 
 }  // namespace orchard::view

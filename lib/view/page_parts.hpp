@@ -5,13 +5,13 @@
 
 namespace orchard::view {
 
-// The files of `web/` as they were when the program was built.
-extern const std::string_view kPage;    ///< page.html, with {{NAME}} where something is put in
+// The files of `web/` as of the build.
+extern const std::string_view kPage;    ///< page.html, with {{NAME}} placeholders
 extern const std::string_view kStyle;   ///< style.css
-extern const std::string_view kScript;  ///< every script, in order, as one function
+extern const std::string_view kScript;  ///< all scripts, in order, as one function
 
-// "sha256-..." of the two: by these a browser knows the page's own style and script, and runs no
-// other (content security policy, level 2).
+// "sha256-..." of style and script: with these hashes in the content security policy (level 2) a
+// browser executes no other script or style.
 extern const std::string_view kStyleSum;
 extern const std::string_view kScriptSum;
 

@@ -1,4 +1,4 @@
-// The page: the map, what is selected, and who is told when something changes.
+// The page: holds the map and the selection, and updates the other parts when something changes.
 
 class App {
   constructor(data) {
@@ -36,7 +36,7 @@ class App {
     if (this.editor) this.editor.show(event);
   }
 
-  // Lists and what is said of the one selected, after the map has changed.
+  // Updates the lists and the details of the selection after the map has changed.
   refreshLists() {
     showSummary(this.model, this.data);
     showRows(this.model, (row) => this.showRow(row), this.editor && ((row) => this.editor.renameRow(row)));
@@ -55,7 +55,7 @@ class App {
     byId("menu-button").setAttribute("aria-expanded", String(isOpen));
   }
 
-  // Everything beside the canvas, after the map has changed.
+  // Updates everything except the canvas after the map has changed.
   showAll() {
     showSummary(this.model, this.data);
     showLegend(this.theme, this.painter.shown, () => this.redraw());
@@ -65,7 +65,7 @@ class App {
   }
 
   recolour() {
-    if (!this.painter) return; // while it is being made
+    if (!this.painter) return; // during construction
     showLegend(this.theme, this.painter.shown, () => this.redraw());
     this.redraw();
   }
@@ -83,7 +83,7 @@ class App {
     showScale(this.view);
   }
 
-  // What the panels cover [px].
+  // Margins covered by the panels [px].
   insets() {
     if (this.view.width <= 640) {
       const details = byId("details");
@@ -108,7 +108,7 @@ class App {
     this.redraw();
   }
 
-  // Selects landmark i (-1: none); `isMoving`: and brings it into the middle.
+  // Selects landmark i (-1: none); `isMoving`: also centres it.
   select(i, isMoving = false) {
     this.painter.selectedGap = null;
     this.selectedId = i >= 0 ? this.model.columns.id[i] : null;

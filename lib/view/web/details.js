@@ -1,4 +1,4 @@
-// All that is known of what was clicked.
+// Details of the selected landmark or gap.
 
 function certaintyText(model, i) {
   const { label, probability } = model.columns;
@@ -15,7 +15,7 @@ function landmarkTitle(model, i) {
   return `${kClassTitles[label[i]]} ${id[i]}`;
 }
 
-// Rows of the table: [what, value].
+// Rows of the details table: [name, value].
 function landmarkFacts(model, i) {
   const c = model.columns;
   const width = c.width[i];
@@ -44,14 +44,14 @@ function landmarkFacts(model, i) {
 }
 
 class Details {
-  // `select(index)` shows another one; `close()` none.
+  // `select(index)` selects another landmark; `close()` clears the selection.
   constructor(model, theme, select, close) {
     this.model = model;
     this.theme = theme;
     this.select = select;
     this.close = close;
     this.box = byId("details");
-    this.actions = () => []; // buttons for landmark i; for a gap of a row
+    this.actions = () => []; // buttons for landmark i or for a gap of a row
     this.gapActions = () => [];
   }
 
@@ -73,7 +73,7 @@ class Details {
       this.photo(model.columns.id[i], landmarkTitle(model, i)), this.actions(i));
   }
 
-  // Its photograph, where the map has one.
+  // Shows the photograph of a landmark, if the map has one.
   photo(id, title) {
     if (this.model.photoIds.has(id)) {
       return [element("img", { className: "photo", alt: `Photograph of ${title}`, src: `api/photo?id=${id}` })];
@@ -89,7 +89,7 @@ class Details {
       this.gapActions(row, gap));
   }
 
-  // The nearest tree of the row before or after, over gaps.
+  // The next tree of the row in one direction, skipping gaps.
   neighbour(row, position, way) {
     for (let k = 1; k <= 1000; ++k) {
       const i = this.model.at(row, position + way * k);

@@ -1,12 +1,12 @@
-// Many landmarks at once, pixel by pixel: a hundred thousand shapes would take a canvas a second.
+// Draws many landmarks pixel by pixel: a hundred thousand shapes would take a canvas a second.
 
 class DotLayer {
   constructor() {
     this.canvas = document.createElement("canvas");
   }
 
-  // Draws `groups` [{indices, colour "#rrggbb", fade 0 ... 1}] of places x, y [m] as `view` shows them onto `target`,
-  // with the size of a symbol.
+  // Draws `groups` [{indices, colour "#rrggbb", fade 0 ... 1}] at positions x, y [m], as seen by
+  // `view`, onto `target`, with the size of a symbol.
   paint(target, view, ratio, x, y, groups) {
     const wide = Math.round(view.width * ratio), high = Math.round(view.height * ratio);
     this.canvas.width = wide;
@@ -17,7 +17,7 @@ class DotLayer {
     const size = Math.max(1, Math.round(2 * symbolRadius_px(view.scale) * ratio));
     const scale = view.scale * ratio;
     const toX = wide / 2 - view.x * scale - size / 2, toY = high / 2 + view.y * scale - size / 2;
-    const cut = size >= 4 ? 1 : 0; // corners are left out, so that it looks round
+    const cut = size >= 4 ? 1 : 0; // corners are omitted for a round shape
     for (const { indices, colour, fade } of groups) {
       const value = pixelValue(colour, fade);
       for (const i of indices) {
@@ -35,7 +35,7 @@ class DotLayer {
   }
 }
 
-// As an image holds it: alpha, blue, green, red from the highest byte on.
+// Pixel format of an image: alpha, blue, green, red from the highest byte down.
 function pixelValue(colour, fade) {
   const rgb = parseInt(colour.slice(1), 16);
   const alpha = Math.round(255 * fade);

@@ -1,6 +1,7 @@
-// A recorded drive, scan by scan: at each step the robot, its scan, its picture and the map as grown until then.
+// A recorded drive, scan by scan: each step has the robot, its scan, its image and the map up to
+// that time.
 
-const kNewsWait_ms = 400; // while the log is still being mapped
+const kNewsWait_ms = 400; // period of requests while the log is still being mapped
 const kDriveMargin_m = 6;
 
 class Drive {
@@ -11,8 +12,8 @@ class Drive {
     this.paths = [];
     this.seen = [0, 0, 0];
     this.step = 0;
-    this.numApplied = 0; // changes that the model holds
-    this.numbers = new Map(); // row and number by id, as the finished map has them
+    this.numApplied = 0; // number of changes applied to the model
+    this.numbers = new Map(); // row and position by id, as in the finished map
     this.rows = []; this.ways = [];
     this.isDone = false; this.share = 0; this.problem = "";
     this.points = [];
@@ -32,7 +33,7 @@ class Drive {
   // The last step at or before a time.
   stepAt(seconds) { return Math.max(0, firstAbove(this.t_ms, seconds * 1000 + 1e-6) - 1); }
 
-  // Another server's drive has other steps: the page begins anew.
+  // Another server has a drive with other steps, so the page is reloaded.
   async fetch(address) {
     const answer = await fetch(`${address}&boot=${this.app.data.boot}`);
     if (answer.status === 409) location.reload();
@@ -60,7 +61,7 @@ class Drive {
     this.covariance.push(...news.covariance);
     this.changes.step.push(...news.changes.step);
     this.changes.removed.push(...news.changes.removed);
-    for (const name of MapModel.columnNames) { // columns that say nothing are not sent
+    for (const name of MapModel.columnNames) { // columns with default values are not sent
       const values = news.changes.landmarks[name] || new Array(news.changes.step.length).fill(0);
       (this.changes.landmarks[name] = this.changes.landmarks[name] || []).push(...values);
     }
@@ -112,7 +113,7 @@ class Drive {
     this.showListsSoon();
   }
 
-  // The map as it was after this step's scan.
+  // Shows the map as of this step's scan.
   showMap() {
     const { model } = this.app;
     const until = firstAbove(this.changes.step, this.step);
@@ -150,7 +151,7 @@ class Drive {
     this.app.model.replace({ landmarks, georeference: this.georeference });
   }
 
-  // As it was believed then: the last corrected path, and the poses since.
+  // The path as estimated then: the last corrected path, and the poses since.
   path() {
     const at = firstAbove(this.paths.map((path) => path.step), this.step) - 1;
     const points = at >= 0 ? this.paths[at].points.slice() : [];
@@ -160,7 +161,8 @@ class Drive {
     return points;
   }
 
-  // Scan and picture of the step shown; while one comes, only the newest wish is remembered.
+  // Loads scan and image of the step shown; during a request only the latest further one is
+  // remembered.
   async load() {
     if (this.isLoading) { this.isLoadDue = true; return; }
     this.isLoading = true;
@@ -202,7 +204,7 @@ class Drive {
   }
 }
 
-// How many of a rising list are at most `value`.
+// Number of elements of an increasing list that are at most `value`.
 function firstAbove(list, value) {
   let low = 0, high = list.length;
   while (low < high) {

@@ -1,9 +1,10 @@
-// Corrections by hand: what people click becomes a line in the map's list of corrections, which the server keeps.
+// Manual corrections: clicks become lines in the map's list of corrections, which the server
+// stores.
 
 class Editor {
   constructor(app) {
     this.app = app;
-    this.pick = null; // what the next clicks on the map are for: {count, wantsLandmark, places, done}
+    this.pick = null; // purpose of the next clicks on the map: {count, wantsLandmark, places, done}
     this.forms = new EditForms(element("div", {}));
     this.status = element("p", { id: "edit-status" });
     this.status.setAttribute("role", "status");
@@ -66,7 +67,7 @@ class Editor {
       ({ name }) => this.send({ what: "row", row: String(row.number), name }));
   }
 
-  // A question ends what was being picked.
+  // Opens a form; ends a pending selection on the map.
   ask(...question) {
     this.stopPicking();
     this.forms.ask(...question);
@@ -88,7 +89,7 @@ class Editor {
     this.forms.clear();
   }
 
-  // A click on the map; whether it was for an edit.
+  // Handles a click on the map; returns whether it was part of an edit.
   takeClick(x, y, i) {
     const { pick } = this;
     if (!pick) return false;
@@ -124,7 +125,7 @@ class Editor {
     this.status.className = isBad ? "state bad" : "state";
   }
 
-  // What the server says of all corrections, this page's and others'.
+  // Shows the server's list of all corrections, of this page and of others.
   show(event) {
     this.undoButton.disabled = event.can_undo === 0;
     this.redoButton.disabled = event.can_redo === 0;
@@ -139,7 +140,7 @@ function showCorrections(list) {
       `${entry.reason ? `: ${entry.reason}` : ""}${entry.note ? ` — ${entry.note}` : ""}` }))));
 }
 
-// What a browser keeps for this page; private windows may refuse.
+// Stored by the browser for this page; a private window may not allow it.
 function remembered(key) {
   try { return localStorage.getItem(key) || ""; } catch { return ""; }
 }

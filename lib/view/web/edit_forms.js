@@ -1,11 +1,11 @@
-// Short forms in which people say what they know better.
+// Short forms for corrections.
 
 class EditForms {
   constructor(box) {
     this.box = box;
   }
 
-  // Asks for `fields` [{name, label, type, value}]; `done(values)` when they are given.
+  // Asks for `fields` [{name, label, type, value}] and calls `done(values)`.
   ask(title, fields, done) {
     const inputs = fields.map(({ name, label, type, value }) =>
       element("label", {}, element("span", { textContent: label }),
@@ -26,7 +26,7 @@ class EditForms {
     form.querySelector("input").focus();
   }
 
-  // Says what to click; `cancel` is called when people do not want to.
+  // Shows what to click; `cancel` is called when the user cancels.
   say(words, cancel) {
     const button = element("button", { type: "button", textContent: "Cancel" });
     button.addEventListener("click", () => { this.clear(); cancel(); });

@@ -1,4 +1,4 @@
-// Elements of the page. Text from outside comes in as text only, never as markup.
+// Creation of page elements. Untrusted text is only inserted as text, never as markup.
 
 function element(name, properties, ...children) {
   const made = document.createElement(name);

@@ -1,4 +1,4 @@
-// A map folder that is served: what people correct, here or elsewhere, comes as it is made.
+// A map folder on a server: corrections made here or elsewhere are shown at once.
 
 class FolderStream {
   constructor(app) {

@@ -1,6 +1,6 @@
 // Scale bar and north arrow.
 
-// The largest of 1, 2, 5 times a power of ten that is at most `most_m`.
+// The largest value of 1, 2, 5 times a power of ten that is at most `most_m`.
 function niceLength_m(most_m) {
   const power = 10 ** Math.floor(Math.log10(most_m));
   return [5, 2, 1].map((digit) => digit * power).find((length) => length <= most_m * 1.000001) || power;
@@ -19,7 +19,7 @@ function showScale(view) {
   document.getElementById("scale-bar").style.width = `${length_m * view.scale}px`;
 }
 
-// With a place on the earth the arrow points north; without one it says that nobody knows where that is.
+// With a georeference the arrow points north; otherwise the text says that north is unknown.
 function showNorth(georeference) {
   const box = document.getElementById("north");
   const kSvg = "http://www.w3.org/2000/svg";

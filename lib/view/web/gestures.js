@@ -1,9 +1,9 @@
-// Fingers, mouse and keys to movements of the view.
+// Converts touch, mouse and key events to movements of the view.
 
 const kClickMost_px = 6;
 
 class Gestures {
-  // `changed()` after each movement; `clicked(sx, sy)` where nothing was moved.
+  // `changed()` is called after each movement; `clicked(sx, sy)` after a click without movement.
   constructor(canvas, view, changed, clicked) {
     this.canvas = canvas;
     this.view = view;

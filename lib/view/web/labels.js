@@ -1,9 +1,9 @@
-// Text on the map: what comes first keeps its place, what would cover it is left out.
+// Text on the map: labels placed first stay, later ones that would overlap them are omitted.
 
 class LabelPlacer {
   constructor(context) {
     this.context = context;
-    this.taken = new Map(); // boxes by coarse cell
+    this.taken = new Map(); // occupied boxes by coarse cell
   }
 
   isFree(box) {
@@ -25,7 +25,8 @@ class LabelPlacer {
     return keys;
   }
 
-  // Writes `text` centred at a place unless it would cover another; true when written.
+  // Writes `text` centred at a position unless it would overlap another; returns whether it was
+  // written.
   write(text, sx, sy, colour, halo, chip) {
     const context = this.context;
     const half = context.measureText(text).width / 2 + (chip ? 6 : 2), high = chip ? 10 : 7;
@@ -49,13 +50,13 @@ class LabelPlacer {
   }
 }
 
-// Whether a line [x, y, x, y ...] goes up rather than across.
+// Whether a line [x, y, x, y ...] is closer to vertical than to horizontal.
 function isUpright(line) {
   const last = line.length - 2;
   return Math.abs(line[last + 1] - line[1]) >= Math.abs(line[last] - line[0]);
 }
 
-// Every how manieth number has room where neighbours are that far apart on the canvas.
+// Label step (every n-th number) for that distance between neighbours on the canvas.
 function labelStep(spacing_px) {
   return [1, 2, 5, 10, 20, 50, 100].find((step) => step * spacing_px >= 30) || 0;
 }

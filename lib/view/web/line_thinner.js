@@ -1,15 +1,15 @@
-// A line on the canvas without the points that nobody could see: those which the straight line between the points kept
-// passes by at less than half a pixel.
+// Simplifies a line on the canvas: omits points that are less than half a pixel from the straight
+// line between the points kept.
 
 const kThin_px = 0.5;
 
 class LineThinner {
   constructor() {
-    this.pen = null; // the last point kept
-    this.last = null; // the point before the next one
+    this.pen = null; // last point kept
+    this.last = null; // point before the current one
   }
 
-  // Takes the next point; `keep(x, y)` is told of each that stays.
+  // Adds the next point; `keep(x, y)` is called for each point that is kept.
   add(x, y, keep) {
     if (!this.pen) {
       keep(x, y);
@@ -35,11 +35,12 @@ class LineThinner {
     this.heading = null;
   }
 
-  // Whether a straight line from the last point kept to this one passes all between; narrows where it may go on to.
+  // Whether a straight line from the last point kept to this one passes all points between; narrows
+  // the allowed directions.
   reaches(x, y) {
     const dx = x - this.pen.x, dy = y - this.pen.y;
     const away_px = Math.hypot(dx, dy);
-    if (this.last && away_px < this.far_px - kThin_px) return false; // it turned back
+    if (this.last && away_px < this.far_px - kThin_px) return false; // the line turned back
     this.far_px = Math.max(this.far_px, away_px);
     if (away_px <= kThin_px) return true;
     const spread = Math.asin(kThin_px / away_px);

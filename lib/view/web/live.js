@@ -1,11 +1,11 @@
-// A drive as it goes: what the viewer tells becomes part of the map.
+// A live drive: applies the events of the viewer to the map.
 
 class Live {
   constructor(app) {
     this.app = app;
     this.pose = null;
     this.scan = [];
-    this.isMoved = false; // by hand: the view follows the growing map until then
+    this.isMoved = false; // moved by the user; until then the view follows the growing map
     this.panels = new LivePanels(byId("live"));
     app.painter.overlays.push((...all) => this.paint(...all));
     for (const name of ["pointerdown", "wheel", "keydown"]) {
@@ -50,7 +50,7 @@ class Live {
     this.showSoon();
   }
 
-  // At most once per picture on the screen; lists and numbers of the panel once a second.
+  // Redraws at most once per frame; updates lists and numbers of the panel once a second.
   showSoon() {
     const { app } = this;
     if (!this.isMoved && app.model.box) app.fit(); else app.redraw();
@@ -68,11 +68,11 @@ class Live {
   }
 }
 
-// Landmarks of an event, as the server tells what changed.
+// Applies the landmark changes of an event.
 function takeLandmarks(model, event) {
   const columns = event.landmarks;
   columns.id.forEach((id, k) => {
-    const values = { length: 0, direction: 0 }; // not sent where nothing is long
+    const values = { length: 0, direction: 0 }; // omitted where zero
     for (const name of Object.keys(columns)) values[name] = columns[name][k];
     model.put(values);
   });
@@ -86,7 +86,7 @@ function paintScan(context, view, theme, points) {
   }
 }
 
-// Where the robot is, where it looks, and the ellipse in which it is with 95 %.
+// Draws the robot, its direction, and its 95 % confidence ellipse.
 function paintRobot(context, view, theme, pose) {
   const sx = view.toScreenX(pose.x), sy = view.toScreenY(pose.y);
   const [xx, xy, yy] = pose.covariance;

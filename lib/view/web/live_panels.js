@@ -1,6 +1,6 @@
-// Beside the live map: the camera's picture with what was made of it, and how each process is.
+// Panels of the live page: the camera image with the detections, and the state of each process.
 
-const kHistory = 60; // seconds of a plot: STATUS comes once a second
+const kHistory = 60; // length of a plot [s]; STATUS is sent once a second
 
 class LivePanels {
   constructor(box, title = "Live") {
@@ -23,7 +23,7 @@ class LivePanels {
   }
 
   showLook(look, theme) {
-    if (this.isLoading) return; // the next one comes soon
+    if (this.isLoading) return; // the next one follows soon
     this.isLoading = true;
     const image = new Image();
     image.onload = () => {
@@ -70,7 +70,7 @@ class LivePanels {
   }
 }
 
-// The last minute as a small plot from 0 up.
+// Draws the last minute as a small plot with a range from 0.
 function sparkline(values, title) {
   const kSvg = "http://www.w3.org/2000/svg";
   const svg = document.createElementNS(kSvg, "svg");
@@ -86,7 +86,7 @@ function sparkline(values, title) {
   return svg;
 }
 
-// The windows that the camera looks at for one candidate, with its number in the table below.
+// Draws the image windows of one candidate with its number in the table below.
 function drawLook(context, trunk, number, theme) {
   const colour = theme.colourOfClass(trunk.label);
   context.strokeStyle = colour;
@@ -105,7 +105,7 @@ function drawLook(context, trunk, number, theme) {
   context.fillText(String(number), x, y);
 }
 
-// Every confidence of each candidate, as the paper's figure 4 fuses them.
+// Lists all confidences of each candidate, as fused in figure 4 of the paper.
 function lookTable(trunks, theme) {
   const head = ["", "tree", "laser", "colour", "left", "right", "parallel"];
   const lines = trunks.map((trunk, k) => {

@@ -1,4 +1,4 @@
-// Legend with a switch for each layer, the rows, notes.
+// Legend with a switch for each layer, list of rows, notes.
 
 const kLayers = [
   ["trees", "Trees", (c, t) => drawLandmark(c, kTree, 0, 13, 9, 6, t.colours.tree)],
@@ -51,7 +51,7 @@ function showLegend(theme, shown, changed) {
   byId("legend").replaceChildren(...lines);
 }
 
-// `show(row)` moves the view to a row; `rename(row)`, where people may, gives it a name.
+// `show(row)` moves the view to a row; `rename(row)`, if editing is possible, renames it.
 function showRows(model, show, rename = null) {
   const head = element("tr", {}, ...["Row", "Trees", "Gaps", "Every", "Trunk"].map((words) =>
     element("th", { textContent: words })));
@@ -87,7 +87,7 @@ function showSummary(model, data) {
   byId("notes").replaceChildren(...(data.warnings || []).map((words) => element("li", { textContent: words })));
   byId("notes-box").hidden = (data.warnings || []).length === 0;
   const made = [`Orchard Mapper ${data.version || ""}`.trim()];
-  // Logs may count from any start: only a date that can be one is shown.
+  // The clock of a log may have any epoch: only a plausible date is shown.
   if (data.last_utime > 946684800e6) made.push(new Date(data.last_utime / 1000).toISOString().slice(0, 16).replace("T", " ") + " UTC");
   byId("about").textContent = made.join(" · ");
 }

@@ -1,13 +1,13 @@
-// What stands in the orchard, in columns: column[i] belongs to landmark i.
+// The map's content in columns: column[i] belongs to landmark i.
 
 const kTree = 0, kObject = 1, kUnseen = 2;
 const kClassNames = ["tree", "object", "unseen"];
 const kClassTitles = ["Tree", "Object", "Not judged yet"];
 
-// Sides of the index's cells: a few trees lie in each.
+// Size of the index's cells, such that a cell contains a few trees.
 const kCell_m = 8;
 
-// From a place to the line a-b.
+// Distance from a point to the line segment a-b.
 function distanceToLine({ ax, ay, bx, by }, x, y) {
   const dx = bx - ax, dy = by - ay;
   const part = Math.min(1, Math.max(0, ((x - ax) * dx + (y - ay) * dy) / Math.max(1e-9, dx * dx + dy * dy)));
@@ -26,7 +26,7 @@ class MapModel {
     this.replace(data);
   }
 
-  // Takes over a whole map as the program wrote it.
+  // Loads a complete map as written by the program.
   replace(data) {
     for (const name of MapModel.columnNames) this.columns[name] = (data.landmarks[name] || []).slice();
     this.indexOfId = new Map(this.columns.id.map((id, i) => [id, i]));
@@ -38,7 +38,7 @@ class MapModel {
     this.setRows(data.rows || [], data.ways || []);
   }
 
-  // Names of rows by number, words about landmarks by id.
+  // Sets the names of rows by number and the notes of landmarks by id.
   setNames(rowNames, notes) {
     this.rowNames = rowNames;
     this.notes = notes;
@@ -53,7 +53,7 @@ class MapModel {
     this.touch();
   }
 
-  // One landmark that is new or has changed; missing values stay as they were.
+  // Adds or changes one landmark; missing values remain unchanged.
   put(values) {
     let i = this.indexOfId.get(values.id);
     if (i === undefined) {
@@ -67,7 +67,7 @@ class MapModel {
     this.touch();
   }
 
-  // The last one takes its place, so that columns have no holes.
+  // Removes a landmark; the last one takes its place, so that columns have no gaps.
   remove(id) {
     const i = this.indexOfId.get(id);
     if (i === undefined) return;
@@ -90,7 +90,7 @@ class MapModel {
     this.box_ = null;
   }
 
-  // Hedges and walls, as lines along their middles: { i, ax, ay, bx, by }.
+  // Hedges and walls as centre lines: { i, ax, ay, bx, by }.
   get hedges() {
     if (!this.hedges_) {
       const { x, y, width, length, direction } = this.columns;
@@ -117,14 +117,14 @@ class MapModel {
 
   get numGaps() { return this.rows.reduce((sum, row) => sum + row.gaps.length, 0); }
 
-  // How sure the class is: 0 sure, 1 likely, 2 unsure.
+  // Certainty of the class: 0 sure, 1 likely, 2 unsure.
   certainty(i) {
     const p = this.columns.probability[i];
     const sure = this.columns.label[i] === kTree ? p : 1 - p;
     return sure >= 0.9 ? 0 : sure >= 0.7 ? 1 : 2;
   }
 
-  // Indices by class and certainty, so that each is drawn in one go: styles[3 * label + certainty].
+  // Indices by class and certainty, for drawing them together: styles[3 * label + certainty].
   get styles() {
     if (!this.styles_) {
       this.styles_ = Array.from({ length: 9 }, () => []);
@@ -136,7 +136,7 @@ class MapModel {
     return this.styles_;
   }
 
-  // What encloses everything: [x least, y least, x most, y most], or null for an empty map.
+  // Bounding box of everything: [x min, y min, x max, y max], or null for an empty map.
   get box() {
     if (this.box_) return this.box_;
     const box = [Infinity, Infinity, -Infinity, -Infinity];
@@ -167,7 +167,7 @@ class MapModel {
     return (Math.floor(x / kCell_m) + 1e6) * 4e6 + Math.floor(y / kCell_m) + 1e6;
   }
 
-  // Indices in a box, or null where so many cells lie in it that looking at all is as quick.
+  // Indices in a box, or null if it covers so many cells that checking all landmarks is as fast.
   inBox(box) {
     const wide = (box[2] - box[0]) / kCell_m + 1, high = (box[3] - box[1]) / kCell_m + 1;
     if (wide * high > this.cells.size) return null;
@@ -181,7 +181,7 @@ class MapModel {
     return found;
   }
 
-  // The landmark nearest to a place, within a distance; else a hedge that covers it; -1 for none.
+  // The nearest landmark within a distance; otherwise a hedge at this position; -1 for none.
   nearest(x, y, within_m) {
     const near = this.inBox([x - within_m, y - within_m, x + within_m, y + within_m]);
     let best = -1, least = within_m * within_m;
@@ -195,7 +195,7 @@ class MapModel {
     return covering ? covering.i : -1;
   }
 
-  // The tree with that row and number; -1 for none.
+  // The tree with that row and position; -1 for none.
   at(row, position) {
     if (!this.byPlace_) {
       this.byPlace_ = new Map();

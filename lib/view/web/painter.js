@@ -1,4 +1,4 @@
-// What is on the canvas: the scene, what moves over it, what is selected.
+// Content of the canvas: the scene, overlays that move, and the selection.
 
 class Painter {
   constructor(canvas, model, view, theme) {
@@ -12,7 +12,7 @@ class Painter {
     this.selectedGap = null;
     this.dots = new DotLayer();
     this.scene = new Scene((context, shownView, ratio) => this.paintScene(context, shownView, ratio));
-    this.overlays = []; // functions (context, view, theme, shown): the robot and its like
+    this.overlays = []; // functions (context, view, theme, shown), such as for the robot
   }
 
   resize() {
@@ -34,7 +34,7 @@ class Painter {
     this.paintSelection(context, this.view);
   }
 
-  // All that does not move, onto any canvas.
+  // Draws all static content onto a canvas.
   paintScene(context, view, ratio) {
     const brush = new SceneBrush(context, view, ratio, this);
     brush.paintGround();
@@ -65,7 +65,7 @@ class Painter {
     context.stroke();
   }
 
-  // Where the trunk's axis lies with 95 %: 2.45 standard errors in each direction.
+  // 95 % confidence ellipse of the trunk axis: 2.45 standard errors in each direction.
   paintEllipse(context, view, i) {
     const { theme, model } = this;
     const a = 2.45 * model.columns.se_x[i] * view.scale, b = 2.45 * model.columns.se_y[i] * view.scale;

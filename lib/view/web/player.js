@@ -1,4 +1,4 @@
-// The bar under a recorded drive: play, step, slide.
+// Control bar of a recorded drive: play, step, slide.
 
 const kSpeeds = [0.5, 1, 2, 5, 10, 30];
 
@@ -37,7 +37,7 @@ class Player {
     event.preventDefault();
   }
 
-  // After a step was shown, or more are known.
+  // Called after a step was shown or further steps were loaded.
   update() {
     const { drive } = this;
     this.slider.max = String(Math.max(0, drive.numSteps - 1));

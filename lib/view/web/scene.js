@@ -1,9 +1,10 @@
-// The picture of what does not move, kept with a margin round the view: moving shows another part of it.
+// Image of the static content, kept with a margin around the view; moving the view shows another
+// part of it.
 
-const kSceneMargin = 0.3; // of the view's width and height, on each side
+const kSceneMargin = 0.3; // fraction of the view's width and height, on each side
 
 class Scene {
-  // `draw(context, view, ratio)` draws everything as a view shows it.
+  // `draw(context, view, ratio)` draws everything for a view.
   constructor(draw) {
     this.draw = draw;
     this.canvas = document.createElement("canvas");
@@ -11,12 +12,12 @@ class Scene {
     this.key = null;
   }
 
-  // Shows it on `target`; `key` says what it was drawn of.
+  // Shows the image on `target`; `key` identifies the content it was drawn from.
   paint(target, view, ratio, key) {
     const fits = Math.abs(view.x - this.view.x) * view.scale <= kSceneMargin * view.width &&
       Math.abs(view.y - this.view.y) * view.scale <= kSceneMargin * view.height;
     if (!fits || key !== this.key || view.scale !== this.view.scale) this.make(view, ratio, key);
-    const whole = (length) => Math.round(length * ratio) / ratio; // unblurred
+    const whole = (length) => Math.round(length * ratio) / ratio; // whole device pixels, to avoid blur
     const left = whole((this.view.x - view.x) * view.scale - (this.view.width - view.width) / 2);
     const top = whole((view.y - this.view.y) * view.scale - (this.view.height - view.height) / 2);
     target.drawImage(this.canvas, left, top, this.view.width, this.view.height);

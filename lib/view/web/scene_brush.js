@@ -1,12 +1,12 @@
-// Draws what does not move, from the ground up.
+// Draws the static content, starting with the background.
 
-// Up to so many landmarks in view, each is drawn as a shape of its own and may have its number.
+// Max number of landmarks in view that are drawn as single shapes with numbers.
 const kShapesMost = 4000;
 
-// Pixels per metre from which on things without a number of a row show their ids.
+// Min scale [pixels per metre] at which landmarks outside rows show their ids.
 const kScaleOfIds = 50;
 
-// So that what stands within a hedge shows.
+// Opacity of hedges, so that landmarks within them remain visible.
 const kHedgeFade = 0.6;
 
 class SceneBrush {
@@ -35,8 +35,8 @@ class SceneBrush {
     context.stroke();
   }
 
-  // A line [x, y, x, y ...] in metres onto the current path, without what would not be seen: points that a straight
-  // line passes by less than half a pixel, and what lies beyond the edges.
+  // Adds a line [x, y, x, y ...] in metres to the current path, without points beyond the edges or
+  // within half a pixel of a straight line.
   addLine(line) {
     const { context, view } = this;
     const thinner = new LineThinner();
@@ -72,7 +72,7 @@ class SceneBrush {
     const { context, theme } = this;
     context.strokeStyle = theme.colours.row;
     context.lineWidth = 1.5;
-    for (const row of this.model.rows) { // each alone: what one path's parts have in common costs
+    for (const row of this.model.rows) { // one path per row: a single path with all rows is slow
       context.beginPath();
       this.addLine(row.line);
       context.stroke();
@@ -109,7 +109,7 @@ class SceneBrush {
     return label === kTree ? this.shown.trees : label === kObject ? this.shown.objects : this.shown.unseen;
   }
 
-  // Hedges and walls lie as they are, also where only a part of them is in view.
+  // Draws hedges and walls to scale, also those that are only partly in view.
   paintHedges() {
     const { context, view, model, theme } = this;
     context.lineCap = "round";
@@ -125,7 +125,7 @@ class SceneBrush {
     context.globalAlpha = 1;
   }
 
-  // Returns the indices in view, or null where there are too many for labels.
+  // Draws the landmarks and returns the indices in view, or null if there are too many for labels.
   paintLandmarks() {
     const { view, model } = this;
     this.paintHedges();
@@ -168,7 +168,7 @@ class SceneBrush {
     const radius = symbolRadius_px(view.scale);
     const columns = model.columns;
     const stepOfRow = new Map(model.rows.map((row) => [row.number, labelStep(row.spacing * view.scale)]));
-    // Numbers stand where the row's next tree does not.
+    // Numbers are placed across the row, where the next tree does not stand.
     const besideOfRow = new Map(model.rows.map((row) => [row.number, isUpright(row.line)]));
     for (const i of inView) {
       if (!this.isShown(columns.label[i])) continue;
@@ -185,7 +185,8 @@ class SceneBrush {
     }
   }
 
-  // The name stands before the row's first tree, in its line, and stays in view while the row does.
+  // Writes the row's name before its first tree, in line with the row; it stays in view while the
+  // row does.
   writeRowName(placer, row) {
     const { view, theme } = this;
     const ax = view.toScreenX(row.line[0]), ay = view.toScreenY(row.line[1]);

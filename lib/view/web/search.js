@@ -1,4 +1,4 @@
-// "row 3 tree 14", "3/14", "row 3", "id 17", "#17", "17".
+// Parses "row 3 tree 14", "3/14", "row 3", "id 17", "#17", "17".
 
 function parseQuery(text) {
   const words = text.trim().toLowerCase();
@@ -12,7 +12,8 @@ function parseQuery(text) {
   return null;
 }
 
-// What the query names: {index}, {gap, row}, {wholeRow}, or {words} that say why there is none.
+// Result of a query: {index}, {gap, row}, {wholeRow}, or {words} with the reason why nothing was
+// found.
 function findInMap(model, text) {
   const query = parseQuery(text);
   if (!query) return { words: "Ask for “row 3 tree 14”, “row 3” or “id 17”." };

@@ -1,4 +1,4 @@
-// How landmarks look: a symbol of its own size while the trunk itself would be too small to see.
+// Symbols of landmarks: of fixed size while the trunk itself would be too small to see.
 
 const kSymbol_m = 0.28, kSymbolLeast_px = 1, kSymbolMost_px = 6;
 const kFadeOfCertainty = [1, 0.5, 0.3];
@@ -7,7 +7,7 @@ function symbolRadius_px(scale) {
   return Math.min(kSymbolMost_px, Math.max(kSymbolLeast_px, kSymbol_m * scale));
 }
 
-// One landmark at a place on the canvas; radius of the symbol, which the true one may exceed.
+// Draws one landmark on the canvas. `radius` [px]: of the symbol or, if larger, of the trunk.
 function drawLandmark(context, label, certainty, sx, sy, radius, colour) {
   context.beginPath();
   if (label === kObject) context.rect(sx - radius * 0.89, sy - radius * 0.89, radius * 1.78, radius * 1.78);
@@ -23,7 +23,7 @@ function drawLandmark(context, label, certainty, sx, sy, radius, colour) {
   }
 }
 
-// A place of a row where a tree is missing.
+// Draws a gap: a position of a row without a tree.
 function drawGap(context, sx, sy, radius, colour) {
   context.beginPath();
   context.arc(sx, sy, radius, 0, 2 * Math.PI);

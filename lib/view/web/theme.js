@@ -1,4 +1,4 @@
-// Colours: one set in the style sheet, read from there for the canvas.
+// Colours, read from the style sheet for use on the canvas.
 
 const kColourNames = ["ground", "grid", "text", "soft", "tree", "object", "unseen", "path", "gap", "way", "row",
   "mark", "scan"];

@@ -1,4 +1,4 @@
-// Which part of the map the canvas shows: a centre in metres and a scale, north (or y) up.
+// The part of the map shown by the canvas: a centre in metres and a scale, with north (or y) up.
 
 const kScaleLeast = 0.02, kScaleMost = 4000; // pixels per metre
 
@@ -23,7 +23,7 @@ class Viewport {
     this.y += dy_px / this.scale;
   }
 
-  // What lies under (sx, sy) stays there.
+  // Zooms; the point under (sx, sy) stays fixed.
   zoomAt(sx, sy, factor) {
     const x = this.toMapX(sx), y = this.toMapY(sy);
     this.scale = Math.min(kScaleMost, Math.max(kScaleLeast, this.scale * factor));
@@ -31,7 +31,7 @@ class Viewport {
     this.y = y + (sy - this.height / 2) / this.scale;
   }
 
-  // Shows a box whole in what the panels leave free: insets {left, top, right, bottom} [px].
+  // Shows a whole box in the area not covered by panels: insets {left, top, right, bottom} [px].
   fit(box, insets) {
     const wide_px = Math.max(60, this.width - insets.left - insets.right);
     const high_px = Math.max(60, this.height - insets.top - insets.bottom);

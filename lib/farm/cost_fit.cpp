@@ -7,7 +7,7 @@
 namespace orchard::farm {
 namespace {
 
-/// Non-negative least squares by trying every set of columns: there are at most eight.
+/// Non-negative least squares by trying every subset of columns, of which there are at most eight.
 Eigen::VectorXd non_negative(const Eigen::MatrixXd& columns, const Eigen::VectorXd& values) {
   const auto num = static_cast<unsigned>(columns.cols());
   Eigen::VectorXd best = Eigen::VectorXd::Zero(num);
@@ -32,7 +32,7 @@ Eigen::VectorXd non_negative(const Eigen::MatrixXd& columns, const Eigen::Vector
 }  // namespace
 
 CostFit fit_costs(const std::vector<CostSample>& samples) {
-  // Before the first map: what one of the simulated orchard costs, three times over.
+  // Before the first map: three times the cost of a map of the simulated orchard.
   if (samples.empty())
     return {{1.0, 6.0, 0.01, 0.0}, {100, 64, 0.07, 0}, {3, 0, 0, 0.1}, {300, 0, 0, 2}};
   const auto num = static_cast<Eigen::Index>(samples.size());

@@ -5,7 +5,7 @@
 
 namespace orchard::farm {
 
-/// What one step has cost.
+/// Measured cost of one step.
 struct CostSample {
   double processor_s = 0.0;
   double memory_mb = 0.0;  ///< peak
@@ -14,24 +14,24 @@ struct CostSample {
   double log_mb = 0.0;
 };
 
-/// A cost as a sum of parts, none below zero.
+/// Linear cost model with non-negative coefficients.
 struct CostLine {
   double at_least = 0.0;
   double per_km = 0.0;
   double per_tree = 0.0;
-  double per_mb = 0.0;  ///< of the log
+  double per_mb = 0.0;  ///< of log size
 };
 
-/// What a map costs, fitted to what maps have cost.
+/// Cost model of a map, fitted to the costs of earlier maps.
 struct CostFit {
-  CostLine time_s;     ///< by way and trees: for people
-  CostLine memory_mb;  ///< the same
-  CostLine ask_s;      ///< by the log's size, known before: for who schedules
+  CostLine time_s;     ///< by distance and number of trees, for display
+  CostLine memory_mb;  ///< by distance and number of trees, for display
+  CostLine ask_s;      ///< by log size, which is known in advance, for the scheduler
   CostLine ask_mb;
 };
 
-/// Least squares with no coefficient below zero. Without samples: what drives of the simulator have
-/// cost (tests/RESULTS.md, a farm).
+/// Fits the model by non-negative least squares. Without samples it returns the cost of simulated
+/// drives (tests/RESULTS.md, a farm).
 CostFit fit_costs(const std::vector<CostSample>& samples);
 
 }  // namespace orchard::farm

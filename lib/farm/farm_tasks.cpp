@@ -12,16 +12,16 @@
 namespace orchard::farm {
 namespace {
 
-constexpr std::size_t kDigits = 20;  ///< of a name: two alike among 1e9 results are no concern
+constexpr std::size_t kDigits = 20;  ///< of a name; collisions are negligible among 1e9 results
 
-/// The name of what follows from these and nothing else.
+/// Name of a result that depends only on `causes`.
 std::string name_of(TaskKind kind, const std::vector<std::string>& causes) {
   std::string text = kind_text(kind);
   for (const std::string& cause : causes) text += "\n" + cause;
   return std::string(kind_text(kind)) + "-" + sha256_hex(text).substr(0, kDigits);
 }
 
-/// Tasks in the order in which they were first asked for, alike ones once.
+/// Tasks in order of insertion, identical ones once.
 class TaskList {
  public:
   const std::string& add(FarmTask task) {
@@ -62,7 +62,7 @@ void add_date(const DrivesOfDate& drives, const FarmSettings& settings, const Ed
                    {check},
                    {},
                    {drive}});
-    // A log that lies there twice is one drive.
+    // A log that is in the folder twice counts as one drive.
     if (std::find(date.needs.begin(), date.needs.end(), map) == date.needs.end()) {
       date.needs.push_back(map);
     }

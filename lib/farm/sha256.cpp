@@ -15,11 +15,11 @@ std::array<std::uint32_t, 64> round_constants() {
     bool is_prime = true;
     for (std::uint64_t d = 2; d * d <= n; ++d) is_prime = is_prime && n % d != 0;
     if (!is_prime) continue;
-    // The cube root of n, times 2^32, by its digits: exact, whatever the machine rounds.
+    // The cube root of n times 2^32, bit by bit: exact, independent of floating-point rounding.
     std::uint64_t root = 0;
     for (int bit = 34; bit >= 0; --bit) {
       const auto next = static_cast<unsigned __int128>(root | (std::uint64_t{1} << bit));
-      // next^3 <= n * 2^96, without more than 128 bits: next < 2^35.
+      // next^3 <= n * 2^96 fits into 128 bits, because next < 2^35.
       if (next * next * next <= (static_cast<unsigned __int128>(n) << 96)) {
         root |= std::uint64_t{1} << bit;
       }

@@ -9,12 +9,13 @@
 
 namespace orchard::farm {
 
-/// The digest SHA-256 of bytes that come in pieces. Source: FIPS 180-4, sections 4.1.2 to 6.2.
+/// SHA-256 digest of bytes added in pieces. Source: FIPS 180-4, sections 4.1.2 to 6.2.
 class Sha256 {
  public:
   void add(const void* bytes, std::size_t size);
 
-  /// Of all that was added, as 64 hexadecimal digits. Nothing may be added afterwards.
+  /// Returns the digest of all bytes added, as 64 hexadecimal digits. Nothing may be added
+  /// afterwards.
   std::string hex();
 
  private:
@@ -27,7 +28,7 @@ class Sha256 {
   std::uint64_t num_bytes_ = 0;
 };
 
-/// The digest of a text.
+/// SHA-256 digest of a text.
 std::string sha256_hex(std::string_view text);
 
 }  // namespace orchard::farm

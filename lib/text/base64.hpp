@@ -7,7 +7,7 @@
 
 namespace orchard {
 
-/// Bytes as text in base 64 with padding (RFC 4648, section 4).
+/// Encodes bytes in base 64 with padding (RFC 4648, section 4).
 std::string base64_text(const std::uint8_t* data, std::size_t size);
 
 }  // namespace orchard

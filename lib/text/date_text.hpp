@@ -6,8 +6,8 @@
 
 namespace orchard {
 
-/// The day of a time since 1970 in UTC, as "2026-11-22"; empty before 1980 and after 2200, where a
-/// clock counted from something else.
+/// Formats the UTC date of a utime [us since 1970] as "2026-11-22". Empty before 1980 and after
+/// 2200, where the clock has another epoch.
 std::string date_text(std::int64_t utime);
 
 }  // namespace orchard

@@ -6,7 +6,7 @@
 
 namespace orchard {
 
-/// Text as XML and HTML hold it, in an element or between double quotes: & < > " are escaped.
+/// Escapes & < > " for XML and HTML, in element content or between double quotes.
 std::string markup_text(std::string_view text);
 
 }  // namespace orchard

@@ -6,7 +6,7 @@
 namespace orchard {
 
 std::string fixed_text(double value, int num_decimals) {
-  char text[400];  // the largest double has 309 digits before the point
+  char text[400];  // the largest double has 309 digits before the decimal point
   const auto result =
       std::to_chars(text, text + sizeof(text), value, std::chars_format::fixed, num_decimals);
   std::string fixed(text, result.ptr);

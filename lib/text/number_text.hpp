@@ -5,8 +5,8 @@
 
 namespace orchard {
 
-/// A number with that many decimals, rounded from its exact value, whatever the locale; never
-/// "-0.000".
+/// Formats a number with that many decimals, rounded from its exact value, independent of the
+/// locale; never "-0.000".
 std::string fixed_text(double value, int num_decimals);
 
 /// The shortest decimal text that reads back as the same double.

@@ -10,7 +10,7 @@ std::string printable_text(std::string text) {
     const bool c1 = byte == 0xC2 && i + 1 < text.size() &&
                     static_cast<unsigned char>(text[i + 1]) >= 0x80 &&
                     static_cast<unsigned char>(text[i + 1]) < 0xA0;
-    // a C1 character alone, as terminals that do not speak UTF-8 read it
+    // a C1 character as a single byte, as read by terminals without UTF-8
     const bool c1_alone =
         byte >= 0x80 && byte < 0xA0 && (i == 0 || static_cast<unsigned char>(text[i - 1]) < 0x80);
     if (control || c1 || c1_alone) text[i] = '?';

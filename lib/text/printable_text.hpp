@@ -5,8 +5,8 @@
 
 namespace orchard {
 
-/// Text from outside for a terminal: control characters (those of one byte, and the C1 ones of
-/// UTF-8) are replaced by "?", so that no name can move the cursor or set colours.
+/// Makes untrusted text safe for a terminal: control characters (single-byte ones, and C1 in UTF-8)
+/// become "?", so that it cannot move the cursor or set colours.
 std::string printable_text(std::string text);
 
 }  // namespace orchard

@@ -7,8 +7,8 @@
 
 namespace orchard {
 
-/// The whole number that a text is, with nothing before or behind it; none when it is no such
-/// number or does not fit.
+/// Parses a whole number without leading or trailing characters. None if the text is not a number
+/// or does not fit.
 std::optional<std::int32_t> whole_number(std::string_view text);
 
 }  // namespace orchard

@@ -27,7 +27,6 @@ struct CameraMode {
 /// start of exposure if the driver says so (as for USB cameras), else the end of the frame. Half
 /// the exposure time is added or subtracted if exposure is manual and known. The remaining constant
 /// delay is `camera.delay_s`.
-/// or taken off where exposure is manual and known. What stays is constant: `camera.delay_s`.
 class V4l2Camera : public CameraSource {
  public:
   V4l2Camera(std::string path, const CameraMode& mode,

@@ -7,9 +7,9 @@
 
 namespace orchard::io {
 
-/// Default rig of a simulated scene ("tubes", "orchard", "board"): config/tubes.yaml or
-/// config/orchard.yaml as of the build, so that it is available wherever the program is installed.
-/// Returns the built-in defaults for any other name.
+/// Default rig of a simulated scene ("tubes", "orchard", "park", "board"): tubes.yaml, orchard.yaml
+/// or park.yaml of config/ as of the build, so that it is available wherever the program is
+/// installed. Returns the built-in defaults for any other name.
 Config scene_rig(std::string_view scene);
 
 }  // namespace orchard::io

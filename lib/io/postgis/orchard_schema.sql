@@ -1,10 +1,10 @@
 -- SPDX-License-Identifier: BSD-3-Clause
--- What `orchard publish` keeps in PostGIS. Written by the first publisher, who may create schemas
--- and extensions; or once by an administrator: psql -f orchard_schema.sql DATABASE.
+-- Schema of `orchard publish` in PostGIS. Created by the first publisher, if permitted to create
+-- schemas and extensions, or once by an administrator: psql -f orchard_schema.sql DATABASE.
 CREATE EXTENSION IF NOT EXISTS postgis;
 CREATE SCHEMA IF NOT EXISTS orchard;
 
--- One line for each map that was published.
+-- One row for each published map.
 CREATE TABLE IF NOT EXISTS orchard.visit (
   block text NOT NULL,
   date date NOT NULL,
@@ -15,8 +15,8 @@ CREATE TABLE IF NOT EXISTS orchard.visit (
   PRIMARY KEY (block, date)
 );
 
--- The trees and objects of all blocks and dates. Lengths in metres; x and y in the map's own frame;
--- place in WGS 84, empty for a map that is not tied to the earth.
+-- Trees and objects of all blocks and dates. Lengths in metres; x and y in the map's own frame;
+-- place in WGS 84, empty for a map without georeference.
 CREATE TABLE IF NOT EXISTS orchard.tree (
   block text NOT NULL,
   date date NOT NULL,
@@ -39,19 +39,19 @@ CREATE TABLE IF NOT EXISTS orchard.tree (
 );
 CREATE INDEX IF NOT EXISTS tree_place ON orchard.tree USING gist (place);
 
--- What a later publication of the same block and date replaced or left out: nothing is lost.
+-- Rows that a later publication of the same block and date replaced or removed.
 CREATE TABLE IF NOT EXISTS orchard.tree_replaced (
   LIKE orchard.tree,
   replaced_at timestamptz NOT NULL DEFAULT now()
 );
 CREATE INDEX IF NOT EXISTS tree_replaced_at ON orchard.tree_replaced (block, date, replaced_at);
 
--- Each block as it was mapped last.
+-- The latest map of each block.
 CREATE OR REPLACE VIEW orchard.tree_now AS
   SELECT t.* FROM orchard.tree t
   JOIN (SELECT block, max(date) AS date FROM orchard.visit GROUP BY block) v USING (block, date);
 
--- Who reads, and who publishes. GRANT orchard_reader TO somebody;
+-- Roles for reading and publishing, for example GRANT orchard_reader TO ana;
 DO $$
 DECLARE role text;
 BEGIN

@@ -32,7 +32,7 @@ struct MapData {
   std::vector<std::pair<std::int32_t, const std::vector<std::uint8_t>*>> photographs{};
   std::vector<std::int32_t> photo_ids{};  ///< ids whose photographs the page's server has
   std::map<std::int32_t, std::string>
-      row_names{};  ///< any text; of rows that people call otherwise
+      row_names{};  ///< any text; of rows with another name than their number
   std::map<std::int32_t, std::vector<std::string>> notes{};  ///< any text; by landmark id
 };
 

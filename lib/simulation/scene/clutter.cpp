@@ -13,8 +13,7 @@ namespace orchard::simulation {
 namespace {
 
 constexpr double kRobotHalfWidth_m = 0.6;
-constexpr std::uint64_t kTrellisPosts =
-    1u << 20;  ///< offset of their random numbers from those of trees
+constexpr std::uint64_t kTrellisPosts = 1u << 20;  ///< random numbers of posts
 
 class ClutterBuilder {
  public:
@@ -229,8 +228,7 @@ class ClutterBuilder {
     }
   }
 
-  /// Adds stalks that rise, or twigs that hang, into the scan plane near trunks; they are not in
-  /// the truth.
+  /// Adds stalks or twigs that reach the scan plane near trunks; they are not in the truth.
   void add_thin(Stream stream, double mean) {
     const bool grass = stream == Stream::kGrass;
     const double scan_m = config_.scanner.height_m;
@@ -334,8 +332,7 @@ class ClutterBuilder {
     }
   }
 
-  /// True if a person walks through no object of the truth and stays at least a metre from the
-  /// robot's centre.
+  /// True if a person meets no object of the truth and stays 1 m from the robot's centre.
   bool walks_free(const Person& person) const {
     const double c = std::cos(person.heading_rad), s = std::sin(person.heading_rad);
     const double way_m = person.speed_mps * scene_.path.duration_s();
@@ -356,8 +353,7 @@ class ClutterBuilder {
     return true;
   }
 
-  /// Adds a vehicle that stands in an alley before the robot gets there, and leaves when the robot
-  /// is 5 m away.
+  /// Adds a vehicle that stands ahead in an alley and leaves when the robot is 5 m away.
   void add_vehicle(int index) {
     Random random(seed_, Stream::kVehicles, static_cast<std::uint64_t>(index));
     for (int attempt = 0; attempt < 200; ++attempt) {
@@ -381,8 +377,7 @@ class ClutterBuilder {
     }
   }
 
-  /// True if a vehicle drives through no object of the truth except hedges and stays at least 3 m
-  /// from the robot's centre.
+  /// True if it meets no object except hedges and stays 3 m from the robot's centre.
   bool drives_free(const Vehicle& vehicle) const {
     const double c = std::cos(vehicle.heading_rad), s = std::sin(vehicle.heading_rad);
     for (const TruthObject& thing : scene_.truth) {

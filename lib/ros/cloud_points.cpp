@@ -9,9 +9,9 @@
 namespace orchard::ros {
 namespace {
 
-constexpr double kMaxSeconds = 10.0;  // no sweep lasts as long
+constexpr double kMaxSeconds = 10.0;  // longer than any sweep
 
-/// A field of every point that lies within the point.
+/// Reads one field of each point; the field must lie within the point.
 class FieldReader {
  public:
   FieldReader(const PointCloud& cloud, std::string_view name) : is_big_(cloud.is_big_endian) {
@@ -68,7 +68,7 @@ class FieldReader {
   bool is_big_;
 };
 
-/// When a point was measured: drivers name and count it in three ways.
+/// Reads the time of a point; drivers use three names and units for it.
 class TimeReader {
  public:
   explicit TimeReader(const PointCloud& cloud)
@@ -81,7 +81,7 @@ class TimeReader {
     return time_.is_there() || t_.is_there() || timestamp_.datatype() == kDouble;
   }
 
-  /// Behind the cloud's stamp [s].
+  /// Time after the cloud's stamp [s].
   double of(const std::uint8_t* point) const {
     constexpr double kSecondsPerNanosecond = 1e-9;
     if (time_.is_there()) return time_.of(point);
@@ -104,7 +104,7 @@ std::optional<CloudPoints> read_points(const PointCloud& cloud) {
   CloudPoints result;
   result.has_time = time.is_there();
   result.has_lines = ring.is_there() || cloud.height > 1;
-  // An ordered cloud has its lines along the longer side.
+  // An ordered cloud has its scanner lines along the longer side.
   const bool rows_are_lines = cloud.width >= cloud.height;
   for (std::uint32_t row = 0; row < cloud.height; ++row) {
     for (std::uint32_t column = 0; column < cloud.width; ++column) {

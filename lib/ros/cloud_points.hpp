@@ -9,13 +9,13 @@
 
 namespace orchard::ros {
 
-/// One point of a cloud as a slice needs it.
+/// One point of a cloud, with the properties needed for a slice.
 struct CloudPoint {
   double bearing_rad = 0.0;
   double range_m = 0.0;  ///< in the plane
   double z_m = 0.0;
-  double time_s = 0.0;     ///< behind the cloud's stamp
-  std::uint32_t line = 0;  ///< of the scanner; 0 when the cloud does not say
+  double time_s = 0.0;     ///< time after the cloud's stamp
+  std::uint32_t line = 0;  ///< scanner line (ring); 0 when the cloud has none
 };
 
 struct CloudPoints {
@@ -24,7 +24,7 @@ struct CloudPoints {
   bool has_lines = false;
 };
 
-/// The points of a cloud; none when it has no fields x, y and z.
+/// Reads the points of a cloud; none when it has no fields x, y and z.
 std::optional<CloudPoints> read_points(const PointCloud& cloud);
 
 }  // namespace orchard::ros

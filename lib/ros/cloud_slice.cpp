@@ -14,14 +14,15 @@ namespace orchard::ros {
 namespace {
 
 constexpr std::size_t kMinPoints = 20;
-constexpr double kMinStep_rad = 2e-4;  // finer than any scanner; below it two lines lie as one
+constexpr double kMinStep_rad =
+    2e-4;  // finer than any scanner; smaller gaps are points of two lines
 constexpr double kMaxStep_rad = 0.1;
 constexpr double kTurn_rad = 2.0 * geometry::kPi;
 constexpr double kFarthest_m = 100.0;
 
 using Line = std::vector<CloudPoint>;
 
-/// The scanner's line that has most points at such heights.
+/// The scanner line with the most points between two heights.
 Line longest_line(const CloudPoints& cloud, double low_m, double high_m) {
   std::map<std::uint32_t, Line> lines;
   for (const CloudPoint& point : cloud.points) {
@@ -34,7 +35,7 @@ Line longest_line(const CloudPoints& cloud, double low_m, double high_m) {
   return longest;
 }
 
-/// The step between a line's bearings [rad]; none when it has no step.
+/// The step between a line's bearings [rad]; none if it cannot be determined.
 std::optional<double> step_of(const Line& line) {
   std::vector<double> bearings_rad, gaps_rad;
   for (const CloudPoint& point : line) bearings_rad.push_back(point.bearing_rad);
@@ -48,8 +49,8 @@ std::optional<double> step_of(const Line& line) {
   std::nth_element(gaps_rad.begin(), middle, gaps_rad.end());
   const double median_rad = *middle;
   if (median_rad > kMaxStep_rad) return std::nullopt;
-  // A scanner counts its bearings in whole units: a mean over many steps knows more than one step.
-  // Bearings tremble: what one gap is too short its neighbour is too long, so all count.
+  // The mean over many steps is more accurate than one step. All gaps count, since noise in a
+  // bearing shortens one gap and lengthens its neighbour.
   double sum_rad = 0.0, num_steps = 0.0;
   for (std::size_t i = 1; i < bearings_rad.size(); ++i) {
     const double gap_rad = bearings_rad[i] - bearings_rad[i - 1];
@@ -61,8 +62,7 @@ std::optional<double> step_of(const Line& line) {
   return sum_rad / num_steps;
 }
 
-/// Whether the scanner turns clockwise, and its time from beam to beam, by the order of a line in
-/// time.
+/// Direction of rotation and time between beams, from the points of a line in order of time.
 struct Turn {
   double direction = 1.0;
   double beam_period_us = 0.0;
@@ -85,7 +85,7 @@ Turn turn_of(const Line& in_time, double step_rad) {
   return turn;
 }
 
-/// How far, on average, a line's bearings lie beside the beams that begin at `first_rad`.
+/// Mean offset of a line's bearings from the beams that begin at `first_rad`.
 double phase_of(const Line& line, double first_rad, double step_rad) {
   double sine = 0.0, cosine = 0.0;
   for (const CloudPoint& point : line) {
@@ -96,10 +96,11 @@ double phase_of(const Line& line, double first_rad, double step_rad) {
   return std::atan2(sine, cosine) / kTurn_rad * step_rad;
 }
 
-/// Beams whose bearing no point of the cloud, of any height, comes near were never measured: of a
-/// scanner that does not look all around.
+/// Sets beams to NaN that are far in bearing from all points of the cloud at any height: the
+/// scanner's field of view does not include them.
 void forget_unseen(const CloudPoints& cloud, laser::Scan& scan) {
-  constexpr double kSector_rad = kTurn_rad / 36;  // coarse: trees do not stand everywhere
+  constexpr double kSector_rad =
+      kTurn_rad / 36;  // coarse, since directions without objects have no points
   std::vector<bool> is_seen(36, false);
   for (const CloudPoint& point : cloud.points) {
     const auto sector = static_cast<int>((point.bearing_rad + geometry::kPi) / kSector_rad);
@@ -122,7 +123,7 @@ std::variant<laser::Scan, NotUsed> slice_cloud(const PointCloud& cloud, const Cl
   const double low_m = slice.height_m - slice.thickness_m / 2;
   const double high_m = slice.height_m + slice.thickness_m / 2;
   Line line = longest_line(*points, low_m, high_m);
-  // All lines turn together, and one that lies on the ground knows the step best.
+  // All lines have the same step, and one that meets the ground has the most points for it.
   constexpr double kAnyHeight_m = std::numeric_limits<double>::infinity();
   const std::optional<double> step_rad =
       points->has_lines ? step_of(longest_line(*points, -kAnyHeight_m, kAnyHeight_m))
@@ -157,7 +158,7 @@ std::variant<laser::Scan, NotUsed> slice_cloud(const PointCloud& cloud, const Cl
     double turned_rad = direction * (point.bearing_rad - scan.bearing_min_rad);
     turned_rad -= std::floor(turned_rad / kTurn_rad) * kTurn_rad;
     const auto beam = static_cast<std::size_t>(turned_rad / *step_rad + 0.5);
-    // Just before the first beam is the first beam.
+    // A bearing just before the first beam belongs to it.
     float& range_m = scan.ranges_m[beam < num_beams ? beam : 0];
     const auto this_m = static_cast<float>(point.range_m);
     if (range_m == 0.0f || this_m < range_m) range_m = this_m;

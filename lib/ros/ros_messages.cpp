@@ -17,7 +17,7 @@ NotUsed cut_short() { return {"shorter than its type says"}; }
 Header read_header(RosReader& reader) {
   if (reader.wire() == Wire::kRos1) reader.number<std::uint32_t>();  // seq
   Header header;
-  // ROS 1 counts seconds without a sign, ROS 2 with one: the same until 2038.
+  // ROS 1 has unsigned seconds, ROS 2 signed ones: equal until 2038.
   const std::int64_t seconds = reader.number<std::uint32_t>();
   const std::int64_t nanoseconds = reader.number<std::uint32_t>();
   header.utime = seconds * 1'000'000 + nanoseconds / 1000;
@@ -48,7 +48,7 @@ bool is_finite(std::initializer_list<double> values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
 }
 
-/// The mean of a diagonal of three; 0, unknown, when it is none.
+/// Mean of the diagonal of a 3 x 3 covariance; 0 (unknown) when invalid.
 double mean_variance(const std::array<double, 9>& covariance) {
   const double a = covariance[0], b = covariance[4], c = covariance[8];
   return is_finite({a, b, c}) && a >= 0 && b >= 0 && c >= 0 ? (a + b + c) / 3 : 0.0;
@@ -75,7 +75,7 @@ Pose read_pose(RosReader& reader) {
   return pose;
 }
 
-/// A place whose orientation was never filled in (all zero) has no yaw.
+/// Converts a pose to a fix; an orientation that was never set (all zero) gives no yaw.
 std::variant<pose::PoseFix, NotUsed> to_fix(const Header& header, const Pose& pose,
                                             const std::array<double, 6>& covariance) {
   pose::PoseFix fix;
@@ -154,13 +154,13 @@ std::variant<pose::Imu, NotUsed> decode_imu(const void* data, std::size_t size, 
   imu.acceleration_mps2 = read_doubles<3>(reader);
   const auto acceleration_covariance = read_doubles<9>(reader);
   if (!reader.ok()) return cut_short();
-  // -1 as the first of a covariance: the sender does not measure this (sensor_msgs/Imu).
+  // -1 as first element of a covariance: not measured (sensor_msgs/Imu).
   if (rate_covariance[0] == -1.0) return NotUsed{"it measures no angular rate"};
   if (acceleration_covariance[0] == -1.0) return NotUsed{"it measures no acceleration"};
   imu.angular_rate_variance = mean_variance(rate_covariance);
   imu.acceleration_variance = mean_variance(acceleration_covariance);
   imu.orientation_variance = mean_variance(orientation_covariance);
-  // No unit measures exactly nothing: who leaves the message's initial values does not measure.
+  // An orientation of exactly zero is the message's initial value: not measured.
   const bool is_initial = q[0] == 0.0 && q[1] == 0.0 && q[2] == 0.0;
   imu.has_orientation = orientation_covariance[0] != -1.0 && is_unit(q) && !is_initial;
   if (imu.has_orientation) {
@@ -191,7 +191,7 @@ std::variant<pose::Gnss, NotUsed> decode_nav_sat_fix(const void* data, std::size
   if (!is_finite({gnss.latitude_deg, gnss.longitude_deg})) {
     return NotUsed{"a position that is not finite"};
   }
-  // A receiver that knows its place in the plane only says so with NaN.
+  // NaN marks an unknown altitude.
   if (!std::isfinite(gnss.altitude_m)) gnss.altitude_m = 0.0;
   if (has_covariance) {
     const std::array<double, 6> enu{covariance[0], covariance[1], covariance[2],
@@ -246,7 +246,7 @@ std::variant<Picture, NotUsed> decode_image(const void* data, std::size_t size, 
   picture.height_px = reader.number<std::uint32_t>();
   picture.width_px = reader.number<std::uint32_t>();
   picture.encoding = reader.text();
-  reader.number<std::uint8_t>();  // is_bigendian: of one byte a channel it says nothing
+  reader.number<std::uint8_t>();  // is_bigendian: irrelevant for one byte per channel
   picture.row_bytes = reader.number<std::uint32_t>();
   picture.data = reader.bytes(picture.num_bytes);
   if (!reader.ok()) return cut_short();
@@ -285,7 +285,7 @@ std::variant<PointCloud, NotUsed> decode_point_cloud(const void* data, std::size
   cloud.point_bytes = reader.number<std::uint32_t>();
   cloud.row_bytes = reader.number<std::uint32_t>();
   cloud.data = reader.bytes(cloud.num_bytes);
-  reader.number<std::uint8_t>();  // is_dense: every point is looked at anyway
+  reader.number<std::uint8_t>();  // is_dense: each point is checked anyway
   if (!reader.ok()) return cut_short();
   const std::uint64_t row_bytes = std::uint64_t{cloud.width} * cloud.point_bytes;
   const std::uint64_t needed =

@@ -15,7 +15,7 @@
 
 namespace orchard::ros {
 
-/// The kinds of message that are read, of ROS 1 and ROS 2 alike.
+/// The supported types of message, for ROS 1 and ROS 2.
 enum class MessageType {
   kLaserScan,
   kPointCloud2,
@@ -29,54 +29,56 @@ enum class MessageType {
   kNone,
 };
 
-/// Of a type's name as ROS 1 ("sensor_msgs/LaserScan") or ROS 2 ("sensor_msgs/msg/LaserScan")
-/// writes it.
+/// Parses the name of a type in the form of ROS 1 ("sensor_msgs/LaserScan") or ROS 2
+/// ("sensor_msgs/msg/LaserScan").
 MessageType message_type(std::string_view name);
 
-/// Why a message became nothing, in words for a person.
+/// The reason why a message is not used, as text for the user.
 struct NotUsed {
   std::string why;
 };
 
-/// The same in either world: when, and in which frame.
+/// The header of a message: time and frame.
 struct Header {
-  std::int64_t utime = 0;  ///< 0: the sender did not say
+  std::int64_t utime = 0;  ///< 0: not set by the sender
   std::string frame;
 };
 
-/// The header alone, which every kind begins with. NotUsed: too short, or a time that is none.
+/// Decodes only the header, which comes first in every type. NotUsed: message too short, or an
+/// invalid time.
 std::variant<Header, NotUsed> decode_header(const void* data, std::size_t size, Wire wire);
 
-/// sensor_msgs/LaserScan. +inf becomes 0, no return; -inf (too near) and NaN become NaN, nothing
-/// measured (REP 117).
+/// Decodes sensor_msgs/LaserScan. +inf becomes 0, no return; -inf (too near) and NaN become NaN,
+/// not measured (REP 117).
 std::variant<laser::Scan, NotUsed> decode_laser_scan(const void* data, std::size_t size, Wire wire);
 
-/// sensor_msgs/Imu, whose frame is taken for base's axes. Variances are the mean of three axes.
-/// The orientation is left out where the sender says so, and where it was never filled in.
+/// Decodes sensor_msgs/Imu; its frame is assumed to have the axes of base. Variances are the mean
+/// of three axes. The orientation is left out where the sender marks it as missing, and where it
+/// was never set.
 std::variant<pose::Imu, NotUsed> decode_imu(const void* data, std::size_t size, Wire wire);
 
-/// sensor_msgs/NavSatFix. Fixes of a ground-based augmentation count as RTK: fixed when they state
-/// their covariance, which then decides, else float. NotUsed without a fix.
+/// Decodes sensor_msgs/NavSatFix. Fixes with ground-based augmentation count as RTK: fixed when
+/// they have a covariance, which then determines their weight, else float. NotUsed without a fix.
 std::variant<pose::Gnss, NotUsed> decode_nav_sat_fix(const void* data, std::size_t size, Wire wire);
 
-/// What nav_msgs/Odometry says: where and how fast.
+/// Content of nav_msgs/Odometry: pose and velocity.
 struct Odometry {
-  pose::Odometry velocity;  ///< of its twist
-  pose::PoseFix place;      ///< of its pose
+  pose::Odometry velocity;  ///< from its twist
+  pose::PoseFix place;      ///< from its pose
 };
 std::variant<Odometry, NotUsed> decode_odometry(const void* data, std::size_t size, Wire wire);
 
-/// geometry_msgs/PoseStamped, or PoseWithCovarianceStamped.
+/// Decodes geometry_msgs/PoseStamped or PoseWithCovarianceStamped.
 std::variant<pose::PoseFix, NotUsed> decode_pose(const void* data, std::size_t size, Wire wire,
                                                  bool with_covariance);
 
-/// sensor_msgs/Image or CompressedImage; `data` lies in the message.
+/// Content of sensor_msgs/Image or CompressedImage; `data` points into the message.
 struct Picture {
   std::int64_t utime = 0;
-  std::uint32_t width_px = 0;  ///< 0 of a compressed one
+  std::uint32_t width_px = 0;  ///< 0 for a compressed image
   std::uint32_t height_px = 0;
   std::uint32_t row_bytes = 0;
-  std::string encoding;  ///< "bgr8", ...; of a compressed one its format, "jpeg", ...
+  std::string encoding;  ///< "bgr8", ...; for a compressed image its format, "jpeg", ...
   const std::uint8_t* data = nullptr;
   std::size_t num_bytes = 0;
 };
@@ -84,7 +86,7 @@ std::variant<Picture, NotUsed> decode_image(const void* data, std::size_t size, 
 std::variant<Picture, NotUsed> decode_compressed_image(const void* data, std::size_t size,
                                                        Wire wire);
 
-/// A field of a point, as sensor_msgs/PointField describes it.
+/// A field of a point (sensor_msgs/PointField).
 struct PointField {
   std::string name;
   std::uint32_t offset = 0;
@@ -92,7 +94,8 @@ struct PointField {
                               ///< floating point of single and double precision
 };
 
-/// sensor_msgs/PointCloud2; `data` lies in the message and holds height rows of width points.
+/// Content of sensor_msgs/PointCloud2; `data` points into the message and has `height` rows of
+/// `width` points.
 struct PointCloud {
   std::int64_t utime = 0;
   std::uint32_t height = 0;

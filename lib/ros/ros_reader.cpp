@@ -13,15 +13,15 @@ constexpr std::size_t kCdrHeaderBytes = 4;
 RosReader::RosReader(const void* data, std::size_t size, Wire wire)
     : data_(static_cast<const std::uint8_t*>(data)), size_(size), wire_(wire) {
   if (wire_ == Wire::kRos1) return;
-  // The second byte says the order of bytes: 0 big, 1 little. Others are of lists of parameters or
-  // of XCDR version 2, which ROS does not send.
+  // The second byte is the byte order: 0 big, 1 little endian. Other values mean parameter lists or
+  // XCDR version 2, which ROS does not send.
   if (size < kCdrHeaderBytes || data_[0] != 0 || data_[1] > 1) {
     ok_ = false;
     size_ = 0;
     return;
   }
   is_big_endian_ = data_[1] == 0;
-  data_ += kCdrHeaderBytes;  // alignment counts from behind the header
+  data_ += kCdrHeaderBytes;  // alignment is relative to the end of the header
   size_ -= kCdrHeaderBytes;
 }
 
@@ -46,7 +46,7 @@ std::string RosReader::text() {
   std::size_t size = number<std::uint32_t>();
   const std::uint8_t* begin = take(size, 1);
   if (begin == nullptr) return {};
-  // CDR counts the zero that ends a text; ROS 1 has none.
+  // The length of a CDR string includes its terminating zero; ROS 1 strings have none.
   if (wire_ == Wire::kCdr && size > 0 && begin[size - 1] == 0) --size;
   return std::string(reinterpret_cast<const char*>(begin), size);
 }

@@ -9,16 +9,16 @@
 
 namespace orchard::ros {
 
-/// How a message lies in its bytes.
+/// Serialisation format of a message.
 enum class Wire {
   kRos1,  ///< packed, little-endian (ROS wiki, "msg": serialisation)
   kCdr,   ///< four bytes of header, then aligned (OMG DDSI-RTPS 2.3, 10; XCDR version 1)
 };
 
-/// Reads the fields of a ROS message one after the other, never beyond its bytes.
+/// Reads the fields of a ROS message in sequence, never beyond its bytes.
 ///
-/// What is not there reads as 0 or empty, and ok() is false from then on: a decoder reads all its
-/// fields and asks once.
+/// Missing fields read as 0 or empty, and ok() is false from then on: a decoder reads all its
+/// fields and checks once.
 class RosReader {
  public:
   /// The bytes must outlive the reader.
@@ -32,17 +32,17 @@ class RosReader {
     return value;
   }
 
-  /// A text; empty, and not ok, when it does not end within the bytes.
+  /// Reads a string; empty, and not ok, when it does not end within the bytes.
   std::string text();
 
-  /// The bytes of a sequence of bytes, and how many: they lie in the message. Null when none.
+  /// Reads a sequence of bytes and its size; the result points into the message. Null when none.
   const std::uint8_t* bytes(std::size_t& size);
 
-  /// The number of elements of a sequence, each of at least so many bytes; not ok when they cannot
-  /// all be there.
+  /// Reads the number of elements of a sequence, each of at least `least_element_bytes` bytes; not
+  /// ok when the remaining bytes are too few.
   std::size_t count(std::size_t least_element_bytes);
 
-  /// A sequence of numbers of single precision.
+  /// Reads a sequence of single-precision numbers.
   std::vector<float> floats();
 
   Wire wire() const { return wire_; }

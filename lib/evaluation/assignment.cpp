@@ -14,7 +14,7 @@ namespace {
 
 using Matrix = std::vector<std::vector<double>>;
 
-/// Points that may belong together: connected by pairs within the gate.
+/// Points that may be paired: connected by pairs within the gate.
 struct Cluster {
   std::vector<std::size_t> truth;
   std::vector<std::size_t> found;
@@ -41,7 +41,7 @@ std::size_t root_of(std::vector<std::size_t>& parent, std::size_t node) {
 
 std::vector<Cluster> clusters_within(const std::vector<Point>& truth,
                                      const std::vector<Point>& found, double gate_m) {
-  // A sweep along x looks only at found points within the gate's band.
+  // A sweep along x visits only found points within the gate's band.
   std::vector<std::size_t> by_x(found.size());
   std::iota(by_x.begin(), by_x.end(), std::size_t{0});
   std::sort(by_x.begin(), by_x.end(), [&](std::size_t a, std::size_t b) {
@@ -69,7 +69,7 @@ std::vector<Cluster> clusters_within(const std::vector<Point>& truth,
   return clusters;
 }
 
-/// Column of each row in the cheapest full assignment of a matrix with rows <= columns: the
+/// Solves the assignment problem for a cost matrix with rows <= columns: the column of each row.
 /// Hungarian method by shortest augmenting paths with potentials (Kuhn 1955, Munkres 1957).
 std::vector<std::size_t> hungarian(const Matrix& cost) {
   const std::size_t num_rows = cost.size();
@@ -78,7 +78,7 @@ std::vector<std::size_t> hungarian(const Matrix& cost) {
   const std::size_t none = num_rows;
   std::vector<double> row_potential(num_rows + 1, 0.0);
   std::vector<double> column_potential(num_columns + 1, 0.0);
-  // The column behind the last one is where each augmenting path starts.
+  // Each augmenting path starts in an extra column behind the last one.
   std::vector<std::size_t> row_of(num_columns + 1, none);
   for (std::size_t row = 0; row < num_rows; ++row) {
     std::vector<double> slack(num_columns, kInfinity);
@@ -130,7 +130,7 @@ void assign_cluster(const std::vector<Point>& truth, const std::vector<Point>& f
   const bool truth_is_rows = cluster.truth.size() <= cluster.found.size();
   const auto& rows = truth_is_rows ? cluster.truth : cluster.found;
   const auto& columns = truth_is_rows ? cluster.found : cluster.truth;
-  // Dearer than all pairs within the gate together: the number of pairs comes first.
+  // Above the cost of all pairs within the gate together, so that the number of pairs has priority.
   const double forbidden = gate_m * gate_m * static_cast<double>(rows.size() + 1);
   Matrix cost(rows.size(), std::vector<double>(columns.size(), forbidden));
   for (std::size_t r = 0; r < rows.size(); ++r) {

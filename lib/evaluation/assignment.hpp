@@ -18,17 +18,16 @@ struct Point {
   operator Eigen::Vector2d() const { return {x_m, y_m}; }
 };
 
-/// Index of the found point that belongs to each true point, or kUnmatched.
+/// For each true point the index of its found point, or kUnmatched.
 using Assignment = std::vector<std::ptrdiff_t>;
 inline constexpr std::ptrdiff_t kUnmatched = -1;
 
-/// Pairs true points with found points, one to one and never farther apart than `gate_m`.
+/// Pairs true points with found points, one to one, at most `gate_m` apart.
 ///
-/// Among all such pairings it takes one with the most pairs, and among those the one with the
-/// smallest sum of squared distances, so a doubled landmark never displaces a better one.
+/// Among all such pairings, selects one with the most pairs, and among those the one with the
+/// smallest sum of squared distances, so a duplicate landmark never displaces a better one.
 /// Deterministic. Cost: cubic in the largest cluster of points closer than the gate, not in the
-/// map. Throws std::invalid_argument for a gate that is not positive or a point that is not
-/// finite.
+/// map. Throws std::invalid_argument for a gate that is not positive or a point that is not finite.
 Assignment assign(const std::vector<Point>& truth, const std::vector<Point>& found, double gate_m);
 
 }  // namespace orchard::evaluation

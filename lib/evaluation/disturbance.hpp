@@ -5,19 +5,19 @@
 
 namespace orchard::evaluation {
 
-/// What another light and another camera would have made of a picture.
+/// A simulated change of light and camera for a picture.
 struct Disturbance {
-  double exposure_ev = 0.0;  ///< twice the light per step; what is too bright stays white
-  double red_gain = 1.0;     ///< of the light, as a wrong white balance does it
+  double exposure_ev = 0.0;  ///< a factor of 2 in light per unit; clipped at white
+  double red_gain = 1.0;     ///< gains of the light, like a wrong white balance
   double blue_gain = 1.0;
-  double blur_px = 0.0;  ///< standard deviation of a Gaussian
+  double blur_px = 0.0;  ///< standard deviation of a Gaussian blur
 
   bool none() const {
     return exposure_ev == 0.0 && red_gain == 1.0 && blue_gain == 1.0 && blur_px == 0.0;
   }
 };
 
-/// The pixels as they would have been: gains act on linear light (sRGB's curve undone).
+/// Applies a disturbance to pixels; gains act on linear light (the sRGB curve is undone).
 vision::PixelBlock disturbed(const vision::PixelBlock& pixels, const Disturbance& disturbance);
 
 }  // namespace orchard::evaluation

@@ -5,7 +5,7 @@
 
 namespace orchard::evaluation {
 
-/// How many errors, their mean, root mean square and largest [m], as an object of any JSON type.
+/// Number of errors, their mean, root mean square and max [m], as an object of any JSON type.
 template <class Json>
 Json errors_json(const ErrorSummary& summary) {
   return {{"n", summary.num},

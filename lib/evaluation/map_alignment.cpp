@@ -10,10 +10,10 @@
 namespace orchard::evaluation {
 namespace {
 
-constexpr std::size_t kVoters = 400;   ///< found points that vote: those nearest the middle
-constexpr double kBin_m = 0.5;         ///< of the votes
-constexpr std::size_t kNumStarts = 5;  ///< best votes that are refined
-constexpr double kTurnError_m = 0.25;  ///< most that half a step of turn moves a voter
+constexpr std::size_t kVoters = 400;   ///< number of voting points: those nearest to the centre
+constexpr double kBin_m = 0.5;         ///< of the votes' offsets
+constexpr std::size_t kNumStarts = 5;  ///< number of best votes to refine
+constexpr double kTurnError_m = 0.25;  ///< max displacement of a voter by half a step of rotation
 
 struct Fit {
   geometry::Pose2 T_truth_map;
@@ -38,7 +38,7 @@ Point middle_of(const std::vector<Point>& points) {
   return middle;
 }
 
-/// The motion that turns about a point and then moves by an offset.
+/// The motion that rotates about a point and then translates.
 geometry::Pose2 about(const Point& middle, double yaw_rad, double dx_m, double dy_m) {
   const Point turned = transform(geometry::Pose2{0.0, 0.0, yaw_rad}, middle);
   return {middle.x_m - turned.x_m + dx_m, middle.y_m - turned.y_m + dy_m, yaw_rad};
@@ -99,7 +99,7 @@ class Aligner {
 
   Fit refine(const geometry::Pose2& start) const {
     Fit fit{start};
-    // from the middle outwards: a turn that is a little wrong is very wrong far away
+    // From the centre outwards: a small error of rotation is a large error of position far away.
     for (std::size_t num = std::min<std::size_t>(found_.size(), 50);;
          num = std::min(found_.size(), 2 * num)) {
       for (const double gate_m : {std::max(gate_m_, 1.0), std::max(gate_m_, 0.5)}) {
@@ -123,7 +123,7 @@ class Aligner {
   }
 
  private:
-  /// The least squares fit of the pairs that a motion makes, and how good that motion was.
+  /// The least-squares fit to the pairs of a motion, and the score of that motion.
   Fit improved(const geometry::Pose2& motion, std::size_t num_found, double gate_m) const {
     std::vector<Point> moved;
     for (std::size_t i = 0; i < num_found; ++i) moved.push_back(transform(motion, found_[i]));
@@ -143,7 +143,7 @@ class Aligner {
   }
 
   const std::vector<Point>& truth_;
-  std::vector<Point> found_;  ///< nearest to their middle first
+  std::vector<Point> found_;  ///< sorted by distance from their centre
   double gate_m_;
   Point middle_;
 };

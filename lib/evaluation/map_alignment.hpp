@@ -9,17 +9,17 @@
 
 namespace orchard::evaluation {
 
-/// How far a map may lie from the truth that it is to be laid upon.
+/// Limits of the search for the alignment of a map with the truth.
 struct AlignmentSearch {
-  double offset_max_m = 10.0;  ///< of the map's middle
-  double turn_max_rad = 0.35;  ///< about its middle
+  double offset_max_m = 10.0;  ///< max offset of the map's centre
+  double turn_max_rad = 0.35;  ///< max rotation about its centre
 };
 
-/// T_truth_map that lays most found points on true ones, one to one within the gate, and of those
-/// the one with the least squared distances. Who belongs to whom is not known: offsets are voted
-/// for by all pairs at every turn of the search, and the best, the identity, and `guess` if there
-/// is one are refined by turns of assign() and fit_rigid(), from the middle of the map outwards.
-/// None when nothing lies upon anything.
+/// Finds T_truth_map with the most found points paired with true ones, one to one within the gate,
+/// and among those with the least squared distances. Correspondences are unknown: all pairs vote
+/// for offsets at every rotation of the search. The best votes, the identity, and `guess` if given,
+/// are refined by alternating assign() and fit_rigid(), from the centre of the map outwards. None
+/// when no points can be paired.
 std::optional<geometry::Pose2> align_points(const std::vector<Point>& truth,
                                             const std::vector<Point>& found, double gate_m,
                                             const AlignmentSearch& search,

@@ -103,7 +103,7 @@ void count(MapEvaluation& evaluation) {
 }
 
 void count_duplicates(MapEvaluation& evaluation) {
-  // by place in x: of an extra landmark only trees within the gate's band are looked at
+  // Sorted by x: for an extra landmark only trees within the gate's band are visited.
   std::vector<Point> trees;
   for (const EvaluatedObject& object : evaluation.objects) {
     if (object.truth.label == Label::kTree && object.landmark) {

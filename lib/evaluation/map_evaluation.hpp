@@ -12,7 +12,7 @@
 
 namespace orchard::evaluation {
 
-/// One thing of the truth and the landmark that stands for it, if any.
+/// One true object and its landmark, if any.
 struct EvaluatedObject {
   simulation::TruthObject truth;  ///< name: T1, T2 ... and B1, B2 ... in the truth's order
   std::optional<mapping::Landmark> landmark;
@@ -20,11 +20,11 @@ struct EvaluatedObject {
   double error_y_m = 0.0;
   double error_m = 0.0;  ///< length of the two
 
-  /// Found, and with the class that it has.
+  /// True if found with the right class.
   bool right_class() const { return landmark && landmark->label == truth.label; }
 };
 
-/// Spread of a set of errors [m]; all 0 for an empty set.
+/// Statistics of a set of errors [m]; all 0 for an empty set.
 struct ErrorSummary {
   int num = 0;
   double mean_m = 0.0;
@@ -32,49 +32,49 @@ struct ErrorSummary {
   double max_m = 0.0;
 };
 
-/// A map as it came, when the evaluation is of the map laid upon the truth.
+/// Results for the map before alignment, when the aligned map is evaluated.
 struct Unaligned {
-  geometry::Pose2 T_truth_map;  ///< what was done to it
-  int num_trees_found = 0;      ///< within the gate without that
-  ErrorSummary trees;           ///< of those
+  geometry::Pose2 T_truth_map;  ///< the alignment
+  int num_trees_found = 0;      ///< trees within the gate without alignment
+  ErrorSummary trees;           ///< errors of those trees
 };
 
-/// A map against the truth.
+/// Evaluation of a map against the truth.
 struct MapEvaluation {
   double gate_m = 0.0;
   std::vector<EvaluatedObject> objects;  ///< in the truth's order
-  std::vector<mapping::Landmark> extra;  ///< landmarks that stand for nothing, in order of id
-  /// confusion[truth][map], both indexed by detection::Label (kUnseen 0, kTree 1, kObject 2);
-  /// matched ones only, so row kUnseen is empty.
+  std::vector<mapping::Landmark> extra;  ///< landmarks without a true object, in order of id
+  /// confusion[truth][map], both indexed by detection::Label (kUnseen 0, kTree 1, kObject 2); only
+  /// matched objects, so row kUnseen is empty.
   std::array<std::array<int, 3>, 3> confusion{};
-  int num_trees = 0;  ///< of the truth
+  int num_trees = 0;  ///< true trees
   int num_objects = 0;
   int num_missed = 0;
   int num_wrong_class = 0;
-  int num_trees_missed = 0;  ///< no landmark of any class stands for them
-  /// Extra landmarks of class tree within the gate of a tree that another one stands for.
+  int num_trees_missed = 0;  ///< trees without a landmark of any class
+  /// Extra landmarks of class tree within the gate of a tree that is matched with another landmark.
   int num_duplicates = 0;
   std::optional<Unaligned> unaligned;
-  ErrorSummary all;  ///< position errors over everything matched
+  ErrorSummary all;  ///< position errors of all matched objects
   ErrorSummary trees;
   double roc_mean_trees = 0.0;  ///< mean of the matched trees' roc_mean
   double se_x_mean_m = 0.0;     ///< mean standard errors of the matched trees
   double se_y_mean_m = 0.0;
 
-  /// Everything found once, with its class, and nothing else.
+  /// True if every object is found once with its class and there are no extra landmarks.
   bool perfect() const { return num_missed == 0 && num_wrong_class == 0 && extra.empty(); }
 };
 
-/// Compares landmarks with the truth, both in map.
+/// Compares landmarks with the truth, both in the map frame.
 ///
-/// Matching is by place alone (see assign()): a tree that was mapped as an object is found, with
+/// Matching uses positions only (see assign()): a tree that was mapped as an object is found, with
 /// the wrong class. Throws std::invalid_argument for a gate that is not positive, for positions
 /// that are not finite, and for a truth of class unseen.
 MapEvaluation evaluate_map(const std::vector<mapping::Landmark>& landmarks,
                            const std::vector<simulation::TruthObject>& truth, double gate_m);
 
-/// The same after the map was laid upon the truth by its trees, as align_points() does (with fewer
-/// than three trees on one side by everything). A map that lies upon nothing stays where it is.
+/// The same after aligning the map with the truth by its trees (see align_points()); with fewer
+/// than three trees on one side, by all objects. A map without an alignment stays as it is.
 MapEvaluation evaluate_aligned_map(const std::vector<mapping::Landmark>& landmarks,
                                    const std::vector<simulation::TruthObject>& truth, double gate_m,
                                    const AlignmentSearch& search = {},

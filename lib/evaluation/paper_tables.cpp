@@ -14,7 +14,7 @@ using detection::Label;
 
 constexpr double kMmPerM = 1000.0;
 
-/// Three digits as in the paper's table 1; four for the small ones of its table 2.
+/// Three digits as in the paper's table 1; four for the small values of its table 2.
 std::string roc_text(double roc) { return fixed_text(roc, roc < 0.1 ? 4 : 3); }
 
 std::string row(const EvaluatedObject& object) {

@@ -9,14 +9,14 @@ namespace orchard::evaluation {
 
 /// One line of a plot.
 struct PlotSeries {
-  std::string name;  ///< in the legend; empty = none
+  std::string name;  ///< name in the legend; empty: none
   std::vector<std::array<double, 2>> points;
   bool has_line = true;
   bool has_marks = false;
   bool is_reference = false;  ///< thin, grey and dashed
 };
 
-/// What a plot shows: points outside the ranges are drawn on the border, those that are not finite
+/// Content of a plot. Points outside the ranges are drawn on the border; points that are not finite
 /// are left out.
 struct Plot {
   std::string title, x_label, y_label;

@@ -9,14 +9,14 @@
 
 namespace orchard::evaluation {
 
-/// Everything in tables for a terminal. Lines end with a newline.
+/// The evaluation as tables for a terminal. Lines end with a newline.
 std::string detection_tables(const DetectionEvaluation& evaluation);
 
-/// The same as one JSON object. Lengths in m.
+/// The evaluation as one JSON object. Lengths in m.
 std::string detection_json(const DetectionEvaluation& evaluation);
 
-/// Precision-recall curves, the reliability diagram where there are probabilities, precision and
-/// recall by range, centre error by range.
+/// Plots: precision-recall curves, the reliability diagram where there are probabilities, precision
+/// and recall by range, centre error by range.
 std::vector<Plot> detection_plots(const DetectionEvaluation& evaluation);
 
 }  // namespace orchard::evaluation

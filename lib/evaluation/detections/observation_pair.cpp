@@ -20,8 +20,8 @@ Point surface_in_laser(const Detection& d) {
   return {d.range_m * std::cos(d.bearing_rad), d.range_m * std::sin(d.bearing_rad)};
 }
 
-/// T_base_laser: least squares over all surface points; with fewer than two apart, the laser stands
-/// at base.
+/// Estimates T_base_laser by least squares over all surface points; identity when no two points are
+/// apart.
 geometry::Pose2 mount_of(const std::vector<Detections>& messages) {
   std::vector<Eigen::Vector2d> p_base, p_laser;
   for (const Detections& message : messages) {

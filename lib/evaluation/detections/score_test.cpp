@@ -19,7 +19,8 @@ struct Scored {
 
 double mean(double sum, int num) { return num > 0 ? sum / num : 0.0; }
 
-/// How often a tree scores higher than another thing, ties counting half. `scored` falls.
+/// Probability that a tree scores higher than another object, ties counting half. `scored` is in
+/// descending order.
 double area_of(const std::vector<Scored>& scored) {
   double num_trees = 0, num_others = 0, above = 0;
   for (std::size_t i = 0; i < scored.size();) {

@@ -7,22 +7,23 @@
 
 namespace orchard::evaluation {
 
-/// Whether an observation's true thing is near, whole and visible enough to be asked for.
+/// True if an observation's true object counts under the rules: near, visible and with enough
+/// beams.
 bool counts(const ObservationPair& observation, const DetectionRules& rules);
 
-/// counts(), and it is a tree.
+/// True if counts() and the object is a tree.
 bool counts_as_tree(const ObservationPair& observation, const DetectionRules& rules);
 
-/// Adds one observation, called a tree or not, to the counts. A call on a tree that does not count
-/// is neither right nor wrong; one on anything else is wrong however hidden that is.
+/// Adds one observation, classified as a tree or not, to the counts. TREE on a tree that does not
+/// count is neither right nor wrong; TREE on any other object is wrong, however much it is hidden.
 void count_observation(const ObservationPair& observation, bool is_called_tree,
                        const DetectionRules& rules, Counts& counts);
 
-/// The paper's three tests (colour, edges, both; section 6.2), laser only, everything (roc_tree)
-/// and, where there are any, the calibrated probability: each by its own score alone.
+/// Evaluates each score alone: the paper's three tests (colour, edges, both; section 6.2), laser
+/// only, all (roc_tree) and, where available, the calibrated probability.
 ///
-/// A stage that an earlier one kept from being reached leaves 0, which no threshold takes for a
-/// tree: edges are asked only of what has a trunk's colour.
+/// A stage that was not reached because an earlier one failed has score 0, which no threshold
+/// accepts as a tree: edges are searched only on objects with a trunk's colour.
 std::vector<ScoreTest> score_tests(const std::vector<ObservationPair>& observations,
                                    const DetectionRules& rules);
 

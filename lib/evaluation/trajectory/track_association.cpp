@@ -43,7 +43,7 @@ void associate_between(const Track& estimate, const Track& truth,
   }
 }
 
-/// Of the two poses around a time the nearer, at equal distance the earlier.
+/// The nearer of the two poses around a time; the earlier at equal distance.
 const TrackPose& nearest(const std::vector<TrackPose>& poses, std::int64_t utime) {
   const auto after = not_before(poses, utime);
   if (after == poses.end()) return poses.back();

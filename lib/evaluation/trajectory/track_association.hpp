@@ -5,12 +5,12 @@
 
 namespace orchard::evaluation {
 
-/// Longest interval between true poses that is interpolated across when nothing is said: three
-/// times the median interval [s]; 0 for fewer than two poses.
+/// Default of the max interval between true poses for interpolation: three times the median
+/// interval [s]; 0 for fewer than two poses.
 double usual_gap_s(const Track& truth);
 
 /// Pairs estimates with the truth by time: fills `compared` (estimate and truth, not the errors),
-/// gap_max_s and the numbers of what found no partner.
+/// gap_max_s and the numbers of unpaired poses.
 void associate(const Track& estimate, const Track& truth, const TrajectoryRules& rules,
                TrajectoryEvaluation& evaluation);
 

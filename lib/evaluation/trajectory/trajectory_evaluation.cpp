@@ -39,7 +39,7 @@ TrackPose moved(const geometry::Pose2& motion, const TrackPose& pose) {
   return {pose.utime, is.x_m, is.y_m, is.yaw_rad};
 }
 
-/// Pose `to` as `from` sees it.
+/// Pose `to` relative to `from`.
 TrackPose relative(const TrackPose& from, const TrackPose& to) {
   const geometry::Pose2 seen = between(pose_of(from), pose_of(to));
   return {to.utime, seen.x_m, seen.y_m, seen.yaw_rad};
@@ -67,8 +67,7 @@ geometry::Pose2 align(const std::vector<ComparedPose>& compared, Alignment align
   return geometry::fit_rigid(to, from).T_a_b;
 }
 
-/// How far along a stretch each compared pose of the estimate is: metres driven, seconds, or
-/// frames.
+/// Progress of each compared pose of the estimate: metres driven, seconds, or frames.
 std::vector<double> progress(const std::vector<ComparedPose>& compared, DeltaUnit unit) {
   std::vector<double> along(compared.size(), 0.0);
   for (std::size_t i = 1; i < compared.size(); ++i) {
@@ -84,8 +83,8 @@ std::vector<double> progress(const std::vector<ComparedPose>& compared, DeltaUni
 
 using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
 
-/// One stretch after the other, each ending where it first reaches delta; as evo begins a path of
-/// metres only where the first stretch has ended, so do we.
+/// Consecutive segments, each ending where it first reaches delta. Like in evo, the first pair
+/// begins at the end of the first segment, except for frames.
 Pairs consecutive_pairs(const std::vector<double>& along, const TrajectoryRules& rules) {
   constexpr double kRounding = 1e-9;
   Pairs pairs;
@@ -102,7 +101,7 @@ Pairs consecutive_pairs(const std::vector<double>& along, const TrajectoryRules&
   return pairs;
 }
 
-/// From every pose to the one nearest to delta ahead, where one is near enough.
+/// Pairs from every pose to the one nearest to delta ahead, within the tolerance.
 Pairs all_pairs(const std::vector<double>& along, const TrajectoryRules& rules) {
   Pairs pairs;
   for (std::size_t i = 0; i + 1 < along.size(); ++i) {
@@ -113,7 +112,7 @@ Pairs all_pairs(const std::vector<double>& along, const TrajectoryRules& rules) 
       if (it == first) continue;
       --it;
     }
-    // of poses at one place (a robot that stands) the earliest
+    // Of several poses at one position (a standing robot), the earliest.
     it = std::lower_bound(first, along.end(), *it);
     if (std::abs(*it - wanted) > rules.delta * rules.delta_tolerance) continue;
     pairs.emplace_back(i, static_cast<std::size_t>(it - along.begin()));

@@ -9,7 +9,7 @@
 
 namespace orchard::evaluation {
 
-/// Where something was at a time, T_map_base.
+/// A pose T_map_base with its time.
 struct TrackPose {
   std::int64_t utime = 0;  ///< [us]
   double x_m = 0.0;
@@ -23,14 +23,14 @@ struct Track {
   bool has_yaw = true;  ///< false: positions only
 };
 
-/// What is done to the estimate before it is compared.
+/// Alignment of the estimate before the comparison.
 enum class Alignment {
   kNone,
-  kRigid,   ///< rotation and translation of least squares (Umeyama 1991, without scale)
-  kOrigin,  ///< its first compared pose is laid upon the truth's
+  kRigid,   ///< least-squares rotation and translation (Umeyama 1991, without scale)
+  kOrigin,  ///< its first compared pose is made equal to the true one
 };
 
-/// Which true pose an estimate is compared with.
+/// Association of estimates with true poses.
 enum class Association {
   kInterpolate,  ///< the truth at the estimate's time, between two true poses
   kNearest,      ///< the nearest in time, at the times of the track with fewer poses, as evo does
@@ -38,51 +38,52 @@ enum class Association {
 
 enum class DeltaUnit { kFrames, kMetres, kSeconds };
 
-/// How a trajectory is judged; the defaults of RPE are evo's.
+/// Rules of a trajectory evaluation; the defaults of RPE are those of evo.
 struct TrajectoryRules {
   Alignment alignment = Alignment::kNone;
   Association association = Association::kInterpolate;
-  double max_difference_s = 0.01;   ///< kNearest: what is farther apart is not compared
-  std::optional<double> gap_max_s;  ///< kInterpolate: true poses farther apart are a gap between
-                                    ///< which nothing is known; none: three median intervals
-  double delta = 1.0;               ///< of RPE, from pose to pose
+  double max_difference_s = 0.01;   ///< kNearest: max time difference of a pair
+  std::optional<double> gap_max_s;  ///< kInterpolate: no interpolation between true poses farther
+                                    ///< apart; none: three median intervals
+  double delta = 1.0;               ///< of RPE: length of a segment
   DeltaUnit unit = DeltaUnit::kMetres;
-  bool all_pairs = false;        ///< RPE from every pose on, not one stretch after the other
-  double delta_tolerance = 0.1;  ///< all_pairs: least exactness of a stretch, as a fraction of it
+  bool all_pairs = false;  ///< RPE from every pose, instead of consecutive segments
+  double delta_tolerance =
+      0.1;  ///< all_pairs: max deviation of a segment from delta, as a fraction
 };
 
-/// Spread of a set of errors; all 0 for an empty set.
+/// Statistics of a set of errors; all 0 for an empty set.
 struct ErrorStatistics {
   int num = 0;
   double rmse = 0.0;
   double mean = 0.0;
   double median = 0.0;
-  double sd = 0.0;  ///< over all of them, as numpy's std
+  double sd = 0.0;  ///< over N, like numpy's std
   double min = 0.0;
   double max = 0.0;
 };
 
 ErrorStatistics error_statistics(std::vector<double> errors);
 
-/// One estimate with what is true at its time.
+/// One estimate and the true pose at its time.
 struct ComparedPose {
   std::int64_t utime = 0;
   TrackPose estimate;  ///< after alignment
   TrackPose truth;
-  double way_m = 0.0;  ///< driven by the truth since the first compared pose
+  double way_m = 0.0;  ///< true path length since the first compared pose
   double position_error_m = 0.0;
   double yaw_error_rad = 0.0;  ///< signed, estimate minus truth; 0 without headings
 };
 
-/// A trajectory against the truth.
+/// Evaluation of a trajectory against the truth.
 struct TrajectoryEvaluation {
   int num_estimates = 0;
   int num_true = 0;
   int num_outside = 0;    ///< estimates before the first or after the last true pose
-  int num_in_gaps = 0;    ///< estimates where the truth is silent for too long
+  int num_in_gaps = 0;    ///< estimates inside a gap of the truth
   int num_unmatched = 0;  ///< kNearest: poses of the shorter track without a partner
   double gap_max_s = 0.0;
-  geometry::Pose2 T_truth_estimate;  ///< the alignment: from the estimate's frame to the truth's
+  geometry::Pose2 T_truth_estimate;  ///< the alignment, from the estimate's frame to the truth's
   bool has_yaw = true;               ///< of the truth
   std::vector<ComparedPose> compared;
   ErrorStatistics position_m;  ///< APE, translation part (ATE)
@@ -93,9 +94,9 @@ struct TrajectoryEvaluation {
   ErrorStatistics relative_yaw_rad;
 };
 
-/// Absolute and relative errors as evo computes them (Grupp; Sturm et al. 2012), in the plane.
-/// Throws std::invalid_argument for tracks whose time does not go up, and for rules that are not
-/// positive. Too few poses for a figure leave it 0, with num 0.
+/// Computes absolute and relative errors as evo does (Grupp; Sturm et al. 2012), in the plane.
+/// Throws std::invalid_argument for tracks whose time does not increase, and for rules that are not
+/// positive. With too few poses a statistic is 0, with num 0.
 TrajectoryEvaluation evaluate_trajectory(const Track& estimate, const Track& truth,
                                          const TrajectoryRules& rules);
 

@@ -7,11 +7,11 @@
 
 namespace orchard::evaluation {
 
-/// A trajectory's figures in a few lines for a person; metres and degrees.
+/// The evaluation as a few lines for the user; metres and degrees.
 std::string trajectory_summary(const TrajectoryEvaluation& evaluation,
                                const TrajectoryRules& rules);
 
-/// The same as one JSON object for programs; metres and radians.
+/// The evaluation as one JSON object; metres and radians.
 std::string trajectory_json(const TrajectoryEvaluation& evaluation, const TrajectoryRules& rules);
 
 }  // namespace orchard::evaluation

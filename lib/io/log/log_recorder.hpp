@@ -64,7 +64,7 @@ class LogRecorder {
   std::string path_;
   int fileno_ = -1;
   int next_number_ = 0;
-  std::int64_t file_bytes_ = 0;  ///< including buffered bytes
+  std::int64_t file_bytes_ = 0;  ///< handed to the system, without buffer_
   std::int64_t num_in_file_ = 0;
   std::vector<std::uint8_t> buffer_;  ///< complete events not written yet
   std::int64_t num_in_buffer_ = 0;

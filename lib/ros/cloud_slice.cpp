@@ -14,8 +14,7 @@ namespace orchard::ros {
 namespace {
 
 constexpr std::size_t kMinPoints = 20;
-constexpr double kMinStep_rad =
-    2e-4;  // finer than any scanner; smaller gaps are points of two lines
+constexpr double kMinStep_rad = 2e-4;  // finer than any scanner; below: points of two lines
 constexpr double kMaxStep_rad = 0.1;
 constexpr double kTurn_rad = 2.0 * geometry::kPi;
 constexpr double kFarthest_m = 100.0;
@@ -99,8 +98,7 @@ double phase_of(const Line& line, double first_rad, double step_rad) {
 /// Sets beams to NaN that are far in bearing from all points of the cloud at any height: the
 /// scanner's field of view does not include them.
 void forget_unseen(const CloudPoints& cloud, laser::Scan& scan) {
-  constexpr double kSector_rad =
-      kTurn_rad / 36;  // coarse, since directions without objects have no points
+  constexpr double kSector_rad = kTurn_rad / 36;  // coarse: some directions have no points
   std::vector<bool> is_seen(36, false);
   for (const CloudPoint& point : cloud.points) {
     const auto sector = static_cast<int>((point.bearing_rad + geometry::kPi) / kSector_rad);

@@ -25,9 +25,8 @@ class OrderedQueue {
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
 
   struct Rule {
-    std::optional<std::int64_t>
-        wait_us;             ///< how long items of other kinds wait for this one; none: not at all
-    bool tells_time = true;  ///< whether its arrivals advance message time
+    std::optional<std::int64_t> wait_us;  ///< how long other kinds wait for this one; none: never
+    bool tells_time = true;               ///< whether its arrivals advance message time
   };
   using Rules = std::array<Rule, kNumKinds>;
 

@@ -76,8 +76,7 @@ class DetectorNode : public bus::Node {
   std::optional<detection::Adaptation> adaptation_;
   std::int64_t width_model_ = 0;  ///< version of the width model
   std::int32_t next_seq_ = 0;
-  std::int64_t num_unusable_ =
-      0;  ///< unusable pictures, and scans without the required intensities
+  std::int64_t num_unusable_ = 0;     ///< unusable pictures, and scans without intensities
   bool intensities_missing_ = false;  ///< of the newest scan answered
   detection::ConsistencyMonitor monitor_;
   double edge_reach_px_;

@@ -54,9 +54,8 @@ class Degradation {
   bool is_open_ = false;                            ///< the last of pictures_ has not ended
   std::vector<Span> pictures_;                      ///< intervals without pictures
   std::optional<std::int64_t> first_fix_utime_, last_fix_utime_;
-  std::vector<Span> fixes_;  ///< intervals between two fixes
-  std::vector<std::pair<std::int64_t, std::int32_t>>
-      ids_;  ///< highest id by time, about once a second
+  std::vector<Span> fixes_;                                 ///< intervals between two fixes
+  std::vector<std::pair<std::int64_t, std::int32_t>> ids_;  ///< highest id by time, once a second
 };
 
 }  // namespace orchard::procs

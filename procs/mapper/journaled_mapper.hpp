@@ -96,8 +96,7 @@ class JournaledMapper : public bus::Node {
   std::size_t num_rebuilt_ = 0;  ///< num_rebuilt() at the last snapshot
   bool is_flushed_ = false;      ///< no input since the last flush
   std::array<std::int64_t, bus::kNumChannels> num_replayed_{};
-  std::array<std::int64_t, bus::kNumChannels>
-      num_taken_{};  ///< inputs of earlier processes and this one
+  std::array<std::int64_t, bus::kNumChannels> num_taken_{};  ///< by all processes
   std::optional<pose::PoseEstimate> last_pose_;
   std::vector<std::string> notes_;
 };

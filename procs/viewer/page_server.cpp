@@ -17,8 +17,7 @@ namespace orchard::procs {
 namespace {
 
 constexpr std::chrono::milliseconds kEventPeriod{150};  ///< faster updates are not perceptible
-constexpr std::chrono::seconds kAliveAfter{
-    10};  ///< of silence, then a comment keeps the stream alive
+constexpr std::chrono::seconds kAliveAfter{10};  ///< of silence: sends a comment to keep alive
 constexpr int kThreads = PageServer::kStreamsMax + 12;
 constexpr int kNextPorts = 20;
 constexpr char kEditPath[] = "/api/edit";
@@ -146,8 +145,7 @@ void PageServer::Impl::stream(const httplib::Request& request, httplib::Response
     std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
   };
   const auto client = std::make_shared<Client>();
-  client->seen.map =
-      std::atoll(request.get_param_value("map").c_str());  // map revision of the page
+  client->seen.map = std::atoll(request.get_param_value("map").c_str());  // of the page
   response.set_header("Cache-Control", "no-store");
   response.set_chunked_content_provider(
       "text/event-stream",

@@ -22,8 +22,7 @@ enum Quality : std::int8_t {
 };
 
 constexpr double kUnknownHeightVariance_m2 = 1e4;
-constexpr double kMaxOfRtk_m =
-    1.0;  // above, eph is gpsd's estimate, not the error of the RTK solution
+constexpr double kMaxOfRtk_m = 1.0;  // above, eph is not the error of the RTK solution
 
 bool is_rtk(std::int8_t quality) { return quality == kRtkFixed || quality == kRtkFloat; }
 

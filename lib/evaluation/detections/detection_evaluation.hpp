@@ -18,9 +18,8 @@ struct DetectionRules {
   double range_max_m = 4.0;  ///< max range
   int num_beams_min = 3;     ///< min number of beams on an object
   double hidden_max = 0.3;   ///< max fraction of it behind nearer objects
-  bool in_picture =
-      true;             ///< only objects entirely in the picture; false for a rig without a camera
-  double gate_m = 0.3;  ///< max distance of a detected centre from the true axis
+  bool in_picture = true;    ///< only objects entirely in the picture; false without a camera
+  double gate_m = 0.3;       ///< max distance of a detected centre from the true axis
 };
 
 /// Numbers of correct, false and missed trees.

@@ -47,9 +47,8 @@ struct TrajectoryRules {
                                     ///< apart; none: three median intervals
   double delta = 1.0;               ///< of RPE: length of a segment
   DeltaUnit unit = DeltaUnit::kMetres;
-  bool all_pairs = false;  ///< RPE from every pose, instead of consecutive segments
-  double delta_tolerance =
-      0.1;  ///< all_pairs: max deviation of a segment from delta, as a fraction
+  bool all_pairs = false;        ///< RPE from every pose, instead of consecutive segments
+  double delta_tolerance = 0.1;  ///< all_pairs: max deviation from delta, as a fraction of it
 };
 
 /// Statistics of a set of errors; all 0 for an empty set.

@@ -12,8 +12,7 @@ namespace orchard::simulation {
 
 /// Range of the poses in which a person holds a board before a camera.
 struct BoardMotionConfig {
-  bool whole_board =
-      true;  ///< the whole board is in the picture; else its middle, which suffices for ChArUco
+  bool whole_board = true;    ///< whole board in the picture; else its middle (enough for ChArUco)
   double tilt_max_rad = 0.8;  ///< between the board's normal and the line of sight
   double turn_max_rad = 0.4;  ///< of the board in its own plane
   double size_min = 0.35;     ///< board width as a fraction of the picture width

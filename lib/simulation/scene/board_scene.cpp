@@ -168,9 +168,7 @@ std::optional<Eigen::Isometry3d> BoardScene::draw_pose(std::size_t number, Rando
   const double tilt = config_.tilt_max_rad;
   double turn_y = random.uniform(-tilt, tilt), lean_x = random.uniform(-tilt, tilt);
   double roll_z = random.uniform(-0.35, 0.35);
-  const auto jitter = [&] {
-    return random.normal(0.0, 0.4 * kDeg);
-  };  // orientation error of a hand
+  const auto jitter = [&] { return random.normal(0.0, 0.4 * kDeg); };  // of a hand
   switch (config_.handling) {
     case BoardHandling::kCareful:
       if (std::hypot(turn_y, lean_x) > tilt) return std::nullopt;

@@ -18,8 +18,7 @@ struct ClutterConfig {
   double sway_m = 0.0;          ///< amplitude of stalks and twigs in the wind
   int num_branches = 0;         ///< fallen branches at the height of the scan plane
   int num_people = 0;
-  bool people_around =
-      false;  ///< some walk beside or behind the robot, or stand until it has passed
+  bool people_around = false;  ///< some walk beside or behind the robot, or stand until it passes
   double person_speed_mps = 1.3;
   int num_vehicles = 0;
   double vehicle_speed_mps = 3.0;

@@ -97,8 +97,7 @@ class OrchardPathBuilder {
     for (int i = 0; i < kPieces; ++i) {
       cosines += std::cos(most_rad * std::sin(2.0 * geometry::kPi * (i + 0.5) / kPieces));
     }
-    const double wanted_m =
-        config_.speed_mps * config_.weave_period_s;  // distance driven in a period
+    const double wanted_m = config_.speed_mps * config_.weave_period_s;  // in a period
     const double forward = cosines / kPieces;
     const double num_periods = std::max(1.0, std::round(length_m / (wanted_m * forward)));
     const double piece_m = length_m / (num_periods * forward * kPieces);

@@ -111,8 +111,7 @@ class OrchardSceneBuilder {
     scene_.path = make_orchard_path(seed_, config_, carry_);
     if (config_.stop_every_m <= 0.0) return;
     scene_.stepped = true;
-    scene_.stop_period_s =
-        config_.stop_every_m / config_.speed_mps;  // the driving time between stops
+    scene_.stop_period_s = config_.stop_every_m / config_.speed_mps;  // time between stops
     const double way_m = scene_.path.duration_s() * config_.speed_mps;
     for (double s_m = 0.0; s_m <= way_m; s_m += config_.stop_every_m) {
       scene_.stops.push_back(scene_.path.pose_at(s_m / config_.speed_mps));

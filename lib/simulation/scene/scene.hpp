@@ -31,8 +31,7 @@ struct Cylinder {
   double base_m = 0.0;  ///< height at which it begins
   int target = 0;       ///< cylinders of one target share its constant range error; -1: scenery
   Appearance appearance;
-  double lean_x =
-      0.0;  ///< lean of its axis, metres per metre of height; x_m, y_m are at scan height
+  double lean_x = 0.0;  ///< lean of its axis, metres per metre of height; x_m, y_m: at scan height
   double lean_y = 0.0;
   double sway_m = 0.0;          ///< amplitude of its motion about its position
   double leaf_depth_m = 0.0;    ///< mean penetration depth of beams; 0: solid

@@ -31,8 +31,7 @@ struct Exposure {
 class CameraRenderer {
  public:
   static constexpr float kNearest_m = 0.05f;
-  static constexpr float kFarthest_m =
-      40.0f;  ///< beyond it trunks are one or two pixels wide at most
+  static constexpr float kFarthest_m = 40.0f;  ///< beyond, trunks are 1 or 2 pixels wide
   static constexpr float kUprightSky = 0.62f;  ///< fraction of sky light on upright surfaces: half
                                                ///< of the sky, and some light from the ground
 

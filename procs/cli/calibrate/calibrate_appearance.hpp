@@ -8,13 +8,11 @@ namespace orchard::cli {
 
 /// `orchard calibrate appearance LOG... --observations CSV... --config IN --out OUT`.
 struct CalibrateAppearanceOptions {
-  std::vector<std::string> log_paths;  ///< drives with scans and pictures
-  std::vector<std::string>
-      observation_paths;  ///< ground truth of each log's scans, in the same order
+  std::vector<std::string> log_paths;          ///< drives with scans and pictures
+  std::vector<std::string> observation_paths;  ///< truth of each log's scans, in the same order
   std::string config_path;
-  std::string
-      out_path;    ///< empty or config_path: overwrites that file and keeps the old one as .bak
-  int stride = 5;  ///< uses every stride-th scan: consecutive scans are similar
+  std::string out_path;  ///< empty or config_path: that file; the old one is kept as .bak
+  int stride = 5;        ///< uses every stride-th scan: consecutive scans are similar
   bool quiet = false;
 };
 

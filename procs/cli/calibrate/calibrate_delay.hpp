@@ -10,8 +10,7 @@ namespace orchard::cli {
 struct CalibrateDelayOptions {
   std::vector<std::string> log_paths;  ///< drives with curves past trunks
   std::string config_path;
-  std::string
-      out_path;  ///< empty or config_path: overwrites that file and keeps the old one as .bak
+  std::string out_path;  ///< empty or config_path: that file; the old one is kept as .bak
   bool quiet = false;
 };
 

@@ -12,8 +12,7 @@ namespace orchard::cli {
 struct CalibrateLaserCameraOptions {
   std::string log_path;
   std::string config_path;
-  std::string
-      out_path;  ///< empty or config_path: overwrites that file and keeps the old one as .bak
+  std::string out_path;  ///< empty or config_path: that file; the old one is kept as .bak
   calibration::BoardConfig board;
   std::string board_kind = "chessboard";
   double board_width_m = 0.0;  ///< outer size, with the pattern in the middle; 0: unknown

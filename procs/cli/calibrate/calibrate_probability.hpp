@@ -8,12 +8,10 @@ namespace orchard::cli {
 
 /// `orchard calibrate probability LOG... --observations CSV... --config IN --out OUT`.
 struct CalibrateProbabilityOptions {
-  std::vector<std::string> log_paths;  ///< logs with scans, or derived logs
-  std::vector<std::string>
-      observation_paths;  ///< ground truth of each log's scans, in the same order
+  std::vector<std::string> log_paths;          ///< logs with scans, or derived logs
+  std::vector<std::string> observation_paths;  ///< truth of each log's scans, in the same order
   std::string config_path;
-  std::string
-      out_path;  ///< empty or config_path: overwrites that file and keeps the old one as .bak
+  std::string out_path;  ///< empty or config_path: that file; the old one is kept as .bak
   bool quiet = false;
 };
 

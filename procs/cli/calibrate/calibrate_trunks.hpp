@@ -19,8 +19,7 @@ enum class ColourChoice {
 struct CalibrateTrunksOptions {
   std::vector<std::string> log_paths;  ///< one or more drives past trunks of one kind
   std::string config_path;
-  std::string
-      out_path;  ///< empty or config_path: overwrites that file and keeps the old one as .bak
+  std::string out_path;    ///< empty or config_path: that file; the old one is kept as .bak
   int wanted_trunks = 20;  ///< fewer give a warning
   ColourChoice colour_model = ColourChoice::kAuto;
   std::string list_folder;        ///< only writes a page of all objects, for selecting trunks

@@ -10,11 +10,10 @@ namespace orchard::cli {
 
 /// `orchard evaluate detections MAP_DIR|DERIVED_LOG... --observations CSV...`.
 struct EvaluateDetectionsOptions {
-  std::vector<std::string> paths;  ///< map folders or logs with detections
+  std::vector<std::string> paths;              ///< map folders or logs with detections
+  std::vector<std::string> observation_paths;  ///< truth of each one's scans, in the same order
   std::vector<std::string>
-      observation_paths;  ///< ground truth of each one's scans, in the same order
-  std::vector<std::string>
-      truth_paths;        ///< true objects; none, or one per path to evaluate the landmarks, too
+      truth_paths;        ///< true objects, one file per path: evaluates landmarks, too
   std::string html_path;  ///< empty: no page
   bool json = false;
   evaluation::DetectionRules rules;

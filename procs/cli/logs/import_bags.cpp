@@ -17,8 +17,7 @@
 namespace orchard::cli {
 namespace {
 
-constexpr std::size_t kMaxKinds =
-    100;  // max number of different reasons, since details may contain numbers
+constexpr std::size_t kMaxKinds = 100;  // max number of different reasons for the report
 
 /// The bag files; those in rosbag2 folders in their order.
 std::vector<std::string> files_of(const std::vector<std::string>& paths) {

@@ -61,8 +61,7 @@ class FieldsAsJson {
   void array(const char* name, const std::vector<T>& values, const char*, Limits...) {
     put(name, values);
   }
-  void array(const char*, const std::vector<std::uint8_t>&, const char*) {
-  }  // bytes of a picture are left out
+  void array(const char*, const std::vector<std::uint8_t>&, const char*) {}  // a picture
   template <class T, class Fields>
   void items(const char* name, const std::vector<T>& values, const char*, Fields) {
     json_[name] = Json::array();

@@ -15,12 +15,11 @@ struct MapOptions {
   std::string out_folder;
   std::string previous_path;  ///< earlier map whose ids and numbers are kept; empty: none
   mapping::MapAlignmentConfig previous_alignment;
-  bool strict = false;  ///< reject a log with any damage or any dropped message
-  bool quiet = false;   ///< no progress and no summary; warnings and errors are still printed
-  bool no_derived =
-      false;            ///< no derived.lcm (log of intermediate messages); removes an earlier one
-  int num_jobs = 0;     ///< number of threads; 0: one per core
-  bool timing = false;  ///< print the cost of every thousand scans
+  bool strict = false;      ///< reject a log with any damage or any dropped message
+  bool quiet = false;       ///< no progress and no summary; warnings and errors are still printed
+  bool no_derived = false;  ///< no derived.lcm (intermediate messages); removes an earlier one
+  int num_jobs = 0;         ///< number of threads; 0: one per core
+  bool timing = false;      ///< print the cost of every thousand scans
 };
 
 /// Replays a log, or its parts, through detector, pose and mapper in this process and writes the

@@ -10,11 +10,9 @@ namespace orchard::cli {
 
 /// `orchard merge MAP_A MAP_B ... --out DIR`.
 struct MergeOptions {
-  std::vector<std::string>
-      map_paths;              ///< map folders, or map.csv files; the first gives frame and ids
-  std::string previous_path;  ///< earlier map whose ids and numbers are kept; empty: none
-  bool leave_out =
-      false;  ///< maps that cannot be registered are left out with a message instead of an error
+  std::vector<std::string> map_paths;  ///< map folders or map.csv; the first gives frame and ids
+  std::string previous_path;           ///< earlier map whose ids and numbers are kept; empty: none
+  bool leave_out = false;  ///< leave out maps that cannot be registered instead of failing
   std::string out_folder;
   std::string config_path;  ///< for mapper.rows; empty: its defaults
   mapping::MapAlignmentConfig alignment;

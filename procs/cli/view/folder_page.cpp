@@ -147,8 +147,7 @@ void FolderPage::look_for_corrections() {
     return list.empty() ? 0 : list.back().number;
   };
   const auto now = shown();
-  if (last(*others) == last(now->map.corrections))
-    return;  // the last correction is this page's own
+  if (last(*others) == last(now->map.corrections)) return;  // this page's own edit
   show(io::corrected_map_of(now->map.mapped, std::move(*others)));
 }
 

@@ -18,7 +18,7 @@ struct EvaluatedObject {
   std::optional<mapping::Landmark> landmark;
   double error_x_m = 0.0;  ///< landmark minus truth; 0 when missed
   double error_y_m = 0.0;
-  double error_m = 0.0;  ///< length of the two
+  double error_m = 0.0;  ///< norm of the error
 
   /// True if found with the right class.
   bool right_class() const { return landmark && landmark->label == truth.label; }

@@ -7,7 +7,7 @@ namespace orchard::geometry {
 
 inline constexpr double kPi = 3.14159265358979323846;
 
-/// The same angle in (-pi, pi] [rad].
+/// Wraps an angle to (-pi, pi] [rad].
 inline double wrap_angle_rad(double angle_rad) {
   const double wrapped = std::remainder(angle_rad, 2.0 * kPi);
   return wrapped <= -kPi ? kPi : wrapped;

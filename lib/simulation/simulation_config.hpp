@@ -42,7 +42,7 @@ struct ScannerConfig {
   double limit_m = 0.03;                ///< class limit of the error below 1 m
   double resolution_m = 0.001;          ///< step of the ranges
   double height_m = 0.27;               ///< of the scan plane above the ground
-  bool intensities = false;             ///< whether it reports them
+  bool intensities = false;             ///< whether scans have intensities
   double tilt_sd_rad = 0.0;             ///< pitch and roll of each sweep on uneven ground
 };
 

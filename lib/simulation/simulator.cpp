@@ -172,7 +172,7 @@ std::vector<TruthObject> Simulator::truth() const {
   return standing;
 }
 
-/// T_map_laser during a scan: one pose while the robot stands, or one per beam.
+/// T_map_laser during a scan: one pose if the robot does not move, else one per beam.
 std::vector<Pose2> Simulator::laser_poses(std::int64_t utime,
                                           const laser::LaserConfig& mount) const {
   const ScannerConfig& scanner = rig_.simulation.scanner;

@@ -118,7 +118,7 @@ void CameraDriver::step(const bus::Outbox& send) {
 void CameraDriver::restart_when_silent() {
   if (source_->fileno() < 0) {
     heard_ = std::max(heard_,
-                      Clock::now() - kSilence);  // a device just opened needs time
+                      Clock::now() - kSilence);  // it needs time to open
   } else if (Clock::now() - heard_ > kHang) {
     source_->restart("no picture for 4 s; opens the camera again");
     heard_ = Clock::now();

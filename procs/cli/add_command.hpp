@@ -22,7 +22,7 @@ using Run = std::function<int()>;
 CLI::App& add_subcommand(CLI::App& app, const char* name, const char* description,
                          const char* examples);
 
-/// Calls `callback` when the command line ends with this command, not one of its subcommands.
+/// Calls `callback` if the command line ends with this command, without a subcommand.
 void on_command(CLI::App& command, std::function<void()> callback);
 
 /// Adds a subcommand with its options. The options live in a closure on the heap, as long as the
@@ -40,7 +40,7 @@ CLI::App& add_command(CLI::App& app, Run& run, const char* name, const char* des
   return command;
 }
 
-// The groups of commands that have a file of their own.
+// Functions that add the command groups defined in separate files.
 void add_calibrate(CLI::App& app, Run& run);
 void add_calibrate_laser_camera(CLI::App& calibrate, Run& run);
 void add_compare(CLI::App& app, Run& run);

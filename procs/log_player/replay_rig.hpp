@@ -14,7 +14,7 @@ struct ReplayRig {
   io::Config config;
   std::string name;  ///< origin, for the user: a file, or "the rig in a.lcm"
   std::vector<std::string>
-      notes;  ///< for the user: keys of an earlier release, differences from the logged rig
+      notes;  ///< for the user: keys of an earlier release, changes to the logged rig
 };
 
 /// Reads the rig of `config_path` and compares it with the one in the log; an empty `config_path`

@@ -135,8 +135,7 @@ class MapperNode : public bus::Node {
   laser::BlindSector blind_;
   std::int64_t last_kept_scan_utime_ = Queue::kNever;
   bool has_pose_caught_up_ = false;
-  bool is_scan_missing_ =
-      false;  ///< DETECTIONS were used without their SCAN, and none has come since
+  bool is_scan_missing_ = false;  ///< DETECTIONS lacked their SCAN, and none has come since
   mapping::Album album_;
   Degradation degradation_;
   BeamTimes beam_times_;

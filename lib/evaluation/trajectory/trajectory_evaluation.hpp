@@ -87,8 +87,8 @@ struct TrajectoryEvaluation {
   std::vector<ComparedPose> compared;
   ErrorStatistics position_m;  ///< APE, translation part (ATE)
   ErrorStatistics yaw_rad;     ///< APE, rotation
-  /// RPE: translation of the difference of the two motions; without headings the difference of the
-  /// two distances (evo's point distance).
+  /// RPE, translation: that of the difference between the two motions; without headings the
+  /// difference of the two distances (evo's point distance).
   ErrorStatistics relative_position_m;
   ErrorStatistics relative_yaw_rad;
 };

@@ -387,7 +387,7 @@ class ClutterBuilder {
     }
     for (double t_s = 0.0; t_s < scene_.path.duration_s(); t_s += 0.25) {
       const Pose2 robot = scene_.path.pose_at(t_s);
-      // it is not behind this, however slowly it starts
+      // a lower bound of its position: 2 s for starting
       const double way_m = std::max(0.0, t_s - vehicle.leaves_s - 2.0) * vehicle.speed_mps;
       const double x_m = vehicle.x_m + c * way_m, y_m = vehicle.y_m + s * way_m;
       if (std::hypot(x_m - robot.x_m, y_m - robot.y_m) < 3.0) return false;
@@ -436,7 +436,7 @@ class ClutterBuilder {
   std::vector<Pose2> track_;
   std::vector<TruthObject> trees_;  ///< as planted, without second stems
   int num_twins_ = 0;
-  int num_posts_ = 1000;  // beside the trellis posts' numbers
+  int num_posts_ = 1000;  // distinct from the trellis posts' numbers
 };
 
 }  // namespace

@@ -125,7 +125,7 @@ struct ImuConfig {
   double rate_hz = 0.0;                     ///< 0 = none
   double angular_rate_sd_radps = 0.002;     ///< of each sample and axis
   double yaw_rate_bias_sd_radps = 0.003;    ///< of the initial bias, per run
-  double yaw_rate_walk = 3e-5;              ///< sd of the bias's change in a second [rad/s]
+  double yaw_rate_walk = 3e-5;              ///< random walk of the bias [rad/s/sqrt(s)]
   double acceleration_sd_mps2 = 0.05;       ///< of each sample and axis
   double acceleration_bias_sd_mps2 = 0.05;  ///< of the bias forward and left, per run
   bool orientation = false;                 ///< whether it reports roll, pitch and yaw

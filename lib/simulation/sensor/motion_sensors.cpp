@@ -35,7 +35,7 @@ pose::Odometry simulate_odometry(const DrivePath& path, double time_s, double pe
   const Pose2 now = path.pose_at(time_s);
   const double turn_rad = geometry::wrap_angle_rad(now.yaw_rad - before.yaw_rad);
   const double chord_m = std::hypot(now.x_m - before.x_m, now.y_m - before.y_m);
-  // wheels roll along the arc
+  // Wheels measure the length of the arc, not of the chord.
   const double half_rad = 0.5 * turn_rad;
   const double arc_m =
       std::abs(half_rad) < 1e-9 ? chord_m : chord_m * half_rad / std::sin(half_rad);

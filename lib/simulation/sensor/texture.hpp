@@ -20,7 +20,7 @@ inline Bgr mix(const Bgr& a, const Bgr& b, float fraction_of_b) {
           a.r + (b.r - a.r) * fraction_of_b};
 }
 
-/// Hue [deg], saturation and value in [0, 1].
+/// Converts hue [deg], saturation and value in [0, 1] to a colour.
 Bgr from_hsv(double hue_deg, double saturation, double value);
 
 /// Smooth, aperiodic noise in [-1, 1] on an integer lattice.

@@ -20,7 +20,7 @@ struct CalibrateTrunksOptions {
   std::vector<std::string> log_paths;  ///< one or more drives past trunks of one kind
   std::string config_path;
   std::string out_path;    ///< empty or config_path: that file; the old one is kept as .bak
-  int wanted_trunks = 20;  ///< fewer give a warning
+  int wanted_trunks = 20;  ///< min number without a warning
   ColourChoice colour_model = ColourChoice::kAuto;
   std::string list_folder;        ///< only writes a page of all objects, for selecting trunks
   std::string trees;              ///< numbers of that page: "3,7,9-20"; empty: automatic

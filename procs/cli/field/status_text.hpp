@@ -20,7 +20,7 @@ bool needs_attention(const ProcessView& process);
 /// characters in received text are replaced.
 std::string status_table(const std::vector<ProcessView>& processes, std::size_t width, bool colour);
 
-/// The lines of one process in that table.
+/// The lines of one process in the table.
 std::string process_lines(const ProcessView& process, std::size_t width, bool colour);
 
 /// The processes as one JSON object with a list.

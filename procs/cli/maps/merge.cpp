@@ -149,7 +149,7 @@ Whole largest_whole(const std::vector<io::StoredMap>& maps, const MergeOptions& 
                     io::ProgressBar& bar) {
   std::optional<Whole> best;
   std::vector<bool> is_in(maps.size(),
-                          false);  // merging from it would give the same
+                          false);  // same merge again
   for (std::size_t first = 0; first < maps.size(); ++first) {
     if (is_in[first]) continue;
     Whole whole = lay_all(maps, first, options, bar);

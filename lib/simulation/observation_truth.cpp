@@ -198,8 +198,8 @@ class TruthObserver {
     return {-half_rad - off_rad, half_rad - off_rad};
   }
 
-  /// Collects the object's visible shapes within range and view, and all shapes that may be in
-  /// front of them.
+  /// Collects the object's own shapes within range and view, and all shapes that may be in front of
+  /// them.
   void gather(int index, const Passing& passing, double middle_rad, const AngularInterval& view) {
     own_.clear();
     others_.clear();

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Sourced by manual_pages.sh and completion.sh: what the programs' --help says.
+# Sourced by manual_pages.sh and completion.sh: reads the --help of the programs.
 
-# help_text COMMAND...: what its --help prints; each is run once.
+# help_text COMMAND...: the output of its --help; each command is run once.
 help_text() {
   local file
   file=$help_texts/$(IFS=_; echo "$*")
@@ -11,7 +11,7 @@ help_text() {
 help_texts=$(mktemp -d)
 trap 'rm -rf "$help_texts"' EXIT
 
-# subcommands COMMAND...: lines "name<TAB>what it does".
+# subcommands COMMAND...: lines "name<TAB>description".
 subcommands() {
   help_text "$@" | awk '
     /^(Subcommands|Commands):/ { inside = 1; next }
@@ -19,7 +19,7 @@ subcommands() {
     inside && /^  [a-z]/ { name = $1; sub(/^ +[^ ]+ +/, ""); print name "\t" $0 }'
 }
 
-# options COMMAND...: lines "--name<TAB>value or empty<TAB>what it does".
+# options COMMAND...: lines "--name<TAB>value or empty<TAB>description".
 options() {
   help_text "$@" | awk '
     /^(Options|\[Option Group)/ { inside = 1; next }
@@ -33,7 +33,7 @@ options() {
       split(words, word, " ")
       n = split(word[1], names, ",")
       name = names[n]
-      value = word[2] ~ /^[[(]/ ? "" : word[2]  # what stands in brackets says more of a switch
+      value = word[2] ~ /^[[(]/ ? "" : word[2]  # text in brackets describes a flag
       next
     }
     { more = $0; sub(/^ +/, "", more); text = text == "" ? more : text " " more }

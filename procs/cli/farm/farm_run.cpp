@@ -123,10 +123,8 @@ int run_farm_run(const FarmRunOptions& options) {
   const int num_to_make = num_open(farm, tasks);
   if (num_to_make > 0) {
     std::vector<std::string> command{
-        "snakemake", "--snakefile",
-        "Snakefile", "--profile",
-        profile,     "--nolock",
-        "--config",  "orchard=" + program_folder() + "/orchard"};
+        "snakemake", "--snakefile", "Snakefile", "--profile",
+        profile,     "--nolock",    "--config",  "orchard=" + program_folder() + "/orchard"};
     if (options.profile == "local") {
       const unsigned cores = options.cores > 0 ? static_cast<unsigned>(options.cores)
                                                : std::max(1U, std::thread::hardware_concurrency());

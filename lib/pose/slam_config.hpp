@@ -28,7 +28,6 @@ struct SlamConfig {
 
   double lost_sd_m = 0.8;  ///< less surely placed among its landmarks, a map of its own begins
 
-  int closure_min_trees = 5;      ///< pairs of landmarks that a loop closure needs
   double closure_kernel_m = 0.4;  ///< landmarks farther apart after the best shift are no pair
   double closure_sd_m = 0.04;     ///< repeatability of a tree's position within a submap
   double closure_margin = 8.0;    ///< log likelihood by which it must beat any other shift
@@ -69,8 +68,6 @@ void describe(Visitor& v, SlamConfig& c) {
       "lost_sd_m", c.lost_sd_m, 0.1, 20, "m",
       "1-sigma of the place among the trunks from which on none is known again; about a third "
       "of their spacing");
-  v.expert().integer("closure_min_trees", c.closure_min_trees, 3, 1000, "landmarks",
-                     "pairs that a loop closure needs");
   v.expert().number("closure_kernel_m", c.closure_kernel_m, 0.02, 5, "m",
                     "landmarks farther apart after the best shift are no pair");
   v.expert().number("closure_sd_m", c.closure_sd_m, 0.01, 1, "m",

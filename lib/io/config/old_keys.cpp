@@ -23,6 +23,7 @@ const std::vector<OldKey>& old_keys() {
       {"pose.slam.solve_stretch_m", "submap_length_m"},
       {"simulation.light.sun_share", "sun_fraction"},
       {"mapper.save_period_s", nullptr, "1"},
+      {"pose.slam.closure_min_trees", nullptr},
       {"pose.scan_motion.thin_m", nullptr, "0.1"},
       {"pose.scan_motion.points_min", nullptr, "20"},
       {"pose.scan_motion.map_travel_m", nullptr, "15"},

@@ -7,6 +7,7 @@
 #include <cstddef>
 
 #include "geometry/pose2.hpp"
+#include "pose/graph/calibration.hpp"
 
 namespace orchard::pose {
 using geometry::between;
@@ -25,25 +26,14 @@ constexpr double kBlindSd_rad = 0.02;
 // One sigma of the rigidity assumption inside a submap.
 constexpr double kRigiditySd_m = 0.01;
 
+// So many landmarks give a keyframe's place and direction.
+constexpr int kPlacedBy = 2;
+
 constexpr std::size_t kSubmapsBetweenRests = 25;
 
-bool is_blind(const RelativeMotion& motion) {
-  const Eigen::Matrix3d& P = motion.covariance;
+bool is_blind(const Eigen::Matrix3d& P) {
   return std::max(P(0, 0), P(1, 1)) > kBlindSd_m * kBlindSd_m ||
          P(2, 2) > kBlindSd_rad * kBlindSd_rad;
-}
-
-/// First keyframe of each submap.
-std::vector<int> beginnings(const SlamGraph& graph, double length_m) {
-  std::vector<int> first{0};
-  for (int k = 1; k < static_cast<int>(graph.keyframes.size()); ++k) {
-    const Keyframe& keyframe = graph.keyframes[k];
-    if (keyframe.travel_m - graph.keyframes[first.back()].travel_m > length_m ||
-        is_blind(keyframe.motion)) {
-      first.push_back(k);
-    }
-  }
-  return first;
 }
 
 /// Two motions in sequence, with the derivative of both by the odometry calibration.
@@ -54,6 +44,38 @@ RelativeMotion joined(const RelativeMotion& a, const RelativeMotion& b) {
   both.calibration_jacobian += compose_jacobian_second(a.delta) * b.calibration_jacobian;
   both.travel_m = a.travel_m + b.travel_m;
   return both;
+}
+
+/// Whether landmarks that other keyframes observe, too, place this one.
+bool is_placed(const SlamGraph& graph, const Keyframe& keyframe) {
+  int num = 0;
+  for (const SlamObservation& o : keyframe.observations) {
+    num += graph.landmarks[static_cast<std::size_t>(o.landmark)].keyframes.size() >= 2 ? 1 : 0;
+  }
+  return num >= kPlacedBy;
+}
+
+/// First keyframe of each submap. What only the wheels say of the shape is no rigid one where they
+/// do not know it: before the first tree, and between two groups of them.
+std::vector<int> beginnings(const SlamGraph& graph, const SlamConfig& config) {
+  std::vector<int> first{0};
+  const Eigen::Matrix3d unknown =
+      CalibrationPrior::initial_sd(config).array().square().matrix().asDiagonal();
+  RelativeMotion alone;  // by the wheels, since landmarks placed the robot
+  for (int k = 1; k < static_cast<int>(graph.keyframes.size()); ++k) {
+    const Keyframe& keyframe = graph.keyframes[k];
+    alone = alone.travel_m > 0.0 ? joined(alone, keyframe.motion) : keyframe.motion;
+    const Eigen::Matrix3d& J = alone.calibration_jacobian;
+    const bool placed = is_placed(graph, keyframe);
+    const bool blind = is_blind(keyframe.motion.covariance) ||
+                       (!placed && is_blind(alone.covariance + J * unknown * J.transpose()));
+    if (keyframe.travel_m - graph.keyframes[first.back()].travel_m > config.submap_length_m ||
+        blind) {
+      first.push_back(k);
+    }
+    if (blind || placed) alone = RelativeMotion{};
+  }
+  return first;
 }
 
 /// Adds one keyframe's observation to its submap's. `at` is the index of each landmark's
@@ -107,7 +129,7 @@ Eigen::Vector3d moved(const Eigen::Vector3d& T, const Eigen::Vector3d& was,
 
 SubmapGraph submaps_of(const SlamGraph& graph, const SlamConfig& config) {
   const int num_keyframes = static_cast<int>(graph.keyframes.size());
-  const std::vector<int> first = beginnings(graph, config.submap_length_m);
+  const std::vector<int> first = beginnings(graph, config);
   SubmapGraph out;
   out.graph.calibrations = graph.calibrations;
   out.graph.calibration_walk_sd = graph.calibration_walk_sd;

@@ -4,10 +4,13 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <set>
 
 #include "geometry/pose2.hpp"
 #include "pose/slam/local_map.hpp"
+#include "pose/slam/twins.hpp"
 
 namespace orchard::pose {
 using geometry::transform_back;
@@ -54,24 +57,33 @@ std::vector<Eigen::Vector2d> places_of(const std::vector<int>& landmarks, const 
   return places;
 }
 
-/// Inlier check: whether the observations of merged landmarks fit, now that all has been solved.
-bool is_supported(const std::vector<std::pair<int, int>>& merged, const SlamGraph& graph) {
+/// Mean squared Mahalanobis distance of a landmark's observations, now that all has been solved.
+double mean_distance2(int landmark, const SlamGraph& graph) {
+  const SlamLandmark& l = graph.landmarks[landmark];
   double sum = 0.0;
   int n = 0;
-  for (const auto& pair : merged) {
-    const SlamLandmark& landmark = graph.landmarks[pair.second];
-    for (const int k : landmark.keyframes) {
-      const Keyframe& keyframe = graph.keyframes[k];
-      for (const SlamObservation& o : keyframe.observations) {
-        if (o.landmark != pair.second) continue;
-        const Eigen::Vector2d error =
-            transform_back(keyframe.T_map_base, landmark.p_map) - o.position();
-        sum += error.dot(o.covariance().inverse() * error);
-        ++n;
-      }
+  for (const int k : l.keyframes) {
+    const Keyframe& keyframe = graph.keyframes[k];
+    for (const SlamObservation& o : keyframe.observations) {
+      if (o.landmark != landmark) continue;
+      const Eigen::Vector2d error = transform_back(keyframe.T_map_base, l.p_map) - o.position();
+      sum += error.dot(o.covariance().inverse() * error);
+      ++n;
     }
   }
-  return n > 0 && sum <= kRefutedDistance2 * n;
+  return n > 0 ? sum / n : std::numeric_limits<double>::infinity();
+}
+
+/// Inlier check: whether the observations of merged landmarks fit, all together.
+bool is_supported(const std::vector<std::pair<int, int>>& merged, const SlamGraph& graph) {
+  double sum = 0.0;
+  std::size_t n = 0;
+  for (const auto& pair : merged) {
+    const std::size_t num = graph.landmarks[pair.second].keyframes.size();
+    if (num > 0) sum += static_cast<double>(num) * mean_distance2(pair.second, graph);
+    n += num;
+  }
+  return n > 0 && sum <= kRefutedDistance2 * static_cast<double>(n);
 }
 
 }  // namespace
@@ -97,8 +109,7 @@ std::optional<ClosureQuery> LoopCloser::query(const SlamMap& map) const {
       query.recent.push_back(closure_landmark(graph, l));
     }
   }
-  const auto min_trees = static_cast<std::size_t>(config_.closure_min_trees);
-  if (num_anchors >= kNumAnchors || query.recent.size() < min_trees) return std::nullopt;
+  if (num_anchors >= kNumAnchors || query.recent.size() < kClosureTreesMin) return std::nullopt;
   const Eigen::Matrix3d& P = now.covariance;
   const double radius_m = kSearchSigmas * std::sqrt(std::max(P(0, 0), P(1, 1))) + kSearchMargin_m +
                           kSearchSigmas * std::sqrt(P(2, 2)) * path_m;
@@ -113,7 +124,7 @@ std::optional<ClosureQuery> LoopCloser::query(const SlamMap& map) const {
   }
   std::sort(old.begin(), old.end());
   old.erase(std::unique(old.begin(), old.end()), old.end());
-  if (old.size() < min_trees) return std::nullopt;
+  if (old.size() < kClosureTreesMin) return std::nullopt;
   for (const int l : old) query.old.push_back(closure_landmark(graph, l));
   for (int k = map.newest(); k >= map.session_start && ago_m(k) <= path_m; --k) {
     query.path.push_back(graph.keyframes[k].T_map_base.head<2>());
@@ -155,6 +166,27 @@ void LoopCloser::close(SlamMap& map) {
   }
   map = std::move(before);
   ++num_refuted_;
+}
+
+void LoopCloser::merge_twins(SlamMap& map) {
+  std::vector<std::pair<int, int>> twins = find_twins(map.graph, map.index, map.coverage, config_);
+  // what does not fit with the others is left out, and then all that is left must
+  for (int round = 0; round < 2 && !twins.empty(); ++round) {
+    SlamMap before = map;
+    for (const auto& [twin, into] : twins) map.graph.merge(twin, into);
+    const bool solved = map.solve(SolveReason::kTwinsAtEnd);
+    const auto fits = [&](const std::pair<int, int>& pair) {
+      return mean_distance2(pair.second, map.graph) <= kRefutedDistance2;
+    };
+    if (solved && std::all_of(twins.begin(), twins.end(), fits)) return;
+    if (solved) {
+      twins.erase(
+          std::remove_if(twins.begin(), twins.end(), [&](const auto& pair) { return !fits(pair); }),
+          twins.end());
+    }
+    map = std::move(before);
+    if (!solved) return;
+  }
 }
 
 }  // namespace orchard::pose

@@ -24,6 +24,10 @@ class LoopCloser {
   /// Looks for one at the newest keyframe, however short the travel since the last one.
   void close(SlamMap& map);
 
+  /// Makes one of trees that the map has twice, where all observations then fit. At the end of the
+  /// drive, after all was solved.
+  void merge_twins(SlamMap& map);
+
   /// The landmarks passed last fitted the map in more than one way.
   bool is_ambiguous() const { return ambiguous_; }
   /// Closures that stand, and those that were refuted.

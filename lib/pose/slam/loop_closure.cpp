@@ -106,9 +106,12 @@ class ClosureMatcher {
     return found;
   }
 
-  /// Partners and log-odds of a hypothesis, for positions that repeat within `sd_m`.
+  /// Partners and log-odds of a hypothesis, for positions that repeat within `sd_m`: the evidence
+  /// by Laplace's approximation. Source: MacKay 1992, Bayesian Interpolation, section 2 (Occam
+  /// factor).
   void score(ClosureHypothesis& h, double sd_m) {
     h.old.assign(q_.recent.size(), -1);
+    Eigen::Matrix3d told = information_;  // of the motion, by the pose and by the partners
     h.num_in_view = 0;
     std::vector<char> taken(q_.old.size(), 0);
     double score = -0.5 * prior2(h.x_y_yaw);
@@ -131,6 +134,10 @@ class ClosureMatcher {
         const double odds =
             std::log(planted2 / s2) - 0.5 * nearest_m * nearest_m * (1.0 / s2 - 1.0 / planted2);
         score += std::max(odds, -kMissOdds);
+        const Eigen::Vector2d arm = p - q_.pivot - h.x_y_yaw.head<2>();
+        Eigen::Matrix<double, 2, 3> J;
+        J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
+        told += J.transpose() * J / s2;
         h.old[r] = nearest;
         taken[nearest] = 1;
       } else if (in_view(p, q_.recent[r], q_.old_path)) {
@@ -142,7 +149,9 @@ class ClosureMatcher {
       if (taken[o]) continue;
       if (in_view(undo(h.x_y_yaw, q_.old[o].p_map), q_.old[o], q_.path)) score -= kMissOdds;
     }
-    h.score = score;
+    // Where the trees leave so much less room than the pose does, one of so many places fits them
+    // as well by chance: what the fit itself has taken is no evidence.
+    h.score = score - 0.5 * std::log(told.determinant() / information_.determinant());
   }
 
   /// Whether a landmark at p would surely have been seen from one of the places.
@@ -174,6 +183,9 @@ class ClosureMatcher {
                2.0 * config_.closure_kernel_m ||
            std::abs(geometry::wrap_angle_rad(a.x_y_yaw.z() - b.x_y_yaw.z())) > 0.3;
   }
+
+  /// Whether the old trees are enough to tell how another place would fit.
+  bool knows_planting() const { return std::isfinite(planted_m_); }
 
   std::int64_t num_operations() const { return num_operations_; }
 
@@ -211,9 +223,9 @@ class ClosureMatcher {
 
 Closure find_closure(const ClosureQuery& query, const SlamConfig& config) {
   Closure closure;
-  const auto min_trees = static_cast<std::size_t>(config.closure_min_trees);
-  if (query.recent.size() < min_trees || query.old.size() < min_trees) return closure;
+  if (query.recent.size() < kClosureTreesMin || query.old.size() < kClosureTreesMin) return closure;
   ClosureMatcher matcher(query, config);
+  if (!matcher.knows_planting()) return closure;
   std::vector<ClosureHypothesis> hypotheses = matcher.hypotheses();
   const auto better = [](const ClosureHypothesis& a, const ClosureHypothesis& b) {
     return a.score > b.score;
@@ -237,7 +249,7 @@ Closure find_closure(const ClosureQuery& query, const SlamConfig& config) {
     if (best.old[r] < 0) continue;
     closure.matches.emplace_back(query.recent[r].landmark, query.old[best.old[r]].landmark);
   }
-  if (closure.matches.size() < min_trees ||
+  if (closure.matches.size() < kClosureTreesMin ||
       static_cast<double>(closure.matches.size()) < kMatchedFraction * best.num_in_view) {
     return closure;
   }

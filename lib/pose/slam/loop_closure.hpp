@@ -10,6 +10,9 @@
 
 namespace orchard::pose {
 
+/// Two trees fix a motion: a third can contradict it.
+inline constexpr std::size_t kClosureTreesMin = 3;
+
 /// A landmark for loop closure.
 struct ClosureLandmark {
   int landmark = -1;
@@ -44,9 +47,10 @@ struct Closure {
 ///
 /// A matched tree counts in favour by the likelihood ratio of its residual against what another
 /// place of this map would leave (planted_sd_m of the old landmarks); a tree in view of both that
-/// only one side knows counts against. Found if closure_min_trees match
-/// and the log-odds beat by closure_margin both the null hypothesis (another place,
-/// planted as these are) and every other motion (the next tree, the next row).
+/// only one side knows counts against, and so does the room that the pose leaves, in which some
+/// place fits by chance: the fewer trees, or the less sure the pose, the better must they fit.
+/// Found if the log-odds beat by closure_margin both the null hypothesis (another place, planted as
+/// these are) and every other motion (the next tree, the next row).
 Closure find_closure(const ClosureQuery& query, const SlamConfig& config);
 
 }  // namespace orchard::pose

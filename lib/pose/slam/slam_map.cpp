@@ -26,7 +26,7 @@ constexpr double kPlacementTravel_m = 5.0;
 constexpr int kFineSolveKeyframes = 500;
 
 /// The same of the solve at the end of the drive, which nobody waits for.
-constexpr int kFinalSolveKeyframes = 5000;
+constexpr int kFinalSolveKeyframes = 20000;
 
 // The whole graph is solved for positions when it has grown by this fraction and so many
 // keyframes: a solve each time would cost with the square of the drive.
@@ -97,11 +97,11 @@ bool SlamMap::solve(SolveReason reason) {
   const auto num_landmarks =
       std::count_if(graph.landmarks.begin(), graph.landmarks.end(),
                     [](const SlamLandmark& l) { return l.keyframes.size() >= 2; });
+  const bool is_closure = reason == SolveReason::kLoopClosure || reason == SolveReason::kTwinsAtEnd;
+  const bool is_end = reason == SolveReason::kEndOfDrive || reason == SolveReason::kTwinsAtEnd;
   const bool by_keyframes =
       num_solved <= kFineSolveKeyframes ||
-      (reason == SolveReason::kEndOfDrive && num_solved <= kFinalSolveKeyframes &&
-       5 * num_landmarks <= kFinalSolveKeyframes);
-  const bool is_closure = reason == SolveReason::kLoopClosure;
+      (is_end && num_solved <= kFinalSolveKeyframes && 5 * num_landmarks <= kFinalSolveKeyframes);
   GraphSolution solution;
   if (by_keyframes) {
     solution = solve_graph(graph, is_closure, config_);

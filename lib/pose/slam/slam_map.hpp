@@ -15,7 +15,7 @@
 namespace orchard::pose {
 
 /// Why the whole graph is solved.
-enum class SolveReason { kGrowth, kLoopClosure, kEndOfDrive };
+enum class SolveReason { kGrowth, kLoopClosure, kEndOfDrive, kTwinsAtEnd };
 
 /// Graph, landmarks around the robot and odometry calibration: everything that a solve of the whole
 /// graph, and so a loop closure, may change. A value: a closure that the observations refute is

@@ -7,6 +7,7 @@
 #include "geometry/pose2.hpp"
 #include "pose/slam/association.hpp"
 #include "pose/slam/local_map.hpp"
+#include "pose/slam/occlusion.hpp"
 
 namespace orchard::pose {
 using geometry::between;
@@ -16,10 +17,7 @@ using geometry::transform_back;
 
 namespace {
 
-/// Observations in so many keyframes confirm a landmark.
-constexpr int kConfirmKeyframes = 3;
-
-/// And from positions so far apart [m]: one odd view confirms nothing.
+/// Positions so far apart confirm a landmark [m]: one odd view confirms nothing.
 constexpr double kConfirmTravel_m = 1.0;
 
 // A scan that matches nothing starts a new session only if the keyframe is less certain than this.
@@ -29,9 +27,6 @@ constexpr int kNumContradictedScans = 10;
 // A landmark is dropped after this many misses, and this many per keyframe that observed it.
 constexpr int kNumMissesMin = 3;
 constexpr double kMissRatioMax = 1.5;
-// A nearer object hides a landmark behind it, by its own width and a margin of the bearing.
-constexpr double kOcclusionMargin_rad = 0.05;
-constexpr double kOcclusionDepth_m = 0.3;
 
 AssociationCandidate candidate(const SlamGraph& graph, int landmark) {
   const SlamLandmark& l = graph.landmarks[landmark];
@@ -43,19 +38,6 @@ AssociationCandidate candidate(const SlamGraph& graph, int landmark) {
   c.width_sd_m = l.width_sd_m();
   c.confirmed = l.confirmed;
   return c;
-}
-
-/// Whether an object that `keyframe` observed hides a point of base.
-bool is_hidden(const Eigen::Vector2d& p_base, const Keyframe& keyframe, const SlamGraph& graph) {
-  const double bearing_rad = std::atan2(p_base.y(), p_base.x());
-  return std::any_of(
-      keyframe.observations.begin(), keyframe.observations.end(), [&](const SlamObservation& o) {
-        const Eigen::Vector2d q = o.position();
-        const double apart_rad = geometry::wrap_angle_rad(std::atan2(q.y(), q.x()) - bearing_rad);
-        const double margin_rad =
-            kOcclusionMargin_rad + 0.5 * graph.landmarks[o.landmark].width_m / q.norm();
-        return q.norm() < p_base.norm() + kOcclusionDepth_m && std::abs(apart_rad) < margin_rad;
-      });
 }
 
 /// Covariance of the newest pose in map by landmarks from before the window that it observes again,

@@ -231,6 +231,7 @@ void TrunkSlam::finish() {
   if (motion_.utime() > map_.graph.keyframes.back().utime) add_keyframe();
   closer_.close(map_);
   map_.solve(SolveReason::kEndOfDrive);
+  closer_.merge_twins(map_);
   if (scan_closer_.drop_contradicted(map_)) map_.solve(SolveReason::kEndOfDrive);
 }
 

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <vector>
+
 #include "simulation/random.hpp"
 
 namespace orchard::pose {
@@ -100,6 +103,55 @@ TEST(FindClosure, AFewTreesAreNotEnough) {
   EXPECT_FALSE(find_closure(rows.query, SlamConfig{}).found);
   rows.query.recent.clear();
   EXPECT_FALSE(find_closure(rows.query, SlamConfig{}).found);
+}
+
+/// Irregular trees, three of which were passed again.
+ClosureQuery park(std::uint64_t seed, bool same_place) {
+  simulation::Random random(seed);
+  ClosureQuery query;
+  query.pivot = {30.0, 30.0};
+  const Eigen::Vector3d drift(1.8, -0.9, 0.06);
+  const auto away = [&](const Eigen::Vector2d& p) {
+    return std::none_of(query.old.begin(), query.old.end(),
+                        [&](const ClosureLandmark& o) { return (o.p_map - p).norm() < 5.0; });
+  };
+  while (query.old.size() < 30) {
+    const Eigen::Vector2d p(random.uniform(0.0, 60.0), random.uniform(0.0, 60.0));
+    if (away(p)) query.old.push_back(Rows::landmark(static_cast<int>(query.old.size()), p));
+  }
+  const auto seen = [&](const Eigen::Vector2d& p) {
+    const Eigen::Vector2d noise(random.normal(0.0, 0.03), random.normal(0.0, 0.03));
+    const Eigen::Vector2d back = p + noise - query.pivot - drift.head<2>();
+    query.recent.push_back(Rows::landmark(1000 + static_cast<int>(query.recent.size()),
+                                          query.pivot + rotation(drift.z()).transpose() * back));
+  };
+  if (same_place) {
+    std::vector<ClosureLandmark> nearest = query.old;
+    std::sort(nearest.begin(), nearest.end(), [&](const auto& a, const auto& b) {
+      return (a.p_map - query.pivot).norm() < (b.p_map - query.pivot).norm();
+    });
+    for (int i = 0; i < 3; ++i) seen(nearest[static_cast<std::size_t>(i)].p_map);
+  } else {
+    while (query.recent.size() < 3) {
+      seen({random.uniform(20.0, 40.0), random.uniform(20.0, 40.0)});
+    }
+  }
+  query.covariance = Eigen::Vector3d(1.5 * 1.5, 1.5 * 1.5, 0.06 * 0.06).asDiagonal();
+  return query;
+}
+
+TEST(FindClosure, ThreeTreesOfAParkAreEnoughWhereTheyFit) {
+  int num_found = 0, num_wrong = 0;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    const Closure right = find_closure(park(seed, true), SlamConfig{});
+    num_found += right.found;
+    if (right.found) {
+      EXPECT_LT((right.shift.head<2>() - Eigen::Vector2d(1.8, -0.9)).norm(), 0.3);
+    }
+    num_wrong += find_closure(park(seed, false), SlamConfig{}).found;
+  }
+  EXPECT_GE(num_found, 90);
+  EXPECT_EQ(num_wrong, 0);
 }
 
 }  // namespace

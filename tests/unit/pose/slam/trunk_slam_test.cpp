@@ -220,8 +220,8 @@ TEST(TrunkSlam, ARefutedLoopClosureLeavesNoTrace) {
   eager.closure_kernel_m = 0.8;
   eager.closure_sd_m = 0.3;
   SlamConfig never = eager;
-  never.closure_min_trees = 1'000'000;
-  SlamWorld world = two_islands(1);
+  never.closure_margin = 1e9;
+  SlamWorld world = two_islands(2);
   world.yaw_rate_sd_radps = 0.06;
   TrunkSlam tried(eager);
   TrunkSlam untried(never);

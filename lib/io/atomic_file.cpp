@@ -15,6 +15,9 @@
 namespace orchard::io {
 namespace {
 
+/// Of a text that is there as a whole.
+constexpr std::size_t kPieceBytes = std::size_t{1} << 20;
+
 namespace fs = std::filesystem;
 
 [[noreturn]] void fail(const std::string& path, const char* what, int error) {
@@ -101,10 +104,19 @@ std::string FileReplacement::temporary_for(const std::string& path) {
 }
 
 void FileReplacement::write(const std::string& path, std::string_view content) {
+  write(path, [&content](std::string& piece) {
+    piece.assign(content.substr(0, kPieceBytes));
+    content.remove_prefix(piece.size());
+    return !piece.empty();
+  });
+}
+
+void FileReplacement::write(const std::string& path, const TextPieces& next) {
   const std::string temporary = temporary_for(path);
   const Descriptor file(temporary, O_WRONLY | O_CREAT | O_EXCL);
   if (file.get() < 0) fail(path, "be written", errno);
-  write_fully(file.get(), path, content.data(), content.size());
+  std::string piece;
+  while (next(piece)) write_fully(file.get(), path, piece.data(), piece.size());
 }
 
 void FileReplacement::commit() {

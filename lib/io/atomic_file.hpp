@@ -18,6 +18,9 @@ void write_file_atomically(const std::string& path, std::string_view content);
 void replace_file_atomically(const std::string& path,
                              const std::function<void(const std::string& temporary)>& write);
 
+/// Produces a text in pieces: fills `piece` and returns true, or returns false after the last one.
+using TextPieces = std::function<bool(std::string& piece)>;
+
 /// Replaces several files together: all are written and synced under temporary names before the
 /// first is renamed, so a full disk leaves every old file unchanged.
 class FileReplacement {
@@ -29,6 +32,8 @@ class FileReplacement {
 
   /// Prepares new content for `path`. Throws FileError.
   void write(const std::string& path, std::string_view content);
+  /// The same for a text that would be large as a whole.
+  void write(const std::string& path, const TextPieces& next);
 
   /// Returns a temporary path beside `path` with the same extension, for a library that writes to a
   /// file name.

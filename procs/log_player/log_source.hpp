@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstddef>
 #include <optional>
 #include <string>
 
@@ -25,8 +24,8 @@ class LogSource : public bus::Source {
 
  private:
   bus::ReplayIndex index_;
+  bus::ReplayEntries::Iterator next_;
   io::LogReader reader_;
-  std::size_t position_ = 0;
 };
 
 }  // namespace orchard::procs

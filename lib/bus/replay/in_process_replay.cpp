@@ -25,7 +25,7 @@ struct Batch {
   Batch(Batch&&) = default;
   Batch& operator=(Batch&&) = default;
 
-  std::vector<const ReplayEntry*> entries;  ///< empty: flush of a node
+  std::vector<ReplayEntry> entries;  ///< empty: flush of a node
   std::vector<std::vector<std::uint8_t>> bytes;
   std::vector<ReplayEvent> events;
 };
@@ -35,6 +35,7 @@ class Replay {
   Replay(const io::LogPaths& logs, const std::vector<Node*>& nodes, const ReplayOptions& options)
       : options_(options),
         index_(index_log(logs, options)),
+        next_entry_(index_.entries.begin()),
         reader_(logs),
         chain_(nodes),
         num_threads_(num_threads(options.num_jobs)),
@@ -79,9 +80,9 @@ class Replay {
     std::size_t num_bytes = 0;
     const std::size_t num_events = num_threads_ == 1 ? 1 : kBatchEvents;
     while (batch.entries.size() < num_events && num_bytes < kBatchBytes &&
-           next_entry_ < index_.entries.size()) {
-      const ReplayEntry& entry = index_.entries[next_entry_++];
-      batch.entries.push_back(&entry);
+           next_entry_ != index_.entries.end()) {
+      const ReplayEntry& entry = batch.entries.emplace_back(*next_entry_);
+      ++next_entry_;
       batch.bytes.emplace_back();
       if (chain_.is_read(entry.channel)) {
         batch.bytes.back() = reader_.read_at(entry.offset).data;
@@ -99,7 +100,7 @@ class Replay {
     if (batch.entries.empty()) return;
     batch.events.resize(batch.entries.size());
     for (std::size_t i = 0; i < batch.entries.size(); ++i) {
-      const ReplayEntry& entry = *batch.entries[i];
+      const ReplayEntry& entry = batch.entries[i];
       ReplayEvent& event = batch.events[i];
       event.flushed_node = chain_.size();
       if (!chain_.is_read(entry.channel)) continue;
@@ -118,7 +119,7 @@ class Replay {
     ReplayReport& report = index_.report;
     for (std::size_t i = 0; i < batch.events.size(); ++i) {
       if (!batch.entries.empty()) {
-        ++report.num_in[static_cast<std::size_t>(batch.entries[i]->channel)];
+        ++report.num_in[static_cast<std::size_t>(batch.entries[i].channel)];
       }
       std::vector<const Output*> made;
       for (const ReplayEvent::Derived& derived : batch.events[i].derived) {
@@ -139,11 +140,11 @@ class Replay {
 
   const ReplayOptions& options_;
   ReplayIndex index_;
+  ReplayEntries::Iterator next_entry_;
   io::LogSeries reader_;
   NodeChain chain_;
   std::size_t num_threads_;
   std::vector<Batch> batches_;
-  std::size_t next_entry_ = 0;
   std::size_t next_flushed_ = 0;
   std::uint64_t num_done_ = 0;
 };

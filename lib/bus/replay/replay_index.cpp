@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <deque>
 #include <map>
+#include <optional>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -69,8 +71,6 @@ void add_warnings(ReplayReport& report, const SequenceGate& gate) {
 /// Collects the messages accepted by the gate and those it holds.
 class Gathered {
  public:
-  explicit Gathered(std::vector<ReplayEntry>& entries) : entries_(entries) {}
-
   /// `recorded_utime`: time of arrival according to the log [us].
   void add(const ReplayEntry& entry, std::int64_t recorded_utime) {
     std::vector<ReplayEntry>& held = held_[static_cast<std::size_t>(entry.channel)];
@@ -96,51 +96,64 @@ class Gathered {
   std::int64_t finish() {
     gate_.finish();
     std::map<Run, std::pair<int, std::int64_t>> runs;  // count and last utime
-    for (std::size_t i = 0; i < entries_.size(); ++i) {
-      auto& [num, utime] = runs[runs_[i]];
+    for (const Taken& taken : taken_) {
+      auto& [num, utime] = runs[run_of(taken)];
       ++num;
-      utime = entries_[i].utime;
+      utime = taken.entry.utime;
     }
-    const auto contradicted = [&](const Run& run) {
+    const auto is_contradicted = [&](const Taken& taken) {
+      const Run run = run_of(taken);
       const auto [num, utime] = runs.at(run);
       const auto next = runs.find({run.first, run.second + 1});
       return num < SequenceGate::kNumToBelieve && next != runs.end() &&
              std::abs(next->second.second - utime) > SequenceGate::kLeap_us;
     };
-    std::vector<ReplayEntry> kept;
-    for (std::size_t i = 0; i < entries_.size(); ++i) {
-      if (!contradicted(runs_[i])) kept.push_back(entries_[i]);
-    }
-    const auto num_left_out = static_cast<std::int64_t>(entries_.size() - kept.size());
-    entries_ = std::move(kept);
-    runs_ = {};
-    return num_left_out;
+    const std::size_t num_before = taken_.size();
+    taken_.erase(std::remove_if(taken_.begin(), taken_.end(), is_contradicted), taken_.end());
+    return static_cast<std::int64_t>(num_before - taken_.size());
+  }
+
+  /// Calls visit(entry) for each entry in replay order and frees it.
+  template <class Visit>
+  void hand_over(Visit&& visit) {
+    std::sort(taken_.begin(), taken_.end(), [](const Taken& one, const Taken& other) {
+      const ReplayEntry &a = one.entry, &b = other.entry;
+      return std::tie(a.utime, a.channel, a.seq, a.offset) <
+             std::tie(b.utime, b.channel, b.seq, b.offset);
+    });
+    for (; !taken_.empty(); taken_.pop_front()) visit(taken_.front().entry);
   }
 
   const SequenceGate& gate() const { return gate_; }
 
  private:
   using Run = std::pair<Channel, std::int32_t>;
-  void take(const ReplayEntry& entry) {
-    entries_.push_back(entry);
-    runs_.emplace_back(entry.channel, gate_.run(entry.channel));
-  }
-  std::vector<ReplayEntry>& entries_;
-  std::vector<Run> runs_;  ///< run of each entry
+  struct Taken {
+    ReplayEntry entry;
+    std::int32_t run = 0;
+  };
+  static Run run_of(const Taken& taken) { return {taken.entry.channel, taken.run}; }
+  void take(const ReplayEntry& entry) { taken_.push_back({entry, gate_.run(entry.channel)}); }
+
+  std::deque<Taken> taken_;  ///< a deque: memory is taken and given back piece by piece
   SequenceGate gate_;
   std::array<std::vector<ReplayEntry>, kNumChannels> held_;
 };
 
 /// Keeps the entries within the requested time window after the first message.
-void cut(ReplayIndex& index, const ReplayOptions& options) {
-  if (index.entries.empty()) return;
-  const std::int64_t first = index.entries.front().utime;
-  const auto outside = [&](const ReplayEntry& entry) {
-    const double t_s = static_cast<double>(entry.utime - first) * 1e-6;
-    return t_s < options.from_s || t_s > options.to_s;
-  };
-  index.entries.erase(std::remove_if(index.entries.begin(), index.entries.end(), outside),
-                      index.entries.end());
+void put_in_order(Gathered& gathered, const ReplayOptions& options, ReplayIndex& index) {
+  std::optional<std::int64_t> first;
+  std::int64_t last = 0;
+  gathered.hand_over([&](const ReplayEntry& entry) {
+    if (!first) first = entry.utime;
+    const double t_s = static_cast<double>(entry.utime - *first) * 1e-6;
+    if (t_s < options.from_s || t_s > options.to_s) return;
+    if (index.entries.empty()) index.report.first_utime = entry.utime;
+    last = entry.utime;
+    index.entries.push_back(entry);
+  });
+  index.report.last_utime = last;
+  index.entries.shrink_to_fit();
 }
 
 }  // namespace
@@ -150,7 +163,7 @@ ReplayIndex index_log(const io::LogPaths& logs, const ReplayOptions& options) {
   ReplayIndex index;
   ReplayReport& report = index.report;
   io::LogSeries reader(logs);
-  Gathered gathered(index.entries);
+  Gathered gathered;
   ArrivalDelays delays;
   std::set<std::string> other_channels;
   std::set<std::string> second_sensors;
@@ -218,18 +231,11 @@ ReplayIndex index_log(const io::LogPaths& logs, const ReplayOptions& options) {
                               " messages at a source's beginning are of another time than it goes "
                               "on with, and were left out");
   }
-  std::sort(index.entries.begin(), index.entries.end(),
-            [](const ReplayEntry& a, const ReplayEntry& b) {
-              return std::tie(a.utime, a.channel, a.seq, a.offset) <
-                     std::tie(b.utime, b.channel, b.seq, b.offset);
-            });
-  cut(index, options);
+  put_in_order(gathered, options, index);
   if (index.entries.empty()) {
     throw io::FileError(log_path + ": no usable source message in it" +
                         (report.warnings.empty() ? "" : " (" + report.warnings.front() + ")"));
   }
-  report.first_utime = index.entries.front().utime;
-  report.last_utime = index.entries.back().utime;
   return index;
 }
 

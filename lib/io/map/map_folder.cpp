@@ -62,11 +62,11 @@ void write_map_folder(const std::string& folder, const MapFolderContent& content
   files.write((path / "map.png").string(), figure(FigureFormat::kPng));
   files.write((path / "map.pdf").string(), figure(FigureFormat::kPdf));
   files.write((path / "map.html").string(), map_page(content, graph, album));
-  files.write((path / "trajectory.csv").string(), trajectory_csv(content.trajectory));
-  files.write((path / "trajectory.tum").string(), trajectory_tum(content.trajectory));
+  files.write((path / "trajectory.csv").string(), trajectory_csv_pieces(content.trajectory));
+  files.write((path / "trajectory.tum").string(), trajectory_tum_pieces(content.trajectory));
   for (std::size_t k = 0; k < content.more_trajectories.size(); ++k) {
     files.write((path / ("trajectory_" + std::to_string(k + 2) + ".csv")).string(),
-                trajectory_csv(content.more_trajectories[k]));
+                trajectory_csv_pieces(content.more_trajectories[k]));
   }
   if (!content.ids_csv.empty()) files.write((path / "ids.csv").string(), content.ids_csv);
   files.write((path / "graph.json").string(), graph_json(graph));

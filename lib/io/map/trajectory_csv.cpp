@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/map/trajectory_csv.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "geometry/angles.hpp"
-#include "io/atomic_file.hpp"
 #include "io/csv.hpp"
 #include "io/sane_limits.hpp"
 #include "text/number_text.hpp"
@@ -30,25 +31,45 @@ std::vector<pose::PoseEstimate> read_trajectory(CsvReader csv) {
   return trajectory;
 }
 
-}  // namespace
+constexpr std::size_t kPosesPerPiece = 4096;
 
-std::string trajectory_csv(const std::vector<pose::PoseEstimate>& trajectory) {
-  std::string text = "utime_us,x_m,y_m,yaw_rad\n";
-  for (const pose::PoseEstimate& pose : trajectory) {
-    text += std::to_string(pose.utime) + "," + fixed_text(pose.x_m, 4) + "," +
-            fixed_text(pose.y_m, 4) + "," + fixed_text(pose.yaw_rad, 5) + "\n";
-  }
-  return text;
+/// The head, and then the lines of so many poses at a time.
+TextPieces pieces_of(const std::vector<pose::PoseEstimate>& trajectory, const char* head,
+                     std::string (*line_of)(const pose::PoseEstimate&)) {
+  return
+      [&trajectory, head, line_of, i = std::size_t{0}, begun = false](std::string& piece) mutable {
+        piece = std::exchange(begun, true) ? "" : head;
+        const std::size_t end = std::min(i + kPosesPerPiece, trajectory.size());
+        for (; i < end; ++i) piece += line_of(trajectory[i]);
+        return !piece.empty();
+      };
 }
 
-std::string trajectory_tum(const std::vector<pose::PoseEstimate>& trajectory) {
-  std::string text = "# seconds x y z qx qy qz qw\n";
-  for (const pose::PoseEstimate& pose : trajectory) {
-    const std::string micros = std::to_string(1'000'000 + pose.utime % 1'000'000).substr(1);
-    text += std::to_string(pose.utime / 1'000'000) + "." + micros + " " + fixed_text(pose.x_m, 4) +
-            " " + fixed_text(pose.y_m, 4) + " 0 0 0 " + fixed_text(std::sin(pose.yaw_rad / 2), 7) +
-            " " + fixed_text(std::cos(pose.yaw_rad / 2), 7) + "\n";
-  }
+std::string csv_line(const pose::PoseEstimate& pose) {
+  return std::to_string(pose.utime) + "," + fixed_text(pose.x_m, 4) + "," +
+         fixed_text(pose.y_m, 4) + "," + fixed_text(pose.yaw_rad, 5) + "\n";
+}
+
+std::string tum_line(const pose::PoseEstimate& pose) {
+  const std::string micros = std::to_string(1'000'000 + pose.utime % 1'000'000).substr(1);
+  return std::to_string(pose.utime / 1'000'000) + "." + micros + " " + fixed_text(pose.x_m, 4) +
+         " " + fixed_text(pose.y_m, 4) + " 0 0 0 " + fixed_text(std::sin(pose.yaw_rad / 2), 7) +
+         " " + fixed_text(std::cos(pose.yaw_rad / 2), 7) + "\n";
+}
+
+}  // namespace
+
+TextPieces trajectory_csv_pieces(const std::vector<pose::PoseEstimate>& trajectory) {
+  return pieces_of(trajectory, "utime_us,x_m,y_m,yaw_rad\n", csv_line);
+}
+
+TextPieces trajectory_tum_pieces(const std::vector<pose::PoseEstimate>& trajectory) {
+  return pieces_of(trajectory, "# seconds x y z qx qy qz qw\n", tum_line);
+}
+
+std::string trajectory_csv(const std::vector<pose::PoseEstimate>& trajectory) {
+  std::string text, piece;
+  for (const TextPieces next = trajectory_csv_pieces(trajectory); next(piece);) text += piece;
   return text;
 }
 

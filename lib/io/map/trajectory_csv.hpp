@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "io/atomic_file.hpp"
 #include "pose/pose_estimate.hpp"
 
 namespace orchard::io {
@@ -13,9 +14,12 @@ namespace orchard::io {
 /// formats.
 std::string trajectory_csv(const std::vector<pose::PoseEstimate>& trajectory);
 
+/// The same in pieces, for long drives; `trajectory` must outlive the returned function.
+TextPieces trajectory_csv_pieces(const std::vector<pose::PoseEstimate>& trajectory);
+
 /// The same in the format of the TUM RGB-D benchmark, for evo and other tools: a line `seconds x y
 /// z qx qy qz qw` per pose.
-std::string trajectory_tum(const std::vector<pose::PoseEstimate>& trajectory);
+TextPieces trajectory_tum_pieces(const std::vector<pose::PoseEstimate>& trajectory);
 
 void write_trajectory_csv(const std::string& path,
                           const std::vector<pose::PoseEstimate>& trajectory);

@@ -24,7 +24,12 @@ std::shared_ptr<const FreeSpace> ObservationStore::free_space(std::int32_t scan)
   std::uint32_t size = 0;
   for (int i = 0; i < 4; ++i) size |= std::uint32_t{beams_[next++]} << (8 * i);
   std::vector<std::uint8_t> bytes(size);
-  for (std::uint8_t& byte : bytes) byte = beams_[next++];
+  for (std::size_t done = 0; done < bytes.size();) {
+    const auto [run, size_of_run] = beams_.run_from(next + done);
+    const std::size_t num = std::min(size_of_run, bytes.size() - done);
+    std::copy(run, run + num, bytes.begin() + static_cast<std::ptrdiff_t>(done));
+    done += num;
+  }
   return std::make_shared<FreeSpace>(FreeSpace::unpack(bytes));
 }
 

@@ -158,13 +158,26 @@ bool GraphProblem::solve(ceres::LinearSolverType type, int iterations_max, doubl
   return summary.IsSolutionUsable();
 }
 
-ceres::CRSMatrix GraphProblem::jacobian(const std::vector<double*>& blocks, bool with_priors) {
+ceres::CRSMatrix GraphProblem::jacobian(const std::vector<double*>& blocks) {
   ceres::Problem::EvaluateOptions options;
   options.parameter_blocks = blocks;
-  if (!with_priors) options.residual_blocks = measurements_;
   ceres::CRSMatrix J;
   problem_.Evaluate(options, nullptr, nullptr, nullptr, &J);
   return J;
+}
+
+std::vector<char> GraphProblem::measured_rows() const {
+  std::vector<ceres::ResidualBlockId> all;
+  problem_.GetResidualBlocks(&all);
+  std::vector<char> is_measured;
+  auto measurement = measurements_.begin();  // both in the order in which they were added
+  for (const ceres::ResidualBlockId& id : all) {
+    const bool is_one = measurement != measurements_.end() && *measurement == id;
+    if (is_one) ++measurement;
+    const int num_rows = problem_.GetCostFunctionForResidualBlock(id)->num_residuals();
+    is_measured.insert(is_measured.end(), static_cast<std::size_t>(num_rows), is_one ? 1 : 0);
+  }
+  return is_measured;
 }
 
 }  // namespace orchard::pose

@@ -62,9 +62,11 @@ class GraphProblem {
 
   bool solve(ceres::LinearSolverType type, int iterations_max, double tolerance);
 
-  /// Derivatives of the residuals, columns as `blocks`. Without priors if not asked for: by the
-  /// problem's own measurements alone.
-  ceres::CRSMatrix jacobian(const std::vector<double*>& blocks, bool with_priors);
+  /// Derivatives of the residuals, columns as `blocks`.
+  ceres::CRSMatrix jacobian(const std::vector<double*>& blocks);
+
+  /// Of each of its rows, whether it is of the problem's own measurements, and not of a prior.
+  std::vector<char> measured_rows() const;
 
   double* pose(int keyframe) { return unknowns_.pose(keyframe).data(); }
   double* position(int landmark) { return unknowns_.position(landmark).data(); }

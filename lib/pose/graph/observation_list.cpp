@@ -2,36 +2,12 @@
 #include "pose/graph/observation_list.hpp"
 
 #include <Eigen/LU>
-#include <memory>
 
 namespace orchard::pose {
-namespace {
-
-constexpr std::size_t kRowsPerChunk = ChunkMemory::kChunkBytes / sizeof(SlamObservation);
-
-}  // namespace
-
 Eigen::Vector2d SlamObservation::position() const { return information.inverse() * information_m; }
 
 Eigen::Matrix2d SlamObservation::covariance() const {
   return information.inverse() + floor_sd_m * floor_sd_m * Eigen::Matrix2d::Identity();
-}
-
-ObservationMemory::~ObservationMemory() {
-  for (SlamObservation* chunk : chunks_) memory_->give_back(chunk);
-}
-
-const SlamObservation* ObservationMemory::keep(const std::vector<SlamObservation>& rows) {
-  if (rows.size() > kRowsPerChunk) return nullptr;
-  if (chunks_.empty() || num_in_last_ + rows.size() > kRowsPerChunk) {
-    chunks_.reserve(chunks_.size() + 1);
-    chunks_.push_back(static_cast<SlamObservation*>(memory_->take()));
-    num_in_last_ = 0;
-  }
-  SlamObservation* const at = chunks_.back() + num_in_last_;
-  std::uninitialized_copy(rows.begin(), rows.end(), at);
-  num_in_last_ += rows.size();
-  return at;
 }
 
 std::vector<SlamObservation>& ObservationList::edit() {
@@ -48,7 +24,7 @@ void ObservationList::keep(ObservationMemory& memory) {
   if (kept == nullptr) return;
   kept_ = kept;
   num_kept_ = own_.size();
-  own_ = {};
+  std::vector<SlamObservation>().swap(own_);  // what is only assigned to keeps its room
 }
 
 }  // namespace orchard::pose

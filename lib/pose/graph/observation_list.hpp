@@ -3,10 +3,9 @@
 
 #include <Eigen/Core>
 #include <cstddef>
-#include <memory>
 #include <vector>
 
-#include "pose/graph/chunk_memory.hpp"
+#include "pose/graph/row_memory.hpp"
 
 namespace orchard::pose {
 
@@ -24,24 +23,7 @@ struct SlamObservation {
 };
 
 /// Where the observations of keyframes lie that the robot has left.
-class ObservationMemory {
- public:
-  explicit ObservationMemory(std::shared_ptr<ChunkMemory> memory) : memory_(std::move(memory)) {}
-  ~ObservationMemory();
-  ObservationMemory(const ObservationMemory&) = delete;
-  ObservationMemory& operator=(const ObservationMemory&) = delete;
-
-  /// A copy of these rows, which stays as it is as long as this lives; none of too many.
-  const SlamObservation* keep(const std::vector<SlamObservation>& rows);
-
-  /// Nothing of it is needed for the moment.
-  void rest() const { memory_->rest(); }
-
- private:
-  std::shared_ptr<ChunkMemory> memory_;
-  std::vector<SlamObservation*> chunks_;
-  std::size_t num_in_last_ = 0;
-};
+using ObservationMemory = RowMemory<SlamObservation>;
 
 /// The observations of a keyframe. Kept ones are only read: copies of the list share them, and the
 /// first change of a list takes its own copy back to the heap.

@@ -35,10 +35,11 @@ constexpr double kGraphTolerance = 1e-6;
 /// A landmark with a single observation constrains nothing.
 bool is_constrained(const SlamLandmark& landmark) { return landmark.keyframes.size() >= 2; }
 
-/// The window's information matrix J^T J, dense: it is small.
-Eigen::MatrixXd information(const ceres::CRSMatrix& J) {
+/// The window's information matrix J^T J, dense: it is small. Of all rows, or those of `is_used`.
+Eigen::MatrixXd information(const ceres::CRSMatrix& J, const std::vector<char>* is_used) {
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(J.num_cols, J.num_cols);
   for (int row = 0; row < J.num_rows; ++row) {
+    if (is_used != nullptr && (*is_used)[static_cast<std::size_t>(row)] == 0) continue;
     for (int a = J.rows[row]; a < J.rows[row + 1]; ++a) {
       for (int b = J.rows[row]; b < J.rows[row + 1]; ++b) {
         H(J.cols[a], J.cols[b]) += J.values[a] * J.values[b];
@@ -167,12 +168,12 @@ WindowSolution window_covariances(const Window& w, const Keyframe& first, GraphP
   const int num_rest = static_cast<int>(3 * blocks.size() + 2 * errors.size());
   blocks.insert(blocks.end(), errors.begin(), errors.end());
   for (const int l : w.landmarks) blocks.push_back(problem.position(l));
-  const auto reduced = [&](bool with_landmark_priors) {
-    return marginalise_landmarks(information(problem.jacobian(blocks, with_landmark_priors)),
-                                 num_rest);
+  const ceres::CRSMatrix J = problem.jacobian(blocks);
+  const auto reduced = [&](const std::vector<char>* is_used) {
+    return marginalise_landmarks(information(J, is_used), num_rest);
   };
   WindowSolution solution;
-  const std::optional<Eigen::Matrix3d> local = marginal(reduced(true), newest_column);
+  const std::optional<Eigen::Matrix3d> local = marginal(reduced(nullptr), newest_column);
   if (!local) return solution;
   solution.solved = true;
   solution.local_covariance = *local;
@@ -184,9 +185,10 @@ WindowSolution window_covariances(const Window& w, const Keyframe& first, GraphP
   const int calibration_column = newest_column + 3;
   const int newest_calibration_column =
       calibration_column + 3 * (w.newest_calibration - w.first_calibration);
-  solution.in_map =
-      after_measurements(joint_covariance(first), reduced(false), indices(0, calibration_column),
-                         indices(newest_column, newest_calibration_column));
+  const std::vector<char> is_measured = problem.measured_rows();
+  solution.in_map = after_measurements(joint_covariance(first), reduced(&is_measured),
+                                       indices(0, calibration_column),
+                                       indices(newest_column, newest_calibration_column));
   return solution;
 }
 

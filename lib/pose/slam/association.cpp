@@ -33,6 +33,32 @@ struct Pair {
   double distance2 = std::numeric_limits<double>::infinity();  // in standard deviations
 };
 
+/// A point of the scan as a pose places it: all of a pair's test that no candidate changes.
+struct PlacedPoint {
+  PlacedPoint(const ScanHypothesis& h, const ScanPoint& point) {
+    const Eigen::Matrix2d R = rotation(h.T_map_base.z());
+    const Eigen::Vector2d arm = R * point.p_base;
+    p_map = arm + h.T_map_base.head<2>();
+    H = geometry::point_jacobian(arm);
+    covariance = H * h.covariance * H.transpose() + R * point.covariance * R.transpose();
+  }
+
+  /// Of the distance to a candidate.
+  Eigen::Matrix2d innovation_covariance(const AssociationCandidate& c) const {
+    return covariance + c.covariance;
+  }
+
+  /// Squared Mahalanobis distance to a candidate.
+  double distance2(const AssociationCandidate& c) const {
+    const Eigen::Vector2d offset = c.p_map - p_map;
+    return offset.dot(innovation_covariance(c).inverse() * offset);
+  }
+
+  Eigen::Vector2d p_map;
+  Eigen::Matrix<double, 2, 3> H;
+  Eigen::Matrix2d covariance;
+};
+
 class ScanToMapMatcher {
  public:
   ScanToMapMatcher(const std::vector<ScanPoint>& points,
@@ -43,37 +69,28 @@ class ScanToMapMatcher {
     // the pairs worth testing are found once.
     allowed_.resize(points.size());
     for (std::size_t p = 0; p < points.size(); ++p) {
+      const PlacedPoint placed(start, points[p]);
       for (std::size_t c = 0; c < candidates.size(); ++c) {
+        const double d2 = distance2(placed, static_cast<int>(c));
+        if (!(d2 <= kPreGate * gate2_)) continue;
         const double sd_m = std::hypot(points[p].width_sd_m, candidates[c].width_sd_m);
         if (std::abs(points[p].width_m - candidates[c].width_m) <=
                 config.gate_sigma * sd_m + config.width_gate_m &&
-            distance2(start, static_cast<int>(p), static_cast<int>(c)) <= kPreGate * gate2_ &&
-            (candidates[c].confirmed || apart_m(start, p, c) <= config.gate_m)) {
-          allowed_[p].push_back(static_cast<int>(c));
+            (candidates[c].confirmed ||
+             (candidates[c].p_map - placed.p_map).norm() <= config.gate_m)) {
+          allowed_[p].push_back({static_cast<int>(c), d2});
         }
       }
     }
   }
 
-  double apart_m(const ScanHypothesis& h, std::size_t point, std::size_t candidate) const {
-    return (candidates_[candidate].p_map - transform(h.T_map_base, points_[point].p_base)).norm();
-  }
-
-  /// Squared Mahalanobis distance of a pair, given a pose.
-  double distance2(const ScanHypothesis& h, int point, int candidate) {
-    ++num_operations_;
-    const Eigen::Vector2d offset =
-        candidates_[candidate].p_map - transform(h.T_map_base, points_[point].p_base);
-    return offset.dot(innovation_covariance(h, point, candidate).inverse() * offset);
-  }
-
   /// Adds a pair: a Kalman update of the pose.
   void fit(ScanHypothesis& h, int point, int candidate, double distance2) const {
-    const Eigen::Matrix<double, 2, 3> H = jacobian(h, point);
-    const Eigen::Matrix2d S = innovation_covariance(h, point, candidate);
-    const Eigen::Matrix<double, 3, 2> K = h.covariance * H.transpose() * S.inverse();
-    h.T_map_base +=
-        K * (candidates_[candidate].p_map - transform(h.T_map_base, points_[point].p_base));
+    const PlacedPoint placed(h, points_[static_cast<std::size_t>(point)]);
+    const AssociationCandidate& c = candidates_[static_cast<std::size_t>(candidate)];
+    const Eigen::Matrix2d S = placed.innovation_covariance(c);
+    const Eigen::Matrix<double, 3, 2> K = h.covariance * placed.H.transpose() * S.inverse();
+    h.T_map_base += K * (c.p_map - placed.p_map);
     h.T_map_base.z() = geometry::wrap_angle_rad(h.T_map_base.z());
     const Eigen::Matrix3d P = h.covariance - K * S * K.transpose();
     h.covariance = 0.5 * (P + P.transpose());
@@ -91,11 +108,12 @@ class ScanToMapMatcher {
     while (true) {
       Pair best;
       for (std::size_t p = 0; p < points_.size(); ++p) {
-        if (h.candidate[p] >= 0) continue;
-        for (const int c : allowed_[p]) {
-          if (taken[c]) continue;
-          const double d2 = distance2(h, static_cast<int>(p), c);
-          if (d2 < best.distance2) best = {static_cast<int>(p), c, d2};
+        if (h.candidate[p] >= 0 || allowed_[p].empty()) continue;
+        const PlacedPoint placed(h, points_[p]);
+        for (const Allowed& pair : allowed_[p]) {
+          if (taken[pair.candidate]) continue;
+          const double d2 = distance2(placed, pair.candidate);
+          if (d2 < best.distance2) best = {static_cast<int>(p), pair.candidate, d2};
         }
       }
       if (!(best.distance2 <= gate2_)) return;
@@ -113,8 +131,8 @@ class ScanToMapMatcher {
     std::vector<Seed> seeds;
     for (std::size_t p = 0; p < points_.size(); ++p) {
       Seed seed{static_cast<int>(p), {}};
-      for (const int c : allowed_[p]) {
-        if (distance2(start, seed.point, c) <= gate2_) seed.candidates.push_back(c);
+      for (const Allowed& pair : allowed_[p]) {
+        if (pair.start_distance2 <= gate2_) seed.candidates.push_back(pair.candidate);
       }
       if (!seed.candidates.empty()) seeds.push_back(std::move(seed));
     }
@@ -130,7 +148,8 @@ class ScanToMapMatcher {
         });
         if (known) continue;
         ScanHypothesis h = start;
-        fit(h, seed.point, c, distance2(h, seed.point, c));
+        const PlacedPoint placed(start, points_[static_cast<std::size_t>(seed.point)]);
+        fit(h, seed.point, c, distance2(placed, c));
         complete(h);
         found.push_back(std::move(h));
       }
@@ -141,23 +160,21 @@ class ScanToMapMatcher {
   std::int64_t num_operations() const { return num_operations_; }
 
  private:
-  Eigen::Matrix<double, 2, 3> jacobian(const ScanHypothesis& h, int point) const {
-    const Eigen::Vector2d arm = rotation(h.T_map_base.z()) * points_[point].p_base;
-    Eigen::Matrix<double, 2, 3> H;
-    H << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
-    return H;
+  double distance2(const PlacedPoint& placed, int candidate) {
+    ++num_operations_;
+    return placed.distance2(candidates_[static_cast<std::size_t>(candidate)]);
   }
-  Eigen::Matrix2d innovation_covariance(const ScanHypothesis& h, int point, int candidate) const {
-    const Eigen::Matrix<double, 2, 3> H = jacobian(h, point);
-    const Eigen::Matrix2d R = rotation(h.T_map_base.z());
-    return H * h.covariance * H.transpose() + R * points_[point].covariance * R.transpose() +
-           candidates_[candidate].covariance;
-  }
+
+  /// A candidate that a point may be.
+  struct Allowed {
+    int candidate = -1;
+    double start_distance2 = 0.0;  ///< at the predicted pose
+  };
 
   const std::vector<ScanPoint>& points_;
   const std::vector<AssociationCandidate>& candidates_;
   double gate2_;
-  std::vector<std::vector<int>> allowed_;
+  std::vector<std::vector<Allowed>> allowed_;
   std::int64_t num_operations_ = 0;
 };
 

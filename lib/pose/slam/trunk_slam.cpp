@@ -60,10 +60,10 @@ TrunkSlam::TrunkSlam(const SlamConfig& config, const ScanMotionConfig& scans,
                      const laser::LaserConfig& mount, std::shared_ptr<ChunkMemory> memory)
     : config_(config),
       motion_(config),
-      map_(config, std::move(memory)),
+      map_(config, memory),
       tracker_(config),
       closer_(config),
-      scan_closer_(scans, mount) {}
+      scan_closer_(scans, mount, std::move(memory)) {}
 
 void TrunkSlam::set_default_noise(double speed_sd_fraction, double yaw_rate_sd_radps) {
   motion_.set_default_noise(speed_sd_fraction, yaw_rate_sd_radps);

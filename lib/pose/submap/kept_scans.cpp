@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose/submap/kept_scans.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include "geometry/pose2.hpp"
 
 namespace orchard::pose {
@@ -11,26 +14,40 @@ constexpr double kThinning_m = 0.10;
 
 }  // namespace
 
+KeptScans::KeptScans(std::shared_ptr<ChunkMemory> memory)
+    : memory_(std::make_unique<RowMemory<Packed>>(memory ? std::move(memory)
+                                                         : std::make_shared<HeapMemory>())) {}
+
+const KeptScans::Scan* KeptScans::find(int keyframe) const {
+  const auto scan =
+      std::lower_bound(scans_.begin(), scans_.end(), keyframe,
+                       [](const Scan& one, int other) { return one.keyframe < other; });
+  return scan != scans_.end() && scan->keyframe == keyframe ? &*scan : nullptr;
+}
+
 void KeptScans::keep(int keyframe, const std::vector<SurfacePoint>& points) {
-  std::vector<Packed>& packed = scans_[keyframe];
-  packed.clear();
+  std::vector<Packed> packed;
   for (const SurfacePoint& point : thinned(points, kThinning_m)) {
     const Eigen::Vector2f p = point.p.cast<float>();
     const Eigen::Vector2f n = point.flat ? Eigen::Vector2f(point.normal.cast<float>())
                                          : Eigen::Vector2f(Eigen::Vector2f::Zero());
     packed.push_back({p.x(), p.y(), n.x(), n.y()});
   }
-  packed.shrink_to_fit();
+  const auto num_points = static_cast<std::uint32_t>(packed.size());
+  const Packed* kept = memory_->keep(packed);
+  if (kept == nullptr) kept = large_.emplace_back(std::move(packed)).data();
+  scans_.push_back({keyframe, num_points, kept});
 }
 
 std::vector<SurfacePoint> KeptScans::points(int keyframe,
                                             const Eigen::Vector3d& T_frame_base) const {
   std::vector<SurfacePoint> points;
-  const auto scan = scans_.find(keyframe);
-  if (scan == scans_.end()) return points;
+  const Scan* scan = find(keyframe);
+  if (scan == nullptr) return points;
   const Eigen::Matrix2d R = geometry::rotation(T_frame_base.z());
-  points.reserve(scan->second.size());
-  for (const Packed& packed : scan->second) {
+  points.reserve(scan->num_points);
+  for (std::uint32_t i = 0; i < scan->num_points; ++i) {
+    const Packed& packed = scan->points[i];
     SurfacePoint point;
     point.p = R * Eigen::Vector2d(packed.x_m, packed.y_m) + T_frame_base.head<2>();
     point.normal = R * Eigen::Vector2d(packed.normal_x, packed.normal_y);
@@ -42,8 +59,8 @@ std::vector<SurfacePoint> KeptScans::points(int keyframe,
 
 std::vector<int> KeptScans::between(int first, int end) const {
   std::vector<int> keyframes;
-  for (auto scan = scans_.lower_bound(first); scan != scans_.end() && scan->first < end; ++scan) {
-    keyframes.push_back(scan->first);
+  for (const Scan& scan : scans_) {
+    if (scan.keyframe >= first && scan.keyframe < end) keyframes.push_back(scan.keyframe);
   }
   return keyframes;
 }

@@ -115,8 +115,9 @@ Eigen::Matrix3d in_axes_of(const Eigen::Vector3d& T_map_base, const Eigen::Matri
 
 }  // namespace
 
-ScanCloser::ScanCloser(const ScanMotionConfig& config, const laser::LaserConfig& mount)
-    : config_(config), mount_(mount), points_(config) {}
+ScanCloser::ScanCloser(const ScanMotionConfig& config, const laser::LaserConfig& mount,
+                       std::shared_ptr<ChunkMemory> memory)
+    : config_(config), mount_(mount), scans_(std::move(memory)), points_(config) {}
 
 /// Fills the map of points with some keyframes' scans, in map.
 void ScanCloser::refill(const SlamMap& map, const std::vector<int>& keyframes) {
@@ -257,6 +258,7 @@ bool ScanCloser::observe(SlamMap& map) {
   asked_m_ = now.travel_m;
   ambiguous_ = false;
   const std::optional<RelativePose> found = find(map);
+  scans_.rest();
   if (!found) return false;
   const Eigen::Vector3d moved = between(
       now.T_map_base, compose(map.graph.keyframes[found->from].T_map_base, found->T_from_to));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -17,7 +18,9 @@ namespace orchard::pose {
 /// against what was seen there long ago.
 class ScanCloser {
  public:
-  ScanCloser(const ScanMotionConfig& config, const laser::LaserConfig& mount);
+  /// `memory` holds the scans; none: the heap.
+  ScanCloser(const ScanMotionConfig& config, const laser::LaserConfig& mount,
+             std::shared_ptr<ChunkMemory> memory = nullptr);
 
   /// Keeps the returns [m, base] of the newest keyframe's scan.
   void keep(const std::vector<SurfacePoint>& points, const SlamMap& map);

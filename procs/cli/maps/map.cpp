@@ -83,7 +83,7 @@ std::vector<std::pair<std::string, std::int64_t>> counts_of(const ReplayReport& 
   const std::vector<bus::Node*> nodes = pipeline.nodes();
   const auto traffic = bus::named_counts(report, {nodes.begin(), nodes.end()});
   counts.insert(counts.end(), traffic.begin(), traffic.end());
-  for (const auto& [name, value] : pipeline.pose.account()) {
+  for (const auto& [name, value] : pipeline.pose->account()) {
     counts.emplace_back(kPoseAccount + name, value);
   }
   return counts;
@@ -206,7 +206,7 @@ int run_map(const MapOptions& options) {
   for (const std::string& warning : warnings) {
     std::fprintf(stderr, "orchard map: warning: %s\n", warning.c_str());
   }
-  require_usable(options, config.pose, pipeline.pose, report);
+  require_usable(options, config.pose, *pipeline.pose, report);
 
   io::MapSummary summary;
   summary.source = logs_of(options).names();
@@ -216,6 +216,7 @@ int run_map(const MapOptions& options) {
   summary.last_utime = report.last_utime;
   summary.counts = counts_of(report, pipeline);
   summary.warnings = std::move(warnings);
+  pipeline.pose.reset();
   io::MapFolderContent content = pipeline.mapper.content(summary);
   content.view = sensor_view(config, logs_of(options));
   if (content.landmarks.empty()) {
@@ -229,11 +230,11 @@ int run_map(const MapOptions& options) {
   std::string corrections;
   if (kept) {
     corrections = account_corrections("orchard map", kept->corrections, content);
-  } else {  // corrections of an earlier map in this folder: reported only; the map depends on the
-            // log alone
+  } else if (const auto earlier = io::read_corrections(options.out_folder).list; !earlier.empty()) {
+    // Corrections of an earlier map in this folder: reported only; the map depends on the log
+    // alone.
     io::MapFolderContent seen = content;
-    corrections =
-        account_corrections("orchard map", io::read_corrections(options.out_folder).list, seen);
+    corrections = account_corrections("orchard map", earlier, seen);
   }
   io::write_map_folder(options.out_folder, content);
   if (kept) write_corrections(options.out_folder, kept->corrections);

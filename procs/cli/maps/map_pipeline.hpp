@@ -18,12 +18,13 @@ struct MapPipeline {
   /// Pose and mapper store the data of a long drive in files in `folder`.
   MapPipeline(const io::Config& config, const std::string& folder)
       : detector(config),
-        pose(config, std::make_shared<io::FileMemory>(folder)),
+        pose(std::make_unique<procs::PoseNode>(config, std::make_shared<io::FileMemory>(folder))),
         mapper(config, std::make_shared<io::FileMemory>(folder)) {}
-  std::vector<bus::Node*> nodes() { return {&detector, &pose, &mapper}; }
+  std::vector<bus::Node*> nodes() { return {&detector, pose.get(), &mapper}; }
 
   procs::DetectorNode detector;
-  procs::PoseNode pose;
+  /// Whoever has no question left to it lets it go: the map takes room while it is written.
+  std::unique_ptr<procs::PoseNode> pose;
   procs::MapperNode mapper;
 };
 

@@ -38,7 +38,7 @@ std::string ScanTimer::text() const {
     text += fmt::format("timing: scans {}-{}: {:.3f} ms a scan, {:.1f} MiB at most\n", s.first,
                         s.last, s.ms_per_scan, s.peak_mib);
   }
-  return text;
+  return text + fmt::format("timing: in all: {:.1f} MiB at most\n", peak_mib());
 }
 
 }  // namespace orchard::cli

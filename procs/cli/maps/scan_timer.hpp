@@ -15,7 +15,8 @@ class ScanTimer {
   /// Counts one processed scan.
   void count();
 
-  /// One line per thousand: `timing: scans 1-1000: 0.912 ms a scan, 43.1 MiB at most`.
+  /// One line per thousand: `timing: scans 1-1000: 0.912 ms a scan, 43.1 MiB at most`; and one of
+  /// the most memory up to now, the files that were written included.
   std::string text() const;
 
  private:

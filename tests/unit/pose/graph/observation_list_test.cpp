@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <malloc.h>
+#include <sys/mman.h>
+
 #include <memory>
 
 namespace orchard::pose {
@@ -34,6 +37,26 @@ TEST(ObservationList, ReadsTheSameWhereverItLies) {
   for (ObservationList& list : lists) list.keep(memory);
   memory.rest();
   for (int k = 0; k < 500; ++k) expect_list(lists[static_cast<std::size_t>(k)], k % 120, k);
+}
+
+/// Chunks that are not the heap's.
+class MappedMemory : public ChunkMemory {
+ public:
+  void* take() override {
+    return ::mmap(nullptr, kChunkBytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  }
+  void give_back(void* chunk) noexcept override { ::munmap(chunk, kChunkBytes); }
+};
+
+TEST(ObservationList, WhatLiesInMemoryHasLeftTheHeap) {
+  ObservationMemory memory(std::make_shared<MappedMemory>());
+  std::vector<ObservationList> lists;
+  for (int k = 0; k < 500; ++k) lists.push_back(list_of(100, k));
+  const std::size_t before = ::mallinfo2().uordblks;
+  for (ObservationList& list : lists) list.keep(memory);
+  const std::size_t after = ::mallinfo2().uordblks;
+  if (before == 0) GTEST_SKIP() << "the heap tells nothing";
+  EXPECT_LT(after + 4'000'000, before);
 }
 
 TEST(ObservationList, AChangeLeavesCopiesAsTheyWere) {

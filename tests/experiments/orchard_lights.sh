@@ -2,12 +2,15 @@
 # Sourced by the scripts that simulate the hard orchard: the same rig under another light.
 #   light_rig NAME RIG.yaml > RIG_NAME.yaml
 # neutral: as the rig has it; dark, bright: exposure -2 and +2 EV; warm, cold: a sun of 3000 and 8000 K
-# while the camera's white balance stays; low: the sun 10 degrees high, across the rows. No light, but a
+# while the camera's white balance stays; -1ev, 4500k and the like: that exposure, that sun; low: the sun
+# 10 degrees high, across the rows. No light, but a
 # stress of its own: posts, one more post of trunk width per three trees.
 orchard_lights="neutral dark bright warm cold low"
 light_rig() {
   case $1 in
     neutral) cat "$2" ;;
+    *ev) sed "s/^    exposure_ev: .*/    exposure_ev: $(printf '%.1f' "${1%ev}")/" "$2" ;;
+    *k) sed "s/^    temperature_k: .*/    temperature_k: ${1%k}.0/" "$2" ;;
     dark) sed 's/^    exposure_ev: .*/    exposure_ev: -2.0/' "$2" ;;
     bright) sed 's/^    exposure_ev: .*/    exposure_ev: 2.0/' "$2" ;;
     warm) sed 's/^    temperature_k: .*/    temperature_k: 3000.0/' "$2" ;;

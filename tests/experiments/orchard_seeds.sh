@@ -3,7 +3,7 @@
 # must show: precision, recall and F1 per look within 4 m and per landmark, the centre error, the
 # calibration error, and the F1 lost to each light. No model was fitted or chosen on these seeds
 # (tests/experiments/calibrate_orchard.sh uses 1001 and up).
-#   RIG=config/orchard_hard.yaml  SECONDS_PER_DRIVE=0 (the whole drive)  LIGHTS="neutral dark ..."
+#   RIG=config/orchard_hard.yaml  SECONDS_PER_DRIVE=0 (the whole drive)  LIGHTS="neutral dark ..."  JOBS=2
 # LIGHTS=posts: in the rig's own light, with a post of trunk width more for every third tree.
 # Drives are kept in out/orchard and used again; remove the folder after a change of the simulation.
 # A whole drive takes about a minute to simulate. Needs a build in build/ (or BUILD=folder).
@@ -34,7 +34,7 @@ for light in ${LIGHTS:-$orchard_lights}; do
   recordings=() looks=() truths=()
   for seed in $(seq "$first" "$last"); do
     one "$light" "$seed" &
-    [ "$(jobs -rp | wc -l)" -lt 2 ] || wait -n
+    [ "$(jobs -rp | wc -l)" -lt "${JOBS:-2}" ] || wait -n
     recordings+=("$out/${light}_$seed")
     looks+=("$out/${light}_$seed.looks.csv")
     truths+=("$out/${light}_$seed.truth.csv")

@@ -6,23 +6,22 @@
 #include <optional>
 
 #include "geometry/point_grid.hpp"
+#include "geometry/statistics.hpp"
+#include "mapping/existence/legs.hpp"
 
 namespace orchard::mapping {
 namespace {
 
-/// Legs at the height of knees and calves are 0.10 to 0.14 m thick (a girth of 0.33 to 0.43 m);
-/// trousers and what a scanner errs make them this wide at most, and half hidden ones narrower [m].
-constexpr double kLegMin_m = 0.08, kLegMax_m = 0.22;
-/// The middles of the two legs of a standing person [m].
-constexpr double kStanceMin_m = 0.10, kStanceMax_m = 0.45;
 /// What was seen less than a tenth as often as a thing is stray beside it: a part of it, a twig.
 constexpr double kStray = 0.1;
+/// The other leg is seen in more than this fraction of the scans where it is not behind the one.
+constexpr double kBeside = 0.5;
 /// A robot that has seen nothing of a place for longer comes back there [us].
 constexpr std::int64_t kVisitGap_us = 20'000'000;
 /// Nobody stands still for longer [us].
 constexpr std::int64_t kStandsMax_us = 120'000'000;
-/// Observations that are enough to know when a thing was seen.
-constexpr std::size_t kVisitObservationsMax = 2000;
+/// Observations that are enough to know when a thing was seen, and what stood beside it.
+constexpr std::size_t kVisitObservationsMax = 2000, kBesideObservationsMax = 64;
 /// Where one of so many trees of rows, or more, is one of a pair, pairs are stems.
 constexpr double kTreesPerPair = 10.0;
 
@@ -30,33 +29,75 @@ Eigen::Vector2d place_of(const Landmark& l) { return {l.x_m, l.y_m}; }
 
 bool is_leg_wide(const Landmark& l) { return l.width_m >= kLegMin_m && l.width_m <= kLegMax_m; }
 
-bool are_as_legs(const Landmark& a, const Landmark& b) {
-  const double apart_m = (place_of(a) - place_of(b)).norm();
-  return apart_m >= kStanceMin_m && apart_m <= kStanceMax_m &&
-         std::max(a.width_m, b.width_m) <= kLegMax_m && (is_leg_wide(a) || is_leg_wide(b));
+/// Where the other leg of a landmark would stand, if most scans that show the landmark, and see
+/// past it, show another thing at one place beside it, as thin as a leg. The scans tell, since of
+/// two that stand so close one is often taken for a second return of the other, or is gone before
+/// it.
+std::optional<Eigen::Vector2d> other_leg(const MapState& map, const Landmark& leg) {
+  const ObservationStore& all = map.observations;
+  const double nearest_m = std::max(kStanceMin_m, leg.width_m);  // two do not stand in each other
+  const auto seen =
+      all.newest_of(map.landmarks[leg.id - 1].last_observation, kBesideObservationsMax);
+  std::vector<std::optional<Eigen::Vector2d>> beside(seen.size());
+  std::vector<double> x_m, y_m, widths_m, all_widths_m(seen.size(), 0.0);
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const std::int32_t k = seen[i];
+    const Eigen::Vector2d p_map = all.p_map(k);
+    std::int32_t nearest = -1;
+    double found_m = kStanceMax_m;
+    for (std::int32_t c = all.first_of(all[k].scan); c < all.first_of(all[k].scan + 1); ++c) {
+      const double apart_m = (all.p_map(c) - p_map).norm();
+      if (c == k || apart_m < nearest_m || apart_m >= found_m) continue;
+      nearest = c;
+      found_m = apart_m;
+    }
+    if (nearest < 0) continue;
+    beside[i] = all.p_map(nearest) - p_map;
+    x_m.push_back(beside[i]->x());
+    y_m.push_back(beside[i]->y());
+    widths_m.push_back(all[nearest].width_m);
+    all_widths_m[i] = all[nearest].width_m;
+  }
+  if (x_m.empty()) return std::nullopt;
+  const double width_m = geometry::median(widths_m);
+  const Eigen::Vector2d other(geometry::median(x_m), geometry::median(y_m));
+  int num_clear = 0, num_shown = 0;
+  std::vector<double> clear_widths_m;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const pose::PoseEstimate& from = all.pose(all[seen[i]].scan);
+    const Eigen::Vector2d view =
+        (all.p_map(seen[i]) - Eigen::Vector2d(from.x_m, from.y_m)).normalized();
+    const double across_m = std::abs(view.x() * other.y() - view.y() * other.x());
+    const bool is_clear = across_m > 0.5 * (leg.width_m + width_m);
+    const bool is_shown = beside[i] && (*beside[i] - other).norm() < kStanceMin_m;
+    num_clear += is_clear;
+    num_shown += is_shown;
+    if (is_clear && is_shown) clear_widths_m.push_back(all_widths_m[i]);
+  }
+  if (static_cast<double>(clear_widths_m.size()) <= kBeside * num_clear ||
+      num_shown < kStray * static_cast<double>(seen.size())) {
+    return std::nullopt;
+  }
+  const double clear_m = geometry::median(std::move(clear_widths_m));
+  const bool is_leg = clear_m >= kLegMin_m && clear_m <= kLegMax_m;
+  return is_leg ? std::make_optional(other) : std::nullopt;
 }
 
-struct Visit {
-  std::int64_t first_us = 0, last_us = 0;
-};
-
-/// When a landmark was seen, if that was once and not for long.
-std::optional<Visit> only_visit(const MapState& map, std::int32_t id) {
+/// Whether a landmark was seen once, and for no longer than people stand.
+bool only_visit(const MapState& map, std::int32_t id) {
   const std::vector<std::int32_t> newest =
       map.observations.newest_of(map.landmarks[id - 1].last_observation, kVisitObservationsMax);
-  if (newest.empty() || newest.size() == kVisitObservationsMax) return std::nullopt;
+  if (newest.empty() || newest.size() == kVisitObservationsMax) return false;
   const auto utime_of = [&](std::int32_t k) {
     return map.observations.pose(map.observations[k].scan).utime;
   };
-  Visit seen{utime_of(newest.front()), utime_of(newest.front())};
+  std::int64_t first_us = utime_of(newest.front());
   for (const std::int32_t k : newest) {
     const std::int64_t utime = utime_of(k);
-    if (seen.first_us - utime > kVisitGap_us) return std::nullopt;
-    seen.first_us = std::min(seen.first_us, utime);
-    seen.last_us = std::max(seen.last_us, utime);
+    if (first_us - utime > kVisitGap_us) return false;
+    first_us = std::min(first_us, utime);
   }
-  if (seen.last_us - seen.first_us > kStandsMax_us) return std::nullopt;
-  return seen;
+  return utime_of(newest.front()) - first_us <= kStandsMax_us;
 }
 
 class StanceNeighbours {
@@ -85,17 +126,12 @@ class StanceNeighbours {
 };
 
 /// Whether trees of rows stand alone, by the rows of this map.
-bool trees_stand_alone(const std::vector<Landmark>& landmarks, const StanceNeighbours& neighbours) {
+bool trees_stand_alone(const MapState& map, const std::vector<Landmark>& landmarks) {
   int num_trees = 0, num_paired = 0;
-  for (std::size_t i = 0; i < landmarks.size(); ++i) {
-    const Landmark& tree = landmarks[i];
+  for (const Landmark& tree : landmarks) {
     if (tree.row == 0) continue;
-    const auto others = neighbours.of(i);
     ++num_trees;
-    num_paired += std::any_of(others.begin(), others.end(), [&](std::size_t k) {
-      return are_as_legs(tree, landmarks[k]) &&
-             landmarks[k].num_observations >= kStray * tree.num_observations;
-    });
+    num_paired += is_leg_wide(tree) && other_leg(map, tree).has_value();
   }
   return num_trees > kTreesPerPair * (num_paired + 1);
 }
@@ -104,35 +140,30 @@ bool trees_stand_alone(const std::vector<Landmark>& landmarks, const StanceNeigh
 
 std::vector<std::int32_t> leg_pairs(const MapState& map, const std::vector<Landmark>& landmarks,
                                     bool camera_tells) {
-  const StanceNeighbours neighbours(landmarks);
   std::vector<std::int32_t> legs;
-  if (!trees_stand_alone(landmarks, neighbours)) return legs;
+  if (!trees_stand_alone(map, landmarks)) return legs;
+  const StanceNeighbours neighbours(landmarks);
   const auto stays = [&](const Landmark& l) {
     const bool is_sure = camera_tells && l.label == detection::Label::kTree;
     return l.row > 0 || l.length_m > 0.0 || is_sure;
   };
+  const auto num_of = [&](const Landmark& l) { return map.landmarks[l.id - 1].num_all; };
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const Landmark& a = landmarks[i];
+    if (stays(a) || !is_leg_wide(a) || !only_visit(map, a.id)) continue;
+    const auto other = other_leg(map, a);
+    if (!other) continue;
     const auto others = neighbours.of(i);
-    for (const std::size_t k : others) {
-      const Landmark& b = landmarks[k];
+    const bool has_third = std::any_of(others.begin(), others.end(), [&](std::size_t k) {
+      const Landmark& c = landmarks[k];
       // the one that was seen more often tells
-      if (b.num_observations > a.num_observations ||
-          (b.num_observations == a.num_observations && k < i)) {
-        continue;
-      }
-      if (stays(a) || stays(b) || !are_as_legs(a, b)) continue;
-      if (b.num_observations < kStray * a.num_observations) continue;
-      const bool has_third = std::any_of(others.begin(), others.end(), [&](std::size_t c) {
-        return c != k && (stays(landmarks[c]) ||
-                          landmarks[c].num_observations >= kStray * a.num_observations);
-      });
-      const auto seen_a = only_visit(map, a.id), seen_b = only_visit(map, b.id);
-      if (has_third || !seen_a || !seen_b) continue;
-      if (seen_a->first_us > seen_b->last_us || seen_b->first_us > seen_a->last_us) continue;
-      legs.push_back(a.id);
-      for (const std::size_t c : others) legs.push_back(landmarks[c].id);
-    }
+      if (stays(c) || num_of(c) > num_of(a)) return true;
+      const double beside_m = (place_of(c) - place_of(a) - *other).norm();
+      return beside_m >= kStanceMin_m && num_of(c) >= kStray * num_of(a);
+    });
+    if (has_third) continue;
+    legs.push_back(a.id);
+    for (const std::size_t k : others) legs.push_back(landmarks[k].id);
   }
   std::sort(legs.begin(), legs.end());
   legs.erase(std::unique(legs.begin(), legs.end()), legs.end());

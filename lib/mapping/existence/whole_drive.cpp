@@ -9,6 +9,7 @@
 #include "mapping/candidate.hpp"
 #include "mapping/existence/existence_odds.hpp"
 #include "mapping/existence/flicker.hpp"
+#include "mapping/existence/walkers.hpp"
 #include "mapping/extent/extent.hpp"
 #include "mapping/landmark_record.hpp"
 
@@ -60,7 +61,18 @@ class TrustedScans {
   std::map<std::int32_t, bool> is_trusted_;
 };
 
-/// Log odds that a landmark stands there, by every scan with a view of its place.
+/// What scans in order of time say of a place from one of them on: the least sum of log odds over
+/// the first so many of them, which is what a thing that came (or, backwards, went) at some time
+/// leaves. That time may be any of theirs, which takes as much as it finds by chance.
+double of_absence(const std::vector<double>& log_odds) {
+  double sum = 0.0, least = 0.0;
+  for (const double odds : log_odds) least = std::min(least, sum += odds);
+  return std::min(0.0, least + std::log(1.0 + static_cast<double>(log_odds.size())));
+}
+
+/// Log odds that a landmark stands there, by every scan with a view of its place: against that
+/// nothing does and its observations are strays, and against that something came and went. What is
+/// seen while it is there is no evidence against the latter.
 double log_odds_of_drive(const MapState& map, const LandmarkRecord& r, TrustedScans& trusted,
                          SeenGround& ground) {
   std::vector<std::int32_t> seen_in;
@@ -71,7 +83,7 @@ double log_odds_of_drive(const MapState& map, const LandmarkRecord& r, TrustedSc
   std::sort(seen_in.begin(), seen_in.end());
   const Eigen::Vector2d p_map = r.association_position();
   int num_seen = 0;
-  double log_odds = 0.0;
+  std::map<std::int32_t, double> others;
   ground.visit_views(p_map, [&](std::int32_t scan, const FreeSpace& beams) {
     if (std::binary_search(seen_in.begin(), seen_in.end(), scan)) {
       ++num_seen;
@@ -81,11 +93,22 @@ double log_odds_of_drive(const MapState& map, const LandmarkRecord& r, TrustedSc
     const pose::PoseEstimate& pose = map.observations.pose(scan);
     const Eigen::Vector2d p_base =
         geometry::transform_back(geometry::Pose2{pose.x_m, pose.y_m, pose.yaw_rad}, p_map);
-    log_odds += log_odds_of(beams.at(p_base, r.width_m, view_sd_m(pose, r)), BeamWeight::kFull);
+    const double odds =
+        log_odds_of(beams.at(p_base, r.width_m, view_sd_m(pose, r)), BeamWeight::kFull);
+    if (odds != 0.0) others[scan] = odds;
     return true;
   });
+  double sum = 0.0;
+  std::vector<double> before, after;
+  for (const auto& [scan, odds] : others) {
+    sum += odds;
+    if (scan < seen_in.front()) before.push_back(odds);
+    if (scan > seen_in.back()) after.push_back(odds);
+  }
+  std::reverse(after.begin(), after.end());
   // SeenGround keeps one scan of those from one place: the first observation counts all the same
-  return log_odds + std::max(1, num_seen) * log_odds_of_return();
+  return std::min(sum + std::max(1, num_seen) * log_odds_of_return(),
+                  of_absence(before) + of_absence(after) + log_odds_of_return());
 }
 
 double place_sd_m(const LandmarkRecord& r) {
@@ -136,11 +159,12 @@ bool is_of_a_bush(const MapState& map, std::int32_t index) {
 std::vector<std::int32_t> stray_landmarks(const MapState& map, SeenGround& ground) {
   std::vector<std::int32_t> strays;
   TrustedScans trusted(map);
+  const WalkedPaths walked(map);
   for (std::int32_t i = 0; i < map.landmarks.num_indices(); ++i) {
     const LandmarkRecord& r = map.landmarks[i];
     if (r.is_removed || r.num_all >= kStrayObservationsMax) continue;
     if (is_within_another(map, i) || is_of_a_bush(map, i) || flickers(map, r) ||
-        log_odds_of_drive(map, r, trusted, ground) < kLogOddsGone) {
+        walked.have_left(r) || log_odds_of_drive(map, r, trusted, ground) < kLogOddsGone) {
       strays.push_back(i);
     }
   }

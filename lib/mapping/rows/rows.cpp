@@ -9,6 +9,7 @@
 #include "geometry/angles.hpp"
 #include "mapping/compare/landmark_pairing.hpp"
 #include "mapping/rows/row_chains.hpp"
+#include "mapping/rows/row_ends.hpp"
 #include "mapping/rows/row_evidence.hpp"
 #include "mapping/rows/row_members.hpp"
 #include "mapping/rows/row_order.hpp"
@@ -126,6 +127,7 @@ std::vector<Row> find_rows(const std::vector<Landmark>& landmarks, const RowsCon
                      lines.chains.end());
   keep_planted(lines.p_map, lines.chains);
   if (lines.chains.empty()) return {};
+  cut_ends_beside(lines.p_map, lines.rows.spacing_m, lines.chains);
   order_from_left(lines.p_map, lines.rows, lines.chains);
   if (config.numbering == RowNumbering::kOrigin) {
     begin_at_origin(lines, {config.origin_m[0], config.origin_m[1]});

@@ -171,6 +171,42 @@ TEST(Existence, APersonWhoStoodAsLongAsSeenIsNoLandmarkOfTheMap) {
   EXPECT_TRUE(mapper.leg_ids(mapper.landmarks(), false).empty()) << "no rows tell what trees do";
 }
 
+TEST(Existence, OneLegIsNoLandmarkThoughTheOtherWasSeenGone) {
+  // one leg is out of sight when the person goes, so that no scan passes through its place
+  const auto things = [](double time_s) {
+    std::vector<Thing> all = two_rows();
+    all.push_back({{10.02, -1.08}, 0.13});
+    if (time_s < 9.0) all.push_back({{10.0, -0.9}, 0.13});
+    return all;
+  };
+  const Mapper mapper = drive(1, things);
+  EXPECT_EQ(mapper.leg_ids(with_rows(mapper), false).size(),
+            static_cast<std::size_t>(num_within(mapper, {9, -1.6}, {11, 1.6})));
+  const auto post = [](double) {
+    std::vector<Thing> all = two_rows();
+    all.push_back({{10.0, -0.9}, 0.13});
+    return all;
+  };
+  const Mapper with_post = drive(1, post);
+  EXPECT_TRUE(with_post.leg_ids(with_rows(with_post), false).empty());
+}
+
+TEST(Existence, WhoWalksBesideTheRobotIsFollowedAlsoWithoutBeams) {
+  const Mapper mapper = drive(1, walker_and_rows, Sees::kDetections);
+  ASSERT_GT(num_within(mapper, {-5, -1.6}, {45, 1.6}), 20);
+  const std::vector<std::int32_t> strays = mapper.stray_ids();
+  int num_left = 0;
+  for (const Landmark& l : mapper.landmarks()) {
+    const bool is_tree = std::abs(std::abs(l.y_m) - 2.0) < 0.2;
+    const bool is_stray = std::binary_search(strays.begin(), strays.end(), l.id);
+    if (is_tree) {
+      EXPECT_FALSE(is_stray) << l.x_m << ", " << l.y_m;
+    }
+    num_left += !is_tree && !is_stray;
+  }
+  EXPECT_LE(num_left, 2);
+}
+
 TEST(Existence, AThingOfTwoPostsThatIsThereAgainIsNoPerson) {
   const auto things = [](double) { return standing_and_rows(0.0); };
   const Mapper mapper = drive(2, things);

@@ -10,23 +10,23 @@
 
 namespace orchard::laser {
 
-/// Cosine and sine of a bearing.
+/// Unit direction: cosine and sine of a bearing.
 struct Direction {
   double c = 1.0;
   double s = 0.0;
 };
 
-/// The beams of a scan in the order in which they are cut: what each one returned, validated
-/// once. A full turn starts at a gap, so that no object lies across the seam.
+/// The beams of one scan with validated ranges, in the order in which segmentation visits them. A
+/// 360 degree scan starts at a gap, so that no object lies across the seam.
 ///
-/// Positions run from 0 to size() - 1; beams beyond are the other end of a full turn, and of any
-/// other scan nothing.
+/// Positions run from 0 to size() - 1. Positions outside wrap around in a 360 degree scan; in any
+/// other scan they are beams without return.
 class Beams {
  public:
   Beams(const Scan& scan, const SegmentationConfig& config);
 
   std::ptrdiff_t size() const { return size_; }
-  double step_rad() const { return step_rad_; }  ///< between neighbours, positive
+  double step_rad() const { return step_rad_; }  ///< angle between neighbouring beams, > 0
 
   /// Index into the scan's ranges_m of a position in [-size(), 2 size()).
   std::size_t index(std::ptrdiff_t i) const {
@@ -35,44 +35,45 @@ class Beams {
                                     : shifted < 0    ? shifted + size_
                                                      : shifted);
   }
-  /// From one beam to the one `num_steps` on, in [0, size()).
+  /// Direction of a beam relative to the beam `num_steps` before it; `num_steps` in [0, size()).
   const Direction& direction(std::ptrdiff_t num_steps) const {
     return directions_[static_cast<std::size_t>(num_steps)];
   }
   /// The validated range [m] at a position in [0, size()); 0 = no return.
   float range_m(std::ptrdiff_t i) const { return ranges_m_[index(i)]; }
-  /// As range_m(), beyond the ends too.
+  /// As range_m(), also for positions beyond the ends (see the class comment).
   float range_around_m(std::ptrdiff_t i) const {
     if (!is_turn_ && (i < 0 || i >= size_)) return 0.0f;
     return ranges_m_[index(around(i))];
   }
-  /// Whether something (the robot, the end of the scan) keeps the laser from seeing there.
+  /// Whether the laser cannot see at this position: blind sector, end of the scan, or a range below
+  /// the minimum or just beyond the maximum.
   bool blocked(std::ptrdiff_t i) const {
     if (!is_turn_ && (i < 0 || i >= size_)) return true;
     return blocked_[index(around(i))] != 0;
   }
-  /// Whether a beam met a reflector, where reflectors count.
+  /// Whether a beam hit a reflector; false if reflectors are ignored.
   bool bright(std::ptrdiff_t i) const { return has_bright_ && bright_[index(i)] != 0; }
   bool has_bright() const { return has_bright_; }
-  /// Whether objects that thin foreground clutter divides are merged again.
+  /// Whether objects divided by thin foreground clutter are merged.
   bool merges_occluded() const { return config_.merge_occluded_beams > 0; }
-  /// The range step that separates objects at a range.
+  /// Range step that separates two objects at this range [m].
   double jump_m(double range_m) const { return config_.jump_m + config_.jump_fraction * range_m; }
+  /// Whether two neighbouring ranges belong to one object.
   bool joined(double a_m, double b_m) const {
     return a_m > 0.0 && b_m > 0.0 &&
            (a_m < b_m ? b_m - a_m <= jump_m(a_m) : a_m - b_m <= jump_m(b_m));
   }
 
  private:
-  /// The position in [0, size()) of any at or after -size() of a full turn.
+  /// Wraps a position at or above -size() of a 360 degree scan into [0, size()).
   std::ptrdiff_t around(std::ptrdiff_t i) const {
-    return i >= 0 && i < size_ ? i : (i + size_) % size_;  // dividing is slow, and rarely needed
+    return i >= 0 && i < size_ ? i : (i + size_) % size_;  // division is slow and rarely needed
   }
   void validate(const Scan& scan);
   void find_bright(const Scan& scan);
   void find_directions();
-  /// Discards a single beam on a thin object close in front of a surface, as if it had not
-  /// returned.
+  /// Marks a single beam on a thin object close in front of a surface as no return.
   void remove_foreground_clutter();
   std::ptrdiff_t first_gap() const;
 
@@ -85,7 +86,7 @@ class Beams {
   std::vector<std::uint8_t> blocked_;
   std::vector<std::uint8_t> bright_;
   bool has_bright_ = false;
-  std::vector<Direction> directions_;  ///< of whole steps
+  std::vector<Direction> directions_;  ///< by number of steps
 };
 
 }  // namespace orchard::laser

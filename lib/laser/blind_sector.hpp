@@ -7,7 +7,7 @@
 
 namespace orchard::laser {
 
-/// The sector of bearings (laser frame) in which a scanner sees its own robot.
+/// The sector of bearings (laser frame) in which the scanner sees its own robot.
 struct BlindSector {
   double centre_rad = 0.0;
   double half_width_rad = 0.0;  ///< 0 = no such sector

@@ -22,7 +22,8 @@ bool is_step_between_surfaces(const Beams& beams, std::ptrdiff_t before, std::pt
   const double step_m = high_m - low_m;
   if (std::abs(step_m) <= beams.jump_m(std::min(low_m, high_m))) return false;
   if ((here_m - low_m) * step_m <= 0.0 || (high_m - here_m) * step_m <= 0.0) return false;
-  // Within the noise of one surface: both parts of an object behind a twig end in such beams.
+  // Not mixed if within the noise of one of the surfaces: the parts of an object behind a twig end
+  // in such beams, and would no longer be merged.
   const double noise_m = kBorderNoiseFraction * beams.jump_m(std::min(low_m, high_m));
   const bool on_one = std::abs(here_m - low_m) < noise_m || std::abs(high_m - here_m) < noise_m;
   if (beams.merges_occluded() && on_one) return false;
@@ -49,8 +50,8 @@ bool trim_end(const Beams& beams, Candidate& candidate, std::ptrdiff_t inwards) 
     return inner;
   };
   const std::ptrdiff_t inner = next_on_candidate(border);
-  // Beside another surface the border beam may be mixed; before open sky it may be a thin object of
-  // its own beside this one.
+  // Beside another surface the border beam may be mixed; without a return beside it, it may be a
+  // separate thin object.
   const bool alone = beams.range_around_m(outside) <= 0.0f;
   if (alone && !beams.merges_occluded()) return false;
   const double range_m = beams.range_m(inner);
@@ -67,7 +68,7 @@ bool trim_end(const Beams& beams, Candidate& candidate, std::ptrdiff_t inwards) 
     --candidate.num_beams;
     return true;
   }
-  // two beams on a thin object
+  // Two beams on a thin object.
   if (!alone || candidate.num_beams < 5) return false;
   const std::ptrdiff_t second = next_on_candidate(inner);
   if (std::abs(beams.range_m(inner) - beams.range_m(second)) <= max_m) return false;
@@ -93,7 +94,7 @@ std::vector<Candidate> cut(const Beams& beams) {
       if (beams.joined(last_m, here_m)) {
         if (gap == 1 && is_step_between_surfaces(beams, candidate->last, i)) {
           close();
-          continue;  // a mixed pixel belongs to neither
+          continue;  // a mixed pixel belongs to neither surface
         }
         candidate->last = i;
         ++candidate->num_beams;

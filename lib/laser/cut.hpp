@@ -13,8 +13,8 @@ namespace orchard::laser {
 struct Candidate {
   std::ptrdiff_t first = 0;
   std::ptrdiff_t last = 0;
-  int num_beams = 0;  ///< that lie on the object
-  /// Where the object goes on behind something thin: positions of the first and last beam in front.
+  int num_beams = 0;  ///< number of beams on the object
+  /// Foreground clutter that hides part of the object: positions of its first and last beam.
   struct Front {
     std::ptrdiff_t first = 0;
     std::ptrdiff_t last = -1;
@@ -23,11 +23,12 @@ struct Candidate {
   std::array<Front, kMaxFronts> fronts;
   int num_fronts = 0;
   bool is_bright = false;       ///< cut around a reflector
-  bool touches_before = false;  ///< cut from what touches it there, not by a spike
+  bool touches_before = false;  ///< separated there from a touching object, not by a spike
   bool touches_after = false;
-  bool hidden_before = false;  ///< goes on there behind what touches it
+  bool hidden_before = false;  ///< continues there behind the touching object
   bool hidden_after = false;
 
+  /// Whether position `i` lies in one of the fronts.
   bool in_front(std::ptrdiff_t i) const {
     for (int k = 0; k < num_fronts; ++k) {
       if (i >= fronts[k].first && i <= fronts[k].last) return true;
@@ -36,8 +37,8 @@ struct Candidate {
   }
 };
 
-/// Calls visit(position) for each beam on the object, in order. A single beam that is missing or on
-/// something thin in front is left out, as is what Candidate::fronts names.
+/// Calls visit(position) for each beam on the object, in order. Skips beams without return, single
+/// beams on a thin object in front, and the beams of Candidate::fronts.
 template <class Visitor>
 void for_each_beam(const Beams& beams, const Candidate& candidate, Visitor visit) {
   for (std::ptrdiff_t i = candidate.first; i <= candidate.last; ++i) {

@@ -5,17 +5,17 @@
 
 namespace orchard::laser {
 
-/// Where the laser is mounted on the robot and how well it measures. Section `laser`.
+/// Extrinsics and noise model of the laser. Section `laser`.
 struct LaserConfig {
-  double mount_x_m = 0.0;  ///< of the laser in base
+  double mount_x_m = 0.0;  ///< position of the laser in base
   double mount_y_m = 0.0;
   double mount_yaw_rad = 0.0;       ///< rotation from base to laser, counter-clockwise
-  double range_sd_m = 0.010;        ///< 1-sigma of one range, the part that does not grow
+  double range_sd_m = 0.010;        ///< 1-sigma of one range, constant part
   double range_sd_fraction = 0.01;  ///< 1-sigma of one range per metre of range
-  /// 1-sigma per metre of range of the error that all beams of one object share.
+  /// 1-sigma per metre of range of the error common to all beams of one object.
   double target_sd_fraction = 0.0;
-  /// A beam is a spot: what it half meets returns too. Its width where it leaves, and what it grows
-  /// by per metre of range.
+  /// Width of the laser spot at the scanner, and its growth per metre of range. An object also
+  /// returns a beam that meets it with half its spot, so measured widths are too large by the spot.
   double spot_m = 0.0;
   double spot_rad = 0.0;
 
@@ -23,11 +23,11 @@ struct LaserConfig {
   double range_sd_at(double range_m) const {
     return std::hypot(range_sd_m, range_sd_fraction * range_m);
   }
-  /// What the spot adds to the width of what it meets.
+  /// Width of the spot at a range: the amount by which a measured width is too large.
   double spot_at(double range_m) const { return spot_m + spot_rad * range_m; }
 };
 
-/// A second scanner, whose objects join those of the first in one map. Section `laser_rear`.
+/// A second scanner; both contribute to one map. Section `laser_rear`.
 struct RearLaserConfig : LaserConfig {
   bool enabled = false;
 };

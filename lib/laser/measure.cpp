@@ -15,36 +15,38 @@ namespace {
 using geometry::kPi;
 using geometry::wrap_angle_rad;
 
-/// Fewest beams for a shape: a line has two parameters, a circle three.
+/// Min number of beams for a shape: a line has two parameters, a circle three.
 constexpr std::size_t kFewestBeamsOfAShape = 5;
 /// Largest chi2 per degree of freedom of an accepted circle.
 constexpr double kWorstFit = 4.0;
 
-/// What is thinner than this fraction of a beam step is measured as this wide: a spot wider than
-/// the step leaves nothing else of a hair.
+/// Lower limit of the measured angular width, in beam steps: subtracting a spot wider than the beam
+/// step from a thin object would give zero or less.
 constexpr double kThinnest_beams = 0.1;
 
-/// Half the angle that a circle may fill: the scanner is not inside it.
+/// Max half angle that a circle may subtend; keeps the scanner outside the circle.
 constexpr double kWidest_rad = 0.45 * kPi;
 
-/// The distance between two returns: Shalal et al. 2013, eq. 8 and figure 7, with the root that the
-/// paper leaves out.
+/// Distance between two returns: Shalal et al. 2013, eq. 8 and figure 7, with the root that the
+/// paper omits.
 double chord_m(double r1_m, double r2_m, double angle_rad) {
   const double square_m2 = r1_m * r1_m + r2_m * r2_m - 2.0 * r1_m * r2_m * std::cos(angle_rad);
   return std::sqrt(std::max(0.0, square_m2));
 }
 
-/// How far the near side of a circle is on average over the angle it fills, its centre 1 away;
-/// `sine` of half that angle. The root's mean is taken to the fourth power of the sine.
+/// Mean range of the near side of a circle over the angle that it subtends, for a centre at
+/// distance 1. `sine`: of half that angle, which is also the radius. The mean of the root is a
+/// series up to the fourth power of the sine.
 double mean_range_of_circle(double sine) {
   if (sine < 1e-6) return 1.0;
   return sine / std::asin(sine) - 0.25 * kPi * sine * (1.0 - sine * sine / 24.0);
 }
 
-/// From an object's end to the next return beyond it.
+/// Distance from an object's end to the next return beyond it, at most kGapMax_m.
 double gap_m(const Beams& beams, std::ptrdiff_t end, std::ptrdiff_t outwards) {
   const double range_m = beams.range_m(end);
-  // no return is nearer than its distance from the line of sight to the end
+  // Beyond this angle every return is farther than kGapMax_m: its distance from the end's line of
+  // sight is a lower bound.
   const double farthest_rad = range_m > kGapMax_m ? std::asin(kGapMax_m / range_m) : 2.0 * kPi;
   for (std::ptrdiff_t k = 1; k < beams.size(); ++k) {
     const double angle_rad = static_cast<double>(k) * beams.step_rad();
@@ -55,7 +57,7 @@ double gap_m(const Beams& beams, std::ptrdiff_t end, std::ptrdiff_t outwards) {
   return kGapMax_m;
 }
 
-/// Root mean square distance of the points from the line that fits them best.
+/// RMS distance of the points from the best straight line.
 double line_rms_m(const Arc& arc) {
   double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
   for (std::size_t i = 0; i < arc.ranges_m.size(); ++i) {
@@ -83,7 +85,8 @@ double circle_rms_m(const Arc& arc, const CircleFit& circle) {
   return std::sqrt(sum_m2 / (static_cast<double>(arc.ranges_m.size()) - 3.0));
 }
 
-/// From the arc's frame to the laser's: turned to its first beam, mirrored for clockwise scanners.
+/// Transforms a circle from the arc's frame to the laser frame: rotates it by the bearing of the
+/// first beam and mirrors it for clockwise scanners.
 CircleFit in_laser_frame(const CircleFit& local, double bearing_rad, bool clockwise) {
   const double c = std::cos(bearing_rad), s = std::sin(bearing_rad);
   const double m = clockwise ? -1.0 : 1.0;
@@ -176,7 +179,7 @@ Segment measure(const Scan& scan, const Beams& beams, const Candidate& candidate
   const double edge_beams_before =
       width.mode == WidthMode::kPaper ? 0.0 : sides.before.beyond_beams;
   const double edge_beams_after = width.mode == WidthMode::kPaper ? 0.0 : sides.after.beyond_beams;
-  // A circle of radius R at distance D fills the angle 2 asin(R / D).
+  // A circle of radius R at distance D subtends the angle 2 asin(R / D).
   const double filled_beams =
       std::max(span_beams + sides.before.beyond_beams + sides.after.beyond_beams, kThinnest_beams);
   const double half_angle_rad = std::min(0.5 * filled_beams * step_rad, kWidest_rad);
@@ -191,13 +194,13 @@ Segment measure(const Scan& scan, const Beams& beams, const Candidate& candidate
   if (width.mode == WidthMode::kPaper) {
     s.width_m = paper_m;
   } else {
-    // A flat object seen at a slant is as wide as its chord.
+    // The width of a flat object seen at an angle is its chord.
     const double slant_m = std::abs(s.end_range_m - s.start_range_m);
     const bool slants = slant_m > radius_m + config.jump_m;
     s.width_m = slants ? std::max(2.0 * radius_m, paper_m + mean_m * step_rad) : 2.0 * radius_m;
   }
   const double sides_sd_beams = std::hypot(sides.before.sd_beams, sides.after.sd_beams);
-  // an angle becomes a width by the range: its noise, and what all beams of the object share
+  // The width is angle x range: add the noise of the mean range and the error common to all beams.
   const double range_sd =
       std::hypot(laser.range_sd_at(mean_m) / (mean_m * std::sqrt(static_cast<double>(s.num_beams))),
                  laser.target_sd_fraction);

@@ -10,7 +10,7 @@
 namespace orchard::laser {
 
 /// Measures one segment candidate: range, bearing, width (Shalal et al. 2013, eq. 8), intensity and
-/// shape. `fit` must be of the same scan: it caches the circles already fitted to its candidates.
+/// shape. `fit` must belong to the same scan; it caches the circles fitted to its candidates.
 Segment measure(const Scan& scan, const Beams& beams, const Candidate& candidate,
                 const SegmentationConfig& config, const WidthConfig& width,
                 const LaserConfig& laser, CandidateFitter& fit);

@@ -9,18 +9,18 @@
 namespace orchard::laser {
 namespace {
 
-/// Standard deviations of a range up to which two returns are of one thing.
+/// Max range difference between two returns from one object, in standard deviations.
 constexpr double kSigmas = 4.0;
-/// Scans that the robot has moved between, before anything is said.
+/// Min number of scans used before found() reports anything.
 constexpr int kScansMin = 50;
 constexpr double kBin_m = 0.1;
-/// No robot reaches farther from its scanner than 3 m.
+/// The range bins cover 3 m: no robot extends farther from its scanner.
 constexpr std::size_t kNumBins = 30;
-/// Part of the view that is the robot itself at most; the rest is the world.
+/// Max fraction of the field of view that the robot itself covers.
 constexpr double kOwnViewMax = 0.2;
-/// How often the world may come nearer than a range that it keeps clear of.
+/// Max fraction of scans in which a direction of the environment has a return within the clearance.
 constexpr double kRarely = 0.05;
-/// What came along is there more often than not, beside it at least this often.
+/// Min fraction of scans with a return from an object that travels along, and at its borders.
 constexpr double kOften = 0.5;
 constexpr double kSometimes = 2.0 * kRarely;
 
@@ -30,7 +30,8 @@ double OwnReturns::bearing_rad(std::size_t beam) const {
   return bearing_min_rad_ + static_cast<double>(beam) * bearing_step_rad_;
 }
 
-/// Whether most of what returned then or now returns from elsewhere or not at all.
+/// Whether more than half of the beams with a return in either scan have changed: another range, or
+/// a return in only one of the scans.
 bool OwnReturns::has_moved(const Scan& scan) const {
   std::size_t num = 0, num_changed = 0;
   for (std::size_t i = 0; i < last_m_.size(); ++i) {
@@ -66,8 +67,8 @@ void OwnReturns::add(const Scan& scan) {
   }
 }
 
-/// Of each beam the fraction of scans with something nearer than so many bins; 0 where it is
-/// hidden.
+/// For each beam, the fraction of scans with a return within the first `num_bins` range bins; 0 in
+/// the configured blind sector.
 std::vector<double> OwnReturns::fractions_within(std::size_t num_bins) const {
   std::vector<double> fractions(last_m_.size(), 0.0);
   for (std::size_t i = 0; i < fractions.size(); ++i) {
@@ -79,7 +80,8 @@ std::vector<double> OwnReturns::fractions_within(std::size_t num_bins) const {
   return fractions;
 }
 
-/// How near the world comes; none where it comes as near as the robot itself.
+/// The clearance in range bins: the largest range within which at most kOwnViewMax of the beams
+/// have returns in more than kRarely of the scans. None if there is no such range.
 std::optional<std::size_t> OwnReturns::clear_bins() const {
   for (std::size_t num_bins = kNumBins; num_bins > 0; --num_bins) {
     std::vector<double> fractions = fractions_within(num_bins);
@@ -101,7 +103,8 @@ std::optional<OwnReturn> OwnReturns::found() const {
   return OwnReturn{kBin_m * static_cast<double>(*num_bins), sector};
 }
 
-/// The narrowest sector round all beams that show what came along; of no width for none.
+/// The narrowest sector around all beams that show an object that travels along, and around the
+/// configured blind sector. Width 0 if there is no such beam.
 BlindSector OwnReturns::hiding(const std::vector<double>& fractions) const {
   struct Arc {
     double from_rad, length_rad;
@@ -128,7 +131,7 @@ BlindSector OwnReturns::hiding(const std::vector<double>& fractions) const {
   if (blind.half_width_rad > 0.0) {
     arcs.push_back({blind.centre_rad - blind.half_width_rad, 2.0 * blind.half_width_rad});
   }
-  // it begins where one of them does and reaches to the farthest end of any
+  // Candidates: sectors that begin at the start of one arc and extend to the farthest end of any.
   BlindSector narrowest{0.0, geometry::kPi};
   for (const Arc& start : arcs) {
     double length_rad = 0.0;

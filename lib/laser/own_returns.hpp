@@ -10,35 +10,36 @@
 
 namespace orchard::laser {
 
-/// Which beams count, and how far apart two of their ranges are two things.
+/// Limits of the returns in use, and the range noise.
 struct OwnReturnsConfig {
-  double range_min_m = 0.0;  ///< nearer returns are hidden already
-  double range_max_m = 0.0;  ///< farther ones are not used
-  int min_beams = 1;         ///< fewer side by side are no object
-  double range_sd_m = 0.01;  ///< 1-sigma of a range, the part that does not grow
+  double range_min_m = 0.0;  ///< nearer returns are ignored by segmentation already
+  double range_max_m = 0.0;  ///< farther returns are not used
+  int min_beams = 1;         ///< min number of neighbouring beams of an object
+  double range_sd_m = 0.01;  ///< 1-sigma of a range, constant part
   double range_sd_fraction = 0.0;
-  BlindSector blind;  ///< hidden already
+  BlindSector blind;  ///< sector that is configured already
 };
 
-/// What of a scan travels with the robot.
+/// Returns from an object that travels with the robot.
 struct OwnReturn {
-  double reach_m = 0.0;  ///< it is nearer than this, and hardly anything else ever is
-  BlindSector sector;    ///< the narrowest that hides it, and what was hidden before
+  double reach_m = 0.0;  ///< the object is nearer than this; other objects hardly ever are
+  BlindSector sector;    ///< narrowest sector that contains it and the configured blind sector
 };
 
-/// Finds what travels with the robot: its own body, a mast, a load, who walks behind it.
+/// Finds objects that travel with the robot: its own body, a mast, a load, a person walking behind.
 ///
-/// The drive itself shows how near the world comes: in most directions nothing is ever nearer than
-/// some range. A direction in which something is, more often than not, shows what came along. Only
-/// scans of which most beams have changed since the last one used count: the robot has moved.
+/// The method learns the clearance of the robot: the range that returns in most directions hardly
+/// ever fall below. A direction with nearer returns in at least half of the scans shows an object
+/// that travels along. To count only scans taken while moving, a scan is used if most beams have
+/// changed since the last scan used.
 class OwnReturns {
  public:
   explicit OwnReturns(const OwnReturnsConfig& config) : config_(config) {}
 
-  /// A scan with other beams than the last one begins anew.
+  /// Adds a scan. A change of the number or bearings of the beams restarts the statistics.
   void add(const Scan& scan);
 
-  /// None until enough scans were used.
+  /// The object found, if any. None until enough scans were used.
   std::optional<OwnReturn> found() const;
 
  private:
@@ -51,9 +52,9 @@ class OwnReturns {
   OwnReturnsConfig config_;
   double bearing_min_rad_ = 0.0;
   double bearing_step_rad_ = 0.0;
-  int num_scans_ = 0;             ///< used
-  std::vector<float> last_m_;     ///< ranges of the last of them; 0 = no return
-  std::vector<int> num_returns_;  ///< per beam and bin of range
+  int num_scans_ = 0;             ///< scans used
+  std::vector<float> last_m_;     ///< ranges of the last scan used; 0 = no return
+  std::vector<int> num_returns_;  ///< by beam and range bin
 };
 
 }  // namespace orchard::laser

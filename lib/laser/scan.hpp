@@ -14,8 +14,8 @@ struct Scan {
   double bearing_min_rad = 0.0;    ///< bearing of ranges_m[0], counter-clockwise positive
   double bearing_step_rad = 0.0;   ///< between neighbouring beams; never 0
   double beam_period_us = 0.0;     ///< time between neighbouring beams [us]; 0 = unknown
-  double range_min_m = 0.0;        ///< nearest return to be believed
-  double range_max_m = 0.0;        ///< farthest return to be believed
+  double range_min_m = 0.0;        ///< nearest valid return
+  double range_max_m = 0.0;        ///< farthest valid return
   std::vector<float> ranges_m;     ///< one per beam; 0 = no return
   std::vector<float> intensities;  ///< empty, or one per beam
 
@@ -26,15 +26,15 @@ struct Scan {
     return !intensities.empty() && intensities.size() == ranges_m.size();
   }
 
-  /// Whether beam `i` returned something within the scanner's believable range.
+  /// Whether beam `i` has a return within the valid ranges.
   bool valid(std::size_t i) const {
     const double range_m = ranges_m[i];
     return range_m >= range_min_m && range_m <= range_max_m && range_m > 0.0;
   }
 };
 
-/// A sweep of the second scanner, channel SCAN.rear: a type of its own, so that who asks for a Scan
-/// never takes one for the other.
+/// A sweep of the second scanner, channel SCAN.rear. A separate type, so that the two scanners
+/// cannot be confused.
 struct RearScan : Scan {};
 
 }  // namespace orchard::laser

@@ -14,10 +14,10 @@
 namespace orchard::laser {
 namespace {
 
-/// Three standard deviations, as detector.roc_laser_threshold has by default.
+/// roc_laser at three standard deviations; the default of detector.roc_laser_threshold.
 constexpr double kRocOfTrunks = 0.0111;
 
-/// Whether a single beam is a mixed pixel between the two surfaces beside it.
+/// Whether a single-beam candidate is a mixed pixel between the surfaces on both sides.
 bool is_mixed(const Beams& beams, const Candidate& candidate) {
   const float before_m = beams.range_around_m(candidate.first - 1);
   const float after_m = beams.range_around_m(candidate.first + 1);

@@ -5,28 +5,28 @@
 
 namespace orchard::laser {
 
-/// What a reflector (an object one beam of which is at least reflectivity_min bright) means.
+/// Meaning of a reflector: an object with at least one beam of intensity reflectivity_min or more.
 enum class ReflectorUse {
   kIgnored,  ///< nothing
-  kOnly,     ///< trees carry one: whatever has none is an object
-  kExclude,  ///< posts and other marks carry one: whatever has one is an object
+  kOnly,     ///< trees carry reflectors: an object without one is not a tree
+  kExclude,  ///< posts and other marks carry reflectors: an object with one is not a tree
 };
 
-/// How a scan is cut into objects. Section `detector.segmentation`.
+/// Parameters of scan segmentation. Section `detector.segmentation`.
 struct SegmentationConfig {
   double range_min_m = 0.05;          ///< nearer returns are the robot itself
   double range_max_m = 5.6;           ///< farther returns are not used
   double jump_m = 0.10;               ///< a range step of this size separates objects
   double jump_fraction = 0.02;        ///< plus this much per metre of range
   int min_beams = 2;                  ///< objects with fewer beams are not reported
-  double width_max_m = 2.0;           ///< wider things (walls, hedges) are not reported
+  double width_max_m = 2.0;           ///< wider objects (walls, hedges) are not reported
   double blind_centre_rad = 0.0;      ///< middle of a sector in which the scanner sees the robot
-  double blind_half_width_rad = 0.0;  ///< half its angle; 0 = no such sector
-  int merge_occluded_beams = 3;       ///< grass and twigs in front hide at most this many beams
-  bool split_touching = true;         ///< two circles that fit better than one are two objects
-  int min_beams_circle = 3;  ///< objects of fewer beams get no circle; half hidden: twice that
+  double blind_half_width_rad = 0.0;  ///< half the angle of the sector; 0 = no sector
+  int merge_occluded_beams = 3;       ///< max width of the clutter that parts are merged across
+  bool split_touching = true;         ///< split an object that two circles fit clearly better
+  int min_beams_circle = 3;           ///< min beams for a circle fit; twice that with a hidden side
   ReflectorUse reflector = ReflectorUse::kIgnored;
-  double reflectivity_min = 0.0;  ///< an intensity from here on is a reflector's
+  double reflectivity_min = 0.0;  ///< min intensity of a reflector
 
   BlindSector blind_sector() const { return {blind_centre_rad, blind_half_width_rad}; }
 };

@@ -28,20 +28,22 @@ Side side_at(const Beams& beams, std::ptrdiff_t end, std::ptrdiff_t outwards, bo
     return outside_m > 0.0 && outside_m < range_m - beams.jump_m(outside_m);
   };
   const double next_m = beams.range_around_m(end + outwards);
-  // A reading between it and the background: that beam's spot lies on both, its axis at the edge.
+  // A range between object and background: the spot lies on both, so the beam's axis is at the
+  // edge.
   const double after_m = beams.range_around_m(end + 2 * outwards);
   if (spot_beams > 0.0 && next_m > range_m && after_m > next_m + beams.jump_m(next_m)) {
     side.beyond_beams = 1.0;
     side.sd_beams = std::max(side.sd_beams, 0.25 * spot_beams);
     return side;
   }
-  if (next_m > range_m + beams.jump_m(range_m)) return side;  // the background shows beside it
-  // A beam between the two may belong to the nearer object.
+  if (next_m > range_m + beams.jump_m(range_m)) return side;  // free side: background visible
+  // One beam between the two objects may be a mixed pixel or missing.
   const std::ptrdiff_t first = nearer(1) ? 1 : 2;
   if (!nearer(first)) return side;
   std::ptrdiff_t beyond = first + 1;
   while (beyond - first <= config.merge_occluded_beams && nearer(beyond)) ++beyond;
-  // Another surface shows beyond the thin object: this object's edge lies behind the thin one.
+  // If another surface is visible beyond a thin object, this object's edge lies behind the thin
+  // one.
   const std::ptrdiff_t farther = end + beyond * outwards;
   const double beyond_m = beams.range_around_m(farther);
   const bool thin = beyond - first <= config.merge_occluded_beams && !beams.blocked(farther) &&

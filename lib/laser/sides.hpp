@@ -8,26 +8,26 @@
 
 namespace orchard::laser {
 
-/// Where an object ends beyond its last beam.
+/// Position of an object's edge relative to its outermost beam.
 struct Side {
-  double beyond_beams = 0.5;              ///< from the last beam on it to its edge, may be < 0
-  double sd_beams = 0.28867513459481287;  ///< 1-sigma of that: it lies anywhere within a step
-  bool hidden = false;                    ///< not seen: nobody knows how far it goes on
+  double beyond_beams = 0.5;              ///< distance from that beam to the edge; may be < 0
+  double sd_beams = 0.28867513459481287;  ///< 1-sigma: uniform within a beam step
+  bool hidden = false;                    ///< the edge is not visible; its position is unknown
 };
 
 struct Sides {
   Side before, after;
 };
 
-/// The sides of a candidate. A side is hidden beside the scan's end, a blind sector or something
-/// nearer; where that is thin (at most merge_occluded_beams beams, and what shows beyond lies
-/// farther) the edge is somewhere behind it. Beside a free side the beam's spot meets the object
-/// before its axis does: the edge lies half a spot nearer to the last beam.
+/// Determines both sides of a candidate. A side is hidden beside the end of the scan, a blind
+/// sector or a nearer object. If the nearer object is thin (at most merge_occluded_beams beams,
+/// another surface visible beyond), the edge lies somewhere behind it. At a free side the spot
+/// meets the object before the beam's axis does, so the edge is half a spot nearer to the beam.
 Sides sides_of(const Beams& beams, const Candidate& candidate, const SegmentationConfig& config,
                const LaserConfig& laser);
 
-/// What a circle is fitted to, in a frame whose x axis is the candidate's first beam and whose
-/// bearings grow with the position. Overwrites `arc`.
+/// Fills `arc` with the measurements for a circle fit, in a frame whose x axis is the candidate's
+/// first beam and whose bearings increase with the position.
 void arc_of(const Beams& beams, const Candidate& candidate, const Sides& sides, Arc& arc);
 
 }  // namespace orchard::laser

@@ -4,17 +4,17 @@
 namespace orchard::laser {
 
 enum class WidthMode {
-  kCompensated,  ///< chord plus the beam step it loses on average: unbiased
+  kCompensated,  ///< unbiased: adds the beam step that the chord loses on average
   kPaper,        ///< the chord of Shalal et al. 2013, eq. 8 (with its root)
 };
 
-/// What a trunk's width is. Section `detector.width`; calibrated from twenty trees.
+/// Model of trunk widths. Section `detector.width`; calibrated from twenty trees.
 struct WidthConfig {
   WidthMode mode = WidthMode::kCompensated;
   double mean_m = 0.090;          ///< mu of eq. 9
-  double sd_m = 0.010;            ///< sigma of eq. 9: the trees' own scatter and the scanner's
-  double sd_floor_m = 0.006;      ///< sigma never gets smaller
-  double sd_per_beam_step = 0.4;  ///< sigma's growth with range, in beam steps (range x step)
+  double sd_m = 0.010;            ///< sigma of eq. 9: scatter of the trees and of the scanner
+  double sd_floor_m = 0.006;      ///< lower limit of sigma
+  double sd_per_beam_step = 0.4;  ///< growth of sigma with range, in beam steps (range x step)
 };
 
 template <class Visitor>

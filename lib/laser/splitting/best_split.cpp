@@ -16,13 +16,14 @@ namespace {
 constexpr std::size_t kMaxThinBeams = 2;
 /// Penalty per circle or line, in chi2: noise alone gains this much in about 1 of 1000 splits.
 constexpr double kPartCost = 18.0;
+/// Penalty of a part of one or two clutter beams, in chi2.
 constexpr std::array<double, kMaxThinBeams> kThinCosts{15.0, 18.0};
 /// Largest fraction of the beams that may be clutter.
 constexpr double kMaxClutterFraction = 0.25;
-/// Smallest fraction of the beams in a part: fewer are the mixed border of a trunk.
+/// Smallest fraction of the beams in a circle: fewer are mixed pixels at a trunk's border.
 constexpr double kMinFraction = 1.0 / 6.0;
-/// After this many consecutive lengths without a circle, longer ones are not tried; the first ones
-/// may all lie on a trunk's border.
+/// Number of consecutive part lengths without a good circle after which longer ones are not tried.
+/// The first lengths may all lie on a trunk's border, so more of them are allowed.
 constexpr int kMaxMisfits = 3;
 constexpr int kMaxMisfitsAtFirst = 8;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -54,11 +55,11 @@ void BestSplit::find_explanations(const Candidate& candidate) {
     for (std::size_t thin = 1; thin <= std::min(kMaxThinBeams, n - from); ++thin) {
       go_on(from, from + thin, kThinCosts[thin - 1], false);
     }
-    const bool is_first = from <= kMaxThinBeams;  // else it is the last
+    const bool is_first = from <= kMaxThinBeams;  // otherwise it must be the last circle
     if (!is_first && explanations_[1][from].cost == kInfinity) continue;
     const std::size_t least = from + fewest;
     int num_misfits = kMaxMisfitsAtFirst;
-    // The circle of one beam more or less is near: warm start.
+    // Warm start from the circle fitted to one beam less.
     std::optional<CircleFit> last;
     for (std::size_t to = is_first ? least : std::max(least, n - kMaxThinBeams); to <= n; ++to) {
       const auto circle = fit_.good(part(candidate, from, to), last);

@@ -9,8 +9,8 @@
 
 namespace orchard::laser {
 
-/// Splits a candidate into one or two circles and a few clutter beams before, between or behind
-/// them where the total cost is lowest (dynamic programming over the beams).
+/// Splits a candidate into one or two circles and a few clutter beams at minimum total cost
+/// (dynamic programming over the beams). Clutter may lie before, between or after the circles.
 class BestSplit {
  public:
   BestSplit(const Beams& beams, CandidateFitter& fit) : beams_(beams), fit_(fit) {}
@@ -22,7 +22,8 @@ class BestSplit {
  private:
   static constexpr std::size_t kMaxCircles = 2;
 
-  /// The last part of the cheapest explanation of the first beams with a given number of circles.
+  /// Cheapest explanation of the first beams with a given number of circles: its total cost, and
+  /// the first beam and kind of its last part.
   struct Explanation {
     double cost;
     std::size_t from;
@@ -39,7 +40,7 @@ class BestSplit {
   CandidateFitter& fit_;
   std::vector<std::ptrdiff_t> positions_;
   std::array<std::vector<Explanation>, kMaxCircles + 1>
-      explanations_;  ///< by circles, then by beams explained
+      explanations_;  ///< by number of circles, then by number of beams explained
   std::vector<Candidate> parts_;
 };
 

@@ -8,7 +8,7 @@
 namespace orchard::laser {
 namespace {
 
-/// Bright beams side by side on one surface, of which one may be missing or dim.
+/// Groups adjacent bright beams on one surface; gaps of one missing or dim beam are bridged.
 std::vector<Candidate> bright_clusters(const Beams& beams) {
   std::vector<Candidate> clusters;
   for (std::ptrdiff_t i = 0; i < beams.size(); ++i) {
@@ -28,7 +28,7 @@ std::vector<Candidate> bright_clusters(const Beams& beams) {
   return clusters;
 }
 
-/// What of a candidate lies from one position to another; none if nothing does.
+/// The part of a candidate between two positions; none if it has no beam there.
 std::optional<Candidate> part_beside(const Beams& beams, const Candidate& whole,
                                      std::ptrdiff_t first, std::ptrdiff_t last) {
   Candidate part = whole;
@@ -57,7 +57,7 @@ void cut_at_bright(const Beams& beams, std::vector<Candidate>& candidates,
         rest.push_back(candidate);
         continue;
       }
-      // what is farther than the pole goes on behind it
+      // A remaining part that is farther than the cluster continues behind it.
       if (auto before = part_beside(beams, candidate, candidate.first, cluster.first - 1)) {
         const float range_m = beams.range_m(cluster.first);
         before->touches_after = true;

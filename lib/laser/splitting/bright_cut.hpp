@@ -9,10 +9,11 @@
 
 namespace orchard::laser {
 
-/// Makes each cluster of bright beams a candidate of its own: what stands close before or behind a
-/// pole is not the pole, and one bright beam before a surface is no stray. What is left of the
-/// candidates that it is cut out of stays on both sides. A candidate that `is_trunk` as a whole and
-/// holds the cluster stays whole: its reflector is narrower than it.
+/// Makes each cluster of bright beams a separate candidate, so that a pole with a reflector is
+/// distinguished from objects close to it, even with a single bright beam. The rest of the
+/// candidates that a cluster is cut out of remains on both sides. A candidate that contains the
+/// whole cluster and for which `is_trunk` is true is not cut: it is a trunk that carries a narrower
+/// reflector.
 void cut_at_bright(const Beams& beams, std::vector<Candidate>& candidates,
                    const std::function<bool(const Candidate&)>& is_trunk);
 

@@ -6,7 +6,7 @@
 namespace orchard::laser {
 namespace {
 
-/// Convergence threshold: chi2 converges earlier than the circle's position.
+/// Convergence threshold of good(); coarse, because chi2 converges before the circle's position.
 constexpr double kSettled_m = 1e-4;
 
 /// Whether two candidates with the same first beam have the same beams and sides.

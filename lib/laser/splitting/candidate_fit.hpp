@@ -19,14 +19,14 @@ class CandidateFitter {
  public:
   CandidateFitter(const Beams& beams, const SegmentationConfig& config, const LaserConfig& laser);
 
-  /// The circle of a candidate that may be a trunk: at most half as wide as width_max_m.
+  /// Fits a circle of radius below width_max_m / 2; none if the fit is larger or fails.
   std::optional<CircleFit> operator()(const Candidate& candidate);
-  /// The same only if it fits within noise; started from `near` and not cached.
+  /// As operator(), but returns only a good fit (see kGoodFit). Starts from `near`; not cached.
   std::optional<CircleFit> good(const Candidate& candidate,
                                 const std::optional<CircleFit>& near = {});
-  /// The circle at any radius up to width_max_m.
+  /// Fits a circle of any radius up to width_max_m.
   const std::optional<CircleFit>& any(const Candidate& candidate);
-  /// What a circle is fitted to; valid until the next call.
+  /// The measurements for a circle fit; valid until the next call.
   const Arc& arc(const Candidate& candidate);
   /// 1-sigma of a range on a candidate.
   double range_sd_m(const Candidate& candidate) const {
@@ -48,6 +48,7 @@ class CandidateFitter {
       last_known_;  ///< index into known_ by a candidate's first beam; -1 = none
 };
 
+/// Whether a circle was found and its fit is good.
 inline bool fits(const std::optional<CircleFit>& fit) {
   return fit && fit->chi2_per_dof() < kGoodFit;
 }

@@ -5,9 +5,10 @@
 
 namespace orchard::laser {
 
+/// Min number of beams of a part with a circle.
 constexpr int kMinPartBeams = 3;
 
-/// The part of a candidate from one beam to another, both on it.
+/// The part of a candidate from beam `first` to beam `last`, both on the object.
 Candidate part_of(const Beams& beams, const Candidate& candidate, std::ptrdiff_t first,
                   std::ptrdiff_t last);
 
@@ -15,11 +16,11 @@ struct Split {
   Candidate before, after;
 };
 
-/// Cuts after the beam at a position, which is on the candidate and not its last.
+/// Splits a candidate after the beam at `position`, which lies on the object and is not its last.
 Split split_at(const Beams& beams, const Candidate& candidate, std::ptrdiff_t position);
 
-/// Marks, of two touching parts at different depth, the farther one's shared side as hidden: it
-/// continues behind the nearer one.
+/// For two touching parts at different depths, marks the common side of the farther part as hidden,
+/// because it continues behind the nearer one.
 void order_by_depth(Candidate& before, Candidate& after, CandidateFitter& fit);
 
 }  // namespace orchard::laser

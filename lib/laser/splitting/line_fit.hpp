@@ -5,8 +5,8 @@
 
 namespace orchard::laser {
 
-/// Sum of squares of an arc's ranges about the best straight surface, over the noise of a range;
-/// of three beams or more, two of which the line takes.
+/// Chi2 of an arc's ranges about the best straight line, with `range_sd_m` as the noise of a range.
+/// Degrees of freedom: number of beams less 2.
 double line_chi2(const Arc& arc, double range_sd_m);
 
 }  // namespace orchard::laser

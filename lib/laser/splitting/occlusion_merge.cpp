@@ -8,7 +8,8 @@
 namespace orchard::laser {
 namespace {
 
-/// Whether all beams between two candidates are nearer, and one is on another surface.
+/// Whether all beams between two candidates are nearer than both, and at least one lies on another
+/// surface.
 bool is_foreground_clutter(const Beams& beams, const Candidate& before, const Candidate& after) {
   const float nearest_m = std::min(beams.range_m(before.last), beams.range_m(after.first));
   bool another = false;
@@ -42,7 +43,8 @@ void merge_occluded(const Beams& beams, const SegmentationConfig& config, Candid
          m < candidates.size() && candidates[k].num_fronts < Candidate::kMaxFronts; ++m) {
       const std::ptrdiff_t hidden = candidates[m].first - candidates[k].last - 1;
       if (hidden > config.merge_occluded_beams) break;
-      // A circle fits any few distant beams: the visible beams must outnumber the hidden ones.
+      // A circle fits almost any few distant beams, so each part needs at least as many beams as
+      // are hidden.
       if (hidden > std::min(candidates[k].num_beams, candidates[m].num_beams)) continue;
       if (!beams.joined(beams.range_m(candidates[k].last), beams.range_m(candidates[m].first)) ||
           !is_foreground_clutter(beams, candidates[k], candidates[m])) {

@@ -10,9 +10,9 @@
 
 namespace orchard::laser {
 
-/// Occlusion merge: joins candidates that thin foreground clutter (grass, a twig: at most
-/// merge_occluded_beams beams, all of them nearer) divides, if one circle fits both. The clutter
-/// stays an object of its own.
+/// Merges candidates divided by thin foreground clutter (grass, a twig: at most
+/// merge_occluded_beams beams, all of them nearer), if one circle fits both. The clutter stays a
+/// separate object.
 void merge_occluded(const Beams& beams, const SegmentationConfig& config, CandidateFitter& fit,
                     std::vector<Candidate>& candidates);
 

@@ -14,20 +14,22 @@
 namespace orchard::laser {
 namespace {
 
-/// Gain in chi2 that two circles need over one: with three more parameters noise alone reaches it
-/// in 1 of 2000 candidates.
+/// Min gain in chi2 of two circles over one. Noise alone reaches it in 1 of 2000 candidates (three
+/// more parameters).
 constexpr double kClearlyBetter = 18.0;
-/// Prominence of a range maximum between two bulges, in sigmas, from which circles are tried.
+/// Min prominence of a range maximum between two bulges, in sigmas, for a split to be tried.
 constexpr double kProminence = 2.0;
-/// Prominence in sigmas from which a split needs no single circle to compare with.
+/// Prominence in sigmas above which a split is accepted even if no single circle fits to compare.
 constexpr double kClearProminence = 8.0;
-/// Range step in sigmas that noise causes between neighbours in 1 of 10^5.
+/// Range step in sigmas that noise causes in 1 of 10^5 pairs of neighbours.
 constexpr double kStepSigmas = 4.5;
-/// Largest width and number of beams of a tree with two stems, for which the search is exhaustive.
+/// Largest width and number of beams of a tree with two stems; up to these, BestSplit searches all
+/// splits.
 constexpr double kMaxTwinsWidth_m = 0.4;
 constexpr int kMaxBeamsTried = 40;
 /// Largest width of two trunks, one behind the other.
 constexpr double kMaxPairWidth_m = 1.0;
+
 /// The most prominent range maximum between two nearer beams, if it exceeds the noise.
 struct Valley {
   std::ptrdiff_t position = 0;
@@ -96,7 +98,8 @@ std::optional<std::ptrdiff_t> find_gap(const Beams& beams, const Candidate& cand
   return before;
 }
 
-/// Whether two circles fit clearly better than one, and both well.
+/// Whether both parts have a good circle and together fit clearly better than one circle.
+/// `without_one`: the result if no single circle fits at all.
 bool two_fit_better(const Split& parts, const Candidate& candidate, CandidateFitter& fit,
                     bool without_one) {
   if (std::min(parts.before.num_beams, parts.after.num_beams) < kMinPartBeams) return false;
@@ -108,7 +111,8 @@ bool two_fit_better(const Split& parts, const Candidate& candidate, CandidateFit
   return one ? one->chi2 - first->chi2 - second->chi2 > kClearlyBetter : without_one;
 }
 
-/// Whether a candidate with a hidden side is flat: any large circle fits it, so none is determined.
+/// Whether a candidate with a hidden side is flat; any large circle fits it, so a split would not
+/// be determined.
 bool is_flat_piece(const Candidate& candidate, CandidateFitter& fit) {
   const Arc& arc = fit.arc(candidate);
   const bool hidden = arc.low_side_sd_rad == 0.0 || arc.high_side_sd_rad == 0.0;
@@ -165,7 +169,7 @@ void split_touching(const Beams& beams, const SegmentationConfig& config, const 
     if (!is_pair) continue;
     order_by_depth(parts.before, parts.after, fit);
     replace({parts.before, parts.after});
-    --k;  // the part may be split again: three trunks may touch
+    --k;  // a part may be split again: three trunks may touch
   }
 }
 

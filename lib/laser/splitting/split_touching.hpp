@@ -11,8 +11,8 @@
 
 namespace orchard::laser {
 
-/// Splits candidates that two circles explain clearly better than one: trunks that touch, stand
-/// side by side or one behind the other, or that a few beams of grass or a stake widen.
+/// Splits candidates that two circles explain clearly better than one: trunks that touch, side by
+/// side or one behind the other, and trunks widened by a few beams of grass or a stake.
 void split_touching(const Beams& beams, const SegmentationConfig& config, const LaserConfig& laser,
                     CandidateFitter& fit, std::vector<Candidate>& candidates);
 

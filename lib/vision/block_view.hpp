@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// Private to this room: it brings OpenCV along.
+// Private to this module: it includes OpenCV.
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <stdexcept>
@@ -10,8 +10,8 @@
 
 namespace orchard::vision {
 
-/// A window of a block as a matrix over the block's own pixels (8UC3, not to be written to).
-/// Throws std::invalid_argument when the window is empty or does not lie inside the block.
+/// Views a window of a block as a cv::Mat without copying (8UC3, read-only). Throws
+/// std::invalid_argument when the window is empty or does not lie inside the block.
 inline cv::Mat view_of(const PixelBlock& pixels, const PixelRect& window) {
   if (window.empty() || !pixels.area.contains(window)) {
     throw std::invalid_argument("the window does not lie inside the decoded pixels");

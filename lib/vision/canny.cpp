@@ -13,21 +13,21 @@ namespace {
 using Row = std::vector<std::int16_t>;
 
 constexpr int kLanes = cv::v_int16x8::nlanes;
-/// Columns left of the picture in a row, so that a pixel's neighbours always exist.
+/// Padding columns on each side of a row, so that every pixel has neighbours.
 constexpr int kBorder_px = kLanes;
-/// tan(22.5 deg) x 2^15, where OpenCV too parts across from slanting.
+/// tan(22.5 deg) x 2^15: limit between horizontal and diagonal gradients, as in OpenCV.
 constexpr std::int16_t kTan22 = 13573;
 constexpr std::int16_t kMaxGradient = 2 * 4 * 255;
 
 enum Mark : std::uint8_t { kNone = 0, kWeak = 1, kStrong = 2 };
 
-/// The gradient along one row of the picture; size is 0 beyond the picture.
+/// Gradients of one image row; size is 0 in the padding.
 struct GradientRow {
   explicit GradientRow(std::size_t length) : dx(length), dy(length), size(length) {}
   Row dx, dy, size;
 };
 
-/// Sobel's 3 x 3 at row `y` of the picture. `smooth` and `slope` are scratch rows.
+/// Computes the Sobel 3 x 3 gradients of row `y`. `smooth` and `slope` are scratch rows.
 void fill_gradient(const std::uint8_t* grey, int width_px, int height_px, int y, Row& smooth,
                    Row& slope, GradientRow& out) {
   const auto row_at = [=](int row) {
@@ -60,8 +60,9 @@ void fill_gradient(const std::uint8_t* grey, int width_px, int height_px, int y,
   }
 }
 
-/// Marks where a gradient is above `low` and the largest along its own direction, rounded to one
-/// of four. Eight pixels at a time without a branch: on texture no branch could be foretold.
+/// Non-maximum suppression: marks pixels whose gradient is above `low` and a maximum along its
+/// direction, rounded to one of four. Branch-free on eight pixels at a time, because branches would
+/// be unpredictable on texture.
 void mark_ridges(const GradientRow& above, const GradientRow& here, const GradientRow& below,
                  int width_px, std::int16_t low, std::int16_t high, std::uint8_t* marks) {
   using cv::v_int16x8;
@@ -77,7 +78,8 @@ void mark_ridges(const GradientRow& above, const GradientRow& here, const Gradie
     if (!cv::v_check_any(size > lowest)) continue;  // the marks are kNone already
     const v_int16x8 dx = cv::v_load(here.dx.data() + i), dy = cv::v_load(here.dy.data() + i);
     const v_int16x8 wide = cv::v_max(dx, zero - dx), high_dy = cv::v_max(dy, zero - dy);
-    // |dx| tan(22.5 deg), rounded down: never whole but at 0, so that "below it" is "up to it".
+    // |dx| tan(22.5 deg), rounded down. The exact value is an integer only at 0, so <= the rounded
+    // value is the same as < the exact one.
     const v_int16x8 bound = cv::v_mul_hi(wide + wide, tan22);
     const v_int16x8 is_across = high_dy <= bound;
     const v_int16x8 is_upright = high_dy - (wide + wide) > bound;  // tan 67.5 = tan 22.5 + 2
@@ -89,7 +91,7 @@ void mark_ridges(const GradientRow& above, const GradientRow& here, const Gradie
     const v_int16x8 before =
         cv::v_select(is_across, cv::v_load(level - 1),
                      cv::v_select(is_upright, cv::v_load(up), slanting_before));
-    // Of two equals along an axis the first is the ridge; of two on a slant none is.
+    // Of two equal gradients the first is the maximum horizontally and vertically, none diagonally.
     const v_int16x8 after =
         cv::v_select(is_across, cv::v_load(level + 1) - one,
                      cv::v_select(is_upright, cv::v_load(down) - one, slanting_after));
@@ -99,7 +101,7 @@ void mark_ridges(const GradientRow& above, const GradientRow& here, const Gradie
   }
 }
 
-/// Whether one of the eight marks around is weak: the three of each row are looked at together.
+/// Whether one of the eight neighbours is weak; compares the three marks of each row at once.
 bool has_weak_neighbour(const std::uint8_t* mark, std::ptrdiff_t step) {
   std::uint32_t any = 0;
   for (const std::ptrdiff_t offset : {-step, std::ptrdiff_t{0}, step}) {
@@ -107,14 +109,14 @@ bool has_weak_neighbour(const std::uint8_t* mark, std::ptrdiff_t step) {
     std::memcpy(&four, mark + offset - 1, sizeof four);
     any |= four;
   }
-  constexpr std::uint8_t kThree[] = {kWeak, kWeak, kWeak, 0};  // in whatever order bytes have
+  constexpr std::uint8_t kThree[] = {kWeak, kWeak, kWeak, 0};  // independent of byte order
   std::uint32_t three;
   std::memcpy(&three, kThree, sizeof three);
   return (any & three) != 0;
 }
 
-/// Makes every weak mark strong that hangs together with a strong one. Marks have a border of
-/// kNone.
+/// Hysteresis: makes all weak marks strong that are connected to a strong one. The marks have a
+/// border of kNone.
 void spread_strong(std::vector<std::uint8_t>& marks, std::size_t stride) {
   std::vector<std::uint8_t*> waiting;
   waiting.reserve(1024);
@@ -154,7 +156,7 @@ std::vector<std::uint8_t> canny(const std::uint8_t* grey, int width_px, int heig
   const auto height = static_cast<std::size_t>(height_px);
   std::vector<std::uint8_t> edges(width * height);
   if (edges.empty()) return edges;
-  // A border on both sides, and whole steps of kLanes.
+  // Padding on both sides, and a multiple of kLanes between.
   const std::size_t stride = (width + kLanes - 1) / kLanes * kLanes + 2 * kBorder_px;
   Row smooth(stride), slope(stride);
   GradientRow above(stride), here(stride), below(stride);

@@ -11,35 +11,37 @@ namespace orchard::vision {
 inline constexpr int kNumHues = 180;  ///< OpenCV's 8-bit hue: steps of 2 degrees
 inline constexpr double kHueStep_deg = 2.0;
 
-/// How often each hue occurs among a window's coloured pixels (saturation and value not below
-/// their floors), and how many pixels the window has.
+/// Histogram of the hues of a window's coloured pixels: those with saturation and value not below
+/// ColourConfig's minimum.
 struct HueHistogram {
   std::array<int, kNumHues> counts{};  ///< index = hue / kHueStep_deg
   int num_coloured = 0;
-  int num_pixels = 0;
+  int num_pixels = 0;  ///< all pixels of the window
 };
 
-/// The hues of a window. Throws std::invalid_argument when it does not lie inside the block.
+/// Computes the hue histogram of a window. Throws std::invalid_argument when the window does not
+/// lie inside the block.
 HueHistogram hue_histogram(const PixelBlock& pixels, const PixelRect& window,
                            const ColourConfig& config);
 
-/// Most dominant hue [deg]: mean hue of the fullest of config.hue_bins bins (the lower of equals);
-/// 0 without coloured pixels. Source: Shalal et al. 2013, section 4.2.
+/// Dominant hue [deg]: mean hue of the fullest of `hue_bins` bins (of equal bins the lower one); 0
+/// without coloured pixels. Source: Shalal et al. 2013, section 4.2.
 double dominant_hue_deg(const HueHistogram& histogram, int hue_bins);
 
-/// Whether a hue lies in the circular interval from min to max, ends included; min > max wraps
+/// Whether a hue lies in the circular interval from min to max, ends included. min > max wraps
 /// through red.
 bool hue_in_range(double hue_deg, double hue_min_deg, double hue_max_deg);
 
-/// What the colour of a window says of a trunk.
+/// Result of the colour test of a window.
 struct ColourEvidence {
   double dominant_hue_deg = 0.0;
-  bool passed = false;  ///< the dominant hue is a trunk's: only then edges are looked at
+  bool passed = false;  ///< the dominant hue is a trunk's; otherwise edges are not examined
   double roc = 0.0;     ///< roc_colour, 0 unless passed
 };
 
-/// The rule of Shalal et al. 2013, figure 8: the dominant hue must be a trunk's; roc_colour is the
-/// fraction of the window's pixels that are coloured and have a trunk's hue.
+/// Tests the colour of a window by the rule of Shalal et al. 2013, figure 8: the dominant hue must
+/// be in the trunk's interval; roc_colour is the fraction of the window's pixels that are coloured
+/// and have a hue in the interval.
 ColourEvidence colour_confidence(const HueHistogram& histogram, const ColourConfig& config);
 
 }  // namespace orchard::vision

@@ -8,10 +8,10 @@
 
 namespace orchard::vision {
 
-/// The pixels of a part of a picture, whatever its encoding.
+/// Decodes a region of an image of any encoding.
 ///
-/// Gives none when the bytes do not make a picture of the stated size, when `region` is empty or
-/// not inside it, and for GRAY8, which has no colour to judge a trunk by.
+/// None if the bytes are no image of the stated size, if `region` is empty or not inside the image,
+/// and for GRAY8, because the detector needs colour.
 std::optional<PixelBlock> decode(const Image& image, const PixelRect& region);
 
 }  // namespace orchard::vision

@@ -15,15 +15,15 @@
 namespace orchard::vision {
 namespace {
 
-/// Edge pixels this near a line belong to it [px]: Canny places an edge to a pixel.
+/// Max distance of an edge pixel from its line [px]; Canny localises an edge to one pixel.
 constexpr double kInlier_px = 1.0;
 
-/// Angle between two edges from which on roc_parallel is 0 [deg].
+/// Angle between two edges at which roc_parallel reaches 0 [deg].
 constexpr double kParallelTolerance_deg = 10;
 
 constexpr double kRadPerDeg = 3.14159265358979323846 / 180.0;
 
-/// The map's edge pixels inside the window, from its top left corner, row by row.
+/// The map's edge pixels inside the window, relative to its top left corner, row by row.
 std::vector<EdgePoint> edge_points(const EdgeMap& map, const PixelRect& window) {
   std::vector<EdgePoint> points;
   points.reserve(256);
@@ -64,7 +64,7 @@ int num_rows_of(const std::vector<EdgePoint>& points) {
 
 PixelRect edge_reading_area(const PixelRect& window, const PixelRect& picture,
                             const EdgeConfig& config) {
-  // Half a median, one pixel of the gradient, one of its thinning.
+  // Half the median filter, one pixel for the gradient, one for non-maximum suppression.
   const int border = config.median_size_px / 2 + 2;
   return intersection({window.x_px - border, window.y_px - border, window.width_px + 2 * border,
                        window.height_px + 2 * border},
@@ -103,7 +103,7 @@ EdgeLine find_edge(const EdgeMap& map, const PixelRect& window, double expected_
         points_of_best_line(points, window.width_px, window.height_px, expected_x_px - window.x_px,
                             kInlier_px, max_tilt_rad);
     if (inliers.size() >= min_points) line = fit_total_least_squares(inliers);
-    if (line) {  // once more with what is near the line that was fitted, not the one that was tried
+    if (line) {  // refit with the inliers of the fitted line instead of those of the search
       inliers = points_near(points, *line, kInlier_px);
       line = inliers.size() >= min_points ? fit_total_least_squares(inliers) : std::nullopt;
     }

@@ -9,39 +9,39 @@
 
 namespace orchard::vision {
 
-/// The straight edge of a window.
+/// A straight edge found in a window.
 struct EdgeLine {
   bool found = false;
-  double x_px = 0.0;      ///< picture column where it crosses the window's middle row
-  double tilt_rad = 0.0;  ///< from the picture's vertical; positive leans right going down
+  double x_px = 0.0;      ///< image column at the window's middle row
+  double tilt_rad = 0.0;  ///< from the image's vertical; positive if x increases downwards
   double roc = 0.0;       ///< roc of this edge, 0 unless found
 };
 
-/// Canny's edge pixels of a part of a picture, one byte per pixel: 0 = none.
+/// Canny's edge pixels of a part of an image, one byte per pixel: 0 = no edge.
 struct EdgeMap {
   PixelRect area;
   std::vector<std::uint8_t> edges;  ///< area.width_px x area.height_px, rows top-down
 };
 
-/// Grey as the weighted sum of the colours, median filter, Canny, over all of a block or an area in
-/// it: one pass for all windows costs a fraction of a pass for each. Throws std::invalid_argument
-/// when the area is empty or does not lie inside the block.
+/// Computes the edge map of a block or of an area in it: grey as the weighted sum of the colours,
+/// median filter, Canny. One pass for all windows is cheaper than one per window. Throws
+/// std::invalid_argument when the area is empty or does not lie inside the block.
 /// Source: Shalal et al. 2013, section 4.2 and figure 13.
 EdgeMap edge_map(const PixelBlock& pixels, const EdgeConfig& config);
 EdgeMap edge_map(const PixelBlock& pixels, const PixelRect& area, const EdgeConfig& config);
 
-/// What must be decoded for a window, so that the filters work up to its border as they would in
-/// the whole picture.
+/// The area to decode for a window: with the padding that the filters need to give the same result
+/// at the window's border as in the whole image.
 PixelRect edge_reading_area(const PixelRect& window, const PixelRect& picture,
                             const EdgeConfig& config);
 
-/// Looks for a trunk's edge in a window: the straight line that covers most rows, and among equals
+/// Finds a trunk's edge in a window: the straight line with edge pixels in most rows; among equals
 /// the one nearest to `expected_x_px`.
 ///
-/// roc is (1 - lambda_min / lambda_max) of the edge pixels on the line times the fraction of the
-/// window's rows that have one, or R^2 with LineFit::kRegression. No line with fewer than
-/// config.min_points pixels or with more tilt than config.max_tilt_deg. Throws
-/// std::invalid_argument when the window does not lie inside the map.
+/// roc is (1 - lambda_min / lambda_max) of the line's edge pixels times the fraction of the
+/// window's rows that have one, or R^2 with LineFit::kRegression. Not found with fewer than
+/// config.min_points pixels or with a tilt above config.max_tilt_deg. Throws std::invalid_argument
+/// when the window does not lie inside the map.
 /// Source: Shalal et al. 2013, section 4.2 and figure 9.
 EdgeLine find_edge(const EdgeMap& map, const PixelRect& window, double expected_x_px,
                    const EdgeConfig& config);

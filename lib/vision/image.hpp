@@ -8,10 +8,10 @@ namespace orchard::vision {
 
 enum class Encoding : std::int8_t { kJpeg = 0, kBgr8 = 1, kGray8 = 2 };
 
-/// One picture as the camera driver sent it, not yet decoded.
+/// One image as sent by the camera driver, not decoded.
 struct Image {
   std::int64_t utime = 0;  ///< mid-exposure [us]
-  std::int32_t seq = 0;    ///< +1 per picture of its source
+  std::int32_t seq = 0;    ///< +1 per image of its source
   std::int32_t width_px = 0;
   std::int32_t height_px = 0;
   Encoding encoding = Encoding::kJpeg;

@@ -11,9 +11,9 @@
 namespace orchard::vision {
 namespace {
 
-// Fancy upsampling mixes a chroma sample with its neighbours, and the codec treats the border of
-// what it decodes as the border of the picture. A chroma sample spans four pixels at most: that
-// many more on each side keep the pixels that are asked for equal to those of a whole decode.
+// Fancy upsampling blends neighbouring chroma samples, and the codec treats the border of the
+// decoded region as the border of the image. A chroma sample spans at most four pixels, so this
+// margin keeps the requested pixels equal to those of a full decode.
 constexpr int kMargin_px = 4;
 constexpr int kMaxScans = 64;
 
@@ -30,7 +30,7 @@ extern "C" {
   std::longjmp(static_cast<Codec*>(info->client_data)->escape, 1);
 }
 
-// A negative level is a warning: corrupt data that the codec would paper over.
+// A negative level is a warning about corrupt data, which the codec would otherwise conceal.
 void orchard_jpeg_message(j_common_ptr info, int level) {
   if (level < 0) orchard_jpeg_fail(info);
 }
@@ -46,9 +46,9 @@ void orchard_jpeg_progress(j_common_ptr info) {
 
 }  // extern "C"
 
-/// Appends the pixels of `region` to `out`, which has room for them. `row` has room for a whole row
-/// of the picture. False when the bytes are of no use. Only trivial objects live here, because
-/// errors leave by longjmp.
+/// Decodes `region` and appends its pixels to `out`, which must have the capacity. `row` is a
+/// buffer for one image row. Returns false when the bytes cannot be decoded. Local objects must be
+/// trivial, because errors leave by longjmp.
 bool read_region(Codec& codec, const std::uint8_t* data, std::size_t size, int width_px,
                  int height_px, const PixelRect& region, std::uint8_t* row,
                  std::vector<std::uint8_t>& out) {

@@ -9,12 +9,12 @@
 
 namespace orchard::vision {
 
-/// Decodes a part of a JPEG picture, sparing the rest all but the entropy decoding.
+/// Decodes a region of a JPEG image. Of the rest of the image only the entropy coding is decoded.
 ///
-/// The pixels equal cv::imdecode's of the whole picture (without its rotation by EXIF). Gives none
-/// for bytes that are no JPEG of width_px x height_px with one or three components, that the codec
-/// has any complaint about up to the last row of `region`, or whose number of scans is absurd.
-/// `region` must lie inside the picture. Throws nothing on account of the bytes.
+/// The pixels equal those of cv::imdecode of the whole image (without rotation by EXIF). None if
+/// the bytes are no JPEG of width_px x height_px with one or three components, if the codec reports
+/// an error or a warning up to the last row of `region`, if the JPEG has too many scans, or if
+/// `region` is empty or not inside the image. Invalid bytes never cause an exception.
 std::optional<PixelBlock> decode_jpeg_region(const std::uint8_t* data, std::size_t size,
                                              int width_px, int height_px, const PixelRect& region);
 

@@ -8,12 +8,13 @@
 
 namespace orchard::vision {
 
-/// The pixels as a JPEG of that quality (1 to 100), chroma halved both ways. Equal pixels give
-/// equal bytes on one machine. Empty when the block is.
+/// Encodes a block as JPEG with the given quality (1 to 100) and 4:2:0 chroma subsampling. Equal
+/// pixels give equal bytes on the same machine. Empty if the block is empty.
 std::vector<std::uint8_t> write_jpeg(const PixelBlock& block, int quality);
 
-/// The block with each side divided by `divisor`, every pixel the mean of those it stands for; what
-/// is left over at the right and below is cut off. `area` stays that in the picture.
+/// Reduces a block by `divisor` in both directions; each pixel is the mean of the pixels that it
+/// replaces. Remaining columns at the right and rows at the bottom are dropped. `area` keeps the
+/// coordinates of the original image.
 PixelBlock shrunk(const PixelBlock& block, int divisor);
 
 }  // namespace orchard::vision

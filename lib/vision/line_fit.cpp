@@ -8,7 +8,7 @@
 namespace orchard::vision {
 namespace {
 
-/// Columns between two slopes that are tried, at the bottom row.
+/// Step between two tried slopes, in columns at the bottom row.
 constexpr int kShiftStep_px = 2;
 
 struct Moments {
@@ -17,7 +17,7 @@ struct Moments {
 };
 
 Moments moments_of(const std::vector<EdgePoint>& points) {
-  // Sums of small whole numbers are exact, whatever the order.
+  // Integer sums are exact in any order.
   std::int64_t sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0;
   for (const EdgePoint& p : points) {
     const std::int64_t x = p.x_px, y = p.y_px;
@@ -52,7 +52,7 @@ std::optional<Line> fit_total_least_squares(const std::vector<EdgePoint>& points
   Line line;
   line.x_mean_px = m.x_mean;
   line.y_mean_px = m.y_mean;
-  // The principal axis, measured from the vertical.
+  // Angle of the principal axis from the vertical.
   line.tilt_rad = 0.5 * std::atan2(2.0 * m.xy, m.yy - m.xx);
   line.straightness = 1.0 - lambda_min / lambda_max;
   return line;
@@ -74,22 +74,22 @@ std::optional<Line> fit_regression(const std::vector<EdgePoint>& points) {
 std::vector<EdgePoint> points_of_best_line(const std::vector<EdgePoint>& points, int width_px,
                                            int height_px, double expected_x_px, double inlier_px,
                                            double max_tilt_rad) {
-  // Lines are named by where they cross the top row and by how many columns they shift down to
-  // the bottom row. All of them are tried in steps no coarser than the tolerance, each scored by
-  // its points: an edge is one pixel wide, so that they count the rows it covers.
+  // A line is given by its column in the top row and its shift in columns down to the bottom row.
+  // All lines are tried in steps no coarser than the tolerance and scored by their number of
+  // points. An edge is one pixel wide, so this is the number of rows that it covers.
   const int last_row = std::max(height_px - 1, 1);
   const int max_shift = static_cast<int>(std::tan(max_tilt_rad) * last_row);
   const int reach = std::max(static_cast<int>(std::lround(inlier_px)), 0);
   const double middle_y_px = 0.5 * (height_px - 1);
   int best_points = 0;
   double best_distance_px = 0.0, best_top = 0.0, best_slope = 0.0;
-  // A column for every place at which a line within the window's tolerance may cross the top row.
+  // One column for each position at which a line near the window may cross the top row.
   const int border = max_shift + reach + 1;
   std::vector<int> padded(static_cast<std::size_t>(width_px + 2 * (border + reach)));
   int* const columns = padded.data() + reach;
   for (int shift = -max_shift; shift <= max_shift; shift += kShiftStep_px) {
     const double slope = static_cast<double>(shift) / last_row;
-    // Nothing lies outside the columns from which the window's corners are reached.
+    // Only these columns have lines with this shift that pass through the window.
     const int first = border - std::max(shift, 0) - reach;
     const int last = border + width_px - std::min(shift, 0) + reach;
     std::fill(padded.begin(), padded.end(), 0);

@@ -6,7 +6,7 @@
 
 namespace orchard::vision {
 
-/// An edge pixel of a window, from its top left corner.
+/// An edge pixel, relative to the window's top left corner.
 struct EdgePoint {
   int x_px = 0;
   int y_px = 0;
@@ -22,15 +22,18 @@ struct Line {
   double x_at(double y_px) const;
 };
 
-/// Total least squares: the principal axis of the points. None for fewer than two distinct points.
+/// Fits a line by total least squares: the principal axis of the points. None for fewer than two
+/// distinct points.
 std::optional<Line> fit_total_least_squares(const std::vector<EdgePoint>& points);
 
-/// Linear regression of x on y; straightness is R^2, which is 0 for a perfectly vertical line.
-/// None when all points share a row. Source: Shalal et al. 2013, section 4.2 (the paper's words).
+/// Fits a line by linear regression of x on y. straightness is R^2, which is 0 for a perfectly
+/// vertical line. None when all points are in one row. Source: Shalal et al. 2013, section 4.2,
+/// taken literally.
 std::optional<Line> fit_regression(const std::vector<EdgePoint>& points);
 
-/// The points within `inlier_px` of the line, not steeper than max_tilt_rad, that has most of them;
-/// among equals the one nearest to `expected_x_px` at the middle row. In the order given.
+/// Finds the line with most points within `inlier_px` and a tilt of at most `max_tilt_rad`; among
+/// equals the one nearest to `expected_x_px` at the middle row. Returns its points in the order
+/// given.
 std::vector<EdgePoint> points_of_best_line(const std::vector<EdgePoint>& points, int width_px,
                                            int height_px, double expected_x_px, double inlier_px,
                                            double max_tilt_rad);

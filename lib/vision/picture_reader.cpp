@@ -31,7 +31,7 @@ std::optional<PixelBlock> PictureReader::read(const PixelRect& region) {
   if (!decoded_ || !decoded_->area.contains(region)) {
     decoded_ = decode(image_, bounding(region, expected_));
   }
-  // Damage in what others want must not cost this part: then it is decoded alone.
+  // If the larger area is damaged, this region may still decode on its own.
   return decoded_ ? part_of(*decoded_, region) : decode(image_, region);
 }
 

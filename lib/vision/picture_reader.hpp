@@ -8,8 +8,8 @@
 
 namespace orchard::vision {
 
-/// Reads parts of one picture for several who look at it, and decodes it once for all of them: the
-/// entropy decoding of a JPEG costs the same however little of it is wanted.
+/// Reads regions of one image for several consumers and decodes the image once for all of them,
+/// because the entropy decoding of a JPEG costs the same for any region.
 class PictureReader {
  public:
   /// `image` must outlive the reader.
@@ -17,10 +17,10 @@ class PictureReader {
 
   const Image& image() const { return image_; }
 
-  /// Says that this part will be read later, so that the next read() decodes it along.
+  /// Announces a region that will be read later; the next read() that decodes includes it.
   void expect(const PixelRect& region) { expected_ = bounding(expected_, region); }
 
-  /// As decode() of the image: the same pixels, or none, whatever else was read or expected.
+  /// Returns the same as decode() of this region, independent of other reads and announcements.
   std::optional<PixelBlock> read(const PixelRect& region);
 
  private:

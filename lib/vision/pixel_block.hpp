@@ -7,7 +7,7 @@
 
 namespace orchard::vision {
 
-/// A rectangle of whole pixels in picture coordinates; empty when a side is 0.
+/// A rectangle of whole pixels in image coordinates; empty when a side is 0.
 struct PixelRect {
   int x_px = 0;  ///< left column
   int y_px = 0;  ///< top row
@@ -22,7 +22,7 @@ struct PixelRect {
   }
 };
 
-/// What two rectangles share; empty when they do not meet.
+/// The intersection of two rectangles; empty when they are disjoint.
 inline PixelRect intersection(const PixelRect& a, const PixelRect& b) {
   const int x0 = std::max(a.x_px, b.x_px), y0 = std::max(a.y_px, b.y_px);
   const int x1 = std::min(a.x_px + a.width_px, b.x_px + b.width_px);
@@ -31,7 +31,7 @@ inline PixelRect intersection(const PixelRect& a, const PixelRect& b) {
   return {x0, y0, x1 - x0, y1 - y0};
 }
 
-/// The smallest rectangle around both; an empty one adds nothing.
+/// The smallest rectangle that contains both; empty rectangles are ignored.
 inline PixelRect bounding(const PixelRect& a, const PixelRect& b) {
   if (a.empty()) return b;
   if (b.empty()) return a;
@@ -41,9 +41,9 @@ inline PixelRect bounding(const PixelRect& a, const PixelRect& b) {
   return {x0, y0, x1 - x0, y1 - y0};
 }
 
-/// Decoded pixels of a part of a picture: rows top-down, blue green red, no padding.
+/// Decoded pixels of a region of an image: rows top-down, blue green red, no padding.
 struct PixelBlock {
-  PixelRect area;                 ///< where in the picture it lies
+  PixelRect area;                 ///< the region in the image
   std::vector<std::uint8_t> bgr;  ///< 3 x area.width_px x area.height_px
 };
 

@@ -9,10 +9,10 @@ namespace orchard::vision {
 namespace {
 
 constexpr int kMinSide_px = 5;
-constexpr double kBlack = 4.0, kWhite = 251.0;  // as JPEG gives them back
+constexpr double kBlack = 4.0, kWhite = 251.0;  // black and white after JPEG compression
 constexpr double kNoise_grey = 1.0;
 
-/// Brightness, as ITU-R BT.601 weighs the colours.
+/// Brightness of each pixel with the weights of ITU-R BT.601.
 std::vector<double> brightness(const PixelBlock& block) {
   std::vector<double> grey(block.bgr.size() / 3);
   for (std::size_t i = 0; i < grey.size(); ++i) {
@@ -33,7 +33,7 @@ Sharpness sharpness(const PixelBlock& block) {
     return grey[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
                 static_cast<std::size_t>(x)];
   };
-  // Binomial smoothing within the rows and columns: what differs from pixel to pixel is noise.
+  // Binomial smoothing along rows and columns suppresses pixel noise.
   const auto smooth = [&](int x, int y) {
     const auto row = [&](int v) {
       return 0.25 * at(x - 1, v) + 0.5 * at(x, v) + 0.25 * at(x + 1, v);

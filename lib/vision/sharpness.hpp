@@ -5,16 +5,16 @@
 
 namespace orchard::vision {
 
-/// How fine what a picture shows is, whatever its contrast.
+/// Sharpness of an image, independent of its contrast.
 struct Sharpness {
-  /// Root of gradient energy over variance of the brightness [1/px]: of a wave of length L px it is
-  /// 2 pi / L, and blur of any cause lowers it. What a codec's and a sensor's noise of one grey
-  /// level gives is taken off. 0 for an even area.
+  /// Square root of gradient energy over variance of the brightness [1/px]: 2 pi / L for a wave of
+  /// length L px; any blur lowers it. Corrected for codec and sensor noise of one grey level. 0 for
+  /// a uniform area.
   double detail_per_px = 0.0;
-  double clipped_fraction = 0.0;  ///< of pixels that are all black or all white
+  double clipped_fraction = 0.0;  ///< fraction of pixels that are all black or all white
 };
 
-/// Of blocks less than 5 pixels wide or high: all 0.
+/// Measures the sharpness of a block. All 0 for blocks less than 5 pixels wide or high.
 Sharpness sharpness(const PixelBlock& block);
 
 }  // namespace orchard::vision

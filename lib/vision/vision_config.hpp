@@ -3,8 +3,8 @@
 
 namespace orchard::vision {
 
-/// Windows around projected laser points. Section `detector.window`. Sizes are metres on the
-/// trunk, so that pixels are inversely proportional to range (Shalal et al. 2013, section 4.2).
+/// Windows around projected laser points. Section `detector.window`. Sizes are in metres on the
+/// trunk, so sizes in pixels are inversely proportional to range (Shalal et al. 2013, section 4.2).
 struct WindowConfig {
   double colour_width_m = 0.06;
   double colour_height_m = 0.20;
@@ -29,8 +29,8 @@ struct ColourConfig {
   double hue_min_deg = 17.6;  ///< circular interval [min, max]; min > max wraps through red
   double hue_max_deg = 44.6;
   double saturation_min = 0.10;  ///< paler pixels have no hue
-  double value_min = 0.10;       ///< nor have darker ones
-  int hue_bins = 36;             ///< of the histogram whose peak is the dominant hue
+  double value_min = 0.10;       ///< darker pixels have no hue
+  int hue_bins = 36;             ///< bins of the histogram whose peak is the dominant hue
 };
 
 template <class Visitor>
@@ -44,8 +44,8 @@ void describe(Visitor& v, ColourConfig& c) {
 }
 
 enum class LineFit {
-  kTotalMinSquares,  ///< straight edge by search and total least squares: any direction
-  kRegression,       ///< the paper's words: linear regression of x on y, goodness R^2
+  kTotalMinSquares,  ///< search for the best line, then total least squares; any direction
+  kRegression,       ///< linear regression of x on y with R^2, as the paper is worded
 };
 
 /// The edge rule of the paper's figure 9. Section `detector.edges`.
@@ -54,7 +54,7 @@ struct EdgeConfig {
   double canny_low = 40;
   double canny_high = 100;
   int median_size_px = 3;    ///< odd
-  int min_points = 5;        ///< fewer edge pixels make no line
+  int min_points = 5;        ///< min number of edge pixels on a line
   double max_tilt_deg = 20;  ///< from the image's vertical
 };
 

@@ -14,11 +14,11 @@
 namespace orchard::vision {
 namespace {
 
-// Window and bands are brought to this grid, so that cost and meaning do not depend on range.
+// Window and bands are resampled to this grid, so features and cost do not depend on range.
 constexpr int kRows = 16;
 constexpr int kCols = 8;  // of the window and of each band
 constexpr int kAllCols = 3 * kCols;
-constexpr double kFloor = 0.1;  // of a normalised channel under a log: dark noise stays small
+constexpr double kFloor = 0.1;  // added to a normalised channel before the log: limits dark noise
 constexpr double kSpreadFloor = 0.02;
 
 /// A third of the grid.
@@ -31,12 +31,13 @@ struct Planes {
   Plane brightness, red, blue;
 };
 
-/// A mean colour by brightness, red over green and blue over green, as logs.
+/// Mean colour: logs of brightness, red over green and blue over green.
 struct Tone {
   double brightness = 0.0, red = 0.0, blue = 0.0;
 };
 
-/// Every fourth row from the first: a mean of a scene needs no more, and costs a quarter.
+/// Every fourth row, starting with the first; enough for the mean of a scene at a quarter of the
+/// cost.
 cv::Mat thinned(const cv::Mat& pixels) {
   return {(pixels.rows + 3) / 4, pixels.cols, pixels.type(), pixels.data, 4 * pixels.step[0]};
 }
@@ -45,9 +46,9 @@ std::uint16_t add(std::uint16_t sum, std::uint8_t value) {
   return static_cast<std::uint16_t>(sum + value);
 }
 
-/// The mean of each channel: cv::mean() to the last bit, in a tenth of its time.
+/// Mean of each channel; bit-identical to cv::mean() in a tenth of its time.
 std::array<double, 3> channel_means(const cv::Mat& pixels) {
-  // Sixteen pixels are added to as many columns of sums at once; 128 rows fit into 16 bits.
+  // Adds sixteen pixels at a time to as many columns of sums; sums of 128 rows fit into 16 bits.
   constexpr std::size_t kLanes = 48;
   constexpr int kRowsAtOnce = 128;
   std::array<std::uint32_t, 3> sums{};
@@ -83,13 +84,13 @@ PixelRect band(const PixelRect& window, Part part) {
   return rect;
 }
 
-/// The part of the grid that a rectangle of the block fills.
+/// Resamples a rectangle of the block to one third of the grid.
 cv::Mat grid_of(const PixelBlock& pixels, const PixelRect& rect) {
   return area_grid(view_of(pixels, rect), kRows, kCols);
 }
 
-/// A band that mostly lies beyond the block is the other one seen in a mirror, or, where neither
-/// is there, the window itself.
+/// Grids of left band, window and right band. A band of which less than half lies inside the block
+/// is replaced by the mirrored other band, or by the mirrored window if both are missing.
 std::array<cv::Mat, 3> grids_of(const PixelBlock& pixels, const PixelRect& window) {
   std::array<cv::Mat, 3> grids;
   grids[kWindow] = grid_of(pixels, window);
@@ -107,7 +108,8 @@ std::array<cv::Mat, 3> grids_of(const PixelBlock& pixels, const PixelRect& windo
   return grids;
 }
 
-/// Logs of a channel's values times its gain, each computed once: a grid holds few different ones.
+/// Logs of a channel's values times its gain. Each is computed once, because a grid contains few
+/// different values.
 class Logarithms {
  public:
   explicit Logarithms(float gain) : gain_(gain) {}
@@ -132,7 +134,7 @@ Planes planes_of(const std::array<cv::Mat, 3>& grids) {
     const cv::Scalar sum = cv::sum(grid);
     for (int c = 0; c < 3; ++c) sums[static_cast<std::size_t>(c)] += sum[c];
   }
-  // Each channel in units of its mean over window and bands: exposure and white balance cancel.
+  // Divide each channel by its mean over window and bands: exposure and white balance cancel.
   std::array<float, 3> gains{};
   for (std::size_t c = 0; c < 3; ++c) {
     gains[c] = static_cast<float>(kRows * kAllCols / std::max(sums[c], 1.0));
@@ -156,14 +158,14 @@ Planes planes_of(const std::array<cv::Mat, 3>& grids) {
   return planes;
 }
 
-/// Sums over one part of a plane.
+/// Statistics of one part of a plane.
 struct PartStatistics {
   double mean = 0.0;
   double sd = 0.0;
   double in_columns = 0.0;  ///< fraction of the variance that lies between columns
   double rows_sd = 0.0;     ///< standard deviation of the row means
   double across = 0.0;      ///< mean absolute difference of neighbours in a row
-  double along = 0.0;       ///< and in a column
+  double along = 0.0;       ///< mean absolute difference of neighbours in a column
 };
 
 using Profile = Eigen::Array<float, 1, kAllCols>;
@@ -184,11 +186,11 @@ PartStatistics statistics_of(const Plane& plane, const Profile& profile, Part pa
   return s;
 }
 
-/// The steepest step of the column means about one side of the window.
+/// The steepest step of the column means near one side of the window.
 struct Step {
   double brightness = 0.0;  ///< absolute
-  double colour = 0.0;      ///< absolute, red and blue together, at its own steepest column
-  double agreement = 0.0;   ///< fraction of rows that step the same way, at the steepest brightness
+  double colour = 0.0;      ///< absolute, norm of red and blue, at its own steepest column
+  double agreement = 0.0;   ///< fraction of rows whose step at the brightness column has its sign
 };
 
 double step_at(const Profile& profile, int col) {
@@ -218,7 +220,7 @@ Step step_about(int side, const Planes& planes, const std::array<Profile, 3>& pr
   return step;
 }
 
-/// The value that a fraction of the values of a part lies below.
+/// The 10 % and 90 % quantiles of a part.
 struct Quantiles {
   double dark = 0.0, bright = 0.0;
 };
@@ -236,7 +238,7 @@ Quantiles quantiles_of(const Plane& plane, Part part) {
   return {*tenth, *ninetieth};
 }
 
-/// The smaller of two differences that point the same way.
+/// The smaller of two differences of the same sign; 0 if the signs differ.
 double common(double a, double b) {
   if (a * b <= 0.0) return 0.0;
   return std::abs(a) < std::abs(b) ? a : b;
@@ -254,7 +256,7 @@ AppearanceFeatures appearance_features(const PixelBlock& pixels, const PixelRect
   const Planes planes = planes_of(grids_of(pixels, window));
   const std::array<const Plane*, 3> quantities{&planes.brightness, &planes.red, &planes.blue};
   std::array<Profile, 3> profiles;
-  std::array<std::array<PartStatistics, 3>, 3> s;  // of quantity, of part
+  std::array<std::array<PartStatistics, 3>, 3> s;  // by quantity and part
   for (std::size_t q = 0; q < 3; ++q) {
     profiles[q] = quantities[q]->colwise().mean();
     for (const Part part : {kLeft, kWindow, kRight}) {

@@ -7,23 +7,23 @@
 
 namespace orchard::vision {
 
-/// What the features of a window read: its rows over the whole width of the picture.
+/// The area that appearance_features() reads: the window's rows over the whole image width.
 PixelRect appearance_reading_area(const PixelRect& window, const PixelRect& picture);
 
-/// Colour, contrast, edges and texture of a window - the columns between a trunk's two edges, over
-/// some of its rows - beside what surrounds it at the same height.
+/// Computes colour, contrast, edge and texture features of a window relative to its surroundings at
+/// the same height. The window spans the columns between a trunk's two edges.
 ///
-/// `pixels` must be as wide as the picture. Every colour is measured against means over the same
-/// rows, channel by channel, so that exposure and white balance cancel: of the window and a band
-/// of its width on either side, and of the whole rows. A band beyond the picture is replaced by
-/// the other one. Other rows of the block have no influence. Throws std::invalid_argument when
-/// the window is empty or does not lie inside the block.
+/// `pixels` must be as wide as the image. Each colour channel is normalised by its mean over the
+/// window and a band of the same width on either side, or over the whole rows, so exposure and
+/// white balance cancel. A band outside the image is replaced by the mirrored other band. Rows of
+/// the block outside the window have no influence. Throws std::invalid_argument when the window is
+/// empty or does not lie inside the block.
 AppearanceFeatures appearance_features(const PixelBlock& pixels, const PixelRect& window);
 
-/// Log of the odds that a window is a trunk's. Throws as appearance_confidence() does.
+/// Log odds that a window shows a trunk. Throws as appearance_confidence() does.
 double appearance_log_odds(const AppearanceFeatures& features, const AppearanceConfig& config);
 
-/// How likely a window is a trunk's, in [0, 1], where trunks and the rest are equally frequent.
+/// Probability in [0, 1] that a window shows a trunk, for equal priors of trunk and background.
 /// Throws std::invalid_argument when the model is not learnt.
 double appearance_confidence(const AppearanceFeatures& features, const AppearanceConfig& config);
 

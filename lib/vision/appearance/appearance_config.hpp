@@ -7,28 +7,28 @@
 
 namespace orchard::vision {
 
-/// Standardised features are cut at this many standard deviations before they are squared.
+/// Standardised features are clipped to this many standard deviations before they are squared.
 inline constexpr double kAppearanceSquareReach = 3.0;
 
-/// What trunks look like beside what surrounds them, learnt from windows on trunks and elsewhere: a
-/// logistic regression on standardised features and, where that is better, on their squares.
-/// Section `detector.appearance`. Written by `orchard calibrate trunks`, not by hand; empty until
-/// then.
+/// Learnt appearance model of trunks against their surroundings: a logistic regression on
+/// standardised features and, where that is better, on their squares. Section
+/// `detector.appearance`. Written by `orchard calibrate trunks`; empty until then.
 struct AppearanceConfig {
-  int version = kAppearanceVersion;  ///< which features the numbers belong to
-  double confidence_min = 0.5;       ///< below it a window is no trunk's: edges are not looked at
+  int version = kAppearanceVersion;  ///< version of the features that the weights belong to
+  double confidence_min = 0.5;       ///< min confidence of a trunk; below it edges are not examined
   double bias = 0.0;
-  std::vector<double> mean;     ///< of each feature over the calibration windows
-  std::vector<double> scale;    ///< its standard deviation there, > 0
-  std::vector<double> weights;  ///< of each standardised feature
-  /// Of each one's square less one, or empty: bark is neither as even as a post nor as restless as
-  /// leaves, neither grey nor gaudy.
+  std::vector<double> mean;     ///< mean of each feature over the training windows
+  std::vector<double> scale;    ///< standard deviation of each feature there, > 0
+  std::vector<double> weights;  ///< weight of each standardised feature
+  /// Weight of each standardised feature's square less one; may be empty. Squares model features
+  /// with medium values on bark: its texture lies between that of a post and that of leaves.
   std::vector<double> squares;
 
   bool learnt() const { return !weights.empty(); }
 };
 
-/// Whether the numbers fit together: all lists empty, or each with one number per feature.
+/// Whether the lists have consistent sizes: all empty, or one number per feature (squares may be
+/// empty in either case).
 inline bool fits_features(const AppearanceConfig& c) {
   const std::size_t size = c.learnt() ? kNumAppearanceFeatures : 0;
   return c.weights.size() == size && c.mean.size() == size && c.scale.size() == size &&

@@ -6,20 +6,20 @@
 
 namespace orchard::vision {
 
-/// Counts up whenever a feature is added, dropped or measured otherwise: numbers learnt of other
-/// features must not be used.
+/// Version of the feature definitions; +1 with every change. Weights learnt with another version
+/// must not be used.
 inline constexpr int kAppearanceVersion = 1;
 
-/// What each number says of a window and of the bands beside it. Brightness, red and blue are logs
-/// of a pixel's light, of red over green and of blue over green.
+/// Names of the features of a window and the bands beside it. Brightness, red and blue are the logs
+/// of a pixel's brightness, of red over green and of blue over green.
 inline constexpr std::array kAppearanceFeatureNames{
-    // how the window's mean differs from that of both bands
+    // mean of the window less the mean of both bands
     "brightness_contrast", "red_contrast", "blue_contrast",
-    // the smaller of the differences to either band, 0 where they point different ways
+    // the smaller of the differences to the two bands, 0 if their signs differ
     "brightness_stands_out", "red_stands_out", "blue_stands_out",
-    // the window's mean against that of its rows over the whole picture
+    // mean of the window less that of its rows over the whole image
     "brightness_in_scene", "red_in_scene", "blue_in_scene",
-    // how the bands differ from one another
+    // absolute difference of the two bands
     "brightness_bands_differ", "red_bands_differ", "blue_bands_differ",
     // logs of standard deviations
     "brightness_spread", "red_spread", "blue_spread",  //
@@ -30,16 +30,16 @@ inline constexpr std::array kAppearanceFeatureNames{
     "brightness_in_columns", "blue_in_columns", "brightness_in_columns_beside",
     // steps of the column means at the window's sides: the weaker and the stronger side
     "brightness_step_weak", "brightness_step_strong", "colour_step_weak", "colour_step_strong",
-    // fraction of rows whose step at that column has the same sign
+    // fraction of rows whose step has the same sign at the column of the steepest brightness step
     "step_agrees_weak", "step_agrees_strong",
     // middle against sides, and left half against right
     "brightness_bulge", "brightness_slant",
-    // spread of row means, window against bands; quantiles, window against bands
+    // window against bands: spread of the row means; 90 % and 10 % quantiles of brightness
     "rows_spread", "brights_contrast", "darks_contrast"};
 
 inline constexpr std::size_t kNumAppearanceFeatures = kAppearanceFeatureNames.size();
 
-/// One number per name, in that order.
+/// The feature values in the order of kAppearanceFeatureNames.
 using AppearanceFeatures = std::array<double, kNumAppearanceFeatures>;
 
 }  // namespace orchard::vision

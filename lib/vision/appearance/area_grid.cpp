@@ -11,8 +11,8 @@ namespace {
 
 constexpr int kChannels = 3;
 
-/// The source lines that one line of the grid covers: whole ones in between, the first and the
-/// last by their fraction.
+/// The source rows (or columns) covered by one row (or column) of the grid, and their weights; the
+/// first and the last may be covered partly.
 struct Cover {
   int first = 0;
   int last = 0;

@@ -5,10 +5,9 @@
 
 namespace orchard::vision {
 
-/// A picture (CV_8UC3) brought down to a grid of a few cells, each the mean of the area that it
-/// covers, edges by their fraction: cv::resize() with INTER_AREA to a rounding, in a fraction of
-/// its time, as rows are added up before columns. What is smaller than the grid goes to
-/// cv::resize().
+/// Resamples an image (CV_8UC3) to a small grid whose cells are the mean of the area that they
+/// cover. Equals cv::resize() with INTER_AREA up to rounding, but is much faster, because rows are
+/// summed before columns. Images smaller than the grid are passed to cv::resize().
 cv::Mat area_grid(const cv::Mat& pixels, int rows, int cols);
 
 }  // namespace orchard::vision

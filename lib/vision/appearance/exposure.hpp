@@ -8,16 +8,17 @@
 
 namespace orchard::vision {
 
-/// What a camera's control leaves in the sun, in steps that double the light: windows are learnt at
-/// all of these. Too little light cancels, as clipping does not.
+/// Overexposures [EV] at which training windows are simulated: what a camera's exposure control may
+/// leave in the sun. Underexposure needs no simulation: it cancels in the features, clipping does
+/// not.
 inline constexpr std::array kLearntExposures_ev{0.0, 1.0, 2.0};
 
-/// A channel's values as they would have been with `gain` times the light: sRGB's curve undone,
-/// multiplied, clipped at white.
+/// Lookup table of a channel for `gain` times the light: linearises the sRGB value, multiplies,
+/// clips at white and encodes it again.
 std::array<std::uint8_t, 256> exposure_curve(double gain);
 
-/// The pixels as another exposure would have made them; each step of `exposure_ev` doubles the
-/// light. What was white before stays white: darker than it was it cannot be had.
+/// Simulates another exposure of the pixels, `exposure_ev` [EV] brighter. Clipped pixels have lost
+/// their true value, so a darker exposure cannot be simulated correctly.
 PixelBlock exposed(const PixelBlock& pixels, double exposure_ev);
 
 }  // namespace orchard::vision

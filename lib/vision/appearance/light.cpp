@@ -10,7 +10,7 @@
 namespace orchard::vision {
 namespace {
 
-// Beyond these a channel no longer tells what the light did to it.
+// Values outside these limits do not scale with the light.
 constexpr int kDark = 4;
 constexpr int kClipped = 250;
 

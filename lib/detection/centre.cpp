@@ -16,7 +16,7 @@ struct Estimate {
   double variance = 0.0;
 };
 
-/// What trunks of the model have, as a radius.
+/// Mean and variance of a trunk's radius in the width model.
 Estimate model_radius(const Rig& rig) {
   const laser::WidthConfig& trunks = rig.detector.width;
   return {0.5 * trunks.mean_m, 0.25 * geometry::square(std::max(trunks.sd_m, trunks.sd_floor_m))};
@@ -31,13 +31,13 @@ Estimate radius_of(const laser::Segment& segment, bool is_trunk, const Rig& rig)
   return {model.mean + weight * (measured.mean - model.mean), weight * measured.variance};
 }
 
-/// A place in the laser frame and its covariance xx xy yy.
+/// A position in the laser frame and its covariance xx xy yy.
 struct Place {
   double x_m = 0.0, y_m = 0.0;
   std::array<double, 3> covariance{};
 };
 
-/// Range to the bark plus radius, in the middle of what shows.
+/// Centre without a circle: range to the bark plus radius, at the bearing of the visible middle.
 Place by_range(const laser::Segment& segment, const laser::Scan& scan, bool is_trunk, bool hidden,
                const Rig& rig) {
   const Estimate radius = radius_of(segment, is_trunk, rig);
@@ -46,8 +46,8 @@ Place by_range(const laser::Segment& segment, const laser::Scan& scan, bool is_t
   const double along_m2 =
       geometry::square(rig.laser.range_sd_at(segment.range_m)) / std::max(segment.num_beams, 1) +
       radius.variance;
-  // Each side of an object may lie anywhere within one beam step; the middle is their mean. A
-  // hidden side may lie anywhere within the trunk.
+  // Each side is uniform within one beam step, and the middle is the mean of both. With a hidden
+  // side the visible middle may be off by half a trunk's width.
   double across_m2 = geometry::square(range_m * scan.bearing_step_rad) / 12.0;
   if (hidden) {
     across_m2 += geometry::square(0.5 * rig.detector.width.mean_m);
@@ -58,8 +58,7 @@ Place by_range(const laser::Segment& segment, const laser::Scan& scan, bool is_t
            s * s * along_m2 + c * c * across_m2}};
 }
 
-/// The circle's centre; of a trunk, the one that goes with the radius that its model and the circle
-/// agree on (a Kalman update with the model's radius).
+/// Centre by the circle. For a trunk, a Kalman update with the model's radius corrects it.
 Place by_circle(const laser::CircleFit& circle, bool is_trunk, const Rig& rig) {
   const auto& [xx, xy, yy, xr, yr, rr] = circle.covariance;
   if (!is_trunk) return {circle.x_m, circle.y_m, {xx, xy, yy}};
@@ -79,7 +78,7 @@ void place_in_base(Detection& detection, const laser::Segment& segment, const la
   const laser::LaserConfig& mount = rig.laser;
   Place place = segment.circle ? by_circle(*segment.circle, is_trunk, rig)
                                : by_range(segment, scan, is_trunk, detection.occlusion != 0, rig);
-  // what all beams share moves the centre along the line of sight
+  // The error common to all beams moves the centre along the line of sight.
   const double shared2 = geometry::square(mount.target_sd_fraction);
   auto& [xx, xy, yy] = place.covariance;
   xx += shared2 * geometry::square(place.x_m);

@@ -3,7 +3,7 @@
 
 namespace orchard::detection {
 
-/// When laser and image edges disagree so much and so long that a person must hear of it. Section
+/// Monitor that warns when laser and image edges disagree for long. Section
 /// `detector.extrinsics_monitor`.
 struct ConsistencyConfig {
   bool enabled = true;

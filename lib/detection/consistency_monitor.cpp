@@ -14,16 +14,16 @@ namespace {
 /// Message time between two comparisons [s]: edges are costly.
 constexpr double kPeriod_s = 0.5;
 
-/// Message time over which the median runs [s]: longer than one odd thing is in view.
+/// Window of the running median in message time [s]; longer than a single object stays in view.
 constexpr double kDisagreementWindow_s = 20.0;
 
-/// A median of fewer objects says nothing.
+/// Min number of observations for a median.
 constexpr int kObjectsMin = 20;
 
-/// A median disagreement from here on raises the warning [deg].
+/// Median disagreement that raises the warning [deg].
 constexpr double kWarn_deg = 0.75;
 
-/// One below this takes it back [deg].
+/// Median disagreement below which the warning is cleared [deg].
 constexpr double kClear_deg = 0.5;
 
 }  // namespace
@@ -46,7 +46,7 @@ void ConsistencyMonitor::add(std::int64_t utime, const std::vector<double>& offs
     observations_.pop_front();
   }
   const bool is_long = timing::seconds(utime - first_utime_) >= kDisagreementWindow_s;
-  if (!is_long || num_observations() < kObjectsMin) return;  // too little to change its mind
+  if (!is_long || num_observations() < kObjectsMin) return;  // too few: keep the state
   std::vector<double> values;
   values.reserve(observations_.size());
   for (const Observation& observation : observations_) values.push_back(observation.offset_px);

@@ -10,35 +10,35 @@
 
 namespace orchard::detection {
 
-/// Largest disagreement of laser and image edges that is looked for [deg].
+/// Search window: largest disagreement of laser and image edges that can be found [deg].
 inline constexpr double kSearchWindow_deg = 4.0;
 
-/// Watches how far the edges that pictures show stand from where the laser expects them, and says
-/// so when the running median disagrees for long. Time is the messages' own.
+/// Extrinsics monitor: compares the edges found in images with the columns expected by the laser,
+/// and warns when the running median of the offsets stays large. Time is message time.
 ///
-/// The median is signed: it finds a camera turned about its vertical axis, and a delay while the
-/// robot turns one way. A delay alone cancels out over curves to both sides; it is measured by
-/// `orchard calibrate delay`. Disagreements beyond kSearchWindow_deg are not seen at all.
+/// The median is signed. It detects a camera rotated about its vertical axis, and a delay while the
+/// robot turns one way. A delay cancels over curves to both sides; `orchard calibrate delay`
+/// measures it. Disagreements beyond kSearchWindow_deg are not detected.
 class ConsistencyMonitor {
  public:
-  /// `focal_px`: the camera's focal length across the columns, for degrees.
+  /// `focal_px`: the camera's horizontal focal length, to convert pixels to degrees.
   ConsistencyMonitor(const ConsistencyConfig& config, double focal_px);
 
-  /// Whether it is time to look at a picture's edges again.
+  /// Whether the next comparison is due; they are limited in rate because edges are costly.
   bool is_due(std::int64_t utime) const;
 
-  /// Takes what was found at a time [us], not before the last one: found minus expected column of
-  /// each object's middle [px]. Empty when the picture showed none.
+  /// Adds the offsets found at a time [us], in order of time: found minus expected column of each
+  /// object's middle [px]. Empty if the image showed none.
   void add(std::int64_t utime, const std::vector<double>& offsets_px);
 
-  /// The running median [px]; 0 while there are too few observations in too little time.
+  /// The running median [px]; 0 until there are enough observations over enough time.
   double median_px() const { return median_px_; }
   int num_observations() const { return static_cast<int>(observations_.size()); }
   bool is_raised() const { return raised_; }
 
-  /// The disagreement now as a sentence for a person; empty when all is well.
+  /// The present disagreement as a message for the user; empty unless raised.
   std::string warning() const;
-  /// The largest disagreement of the whole run, when it was ever raised; empty otherwise.
+  /// The largest disagreement of the whole run as a message; empty if it was never raised.
   std::string whole_run() const;
 
  private:
@@ -56,8 +56,8 @@ class ConsistencyMonitor {
   std::int64_t last_utime_ = INT64_MIN;
   double median_px_ = 0.0;
   bool raised_ = false;
-  std::int64_t raised_us_ = 0;  ///< of the whole run
-  double worst_px_ = 0.0;       ///< while raised
+  std::int64_t raised_us_ = 0;  ///< total time raised in the whole run
+  double worst_px_ = 0.0;       ///< largest median while raised
 };
 
 }  // namespace orchard::detection

@@ -21,7 +21,7 @@ namespace {
 
 enum class LaserDecision { kCandidate, kObject, kHidden };
 
-/// What reflectors say of an object; nobody can tell when the scanner gives no intensities.
+/// Result of the reflector test; kUntold if reflectors are used but the scan has no intensities.
 enum class ReflectorDecision { kNothing, kNoTree, kUntold };
 
 ReflectorDecision judge_by_reflector(const laser::Segment& segment, const laser::Scan& scan,
@@ -33,8 +33,9 @@ ReflectorDecision judge_by_reflector(const laser::Segment& segment, const laser:
                                              : ReflectorDecision::kNoTree;
 }
 
-/// Whether an object is a trunk by the reflector it carries, however wide or hidden it is. A
-/// reflector blooms by a beam on either side; what is wider even so is a sheet of metal.
+/// Whether an object is a trunk because it carries a reflector, even if it is hidden or fails the
+/// width test. A reflector appears wider by one beam on either side (blooming); an object that is
+/// too wide even after subtracting this is not a trunk, for example a sheet of metal.
 bool stands_by_reflector(const laser::Segment& segment, const laser::Scan& scan,
                          const DetectorConfig& config) {
   if (config.segmentation.reflector != laser::ReflectorUse::kOnly || !segment.is_reflector) {
@@ -51,7 +52,8 @@ bool is_half_hidden(const laser::Segment& segment) {
   return segment.occluded_left || segment.occluded_right;
 }
 
-/// Of what is half hidden only a circle's bend tells the width, and how well it does.
+/// roc_laser of an object's width. The width of a half-hidden object comes from the curvature of
+/// its circle, so its uncertainty is added to the model's sigma.
 double roc_of_width(const laser::Segment& segment, double bearing_step_rad,
                     const DetectorConfig& config) {
   if (!is_half_hidden(segment) || !segment.circle || config.visible_fraction_min >= 1.0) {
@@ -62,8 +64,8 @@ double roc_of_width(const laser::Segment& segment, double bearing_step_rad,
   return laser::roc_laser(segment.width_m, segment.range_m, bearing_step_rad, measured);
 }
 
-/// Fraction of a trunk that shows, if it is one: of the width on which its circle and the model
-/// agree.
+/// Visible fraction of an object if it is a trunk. The trunk's width is the variance-weighted mean
+/// of the circle's and the model's.
 double visible_fraction(const laser::Segment& segment, const laser::WidthConfig& trunks) {
   if (!segment.circle) return segment.width_m / trunks.mean_m;
   const double model_m2 = std::pow(std::max(trunks.sd_m, trunks.sd_floor_m), 2);
@@ -72,8 +74,9 @@ double visible_fraction(const laser::Segment& segment, const laser::WidthConfig&
   return segment.visible_fraction * segment.width_m / width_m;
 }
 
-/// An object with a hidden side is at least as wide as what shows of it, or as its circle says:
-/// too wide is an object; anything less cannot be told unless most of a trunk shows.
+/// Classifies an object by its width. The visible width of a half-hidden object, or its circle's
+/// width less 2 sigma, is a lower bound: if too wide it is an object, otherwise undecided (kHidden)
+/// unless at least visible_fraction_min of a trunk is visible.
 LaserDecision judge_by_laser(const laser::Segment& segment, double roc_laser,
                              double bearing_step_rad, const DetectorConfig& config) {
   if (is_half_hidden(segment)) {
@@ -110,10 +113,10 @@ Detection laser_detection(const laser::Segment& segment, const laser::Scan& scan
   return d;
 }
 
-/// What is decoded of a picture, and its edges from the first time somebody asks for them.
+/// Decoded pixels of an image, and their edge map, computed when first needed.
 struct Pixels {
   vision::PixelBlock block;
-  vision::PixelRect windows;  ///< where edges may be asked for
+  vision::PixelRect windows;  ///< area of the edge map
   std::optional<vision::EdgeMap> edges;
 };
 
@@ -135,7 +138,7 @@ ColourVerdict judge_colour(const TrunkView& view, const vision::PixelBlock& pixe
   return {colour.passed, colour.roc};
 }
 
-/// Colour, and edges only of what has a trunk's colour; gives roc_vision.
+/// Tests colour and, if it passes, edges. Fills the confidences of `d` and returns roc_vision.
 double judge_by_vision(Detection& d, const TrunkView& view, Pixels& pixels, const Rig& rig) {
   const DetectorConfig& config = rig.detector;
   const ColourVerdict colour = judge_colour(view, pixels.block, rig);
@@ -164,7 +167,7 @@ AdaptationObservation look_at(const Detection& d, const std::optional<vision::Wi
   return {d.centre_x_m, d.centre_y_m, d.width_m, d.roc_laser, d.roc_colour, d.roc_vision, light};
 }
 
-/// States the probabilities of all detections; labels by them where the rig decides so.
+/// Sets the probabilities of all detections, and their labels with Decision::kProbability.
 void judge_probabilities(std::vector<Detection>& trunks, const Rig& rig) {
   const DetectorConfig& config = rig.detector;
   if (!config.probability.enabled) return;
@@ -173,7 +176,7 @@ void judge_probabilities(std::vector<Detection>& trunks, const Rig& rig) {
     d.probability_tree = static_cast<float>(p.tree);
     d.probability_object = static_cast<float>(p.object);
     if (config.decision != Decision::kProbability || d.label == Label::kUnseen) continue;
-    // what the laser refuses is an OBJECT: no camera has looked at it
+    // An object rejected by the laser stays an OBJECT: the camera has not examined it.
     if (rig.has_camera && d.roc_laser < config.roc_laser_threshold) continue;
     d.label = label_of(p.tree, config.probability.tree_min);
   }
@@ -255,7 +258,7 @@ DetectResult look_at_candidates(LaserFindings findings, vision::PictureReader* p
   auto pixels = fits_camera(picture->image(), rig) ? picture->read(reading) : std::nullopt;
   result.image_unusable = !pixels.has_value();
   if (!pixels) return result;
-  // Light is measured as the camera gives it, before it is undone.
+  // Measure the light in the camera's own colours, before the gains are applied.
   std::vector<std::optional<vision::WindowLight>> lights(views.size());
   if (rig.detector.adaptation.enabled) {
     for (std::size_t i = 0; i < views.size(); ++i) {

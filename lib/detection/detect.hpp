@@ -16,51 +16,55 @@
 
 namespace orchard::detection {
 
-/// An object that the laser takes for a possible trunk, so that the camera must look at it.
+/// An object that may be a trunk according to the laser and is to be judged by the camera.
 struct Candidate {
   std::size_t index = 0;  ///< into LaserFindings::detections.trunks
   laser::Segment segment;
 };
 
-/// What the laser alone shows: all that can be known of a scan before its picture is there.
+/// Result of the laser's half of the detector: everything that does not need the image.
 struct LaserFindings {
-  Detections detections;              ///< candidates are UNSEEN still
-  std::vector<Candidate> candidates;  ///< none of a rig without a camera
-  /// Reflectors count (segmentation.reflector) but the scan has no intensities: all is UNSEEN.
+  Detections detections;              ///< candidates are still UNSEEN
+  std::vector<Candidate> candidates;  ///< empty for a rig without a camera
+  /// Reflectors are used (segmentation.reflector), but the scan has no intensities; all objects are
+  /// UNSEEN.
   bool intensities_missing = false;
   double beam_period_s = 0.0;  ///< of the scan; 0 = unknown
 };
 
-/// What a scan and its picture show.
+/// Result of the detector for a scan and its image.
 struct DetectResult {
-  Detections detections;             ///< seq is left 0: the sender's
-  bool image_needed = false;         ///< a candidate stands in its view
-  bool image_unusable = false;       ///< needed, but did not decode or of another size
+  Detections detections;             ///< seq is 0; the sender sets it
+  bool image_needed = false;         ///< a candidate is in the camera's view
+  bool image_unusable = false;       ///< needed, but it does not decode or has another size
   bool intensities_missing = false;  ///< as in LaserFindings
   std::vector<AdaptationObservation>
-      observations;  ///< at candidates; none unless adaptation is enabled
+      observations;  ///< of candidates; empty unless adaptation is enabled
 };
 
-/// The laser's half of the detector: segment, width. A rig without a camera needs no other.
+/// The laser's half of the detector: segmentation and width test. Complete for a rig without a
+/// camera.
 LaserFindings find_by_laser(const laser::Scan& scan, const Rig& rig);
 
-/// From each beam to the exposure of a picture, camera.delay_s before its utime; none without a
-/// motion.
+/// Motion from each beam to the exposure of an image, which is camera.delay_s before its utime.
+/// None without a motion.
 std::optional<ScanToPicture> to_picture(const LaserFindings& findings, const vision::Image& image,
                                         const Rig& rig, const std::optional<Motion>& motion);
 
-/// The camera's half: project, colour, edges, fuse. `picture` may be null; `motion` as in detect().
+/// The camera's half of the detector: project, colour, edges, fuse. `picture` may be null; `motion`
+/// as in detect().
 DetectResult judge_by_camera(LaserFindings findings, vision::PictureReader* picture, const Rig& rig,
                              const std::optional<Motion>& motion = std::nullopt);
 
-/// The paper's detector: segment, width, project, colour, edges, fuse. `image` may be null.
+/// Detects trees and other objects in a scan and its image: segment, width, project, colour, edges,
+/// fuse. `image` may be null.
 ///
-/// An object that the laser rejects is an OBJECT whatever the camera sees. A candidate that the
-/// camera does not see in full, or of which something nearer hides a side, is UNSEEN; its roc_tree
-/// stays 0. Of a rig without a camera roc_tree is roc_laser. A pure function; only the windows of
-/// the picture are decoded. Source: Shalal et al. 2013, section 4 and figure 4.
-/// `motion` of base about the picture's time, where known, moves each object's points from their
-/// own beams' time to the picture's exposure.
+/// An object that the laser rejects is an OBJECT; the camera does not examine it. A candidate that
+/// is not fully inside the image or has a hidden side (see visible_fraction_min) is UNSEEN with
+/// roc_tree 0. For a rig without a camera roc_tree is roc_laser. A pure function; only the windows
+/// of the image are decoded. `motion`: of base about the time of the image, if known; moves each
+/// object's points from the time of their beams to the exposure. Source: Shalal et al. 2013,
+/// section 4 and figure 4.
 DetectResult detect(const laser::Scan& scan, const vision::Image* image, const Rig& rig,
                     const std::optional<Motion>& motion = std::nullopt);
 

@@ -41,7 +41,7 @@ struct TrunkFields {
   }
 };
 
-/// detections_v2_t, or with `kIsFirstRelease` detections_t, which old logs hold.
+/// The fields of detections_v2_t, or with `kIsFirstRelease` those of detections_t in old logs.
 template <bool kIsFirstRelease>
 struct DetectionsFields {
   template <class M, class Visitor>

@@ -11,19 +11,19 @@
 
 namespace orchard::detection {
 
-/// What judges the colour of a window.
+/// Model that computes roc_colour of a window.
 enum class ColourModel {
-  kHueInterval,  ///< the paper's rule: section `detector.colour`
-  kAppearance,   ///< learnt from the rig's own trunks: section `detector.appearance`
+  kHueInterval,  ///< the paper's rule; section `detector.colour`
+  kAppearance,   ///< learnt from the rig's own trunks; section `detector.appearance`
 };
 
-/// What turns measurements into TREE or OBJECT.
+/// Rule that labels a detection TREE or OBJECT.
 enum class Decision {
-  kRoc,          ///< the paper's: roc_tree against tree_threshold
-  kProbability,  ///< probability_tree of at least detector.probability.tree_min
+  kRoc,          ///< the paper's rule: TREE if roc_tree is at least tree_threshold
+  kProbability,  ///< TREE if probability_tree is at least detector.probability.tree_min
 };
 
-/// Everything between a scan-image pair and its detections. Section `detector`.
+/// Parameters of the detector. Section `detector`.
 struct DetectorConfig {
   laser::SegmentationConfig segmentation;
   laser::WidthConfig width;
@@ -33,15 +33,16 @@ struct DetectorConfig {
   vision::AppearanceConfig appearance;
   vision::EdgeConfig edges;
   double roc_laser_threshold = 0.011108996538242306;  ///< exp(-4.5): 3 sigma. The paper's ROC_th
-  double visible_fraction_min = 1.0;  ///< visible fraction of a half-hidden trunk that is judged
+  double visible_fraction_min = 1.0;  ///< min visible fraction for a half-hidden trunk to be judged
   double colour_weight = 0.6;         ///< roc_vision = w colour + (1 - w) edges
   double laser_weight = 0.5;          ///< roc_tree = w laser + (1 - w) vision
-  double tree_threshold = 0.6;        ///< TREE from this roc_tree on
+  double tree_threshold = 0.6;        ///< min roc_tree of a TREE
   Decision decision = Decision::kRoc;
   ProbabilityConfig probability;
-  double pairing_tolerance_s = 0.06;  ///< a picture farther in time than this is not a pair
-  double image_wait_s = 0.25;         ///< of message time: how long a scan waits for pictures
-  /// Points move on by ODOMETRY from their beam's time to the picture's; scans then wait for it.
+  double pairing_tolerance_s = 0.06;  ///< max time between a scan and its image
+  double image_wait_s = 0.25;         ///< message time for which a scan waits for images
+  /// Compensates the motion from each beam's time to the exposure by ODOMETRY; scans then wait for
+  /// ODOMETRY, too.
   bool use_odometry = false;
   AdaptationConfig adaptation;
   ConsistencyConfig extrinsics_monitor;

@@ -8,11 +8,12 @@
 namespace orchard::detection {
 namespace {
 
-/// Weaker lines are texture and background.
+/// Min roc of a line; weaker lines are texture and background.
 constexpr double kRocMin = 0.5;
-/// Two lines nearer than this are one, found from two windows.
+/// Lines nearer to each other than this are one line found in two windows.
 constexpr double kSameLine_px = 1.0;
-/// How well the picture's width must fit the laser's: a beam step and a pixel, and a fraction.
+/// Tolerance of the width in the image against the laser's: about a beam step and a pixel, plus a
+/// fraction of the width.
 constexpr double kWidthTolerance_px = 1.5;
 constexpr double kWidthToleranceFraction = 0.15;
 
@@ -21,7 +22,7 @@ vision::PixelRect widened(const vision::PixelRect& window, double reach_px) {
   return {window.x_px - reach, window.y_px, window.width_px + 2 * reach, window.height_px};
 }
 
-/// The lines that windows slid across the reach show.
+/// Finds lines in windows that are shifted across the search range in steps of half a window.
 std::vector<vision::EdgeLine> lines_about(const vision::EdgeMap& map,
                                           const vision::PixelRect& window, double expected_x_px,
                                           double reach_px, const Rig& rig) {

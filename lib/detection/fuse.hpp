@@ -16,7 +16,7 @@ double fuse_vision(double roc_colour, double roc_edges, double colour_weight);
 /// B2, whose colour failed: 0.461 = 0.5 x its roc_laser).
 double fuse_tree(double roc_laser, double roc_vision, double laser_weight);
 
-/// TREE from the threshold on.
+/// TREE if roc_tree is at least the threshold, otherwise OBJECT.
 inline Label label_of(double roc_tree, double tree_threshold) {
   return roc_tree >= tree_threshold ? Label::kTree : Label::kObject;
 }

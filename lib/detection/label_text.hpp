@@ -5,7 +5,7 @@
 
 namespace orchard::detection {
 
-/// The word for a class in files and tables: "tree", "object" or "unseen".
+/// The name of a label in files and tables: "tree", "object" or "unseen".
 inline const char* label_text(Label label) {
   switch (label) {
     case Label::kTree:

@@ -6,22 +6,23 @@
 
 namespace orchard::detection {
 
-/// How base moves about the time of a picture, from the wheels: the mean since the motion before.
+/// Speed and yaw rate of base from ODOMETRY: the mean over the interval since the previous motion.
 struct Motion {
-  std::int64_t utime = 0;       ///< its end [us]
+  std::int64_t utime = 0;       ///< end of the interval [us]
   double speed_mps = 0.0;       ///< along base x
   double yaw_rate_radps = 0.0;  ///< about base z
 };
 
-/// An older motion says nothing of now.
+/// Max time between a motion and the instant that it is used for.
 inline constexpr std::int64_t kMotionAgeMax_us = 200'000;
 
-/// How base moves from each beam of a scan to the exposure of its picture.
+/// Motion of base from each beam of a scan to the exposure of its image.
 ///
-/// A beam's own time counts: at 0.5 rad/s the last beam of a 75 ms sweep sees a trunk 37 mrad
-/// (8 px at f = 222 px) from where the first would. What remains inside one object is below half a
-/// pixel: both its sides are moved by their own time. Its width is left as measured: the sweep
-/// turns 60 rad/s, so a robot at 0.5 rad/s makes a trunk 0.8 % wider or narrower, 1 mm of 125 mm.
+/// Each beam is compensated from its own time: at 0.5 rad/s the last beam of a 75 ms sweep sees a
+/// trunk 37 mrad (8 px at f = 222 px) away from where the first beam would. Both sides of an object
+/// are moved by their own times, which leaves an error below half a pixel within the object. The
+/// width is not compensated: the sweep turns at 60 rad/s, so a robot turning at 0.5 rad/s makes a
+/// trunk 0.8 % wider or narrower, 1 mm of 125 mm.
 struct ScanToPicture {
   Motion motion;
   double first_beam_dt_s = 0.0;  ///< from the scan's first beam to the exposure
@@ -30,18 +31,18 @@ struct ScanToPicture {
   double dt_s(double beam) const { return first_beam_dt_s - beam * beam_period_s; }
 };
 
-/// A point of the plane, in the base or laser frame.
+/// A 2D point in the base or laser frame.
 struct PlanePoint {
   double x_m = 0.0;
   double y_m = 0.0;
 };
 
-/// Where a resting point is in base after base has moved for dt_s (either sign) with constant
+/// Position of a static point in base after base has moved for dt_s (either sign) with constant
 /// speed and yaw rate.
 inline PlanePoint after_motion(const PlanePoint& p_base, const Motion& motion, double dt_s) {
   const double turn_rad = motion.yaw_rate_radps * dt_s;
   const double way_m = motion.speed_mps * dt_s;
-  // The chord of the arc that base drives, in the base frame before it.
+  // Chord of the arc driven by base, in the base frame at its start.
   const double half_rad = 0.5 * turn_rad;
   const double chord_m = std::abs(half_rad) < 1e-9 ? way_m : way_m * std::sin(half_rad) / half_rad;
   const double x_m = p_base.x_m - chord_m * std::cos(half_rad);

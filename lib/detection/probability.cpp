@@ -23,9 +23,8 @@ double score(const std::vector<double>& weights, const ProbabilityFeatures& feat
   return sum;
 }
 
-/// The camera looks at what the laser takes for a trunk, and may find nothing of a trunk's colour:
-/// a message does not say whether it looked, but its roc_laser does (three standard deviations, the
-/// default of roc_laser_threshold).
+/// Min roc_laser of candidates (three standard deviations, the default of roc_laser_threshold).
+/// Shows whether the camera examined an object with roc_colour 0, because the message does not say.
 constexpr float kRocLaserOfCandidates = 0.0111f;
 
 }  // namespace
@@ -64,7 +63,7 @@ TreeProbability tree_probability(const Detection& d, double width_mean_m,
   const ProbabilityFeatures features = probability_features(d, width_mean_m);
   const double tree = score(judged ? config.judged_tree : config.laser_tree, features);
   const double object = score(judged ? config.judged_object : config.laser_object, features);
-  const double most = std::max({0.0, tree, object});  // so that no exponential overflows
+  const double most = std::max({0.0, tree, object});  // avoids overflow of the exponentials
   const double e_tree = std::exp(tree - most), e_object = std::exp(object - most);
   const double sum = e_tree + e_object + std::exp(-most);
   return {e_tree / sum, e_object / sum};

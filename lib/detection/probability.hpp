@@ -8,32 +8,31 @@
 
 namespace orchard::detection {
 
-/// What kind of observation a detection is, and with that which weights speak about it.
+/// Kind of an observation; selects the weights for its probabilities.
 enum class ViewKind {
-  kJudged,     ///< a trunk to the laser, and judged
-  kLaserOnly,  ///< the laser alone: UNSEEN but whole, or too far from a trunk's width to be looked
-               ///< at
-  kHidden,     ///< UNSEEN, and something nearer hides a side: nothing has judged it
+  kJudged,     ///< a trunk candidate that was judged (see view_kind())
+  kLaserOnly,  ///< measured by the laser alone: fully visible but UNSEEN, or rejected by its width
+  kHidden,     ///< UNSEEN with a hidden side: not judged by any sensor
 };
 
-/// Of a labelled detection; a rig without a camera labels everything it has whole.
+/// The kind of a labelled detection. A rig without a camera labels every object that is not hidden.
 ViewKind view_kind(const Detection& detection);
 
 using ProbabilityFeatures = std::array<double, kNumJudgedFeatures>;
 
-/// What is known of a detection as numbers of about one in size; see ProbabilityConfig for their
-/// order. All from the message, so that a derived log suffices to learn from. Width z is signed:
-/// from roc_laser = exp(-z^2 / 2) and the side of `width_mean_m` it lies on, within 5.
+/// Features of a detection, scaled to about 1; see ProbabilityConfig for their order. They use only
+/// fields of the message, so a derived log suffices for training. The width's z-score is computed
+/// from roc_laser = exp(-z^2 / 2), with the sign of width_m - width_mean_m, limited to [-5, 5].
 ProbabilityFeatures probability_features(const Detection& detection, double width_mean_m);
 
-/// Probabilities of one observation; unknown is the rest to 1.
+/// Probabilities of one observation; the remainder to 1 is that of unknown.
 struct TreeProbability {
   double tree = 0.0;
   double object = 0.0;
 };
 
-/// Multinomial logistic regression over the features. Both 0 for kHidden and for a model that is
-/// not enabled: unknown. Finite whatever the features.
+/// Computes the probabilities by multinomial logistic regression over the features. Both are 0
+/// (unknown) for kHidden and if the model is not enabled. Finite for any features.
 TreeProbability tree_probability(const Detection& detection, double width_mean_m,
                                  const ProbabilityConfig& config);
 

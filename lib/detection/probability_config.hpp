@@ -6,30 +6,29 @@
 
 namespace orchard::detection {
 
-/// Features of what the camera or a sure laser judged; see probability_features().
+/// Number of features of detections of kind kJudged; see probability_features().
 inline constexpr std::size_t kNumJudgedFeatures = 10;
-/// Features of what only the laser saw: the first of them.
+/// Number of features of detections measured by the laser alone: the first ones of the same list.
 inline constexpr std::size_t kNumLaserFeatures = 6;
 
-/// Weights that turn what the detector measured into probabilities of tree, object and unknown.
-/// Section `detector.probability`. Written by `orchard calibrate probability`, not by hand.
+/// Weights of the regression from a detection's features to the probabilities of tree, object and
+/// unknown. Section `detector.probability`. Written by `orchard calibrate probability`.
 ///
-/// The laser's lists speak where no camera has looked, or the laser was sure enough by itself; the
-/// judged ones where it has. Order of each list: 1, width_z, width_z^2 / 5, range_m, log(beams /
-/// 10), hidden sides; judged ones also: log odds of roc_colour, roc_colour is 0, roc_edges,
-/// roc_edges is 0.
+/// The laser lists apply to detections of kind ViewKind::kLaserOnly, the judged lists to kJudged.
+/// Order of each list: 1, width_z, width_z^2 / 5, range_m, log(beams / 10), hidden sides; judged
+/// lists also: log odds of roc_colour, roc_colour is 0, roc_edges, roc_edges is 0.
 struct ProbabilityConfig {
   bool enabled = false;
   std::vector<double> judged_tree;  ///< log odds of tree against unknown, per feature
   std::vector<double> judged_object;
-  std::vector<double> laser_tree;  ///< the same where no camera has looked
+  std::vector<double> laser_tree;  ///< the same for detections by the laser alone
   std::vector<double> laser_object;
-  double tree_min = 0.5;  ///< TREE from this probability on (decision: probability)
+  double tree_min = 0.5;  ///< min probability of a TREE (decision: probability)
 
   bool learnt() const { return !judged_tree.empty(); }
 };
 
-/// Whether the lists fit together: all empty, or each with one number per feature.
+/// Whether the lists have consistent sizes: all empty, or one number per feature.
 inline bool fits_features(const ProbabilityConfig& c) {
   const std::size_t judged = c.learnt() ? kNumJudgedFeatures : 0;
   const std::size_t laser = c.learnt() ? kNumLaserFeatures : 0;

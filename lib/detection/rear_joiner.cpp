@@ -13,22 +13,21 @@ namespace {
 
 constexpr std::int64_t kUnknownTurn_us = 100'000;
 
-/// A tenth of a turn that clocks and a scanner's speed may be off.
+/// Margin for clock errors and variations of a scanner's speed.
 constexpr double kTurnMargin = 1.1;
 
-/// No robot maps trees faster: where the wheels do not say how far it moved between two
-/// observations of a trunk, it has moved by less.
+/// Max speed of a robot; bounds its motion between two observations of a trunk without ODOMETRY.
 constexpr double kSpeedMax_mps = 2.0;
 
 constexpr std::size_t kMotionsMax = 1024;
 
-/// Sweeps of the second scanner that wait while the first is silent.
+/// Max number of sweeps of the second scanner that wait while the first one is silent.
 constexpr std::size_t kRearWaitingMax = 50;
 
-/// Two trunks cannot stand in one another.
+/// Whether two detections overlap and therefore are the same object.
 bool is_same(const Detection& a, const Detection& b, const std::optional<Motion>& motion) {
   const double since_s = 1e-6 * static_cast<double>(a.utime - b.utime);
-  PlanePoint b_then{b.centre_x_m, b.centre_y_m};  // in base as it was when `a` was seen
+  PlanePoint b_then{b.centre_x_m, b.centre_y_m};  // in base at the time of `a`
   if (motion) b_then = after_motion(b_then, *motion, since_s);
   const double apart_m = std::hypot(a.centre_x_m - b_then.x_m, a.centre_y_m - b_then.y_m);
   const double unknown_m = motion ? 0.0 : kSpeedMax_mps * std::abs(since_s);
@@ -42,7 +41,7 @@ bool is_known_better(const Detection& a, const Detection& b) {
   return a.covariance[0] + a.covariance[2] < b.covariance[0] + b.covariance[2];
 }
 
-/// Range and bearing as a scanner at `mount` would have measured them.
+/// Sets range and bearing to those relative to a scanner at `mount`.
 void give_polar(Detection& d, const laser::LaserConfig& mount) {
   const double x_m = d.surface_x_m - mount.mount_x_m;
   const double y_m = d.surface_y_m - mount.mount_y_m;
@@ -90,7 +89,7 @@ std::vector<Detections> RearJoiner::add(const Motion& motion) {
   return decided;
 }
 
-/// The newest motion up to a time: later ones may not have come yet.
+/// The newest motion up to a time. Later ones are not used, because they may not have arrived.
 std::optional<Motion> RearJoiner::motion_at(std::int64_t utime) const {
   const auto after =
       std::upper_bound(motions_.begin(), motions_.end(), utime,

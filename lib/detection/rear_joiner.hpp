@@ -15,34 +15,34 @@
 
 namespace orchard::detection {
 
-/// Joins what a second scanner found to what the first found, so that one message shows all that
-/// stands around the robot: landmarks are then looked for in one view, not in two halves of it.
+/// Merges the detections of two scanners into one message, so that landmarks are associated in one
+/// view of the robot's whole surroundings.
 ///
-/// A sweep of the second scanner belongs to the first scanner's sweep during whose turn it began.
-/// Each object keeps its own time. What both saw counts once: the one that a camera judged, or else
-/// the one that is known better; what the robot drove between the two is undone by its wheels. A
-/// view is decided when the second scanner and the wheels have been heard at or after its time, or
-/// when message time is more than the wait ahead.
+/// A sweep of the second scanner belongs to the sweep of the first one during whose turn it began.
+/// Each object keeps its own time. Of an object that both detected, the detection judged by a
+/// camera is kept, otherwise the more certain one; the motion between the two is compensated by
+/// ODOMETRY. A view is released when the second scanner and ODOMETRY have reached its time, or when
+/// message time is more than the wait ahead.
 class RearJoiner {
  public:
-  /// `mount`: of the first scanner, in whose frame range and bearing of all objects are given.
-  /// `wait_s`: how long a view waits for the second scanner [s of message time], and as long for
-  /// the wheels with `with_motion`.
+  /// `mount`: extrinsics of the first scanner; range and bearing of all objects are in its frame.
+  /// `wait_s`: max wait for the second scanner in message time; with `with_motion` also the wait
+  /// for ODOMETRY.
   RearJoiner(const laser::LaserConfig& mount, double wait_s, bool with_motion = false);
 
-  /// Takes what the first scanner found; `turn_us`: how long one of its turns takes. Gives the
-  /// views that are decided now.
+  /// Adds detections of the first scanner; `turn_us`: period of its rotation. Returns the views
+  /// that are complete now.
   std::vector<Detections> add_front(Detections detections, std::int64_t turn_us);
-  /// Takes what the second scanner found; gives the views that are decided now.
+  /// Adds detections of the second scanner. Returns the views that are complete now.
   std::vector<Detections> add_rear(Detections detections);
-  /// Takes how base moves; gives the views that are decided now.
+  /// Adds a motion of base. Returns the views that are complete now.
   std::vector<Detections> add(const Motion& motion);
-  /// Decides all that wait.
+  /// Releases all waiting views.
   std::vector<Detections> flush();
 
-  /// The view that waits longest, or none.
+  /// Time of the first waiting view, if any.
   std::optional<std::int64_t> waiting_utime() const;
-  /// Views that were decided without the second scanner.
+  /// Number of views released without the second scanner.
   std::int64_t num_without_rear() const { return num_without_rear_; }
 
  private:
@@ -63,8 +63,8 @@ class RearJoiner {
   std::int64_t num_without_rear_ = 0;
 };
 
-/// How long a turn of a scanner takes, by the time between its beams; a tenth of a second, that of
-/// the slowest in use, when it does not say [us].
+/// Rotation period of a scanner [us], from the time between its beams. 0.1 s, the period of the
+/// slowest scanner in use, if that is unknown.
 std::int64_t turn_us(const laser::Scan& scan);
 
 }  // namespace orchard::detection

@@ -10,7 +10,7 @@
 
 namespace orchard::detection {
 
-/// What a detector knows of the robot it runs on, ready for use.
+/// Sensor models, extrinsics and detector parameters of one robot.
 struct Rig {
   Rig(const laser::LaserConfig& laser_config, const geometry::CameraConfig& camera_config,
       const DetectorConfig& detector_config)
@@ -25,9 +25,9 @@ struct Rig {
   bool has_camera = true;
   geometry::CameraModel camera;
   geometry::LaserToCamera T_camera_laser;
-  double camera_delay_s = 0.0;  ///< exposure = a picture's utime - this
+  double camera_delay_s = 0.0;  ///< exposure = an image's utime - camera_delay_s
   DetectorConfig detector;
-  vision::ChannelGains light_gains;  ///< bring pictures to the light of the calibration
+  vision::ChannelGains light_gains;  ///< correct images to the light of the calibration
 };
 
 }  // namespace orchard::detection

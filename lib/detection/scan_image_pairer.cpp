@@ -11,10 +11,10 @@
 namespace orchard::detection {
 namespace {
 
-/// A camera without a laser must not fill the memory.
+/// Limits on stored messages, so that a camera without a laser, or scans whose partners never come,
+/// cannot fill the memory.
 constexpr std::size_t kMaxImages = 64;
 constexpr std::size_t kMaxMotions = 1024;
-/// Nor must scans, whatever time the others say it is: at most so many wait.
 constexpr std::size_t kMaxScans = 256;
 
 }  // namespace
@@ -32,13 +32,13 @@ ScanImagePairer::ScanImagePairer(double tolerance_s, double wait_s, bool with_mo
 std::vector<ScanImagePair> ScanImagePairer::add(laser::Scan scan) {
   std::vector<ScanImagePair> pairs;
   if (scans_.is_clock_set_back(kScan, scan.utime)) {
-    // The ones before it are of another time: nothing that comes will decide them.
+    // Earlier scans have times of the old clock; no later message would release them.
     pairs = flush();
     newest_scan_utime_ = timed_out_scan_utime_ = Queue::kNever;
     images_.clear();
     motions_.clear();
   }
-  // A scan of a clock that was set back a little stays behind the ones before it.
+  // If the clock was set back a little, queue the scan at the newest time to keep the order.
   newest_scan_utime_ = std::max(newest_scan_utime_, scan.utime);
   scans_.push(kScan, newest_scan_utime_, std::move(scan));
   for (ScanImagePair& pair : release()) pairs.push_back(std::move(pair));
@@ -105,8 +105,8 @@ std::vector<ScanImagePair> ScanImagePairer::release() {
   return pairs;
 }
 
-/// The exposure of the first picture at or after the scan; none is needed when that picture is
-/// forgotten already.
+/// The time up to which motions are needed for a scan: the exposure of the first image at or after
+/// it. kNever if that image is no longer stored.
 std::int64_t ScanImagePairer::motion_needed_utime(std::int64_t scan_utime) const {
   for (const Exposed& exposed : images_) {
     if (exposed.utime >= scan_utime) return exposed.utime;
@@ -115,7 +115,8 @@ std::int64_t ScanImagePairer::motion_needed_utime(std::int64_t scan_utime) const
 }
 
 std::optional<Motion> ScanImagePairer::motion_at(std::int64_t utime) const {
-  // A motion is the mean since the one before; where none has come, that which ended last.
+  // A motion is the mean up to its end, so the first one that ends at or after the time applies;
+  // if there is none, the latest one.
   const auto behind = std::find_if(motions_.begin(), motions_.end(),
                                    [&](const Motion& motion) { return motion.utime >= utime; });
   const auto is_fresh = [&](const Motion& motion) {
@@ -132,7 +133,7 @@ ScanImagePair ScanImagePairer::pair_front(bool timed_out) {
   if (timed_out) timed_out_scan_utime_ = std::max(timed_out_scan_utime_, pair.scan.utime);
   std::int64_t best_us = tolerance_us_;
   std::int64_t exposure_utime = 0;
-  for (const Exposed& exposed : images_) {  // the earlier of equals
+  for (const Exposed& exposed : images_) {  // of two equally near images the earlier one
     const std::int64_t distance_us = std::llabs(exposed.utime - pair.scan.utime);
     if (distance_us < best_us || (!pair.image && distance_us == best_us)) {
       best_us = distance_us;
@@ -146,7 +147,7 @@ ScanImagePair ScanImagePairer::pair_front(bool timed_out) {
 }
 
 void ScanImagePairer::forget_old() {
-  // Scans may lag behind the pictures by as much as pictures may lag behind them.
+  // Scans may lag behind the images by as much as images may lag behind the scans.
   const std::int64_t newest_utime = scans_.message_time();
   const std::int64_t oldest_scan_utime =
       scans_.is_empty(kScan) ? newest_utime : std::min(newest_utime, scans_.front(kScan).utime);

@@ -14,43 +14,43 @@
 
 namespace orchard::detection {
 
-/// A scan with the picture nearest to it in time, or without one.
+/// A scan with the image nearest in time, if any.
 struct ScanImagePair {
   laser::Scan scan;
-  std::shared_ptr<const vision::Image> image;  ///< null when none was near enough
-  std::optional<Motion> motion;  ///< at its exposure, when motions are given and known
+  std::shared_ptr<const vision::Image> image;  ///< null if none is within the tolerance
+  std::optional<Motion> motion;  ///< at the exposure; none if motions are not used or not known
 };
 
-/// Gives each scan the nearest picture within a tolerance, in order of the scans. The time of a
-/// picture is that of its exposure, a fixed delay before its utime.
+/// Pairs each scan with the nearest image within a tolerance, in order of the scans. The time of an
+/// image is its exposure, a fixed delay before its utime.
 ///
-/// A scan is decided when a picture at or after it has come (and, with motions, a motion at or
-/// after that picture), or when a message later by more than the wait has. So the pairs do not
-/// depend on the order in which the channels arrive as long as none is delayed by more than the
-/// wait. Time is the messages' own. A channel whose time falls by more than a minute had its clock
-/// set back: its earlier messages are done with. What is kept is bounded.
+/// A scan is released when an image at or after it has arrived (and, with motions, a motion at or
+/// after that image), or when any message is later by more than the wait. The pairs are therefore
+/// independent of the order of the channels, as long as none is delayed by more than the wait. Time
+/// is message time. If the time of a channel falls by more than a minute, its clock was set back,
+/// and its earlier messages are released or dropped. The number of stored messages is bounded.
 class ScanImagePairer {
  public:
-  /// `with_motion`: pairs wait for motions too. `delay_s`: camera.delay_s.
+  /// `with_motion`: pairs wait for motions, too. `delay_s`: camera.delay_s.
   ScanImagePairer(double tolerance_s, double wait_s, bool with_motion = false,
                   double delay_s = 0.0);
 
-  /// Takes a scan; gives the pairs that are decided now.
+  /// Adds a scan. Returns the pairs that are complete now.
   std::vector<ScanImagePair> add(laser::Scan scan);
-  /// Takes a picture; gives the pairs that are decided now.
+  /// Adds an image. Returns the pairs that are complete now.
   std::vector<ScanImagePair> add(vision::Image image);
-  /// Takes a motion; gives the pairs that are decided now.
+  /// Adds a motion. Returns the pairs that are complete now.
   std::vector<ScanImagePair> add(const Motion& motion);
-  /// Decides all that wait.
+  /// Releases all waiting scans.
   std::vector<ScanImagePair> flush();
 
-  /// Pictures that came after the scan they belong to was decided without them.
+  /// Number of images that arrived after their scan was released without them.
   std::int64_t num_late() const { return num_late_; }
-  /// Pairs that were decided with a picture, but without the motion they waited for.
+  /// Number of pairs released with an image, but without the motion they waited for.
   std::int64_t num_without_motion() const { return num_without_motion_; }
-  /// The newest motion that has come, or none.
+  /// Time of the newest motion, if any.
   std::optional<std::int64_t> newest_motion_utime() const;
-  /// The scan that waits longest, or none.
+  /// Time of the first waiting scan, if any.
   std::optional<std::int64_t> waiting_scan_utime() const;
 
  private:

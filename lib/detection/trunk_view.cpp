@@ -13,8 +13,9 @@
 namespace orchard::detection {
 namespace {
 
-/// A side lies anywhere within a beam's step, which is a pixel in the middle of usual pictures and
-/// more towards their sides; the time of the picture is not known better than that either.
+/// Uncertainty of an object's side in the image: one beam step, which is about a pixel in the
+/// middle of a typical image and more towards its sides. The exposure time adds a similar
+/// uncertainty.
 constexpr double kSideSpread_px = 1.5;
 
 struct ProjectedPoint {
@@ -22,7 +23,7 @@ struct ProjectedPoint {
   double depth_m = 0.0;
 };
 
-/// A point of the laser frame as the laser would see it after base has moved for dt_s.
+/// Position of a static point in the laser frame after base has moved for dt_s.
 PlanePoint moved(const PlanePoint& p_laser, const laser::LaserConfig& mount, const Motion& motion,
                  double dt_s) {
   const double c = std::cos(mount.mount_yaw_rad), s = std::sin(mount.mount_yaw_rad);
@@ -33,7 +34,7 @@ PlanePoint moved(const PlanePoint& p_laser, const laser::LaserConfig& mount, con
   return {c * x_m + s * y_m, -s * x_m + c * y_m};
 }
 
-/// Takes points of the laser frame, at the beams' time, to the picture.
+/// Projects points of the laser frame, at their beams' times, into the image.
 struct Projection {
   const Rig& rig;
   const std::optional<ScanToPicture>& motion;
@@ -44,8 +45,8 @@ struct Projection {
     return point && rig.camera.in_image(point->pixel) ? point : std::nullopt;
   }
 
-  /// A side of an object: what lies less beyond the picture's left or right than it is known to is
-  /// taken for its first or last column.
+  /// Projects a side of an object. A point outside the image by at most kSideSpread_px is moved to
+  /// the first or last column.
   std::optional<ProjectedPoint> side(double range_m, double bearing_rad, std::size_t beam) const {
     auto point = anywhere(range_m, bearing_rad, beam);
     if (!point) return std::nullopt;

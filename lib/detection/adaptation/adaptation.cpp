@@ -16,49 +16,48 @@ constexpr double kWindow_s = 40.0;
 /// The newest trees teach, at most so many: enough for a mean, few enough to follow.
 constexpr int kWindowTrees = 12;
 
-/// Least roc_laser of a tree that teaches colour.
+/// Min roc_laser of a tree that updates the colour.
 constexpr double kTeachingRocLaser = 0.3;
 
-/// Least roc_vision of a tree that teaches width.
+/// Min roc_vision of a tree that updates the width.
 constexpr double kTeachingRocVision = 0.55;
 
-/// Least roc_colour of a tree that teaches colour: it must not be another thing of that width.
+/// Min roc_colour of a tree that updates the colour; excludes other objects of trunk width.
 constexpr double kTeachingRocColour = 0.1;
 
-/// Largest distance of a teaching colour from the present model (log of a channel's ratio to
-/// green).
+/// Max distance of an observed colour from the present model (log of a channel's ratio to green).
 constexpr double kColourGate = 0.3;
 
-/// When the camera confirms a smaller fraction of what the laser takes for trunks, the models
-/// freeze.
+/// Min fraction of the laser's trunks that the camera must confirm; below it the models freeze.
 constexpr double kAgreementMin = 0.2;
 
-/// When the confirmed fraction falls below this part of the last good one, the models go back.
+/// The models are rolled back when the confirmed fraction falls below this part of the last good
+/// one.
 constexpr double kCollapseFraction = 0.5;
 
-/// Distance between two groups of trees, in pooled standard deviations, from which on the models
-/// freeze.
+/// Separation of two groups of trees, in pooled standard deviations, above which a model freezes.
 constexpr double kSeparationMax_sd = 4.0;
 
-/// A thing is the one looked at before when it is this near in base; base moves on between scans.
+/// Association gate between observations of an object in base; base moves between scans.
 constexpr double kSameThing_m = 0.4;
 constexpr std::int64_t kLostAfter_us = 600'000;
-/// The newest looks at a thing weigh at least this much, so that changing light shows.
+/// Min weight of the newest observation of an object, so that its mean follows a change of light.
 constexpr double kNewestWeight = 0.1;
-/// Of one thing no more observations count: something seen once or twice, a part of a bush, says
-/// little, and what stands there for long says no more than a trunk that is driven past.
+/// Objects are weighted by their number of observations up to this limit: objects seen once or
+/// twice, such as parts of a bush, count less, and objects in view for long count no more than
+/// trunks that are passed.
 constexpr int kMaxObservations = 10;
-/// A model is good while this part of the good fraction is confirmed.
+/// A model is good while the confirmed fraction is at least this part of the good fraction.
 constexpr double kStillGood = 0.9;
 constexpr double kGoodFractionGain = 0.1;
-/// Groups smaller than this are stragglers, no population.
+/// Min fraction of the trees in a group; smaller groups are outliers.
 constexpr double kPopulationFraction = 0.25;
-/// Populations must differ by this much at least to matter: a fraction of the width, a log.
+/// Min difference of two populations: as a fraction of the width, and as a log of colour.
 constexpr double kWidthApart = 0.1;
 constexpr double kColourApart = 0.12;
 
-/// The middle of some numbers: the mean without the outer fifth on either side. (A median jumps
-/// between two kinds of bark.)
+/// Trimmed mean: without the outer fifth on either side. A median would jump between two kinds of
+/// bark.
 double middle_of(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const std::size_t cut = values.size() / 5;
@@ -67,7 +66,8 @@ double middle_of(std::vector<double> values) {
   return sum / static_cast<double>(values.size() - 2 * cut);
 }
 
-/// A value moved towards the middle of what trees say: by a fraction of the way, by `most` at most.
+/// Moves a value towards the trimmed mean of the trees' values by a fraction of the difference, at
+/// most by `most`.
 double moved(double value, const std::vector<double>& values, double fraction, double most) {
   const double way = middle_of(values) - value;
   return value + std::clamp(fraction * way, -most, most);
@@ -113,7 +113,7 @@ Adaptation::Adaptation(const AdaptationConfig& config, double width_mean_m) : co
 std::vector<AdaptationStep> Adaptation::add(
     std::int64_t utime, const std::vector<AdaptationObservation>& observations) {
   std::vector<AdaptationStep> steps;
-  if (utime <= last_utime_) return steps;  // a scan of the past teaches nothing
+  if (utime <= last_utime_) return steps;  // ignore scans out of order
   last_utime_ = utime;
   for (const AdaptationObservation& observation : observations) follow(utime, observation);
   if (considered_utime_ == INT64_MIN) considered_utime_ = utime;
@@ -125,7 +125,7 @@ std::vector<AdaptationStep> Adaptation::add(
   things_.erase(std::remove_if(things_.begin(), things_.end(),
                                [&](const Thing& thing) { return thing.last_utime < oldest; }),
                 things_.end());
-  // A pause without scans taught nothing, so it allows no larger step.
+  // A pause without scans gave no information, so it must not allow a larger step.
   consider(1e-6 * static_cast<double>(std::min(since_us, 2 * period_us)), steps);
   return steps;
 }
@@ -171,7 +171,7 @@ void Adaptation::teach(Thing& thing, const AdaptationObservation& observation) c
   thing.red_residual.add(red - model_.light.red);
 }
 
-/// Without calibrated references the first trees of the drive are in the light of the calibration.
+/// Sets the reference colour if none was calibrated: that of the first trees of the drive.
 void Adaptation::find_reference() {
   std::vector<double> blue, red, green;
   for (const Thing& thing : things_) {
@@ -244,8 +244,9 @@ AdaptationStep Adaptation::step_of(AdaptationAction action, AdaptationReason rea
   return step;
 }
 
-/// Keeps the model's last good state; gives whether far less is confirmed than there. Then the
-/// model goes back, and what was seen with the abandoned one is forgotten.
+/// Updates the last good state, or rolls the model back if the confirmed fraction has collapsed.
+/// Returns whether it has collapsed. After a rollback the objects observed with the rejected model
+/// are dropped.
 bool Adaptation::go_back(const Evidence& evidence, std::vector<AdaptationStep>& steps) {
   const double fraction = evidence.confident_share;
   if (fraction >= kStillGood * good_fraction_) {

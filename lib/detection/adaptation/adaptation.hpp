@@ -12,58 +12,58 @@
 
 namespace orchard::detection {
 
-/// What one scan and its picture say of one candidate: everything the models can learn from.
+/// Measurements of one candidate in a scan and its image, from which the models adapt.
 struct AdaptationObservation {
-  double x_m = 0.0;  ///< of its centre in base
+  double x_m = 0.0;  ///< centre in base
   double y_m = 0.0;
   double width_m = 0.0;
   double roc_laser = 0.0;
   double roc_colour = 0.0;
   double roc_vision = 0.0;
-  std::optional<vision::WindowLight> light;  ///< of its colour window, as the camera gave it
+  std::optional<vision::WindowLight> light;  ///< mean colour of its window, without gains
 };
 
-/// Lets the models of width, colour and brightness follow the trees while driving.
+/// Adapts the models of width, colour and brightness to the trees while driving.
 ///
-/// What one sensor is sure of teaches the other's model, never its own: the camera's trees the
-/// width, the laser's the colour. A post of trunk width fools the laser, so colour also asks for
-/// nearness to the colour model as it is. Each thing counts once however long it is looked at;
-/// the middle of all things leads; steps are bounded per second
-/// of message time and in all. Few trees, sensors that disagree or two populations freeze a model;
-/// when far less is confirmed than before it goes back to where it was last good, and if that does
-/// not help, to the calibration. A function of the observations in their order only.
+/// Each sensor updates only the other sensor's model: trees confirmed by the camera update the
+/// width, trees confirmed by the laser the colour. A post of trunk width misleads the laser, so the
+/// colour must also be close to the present colour model. Each object counts once, however long it
+/// is observed; the target is a trimmed mean over objects; steps are limited per second of message
+/// time and in total. Too few trees, disagreeing sensors or two populations freeze a model. If the
+/// confirmed fraction collapses, the model returns to its last good state, and if that does not
+/// help, to the calibration. The result depends only on the observations and their order.
 class Adaptation {
  public:
   Adaptation(const AdaptationConfig& config, double width_mean_m);
 
-  /// Takes the observations of one scan, scans in order of time; gives what happened to the model.
+  /// Adds the observations of one scan, in order of time. Returns the steps of the model.
   std::vector<AdaptationStep> add(std::int64_t utime,
                                   const std::vector<AdaptationObservation>& observations);
 
-  /// What the next scan is to be judged with.
+  /// The model to use for the next scan.
   const AdaptedModel& model() const { return model_; }
 
  private:
-  /// A value that follows the observations of one thing.
+  /// Running mean of one quantity of an object, with a minimum weight of the newest observation.
   struct Follower {
     double value = 0.0;
     int num_observations = 0;
     void add(double observation);
   };
-  /// One thing, followed from observation to observation.
+  /// One object, tracked from scan to scan.
   struct Thing {
     std::int64_t last_utime = 0;
     double x_m = 0.0;  ///< in base, when last seen
     double y_m = 0.0;
     int num_observations = 0;
-    int num_by_laser = 0;   ///< observations with the laser sure
-    int num_confirmed = 0;  ///< of them, with the camera sure
+    int num_by_laser = 0;   ///< observations confirmed by the laser
+    int num_confirmed = 0;  ///< observations confirmed by laser and camera
     Follower width_m;
-    Follower blue, red, green;             ///< against the reference
-    Follower blue_residual, red_residual;  ///< and against the model at that time
+    Follower blue, red, green;             ///< relative to the reference
+    Follower blue_residual, red_residual;  ///< relative to the model at that time
     Follower raw_blue, raw_red, raw_green;
   };
-  /// What the newest things say.
+  /// Values of the newest objects, from which the model is updated.
   struct Evidence {
     std::vector<double> widths_m;
     std::vector<double> blue, red, green, blue_residual, red_residual;
@@ -86,16 +86,16 @@ class Adaptation {
   AdaptedModel calibrated_;
   AdaptedModel model_;
   AdaptedModel last_good_;
-  double good_fraction_ = 0.0;  ///< confirmed where the model was last good
+  double good_fraction_ = 0.0;  ///< confirmed fraction of the last good state
   AdaptationReason frozen_ = AdaptationReason::kNone;
   std::optional<vision::WindowLight> reference_;
-  std::deque<Thing> things_;  ///< in order of first sight
+  std::deque<Thing> things_;  ///< in order of the first observation
   std::int64_t last_utime_ = INT64_MIN;
   std::int64_t considered_utime_ = INT64_MIN;
   std::int32_t next_seq_ = 0;
 };
 
-/// What undoes today's light, so that a picture looks as in the light of the calibration.
+/// Gains that correct an image from the present light to that of the calibration.
 vision::ChannelGains undoing(const Light& light);
 
 }  // namespace orchard::detection

@@ -3,20 +3,20 @@
 
 namespace orchard::detection {
 
-/// How the models of width, colour and brightness follow the trees while driving. Section
-/// `detector.adaptation`. Time is that of the messages.
+/// Adaptation of the models of width, colour and brightness while driving. Section
+/// `detector.adaptation`. Times are message time.
 struct AdaptationConfig {
   bool enabled = false;
-  double period_s = 1.0;            ///< between looks at what the trees teach
-  int min_trees = 4;                ///< fewer freeze a model
-  double smoothing_s = 5.0;         ///< a model goes this fast to where the trees are, e-fold
-  double width_rate_per_s = 0.002;  ///< of the calibrated width
-  double width_limit = 0.15;        ///< of the calibrated width
+  double period_s = 1.0;            ///< time between two steps
+  int min_trees = 4;                ///< min number of trees; with fewer a model freezes
+  double smoothing_s = 5.0;         ///< time constant of a model's exponential approach
+  double width_rate_per_s = 0.002;  ///< max rate, as a fraction of the calibrated width
+  double width_limit = 0.15;        ///< max change, as a fraction of the calibrated width
   double colour_rate_per_s = 0.01;
   double colour_limit = 0.4;
   double brightness_rate_per_s = 0.03;
   double brightness_limit = 1.0;
-  /// A trunk's channels in the light of the calibration; 0 = those of the first trees of a drive.
+  /// Colour of a trunk in the light of the calibration; 0 = use the first trees of a drive.
   double reference_blue = 0.0;   ///< blue over green
   double reference_red = 0.0;    ///< red over green
   double reference_green = 0.0;  ///< grey levels

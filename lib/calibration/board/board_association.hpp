@@ -10,31 +10,31 @@
 
 namespace orchard::calibration {
 
-/// The board held still before both sensors: where the camera has it, and what of the scan may be
-/// it.
+/// One stationary pose of the board: its pose in the camera frame and the candidate lines in the
+/// scan.
 struct MountView {
   BoardPose board;
   std::vector<BoardLine> lines;
-  int num_scans = 1;  ///< that were averaged
+  int num_scans = 1;  ///< number of averaged scans
 };
 
-/// A laser's place at a camera: p_camera = R_camera_laser p_laser + delta_m.
+/// Laser-camera extrinsics: p_camera = R_camera_laser p_laser + delta_m.
 struct Mount {
   Eigen::Matrix3d R_camera_laser = Eigen::Matrix3d::Identity();
   Eigen::Vector3d delta_m = Eigen::Vector3d::Zero();
 };
 
-/// Which line is the board in each view, and a mount that makes it so.
+/// The line of the board in each view, and the extrinsics under which they fit.
 struct Association {
   Mount mount;
-  std::vector<int> line_of_view;  ///< index into MountView::lines; -1: none fits
-  int num_fitting = 0;            ///< views with a line
-  int rival_fitting = 0;          ///< the same of the best clearly different mount
+  std::vector<int> line_of_view;  ///< index into MountView::lines; -1: no line fits
+  int num_fitting = 0;            ///< number of views with a line that fits
+  int rival_fitting = 0;          ///< the same number for the best clearly different extrinsics
 };
 
-/// Finds the one mount under which a line of each scan lies on that view's board, with no first
-/// guess: all rotations are tried on a grid (12 degrees), the best are refined together with the
-/// translation. What stands still (walls) or moves otherwise does not fit. Deterministic.
+/// Finds the extrinsics for which one line of each scan lies on the board of that view, without an
+/// initial guess: rotations are tried on a grid of 12 degrees, and the best are refined together
+/// with the translation. Lines on static objects (walls) do not fit all views. Deterministic.
 /// Source: n . R l = 0 and n . (R p + delta) = d for a line through p along l (Zhang and Pless,
 /// IROS 2004; the linear part of Kassir and Peynot, ACRA 2010).
 Association associate_board_lines(const std::vector<MountView>& views, const BoardOutline& outline);

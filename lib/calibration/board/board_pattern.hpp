@@ -9,13 +9,13 @@
 
 namespace orchard::calibration {
 
-/// What is printed on a board: black or white at every place of its sheet.
+/// The printed pattern of a board: black or white at every point of its sheet.
 class BoardPattern {
  public:
-  /// Throws std::invalid_argument for a board that problem_with() refuses.
+  /// Throws std::invalid_argument for a board that problem_with() rejects.
   explicit BoardPattern(const BoardConfig& board);
 
-  /// Whether a place (board frame, metres) is white; none beyond the sheet.
+  /// Whether a point (board frame [m]) is white; none outside the sheet.
   std::optional<bool> is_white(double x_m, double y_m) const;
 
  private:

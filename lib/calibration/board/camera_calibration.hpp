@@ -10,42 +10,42 @@
 
 namespace orchard::calibration {
 
-/// A board found in one picture.
+/// A board found in one image.
 struct NamedView {
-  std::string name;  ///< of the picture, for people
+  std::string name;  ///< name of the image for messages
   BoardView view;
 };
 
-/// How a camera is calibrated.
+/// Options of the camera calibration.
 struct CameraCalibrationOptions {
-  /// Estimate the sixth power of the distortion too: for wide lenses. Small pictures do not carry
-  /// it, and it makes the rest worse then.
+  /// Whether to estimate k3 (radial distortion of sixth order), for wide lenses. Small images do
+  /// not determine it, and it then degrades the other parameters.
   bool estimate_k3 = false;
-  /// A view is left out when its error is beyond this many times the median view's ...
+  /// A view is an outlier if its error exceeds this multiple of the median view's error ...
   double outlier_factor = 3.0;
-  /// ... and this much [px].
+  /// ... and also this limit [px].
   double outlier_floor_px = 0.3;
 };
 
-/// What became of one view.
+/// Result for one view.
 struct ViewFigures {
   std::string name;
   int num_corners = 0;
-  double rms_px = 0.0;           ///< distance of its corners from where the model has them
-  double tilt_rad = 0.0;         ///< of the board's normal against the camera's axis
-  std::array<double, 2> lean{};  ///< the normal's x and y in the camera frame: to which side
-  double distance_m = 0.0;       ///< from the camera to the middle of the corners seen
-  bool used = true;              ///< false: an outlier, left out
+  double rms_px = 0.0;           ///< RMS distance of its corners from the model's
+  double tilt_rad = 0.0;         ///< angle between the board's normal and the optical axis
+  std::array<double, 2> lean{};  ///< x and y of the normal in the camera frame: direction of tilt
+  double distance_m = 0.0;       ///< from the camera to the middle of the visible corners
+  bool used = true;              ///< false: left out as an outlier
 };
 
-/// A corner and how far the model misses it.
+/// A corner and its residual.
 struct CornerResidual {
   ImagePoint found_px;
   double dx_px = 0.0;  ///< found minus modelled
   double dy_px = 0.0;
 };
 
-/// A camera's intrinsics as measured, and all that is needed to judge them.
+/// Estimated intrinsics and the figures for judging them.
 struct CameraCalibration {
   geometry::CameraIntrinsics intrinsics;  ///< alpha_c is 0
   std::array<double, 2> fc_sd_px{};       ///< standard deviations
@@ -58,15 +58,15 @@ struct CameraCalibration {
   std::vector<CornerResidual> residuals;  ///< of the used views
 };
 
-/// Least number of views from which anything can be computed.
+/// Min number of views for a calibration.
 inline constexpr std::size_t kFewestViews = 3;
 
-/// Intrinsics from views of one board: Zhang's method by OpenCV, views that disagree with the rest
-/// left out and named. Does not judge: see verdict_on().
+/// Estimates the intrinsics from views of one board by Zhang's method (OpenCV). Outlier views are
+/// left out and marked. The result is not judged here; see verdict_on().
 ///
 /// The standard deviations are OpenCV's, corrected: OpenCV 4.6 divides the sum of squares by the
-/// number of corners where each gives two residuals. Throws std::runtime_error with one sentence
-/// when there are fewer than kFewestViews or they determine nothing.
+/// number of corners, although each gives two residuals. Throws std::runtime_error with one
+/// sentence for fewer than kFewestViews or degenerate views.
 CameraCalibration calibrate_camera(const std::vector<NamedView>& views, int width_px, int height_px,
                                    const CameraCalibrationOptions& options = {});
 

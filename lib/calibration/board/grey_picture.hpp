@@ -10,18 +10,17 @@
 
 namespace orchard::calibration {
 
-/// A whole picture without colour: rows top-down, no padding.
+/// A grey image: rows top-down, no padding.
 struct GreyPicture {
   int width_px = 0;
   int height_px = 0;
   std::vector<std::uint8_t> grey;  ///< width_px x height_px
 };
 
-/// The brightness of decoded pixels (Rec. 601, as OpenCV computes it).
+/// Converts decoded pixels to grey (Rec. 601, as OpenCV).
 GreyPicture grey_of(const vision::PixelBlock& pixels);
 
-/// A picture of any encoding without its colour. Gives none when the bytes do not make a picture
-/// of the stated size.
+/// Decodes an image of any encoding to grey. None when the bytes are no image of the stated size.
 std::optional<GreyPicture> grey_of(const vision::Image& image);
 
 }  // namespace orchard::calibration

@@ -6,10 +6,10 @@
 
 namespace orchard::calibration {
 
-/// OpenCV's number of a dictionary of ArUco markers, named as "4x4_50"; none for another name.
+/// OpenCV's number of an ArUco dictionary by its name, such as "4x4_50"; none for an unknown name.
 std::optional<int> marker_dictionary(const std::string& name);
 
-/// How many markers a dictionary of that name holds; 0 for another name.
+/// Number of markers in the dictionary of this name; 0 for an unknown name.
 int marker_count(const std::string& name);
 
 }  // namespace orchard::calibration

@@ -8,29 +8,29 @@
 
 namespace orchard::calibration {
 
-/// A scan and the board in its picture.
+/// A scan and the board found in its image.
 struct BoardPair {
   laser::Scan scan;
   BoardView board;
 };
 
-/// What was held still: the mean of its pairs.
+/// A stationary pose of the board: the mean of its pairs.
 struct StillView {
   BoardView board;
   laser::Scan scan;
   int num_pairs = 1;
 };
 
-/// Neighbouring pairs (in order of time) between which no corner moved by more than `shift_max_px`
-/// become one view: the mean of at most ten of them. A board seen in only one pair in a row was
-/// moving, and what moves between a scan and its picture is of no use: it is left out.
+/// Finds stationary poses: neighbouring pairs (in order of time) between which no corner moved by
+/// more than `shift_max_px` become one view, the mean of at most ten of them. Single pairs are left
+/// out, because the board was moving and scan and image are not simultaneous.
 std::vector<StillView> still_views(const std::vector<BoardPair>& pairs, double shift_max_px);
 
-/// Every pair as a view of its own: for recordings that have one pair per pose.
+/// Makes each pair a separate view, for recordings with one pair per pose.
 std::vector<StillView> single_views(const std::vector<BoardPair>& pairs);
 
-/// At most `count` of the views, as different from each other as they can be found greedily
-/// (place and size of the board in the picture), in their order.
+/// Selects at most `count` views that differ most in position and size of the board in the image
+/// (greedy), in their original order.
 std::vector<StillView> spread_subset(const std::vector<StillView>& views, int count);
 
 }  // namespace orchard::calibration

@@ -8,8 +8,8 @@
 
 namespace orchard::calibration {
 
-/// At most `count` views that differ as much as possible in place, size and tilt, in rising order:
-/// a recording holds hundreds that are nearly the same. All of them when there are no more.
+/// Selects at most `count` views that differ most in position, size and tilt, because a recording
+/// contains hundreds of similar ones. Returns indices in ascending order.
 std::vector<std::size_t> select_spread(const std::vector<NamedView>& views, int width_px,
                                        int height_px, std::size_t count);
 

@@ -7,24 +7,25 @@
 
 namespace orchard::calibration {
 
-/// Which axes the laser has in what is imported.
+/// Axes of the laser frame in the imported text.
 enum class LaserAxes {
-  kToolbox,  ///< x left, y up, z forward: Kassir and Peynot's, the scan in the x-z plane
-  kOrchard,  ///< x forward, y left, z up: ours, as the rig's YAML has it
+  kToolbox,  ///< x left, y up, z forward: Kassir and Peynot's; the scan is in the x-z plane
+  kOrchard,  ///< x forward, y left, z up: as in the rig's YAML
 };
 
 enum class AngleUnit { kAsStated, kDegrees, kRadians };
 
-/// The extrinsics in what Kassir and Peynot's toolbox (ACRA 2010) prints at the end, as text:
+/// Reads the extrinsics from the text that Kassir and Peynot's toolbox (ACRA 2010) prints at the
+/// end:
 ///
 ///     Delta = [0.0308 -0.0652 -0.0796] +- [...] m
 ///     Phi = [-0.105 -3.53 -179] +- [...] deg
 ///
-/// `delta` and `phi` in any case, "=" or ":", numbers with spaces, commas or semicolons, on one
-/// line or several; what follows the three numbers' bracket is not read but for the words deg and
-/// rad. Angles are those of the paper's eq. 2. Throws std::runtime_error with one clause when a
-/// part is missing, when the angles' unit is neither stated nor given, and when under these axes
-/// the camera would not look where the scanner looks forward.
+/// `delta` and `phi` may be in upper or lower case, followed by "=" or ":"; numbers are separated
+/// by spaces, commas or semicolons, on one or more lines. After the three numbers only the words
+/// deg and rad are read. Angles are those of the paper's eq. 2. Throws std::runtime_error with one
+/// clause when a part is missing, when the unit of the angles is neither stated nor given, and when
+/// the camera would not face the scanner's forward direction under these axes.
 geometry::LaserCameraExtrinsics import_mount(const std::string& text, LaserAxes axes,
                                              AngleUnit unit);
 

@@ -7,10 +7,10 @@
 
 namespace orchard::calibration {
 
-/// The mean of scans of a scene that stood still, beam by beam: of the ranges near the middle one,
-/// so that a beam on an edge does not land between two surfaces. A beam that more than half of the
-/// scans missed has no return; time and number are the middle scan's. Throws std::invalid_argument
-/// for no scan or scans of different shapes.
+/// Averages scans of a static scene beam by beam. Only ranges close to the median are averaged, so
+/// that a beam on an edge does not end up between two surfaces. A beam without return in more than
+/// half of the scans has no return. utime and seq are those of the middle scan. Throws
+/// std::invalid_argument for no scan or scans of different shapes.
 laser::Scan mean_scan(const std::vector<laser::Scan>& scans);
 
 }  // namespace orchard::calibration

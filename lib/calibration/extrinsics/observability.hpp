@@ -9,35 +9,37 @@
 
 namespace orchard::calibration {
 
-/// How a board was moved before a camera, as far as it matters for a laser's place.
+/// Variety of the board poses, as needed for the observability of the laser-camera extrinsics.
 struct BoardMotion {
-  /// Standard deviations of the boards' normals about their plane of largest extent and about
-  /// their common direction [1 = 57 deg]: 0 when all lie in a plane; 0 when all are parallel.
+  /// Standard deviations of the normals about their best plane and about their common direction
+  /// [rad]: out_of_plane is 0 when all normals lie in one plane, out_of_line when all are parallel.
   double out_of_plane = 0.0;
   double out_of_line = 0.0;
-  Eigen::Vector3d axis_camera = Eigen::Vector3d::UnitY();  ///< that the normals are farthest from
+  Eigen::Vector3d axis_camera = Eigen::Vector3d::UnitY();  ///< axis normal to that best plane
   double tilt_max_deg = 0.0;                               ///< largest angle between two boards
-  double distance_min_m = 0.0;                             ///< of the planes
+  double distance_min_m = 0.0;                             ///< distances of the board planes
   double distance_max_m = 0.0;
-  double moved_m = 0.0;      ///< largest way between two boards' origins
-  int num_orientations = 0;  ///< that differ by more than their noise and 6 degrees
+  double moved_m = 0.0;      ///< largest distance between two board origins
+  int num_orientations = 0;  ///< number that differ by more than their noise and 6 degrees
 };
 
 BoardMotion board_motion(const std::vector<BoardPose>& boards);
 
-/// "its x axis (to the right)": the camera's axis nearest to a direction, or the direction itself.
+/// Describes a direction by the nearest camera axis, such as "its x axis (to the right)", or by its
+/// components.
 std::string camera_direction(const Eigen::Vector3d& direction_camera);
 
-/// Why a set of boards cannot fix a laser's place, in words, with what to do; empty when it can.
+/// Explains why a set of board poses does not determine the extrinsics, with the remedy; empty when
+/// it does.
 ///
-/// A line in a board's plane tells of the translation only its part along the board's normal, so
-/// the normals must span space: with all normals in one plane the translation across that plane
-/// (and two rotations with it, for an upright board) stays open, with all of them parallel two
-/// directions do. Needs no scan.
+/// A line in a board's plane constrains the translation only along the board's normal, so the
+/// normals must span space. If all normals lie in one plane, the translation normal to that plane
+/// is undetermined (for an upright board also two rotations); if all are parallel, two directions
+/// are. Needs no scan.
 std::string degenerate_motion(const BoardMotion& motion);
 
-/// Why a mount's covariance (as MountAdjustment has it) is too large to be used: the weakest
-/// direction in words; empty when every standard deviation is within the limits.
+/// Names the weakest direction if the covariance (as in MountAdjustment) exceeds the limits; empty
+/// when every standard deviation is within them.
 std::string undetermined_direction(const Eigen::Matrix<double, 6, 6>& covariance,
                                    double shift_sd_max_m, double turn_sd_max_rad,
                                    const BoardMotion& motion);

@@ -18,13 +18,13 @@ namespace orchard::calibration {
 namespace {
 
 constexpr int kNumFeatures = static_cast<int>(vision::kNumAppearanceFeatures);
-constexpr int kMinWindows = 10;  // of a class: fewer say nothing
+constexpr int kMinWindows = 10;  // per class
 constexpr int kMaxSteps = 50;
 constexpr double kMinScale = 1e-6;
 
 using Samples = std::vector<const AppearanceSample*>;
 
-/// The weight of a sample, so that both classes count as half of all samples each.
+/// Weights of the samples, such that each class has half of the total weight.
 struct ClassWeights {
   double trunk = 1.0, other = 1.0;
 
@@ -58,7 +58,7 @@ void standardise(const Samples& samples, vision::AppearanceConfig& config) {
   }
 }
 
-/// What is fitted: a ridge penalty, with or without the features' squares.
+/// Model selection: the ridge penalty, and whether the features' squares are included.
 struct Shape {
   double penalty = 0.0;
   bool squares = false;
@@ -66,7 +66,7 @@ struct Shape {
   int num_terms() const { return squares ? 2 * kNumFeatures : kNumFeatures; }
 };
 
-/// The terms of appearance_log_odds(), then 1 for the bias.
+/// The terms of appearance_log_odds() and a final 1 for the bias.
 Eigen::VectorXd terms_of(const AppearanceSample& sample, const vision::AppearanceConfig& config,
                          const Shape& shape) {
   Eigen::VectorXd x(shape.num_terms() + 1);
@@ -100,7 +100,7 @@ double objective(const Samples& samples, const Eigen::MatrixXd& x, const ClassWe
   return sum;
 }
 
-/// Newton's method with halved steps: the problem is convex, so it ends at the one minimum.
+/// Newton's method with step halving. The problem is convex, so it converges to the global minimum.
 vision::AppearanceConfig fit(const Samples& samples, const Shape& shape) {
   vision::AppearanceConfig config;
   standardise(samples, config);
@@ -111,7 +111,7 @@ vision::AppearanceConfig fit(const Samples& samples, const Shape& shape) {
     x.col(static_cast<Eigen::Index>(i)) = terms_of(*samples[i], config, shape);
   }
   Eigen::VectorXd ridge = Eigen::VectorXd::Constant(num_terms + 1, shape.penalty);
-  ridge[num_terms] = 1e-9;  // the bias is free
+  ridge[num_terms] = 1e-9;  // the bias has no penalty
   Eigen::VectorXd beta = Eigen::VectorXd::Zero(num_terms + 1);
   double value = objective(samples, x, weights, beta, shape.penalty);
   for (int step = 0; step < kMaxSteps; ++step) {
@@ -145,13 +145,13 @@ vision::AppearanceConfig fit(const Samples& samples, const Shape& shape) {
   return config;
 }
 
-/// The samples of one fold, and all others.
+/// The samples of one fold, and those of all other folds.
 struct Fold {
   Samples inside, outside;
 };
 
-/// Whole groups per fold, those with and those without trunks dealt out in turn; only folds that
-/// have both classes inside and outside.
+/// Assigns whole groups to folds in turn, groups with and without trunks separately. Returns only
+/// folds that have both classes inside and outside.
 std::vector<Fold> deal_folds(const std::vector<AppearanceSample>& samples, int max_folds) {
   std::map<int, bool> has_trunk;
   for (const AppearanceSample& sample : samples) has_trunk[sample.group] |= sample.is_trunk;
@@ -175,7 +175,7 @@ std::vector<Fold> deal_folds(const std::vector<AppearanceSample>& samples, int m
   return folds;
 }
 
-/// Log odds given to windows, by their truth.
+/// Log odds of windows, separated by their true class.
 struct Judged {
   std::vector<double> trunk, other;
 
@@ -187,7 +187,7 @@ struct Judged {
   }
 };
 
-/// Mean area under the ROC curve of all other folds by fits to one.
+/// Mean area under the ROC curve on all other folds, for fits to one fold.
 double area_of_others(const std::vector<Fold>& folds, const Shape& shape) {
   double area = 0.0;
   for (const Fold& fold : folds) {
@@ -198,11 +198,11 @@ double area_of_others(const std::vector<Fold>& folds, const Shape& shape) {
   return area;
 }
 
-/// The strongest of the penalties with which a fit to one fold ranks all others best: an orchard
-/// has more trees and more light than those it was learnt from, so the few must speak for the
-/// many. With squares only where they are better even so.
+/// Selects the strongest penalty for which a fit to one fold ranks all other folds best. Fitting to
+/// few groups and testing on many favours models that generalise, because an orchard has more trees
+/// and more kinds of light than the training data. Squares are used only if they improve this test.
 Shape choose_shape(const std::vector<Fold>& folds, const AppearanceLearnOptions& options) {
-  constexpr double kAlike = 1e-4;  // areas nearer than this say nothing
+  constexpr double kAlike = 1e-4;  // smaller differences of areas are not significant
   if (folds.empty()) return {options.penalties.at(options.penalties.size() / 2), false};
   double best_area = 0.0;
   Shape best;
@@ -222,14 +222,14 @@ Shape choose_shape(const std::vector<Fold>& folds, const AppearanceLearnOptions&
   return best;
 }
 
-/// What makes log odds true: a + b x.
+/// Calibration of log odds x: offset + slope x.
 struct Calibration {
   double offset = 0.0;
   double slope = 1.0;
 };
 
-/// Logistic regression of the truth on the log odds of windows left out, both classes weighing the
-/// same; targets a little inside 0 and 1 keep it finite. Source: Platt 1999.
+/// Platt scaling: logistic regression of the true class on the log odds of left-out windows, with
+/// equal class weights. Targets slightly inside 0 and 1 keep it finite. Source: Platt 1999.
 Calibration calibrate(const Judged& judged) {
   const auto target = [](const std::vector<double>& scores) {
     const auto n = static_cast<double>(scores.size());
@@ -258,7 +258,8 @@ Calibration calibrate(const Judged& judged) {
   return c;
 }
 
-/// Judges every fold by fits to all others; gives what makes their log odds true.
+/// Applies to every fold the fit to all others. Fills the figures of `found` and returns the
+/// calibration of the log odds.
 Calibration cross_validate(const std::vector<Fold>& folds, const Shape& shape,
                            AppearanceFit& found) {
   Judged judged;

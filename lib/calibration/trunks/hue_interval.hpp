@@ -15,8 +15,8 @@ struct HueInterval {
 /// Adds a histogram's counts to another.
 void add(const vision::HueHistogram& hues, vision::HueHistogram& sum);
 
-/// The shortest circular interval that leaves out at most `tail` of the coloured pixels at each
-/// end (counted from the side opposite their mean hue), widened by a margin on both sides.
+/// The shortest circular interval that excludes at most the fraction `tail` of the coloured pixels
+/// at each end (counted from the hue opposite their mean), widened by a margin on both sides.
 /// Throws std::invalid_argument without coloured pixels.
 HueInterval hue_interval(const vision::HueHistogram& hues, double tail, double margin_deg);
 

@@ -10,14 +10,14 @@
 namespace orchard::calibration {
 namespace {
 
-constexpr int kTries = 50;                 // for a window elsewhere, before the row is given up
-constexpr int kRowsPerWindow = 20;         // tries for a row with a trunk
-constexpr double kMinTrunkFraction = 0.6;  // of a window on a trunk
+constexpr int kTries = 50;                 // max tries in a row for a window without trunk
+constexpr int kRowsPerWindow = 20;         // max tries for a row with a trunk
+constexpr double kMinTrunkFraction = 0.6;  // min fraction of trunk pixels in a window on a trunk
 
 class Uniform {
  public:
   explicit Uniform(std::uint64_t seed) : engine_(seed) {}
-  double operator()(double low, double high) {  // the same on every standard library
+  double operator()(double low, double high) {  // identical with every standard library
     return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1.0p-53;
   }
   int index(int size) {
@@ -28,7 +28,7 @@ class Uniform {
   std::mt19937_64 engine_;
 };
 
-/// Trunk pixels above and left of each corner, so that any window's are counted at once.
+/// Integral image of the mask: counts the trunk pixels of any window in constant time.
 class TrunkCounts {
  public:
   explicit TrunkCounts(const TrunkMask& mask)
@@ -55,7 +55,7 @@ class TrunkCounts {
   std::vector<std::int64_t> sums_;
 };
 
-/// Columns of trunk in a row: first and how many.
+/// Consecutive trunk columns in a row: the first and their number.
 struct Run {
   int first_px = 0;
   int width_px = 0;
@@ -72,7 +72,7 @@ Run widest_run(const TrunkMask& mask, int row) {
   return widest;
 }
 
-/// A window on the run, or none where it would leave the picture or hardly hold the trunk.
+/// Samples a window on the run; none if it would leave the image or contain too little trunk.
 std::optional<vision::PixelRect> window_on(const Run& run, int row, const TrunkMask& mask,
                                            const TrunkCounts& counts, Uniform& uniform,
                                            const MaskWindowOptions& options) {

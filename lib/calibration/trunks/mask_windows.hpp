@@ -8,7 +8,7 @@
 
 namespace orchard::calibration {
 
-/// Which pixels of a picture are trunk: 1, others 0; rows top-down, no padding.
+/// Mask of an image: 1 for pixels on a trunk, otherwise 0; rows top-down, no padding.
 struct TrunkMask {
   int width_px = 0;
   int height_px = 0;
@@ -17,26 +17,26 @@ struct TrunkMask {
   std::int64_t num_trunk_px() const;
 };
 
-/// How windows are laid on and beside the trunks of a mask.
+/// Parameters for sampling windows on and beside the trunks of a mask.
 struct MaskWindowOptions {
-  int per_class = 60;        ///< windows on trunks, and as many elsewhere, of one picture
-  double aspect_min = 1.0;   ///< height over width, of the flattest windows
-  double aspect_max = 3.0;   ///< and of the tallest
-  double width_scale = 1.0;  ///< of the trunk's own width in the row
-  double scatter = 0.15;     ///< windows are off by up to this fraction of their width, either way
+  int per_class = 60;        ///< windows per image on trunks, and the same number elsewhere
+  double aspect_min = 1.0;   ///< min ratio of height to width
+  double aspect_max = 3.0;   ///< max ratio of height to width
+  double width_scale = 1.0;  ///< window width relative to the trunk's width in the row
+  double scatter = 0.15;     ///< max error of position and width, relative to the trunk's width
   int min_width_px = 6;      ///< narrower parts of a trunk are left out
-  std::uint64_t seed = 1;    ///< where they lie follows from it
+  std::uint64_t seed = 1;    ///< of the random positions
 };
 
-/// A window and what it lies on.
+/// A window and its class.
 struct LabelledWindow {
   vision::PixelRect window;
   bool is_trunk = false;
 };
 
-/// Windows on the widest trunk of random rows, each followed by one elsewhere at the same height
-/// and of the same size, with no trunk pixel in it. Fewer where there is no room for them.
-/// The same mask and options give the same windows.
+/// Samples windows on the widest trunk of random rows, each followed by a window of the same size
+/// at the same height without any trunk pixel. Fewer windows if there is not enough room.
+/// Deterministic.
 std::vector<LabelledWindow> sample_windows(const TrunkMask& mask, const MaskWindowOptions& options);
 
 }  // namespace orchard::calibration

@@ -20,9 +20,9 @@ using detection::ViewKind;
 constexpr int kMinOfAKind = 20;
 constexpr int kCorrelationSteps = 50;
 
-using TrueThing = std::pair<int, int>;  // recording, place in its truth
+using TrueThing = std::pair<int, int>;  // recording, index in its truth
 
-/// Observations of one kind as the regression wants them.
+/// Converts the observations of one kind to regression data.
 MultinomialData data_of(const std::vector<ProbabilitySample>& samples, ViewKind view,
                         std::size_t num_features, const ProbabilityLearnOptions& options,
                         const std::vector<char>& is_kept) {
@@ -42,7 +42,7 @@ MultinomialData data_of(const std::vector<ProbabilitySample>& samples, ViewKind 
       data.features(static_cast<Eigen::Index>(f), static_cast<Eigen::Index>(k)) = features[f];
     }
     data.outcomes.push_back(static_cast<int>(sample.outcome));
-    // what is an observation of nothing is a cluster of its own
+    // A false alarm, which belongs to no object, is a separate cluster.
     int cluster = next++;
     if (sample.thing >= 0) {
       cluster = clusters.try_emplace({sample.recording, sample.thing}, cluster).first->second;
@@ -78,14 +78,14 @@ ProbabilityFit fit_weights(const std::vector<ProbabilitySample>& samples,
   return fit;
 }
 
-/// The observations of one thing as the mapper adds them up.
+/// The evidence of all observations of one object, summed as in the mapper.
 struct ThingEvidence {
   bool is_tree = false;
   double labelled_sum = 0.0, unseen_sum = 0.0;
   int num_labelled = 0, num_unseen = 0;
 };
 
-/// -log of the probability given to what things are: mean over them, and its standard error.
+/// Log loss over objects: mean and its standard error.
 struct ThingLoss {
   double mean = 0.0, standard_error = 0.0;
 };
@@ -106,9 +106,9 @@ ThingLoss loss_of_things(const std::map<TrueThing, ThingEvidence>& things,
   return {sum / n, std::sqrt(std::max(0.0, sum2 / n - sum * sum / (n * n)) / n)};
 }
 
-/// The prior is the fraction of trees among things. The correlation is the largest that is not
-/// worse than the best by more than a standard error: few things are wrong, so the data alone would
-/// ask for certainty.
+/// Fits prior and correlation. The prior is the fraction of trees among the objects. The
+/// correlation is the largest whose log loss is within one standard error of the best: few objects
+/// are misclassified, so the minimum alone would give overconfident probabilities.
 void fit_evidence(const std::vector<ProbabilitySample>& samples,
                   const std::vector<double>& probabilities, ProbabilityFit& fit) {
   double num_trees = 0.0, num = 0.0;
@@ -129,7 +129,7 @@ void fit_evidence(const std::vector<ProbabilitySample>& samples,
     detection::Detection observation = sample.detection;
     observation.probability_tree = static_cast<float>(probabilities[i]);
     observation.probability_object = static_cast<float>(1.0 - probabilities[i]);
-    // as the mapper does: labelled observations count alone once there is one
+    // As in the mapper: UNSEEN observations count only while there is no labelled one.
     const bool labelled = observation.label != detection::Label::kUnseen;
     (labelled ? thing.labelled_sum : thing.unseen_sum) += mapping::evidence_of(observation, config);
     ++(labelled ? thing.num_labelled : thing.num_unseen);

@@ -11,14 +11,15 @@ namespace orchard::calibration {
 namespace {
 
 constexpr std::size_t kFewestThings = 3;
-/// Standard errors from which on a growth is none by chance.
+/// Min growth in standard errors to be significant.
 constexpr double kSignificant = 3.0;
 
 struct Weighted {
   double range_m = 0.0, width_m = 0.0, weight = 0.0;
 };
 
-/// A trunk's observations with one beam to spare, by its width in the nearer half of them.
+/// Selects a trunk's observations at ranges where it has at least one beam more than the minimum,
+/// by its width in the nearer half of the observations.
 std::vector<Weighted> usable(std::vector<SpotObservation> observations, int fewest_beams) {
   std::vector<double> ranges_m, widths_m;
   for (const SpotObservation& observation : observations) ranges_m.push_back(observation.range_m);
@@ -45,7 +46,8 @@ std::optional<SpotGrowth> spot_growth(const std::vector<SpotObservation>& observ
   std::map<int, std::vector<SpotObservation>> of_thing;
   for (const SpotObservation& observation : observations)
     of_thing[observation.thing].push_back(observation);
-  // about each trunk's own means; what one trunk's observations get wrong they get wrong together
+  // Sums about each trunk's own means, kept per trunk, because errors within a trunk are
+  // correlated.
   struct Sums {
     double xx = 0.0, xy = 0.0;
   };

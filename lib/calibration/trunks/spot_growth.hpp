@@ -6,7 +6,7 @@
 
 namespace orchard::calibration {
 
-/// One width of one of several trunks.
+/// One measured width of a trunk.
 struct SpotObservation {
   int thing = 0;
   double range_m = 0.0;
@@ -14,21 +14,22 @@ struct SpotObservation {
   double width_m = 0.0;
 };
 
-/// How widths grow with range: what a beam's divergence adds to all trunks alike.
+/// Growth of measured widths with range, common to all trunks: the effect of the beam's divergence.
 struct SpotGrowth {
   double divergence_rad =
-      0.0;  ///< m of width per m of range, beside what the rig takes off already
+      0.0;  ///< m of width per m of range, in addition to the rig's laser.spot_rad
   double se_rad = 0.0;
 
   bool significant() const;
 };
 
-/// Fits width = its trunk's own + divergence x range, by least squares weighted as counts of beams
-/// are known. What the spot is wide as it leaves cannot be told from the trunks being thicker.
+/// Fits width = trunk's own width + divergence x range by weighted least squares; the weights
+/// follow from the quantisation by the beam step. The constant width of the spot is not observable,
+/// because thicker trunks have the same effect.
 ///
-/// Takes only observations of which a trunk of that width always meets more than `fewest_beams`:
-/// farther off, those that make it too narrow are missing. None where ranges or observations are
-/// too few to tell.
+/// Uses only ranges at which a trunk of that width always has more than `fewest_beams`; at larger
+/// ranges observations with too small widths are missing, which would bias the fit. None for too
+/// few observations or too small a span of ranges.
 std::optional<SpotGrowth> spot_growth(const std::vector<SpotObservation>& observations,
                                       int fewest_beams);
 

@@ -22,7 +22,7 @@ std::vector<std::size_t> spread(const std::vector<std::size_t>& observations) {
   return some;
 }
 
-/// Below this a window is no trunk, whatever the light.
+/// Confidence below which a window is not a trunk in any light.
 constexpr double kSurelyNone = 0.1;
 
 bool may_be_trunk(const ThingSeen& seen, const TrunkModel& model) {

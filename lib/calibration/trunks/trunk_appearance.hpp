@@ -9,24 +9,24 @@
 
 namespace orchard::calibration {
 
-/// What a drive teaches of the trunks' appearance, beside the hue interval on the same windows.
+/// Appearance model learnt from a drive, and the hue interval's performance on the same windows.
 struct TrunkAppearance {
-  AppearanceFit fit;               ///< its area is that of trunks left out of the fit
-  double hue_interval_area = 0.5;  ///< of the windows that the interval was taken from
+  AppearanceFit fit;               ///< its area is measured on left-out trunks
+  double hue_interval_area = 0.5;  ///< measured on the windows that gave the interval
 };
 
-/// Learns the appearance of the model's trunks. Windows between their edges are positives;
-/// windows beside them at the same height, and windows on everything else that stands alone, are
-/// negatives. Where nobody picked the trunks, what is as wide as they are may be one in another
-/// light: it teaches only if what the rest teaches takes it for none. At most a dozen looks at each
-/// thing, spread evenly, so that none weighs too much.
+/// Learns the appearance of the model's trunks. Windows between their edges are positives; windows
+/// beside them at the same height and on other free-standing objects are negatives. If the trunks
+/// were not picked by the user, an object of trunk width may be a trunk in another light; it is a
+/// negative only if a model learnt from the rest rejects it. At most twelve observations of each
+/// object are used, evenly spread, so that all have similar weight.
 ///
-/// `observations` are those of estimate_trunk_model, `colour` what they were measured with. Throws
-/// std::runtime_error with one sentence when there are too few windows of a kind.
+/// `observations` are those passed to estimate_trunk_model(), `colour` the configuration they were
+/// measured with. Throws std::runtime_error with one sentence for too few windows of a class.
 TrunkAppearance learn_trunk_appearance(const std::vector<TrunkObservation>& observations,
                                        const TrunkModel& model, const vision::ColourConfig& colour);
 
-/// The trunks' colour on the whole: the median over trunks, or none without usable pixels.
+/// Median colour over the trunks; none without usable pixels.
 std::optional<vision::WindowLight> trunk_light(const std::vector<TrunkObservation>& observations,
                                                const TrunkModel& model);
 

@@ -15,10 +15,9 @@
 namespace orchard::calibration {
 namespace {
 
-/// Without poses a thing is followed from observation to observation, for this long at most.
+/// Max time between two associated observations of an object without poses.
 constexpr std::int64_t kLostAfter_us = 1'000'000;
-/// An observation beyond this many robust standard deviations is a mistake of segmentation, not
-/// scatter.
+/// Observations beyond this many robust standard deviations are segmentation errors, not scatter.
 constexpr double kOutlier = 3.5;
 
 struct Thing {
@@ -84,8 +83,8 @@ bool alike(const ThingSeen& a, const ThingSeen& typical, bool has_hue,
           hue_distance_deg(a.dominant_hue_deg, typical.dominant_hue_deg) <= options.hue_spread_deg);
 }
 
-/// The largest group of things alike that are not `taken`; among equals the one looked at most
-/// often. Empty when nothing was looked at often enough.
+/// The largest group of similar objects that are not `taken`; among equals the one with most
+/// observations. Empty if no object has enough observations.
 std::vector<std::size_t> largest_population(const std::vector<Thing>& things,
                                             const std::vector<bool>& taken, bool has_hue,
                                             const TrunkModelOptions& options) {
@@ -118,7 +117,7 @@ double spread_of(const std::vector<double>& values, double mean) {
   return values.size() > 1 ? squares / (static_cast<double>(values.size()) - 1.0) : 0.0;
 }
 
-/// How far apart two populations are, in pooled standard deviations.
+/// Separation of two populations in pooled standard deviations.
 double separation(const std::vector<double>& a, const std::vector<double>& b, double sd_floor) {
   const auto mean = [](const std::vector<double>& values) {
     double sum = 0.0;
@@ -132,7 +131,7 @@ double separation(const std::vector<double>& a, const std::vector<double>& b, do
 
 std::string millimetres(double metres) { return fixed_text(1e3 * metres, 0) + " mm"; }
 
-/// Says so when the second largest population cannot be told from the trunks, or may be them.
+/// Warns when the second largest population is not separated from the trunks, or may be the trunks.
 void compare_populations(const std::vector<Thing>& things, const std::vector<std::size_t>& trunks,
                          bool has_hue, const TrunkModelOptions& options, TrunkModel& model) {
   std::vector<bool> taken(things.size());
@@ -170,7 +169,7 @@ void compare_populations(const std::vector<Thing>& things, const std::vector<std
   }
 }
 
-/// Says so when the trunks themselves are of two kinds.
+/// Warns when the trunks themselves form two groups.
 void look_for_two_kinds(const std::vector<Thing>& things, const std::vector<std::size_t>& trunks,
                         const TrunkModelOptions& options, TrunkModel& model) {
   std::vector<double> widths_m;
@@ -237,8 +236,8 @@ std::vector<std::size_t> find_trunks(const std::vector<Thing>& things, bool has_
   return trunks;
 }
 
-/// Takes what the spot adds with range off the widths of all observations; none where it adds
-/// nothing.
+/// Estimates the growth of widths by the spot and subtracts it from the widths of all observations.
+/// Empty if the growth is not significant.
 std::vector<double> widths_without_spot(const std::vector<TrunkObservation>& observations,
                                         const TrunkModelOptions& options, TrunkModel& model) {
   std::vector<SpotObservation> of_trunks;

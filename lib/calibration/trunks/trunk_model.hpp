@@ -11,69 +11,68 @@
 
 namespace orchard::calibration {
 
-/// Where somebody says that a trunk stands.
+/// Position of a trunk picked by the user.
 struct PickedPlace {
-  int id = 0;  ///< of the landmark in a first map
+  int id = 0;  ///< of the landmark in an earlier map
   double x_m = 0.0;
   double y_m = 0.0;
 };
 
-/// How trunks are told apart and from the rest.
+/// Options for associating observations and selecting the trunks.
 struct TrunkModelOptions {
-  int wanted_trunks = 20;        ///< fewer give a warning
-  int min_observations = 3;      ///< of a thing that may be a trunk
-  int fewest_beams = 4;          ///< of an observation, as they were gathered
-  double gate_m = 0.3;           ///< farther observations are at another thing
-  double width_spread = 0.25;    ///< trunks differ by at most this fraction from the typical one
-  double hue_spread_deg = 20.0;  ///< and by at most this much in their dominant hue
-  double hue_tail = 0.02;        ///< fraction of coloured pixels left out at each end
-  double hue_margin_deg = 2.0;   ///< beyond the rest
+  int wanted_trunks = 20;        ///< fewer trunks give a warning
+  int min_observations = 3;      ///< min number of observations of a trunk
+  int fewest_beams = 4;          ///< ObserveOptions::min_beams of the observations
+  double gate_m = 0.3;           ///< association gate
+  double width_spread = 0.25;    ///< max relative difference of a trunk from the typical width
+  double hue_spread_deg = 20.0;  ///< max difference from the typical dominant hue
+  double hue_tail = 0.02;        ///< fraction of coloured pixels excluded at each end
+  double hue_margin_deg = 2.0;   ///< added to the hue interval at each end
   int hue_bins = 36;             ///< for dominant hues
-  double separation_min = 4.0;   ///< nearer populations, in pooled sd, do not separate
-  double fraction_min = 0.6;     ///< of the dominant population among the two largest
-  std::vector<int> picked;       ///< numbers of things that are trunks, from 1; empty: automatic
-  std::vector<PickedPlace> picked_places;  ///< or where trunks stand in map
+  double separation_min = 4.0;   ///< min separation of populations in pooled standard deviations
+  double fraction_min = 0.6;     ///< min fraction of the trunks in the two largest populations
+  std::vector<int> picked;  ///< numbers of the objects that are trunks, from 1; empty: automatic
+  std::vector<PickedPlace> picked_places;  ///< or positions of the trunks in map
 };
 
-/// One thing that was seen several times.
+/// One object that was observed several times.
 struct ThingSeen {
   int log = 0;
-  double x_m = 0.0;  ///< mean, or last seen when there were no poses
+  double x_m = 0.0;  ///< mean position, or the last one if there were no poses
   double y_m = 0.0;
   int num_observations = 0;
   double median_width_m = 0.0;
   double dominant_hue_deg = 0.0;
   bool is_trunk = false;                  ///< picked, or belongs to the dominant population
-  std::vector<std::size_t> observations;  ///< which observations are of it
+  std::vector<std::size_t> observations;  ///< indices of its observations
 };
 
-/// What trunks are like, as eqs. 9, 10 and figure 8 need it.
+/// Parameters of trunks for eqs. 9, 10 and figure 8.
 struct TrunkModel {
   double width_mean_m = 0.0;
-  double width_sd_m = 0.0;  ///< of single observations: the trunks' own scatter and the scanner's
+  double width_sd_m = 0.0;  ///< of single observations: scatter of the trunks and of the scanner
   WidthByRange width_by_range;
-  /// Of the spot, beside what the rig takes off; where it is significant, widths are less by it.
+  /// Growth by the laser spot in addition to the rig's; subtracted from the widths if significant.
   std::optional<SpotGrowth> spot;
   bool has_hue = false;
   double hue_min_deg = 0.0;  ///< circular interval, may wrap through red
   double hue_max_deg = 0.0;
-  bool is_picked = false;      ///< somebody said which things are trunks
-  double width_spread = 0.25;  ///< as TrunkModelOptions has it
+  bool is_picked = false;      ///< the trunks were picked by the user
+  double width_spread = 0.25;  ///< as in TrunkModelOptions
   int num_trunks = 0;
-  int num_observations = 0;       ///< observations of them that were used
-  std::vector<ThingSeen> things;  ///< all, in order of log and first sight
+  int num_observations = 0;       ///< number of used observations of trunks
+  std::vector<ThingSeen> things;  ///< all objects, in order of log and first observation
   std::vector<std::string> warnings;
 };
 
-/// Measures the trunk model from looks at everything: follows things through the observations (`in
-/// map` by place, otherwise from observation to observation), takes the largest group alike in
-/// width and hue for the trunks, and gives robust statistics of them. Observations stand in order
-/// of log and time.
+/// Estimates the trunk model from observations of all objects: associates the observations (by
+/// position if in_map, otherwise from scan to scan), takes the largest group of similar width and
+/// hue for the trunks, and computes robust statistics. `observations` are in order of log and time.
 ///
-/// With picks, exactly those things are trunks. Warns when trunks fall into two groups of width, or
-/// when another population does not separate from them, or is about as large.
+/// With picks, exactly those objects are trunks. Warns when the trunks form two groups of width, or
+/// when another population is not separated from them or about as large.
 ///
-/// Throws std::runtime_error with one sentence when nothing can be learnt, or a pick was not seen.
+/// Throws std::runtime_error with one sentence when there is no trunk, or a pick was not observed.
 /// Source: Shalal et al. 2013, sections 4.1 and 4.2 (20 trees, mu, sigma, H_min, H_max).
 TrunkModel estimate_trunk_model(const std::vector<TrunkObservation>& observations,
                                 const TrunkModelOptions& options);

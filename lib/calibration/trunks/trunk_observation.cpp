@@ -15,11 +15,11 @@
 namespace orchard::calibration {
 namespace {
 
-/// A window beside a trunk begins this many of its widths off, so that its bands miss the trunk.
+/// Distance of a window beside a trunk in window widths, so that its bands do not cover the trunk.
 constexpr int kWidthsOff = 3;
 constexpr int kCropMargin_px = 12;
 
-/// Everything of the scan that the picture shows, so that "beside" is on none of it.
+/// Windows of all objects of the scan in the image; windows "beside" must not overlap any of them.
 std::vector<vision::PixelRect> windows_of(const std::vector<laser::Segment>& segments,
                                           const detection::Rig& rig) {
   std::vector<vision::PixelRect> windows;
@@ -43,7 +43,7 @@ vision::PixelBlock cut(const vision::PixelBlock& pixels, const vision::PixelRect
   return part;
 }
 
-/// What the picture shows of one segment; false when it does not show it in full.
+/// Adds the image features of one segment; false if it is not fully in view.
 bool observe(TrunkObservation& seen, const laser::Segment& segment, const vision::Image& image,
              const std::vector<vision::PixelRect>& taken, const detection::Rig& rig,
              const ObserveOptions& options) {

@@ -11,10 +11,11 @@ namespace {
 
 constexpr std::size_t kMaxBins = 6;
 constexpr std::size_t kMinPerBin = 12;
-/// Ranges that differ by less say nothing of growth.
+/// Min ratio of farthest to nearest bin for a fit of the growth.
 constexpr double kMinRatio = 1.5;
 
-/// A bin and the mean of (range x step)^2 over it: what the growing part is proportional to.
+/// A bin and its mean of (range x step)^2, to which the growing part of the variance is
+/// proportional.
 struct Moments {
   WidthBin bin;
   double beam_m2 = 0.0;
@@ -40,7 +41,7 @@ Moments moments_of(const std::vector<WidthObservation>& observations, std::size_
   return m;
 }
 
-/// variance = constant + growth x beam_m2, both at least 0.
+/// Fits variance = constant + growth x beam_m2; both >= 0.
 std::pair<double, double> fit(const std::vector<Moments>& bins) {
   double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
   for (const Moments& m : bins) {

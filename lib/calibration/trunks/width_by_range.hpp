@@ -21,17 +21,17 @@ struct WidthBin {
   double sd_m = 0.0;
 };
 
-/// How trunk widths scatter: sd^2 = sd_m^2 + (sd_per_beam_step x range x step)^2.
+/// Scatter of trunk widths: sd^2 = sd_m^2 + (sd_per_beam_step x range x step)^2.
 struct WidthByRange {
   std::vector<WidthBin> bins;     ///< in order of range
-  bool has_growth = false;        ///< the ranges differed enough to tell how sd grows
-  double sd_m = 0.0;              ///< at no range; of all observations without has_growth
-  double sd_per_beam_step = 0.0;  ///< as laser::WidthConfig has it
+  bool has_growth = false;        ///< the span of ranges suffices for sd_per_beam_step
+  double sd_m = 0.0;              ///< constant part; sd of all observations without has_growth
+  double sd_per_beam_step = 0.0;  ///< as in laser::WidthConfig
 };
 
-/// Cuts looks into up to six bins of equally many, twelve at least, and fits the law to the bins'
-/// variances: least squares weighted by observations, neither part below 0. Takes observations
-/// without gross errors (estimate_trunk_model has left them out).
+/// Divides the observations into up to six bins of equal size, at least twelve each, and fits the
+/// scatter to the bins' variances: least squares weighted by the number of observations, both parts
+/// >= 0. The observations must not contain gross errors (estimate_trunk_model() removes them).
 WidthByRange width_by_range(std::vector<WidthObservation> observations);
 
 }  // namespace orchard::calibration

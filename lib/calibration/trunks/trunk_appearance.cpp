@@ -11,9 +11,9 @@
 namespace orchard::calibration {
 namespace {
 
-constexpr std::size_t kMaxObservations = 12;  // at one thing
+constexpr std::size_t kMaxObservations = 12;  // per object
 
-/// Observations of a thing, evenly spread over all of them.
+/// Selects at most kMaxObservations of an object's observations, evenly spread.
 std::vector<std::size_t> spread(const std::vector<std::size_t>& observations) {
   if (observations.size() <= kMaxObservations) return observations;
   std::vector<std::size_t> some;

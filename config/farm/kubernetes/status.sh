@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Tells Snakemake what became of a job: running, success or failed.
+# Reports the state of a job to Snakemake: running, success or failed.
 # usage: status.sh JOB
 said=$(kubectl get job "$1" -o 'jsonpath={.status.succeeded}/{.status.failed}' 2>&1) || case $said in
   *NotFound*) echo failed; exit 0 ;;

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Sends a job script of Snakemake to Kubernetes and prints the job's name.
+# Submits a job script of Snakemake to Kubernetes and prints the job's name.
 # usage: submit.sh CORES MEMORY_MB SCRIPT     (FARM_IMAGE: the image; default orchard-mapper:latest)
 set -euo pipefail
 name=orchard-$(sha256sum "$3" | cut -c1-12)-$RANDOM
 mkdir -p work/kubernetes
-cp "$3" "work/kubernetes/$name.sh" # Snakemake removes its own
+cp "$3" "work/kubernetes/$name.sh" # a copy, because Snakemake removes the original
 kubectl create -f - >&2 <<EOF
 apiVersion: batch/v1
 kind: Job

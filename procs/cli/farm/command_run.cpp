@@ -29,7 +29,8 @@ double seconds(const timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
 }
 
-/// Ctrl-C reaches the whole group: the command ends in its own way, and this process after it.
+/// Ignores SIGINT in this process: Ctrl-C reaches the whole process group, so the command ends by
+/// itself, and this process after it.
 class IgnoredInterrupt {
  public:
   IgnoredInterrupt() {
@@ -60,7 +61,7 @@ CommandEnd run_command(const std::vector<std::string>& arguments, const std::str
   const IgnoredInterrupt ignored;
   const auto start = std::chrono::steady_clock::now();
   const pid_t pid = fork();
-  if (pid == 0) {  // only what is safe between fork and exec
+  if (pid == 0) {  // only calls that are safe between fork and exec
     sigaction(SIGINT, &ignored.before(), nullptr);
     if (output >= 0) dup2(output, STDOUT_FILENO), dup2(output, STDERR_FILENO);
     if (standard >= 0) dup2(standard, STDOUT_FILENO);

@@ -76,7 +76,7 @@ int run_farm_add(const FarmAddOptions& options) {
       continue;
     }
     io::make_folder(folder);
-    // Whoever runs the farm meanwhile does not meet half a log.
+    // Atomic, so that a concurrent run of the farm never reads an incomplete log.
     io::replace_file_atomically(place, [&](const std::string& temporary) {
       std::error_code error;
       fs::copy_file(log, temporary, fs::copy_options::overwrite_existing, error);

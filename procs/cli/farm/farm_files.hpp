@@ -6,28 +6,28 @@
 
 namespace orchard::cli {
 
-/// `orchard farm init DIR`.
+/// Options of `orchard farm init DIR`.
 struct FarmInitOptions {
   std::string folder;
-  bool renew = false;  ///< write Snakefile and profiles anew, as this version has them
+  bool renew = false;  ///< overwrite Snakefile and profiles with those of this version
 };
 
-/// `orchard farm add DIR LOG...`.
+/// Options of `orchard farm add DIR LOG...`.
 struct FarmAddOptions {
   std::string folder;
   std::vector<std::string> log_paths;
   std::string block, date, robot;
 };
 
-/// Makes a farm's folder with its Snakefile and profiles; what is there stays as it is. Throws
+/// Creates a farm's folder with its Snakefile and profiles; existing files are kept. Throws
 /// io::FileError.
 int run_farm_init(const FarmInitOptions& options);
 
-/// Copies logs to where they belong; one that is there already is said and left. Throws
-/// io::FileError, also where another log has the name.
+/// Copies logs into the farm's folder; reports and skips logs that are already there. Throws
+/// io::FileError, also if a different log has the same name.
 int run_farm_add(const FarmAddOptions& options);
 
-/// What `farm init` writes (config/farm).
+/// A file of config/farm, built into the program, that `farm init` writes.
 struct ShippedFile {
   const char* name;
   const char* text;

@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 constexpr double kBytesPerMb = 1e6;
 
-/// Digests of files by path, size and time of change, kept from run to run.
+/// Cache of file digests by path, size and modification time, stored between runs.
 class DigestCache {
  public:
   explicit DigestCache(std::string path) : path_(std::move(path)) {
@@ -52,7 +52,7 @@ class DigestCache {
     return digest;
   }
 
-  /// Of the files that are there now.
+  /// Stores the digests requested in this run.
   void save() const { io::write_file_atomically(path_, now_); }
 
  private:
@@ -95,7 +95,7 @@ farm::FarmSettings read_settings(const std::string& path) {
   return settings;
 }
 
-/// The drives of one robot on one date: NAME.lcm, or its pieces NAME.lcm.00, NAME.lcm.01 ...
+/// Adds the drives of one robot on one date: NAME.lcm, or its pieces NAME.lcm.00, NAME.lcm.01 ...
 void add_drives(const FarmFolder& farm, const farm::Drive& of_robot, DigestCache& digests,
                 FarmContent& content) {
   static const std::regex kLog("(.+)\\.lcm(\\.[0-9]+)?");
@@ -104,7 +104,7 @@ void add_drives(const FarmFolder& farm, const farm::Drive& of_robot, DigestCache
   std::map<std::string, std::vector<std::string>> pieces;
   for (const std::string& name : io::folder_names(farm.path(inside))) {
     std::smatch match;
-    if (name.front() == '.') continue;  // being copied
+    if (name.front() == '.') continue;  // a log that is being copied
     if (!std::regex_match(name, match, kLog) || !fs::is_regular_file(farm.path(inside + name))) {
       content.notes.push_back(inside + name + " is no log (NAME.lcm) and is left alone");
       continue;
@@ -241,7 +241,7 @@ void FarmFolder::write_tasks(const FarmContent& content, const std::vector<farm:
     }
     entry["of"] = ordered_json::array();
     for (const farm::Drive& drive : task.drives) entry["of"].push_back(drive.title());
-    // Half as much again as usual; a step that fails for want of it asks for more.
+    // 1.5 times the expected memory; a step that fails requests more.
     entry["memory_mb"] =
         std::ceil(200.0 + 1.5 * (costs.ask_mb.at_least + costs.ask_mb.per_mb * log_mb));
     entry["time_s"] = std::ceil(60.0 + 5.0 * (costs.ask_s.at_least + costs.ask_s.per_mb * log_mb));

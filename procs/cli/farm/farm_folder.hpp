@@ -10,61 +10,64 @@
 
 namespace orchard::cli {
 
-/// What became of a step.
+/// State of a finished step.
 struct TaskState {
   bool is_good = false;
-  std::string reason;  ///< why it was set aside; empty when it is good
+  std::string reason;  ///< why it was set aside; empty if it is good
 };
 
-/// What a farm's folder holds of the user's: logs, rigs, settings.
+/// The user's files in a farm's folder: logs, rigs, settings.
 struct FarmContent {
   std::vector<farm::Drive> drives;
   farm::FarmSettings settings;
-  std::vector<std::string> notes;  ///< files below logs/ that are no drive, one sentence each
+  std::vector<std::string> notes;  ///< files below logs/ that are no drives, one sentence each
 };
 
-/// A farm: logs/BLOCK/DATE/ROBOT/NAME.lcm (pieces: NAME.lcm.00 ...), rigs/ROBOT.yaml, farm.yaml;
-/// results/ by their names, maps/ by block and date, work/ what is needed on the way.
+/// The folder of a farm: logs/BLOCK/DATE/ROBOT/NAME.lcm (pieces: NAME.lcm.00 ...), rigs/ROBOT.yaml,
+/// farm.yaml; results/ by name, maps/ by block and date, intermediate files in work/.
 class FarmFolder {
  public:
-  /// Throws io::FileError when `root` is no farm.
+  /// Throws io::FileError when `root` is not a farm.
   explicit FarmFolder(std::string root);
 
   const std::string& root() const { return root_; }
   std::string path(const std::string& inside) const { return root_ + "/" + inside; }
 
-  /// Reads what lies there; the digest of a log that has not changed (size, time) is not computed
-  /// again. Throws io::FileError for names that are no plain words and for a bad farm.yaml.
+  /// Reads the folder. Digests of unchanged logs (same size and time) are taken from a cache.
+  /// Throws io::FileError for names that do not satisfy is_farm_word() and for an invalid
+  /// farm.yaml.
   FarmContent read() const;
 
-  /// The steps that `content` asks for; what was edited by hand decides of the dates after it.
+  /// The steps required for `content`. Corrections by hand are inputs of the later dates.
   std::vector<farm::FarmTask> tasks_of(const FarmContent& content) const;
 
-  /// Digest of a result's corrections where they are not those that it was made with; else empty.
+  /// corrections_line() of a result if its corrections have changed since it was computed;
+  /// otherwise empty.
   std::string edits_of(const std::string& task) const;
 
-  /// Writes work/tasks.json, what the Snakefile goes by.
+  /// Writes work/tasks.json, the input of the Snakefile.
   void write_tasks(const FarmContent& content, const std::vector<farm::FarmTask>& tasks,
                    const farm::CostFit& costs) const;
 
-  /// None: it is still to be made.
+  /// State of a step; none if it is not finished.
   std::optional<TaskState> state_of(const std::string& task) const;
 
-  /// What every map that is still there has cost, in order of their names.
+  /// Cost samples of all good maps, in the order of `tasks`.
   std::vector<farm::CostSample> costs(const std::vector<farm::FarmTask>& tasks) const;
 
  private:
   std::string root_;
 };
 
-/// Line of a state.txt: the corrections that a result was made with, carried from the date before.
-/// Empty: `folder` has none.
+/// Line of a state.txt that identifies the corrections in `folder`, such as those carried over from
+/// the previous date; empty if there are none.
 std::string corrections_line(const std::string& folder);
 
-/// A word of a farm's paths: letters, digits, ".", "-" and "_", not beginning with "." or "-".
+/// Whether a name is allowed in a farm's paths: letters, digits, ".", "-" and "_", not beginning
+/// with "." or "-".
 bool is_farm_word(const std::string& word);
 
-/// SHA-256 of the bytes of files, one after the other. Throws io::FileError.
+/// SHA-256 of the concatenated bytes of files. Throws io::FileError.
 std::string digest_of_files(const std::vector<std::string>& paths);
 
 }  // namespace orchard::cli

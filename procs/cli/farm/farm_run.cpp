@@ -27,7 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// One run at a time. The engine inherits it: it holds until that has ended, too.
+/// Allows one run at a time. Snakemake inherits the lock, so it is held until that has ended, too.
 class RunLock {
  public:
   explicit RunLock(const FarmFolder& farm)
@@ -36,7 +36,7 @@ class RunLock {
       throw io::FileError(farm.path("work/run.lock") + " cannot be written (" +
                           std::generic_category().message(errno) + ")");
     }
-    // One that was killed just now may take a moment to be gone.
+    // A run that was just killed may take a moment to end.
     for (int tries = 0; ::flock(fd_, LOCK_EX | LOCK_NB) != 0; ++tries) {
       if (tries < 50) {
         std::this_thread::sleep_for(std::chrono::milliseconds(100));
@@ -55,7 +55,7 @@ class RunLock {
   int fd_;
 };
 
-/// What steps of this machine left that were killed.
+/// Removes the temporary folders of steps that were killed on this machine.
 void remove_unfinished(const FarmFolder& farm) {
   char host[256] = {};
   gethostname(host, sizeof(host) - 1);
@@ -90,7 +90,7 @@ int num_open(const FarmFolder& farm, const std::vector<farm::FarmTask>& tasks) {
 
 long memory_mb() { return sysconf(_SC_PHYS_PAGES) / 1024 * (sysconf(_SC_PAGESIZE) / 1024); }
 
-/// A name that stands for another folder from one moment on.
+/// Atomically points a symbolic link to another folder.
 void point_to(const std::string& link, const std::string& target) {
   fs::create_directories(fs::path(link).parent_path());
   const std::string made = link + ".new";
@@ -167,7 +167,7 @@ int run_farm_publish(const FarmPublishOptions& options) {
     num_open += state ? 0 : 1;
     if (!state || !state->is_good) continue;
     ++(is_date ? num_maps : is_report ? num_reports : num_changes);
-    std::set<std::string> places;  // alike dates of several blocks have one result
+    std::set<std::string> places;  // equal dates of several blocks share one result
     for (const farm::Drive& drive : task.drives) places.insert(drive.block + "/" + drive.date);
     for (const std::string& place : places) {
       const std::string link = farm.path((is_date     ? "maps/"

@@ -5,23 +5,23 @@
 
 namespace orchard::cli {
 
-/// `orchard farm run DIR`.
+/// Options of `orchard farm run DIR`.
 struct FarmRunOptions {
   std::string folder;
-  std::string profile = "local";  ///< of profiles/
-  int cores = 0;                  ///< 0: all of this machine, or as many as the profile says
+  std::string profile = "local";  ///< folder in profiles/
+  int cores = 0;                  ///< 0: all cores of this machine, or the profile's number
 };
 
-/// `orchard farm publish DIR`.
+/// Options of `orchard farm publish DIR`.
 struct FarmPublishOptions {
   std::string folder;
 };
 
-/// Makes what is not made yet, by Snakemake; then says the status. Exit code 1 when a step failed:
-/// the rest is made nevertheless, and another run takes up what is left. Throws io::FileError.
+/// Computes all missing results with Snakemake, then prints the status. Returns exit code 1 when a
+/// step failed; the other steps are completed, and another run continues. Throws io::FileError.
 int run_farm_run(const FarmRunOptions& options);
 
-/// Makes maps/BLOCK/DATE and changes/BLOCK/DATE stand for the newest results, each in one moment.
+/// Atomically replaces the links in maps/, changes/ and reports/ by links to the newest results.
 /// Throws io::FileError.
 int run_farm_publish(const FarmPublishOptions& options);
 

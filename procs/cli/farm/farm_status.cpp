@@ -21,7 +21,7 @@ using farm::TaskKind;
 constexpr std::array<TaskKind, 5> kKinds{TaskKind::kCheck, TaskKind::kMap, TaskKind::kDate,
                                          TaskKind::kChanges, TaskKind::kReport};
 
-/// One thing that a person should know of, and whose.
+/// An event to report, and the drive or date that it concerns.
 struct Finding {
   std::string what;  ///< "set aside", "left out", "damaged"
   std::string of;
@@ -35,7 +35,7 @@ struct Counts {
 struct FarmState {
   std::array<Counts, kKinds.size()> counts;
   std::vector<Finding> findings;
-  double open_s = 0.0;  ///< processor time that the open maps will take
+  double open_s = 0.0;  ///< expected processor time of the open maps
 };
 
 std::string title_of(const FarmTask& task) {
@@ -45,7 +45,7 @@ std::string title_of(const FarmTask& task) {
              : drive.block + "/" + drive.date;
 }
 
-/// What `merge --leave-out` left out of a date: a map and a reason a line.
+/// Adds the maps that `merge --leave-out` left out of a date, with reasons (left_out.csv).
 void add_left_out(const FarmFolder& farm, const FarmTask& task, const std::vector<FarmTask>& tasks,
                   std::vector<Finding>& findings) {
   std::ifstream file(farm.path("results/" + task.name + "/left_out.csv"));

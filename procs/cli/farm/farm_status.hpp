@@ -7,17 +7,17 @@
 
 namespace orchard::cli {
 
-/// `orchard farm status DIR`.
+/// Options of `orchard farm status DIR`.
 struct FarmStatusOptions {
   std::string folder;
   bool json = false;
 };
 
-/// Says what is made, what was set aside and why, what is left to make and what it will cost.
-/// Throws io::FileError.
+/// Prints finished results, results set aside with reasons, and open steps with their expected
+/// cost. Throws io::FileError.
 int run_farm_status(const FarmStatusOptions& options);
 
-/// The same for a farm that has been read, as text for people or as JSON.
+/// Returns the same status of a farm that has been read, as plain text or JSON.
 std::string status_text(const FarmFolder& farm, const FarmContent& content,
                         const std::vector<farm::FarmTask>& tasks, bool json);
 

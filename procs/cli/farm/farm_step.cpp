@@ -22,7 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// With less left a file that could not be written may pass for one that cannot be read.
+/// Min free disk space for setting a result aside: with less, a failed write may look like a bad
+/// input.
 constexpr std::uintmax_t kFreeBytesMin = 16 << 20;
 
 std::string unlike_any_other() {
@@ -45,7 +46,7 @@ bool is_crash(int exit_code) {
   return std::count(kCrashes.begin(), kCrashes.end(), exit_code - 128) > 0;
 }
 
-/// The finished folder becomes the result, unless somebody else has made the same meanwhile.
+/// Renames the finished folder to the result, unless another process has completed the same result.
 void become_result(const std::string& made, const std::string& name, const std::string& state) {
   const std::string result = "results/" + name;
   const std::string corrections = corrections_line(made);
@@ -55,7 +56,7 @@ void become_result(const std::string& made, const std::string& name, const std::
     fs::remove_all(made);
     return;
   }
-  fs::remove_all(result);  // empty, or what was left of one without its state
+  fs::remove_all(result);  // empty, or an incomplete result without state.txt
   io::rename_durably(made, result);
 }
 
@@ -91,7 +92,7 @@ int run_farm_step(const FarmStepOptions& options) {
   }
   std::string why = last_line(output);
   for (std::size_t at = why.find(made); at != std::string::npos; at = why.find(made)) {
-    why.replace(at, made.size(), "results/" + options.name);  // the same whoever made it
+    why.replace(at, made.size(), "results/" + options.name);  // independent of the temporary name
   }
   if (is_crash(end.exit_code)) {
     why = "the program crashed (signal " + std::to_string(end.exit_code - 128) + "): " + why;

@@ -6,18 +6,20 @@
 
 namespace orchard::cli {
 
-/// `orchard farm step NAME [-- COMMAND...]`, which the Snakefile calls in the farm's folder.
+/// Options of `orchard farm step NAME [-- COMMAND...]`, which the Snakefile calls in the farm's
+/// folder.
 struct FarmStepOptions {
-  std::string name;                  ///< of the result: results/NAME
-  std::vector<std::string> command;  ///< "@out" in it stands for the folder that it writes
-  std::string set_aside;             ///< no command: why there can be no result
-  bool keep_output = false;          ///< what it prints is the result, whatever its exit code
+  std::string name;                  ///< name of the result: results/NAME
+  std::vector<std::string> command;  ///< "@out" in it stands for the output folder
+  std::string set_aside;             ///< without a command: the reason why there is no result
+  bool keep_output = false;          ///< the output is the result; exit code 3 counts as good
 };
 
-/// Runs a command that makes a result, in a folder of its own that becomes the result when it has
-/// ended: a result is whole or not there, whoever is killed. Exit code 3 (a bad input) sets the
-/// result aside with what the command said; so does a crash, which is a function of the input as
-/// everything else. Any other failure is no result, and the exit code. Throws io::FileError.
+/// Runs a command that computes a result in a temporary folder, and renames the folder when the
+/// command has ended. A result is therefore complete or missing, even after a kill. Exit code 3
+/// (bad input) sets the result aside with the command's message; so does a crash, because it
+/// depends on the input and would recur. Any other failure gives no result and exit code 1. Throws
+/// io::FileError.
 int run_farm_step(const FarmStepOptions& options);
 
 }  // namespace orchard::cli

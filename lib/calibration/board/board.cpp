@@ -14,24 +14,24 @@
 namespace orchard::calibration {
 namespace {
 
-/// Fewer corners of a ChArUco board do not fix its pose well enough to be of use.
+/// Min number of corners of a ChArUco board; fewer do not determine its pose well.
 constexpr std::size_t kMinCharucoCorners = 6;
-/// Narrower pictures are also looked at in twice their size [px].
+/// Images up to this width are also searched at twice their size [px].
 constexpr int kSmall_px = 800;
 
 double distance_px(const cv::Point2f& a, const cv::Point2f& b) {
   return std::hypot(static_cast<double>(a.x) - b.x, static_cast<double>(a.y) - b.y);
 }
 
-/// Moves corners to where the edges around them meet, within windows that reach `reach_px` to each
-/// side: as large as the pattern allows, for the noise.
+/// Refines corners to subpixel accuracy in windows of half width `reach_px`; the larger the window,
+/// the lower the noise.
 void refine(const cv::Mat& grey, double reach_px, std::vector<cv::Point2f>& corners) {
   const int half_px = std::clamp(static_cast<int>(std::lround(reach_px)), 2, 11);
   cv::cornerSubPix(grey, corners, {half_px, half_px}, {-1, -1},
                    {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 60, 1e-4});
 }
 
-/// The shortest way between neighbours of a whole grid.
+/// The smallest distance between neighbours in a complete grid.
 double spacing_of(const std::vector<cv::Point2f>& grid, int columns, int rows) {
   double least_px = 1e9;
   for (int row = 0; row < rows; ++row) {
@@ -52,7 +52,7 @@ double spacing_of(const std::vector<cv::Point2f>& grid, int columns, int rows) {
   return least_px;
 }
 
-/// Orders a grid so that z points into the board's back and x to the picture's right (or down).
+/// Orders a grid such that z points into the board's back and x right (or down) in the image.
 void orient(std::vector<cv::Point2f>& grid, int columns, int rows) {
   const auto at = [&](int column, int row) {
     return grid[static_cast<std::size_t>(row * columns + column)];
@@ -68,8 +68,8 @@ void orient(std::vector<cv::Point2f>& grid, int columns, int rows) {
   if ((lies ? along.x : along.y) < 0.0f) std::reverse(grid.begin(), grid.end());
 }
 
-/// Whether a corner lies farther than a quarter of a square from where the plane through most of
-/// them has it: a wrong one. What the lens bends is far less. Places are in squares.
+/// Marks corners that are farther than a quarter of a square from their position under the
+/// homography of most corners: outliers. Lens distortion is far smaller. `places` are in squares.
 std::vector<bool> far_from_plane(const std::vector<cv::Point2f>& places,
                                  const std::vector<cv::Point2f>& corners) {
   std::vector<bool> far(corners.size(), true);
@@ -89,7 +89,7 @@ std::vector<bool> far_from_plane(const std::vector<cv::Point2f>& places,
   return far;
 }
 
-/// The picture in twice its size, in which squares and markers of ten pixels are found.
+/// The image at twice its size, in which squares and markers of ten pixels can be found.
 cv::Mat doubled(const cv::Mat& grey) {
   cv::Mat twice;
   cv::resize(grey, twice, {}, 2.0, 2.0, cv::INTER_LINEAR);
@@ -97,11 +97,11 @@ cv::Mat doubled(const cv::Mat& grey) {
 }
 
 void halve(std::vector<cv::Point2f>& corners) {
-  const cv::Point2f half(0.5f, 0.5f);  // pixel centres are whole numbers in both
+  const cv::Point2f half(0.5f, 0.5f);  // pixel centres have integer coordinates in both images
   for (cv::Point2f& corner : corners) corner = 0.5f * (corner + half) - half;
 }
 
-/// A whole grid, not yet refined.
+/// Finds a complete grid, not yet refined.
 bool find_grid(const cv::Mat& grey, cv::Size size, std::vector<cv::Point2f>& corners) {
   if (cv::findChessboardCornersSB(grey, size, corners)) return true;
   if (grey.cols > kSmall_px || !cv::findChessboardCornersSB(doubled(grey), size, corners)) {
@@ -156,15 +156,15 @@ std::optional<BoardView> find_charuco(const cv::Mat& grey, const BoardConfig& bo
       side_px = std::min(side_px, distance_px(marker[i], marker[(i + 1) % 4]));
     }
   }
-  // OpenCV 4.6 counts these from the pixel's corner, everything else from its centre
+  // OpenCV 4.6 gives these relative to the pixel's corner, everything else relative to its centre.
   for (cv::Point2f& corner : corners) corner -= cv::Point2f(0.5f, 0.5f);
   const std::vector<cv::Point2f> coarse = corners;
-  // up to the markers, whose own edges would pull at the corner
+  // Windows up to the markers, whose edges would bias the corner.
   const double square_px = side_px * board.square_m / board.marker_m;
   refine(grey, 0.5 * (square_px - side_px), corners);
   const double most_moved_px = std::max(0.3, 0.02 * square_px);
 
-  // OpenCV 4.6 numbers the inner corners row by row from the upper left
+  // OpenCV 4.6 numbers the inner corners row by row from the upper left.
   std::vector<cv::Point2f> places;
   for (const int id : corner_ids) {
     places.emplace_back(id % board.corner_columns(), id / board.corner_columns());
@@ -173,7 +173,7 @@ std::optional<BoardView> find_charuco(const cv::Mat& grey, const BoardConfig& bo
   BoardView view;
   bool one_row = true, one_column = true;
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    // a corner that two observations disagree on was pulled away by something else
+    // A corner that moved far in the refinement was attracted by another edge.
     if (far[i] || distance_px(corners[i], coarse[i]) > most_moved_px) continue;
     add_corner(corners[i], places[i], board, view);
     one_row = one_row && view.corners_m.back().y_m == view.corners_m[0].y_m;

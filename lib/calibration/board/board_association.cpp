@@ -15,13 +15,13 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kGrid_rad = 0.21;          ///< 12 degrees
-constexpr double kDirectionGate = 0.25;     ///< of n . R l on the grid
-constexpr int kMaxStarts = 60;              ///< rotations that are refined
-constexpr double kWideGate_m = 0.30;        ///< of a line's distance from the board at first
-constexpr double kGate_m = 0.04;            ///< and at last
-constexpr double kMinRivalGate_m = 0.01;    ///< however well the best mount fits
-constexpr double kOutsideBoard_m = 0.06;    ///< that a line's middle may lie outside
-constexpr double kSameRotation_rad = 0.17;  ///< two mounts nearer than this are one
+constexpr double kDirectionGate = 0.25;     ///< limit of n . R l on the grid
+constexpr int kMaxStarts = 60;              ///< number of rotations to refine
+constexpr double kWideGate_m = 0.30;        ///< initial gate of a line's distance from the board
+constexpr double kGate_m = 0.04;            ///< final gate
+constexpr double kMinRivalGate_m = 0.01;    ///< lower limit of the gate for rivals
+constexpr double kOutsideBoard_m = 0.06;    ///< max distance of a line's middle outside the board
+constexpr double kSameRotation_rad = 0.17;  ///< mounts closer than this are the same
 constexpr double kSameShift_m = 0.10;
 
 Eigen::Vector3d in_space(const Eigen::Vector2d& p) { return {p.x(), p.y(), 0.0}; }
@@ -31,7 +31,7 @@ std::vector<Eigen::Matrix3d> all_rotations() {
   const int num_axes = static_cast<int>(4.0 * geometry::kPi / (kGrid_rad * kGrid_rad));
   const int num_turns = static_cast<int>(2.0 * geometry::kPi / kGrid_rad) + 1;
   const double golden = geometry::kPi * (3.0 - std::sqrt(5.0));
-  for (int i = 0; i < num_axes; ++i) {  // Fibonacci's sphere
+  for (int i = 0; i < num_axes; ++i) {  // Fibonacci sphere
     const double z = 1.0 - (2.0 * i + 1.0) / num_axes;
     const double r = std::sqrt(1.0 - z * z);
     const Eigen::Vector3d axis(r * std::cos(golden * i), r * std::sin(golden * i), z);
@@ -63,7 +63,7 @@ class Matcher {
     }
   }
 
-  /// How badly the directions of lines fit: 0 perfect, one per view that has no line that fits.
+  /// Cost of a rotation by the directions of the lines: 0 is perfect; 1 per view without a fit.
   double direction_cost(const Eigen::Matrix3d& R) const {
     double cost = 0.0;
     for (std::size_t i = 0; i < views_.size(); ++i) {
@@ -95,7 +95,7 @@ class Matcher {
     double off_m = 1e9;
   };
 
-  /// The line of a view that lies nearest to its board's plane.
+  /// Finds the line of a view that is nearest to the plane of its board.
   Match nearest(std::size_t i, const Mount& mount, bool direction_only) const {
     Match best;
     for (std::size_t j = 0; j < views_[i].lines.size(); ++j) {
@@ -115,7 +115,7 @@ class Matcher {
            p.y() > outline_.y_min_m - kOutsideBoard_m && p.y() < outline_.y_max_m + kOutsideBoard_m;
   }
 
-  /// Fills the lines that fit to gate_m; the cost is one per view without.
+  /// Fills `out` with the lines within `gate_m` and returns the cost; 1 per view without a line.
   double judge(const Mount& mount, double gate_m, Association& out) const {
     out.mount = mount;
     out.line_of_view.assign(views_.size(), -1);
@@ -152,7 +152,7 @@ class Matcher {
     return std::hypot(across_m, along_m);
   }
 
-  /// One reweighted Gauss-Newton step (Cauchy's weights) with each view's nearest line.
+  /// One reweighted Gauss-Newton step (Cauchy weights) with the nearest line of each view.
   Mount step(const Mount& mount, double gate_m, bool direction_only) const {
     Matrix6 normal = Matrix6::Zero();
     Vector6 gradient = Vector6::Zero();
@@ -171,14 +171,14 @@ class Matcher {
       double error_m = half_m * n.dot(l);
       normal += weight * row * row.transpose();
       gradient += weight * error_m * row;
-      // the translation follows the rotation from the start, whatever the gate
+      // Adjust the translation to the rotation from the start, independent of the gate.
       row << n, direction_only ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : p.cross(n);
       error_m = n.dot(p + mount.delta_m) - planes_[i].distance_m;
       const double position_weight = direction_only ? 1.0 / (1.0 + std::abs(error_m)) : weight;
       normal += position_weight * row * row.transpose();
       gradient += position_weight * error_m * row;
     }
-    // what the views leave open stays where it is
+    // Regularisation: directions that the views do not determine stay unchanged.
     normal.diagonal().array() += 1e-5;
     Vector6 change = -normal.ldlt().solve(gradient);
     const double turn = change.tail<3>().norm();
@@ -237,7 +237,7 @@ Association associate_board_lines(const std::vector<MountView>& views,
       best = std::move(found);
     }
   }
-  // a rival explains the views as well only if its lines lie as near to the boards
+  // A rival explains the views equally well only if its lines are as close to the boards.
   const double num_missing = static_cast<double>(views.size()) - best.num_fitting;
   const double best_rms_m =
       kGate_m * std::sqrt(std::max(0.0, best_cost - num_missing) / std::max(1, best.num_fitting));

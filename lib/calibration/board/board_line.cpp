@@ -90,7 +90,7 @@ class LineFinder {
     return runs;
   }
 
-  /// The beams' own noise against the stated one, from second differences of neighbours.
+  /// Ratio of actual to stated beam noise, from second differences of neighbouring ranges.
   double estimate_noise(const std::vector<Beams>& runs) const {
     std::vector<double> fractions;
     for (const Beams& run : runs) {
@@ -105,11 +105,11 @@ class LineFinder {
 
   double tolerance_m(const Beam& beam) const { return 4.5 * sd_m(beam.range_m) + 1e-3; }
 
-  /// Appends the ends (exclusive) of straight pieces of [first, last).
+  /// Appends the ends (exclusive) of the straight segments in [first, last).
   void split(const Beams& run, std::size_t first, std::size_t last,
              std::vector<std::size_t>& cuts) const {
     if (last - first >= 4) {
-      // the chord of a few beams at each end, so that one noisy beam does not turn it
+      // Average several beams at each end, so that one noisy beam does not rotate the chord.
       const std::size_t n = std::min<std::size_t>(3, (last - first) / 4 + 1);
       Eigen::Vector2d a = Eigen::Vector2d::Zero(), b = a;
       for (std::size_t i = 0; i < n; ++i) {
@@ -190,7 +190,7 @@ class LineFinder {
       sum += fit.off_m(beam.point_m) * fit.off_m(beam.point_m);
       sd_sum += sd_m(beam.range_m) * sd_m(beam.range_m);
     }
-    if (sum > 2.5 * sd_sum) return std::nullopt;  // bent
+    if (sum > 2.5 * sd_sum) return std::nullopt;  // curved
     const double n = static_cast<double>(beams.size());
     line.rms_m = std::sqrt(sum / n);
     const double from_m = fit.along_m(beams.front().point_m);
@@ -206,7 +206,8 @@ class LineFinder {
     return line;
   }
 
-  /// Is a beam beyond an edge between the edge and what is behind it, nearer than what comes next?
+  /// Whether the beam beyond an edge is a mixed pixel: its range is between the edge and the next
+  /// surface.
   bool mixed_at(std::ptrdiff_t i, int step, double edge_range_m) const {
     const std::ptrdiff_t next = i + step;
     if (next < 0 || next >= static_cast<std::ptrdiff_t>(scan_.ranges_m.size())) return false;
@@ -216,22 +217,22 @@ class LineFinder {
     return behind_m - range_m > std::max(0.15, 0.2 * (behind_m - edge_range_m));
   }
 
-  /// Looks outward from a line's last beam for where the scanner sees farther.
+  /// Searches outwards from the last beam of a line for the edge: the first larger range.
   LineEnd end_at(const Beam& last, int step) const {
     LineEnd end;
     const auto size = static_cast<std::ptrdiff_t>(scan_.ranges_m.size());
-    constexpr std::ptrdiff_t kMixed = 2;  // beams on two surfaces
+    constexpr std::ptrdiff_t kMixed = 2;  // max number of mixed pixels
     for (std::ptrdiff_t k = 1; k <= kMixed + 1; ++k) {
       const std::ptrdiff_t i = static_cast<std::ptrdiff_t>(last.index) + k * step;
       if (i < 0 || i >= size) return end;
       const double bearing_rad = scan_.bearing_rad(static_cast<double>(i));
       const bool nothing = !scan_.valid(static_cast<std::size_t>(i));
       const double range_m = scan_.ranges_m[static_cast<std::size_t>(i)];
-      if (!nothing && range_m < last.range_m - 0.05) return end;  // hidden by something nearer
+      if (!nothing && range_m < last.range_m - 0.05) return end;  // hidden by a nearer object
       if (nothing || range_m > last.range_m + 0.15) {
         end.seen = true;
         if (!nothing && mixed_at(i, step, last.range_m)) {
-          // its spot lay on both, so that it is not beyond the edge but on it
+          // The spot lies on both surfaces, so the beam is on the edge, not beyond it.
           end.bearing_rad = bearing_rad;
           end.half_gap_rad = 0.5 * std::abs(scan_.bearing_step_rad);
         } else {

@@ -43,7 +43,7 @@ std::optional<bool> BoardPattern::is_white(double x_m, double y_m) const {
         y_m <= outline_.y_max_m)) {
     return std::nullopt;
   }
-  // squares are counted from the outer one at the upper left, which is black
+  // Squares are counted from the outermost one at the upper left, which is black.
   const double across = x_m / board_.square_m + 1.0, down = y_m / board_.square_m + 1.0;
   const int column = static_cast<int>(std::floor(across)), row = static_cast<int>(std::floor(down));
   if (column < 0 || row < 0 || column > board_.corner_columns() || row > board_.corner_rows()) {
@@ -56,7 +56,7 @@ std::optional<bool> BoardPattern::is_white(double x_m, double y_m) const {
   const double row_fraction = (down - row - 0.5) / marker_fraction + 0.5;
   if (column_fraction < 0.0 || column_fraction >= 1.0 || row_fraction < 0.0 || row_fraction >= 1.0)
     return true;
-  // white squares before this one, row by row
+  // Markers are numbered by the white squares, row by row.
   return marker_is_white((row * board_.columns + column) / 2, column_fraction, row_fraction);
 }
 

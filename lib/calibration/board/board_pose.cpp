@@ -17,7 +17,7 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr double kClearlyWorse = 16.0;  ///< squares of sigmas that another tilt adds
+constexpr double kClearlyWorse = 16.0;  ///< min increase of chi2 for a pose to be clearly worse
 
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   Eigen::Matrix3d m;
@@ -31,14 +31,15 @@ Eigen::Matrix3d rotation_of(const Eigen::Vector3d& turn) {
   return Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
 }
 
-/// Corners in normalized coordinates (z = 1), the lens taken out.
+/// Undistorted corners in normalized coordinates (z = 1).
 struct Corners {
   std::vector<Eigen::Vector2d> normalized;
   std::vector<Eigen::Vector2d> board_m;
   double focal_px = 1.0;
 };
 
-/// Sum of squares [px^2] with the normal equations of (turn, shift); none behind the camera.
+/// Computes the sum of squares [px^2] and the normal equations of (rotation, shift); none if a
+/// corner is behind the camera.
 std::optional<double> linearize(const Corners& corners, const BoardPose& pose, Matrix6& normal,
                                 Vector6& gradient) {
   normal.setZero();
@@ -63,7 +64,7 @@ std::optional<double> linearize(const Corners& corners, const BoardPose& pose, M
   return sum;
 }
 
-/// Gauss-Newton with damping; the sum of squares it ends with [px^2].
+/// Refines a pose by damped Gauss-Newton. Returns the final sum of squares [px^2].
 double refine(const Corners& corners, BoardPose& pose) {
   Matrix6 normal;
   Vector6 gradient;
@@ -113,7 +114,8 @@ std::optional<BoardPose> estimate_board_pose(const std::vector<Eigen::Vector2d>&
   if (corners_px.size() != corners_m.size() || corners_px.size() < 6) return std::nullopt;
   Corners corners;
   corners.board_m = corners_m;
-  // one scale for both axes: their focal lengths differ by far less than noise is known
+  // One scale for both axes: the difference of the focal lengths is far below the uncertainty of
+  // the noise.
   corners.focal_px = 0.5 * (camera.intrinsics().fc_px[0] + camera.intrinsics().fc_px[1]);
   std::vector<cv::Point3d> object;
   std::vector<cv::Point2d> image;
@@ -124,7 +126,7 @@ std::optional<BoardPose> estimate_board_pose(const std::vector<Eigen::Vector2d>&
     image.emplace_back(corners.normalized.back().x(), corners.normalized.back().y());
   }
 
-  // The two tilts of Collins and Bartoli's IPPE, each led to its own minimum.
+  // The two solutions of IPPE (Collins and Bartoli), each refined to its own minimum.
   std::vector<cv::Mat> turns, shifts;
   try {
     cv::solvePnPGeneric(object, image, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), turns, shifts,
@@ -177,7 +179,7 @@ std::vector<std::optional<BoardPose>> estimate_board_poses(const std::vector<Boa
                         std::max(1.0, left_over - 6.0));
   }
   if (variances.empty()) return poses;
-  // the middle picture's: a few wrong ones do not count
+  // The median over the images is robust against a few wrong ones.
   const double variance = std::max(0.02 * 0.02, geometry::median(std::move(variances)));
   for (auto& pose : poses) {
     if (!pose) continue;

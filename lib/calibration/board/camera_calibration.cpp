@@ -66,7 +66,7 @@ Solution solve(const std::vector<const NamedView*>& views, cv::Size size, bool e
   const int num_parameters = (estimate_k3 ? 9 : 8) + 6 * static_cast<int>(views.size());
   const double freedom = 2.0 * solution.num_corners - num_parameters;
   const double opencv_freedom = static_cast<double>(solution.num_corners) - num_parameters;
-  // OpenCV's own figure is without meaning when it has fewer corners than parameters
+  // OpenCV's standard deviation is meaningless with fewer corners than parameters.
   const double correction =
       freedom > 0.0 && opencv_freedom > 0.0 ? std::sqrt(opencv_freedom / freedom) : 1.0;
   for (int i = 0; i < 9; ++i) solution.sd.push_back(correction * sd_intrinsics.at<double>(i));
@@ -110,7 +110,7 @@ double median_rms_px(const std::vector<const NamedView*>& views, const Solution&
   return geometry::median(std::move(errors));
 }
 
-/// The view that disagrees most, when it disagrees too much.
+/// The view with the largest error, if it is an outlier.
 std::ptrdiff_t worst_outlier(const std::vector<const NamedView*>& views, const Solution& solution,
                              const CameraCalibrationOptions& options) {
   double limit_px =
@@ -125,7 +125,7 @@ std::ptrdiff_t worst_outlier(const std::vector<const NamedView*>& views, const S
   return worst;
 }
 
-/// Where an outlier lies under the final camera: its pose is fitted, nothing else.
+/// Figures of an outlier under the final intrinsics; only its pose is fitted.
 ViewFigures figures_of_outlier(const NamedView& view, const Solution& camera) {
   Solution alone;
   cv::Mat rotation, place;

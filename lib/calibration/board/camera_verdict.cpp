@@ -166,7 +166,7 @@ class Judge {
                          fixed_text(100.0 * std::abs(ratio - 1.0), 0) +
                          " %; are the pictures stretched, or is the board's size wrong?");
     }
-    // a ray through each corner of the picture must come back to it
+    // The distortion model must be invertible at the image's corners.
     for (const double u : {0.0, camera.width_px - 1.0}) {
       for (const double v : {0.0, camera.height_px - 1.0}) {
         const Eigen::Vector2d ray = camera_.undistort({u, v});

@@ -12,7 +12,7 @@ constexpr std::array<int, 4> kCounts{50, 100, 250, 1000};
 }  // namespace
 
 std::optional<int> marker_dictionary(const std::string& name) {
-  // OpenCV numbers them by bits, then by count
+  // OpenCV numbers the dictionaries by bits, then by count.
   static_assert(cv::aruco::DICT_4X4_50 == 0 && cv::aruco::DICT_7X7_1000 == 15);
   for (int bits = 4; bits <= 7; ++bits) {
     for (std::size_t i = 0; i < kCounts.size(); ++i) {

@@ -53,7 +53,7 @@ StillView mean_of(const std::vector<BoardPair>& pairs, std::size_t first, std::s
   return view;
 }
 
-/// Where and how large a board is in the picture, by its first, last and middle corners.
+/// Describes position and size of a board in the image by its first, last and middle corners.
 std::vector<double> signature(const BoardView& board) {
   std::vector<double> numbers;
   const std::size_t n = board.corners_px.size();

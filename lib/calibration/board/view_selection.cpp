@@ -11,7 +11,7 @@
 namespace orchard::calibration {
 namespace {
 
-/// Where a view shows the board, how large and how tilted; each number varies by about 1.
+/// Position, size and tilt of the board in a view; each number varies by about 1.
 using Observation = std::array<double, 5>;
 
 Observation observation_of(const BoardView& view, int width_px, int height_px) {
@@ -38,7 +38,7 @@ Observation observation_of(const BoardView& view, int width_px, int height_px) {
   const double size =
       std::abs(H.at<double>(0, 0) * H.at<double>(1, 1) - H.at<double>(0, 1) * H.at<double>(1, 0));
   observation[2] = 0.5 * std::log(std::max(size, 1e-6));
-  // perspective: how much nearer one end of the board is than the other
+  // Perspective: relative distance of the two ends of the board.
   observation[3] = 3.0 * std::clamp(H.at<double>(2, 0), -1.0, 1.0);
   observation[4] = 3.0 * std::clamp(H.at<double>(2, 1), -1.0, 1.0);
   return observation;
@@ -62,7 +62,7 @@ std::vector<std::size_t> select_spread(const std::vector<NamedView>& views, int 
   std::vector<Observation> observations;
   for (const NamedView& view : views)
     observations.push_back(observation_of(view.view, width_px, height_px));
-  // the one farthest from all that were taken, again and again
+  // Greedy: repeatedly take the view farthest from all selected ones.
   std::vector<double> nearest2(views.size(), std::numeric_limits<double>::max());
   std::size_t next = 0;
   while (selected.size() < count) {

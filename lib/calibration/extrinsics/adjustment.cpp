@@ -16,17 +16,18 @@ namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-constexpr double kHuber = 2.5;         ///< sigmas from which a beam counts less
-constexpr double kEdgeGate_m = 0.05;   ///< an end farther from any edge is not one of the board
-constexpr double kMinIncidence = 0.1;  ///< cosine; a grazing beam's noise is not taken as none
-constexpr int kMountSize = 6;          ///< delta, turn
-constexpr int kViewSize = 7;           ///< turn and shift of the board, range error
+constexpr double kHuber = 2.5;        ///< beams beyond this many sigmas are down-weighted
+constexpr double kEdgeGate_m = 0.05;  ///< max distance of a line end from an edge of the board
+constexpr double kMinIncidence =
+    0.1;                       ///< cosine; lower limit that keeps a grazing beam's noise above 0
+constexpr int kMountSize = 6;  ///< delta, rotation
+constexpr int kViewSize = 7;   ///< rotation and shift of the board, range error
 
 Eigen::Vector3d bearing_vector(double bearing_rad) {
   return {std::cos(bearing_rad), std::sin(bearing_rad), 0.0};
 }
 
-/// Where a beam meets the line that was fitted to all of them.
+/// Range at which a beam intersects the line fitted to all beams.
 double smooth_range_m(const BoardLine& line, std::size_t beam) {
   const Eigen::Vector2d across(-line.direction.y(), line.direction.x());
   const double along = across.dot(bearing_vector(line.bearings_rad[beam]).head<2>());
@@ -41,14 +42,14 @@ Eigen::Matrix<T, 3, 1> turned(const T* turn, const Eigen::Matrix<T, 3, 1>& p) {
   return result;
 }
 
-/// What all residuals of a view need: unknowns are small changes about these.
+/// Linearization point of a view's residuals; the unknowns are small changes of it.
 struct Geometry {
   Mount mount;
   Eigen::Matrix3d R_camera_board;
   Eigen::Vector3d t_camera_board_m;
 };
 
-/// (turn, shift) of the board and the plane that follows.
+/// Applies (rotation, shift) of `view` to the board; gives the normal and origin of its plane.
 template <class T>
 void changed_board(const Geometry& g, const T* view, Eigen::Matrix<T, 3, 1>& normal,
                    Eigen::Matrix<T, 3, 1>& origin) {
@@ -57,11 +58,12 @@ void changed_board(const Geometry& g, const T* view, Eigen::Matrix<T, 3, 1>& nor
   for (int i = 0; i < 3; ++i) origin[i] = T(g.t_camera_board_m[i]) + view[3 + i];
 }
 
-/// A beam ends on the board.
+/// Residual: a beam ends on the board.
 struct BeamOnBoard {
   Geometry g;
   double range_m;
-  double smooth_range_m;  ///< without the beam's noise: scaling that too would reward shrinking
+  double smooth_range_m;  ///< without the beam's noise, whose scaling would bias the scale to small
+                          ///< values
   Eigen::Vector3d bearing;
   double sd_m;
 
@@ -79,7 +81,7 @@ struct BeamOnBoard {
   }
 };
 
-/// The ray at a line's end meets the board's plane on one of its edges.
+/// Residual: the ray at a line's end meets the board's plane on one of its edges.
 struct EndOnEdge {
   Geometry g;
   Eigen::Vector3d bearing;
@@ -103,7 +105,7 @@ struct EndOnEdge {
   }
 };
 
-/// The board's pose as the picture has it, and no range error.
+/// Prior: the board's pose from the image, and zero range error.
 struct ViewPrior {
   Eigen::Matrix<double, kViewSize, kViewSize> whitening;
 
@@ -148,7 +150,7 @@ class Adjustment {
   }
 
  private:
-  /// Solves about the present mount and takes the result as the next one.
+  /// Solves around the present mount and updates it.
   bool solve_once() {
     const std::size_t num_views = views_.size();
     std::array<double, kMountSize> mount{};
@@ -252,7 +254,7 @@ class Adjustment {
     }
     if (off_m > kEdgeGate_m) return;
     const int axis = nearest / 2;
-    // evenly likely anywhere between the last beam on the board and the first beyond it
+    // Uniform between the last beam on the board and the first beyond it.
     const double spread_m = std::abs(on_board(end.bearing_rad + end.half_gap_rad)[axis] -
                                      on_board(end.bearing_rad - end.half_gap_rad)[axis]);
     const double sd_m = std::max(5e-4, spread_m / std::sqrt(12.0));
@@ -283,7 +285,7 @@ class Adjustment {
       }
     }
     const Eigen::MatrixXd N = J.transpose() * J;
-    // scaled to a unit diagonal: its numbers span metres, radians and fractions
+    // Scale to a unit diagonal for conditioning: the units are metres, radians and fractions.
     const Eigen::VectorXd s = N.diagonal().cwiseSqrt().cwiseMax(1e-12).cwiseInverse();
     Eigen::MatrixXd scaled = s.asDiagonal() * N * s.asDiagonal();
     scaled.diagonal().array() += 1e-13;
@@ -330,7 +332,7 @@ class Adjustment {
     return true;
   }
 
-  /// What a person asks: how far do the scans' points lie from the boards of the pictures?
+  /// Computes the distances of the scans' points from the boards of the images, for the report.
   void measure_views() {
     double sum = 0.0;
     for (std::size_t i = 0; i < views_.size(); ++i) {

@@ -14,13 +14,13 @@ namespace orchard::calibration {
 namespace {
 
 constexpr double kRateStep_s = 0.002;  ///< for the numeric derivative of the column
-constexpr double kSearch_s = 0.3;      ///< to either side of the delay believed in
+constexpr double kSearch_s = 0.3;      ///< search range on either side of the present delay
 constexpr double kSearchStep_s = 0.005;
 constexpr double kSearchOffset_px = 12.0;
 constexpr double kSearchOffsetStep_px = 0.5;
 constexpr double kVoteWidth_px = 2.0;
 constexpr double kTukey_px = 3.0;
-constexpr double kAgreeingMin = 0.4;  ///< fraction of observations; fewer agree by chance
+constexpr double kAgreeingMin = 0.4;  ///< min inlier fraction; smaller ones occur by chance
 
 struct Line {
   double delay_s = 0.0;
@@ -72,7 +72,7 @@ struct Fit {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of (delay, offset)
 };
 
-/// Iterated weighted least squares; nothing when the rates do not tell delay from offset.
+/// Iteratively reweighted least squares; none if the rates do not separate delay and offset.
 std::optional<Fit> refine(const std::vector<DelayObservation>& observations, Line line) {
   Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
   for (int round = 0; round < 30; ++round) {
@@ -90,7 +90,7 @@ std::optional<Fit> refine(const std::vector<DelayObservation>& observations, Lin
     line.offset_px += step(1);
     if (std::abs(step(0)) < 1e-7 && std::abs(step(1)) < 1e-5) break;
   }
-  // What one picture's observations get wrong they get wrong together.
+  // Errors of the observations in one image are correlated, so sum the scores per image.
   std::map<std::int32_t, Eigen::Vector2d> scores;
   for (const DelayObservation& observation : observations) {
     const double r = least_residual(observation, line);

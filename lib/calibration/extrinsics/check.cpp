@@ -17,8 +17,8 @@ double angle_deg(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
   return Eigen::AngleAxisd(a.transpose() * b).angle() * 180.0 / geometry::kPi;
 }
 
-/// What a calibration finds when the picture's axis is mirrored: the scan plane's two directions
-/// are mirrored, the third follows from them.
+/// The extrinsics that a calibration finds for a mirrored image: the two directions of the scan
+/// plane are mirrored, and the third completes the rotation.
 Mount mirrored(const Mount& mount, const Eigen::Vector3d& mirror) {
   Mount seen;
   seen.R_camera_laser = mirror.asDiagonal() * mount.R_camera_laser;

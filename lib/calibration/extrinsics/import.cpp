@@ -21,7 +21,7 @@ std::string lower(std::string text) {
 
 bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 
-/// Where a word stands alone, followed by "=" or ":"; npos when nowhere.
+/// Position of a separate word followed by "=" or ":"; npos if there is none.
 std::size_t find_name(const std::string& text, const std::string& name) {
   for (std::size_t at = text.find(name); at != std::string::npos; at = text.find(name, at + 1)) {
     const std::size_t end = at + name.size();
@@ -59,9 +59,9 @@ Numbers<N> numbers_after(const std::string& text, const std::string& name) {
   return list;
 }
 
-/// Row by row; throws what is no rotation.
+/// Reads a matrix row by row; throws std::runtime_error if it is not a rotation.
 Eigen::Matrix3d rotation_matrix(const std::string& text) {
-  constexpr double kOff = 1e-3;  // of numbers written with three places
+  constexpr double kOff = 1e-3;  // tolerance for numbers with three decimals
   const auto rows = numbers_after<9>(text, "r").numbers;
   const Eigen::Matrix3d R =
       Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());

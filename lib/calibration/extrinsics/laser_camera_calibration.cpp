@@ -16,7 +16,7 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Fate = LaserCameraView::Fate;
 
-/// How (delta, phi) moves with (delta, turn): numerically, the angles' formulas are short.
+/// Jacobian of (delta, phi) with respect to (delta, rotation), by numeric differentiation.
 Matrix6 angles_jacobian(const Mount& mount) {
   Matrix6 jacobian = Matrix6::Identity();
   constexpr double kStep_rad = 1e-6;
@@ -34,8 +34,8 @@ Matrix6 angles_jacobian(const Mount& mount) {
   return jacobian;
 }
 
-/// Half a 95 % interval of Student's t in standard deviations; good to 1 % from 3 degrees of
-/// freedom on (Cornish and Fisher's expansion).
+/// Half width of the 95 % interval of Student's t in standard deviations, by the Cornish-Fisher
+/// expansion; accurate to 1 % from 3 degrees of freedom on.
 double student_95(double degrees_of_freedom) {
   const double f = std::max(3.0, degrees_of_freedom);
   const double z = 1.959964;
@@ -96,7 +96,7 @@ class Calibration {
              " are needed): either the scanner never saw the board, or the board's size, the "
              "camera's intrinsics or the times of scans and pictures are wrong";
     }
-    // five views fit some mount by chance; a rival must be as good as that and no better
+    // Five views fit some mount by chance: a rival needs at least six views and 90 % of the best.
     if (association.rival_fitting >= std::max(6, (9 * association.num_fitting + 9) / 10)) {
       if (find_board_scale(views_, outline_, association)) return wrong_size();
       return "two different mounts of the scanner explain the views equally well (" +
@@ -107,11 +107,12 @@ class Calibration {
     return adjust(association);
   }
 
-  /// How many times as large as stated the board is, by the ranges to it: all ranges are the
-  /// scanner's, all distances of the pictures the board's. Sets board_scale if it is another size.
+  /// Estimates the true over stated size of the board from the ranges: distances from the images
+  /// are proportional to the stated size, those of the scanner are not. Sets board_scale and
+  /// returns true if the size differs.
   bool find_board_scale(const std::vector<MountView>& views, const BoardOutline& outline,
                         const Association& stated) {
-    // where no mount fits the size as stated, one that fits another size says where to begin
+    // If no mount fits the stated size, start from one that fits another size.
     constexpr std::array<double, 11> kSizes{1.0, 0.9,  1.1,  0.85, 1.15, 0.8,
                                             1.2, 0.75, 1.25, 0.95, 1.05};
     const int enough = std::max(options_.min_views, static_cast<int>(views.size()) * 2 / 3);
@@ -153,7 +154,7 @@ class Calibration {
         static_cast<double>(chosen.size()) - static_cast<double>(num_agreeing);
     if (num_left_out > options_.outlier_fraction_max * static_cast<double>(chosen.size()))
       return false;
-    // ranges that are too long by a fraction mean a board that is larger by it
+    // Ranges that seem too long by a fraction mean that the board is larger by that fraction.
     const double size = best_size / (1.0 - adjusted->scale);
     const double sd = size * std::hypot(adjusted->scale_sd, options_.noise.scale_sd_fraction);
     constexpr double kSure = 3.0;

@@ -9,7 +9,7 @@
 namespace orchard::calibration {
 namespace {
 
-/// Noise of one beam stays well within this of the middle one.
+/// Max deviation from the median range; well above the noise of a beam.
 double near_m(double range_m) { return 0.03 + 0.03 * range_m; }
 
 }  // namespace

@@ -13,11 +13,11 @@ namespace orchard::calibration {
 namespace {
 
 constexpr double kDeg = geometry::kPi / 180.0;
-constexpr double kMinSpread = 0.05;  ///< of normals: 3 degrees
+constexpr double kMinSpread = 0.05;  ///< min spread of the normals: 3 degrees
 constexpr double kSameOrientation_rad = 6.0 * kDeg;
 constexpr double kMoved_m = 0.05;
 
-/// Variance of a normal's direction in one direction across it.
+/// Variance of a normal's direction in one of the two directions perpendicular to it.
 double normal_variance(const BoardPose& board) {
   return 0.5 * board.covariance.topLeftCorner<3, 3>().trace();
 }

@@ -1,5 +1,6 @@
-# cmake -DOUT=FILE -DFOLDER=config/farm -DNAMES=LIST -P embed.cmake: what `orchard farm init` writes, as
-# a C++ source. A name is that in FOLDER; all but farm.yaml and the Snakefile go below profiles/.
+# cmake -DOUT=FILE -DFOLDER=config/farm -DNAMES=LIST -P embed.cmake: writes the files of `orchard farm
+# init` as a C++ source. Names are relative to FOLDER; all but farm.yaml and the Snakefile go below
+# profiles/.
 cmake_minimum_required(VERSION 3.22)
 set(entries "")
 set(num 0)

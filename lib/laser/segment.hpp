@@ -19,7 +19,7 @@ inline constexpr double kGapMax_m = 2.0;
 /// One object of a scan: neighbouring beams on one surface, and their measurements.
 struct Segment {
   std::size_t first_beam = 0;   ///< P_start, index into ranges_m
-  std::size_t last_beam = 0;    ///< P_end, inclusive; below first_beam across a full turn's seam
+  std::size_t last_beam = 0;    ///< P_end, inclusive; < first_beam across a 360 degree scan's seam
   std::size_t middle_beam = 0;  ///< halfway between first_beam and last_beam
   int num_beams = 0;            ///< number of valid beams
   double range_m = 0.0;         ///< to the surface at bearing_rad

@@ -28,10 +28,10 @@ struct OwnReturn {
 
 /// Finds objects that travel with the robot: its own body, a mast, a load, a person walking behind.
 ///
-/// The method learns the clearance of the robot: the range that returns in most directions hardly
-/// ever fall below. A direction with nearer returns in at least half of the scans shows an object
-/// that travels along. To count only scans taken while moving, a scan is used if most beams have
-/// changed since the last scan used.
+/// The method learns the robot's clearance: the range below which most directions hardly ever have
+/// a return. Directions with nearer returns in at least half of the scans show an object that
+/// travels along. A scan is used only if most beams have changed since the last scan used, so that
+/// the robot has moved.
 class OwnReturns {
  public:
   explicit OwnReturns(const OwnReturnsConfig& config) : config_(config) {}

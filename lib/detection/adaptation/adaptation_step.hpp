@@ -21,7 +21,7 @@ struct AdaptedModel {
 
 enum class AdaptationAction : std::int8_t {
   kStep = 1,      ///< the model changed
-  kFreeze = 2,    ///< a model is frozen until a later kResume, or for another reason
+  kFreeze = 2,    ///< a model is frozen until kResume; repeated when the reason changes
   kResume = 3,    ///< the models adapt again
   kRollback = 4,  ///< the model returned to its last good state
   kReset = 5,     ///< the model returned to the calibration

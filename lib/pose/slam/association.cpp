@@ -14,11 +14,11 @@ using geometry::transform;
 
 namespace {
 
-constexpr std::size_t kNumSeeds = 4;  // points whose every pair starts a hypothesis
-constexpr double kRivalScore = 4.0;   // log-likelihood by which the best must beat a rival
-constexpr double kPreGate = 1.5;  // of the squared gate: no corrected pose brings pairs beyond it
+constexpr std::size_t kNumSeeds = 4;  // points of which each pair starts a hypothesis
+constexpr double kRivalScore = 4.0;   // min log-likelihood margin of the best over a rival
+constexpr double kPreGate = 1.5;      // times the squared gate: pairs beyond it are never tested
 
-/// A pose and the pairs that it was corrected by.
+/// A pose hypothesis and the pairs that correct it.
 struct ScanHypothesis {
   Eigen::Vector3d T_map_base;
   Eigen::Matrix3d covariance;
@@ -65,8 +65,8 @@ class ScanToMapMatcher {
                    const std::vector<AssociationCandidate>& candidates, const ScanHypothesis& start,
                    const SlamConfig& config)
       : points_(points), candidates_(candidates), gate2_(config.gate_sigma * config.gate_sigma) {
-    // Widths do not depend on the pose, and no hypothesis leaves the gate of the predicted pose:
-    // the pairs worth testing are found once.
+    // Widths do not depend on the pose, and all hypotheses stay within the gate of the predicted
+    // pose, so the candidate pairs are selected once.
     allowed_.resize(points.size());
     for (std::size_t p = 0; p < points.size(); ++p) {
       const PlacedPoint placed(start, points[p]);
@@ -84,7 +84,7 @@ class ScanToMapMatcher {
     }
   }
 
-  /// Adds a pair: a Kalman update of the pose.
+  /// Adds a pair to the hypothesis by a Kalman update of its pose.
   void fit(ScanHypothesis& h, int point, int candidate, double distance2) const {
     const PlacedPoint placed(h, points_[static_cast<std::size_t>(point)]);
     const AssociationCandidate& c = candidates_[static_cast<std::size_t>(candidate)];
@@ -122,7 +122,8 @@ class ScanToMapMatcher {
     }
   }
 
-  /// A hypothesis from every pair of the points that have the fewest pairs within the gate.
+  /// Creates a hypothesis from each pair of the least ambiguous points: those with the fewest pairs
+  /// within the gate.
   std::vector<ScanHypothesis> hypotheses(const ScanHypothesis& start) {
     struct Seed {
       int point;
@@ -178,7 +179,7 @@ class ScanToMapMatcher {
   std::int64_t num_operations_ = 0;
 };
 
-/// Whether another hypothesis, at another position, explains the scan about as well as the best.
+/// True if a hypothesis at another position explains the scan about as well as the best one.
 bool has_rival(const ScanHypothesis& best, const std::vector<ScanHypothesis>& hypotheses,
                double distance_m) {
   return std::any_of(hypotheses.begin(), hypotheses.end(), [&](const ScanHypothesis& h) {
@@ -187,7 +188,7 @@ bool has_rival(const ScanHypothesis& best, const std::vector<ScanHypothesis>& hy
   });
 }
 
-/// Far enough from every candidate to be another object.
+/// True if the point is far enough from all candidates to be a new object.
 bool is_new(const Eigen::Vector2d& p_map, const std::vector<AssociationCandidate>& candidates,
             double distance_m) {
   return std::none_of(candidates.begin(), candidates.end(), [&](const AssociationCandidate& c) {

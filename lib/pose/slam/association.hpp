@@ -9,44 +9,46 @@
 
 namespace orchard::pose {
 
-/// An object of one scan, in base at the keyframe.
+/// An object observed in one scan, in base at the keyframe.
 struct ScanPoint {
   Eigen::Vector2d p_base = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
-  /// The same without the systematic error of all scans of a keyframe, which is floor_sd_m.
+  /// Covariance without floor_sd_m, the systematic error common to all scans of a keyframe.
   Eigen::Matrix2d scan_covariance = Eigen::Matrix2d::Identity();
   double floor_sd_m = 0.0;
   double width_m = 0.0;
   double width_sd_m = 0.1;
 };
 
-/// A landmark that the scan may observe.
+/// A landmark that may be visible in the scan.
 struct AssociationCandidate {
   int landmark = -1;
   Eigen::Vector2d p_map = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< against the map around it
   double width_m = 0.0;
   double width_sd_m = 0.1;
-  bool confirmed = true;  ///< else perhaps clutter, which may not move the pose
+  bool confirmed = true;  ///< false: possibly clutter; only pairs within gate_m are tried
 };
 
-/// Which landmark each object of a scan is.
+/// Result of the association of a scan with landmarks.
 struct Association {
-  std::vector<int> landmark;                             ///< of each point; -1 for none
-  std::vector<bool> is_new;                              ///< of each point: far from every landmark
+  std::vector<int> landmark;                             ///< per point; -1 for none
+  std::vector<bool> is_new;                              ///< per point: far from all candidates
   Eigen::Vector3d T_map_base = Eigen::Vector3d::Zero();  ///< corrected by the pairs
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   int num_matched = 0;
-  bool ambiguous = false;           ///< a pose elsewhere explains the scan as well
+  bool ambiguous = false;           ///< a different position explains the scan about as well
   std::int64_t num_operations = 0;  ///< pairs tested: the cost of the scan
 };
 
-/// Data association by joint compatibility: the pairs that fit one pose together, within the
-/// covariances of the predicted pose, of the observations and of the landmarks.
+/// Associates the points of a scan with landmarks by joint compatibility: finds the pairs that fit
+/// one common pose, given the covariances of the predicted pose, the observations and the
+/// landmarks.
 ///
-/// Each hypothesis starts from a pair of one of the least ambiguous points and grows by the nearest
-/// compatible pair, each a Kalman update of the pose; the most likely one wins. No two points are
-/// one landmark. Nothing is matched where a hypothesis at another position is about as likely.
+/// A hypothesis starts from a pair of one of the least ambiguous points and repeatedly adds the
+/// nearest compatible pair by a Kalman update of the pose. The most likely hypothesis wins. Each
+/// landmark is assigned to at most one point. If a hypothesis at another position is about as
+/// likely, nothing is matched.
 /// Source: in the spirit of Neira and Tardos 2001 (JCBB), greedy instead of branch and bound.
 Association associate(const std::vector<ScanPoint>& points,
                       const std::vector<AssociationCandidate>& candidates,

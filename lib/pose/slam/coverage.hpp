@@ -10,8 +10,8 @@
 
 namespace orchard::pose {
 
-/// Sensor coverage: how far the detector reaches in each direction of base, learnt from what it
-/// reports. Tells landmarks that should have been observed again from those that could not be.
+/// Sensor coverage: the range at which objects are detected, per direction of base, learnt from the
+/// detections. It separates landmarks that should have been observed again from those out of view.
 class SensorCoverage {
  public:
   /// Adds an observation of any object.
@@ -23,11 +23,11 @@ class SensorCoverage {
   void add_reobservation(const Eigen::Vector2d& p_base) {
     double& reach_m = reach_m_[bin(p_base)];
     const double range_m = p_base.norm();
-    // Decays to the usual range, should one observation have been far beyond the rest.
+    // Decays to the usual range after a single observation far beyond the rest.
     reach_m = range_m > reach_m ? range_m : std::max(range_m, 0.999 * reach_m);
   }
 
-  /// Whether an object there is detected for sure unless it is hidden.
+  /// True if an object at this position is reliably detected unless it is occluded.
   bool in_view(const Eigen::Vector2d& p_base) const {
     const int b = bin(p_base);
     const double reach_m =
@@ -35,7 +35,7 @@ class SensorCoverage {
     return p_base.norm() < kSureFraction * reach_m;
   }
 
-  /// Range of the farthest observation so far [m].
+  /// Returns the range of the farthest observation so far [m].
   double range_max_m() const { return range_max_m_; }
 
  private:

@@ -9,7 +9,7 @@
 namespace orchard::pose {
 namespace {
 
-/// Standard deviation of the speed about the last one while the motion is not heard [m/s].
+/// Standard deviation of the speed against the last measured one in a gap [m/s].
 constexpr double kGapSpeedSd_mps = 0.5;
 
 /// The same of the yaw rate [rad/s].
@@ -33,7 +33,7 @@ void DeadReckoning::drive_to(std::int64_t utime, double speed_mps, double yaw_ra
   std::array<double, 3> covariance = velocity_covariance_;
   utime_ = utime;
   if (silence_s() > config_.gap_s) {
-    // White velocity noise: its variance times a second of correlation, whatever the step.
+    // White velocity noise: the added position variance per second must not depend on the step.
     const double speed_sd_mps = std::max(kGapSpeedSd_mps, 0.3 * std::abs(speed_mps));
     covariance[0] += speed_sd_mps * speed_sd_mps / dt_s;
     covariance[2] += kGapYawRateSd_radps * kGapYawRateSd_radps / dt_s;
@@ -52,8 +52,8 @@ void DeadReckoning::add(const Odometry& odometry) {
   }
   if (!utime_) utime_ = started_utime_ = odometry.utime;
   if (measured_utime_) {
-    // Encoders count what was driven since the reading before. Where a reading is of its moment
-    // instead, the velocity on the way lies anywhere between the two.
+    // Encoders measure the mean velocity since the previous reading. If a driver reports the
+    // instantaneous velocity instead, the mean lies anywhere between the two readings (uniform).
     const double speed_change_mps = odometry.speed_mps - speed_mps_;
     const double yaw_rate_change_radps = odometry.yaw_rate_radps - yaw_rate_radps_;
     velocity_covariance_[0] += speed_change_mps * speed_change_mps / 12.0;

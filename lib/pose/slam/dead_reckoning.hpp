@@ -10,36 +10,36 @@
 
 namespace orchard::pose {
 
-/// Integrates odometry, or motion measured in its stead, since a time of the caller's choice.
-/// Across a gap it extrapolates the last velocity with growing process noise.
+/// Integrates odometry, or another measurement of the motion, since the last restart(). In a gap it
+/// extrapolates at the last velocity with growing process noise.
 class DeadReckoning {
  public:
   explicit DeadReckoning(const SlamConfig& config) : config_(config) {}
 
-  /// Used for odometry that states no covariance.
+  /// Sets the noise of odometry without covariance.
   void set_default_noise(double speed_sd_fraction, double yaw_rate_sd_radps);
 
-  /// Integrates to the odometry's time; its velocity is the mean since the reading before, as
-  /// encoders measure it.
+  /// Integrates up to the odometry's time. Its velocity is taken as the mean since the previous
+  /// reading, as encoders measure it.
   void add(const Odometry& odometry);
 
-  /// Appends a measured motion T_now_then up to `utime`.
+  /// Appends a measured motion T_now_then, from the present time to `utime`.
   void add(std::int64_t utime, const Eigen::Vector3d& T_now_then,
            const Eigen::Matrix3d& covariance);
 
-  /// Extrapolates to `utime` at the last velocity. Earlier times change nothing.
+  /// Extrapolates to `utime` at the last velocity; does nothing for an earlier `utime`.
   void advance_to(std::int64_t utime);
 
-  /// Starts a new motion here, with this odometry calibration.
+  /// Starts a new motion at the present time, with this odometry calibration.
   void restart(const OdometryCalibration& calibration);
 
-  /// The velocity by other measurements, for a gap.
+  /// Sets the velocity for extrapolation in a gap, from other measurements.
   void set_velocity(double speed_mps, double yaw_rate_radps);
 
   bool started() const { return utime_.has_value(); }
   std::int64_t utime() const { return utime_.value_or(0); }
   const RelativeMotion& motion() const { return motion_; }
-  /// Time since the motion was last measured [s].
+  /// Returns the time since the motion was last measured [s].
   double silence_s() const;
   double speed_mps() const { return speed_mps_; }
   double yaw_rate_radps() const { return yaw_rate_radps_; }

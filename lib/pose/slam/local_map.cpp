@@ -7,12 +7,12 @@
 namespace orchard::pose {
 namespace {
 
-/// Landmarks passed within so much travel of a tracked one are covisible with it, in sight ranges.
+/// Landmarks observed within this travel of a tracked one are covisible with it, in sight ranges.
 constexpr double kCovisibleTravel_ranges = 0.8;
 
 using Interval = std::pair<double, double>;  // of travel [m]
 
-/// Intervals of travel in which a landmark that is tracked now was observed, widened by a margin.
+/// Returns the intervals of travel in which landmarks tracked now were observed, plus a margin.
 std::vector<Interval> tracked_intervals(const SlamGraph& graph, int session_start, double range_m) {
   const double margin_m = kCovisibleTravel_ranges * range_m;
   const std::vector<Keyframe>& keyframes = graph.keyframes;

@@ -17,24 +17,24 @@ using geometry::transform_back;
 
 namespace {
 
-/// Length of the latest path whose landmarks are registered with older ones, in sight ranges: what
-/// was in sight on the way, and what came in sight meanwhile.
+/// Length of the latest part of the path whose landmarks are registered to older ones, in sight
+/// ranges.
 constexpr double kClosureSubmap_ranges = 2.5;
 
 /// Travel between two searches for a loop closure [m].
 constexpr double kClosureEvery_m = 2.0;
 
-// With so many older landmarks tracked now the robot is where the map says.
+// If this many older landmarks are tracked now, the pose needs no loop closure.
 constexpr int kNumAnchors = 3;
-// A closure is tried again only when the graph has grown by this fraction: the cost of the solves
-// stays in proportion to the drive.
+// A closure is tried again only when the graph has grown by this fraction, so that the cost of the
+// solves stays proportional to the drive.
 constexpr double kTryGrowth = 0.02;
-// Mean squared Mahalanobis distance of merged observations that refutes a closure.
+// Mean squared Mahalanobis distance of merged observations above which a closure is undone.
 constexpr double kRefutedDistance2 = 9.0;
-// Margins of the search radius, which is otherwise that of the pose's covariance.
+// The search radius is this many sigmas of the pose plus a margin.
 constexpr double kSearchSigmas = 4.0;
 constexpr double kSearchMargin_m = 1.0;
-// Places that landmarks were seen from are told so far apart, in sight ranges.
+// Cell size by which the positions that landmarks were seen from are thinned, in sight ranges.
 constexpr double kPlaceCell_ranges = 0.2;
 
 ClosureLandmark closure_landmark(const SlamGraph& graph, int landmark) {
@@ -42,7 +42,7 @@ ClosureLandmark closure_landmark(const SlamGraph& graph, int landmark) {
   return {landmark, l.p_map, l.width_m, l.width_sd_m(), l.seen_m};
 }
 
-/// Where landmarks were observed from before, one place for each cell of the ground.
+/// Returns the positions from which landmarks were observed, one per cell of the ground.
 std::vector<Eigen::Vector2d> places_of(const std::vector<int>& landmarks, const SlamGraph& graph,
                                        double cell_m) {
   std::set<std::pair<int, int>> known;
@@ -57,7 +57,7 @@ std::vector<Eigen::Vector2d> places_of(const std::vector<int>& landmarks, const 
   return places;
 }
 
-/// Mean squared Mahalanobis distance of a landmark's observations, now that all has been solved.
+/// Returns the mean squared Mahalanobis distance of a landmark's observations; call after a solve.
 double mean_distance2(int landmark, const SlamGraph& graph) {
   const SlamLandmark& l = graph.landmarks[landmark];
   double sum = 0.0;
@@ -74,7 +74,7 @@ double mean_distance2(int landmark, const SlamGraph& graph) {
   return n > 0 ? sum / n : std::numeric_limits<double>::infinity();
 }
 
-/// Inlier check: whether the observations of merged landmarks fit, all together.
+/// Inlier check after the solve: true if the observations of the merged landmarks fit on average.
 bool is_supported(const std::vector<std::pair<int, int>>& merged, const SlamGraph& graph) {
   double sum = 0.0;
   std::size_t n = 0;
@@ -88,7 +88,7 @@ bool is_supported(const std::vector<std::pair<int, int>>& merged, const SlamGrap
 
 }  // namespace
 
-/// None while the robot is among landmarks known from before, or where there are no older ones.
+/// Returns none while enough older landmarks are tracked, or if there are none to register to.
 std::optional<ClosureQuery> LoopCloser::query(const SlamMap& map) const {
   const SlamGraph& graph = map.graph;
   const Keyframe& now = graph.keyframes.back();
@@ -170,7 +170,7 @@ void LoopCloser::close(SlamMap& map) {
 
 void LoopCloser::merge_twins(SlamMap& map) {
   std::vector<std::pair<int, int>> twins = find_twins(map.graph, map.index, map.coverage, config_);
-  // what does not fit with the others is left out, and then all that is left must
+  // The first round drops pairs that do not fit after the solve; in the second all pairs must fit.
   for (int round = 0; round < 2 && !twins.empty(); ++round) {
     SlamMap before = map;
     for (const auto& [twin, into] : twins) map.graph.merge(twin, into);

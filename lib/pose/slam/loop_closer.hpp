@@ -12,28 +12,29 @@
 
 namespace orchard::pose {
 
-/// Closes loops: decides when to look for one, merges the landmarks that it identifies, solves the
-/// whole graph, and takes everything back where the observations refute it.
+/// Closes loops by landmarks: decides when to search for a closure, merges the matched landmarks,
+/// solves the whole graph, and undoes the closure if the observations contradict it.
 class LoopCloser {
  public:
   explicit LoopCloser(const SlamConfig& config) : config_(config) {}
 
-  /// Looks for a loop closure at the newest keyframe, at most every kClosureEvery_m of travel.
+  /// Searches for a loop closure at the newest keyframe, at most every kClosureEvery_m of travel.
   void observe(SlamMap& map);
 
-  /// Looks for one at the newest keyframe, however short the travel since the last one.
+  /// Searches for a loop closure at the newest keyframe, regardless of the travel since the last
+  /// search.
   void close(SlamMap& map);
 
-  /// Makes one of trees that the map has twice, where all observations then fit. At the end of the
-  /// drive, after all was solved.
+  /// Merges trees that were mapped twice (see find_twins) if all their observations fit after the
+  /// solve. Call at the end of the drive, after the whole solve.
   void merge_twins(SlamMap& map);
 
-  /// The landmarks passed last fitted the map in more than one way.
+  /// True if the landmarks passed last fit the map in more than one way.
   bool is_ambiguous() const { return ambiguous_; }
-  /// Closures that stand, and those that were refuted.
+  /// Number of accepted closures, and of those undone after the solve.
   int num_closures() const { return num_closures_; }
   int num_refuted() const { return num_refuted_; }
-  /// Places where one was looked for, among older landmarks.
+  /// Number of searches among older landmarks.
   int num_asked() const { return num_asked_; }
   std::int64_t num_operations() const { return num_operations_; }
 
@@ -41,8 +42,8 @@ class LoopCloser {
   std::optional<ClosureQuery> query(const SlamMap& map) const;
 
   SlamConfig config_;
-  double last_travel_m_ = 0.0;  ///< where a closure was last looked for
-  int num_keyframes_ = 0;       ///< when a closure was last tried
+  double last_travel_m_ = 0.0;  ///< travel at the last search
+  int num_keyframes_ = 0;       ///< number of keyframes when a closure was last tried
   bool ambiguous_ = false;
   int num_closures_ = 0;
   int num_refuted_ = 0;

@@ -16,32 +16,32 @@ using geometry::rotation;
 
 namespace {
 
-constexpr std::size_t kNumPairs = 16;      // of recent landmarks that start hypotheses
-constexpr double kPairMin_m = 3.0;         // nearer pairs say little about the turn
-constexpr double kPairTolerance_m = 0.35;  // of their distance, recent against old
-constexpr std::size_t kNumRefined = 30;    // hypotheses that are fitted
-constexpr int kNumRounds = 3;              // of fitting and matching
-constexpr double kPriorGate2 = 16.0;       // squared Mahalanobis distance from the pose's estimate
-constexpr double kDistortion = 0.004;      // of the recent map, per metre from its middle
-constexpr double kMissOdds = 2.0;          // log-odds lost by a tree that only one side knows
-constexpr double kMatchedFraction = 0.7;   // of the trees in view at both times
-constexpr double kSureFraction = 0.5;      // of the range it was ever seen from: surely in view
-constexpr double kCell_m = 0.25;           // hypotheses in one cell are one
+constexpr std::size_t kNumPairs = 16;      // pairs of recent landmarks that start hypotheses
+constexpr double kPairMin_m = 3.0;         // nearer pairs determine the yaw poorly
+constexpr double kPairTolerance_m = 0.35;  // max difference of the pair's distance, recent and old
+constexpr std::size_t kNumRefined = 30;    // best hypotheses, which are refined
+constexpr int kNumRounds = 3;              // iterations of fitting and matching
+constexpr double kPriorGate2 = 16.0;       // max squared Mahalanobis distance from the prior pose
+constexpr double kDistortion = 0.004;      // sd of the recent map per metre from its centroid
+constexpr double kMissOdds = 2.0;          // log-odds subtracted for a tree mapped on one side only
+constexpr double kMatchedFraction = 0.7;   // min matched fraction of the trees in view
+constexpr double kSureFraction = 0.5;      // fraction of seen_m within which a tree is surely seen
+constexpr double kCell_m = 0.25;           // one hypothesis is kept per cell
 constexpr double kCell_rad = 0.02;
 
-/// A rigid motion of the recent landmarks.
+/// Hypothesis: a rigid motion of the recent landmarks.
 struct ClosureHypothesis {
   Eigen::Vector3d x_y_yaw = Eigen::Vector3d::Zero();
   double score = 0.0;
-  std::vector<int> old;  // index of each recent landmark's partner, -1 = none
-  int num_in_view = 0;   // recent landmarks where the old map covers the ground
+  std::vector<int> old;  // per recent landmark: index of the matched old one, -1 = none
+  int num_in_view = 0;   // recent landmarks that are matched or in view of the old path
 };
 
 class ClosureMatcher {
  public:
   ClosureMatcher(const ClosureQuery& query, const SlamConfig& config) : q_(query), config_(config) {
     Eigen::Matrix3d P = q_.covariance;
-    // not more certain than the local map
+    // The prior must not be tighter than the accuracy of the local map.
     P.diagonal() += Eigen::Vector3d(0.1 * 0.1, 0.1 * 0.1, 0.01 * 0.01);
     information_ = P.inverse();
     radius_m_ = 4.0 * std::sqrt(std::max(P(0, 0), P(1, 1))) + 0.5;
@@ -66,7 +66,7 @@ class ClosureMatcher {
            config_.gate_sigma * std::hypot(a.width_sd_m, b.width_sd_m) + config_.width_gate_m;
   }
 
-  /// Motions that register two recent landmarks to two old ones.
+  /// Creates hypotheses that register two recent landmarks to two old ones.
   std::vector<ClosureHypothesis> hypotheses() {
     std::vector<ClosureHypothesis> found;
     std::set<std::tuple<int, int, int>> known;
@@ -106,12 +106,12 @@ class ClosureMatcher {
     return found;
   }
 
-  /// Partners and log-odds of a hypothesis, for positions that repeat within `sd_m`: the evidence
-  /// by Laplace's approximation. Source: MacKay 1992, Bayesian Interpolation, section 2 (Occam
-  /// factor).
+  /// Computes matches and log-odds of a hypothesis; `sd_m` is the repeatability of positions. The
+  /// evidence is Laplace's approximation. Source: MacKay 1992, Bayesian Interpolation, section 2
+  /// (Occam factor).
   void score(ClosureHypothesis& h, double sd_m) {
     h.old.assign(q_.recent.size(), -1);
-    Eigen::Matrix3d told = information_;  // of the motion, by the pose and by the partners
+    Eigen::Matrix3d told = information_;  // information on the motion, by the pose and the matches
     h.num_in_view = 0;
     std::vector<char> taken(q_.old.size(), 0);
     double score = -0.5 * prior2(h.x_y_yaw);
@@ -149,12 +149,12 @@ class ClosureMatcher {
       if (taken[o]) continue;
       if (in_view(undo(h.x_y_yaw, q_.old[o].p_map), q_.old[o], q_.path)) score -= kMissOdds;
     }
-    // Where the trees leave so much less room than the pose does, one of so many places fits them
-    // as well by chance: what the fit itself has taken is no evidence.
+    // Occam factor: the less the prior pose constrains the motion compared with the matches, the
+    // more likely some motion fits by chance.
     h.score = score - 0.5 * std::log(told.determinant() / information_.determinant());
   }
 
-  /// Whether a landmark at p would surely have been seen from one of the places.
+  /// True if a landmark at p would surely have been seen from one of the places.
   bool in_view(const Eigen::Vector2d& p, const ClosureLandmark& landmark,
                const std::vector<Eigen::Vector2d>& places) {
     const double view_m = kSureFraction * landmark.seen_m;
@@ -164,7 +164,7 @@ class ClosureMatcher {
     });
   }
 
-  /// The rigid motion that fits the partners best, by least squares.
+  /// Refits the rigid motion to the matches by least squares.
   void refine(ClosureHypothesis& h) const {
     std::vector<Eigen::Vector2d> p_recent, p_old;
     for (std::size_t r = 0; r < q_.recent.size(); ++r) {
@@ -184,13 +184,13 @@ class ClosureMatcher {
            std::abs(geometry::wrap_angle_rad(a.x_y_yaw.z() - b.x_y_yaw.z())) > 0.3;
   }
 
-  /// Whether the old trees are enough to tell how another place would fit.
+  /// True if there are enough old trees to estimate the fit of a wrong registration.
   bool knows_planting() const { return std::isfinite(planted_m_); }
 
   std::int64_t num_operations() const { return num_operations_; }
 
  private:
-  /// Pairs that determine the turn best, the farthest apart first.
+  /// Returns pairs of recent landmarks that determine the yaw well, the farthest apart first.
   std::vector<std::pair<int, int>> far_pairs() const {
     std::vector<std::tuple<double, int, int>> all;
     for (int i = 0; i < static_cast<int>(q_.recent.size()); ++i) {
@@ -200,7 +200,7 @@ class ClosureMatcher {
       }
     }
     std::sort(all.begin(), all.end());
-    // Spread over the list: one false landmark far away is in many of the farthest pairs.
+    // Sample the whole list: a single false landmark far away is in many of the farthest pairs.
     std::vector<std::pair<int, int>> pairs;
     const std::size_t step = std::max<std::size_t>(1, all.size() / kNumPairs);
     for (std::size_t p = 0; p < all.size() && pairs.size() < kNumPairs; p += step) {

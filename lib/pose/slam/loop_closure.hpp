@@ -10,7 +10,7 @@
 
 namespace orchard::pose {
 
-/// Two trees fix a motion: a third can contradict it.
+/// Min number of matched trees: two determine a motion, a third can contradict it.
 inline constexpr std::size_t kClosureTreesMin = 3;
 
 /// A landmark for loop closure.
@@ -19,38 +19,41 @@ struct ClosureLandmark {
   Eigen::Vector2d p_map = Eigen::Vector2d::Zero();
   double width_m = 0.0;
   double width_sd_m = 0.1;
-  double seen_m = 0.0;  ///< farthest that it was observed from
+  double seen_m = 0.0;  ///< max range at which it was observed
 };
 
-/// Landmarks mapped on the last part of the path, and those mapped long before near there.
+/// Input of a loop closure search: landmarks of the last part of the path, and nearby landmarks
+/// mapped long before.
 struct ClosureQuery {
   std::vector<ClosureLandmark> recent;
   std::vector<ClosureLandmark> old;
-  std::vector<Eigen::Vector2d> path;                ///< its last part, in map
-  std::vector<Eigen::Vector2d> old_path;            ///< places that old landmarks were seen from
-  Eigen::Vector2d pivot = Eigen::Vector2d::Zero();  ///< the robot, in map
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of its pose against the old
+  std::vector<Eigen::Vector2d> path;                ///< last part of the path, in map
+  std::vector<Eigen::Vector2d> old_path;            ///< positions that old landmarks were seen from
+  Eigen::Vector2d pivot = Eigen::Vector2d::Zero();  ///< position of the robot in map
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of its pose in map
 };
 
-/// The rigid motion about the pivot that registers recent landmarks to old ones.
+/// Result of a loop closure search: the rigid motion about the pivot that registers recent
+/// landmarks to old ones.
 struct Closure {
   bool found = false;
-  bool ambiguous = false;                           ///< another motion explains them as well
+  bool ambiguous = false;                           ///< a different motion fits about as well
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  ///< x, y [m], yaw [rad]
   std::vector<std::pair<int, int>> matches;         ///< (recent, old) landmarks
-  double log_odds = 0.0;  ///< against the null hypothesis: other trees, planted as regularly
+  double log_odds = 0.0;  ///< against the null hypothesis: other trees with the same regularity
   std::int64_t num_operations = 0;
 };
 
-/// Registers the constellation of recent landmarks to old ones by the one rigid motion within the
-/// covariance of the pose.
+/// Searches for the rigid motion, within the covariance of the pose, that registers the recent
+/// landmarks to old ones.
 ///
-/// A matched tree counts in favour by the likelihood ratio of its residual against what another
-/// place of this map would leave (planted_sd_m of the old landmarks); a tree in view of both that
-/// only one side knows counts against, and so does the room that the pose leaves, in which some
-/// place fits by chance: the fewer trees, or the less sure the pose, the better must they fit.
-/// Found if the log-odds beat by closure_margin both the null hypothesis (another place, planted as
-/// these are) and every other motion (the next tree, the next row).
+/// Each matched tree adds the log-likelihood ratio of its residual against that of a wrong
+/// registration (see planted_sd_m of the old landmarks). Each tree in view of both paths but mapped
+/// on only one subtracts, and so does the volume of the pose's covariance, within which some motion
+/// fits by chance: fewer trees or a less certain pose require a better fit. A closure is found if
+/// at least kClosureTreesMin trees match and the log-odds exceed by closure_margin both the null
+/// hypothesis (another place with the same planting pattern) and every other motion (e.g. shifted
+/// by a tree or a row).
 Closure find_closure(const ClosureQuery& query, const SlamConfig& config);
 
 }  // namespace orchard::pose

@@ -10,14 +10,15 @@
 
 namespace orchard::pose {
 
-/// Observations in so many keyframes confirm a landmark.
+/// Min number of keyframes that confirm a landmark.
 inline constexpr int kConfirmKeyframes = 3;
 
-// A nearer object hides a landmark behind it, by its own width and a margin of the bearing.
+// An object occludes landmarks behind it (or up to kOcclusionDepth_m in front of its centre) within
+// its own width plus a margin of the bearing.
 inline constexpr double kOcclusionMargin_rad = 0.05;
 inline constexpr double kOcclusionDepth_m = 0.3;
 
-/// Whether an object that `keyframe` observed, other than `except`, hides a point of base.
+/// True if an object observed by `keyframe`, other than `except`, occludes a point in base.
 inline bool is_hidden(const Eigen::Vector2d& p_base, const Keyframe& keyframe,
                       const SlamGraph& graph, int except = -1) {
   const double bearing_rad = std::atan2(p_base.y(), p_base.x());

@@ -10,15 +10,15 @@ namespace orchard::pose {
 namespace {
 
 constexpr std::size_t kNumTreesMin = 4;
-constexpr std::size_t kNumBases = 24;      // trees whose neighbours give the moves
-constexpr std::size_t kNumMoved = 48;      // trees that are moved by each
-constexpr std::size_t kNumNeighbours = 3;  // along the row and beyond
-// Squared distance at the lower quartile of a Gaussian in the plane, in variances: -2 ln(3/4).
+constexpr std::size_t kNumBases = 24;      // trees whose neighbours define the shifts
+constexpr std::size_t kNumMoved = 48;      // trees tested per shift
+constexpr std::size_t kNumNeighbours = 3;  // neighbours in the row and in the next one
+// Lower quartile of the squared distance of a 2-D Gaussian, in units of the variance: -2 ln(3/4).
 constexpr double kQuartile2 = 0.5753641449;
-// The move has the irregularity of the two trees that gave it; a registration would average it out.
+// The shift contains the irregularity of its two trees; a registration averages this out.
 constexpr double kMoveVariances = 2.0;
 
-/// The trees nearest to one, the nearest first.
+/// Returns the nearest neighbours of a tree, the nearest first.
 std::vector<std::size_t> neighbours(const std::vector<Eigen::Vector2d>& trees, std::size_t base) {
   std::vector<std::size_t> others;
   for (std::size_t i = 0; i < trees.size(); ++i) {
@@ -46,7 +46,7 @@ double planted_sd_m(const std::vector<Eigen::Vector2d>& trees) {
     for (const std::size_t neighbour : neighbours(trees, base)) {
       const Eigen::Vector2d move = trees[neighbour] - trees[base];
       for (std::size_t m = 0; m < trees.size(); m += moved_step) {
-        if (m == base) continue;  // lies on its neighbour by construction
+        if (m == base) continue;  // coincides with its neighbour by construction
         double nearest2 = std::numeric_limits<double>::infinity();
         for (std::size_t t = 0; t < trees.size(); ++t) {
           if (t != m) nearest2 = std::min(nearest2, (trees[t] - trees[m] - move).squaredNorm());

@@ -14,17 +14,18 @@ using geometry::transform;
 
 namespace {
 
-/// Standard deviation of a centre per width of the object: trunks are not round.
+/// Standard deviation of a centre, as a fraction of the width: trunks are not round.
 constexpr double kObservationSd_widths = 0.1;
 
-/// The same when something nearer occludes a side of it.
+/// Additional standard deviation when a nearer object occludes one side, as a fraction of the
+/// width.
 constexpr double kOccludedSd_widths = 0.25;
 
-/// Further standard deviation of what is labelled an object [m]: crates and bushes have no centre
-/// to speak of.
+/// Additional standard deviation of objects labelled kObject [m]: crates and bushes have no
+/// well-defined centre.
 constexpr double kObjectSd_m = 0.05;
 
-// A beam is never farther from its scan's time stamp: more is an error of the clock.
+// Max time between a beam and its scan's stamp; a larger difference is a clock error.
 constexpr double kSweepMax_s = 0.5;
 constexpr double kWidthSdMin_m = 0.02;
 constexpr double kVarianceMin = 1e-6;

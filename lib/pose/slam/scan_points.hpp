@@ -11,7 +11,7 @@
 
 namespace orchard::pose {
 
-/// Motion of base from the keyframe to the scan, and its velocity during the scan.
+/// Motion of base from the keyframe to the scan, and the velocity of base during the scan.
 struct ScanMotionState {
   Eigen::Vector3d T_keyframe_scan = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
@@ -19,9 +19,9 @@ struct ScanMotionState {
   double yaw_rate_radps = 0.0;
 };
 
-/// The objects of a scan as points in base at the keyframe, each corrected for the motion up to its
-/// own beam. Wide, occluded and odd objects have no sharp centre and a large covariance. Leaves out
-/// objects that are too far, too wide or not finite.
+/// Converts the objects of a scan to points in base at the keyframe, each corrected for the motion
+/// up to its own beam. Wide or occluded objects and those labelled kObject get a larger covariance
+/// because their centre is ill-defined. Objects too far away, too wide or not finite are left out.
 std::vector<ScanPoint> scan_points(const detection::Detections& seen, const ScanMotionState& motion,
                                    const SlamConfig& config);
 

@@ -13,9 +13,9 @@
 
 namespace orchard::pose {
 
-/// pose.mode slam: the trunks tell where the robot is, without a map, and without fixes unless
-/// pose.slam asks for them. How it moves from scan to scan say the wheels, or, with motion scans,
-/// the scans themselves.
+/// Localiser of pose.mode slam: graph SLAM with trunks, without a prior map, and without fixes
+/// unless use_fixes or use_gnss of pose.slam is set. The motion between scans comes from the
+/// wheels, or from scan matching with `motion: scans`.
 class SlamLocaliser : public Localiser {
  public:
   explicit SlamLocaliser(const PoseConfig& config, const laser::LaserConfig& mount = {},
@@ -39,10 +39,10 @@ class SlamLocaliser : public Localiser {
   laser::LaserConfig mount_;
   laser::BlindSector blind_;
   GnssPositions gnss_;
-  std::optional<laser::Scan> scan_;  ///< the newest, if the motion is by scans
+  std::optional<laser::Scan> scan_;  ///< newest scan
   std::optional<ScanMotion> scan_motion_;
   TrunkSlam slam_;
-  FixesLeftOut left_out_;  ///< known at the end
+  FixesLeftOut left_out_;  ///< set by finish()
 };
 
 }  // namespace orchard::pose

@@ -19,24 +19,25 @@ using geometry::transform;
 
 namespace {
 
-/// Travel between position fixes that turn the map to them [m]: their error is small beside it.
+/// Min travel between the position fixes that georeference the map [m]; it must be large compared
+/// with their error.
 constexpr double kPlacementTravel_m = 5.0;
 
-/// Larger graphs are solved by submaps of the path: bounds the pause while driving.
+/// Larger graphs are solved by submaps while driving, to limit the delay.
 constexpr int kFineSolveKeyframes = 500;
 
-/// The same of the solve at the end of the drive, which nobody waits for.
+/// The same limit for the solve at the end of the drive, where the delay matters less.
 constexpr int kFinalSolveKeyframes = 20000;
 
-// The whole graph is solved for positions when it has grown by this fraction and so many
-// keyframes: a solve each time would cost with the square of the drive.
+// Min growth of the graph between solves for absolute positions, as a fraction and in keyframes:
+// a solve for each position would cost quadratically in the length of the drive.
 constexpr double kPositionGrowth = 0.01;
 constexpr int kPositionKeyframes = 4;
 
-/// A position so far from where the path has it contradicts it [sigma].
+/// A position farther than this from the estimated path contradicts the path [sigma].
 constexpr double kContradicts_sigma = 3.0;
 
-// Landmarks enter the local map somewhat before they come into view.
+// Landmarks enter the local map this distance before they come into view.
 constexpr double kLocalMapMargin_m = 3.0;
 
 }  // namespace
@@ -124,7 +125,7 @@ bool SlamMap::solve(SolveReason reason) {
                                                : SlamGraph::Update::kInformation);
   }
   graph.update_landmarks(updates);
-  num_kept_ = 0;  // duplicates were merged, wherever they are
+  num_kept_ = 0;  // merging may have changed the observations of any keyframe
   keep_old();
   rebuild_index();
   refresh_local();
@@ -132,8 +133,8 @@ bool SlamMap::solve(SolveReason reason) {
   return true;
 }
 
-/// Landmarks are dropped within two sight ranges, and keyframes corrected within the window: what
-/// is older than both seldom changes.
+/// Landmarks are dropped only within two sight ranges, and keyframes corrected only within the
+/// window; older observations seldom change.
 void SlamMap::keep_old() {
   const double still_m = kRecentTravel_ranges * sight_m();
   const double travel_m = graph.keyframes.back().travel_m;
@@ -152,7 +153,7 @@ void SlamMap::merge_duplicates() {
       const SlamLandmark& a = graph.landmarks[l];
       const SlamLandmark& b = graph.landmarks[other];
       const double distance_m = (b.p_map - a.p_map).norm();
-      // One keyframe may have taken a trunk for both, but two trunks never overlap.
+      // Landmarks observed in one keyframe are two objects, unless they overlap: trunks never do.
       const bool overlap = distance_m < 0.5 * (a.width_m + b.width_m);
       if (distance_m <= config_.merge_m && (overlap || !graph.co_observed(l, other))) {
         graph.merge(other, l);
@@ -178,7 +179,7 @@ void SlamMap::take_position() {
   if (tells_more(graph.keyframes.back().positions.back())) solve(SolveReason::kGrowth);
 }
 
-/// Whether a position is surer than the newest keyframe, or contradicts it.
+/// True if a position is more certain than the newest keyframe or contradicts it.
 bool SlamMap::tells_more(const AbsolutePosition& position) const {
   const Keyframe& now = graph.keyframes.back();
   const Eigen::Matrix2d known = now.covariance.topLeftCorner<2, 2>();
@@ -195,7 +196,7 @@ void SlamMap::georeference() {
   if (!T_map_graph) return;
   apply_georeference(*T_map_graph, graph);
   if (graph.keyframes.size() > 1 && solve(SolveReason::kGrowth)) return;
-  // The whole solve's covariance will follow; until then that of the absolute position.
+  // Until a whole solve computes covariances, use those of the absolute positions.
   for (Keyframe& k : graph.keyframes) {
     for (const AbsolutePosition& position : k.positions) {
       k.covariance.topLeftCorner<2, 2>() = position.covariance;

@@ -14,64 +14,64 @@
 
 namespace orchard::pose {
 
-/// Why the whole graph is solved.
+/// Reason for a solve of the whole graph.
 enum class SolveReason { kGrowth, kLoopClosure, kEndOfDrive, kTwinsAtEnd };
 
-/// Graph, landmarks around the robot and odometry calibration: everything that a solve of the whole
-/// graph, and so a loop closure, may change. A value: a closure that the observations refute is
-/// undone by assigning the copy from before it, so that no member can be forgotten.
+/// The state of SLAM that a solve of the whole graph may change: graph, local map and odometry
+/// calibration. It is a value type: a wrong loop closure is undone by assigning the copy made
+/// before, which restores every member.
 class SlamMap {
  public:
-  /// `memory` holds old observations; none: the heap. It changes no result.
+  /// `memory` stores old observations (null: the heap) and does not affect the results.
   explicit SlamMap(const SlamConfig& config, std::shared_ptr<ChunkMemory> memory = nullptr);
 
   bool empty() const { return graph.keyframes.empty(); }
   int newest() const { return static_cast<int>(graph.keyframes.size()) - 1; }
   const OdometryCalibration& newest_calibration() const { return graph.calibrations.back(); }
 
-  /// Standard deviation of the newest keyframe against the landmarks around it [m], the larger
-  /// axis.
+  /// Returns the standard deviation of the newest keyframe relative to the landmarks around it [m],
+  /// along the larger axis.
   double local_sd_m() const;
 
-  /// Whether positions place the present session, too.
+  /// True if the graph is georeferenced and the present session has absolute positions.
   bool is_tied_down() const;
 
-  /// How far landmarks are in sight [m]: by what was seen.
+  /// Returns the sight range [m]: the range of the farthest observation, limited by the config.
   double sight_m() const;
 
-  /// What is known of the odometry calibration in an interval of travel after the last solve.
+  /// Returns the prior of the odometry calibration in an interval of travel after the last solve.
   CalibrationPrior calibration_at(int interval) const;
 
-  /// Starts a disconnected submap at the newest keyframe, until a loop closure joins it.
-  /// `was_lost`: known landmarks should have been in view; else there was nothing to go by.
+  /// Starts a new session at the newest keyframe: a disconnected submap until a loop closure joins
+  /// it. `was_lost`: known landmarks should have been in view; else none were around.
   void start_session(bool was_lost);
 
-  /// Finds anew which landmarks the next scan may show.
+  /// Updates `local` for the pose of the newest keyframe.
   void refresh_local();
 
-  /// Adds a landmark that the newest keyframe observes first; returns its index.
+  /// Adds a landmark first observed by the newest keyframe; returns its index.
   int add_landmark(const ScanPoint& point);
 
-  /// Lets observations lie where old ones do that nothing is likely to change any more.
+  /// Moves observations that are unlikely to change any more to the graph's memory.
   void keep_old();
 
-  /// Solves the whole graph, merges duplicates, and updates all that follows from it. False, and
-  /// nothing changed but num_solved, if the solver found no solution.
+  /// Solves the whole graph, merges duplicate landmarks and updates all dependent members. Returns
+  /// false, with only num_solved changed, if the solver failed.
   bool solve(SolveReason reason);
 
-  /// After a position was added to the newest keyframe: moves the map to where positions put it,
-  /// once they tell its place and direction; from then on solves the whole graph where the last one
-  /// says more than is known, as after a gap.
+  /// Call after adding an absolute position to the newest keyframe. Georeferences the map as soon
+  /// as the positions determine its pose. From then on, solves the whole graph if the position is
+  /// more certain than the pose or contradicts it, as after a gap.
   void take_position();
 
   SlamGraph graph;
-  geometry::PointGrid index{4.0};  ///< of landmarks
+  geometry::PointGrid index{4.0};  ///< spatial index of landmarks
   SensorCoverage coverage;
-  CalibrationPrior calibration;  ///< of the odometry, by all observations up to the last solve
-  int num_calibrated = 1;        ///< intervals of travel that it knows of
-  std::vector<int> local;        ///< landmarks that the next scan may show
+  CalibrationPrior calibration;  ///< odometry calibration by all observations up to the last solve
+  int num_calibrated = 1;        ///< intervals of travel included in `calibration`
+  std::vector<int> local;        ///< local map: landmarks that may be visible in the next scan
   int session_start = 0;         ///< first keyframe of the present session
-  bool lost = false;             ///< it began where known landmarks should have been in view
+  bool lost = false;             ///< a session began although known landmarks should be in view
   int num_solved = 0;            ///< keyframes at the last whole solve
   bool corrected = false;        ///< the past was corrected since it was last published
 
@@ -82,7 +82,7 @@ class SlamMap {
   void rebuild_index();
 
   SlamConfig config_;
-  int num_kept_ = 0;  ///< keyframes whose observations keep_old() has seen to
+  int num_kept_ = 0;  ///< keyframes whose observations keep_old() has moved
 };
 
 }  // namespace orchard::pose

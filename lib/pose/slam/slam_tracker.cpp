@@ -17,7 +17,8 @@ using geometry::transform_back;
 
 namespace {
 
-/// Positions so far apart confirm a landmark [m]: one odd view confirms nothing.
+/// Min travel between the first and last keyframe that confirm a landmark [m]: a single viewpoint
+/// confirms nothing.
 constexpr double kConfirmTravel_m = 1.0;
 
 // A scan that matches nothing starts a new session only if the keyframe is less certain than this.
@@ -40,8 +41,8 @@ AssociationCandidate candidate(const SlamGraph& graph, int landmark) {
   return c;
 }
 
-/// Covariance of the newest pose in map by landmarks from before the window that it observes again,
-/// or by scans, where that is smaller than along the drive: the pose's own.
+/// Returns the covariance of the newest pose in map: the smallest of its own (along the drive) and
+/// those by way of older keyframes, to which reobserved landmarks or matched scans connect it.
 Eigen::Matrix3d covariance_in_map(const SlamMap& map, int first) {
   const SlamGraph& graph = map.graph;
   const Keyframe& now = graph.keyframes.back();
@@ -83,8 +84,9 @@ void SlamTracker::start_keyframe(SlamMap& map) {
   map.refresh_local();
 }
 
-/// A scan that matches nothing means that the robot is elsewhere if no known landmark is around, or
-/// if known ones have been missing from view for long; else the objects are merely new.
+/// Decides whether a scan without matches means that the robot is lost: no known landmark is
+/// around, or known ones in view have been missing for many scans. Otherwise the objects are merely
+/// new.
 bool SlamTracker::is_elsewhere(const SlamMap& map) {
   const Eigen::Vector3d& T_map_base = map.graph.keyframes.back().T_map_base;
   bool any_known = false;
@@ -129,7 +131,7 @@ void SlamTracker::match(const std::vector<ScanPoint>& points, SlamMap& map) {
 }
 
 bool SlamTracker::correct_window(SlamMap& map) {
-  // The keyframe before the window is fixed: at the earliest the one that the session began with.
+  // The keyframe before the window is fixed; it is at the earliest the first one of the session.
   const int first = std::max(map.newest() - config_.window_keyframes, map.session_start + 1);
   if (first > map.newest()) return false;
   const WindowSolution solution = solve_window(

@@ -10,28 +10,28 @@
 
 namespace orchard::pose {
 
-/// Keeps the newest keyframe in place among the landmarks around it: matches every scan, corrects
-/// the last keyframes, and judges which landmarks are real. Starts a new session in the map where
-/// the robot is lost.
+/// Tracks the newest keyframe relative to the landmarks around it: matches every scan, corrects the
+/// last keyframes, confirms or drops landmarks, and starts a new session if the robot is lost.
 class SlamTracker {
  public:
   explicit SlamTracker(const SlamConfig& config) : config_(config) {}
 
-  /// Confirms landmarks that the newest keyframe observed often enough, and drops those that it
-  /// should have observed and did not. Before the next keyframe is added.
+  /// Confirms landmarks observed from enough keyframes, and drops those that should have been
+  /// observed and were not. Call before the next keyframe is added.
   void finish_keyframe(SlamMap& map);
 
-  /// After a keyframe was added: starts a new session if the robot is lost, and finds the landmarks
-  /// that its scans may show.
+  /// Starts a new session if the robot is lost, and updates the local map. Call after a keyframe
+  /// was added.
   void start_keyframe(SlamMap& map);
 
   /// Associates one scan of the newest keyframe with landmarks; adds observations and landmarks.
   void match(const std::vector<ScanPoint>& points, SlamMap& map);
 
-  /// Solves for the last keyframes of the session and their landmarks. False if there are none.
+  /// Solves for the last keyframes of the session and their landmarks. Returns false if there are
+  /// none.
   bool correct_window(SlamMap& map);
 
-  /// The last scans fitted more than one place.
+  /// True if the last scan fits more than one pose.
   bool is_ambiguous() const { return num_ambiguous_ > 0; }
   int num_matched() const { return num_matched_; }
   std::int64_t num_operations() const { return num_operations_; }
@@ -44,7 +44,7 @@ class SlamTracker {
   int num_ambiguous_ = 0;     ///< ambiguous scans in a row
   int num_contradicted_ = 0;  ///< scans since the last match that should have matched
   int num_matched_ = 0;       ///< landmarks in the last scan
-  int num_scans_ = 0;         ///< of the newest keyframe
+  int num_scans_ = 0;         ///< scans of the newest keyframe
   std::int64_t num_operations_ = 0;
 };
 

@@ -17,30 +17,30 @@ using geometry::compose_covariance;
 
 namespace {
 
-/// A turn by so much makes a keyframe [rad]: the view changes as over half a metre of travel.
+/// Turn after which a keyframe is added [rad]; it changes the view like half a metre of travel.
 constexpr double kKeyframeTurn_rad = 0.3;
 
-/// Least standard deviation of a position fix [m], whatever it states.
+/// Standard deviation added in quadrature to that of a position fix [m].
 constexpr double kPlacementSdMin_m = 0.02;
 
-/// The whole graph is solved when it has grown by this fraction: the cost per keyframe stays
-/// constant.
+/// The whole graph is solved when it has grown by this fraction, so that the cost per keyframe
+/// stays constant.
 constexpr double kSolveGrowth = 0.1;
 
-// A keyframe is added also where the motion since the last one has become this uncertain.
+// A keyframe is also added when the motion since the last one has become this uncertain.
 constexpr double kKeyframeSd_m = 0.05;
 constexpr double kKeyframeSd_rad = 0.02;
-// Where no motion is measured, keyframes come no more often than this, and while nothing moves not
-// at all.
+// Min time between keyframes while no motion is measured, and min travel of uncertain keyframes:
+// none are added while the robot stands.
 constexpr std::int64_t kBlindKeyframe_us = 200'000;
 constexpr double kMovingTravel_m = 0.02;
-// Without scans, keyframes are added this many times more seldom: the path must still be told.
+// Without scans, keyframes are this many times sparser; they still record the path.
 constexpr double kBlindFactor = 3.0;
-// The whole graph is not solved for less growth than this.
+// Min growth of the graph for a whole solve [keyframes].
 constexpr int kSolveKeyframesMin = 20;
-// Two landmarks at least give the velocity while no motion is measured.
+// Min number of matched landmarks that give the velocity while no motion is measured.
 constexpr int kVelocityLandmarks = 2;
-// A tenth of the drive without knowing where is worth a word at its end.
+// The warning at the end reports LOST and AMBIGUOUS above 1 / kWorthSaying of the drive.
 constexpr int kWorthSaying = 10;
 constexpr std::int64_t kScanOrder_us = 1'000'000;
 
@@ -69,7 +69,8 @@ void TrunkSlam::set_default_noise(double speed_sd_fraction, double yaw_rate_sd_r
   motion_.set_default_noise(speed_sd_fraction, yaw_rate_sd_radps);
 }
 
-/// Of the motion since the keyframe, with the uncertainty of the odometry calibration.
+/// Returns the covariance of the motion since the keyframe, including that of the odometry
+/// calibration.
 Eigen::Matrix3d TrunkSlam::motion_covariance() const {
   const RelativeMotion& m = motion_.motion();
   const int interval = static_cast<int>(map_.graph.calibrations.size()) - 1;
@@ -100,7 +101,7 @@ void TrunkSlam::add_position(std::int64_t utime, AbsolutePosition position) {
   }
   motion_.advance_to(utime);
   if (map_.empty() || wants_keyframe(kBlindFactor)) add_keyframe();
-  // A receiver's is never below what its quality reaches.
+  // GnssPositions already enforces a minimum for a receiver.
   if (!position.by_receiver) {
     position.covariance += kPlacementSdMin_m * kPlacementSdMin_m * Eigen::Matrix2d::Identity();
   }
@@ -126,7 +127,7 @@ bool TrunkSlam::wants_keyframe(double factor) const {
 void TrunkSlam::add(const detection::Detections& seen, const ScanSource& scan) {
   if (motion_.started() && seen.utime < motion_.utime() &&
       motion_.utime() - seen.utime > kScanOrder_us) {
-    return;  // from another time: the queue before us lets none through
+    return;  // far too old; the caller's queue normally excludes this
   }
   motion_.advance_to(seen.utime);
   const bool added = map_.empty() || wants_keyframe(1.0);
@@ -183,7 +184,7 @@ void TrunkSlam::add_keyframe() {
   tracker_.start_keyframe(map_);
 }
 
-/// Corrects the last keyframes, and all of them at a loop closure or when the graph has grown.
+/// Corrects the last keyframes; corrects all at a loop closure or when the graph has grown.
 void TrunkSlam::correct() {
   if (!tracker_.correct_window(map_)) return;
   const std::vector<Keyframe>& keyframes = map_.graph.keyframes;

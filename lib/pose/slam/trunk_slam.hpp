@@ -22,50 +22,53 @@
 
 namespace orchard::pose {
 
-/// T_map_base from relative motion and trunks without identities, with no prior map: graph SLAM
-/// with keyframes and landmarks.
+/// Graph SLAM with keyframes and trunk landmarks: estimates T_map_base from relative motion and
+/// observed trunks without identities, without a prior map.
 ///
-/// Dead reckoning adds keyframes to the map; the tracker matches every scan to the landmarks around
-/// the robot and corrects the last keyframes; the loop closer, growth of the graph and the end of
-/// the drive correct all of them. Measurements come in order of time; the result is a pure function
-/// of their sequence.
+/// Dead reckoning adds keyframes to the map. The tracker matches every scan to the landmarks around
+/// the robot and corrects the last keyframes. All keyframes are corrected at loop closures, when
+/// the graph has grown, and at the end of the drive. Measurements must come in order of time; the
+/// result is a pure function of their sequence.
 class TrunkSlam {
  public:
-  /// `memory` holds what a long drive leaves; none: the heap. It changes no result.
+  /// `memory` stores old observations (null: the heap) and does not affect the results.
   explicit TrunkSlam(const SlamConfig& config, const ScanMotionConfig& scans = {},
                      const laser::LaserConfig& mount = {},
                      std::shared_ptr<ChunkMemory> memory = nullptr);
 
-  /// Used for odometry that states no covariance.
+  /// Sets the noise of odometry without covariance.
   void set_default_noise(double speed_sd_fraction, double yaw_rate_sd_radps);
 
   void add(const Odometry& odometry);
-  /// The motion T_before_now from the last measured time to `utime`, where no wheels measure it.
+  /// Adds the measured motion T_before_now from the last measured time to `utime`, if there is no
+  /// wheel odometry.
   void add_motion(std::int64_t utime, const Eigen::Vector3d& T_before_now,
                   const Eigen::Matrix3d& covariance);
-  /// What the same scan showed besides, made from base's motion per second (x, y, yaw in base)
-  /// where it is wanted: the believable returns [m, base].
+  /// Function that computes the valid returns [m, base] of the detections' scan on demand, given
+  /// base's velocity (x [m/s], y [m/s], yaw [rad/s], in base) for deskewing.
   using ScanSource = std::function<std::vector<SurfacePoint>(const Eigen::Vector3d& velocity)>;
   void add(const detection::Detections& seen, const ScanSource& scan = {});
-  /// An absolute position of base, or of a point on it, in map; T_keyframe_then is filled in here.
-  /// Until such positions have georeferenced the map, its origin is the first pose.
+  /// Adds an absolute position in map of base, or of a point on it; sets its utime and
+  /// T_keyframe_then. Until such positions have georeferenced the map, its origin is the first
+  /// pose. Ignored if not finite or without a valid covariance.
   void add_position(std::int64_t utime, AbsolutePosition position);
 
-  /// The end of the drive: the last and best correction.
+  /// Ends the drive and computes the final, best correction.
   void finish();
 
   std::optional<PoseEstimate> estimate() const;
   std::optional<Trajectory> take_correction();
   std::string warning() const;
-  /// Loops asked for, closed and refused; seconds LOST and AMBIGUOUS; the newest position's
-  /// standard deviation [mm].
+  /// Returns statistics: loop searches, closures and undone closures; seconds LOST and AMBIGUOUS;
+  /// the standard deviation of the newest position [mm].
   std::vector<std::pair<std::string, std::int64_t>> account() const;
 
   const SlamGraph& graph() const { return map_.graph; }
-  /// Loop closures that stand, and those that the observations refuted once they were solved.
+  /// Number of accepted loop closures, and of those undone because the observations contradicted
+  /// them after the solve.
   int num_closures() const { return closer_.num_closures() + scan_closer_.num_closures(); }
   int num_refuted_closures() const { return closer_.num_refuted() + scan_closer_.num_refuted(); }
-  /// Work done so far, in pairs tried and factors solved: the cost of a scan without a clock.
+  /// Work done so far, in pairs tried and keyframes solved: a measure of cost without a clock.
   std::int64_t num_operations() const {
     return tracker_.num_operations() + closer_.num_operations();
   }
@@ -81,14 +84,14 @@ class TrunkSlam {
   double end_sd_m() const;
 
   SlamConfig config_;
-  DeadReckoning motion_;  ///< since the newest keyframe
+  DeadReckoning motion_;  ///< motion since the newest keyframe
   SlamMap map_;
   SlamTracker tracker_;
   LoopCloser closer_;
   ScanCloser scan_closer_;
   std::int32_t revision_ = 0;
-  std::int64_t scan_utime_ = 0;  ///< of the last scan
-  std::int64_t driven_us_ = 0;   ///< from scan to scan
+  std::int64_t scan_utime_ = 0;  ///< utime of the last scan
+  std::int64_t driven_us_ = 0;   ///< total time between scans
   std::int64_t lost_us_ = 0;
   std::int64_t ambiguous_us_ = 0;
   bool finished_ = false;

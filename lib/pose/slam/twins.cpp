@@ -14,14 +14,13 @@
 namespace orchard::pose {
 namespace {
 
-/// Of trees that stand side by side all but so many in ten are farther apart than what is called
-/// their distance.
+/// The spacing of trees is this decile of the distances between neighbours observed together.
 constexpr int kNearestOfTen = 1;
 
 bool counts(const SlamLandmark& landmark) { return landmark.alive && landmark.confirmed; }
 
-/// Distance of the nearest landmarks that one keyframe saw beside each other [m]; 0 where too few
-/// tell.
+/// Returns the spacing of trees: a low quantile of the distances from each landmark to the nearest
+/// one that was observed by the same keyframe [m]; 0 if there are too few.
 double beside_m(const SlamGraph& graph, const geometry::PointGrid& index, double reach_m) {
   std::vector<double> nearest_m;
   for (int l = 0; l < static_cast<int>(graph.landmarks.size()); ++l) {
@@ -41,7 +40,7 @@ double beside_m(const SlamGraph& graph, const geometry::PointGrid& index, double
   return *at;
 }
 
-/// Whether `nearer` stands before the centre of what is at p_base, seen from base.
+/// True if `nearer`, at nearer_base, occludes the point p_base seen from base.
 bool covers(const SlamLandmark& nearer, const Eigen::Vector2d& nearer_base,
             const Eigen::Vector2d& p_base) {
   const double apart_rad = geometry::wrap_angle_rad(std::atan2(nearer_base.y(), nearer_base.x()) -
@@ -50,7 +49,7 @@ bool covers(const SlamLandmark& nearer, const Eigen::Vector2d& nearer_base,
          std::abs(apart_rad) < 0.5 * nearer.width_m / nearer_base.norm();
 }
 
-/// Keyframes that saw `seen` and should have seen `other`, too.
+/// Counts the keyframes that observed `seen` and should have observed `other`, too.
 int num_missed(const SlamGraph& graph, int seen, int other, const SensorCoverage& coverage) {
   const SlamLandmark& a = graph.landmarks[seen];
   int num = 0;

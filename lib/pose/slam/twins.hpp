@@ -11,13 +11,14 @@
 
 namespace orchard::pose {
 
-/// Pairs of landmarks (the less observed first) that are one tree: mapped twice because the robot
-/// was off where it was seen again.
+/// Finds twins: pairs of landmarks that are one tree, mapped twice because the pose was wrong when
+/// the tree was seen again. The less observed landmark is first.
 ///
-/// They stand nearer to each other than half of what trees do that were seen side by side, are
-/// alike in width, were never seen from one place, and of the less observed one's keyframes so many
-/// should have seen the other as make a landmark. `index`: of the landmarks. Each landmark is in
-/// one pair at most as the first, and never in one as both.
+/// Twins are nearer to each other than half the spacing of trees that were observed together, have
+/// compatible widths and were never observed by the same keyframe, although at least
+/// kConfirmKeyframes keyframes of the less observed one should have observed the other. `index`:
+/// spatial index of the landmarks. A landmark is the first in at most one pair, and then never the
+/// second in another.
 std::vector<std::pair<int, int>> find_twins(const SlamGraph& graph,
                                             const geometry::PointGrid& index,
                                             const SensorCoverage& coverage,

@@ -8,7 +8,7 @@ namespace orchard::pose {
 Eigen::Vector3d arc_motion(double speed_mps, double yaw_rate_radps, double dt_s) {
   const double turn_rad = yaw_rate_radps * dt_s;
   const double length_m = speed_mps * dt_s;
-  // sin(t)/t and (1-cos(t))/t, by their series where the quotients lose their digits
+  // sin(t)/t and (1-cos(t))/t; by their series for small t, where the quotients lose precision.
   const bool small = std::abs(turn_rad) < 1e-4;
   const double sinc = small ? 1.0 - turn_rad * turn_rad / 6.0 : std::sin(turn_rad) / turn_rad;
   const double cosc = small ? turn_rad / 2.0 : (1.0 - std::cos(turn_rad)) / turn_rad;

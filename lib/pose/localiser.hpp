@@ -13,32 +13,33 @@
 
 namespace orchard::pose {
 
-/// Turns measurements, in order of time, into T_map_base: one of these per pose.mode. A pure
-/// function of its configuration and the sequence of add() calls; kinds that it does not use are
-/// ignored.
+/// Interface of all localisation modes: estimates T_map_base from measurements in order of time.
+/// There is one implementation per pose.mode. The estimate is a pure function of the configuration
+/// and the sequence of add() calls; kinds of measurement that a mode does not use are ignored.
 class Localiser {
  public:
   virtual ~Localiser() = default;
 
   virtual void add(const Measurement& measurement) = 0;
 
-  /// The pose at the time of the last measurement that moved or corrected it; none while it is
-  /// unknown. Every number in it is finite.
+  /// Returns the pose at the time of the last measurement that moved or corrected it; none while
+  /// the pose is unknown. All numbers are finite.
   virtual std::optional<PoseEstimate> estimate() const = 0;
 
-  /// Where base was before the pose became known, in order of time, once; all before estimate().
+  /// Returns, once, the poses from the time before the pose became known, in order of time. All are
+  /// earlier than estimate().
   virtual std::vector<PoseEstimate> take_past() { return {}; }
 
-  /// A new revision of the whole past, once, when it was corrected since the last call.
+  /// Returns the corrected trajectory if the past was corrected since the last call, else none.
   virtual std::optional<Trajectory> take_correction() { return std::nullopt; }
 
-  /// No measurement will follow: the last and best correction may be made.
+  /// Ends the input. The localiser may then compute its final, best correction.
   virtual void finish() {}
 
-  /// What is wrong in words for a person (LOST, AMBIGUOUS, a GNSS that jumps); empty if nothing.
+  /// Describes the present problem to the user (LOST, AMBIGUOUS, GNSS jumps); empty if none.
   virtual std::string warning() const { return {}; }
 
-  /// What it did so far in named numbers, for people and programs that judge a drive afterwards.
+  /// Returns named statistics of the drive so far, for the evaluation afterwards.
   virtual std::vector<std::pair<std::string, std::int64_t>> account() const { return {}; }
 };
 

@@ -14,8 +14,8 @@
 namespace orchard::pose {
 namespace {
 
-/// A receiver computes, and its sentences take their time on a serial line: 0.05 s behind USB, up
-/// to half a second at 9600 baud. A fix that comes later than it is waited for is lost.
+/// Max delay of a GNSS fix by computation and serial transmission: 0.05 s over USB, up to half a
+/// second at 9600 baud. A later fix is lost.
 constexpr double kGnssWait_s = 0.5;
 
 double gnss_wait_s(const PoseConfig& config) {

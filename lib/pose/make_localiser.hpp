@@ -14,16 +14,17 @@
 
 namespace orchard::pose {
 
-/// The localiser of `config.mode`. Mode prior_map needs that map, which is not
-/// read here; throws std::invalid_argument when they do not determine a pose. Modes that read scans
-/// need the laser's pose on the robot and the sector in which it sees the robot itself. `memory`
-/// holds what a long drive leaves; none: the heap. It changes no result.
+/// Creates the localiser of `config.mode`. Mode prior_map needs the map in `earlier`, which the
+/// caller has read; throws std::invalid_argument if its landmarks cannot determine a pose. Modes
+/// that use scans need the laser's extrinsics and the blind sector, in which it sees the robot
+/// itself. `memory` stores old observations of a long drive (null: the heap) and does not affect
+/// the results.
 std::unique_ptr<Localiser> make_localiser(const PoseConfig& config, const EarlierMap& earlier = {},
                                           const laser::LaserConfig& laser = {},
                                           const laser::BlindSector& blind = {},
                                           std::shared_ptr<ChunkMemory> memory = nullptr);
 
-/// The measurements that this localiser uses, and how long to wait for each of them.
+/// Returns which kinds of measurement the localiser uses, and how long to wait for each.
 MeasurementWaits expected_measurements(const PoseConfig& config);
 
 }  // namespace orchard::pose

@@ -13,8 +13,8 @@
 
 namespace orchard::pose {
 
-/// Anything that says where the robot is or how it moved. Of measurements at one time, motion is
-/// taken first, then what is absolute, then trunks: the order of the alternatives.
+/// Any input of a localiser. Measurements with equal utime are processed in the order of the
+/// alternatives: motion, then absolute poses, then trunks.
 using Measurement = std::variant<Odometry, Imu, laser::Scan, PoseFix, Gnss, detection::Detections>;
 
 inline constexpr std::size_t kNumMeasurementKinds = std::variant_size_v<Measurement>;
@@ -22,7 +22,7 @@ inline constexpr std::size_t kNumMeasurementKinds = std::variant_size_v<Measurem
 /// Index of an alternative of Measurement.
 enum class MeasurementKind : std::size_t { kOdometry, kImu, kScan, kPoseFix, kGnss, kDetections };
 
-/// How long a kind that has fallen behind is waited for [s of message time], by MeasurementKind;
+/// Max time to wait for a late kind of measurement [s of message time], indexed by MeasurementKind;
 /// none for a kind that is not expected.
 using MeasurementWaits = std::array<std::optional<double>, kNumMeasurementKinds>;
 
@@ -30,7 +30,7 @@ inline MeasurementKind kind_of(const Measurement& measurement) {
   return static_cast<MeasurementKind>(measurement.index());
 }
 
-/// Time of any measurement [us].
+/// Returns the time of any measurement [us].
 inline std::int64_t utime_of(const Measurement& measurement) {
   return std::visit([](const auto& m) { return m.utime; }, measurement);
 }

@@ -6,10 +6,10 @@
 
 namespace orchard::pose {
 
-/// Beyond any projected coordinate on Earth [m].
+/// Limit of accepted coordinates [m]; larger than any projected coordinate on Earth.
 inline constexpr double kCoordinateMax_m = 1e8;
 
-// The fields of each message in the order of the wire; see bus/messages/fields.hpp.
+// Fields of each message in wire order, with their valid ranges; see bus/messages/fields.hpp.
 
 struct OdometryFields {
   template <class M, class Visitor>

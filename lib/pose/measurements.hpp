@@ -7,9 +7,9 @@
 
 namespace orchard::pose {
 
-/// Velocity of base from wheel encoders: the mean since the reading before.
+/// Velocity of base from wheel encoders: the mean since the previous reading.
 struct Odometry {
-  std::int64_t utime = 0;  ///< where the reading ends [us]
+  std::int64_t utime = 0;  ///< end of the interval [us]
   std::int32_t seq = 0;
   double speed_mps = 0.0;              ///< along base x
   double yaw_rate_radps = 0.0;         ///< about base z
@@ -27,18 +27,18 @@ struct Gnss {
   std::int8_t fix_quality = 1;         ///< NMEA GGA quality
 };
 
-/// An external statement of where base is in map.
+/// Pose of base in map from an external source.
 struct PoseFix {
   std::int64_t utime = 0;
   std::int32_t seq = 0;
   double x_m = 0.0;
   double y_m = 0.0;
-  double yaw_rad = 0.0;                ///< meaningful when has_yaw
+  double yaw_rad = 0.0;                ///< valid if has_yaw
   std::array<double, 6> covariance{};  ///< of (x, y, yaw): xx xy xyaw yy yyaw yawyaw
   bool has_yaw = true;
 };
 
-/// One sample of an inertial unit, in the axes of base (x forward, y left, z up).
+/// One sample of an IMU, in the axes of base (x forward, y left, z up).
 struct Imu {
   std::int64_t utime = 0;
   std::int32_t seq = 0;
@@ -46,9 +46,9 @@ struct Imu {
   std::array<double, 3> acceleration_mps2{};  ///< specific force: (0, 0, +9.8) at rest
   double angular_rate_variance = 0.0;         ///< of each axis [rad2/s2]; 0 = unknown
   double acceleration_variance = 0.0;         ///< of each axis [m2/s4]; 0 = unknown
-  double roll_rad = 0.0;                      ///< of base; meaningful when has_orientation
+  double roll_rad = 0.0;                      ///< of base; valid if has_orientation
   double pitch_rad = 0.0;
-  double yaw_rad = 0.0;               ///< from east, or from where the unit was switched on
+  double yaw_rad = 0.0;               ///< from east, or from the heading at power-on
   double orientation_variance = 0.0;  ///< of each angle [rad2]; 0 = unknown
   bool has_orientation = false;
 };

@@ -9,34 +9,34 @@
 
 namespace orchard::pose {
 
-/// Where a rig's poses come from.
+/// Localisation mode.
 enum class PoseMode {
   kFixes,             ///< POSE_FIX alone: every fix is a pose
-  kFixesAndOdometry,  ///< fixes, dead-reckoned between by ODOMETRY
+  kFixesAndOdometry,  ///< fixes, with dead reckoning by ODOMETRY in between
   kOdometry,          ///< dead reckoning alone, from the map's origin
   kStationary,        ///< the robot stands at the map's origin
   kFused,             ///< wheels, IMU, GNSS and fixes: sections `pose.fusion` and `pose.gnss`
-  kPriorMap,          ///< found in the map of an earlier day: section `pose.prior_map`
-  kSlam,              ///< relative motion and trunks, from the map's origin: section `pose.slam`
+  kPriorMap,          ///< localisation in the map of an earlier day: section `pose.prior_map`
+  kSlam,              ///< SLAM with trunks, from the map's origin: section `pose.slam`
 };
 
-/// Where the robot's motion from one moment to the next is taken from.
+/// Source of the robot's relative motion.
 enum class MotionSource {
   kWheels,  ///< ODOMETRY
-  kScans,   ///< SCAN: each scan against those before
+  kScans,   ///< SCAN: each scan is matched to the previous ones
 };
 
-/// How base is placed in map. Section `pose`.
+/// Configuration of the localisation. Section `pose`.
 struct PoseConfig {
   PoseMode mode = PoseMode::kFixesAndOdometry;
   MotionSource motion = MotionSource::kWheels;  ///< modes odometry, slam, prior_map
-  double reorder_window_s = 0.02;   ///< of message time: how far channels may lag each other
-  double fix_position_sd_m = 0.01;  ///< used when a fix states no covariance
+  double reorder_window_s = 0.02;               ///< max lag between channels [s of message time]
+  double fix_position_sd_m = 0.01;              ///< of a fix without covariance
   double fix_yaw_sd_rad = 0.01;
-  double speed_sd_fraction = 0.03;  ///< used when odometry states no covariance
+  double speed_sd_fraction = 0.03;  ///< of odometry without covariance
   double yaw_rate_sd_radps = 0.02;
-  double odometry_gap_max_s = 1.0;  ///< a longer silence is not dead-reckoned across
-  double heading_baseline_m = 0.5;  ///< travel that gives a first heading to fixes without yaw
+  double odometry_gap_max_s = 1.0;  ///< longer gaps are not bridged by dead reckoning
+  double heading_baseline_m = 0.5;  ///< travel needed for a first heading from fixes without yaw
   FusionConfig fusion;
   GnssConfig gnss;
   PriorMapConfig prior_map;

@@ -6,7 +6,7 @@
 
 namespace orchard::pose {
 
-/// Where base is in map at one time, T_map_base, with its covariance.
+/// Pose of base in map at one time, T_map_base, with its covariance.
 struct PoseEstimate {
   std::int64_t utime = 0;
   std::int32_t seq = 0;

@@ -7,10 +7,10 @@
 
 namespace orchard::pose {
 
-/// An angle in (-pi, pi], a rounding error allowed [rad].
+/// Limit of angles in (-pi, pi], plus a tolerance for rounding [rad].
 inline constexpr double kHalfTurnMax_rad = geometry::kPi + 1e-9;
 
-// The fields of each message in the order of the wire; see bus/messages/fields.hpp.
+// Fields of each message in wire order, with their valid ranges; see bus/messages/fields.hpp.
 
 struct PoseEstimateFields {
   template <class M, class Visitor>
@@ -25,7 +25,7 @@ struct PoseEstimateFields {
   }
 };
 
-/// trajectory_pose_t: a pose without seq, pitch and roll.
+/// Fields of trajectory_pose_t: a pose without seq, pitch and roll.
 struct TrajectoryPoseFields {
   template <class M, class Visitor>
   static void visit(M& m, Visitor& v) {

@@ -7,7 +7,7 @@
 namespace orchard::pose {
 namespace {
 
-/// What one visit tells of another, in observations.
+/// Number of observations that one visit's rate is worth for another visit.
 constexpr double kObservationsWorth = 2.0;
 
 constexpr double kClumpReachMax_m = 1.0;

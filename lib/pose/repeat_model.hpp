@@ -3,29 +3,29 @@
 
 namespace orchard::pose {
 
-/// Whether another visit finds again what one visit has seen: the one model of localisation in a
-/// prior map, of the comparison of two maps and of ids that are kept.
+/// Model of the probability that another visit detects an object again. Used by localisation in a
+/// prior map, by the comparison of two maps and for persistent ids.
 ///
-/// A trunk is seen at most of its chances, from all sides and on every day. A sucker or a twig is
-/// seen at few: another visit drives another line, and a scanner that nods by a degree cuts another
-/// part of it. What the chances of one visit tell of those of another is therefore worth few
-/// observations, however many there were.
+/// A trunk is detected in most scans that could show it, from all sides and on every day. A sucker
+/// or a twig is detected in few: another visit drives another line, and a scanner that pitches by a
+/// degree cuts another part of it. The detection rate of one visit therefore predicts that of
+/// another only as well as two observations would, however many there were.
 
-/// Detection rate by `num_seen` of `num_chances` observations (>= 0), half an observation either
-/// way added (Jeffreys' prior); within (0, 1).
+/// Returns the detection rate for `num_seen` of `num_chances` observations (>= 0), with half an
+/// observation added to either side (Jeffreys' prior); within (0, 1).
 double detection_rate(double num_seen, double num_chances);
 
-/// Probability that another visit sees at more than `rate_min` of its chances what one visit saw at
-/// `rate` of its own (both in [0, 1]). The other visit's rate is Beta(2 rate, 2 (1 - rate)): of the
-/// same mean, and as wide as two observations leave it.
+/// Returns the probability that another visit detects an object at a rate above `rate_min`, given
+/// the rate `rate` of one visit (both in [0, 1]). The other visit's rate is distributed as
+/// Beta(2 rate, 2 (1 - rate)): same mean, with the spread of two observations.
 double probability_seen_again(double rate, double rate_min);
 
-/// Probability that another visit shows the same one of a clump's parts, of which `num_others` lie
-/// near: each shows one at random.
+/// Returns the probability that another visit detects the same part of a clump, if `num_others`
+/// other parts are near: each visit detects one part at random.
 inline double probability_same_part(int num_others) { return 1.0 / (1.0 + num_others); }
 
-/// How near another thing is a part of the same clump, by the usual distance between neighbours
-/// [m]: nearer than half of it, and never more than crowns of one stump reach.
+/// Returns the max distance between parts of one clump [m]: proportional to the usual distance
+/// between neighbours `spacing_m`, but at most the extent of the crowns of one stump.
 double clump_reach_m(double spacing_m);
 
 }  // namespace orchard::pose

@@ -9,7 +9,7 @@
 
 namespace orchard::pose {
 
-/// Something that one scan showed, in base as it was at the scan's utime.
+/// An object observed in one scan, in base at the scan's utime.
 struct Sighting {
   Eigen::Vector2d p_base = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
@@ -17,9 +17,9 @@ struct Sighting {
   double width_sd_m = 0.0;
 };
 
-/// Where a scanner would see a trunk that nothing hides: learnt from where it has seen any, since
-/// how it is mounted and how far round it observations are not told. Points are in base, or in any
-/// frame that goes with it.
+/// Sensor coverage: the directions and ranges in which an unoccluded trunk would be detected. It is
+/// learnt from the detections, because the scanner's field of view is not configured. Points are in
+/// base, or in any frame fixed to it.
 class SightField {
  public:
   explicit SightField(double sure_range_m) : sure_range_m_(sure_range_m) {}
@@ -28,7 +28,7 @@ class SightField {
 
   bool covers(const Eigen::Vector2d& p_base) const;
 
-  double range_m() const;  ///< within which it sees for sure
+  double range_m() const;  ///< range of reliable detection
 
  private:
   static constexpr std::size_t kBins = 36;
@@ -40,7 +40,7 @@ class SightField {
   std::array<int, kBins> num_seen_{};
 };
 
-/// What a scan's sightings hide.
+/// Returns the occlusion test for the objects of a scan.
 geometry::OcclusionTest occlusion_by(const std::vector<Sighting>& sightings);
 
 }  // namespace orchard::pose

@@ -3,38 +3,38 @@
 
 namespace orchard::pose {
 
-/// Trunk-landmark SLAM. Section `pose.slam`.
+/// Configuration of trunk-landmark SLAM. Section `pose.slam`.
 struct SlamConfig {
-  double detections_wait_s = 0.5;  ///< of message time: how far DETECTIONS may lag the motion
+  double detections_wait_s = 0.5;  ///< max lag of DETECTIONS behind the motion [message time]
   double keyframe_travel_m = 0.5;
   int window_keyframes = 30;  ///< corrected at every keyframe
 
-  double observation_sd_m = 0.02;         ///< of a centre, on top of what the detector states
-  double observation_range_max_m = 30.0;  ///< what is farther away is no landmark
-  double width_max_m = 1.5;               ///< what is wider has no centre to speak of
+  double observation_sd_m = 0.02;         ///< of a centre, added to the detector's covariance
+  double observation_range_max_m = 30.0;  ///< farther objects are not used
+  double width_max_m = 1.5;               ///< wider objects have no well-defined centre
 
   double gate_sigma = 3.5;      ///< joint gate of association
-  double gate_m = 0.6;          ///< farthest an observation lies from its landmark
-  double width_gate_m = 0.15;   ///< widths may differ by this on top of what is stated
-  double new_landmark_m = 0.6;  ///< nearer to a landmark than this nothing new is begun
+  double gate_m = 0.6;          ///< max distance of an observation from its landmark
+  double width_gate_m = 0.15;   ///< allowed difference of widths, added to their uncertainty
+  double new_landmark_m = 0.6;  ///< min distance of a new landmark from existing ones
   /// Minimum detection rate per keyframe; rarer detections are clutter.
   double detection_rate_min = 0.0;
 
-  double speed_scale_sd = 0.05;          ///< of the wheels' scale before anything is learnt
-  double turn_scale_sd = 0.1;            ///< the same of their turns
-  double yaw_rate_bias_sd_radps = 0.01;  ///< the same of their yaw rate's bias
+  double speed_scale_sd = 0.05;          ///< prior of the wheels' speed scale
+  double turn_scale_sd = 0.1;            ///< prior of the scale of their turns
+  double yaw_rate_bias_sd_radps = 0.01;  ///< prior of their yaw rate bias
 
-  double gap_s = 0.5;  ///< a longer silence of the motion is a gap
+  double gap_s = 0.5;  ///< a longer time without measured motion is a gap
 
-  double lost_sd_m = 0.8;  ///< less surely placed among its landmarks, a map of its own begins
+  double lost_sd_m = 0.8;  ///< a larger 1-sigma against the landmarks starts a new session
 
-  double closure_kernel_m = 0.4;  ///< landmarks farther apart after the best shift are no pair
+  double closure_kernel_m = 0.4;  ///< max distance of matched landmarks after registration
   double closure_sd_m = 0.04;     ///< repeatability of a tree's position within a submap
-  double closure_margin = 8.0;    ///< log likelihood by which it must beat any other shift
-  bool use_fixes = false;         ///< POSE_FIX places the map and bounds its drift
-  bool use_gnss = false;          ///< GNSS does, with map east-north-up about its datum
-  double merge_m = 0.4;           ///< landmarks that end up nearer to each other are one
-  double submap_length_m = 8.0;   ///< of path; large graphs are solved by such submaps
+  double closure_margin = 8.0;    ///< min log-likelihood margin over any other registration
+  bool use_fixes = false;         ///< POSE_FIX georeferences the map and bounds its drift
+  bool use_gnss = false;          ///< GNSS does so; map is then east-north about its datum
+  double merge_m = 0.4;           ///< landmarks nearer than this after a solve are merged
+  double submap_length_m = 8.0;   ///< path length of the submaps by which large graphs are solved
 };
 
 template <class Visitor>

@@ -7,7 +7,8 @@
 
 namespace orchard::pose {
 
-/// The robot stands at the map's origin; its scans say when it was there.
+/// Localiser of a robot that stands at the map's origin: every measurement gives the origin at its
+/// utime.
 class Stationary : public Localiser {
  public:
   void add(const Measurement& measurement) override {

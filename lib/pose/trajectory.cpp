@@ -28,14 +28,15 @@ std::optional<Trajectory> TrajectoryCollector::add(const TrajectoryPage& page) {
   const bool goes_on =
       next_page_ > 0 && page.revision == partial_.revision && page.page == next_page_;
   if (!goes_on) {
-    // A revision counts once: where it breaks off, or at its end when its beginning is missing.
+    // Count an incomplete revision once: where it breaks off, or at its last page if its first is
+    // missing.
     const bool broke_off = next_page_ > 0;
     if (broke_off || (page.page != 0 && page.page + 1 == page.num_pages)) ++num_incomplete_;
     next_page_ = 0;
     partial_ = {page.utime, page.revision, {}};
     if (page.page != 0) return std::nullopt;
   }
-  // Pages are checked one by one; only here is it seen whether they follow each other.
+  // Validation of single pages cannot check that times ascend across pages.
   if (!partial_.poses.empty() && !page.poses.empty() &&
       page.poses.front().utime <= partial_.poses.back().utime) {
     ++num_incomplete_;

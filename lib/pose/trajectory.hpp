@@ -10,12 +10,12 @@
 
 namespace orchard::pose {
 
-/// The corrected past: where base was at key times, T_map_base in rising order of utime, by all
-/// that is known now. Replaces every earlier revision whole. Between two key times a consumer
-/// interpolates the correction of the POSE that it was told, not the poses themselves. It
-/// corrects POSE before `utime`; those at and after that time were told with the correction.
+/// The corrected past trajectory: T_map_base at key times, in ascending order of utime. Each
+/// revision replaces the previous one completely. Between two key times a consumer interpolates the
+/// correction relative to the published POSE, not the poses themselves. A trajectory corrects POSE
+/// before `utime`; later ones were published with the correction included.
 struct Trajectory {
-  std::int64_t utime = 0;           ///< of the newest measurement that it takes account of
+  std::int64_t utime = 0;           ///< of the newest measurement used
   std::int32_t revision = 1;        ///< +1 per correction
   std::vector<PoseEstimate> poses;  ///< seq, pitch and roll unused
 
@@ -25,7 +25,7 @@ struct Trajectory {
   }
 };
 
-/// A part of a trajectory that fits one message.
+/// A part of a trajectory that fits into one message.
 struct TrajectoryPage {
   std::int64_t utime = 0;
   std::int32_t seq = 0;
@@ -35,18 +35,19 @@ struct TrajectoryPage {
   std::vector<PoseEstimate> poses;
 };
 
-/// Poses of one page: 40 kB, within one UDP datagram.
+/// Max number of poses per page: 40 kB, within one UDP datagram.
 inline constexpr std::size_t kPosesPerPage = 500;
 
-/// The pages of a trajectory in order, seq not set; one empty page for an empty trajectory.
+/// Splits a trajectory into pages, in order; their seq is not set. An empty trajectory gives one
+/// empty page.
 std::vector<TrajectoryPage> paginate(const Trajectory& trajectory,
                                      std::size_t poses_per_page = kPosesPerPage);
 
-/// Puts pages together again. Pages come in order; a revision of which one is lost is dropped when
-/// the next one begins.
+/// Reassembles trajectories from pages that arrive in order. A revision with a missing page is
+/// dropped when the next one begins.
 class TrajectoryCollector {
  public:
-  /// The whole trajectory when this page completes it.
+  /// Adds a page; returns the trajectory when this page completes it.
   std::optional<Trajectory> add(const TrajectoryPage& page);
 
   std::int64_t num_incomplete() const { return num_incomplete_; }
@@ -58,7 +59,7 @@ class TrajectoryCollector {
 
  private:
   Trajectory partial_;
-  std::int32_t next_page_ = 0;  ///< 0: none begun
+  std::int32_t next_page_ = 0;  ///< 0: no trajectory in progress
   std::int64_t num_incomplete_ = 0;
 };
 

@@ -15,33 +15,34 @@
 namespace orchard::pose {
 namespace {
 
-/// Standard deviation of the speed while the wheels are not heard [m/s]: the usual speed of such
+/// Standard deviation of the unknown speed in a gap of ODOMETRY [m/s]: the usual speed of such
 /// robots.
 constexpr double kSilenceSpeedSd_mps = 1.5;
 
 /// The same of the yaw rate [rad/s].
 constexpr double kSilenceYawRateSd_radps = 0.5;
 
-/// A position with a larger standard deviation is a warning in STATUS [m]: trunks of one row
-/// become confusable.
+/// A larger standard deviation of the position causes a warning in STATUS [m]: trunks of one row
+/// could be confused.
 constexpr double kWarnSd_m = 0.5;
 
 /// Innovation gate of satellite fixes, in standard deviations.
 constexpr double kGnssGate_sigma = 4.0;
 
-/// Wheels may always be off by this fraction of the way: a position within it is never left out.
+/// Possible error of the wheels as a fraction of the travel; a position that deviates less is never
+/// left out.
 constexpr double kWheelsOff = 0.1;
 
-/// The heading's doubt when they are [rad].
+/// Standard deviation added to the heading in this case [rad].
 constexpr double kWheelsOffYaw_rad = 0.5;
 
-/// A step between fixes tells of the receiver alone if it took no longer [s].
+/// Max duration of a step between fixes whose error is attributed to the receiver alone [s].
 constexpr double kFixStep_s = 2.0;
 
-/// A position variance of so many times what a fix claims is that of a gap.
+/// A position variance above this multiple of a fix's variance indicates a gap.
 constexpr double kGapSure = 4.0;
 
-/// Fixes that were left out for so long and agree among themselves are used again [s].
+/// Fixes that were left out for this long are used again [s].
 constexpr double kRevalidation_s = 20;
 
 constexpr double kImuFresh_s = 0.2;
@@ -89,7 +90,7 @@ void Fusion::add(const Odometry& odometry) {
   if (smoother_) {
     smoother_->add(motion_heard(), filter_.mean().head<3>());
     if (const auto pose = smoother_->observe()) {
-      // where the gyro tells the turns, they say nothing of the wheels
+      // With an IMU the turns come from the gyro and do not show the wheels' errors.
       const auto changes = smoother_->wheel_changes();
       if (changes && !config_.fusion.use_imu) filter_.set_wheel_changes(*changes);
       filter_.adopt(pose->T_map_base, pose->covariance, pose->receiver_error_m);
@@ -132,13 +133,14 @@ void Fusion::add(const Gnss& gnss) {
   weigh(observation);
   if (odometry_) {
     take_position(observation);
-    observation.covariance = position->covariance;  // the smoother makes up its own mind
+    observation.covariance = position->covariance;  // the smoother weighs positions by itself
     smooth(observation);
   }
   last_fix_ = LastFix{gnss.utime, observation.p_map_m, filter_.p_map_m(observation.p_base_m)};
 }
 
-/// What of a fix's error is its own and what lasts, as the receiver's steps tell.
+/// Splits the variance of a fix into white noise and a time-correlated error, by the scatter of the
+/// receiver's steps.
 void Fusion::weigh(PositionObservation& observation) {
   const double claimed = observation.covariance.diagonal().maxCoeff();
   const std::optional<double> scatter_m = monitor_.scatter_m();
@@ -152,7 +154,8 @@ void Fusion::weigh(PositionObservation& observation) {
     note(fmt::format("GNSS scatters by {:.2f} m, more than it claims: believed that much less",
                      *scatter_m));
   }
-  // Steps know a scatter to a few tenths: only what is beyond twice its square is something else.
+  // The scatter is known to a few tenths only: count as correlated only what exceeds twice its
+  // variance.
   const double lasting = std::max(0.0, claimed - 2.0 * scatter);
   observation.covariance *= 1.0 - lasting / claimed;
   filter_.set_receiver_variance(lasting);
@@ -164,7 +167,8 @@ bool Fusion::is_left_out(const PositionObservation& observation) {
   if (off_m > kWheelsOff * taken_travel_m_) {
     if (!left_out_since_) left_out_since_ = *utime_;
     const double since_s = timing::seconds(*utime_ - *left_out_since_);
-    // Either these are reflected or those before: the longer stretch since the last gap is right.
+    // Either these fixes are wrong (reflected signals) or those before: trust the longer series
+    // since the last gap.
     const double patience_s = timing::seconds(*left_out_since_ - borne_out_since_);
     if (since_s < std::min(kRevalidation_s, patience_s)) {
       note(fmt::format("GNSS is {:.1f} m from where the robot can be: left out for {:.1f} s", off_m,
@@ -188,7 +192,7 @@ void Fusion::take_position(const PositionObservation& observation) {
   filter_.forget_lost_heading();
   const double known = 0.5 * filter_.covariance().topLeftCorner<2, 2>().trace();
   const double claimed = observation.covariance.diagonal().maxCoeff() + filter_.receiver_variance();
-  // Behind a gap what was known before says little.
+  // After a gap the earlier agreement no longer counts.
   if (!left_out_since_ && known > kGapSure * claimed) borne_out_since_ = *utime_;
   if (is_left_out(observation)) return;
   if (left_out_since_) borne_out_since_ = *left_out_since_;
@@ -200,7 +204,7 @@ void Fusion::take_position(const PositionObservation& observation) {
 void Fusion::start(const LocalFrame& frame) {
   const Eigen::Vector3d local = filter_.mean().head<3>();
   const Eigen::Vector3d in_map = geometry::compose(frame.x_y_yaw, local);
-  // Known best at the points' centre; from there to base the heading's error counts.
+  // The position is known best at the centre of the points; at base the heading's error adds.
   const Eigen::Vector2d arm =
       geometry::rotation(frame.x_y_yaw.z()) * (local.head<2>() - frame.centre_local_m);
   const Eigen::Vector2d by_yaw(-arm.y(), arm.x());
@@ -236,7 +240,7 @@ void Fusion::smooth(const PositionObservation& observation, std::optional<double
   smoother_->add(*utime_, position, filter_.mean().head<3>());
 }
 
-/// The wheels, with the gyro's yaw rate where it is heard.
+/// Returns the last odometry, with the gyro's yaw rate if it is fresh.
 Odometry Fusion::motion_heard() const {
   Odometry heard = *odometry_;
   if (!hears_gyro_at(heard.utime)) return heard;
@@ -304,7 +308,7 @@ void Fusion::move_to(std::int64_t utime) {
     move_to(utime, odometry_->speed_mps, odometry_->yaw_rate_radps);
     return;
   }
-  // A constant but unknown velocity since the wheels fell silent.
+  // Model: constant but unknown velocity since the last odometry.
   const double before_s = std::max(0.0, silence_s(*utime_));
   const double grown = geometry::square(silent_s) - geometry::square(before_s);
   const double yaw_variance =

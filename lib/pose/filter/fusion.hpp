@@ -14,15 +14,15 @@
 
 namespace orchard::pose {
 
-/// T_map_base from wheels, IMU, GNSS and fixes: mode `fused`.
+/// Localiser of mode `fused`: estimates T_map_base from wheels, IMU, GNSS and fixes.
 ///
-/// Map is the east-north plane of the GNSS datum; POSE_FIX must be in it too. Without GNSS and
-/// fixes the robot starts at the map's origin. With them there is no pose until the first fix with
-/// a heading, or until the path dead-reckoned so far fits the positions over heading_baseline_m.
-/// Positions that cannot be (a jump, a frozen receiver) are left out and named in warning(). What a
-/// receiver's steps scatter is its noise: if that is more than it claims it is believed that much
-/// less, if less the rest is an error that lasts, so that a burst of fixes counts little more than
-/// one of them.
+/// Map is the east-north plane of the GNSS datum; POSE_FIX must be in this frame, too. Without GNSS
+/// and fixes the robot starts at the map's origin. With them there is no pose until the first fix
+/// with a heading, or until the dead-reckoned path fits the positions over heading_baseline_m.
+/// Impossible positions (jumps, a frozen receiver) are left out and reported by warning(). The
+/// scatter of a receiver's steps is its noise. If it exceeds the claimed covariance, it replaces
+/// it; if it is less, the difference is a time-correlated error, so that a burst of fixes counts
+/// little more than one fix.
 class Fusion : public Localiser {
  public:
   explicit Fusion(const PoseConfig& config);
@@ -33,7 +33,7 @@ class Fusion : public Localiser {
   void finish() override;
   std::string warning() const override;
 
-  /// What was found of the sensors: scale error, turn per metre [1/m], gyro bias [rad/s].
+  /// Returns the estimated sensor errors: speed scale, turn per metre [1/m], gyro bias [rad/s].
   Eigen::Vector3d sensor_errors() const { return filter_.mean().segment<3>(3); }
 
  private:
@@ -60,27 +60,27 @@ class Fusion : public Localiser {
   GnssPositions positions_;
   GnssMonitor monitor_;
   HeadingStart heading_start_;
-  std::optional<PathSmoother> smoother_;  ///< where there are positions to smooth by
-  bool is_placed_ = false;  ///< in map; before, the filter's frame starts where the robot did
+  std::optional<PathSmoother> smoother_;  ///< if GNSS or fixes are used
+  bool is_placed_ = false;  ///< the filter's frame is map; else it starts at the robot's start
   bool is_finished_ = false;
-  std::optional<std::int64_t> utime_;  ///< of the filter
+  std::optional<std::int64_t> utime_;  ///< time of the filter's state
   std::optional<Odometry> odometry_;
   std::optional<Imu> imu_;
   double travel_m_ = 0.0;        ///< since the last GNSS fix
-  double taken_travel_m_ = 0.0;  ///< since the last position that was taken
+  double taken_travel_m_ = 0.0;  ///< since the last position that was used
 
   struct LastFix {
     std::int64_t utime;
     Eigen::Vector2d p_map_m;
-    Eigen::Vector2d antenna_m;  ///< by the filter, when the fix had been taken
+    Eigen::Vector2d antenna_m;  ///< estimated by the filter after this fix
   };
   std::optional<LastFix> last_fix_;
   std::optional<std::int64_t> left_out_since_;
-  std::int64_t borne_out_since_ = 0;  ///< positions since then agree with the pose
+  std::int64_t borne_out_since_ = 0;  ///< positions since this time agree with the pose
   std::int64_t num_frozen_ = 0;
   std::int64_t num_silences_ = 0;
   double silence_most_s_ = 0.0;
-  std::string note_;  ///< of the last thing that was wrong
+  std::string note_;  ///< last problem, for warning()
   std::int64_t note_utime_ = 0;
 };
 

@@ -3,13 +3,13 @@
 
 namespace orchard::pose {
 
-/// How ODOMETRY, IMU, GNSS and POSE_FIX are fused. Section `pose.fusion`.
+/// Configuration of the fusion of ODOMETRY, IMU, GNSS and POSE_FIX. Section `pose.fusion`.
 struct FusionConfig {
   bool use_imu = false;
   bool use_gnss = true;
   bool use_fixes = false;
-  double speed_scale_sd = 0.05;  ///< of the wheels' size, found while driving
-  double gyro_sd_radps = 0.005;  ///< of an IMU that states no variance
+  double speed_scale_sd = 0.05;  ///< prior of the wheels' scale error, estimated while driving
+  double gyro_sd_radps = 0.005;  ///< of an IMU without variance
 };
 
 template <class Visitor>

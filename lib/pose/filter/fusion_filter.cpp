@@ -12,28 +12,28 @@
 namespace orchard::pose {
 namespace {
 
-/// Standard deviation of the turn per metre by unequal wheels or a steering offset, before it is
-/// estimated [1/m].
+/// Prior standard deviation of the turn per metre by unequal wheels or a steering offset [1/m].
 constexpr double kCurvatureSd_per_m = 0.02;
 
-/// Standard deviation of the scale of turns, before it is estimated: what is taken for the track is
-/// a tenth off, on soft ground and where four wheels turn by sliding.
+/// Prior standard deviation of the scale of turns: the effective track width is a tenth off on soft
+/// ground and for skid steering.
 constexpr double kTurnScaleSd = 0.1;
 
-/// Random walk of the scales with travel [1/sqrt(m)]: tyres and loads, slow beside the ground.
+/// Random walk of the scales with travel [1/sqrt(m)]: tyres and loads change slowly compared with
+/// the ground.
 constexpr double kScaleWalk_per_sqrt_m = 1e-4;
 
 /// Random walk of the gyro's bias [rad/s/sqrt(s)].
 constexpr double kGyroWalk_radps_per_sqrt_s = 1e-5;
 
-/// Correlation time of the errors of speed and yaw rate [s]: turns their variances into spectral
+/// Correlation time of the errors of speed and yaw rate [s]; converts their variances into spectral
 /// densities.
 constexpr double kNoiseTime_s = 0.1;
 
-/// A heading so unsure is lost: a chord turned by it is none any more [rad].
+/// Standard deviation from which on the heading is lost, because linearisation fails [rad].
 constexpr double kLostYaw_rad = 1.0;
-/// Over a shorter way since the last fix a chord is still one, and the fix may tell the heading
-/// [m].
+/// For a shorter lever arm between heading and position the linearisation still holds, and a fix
+/// can correct the heading [m].
 constexpr double kLostArm_m = 10.0;
 
 enum Index {
@@ -77,7 +77,7 @@ void FusionFilter::move(const MotionStep& step) {
                               ? measured_rad - mean_(kGyroBias) * dt_s
                               : (1.0 + mean_(kTurnScale) + mean_(kTurnSlip)) * measured_rad +
                                     mean_(kCurvature) * length_m;
-  // The chord of an arc points half the turn aside and is shorter by sinc of it: exact.
+  // Exact for an arc: its chord points half the turn aside and is shorter by the sinc of that.
   const double heading_rad = mean_(kYaw) + 0.5 * turn_rad;
   const Eigen::Vector2d along(std::cos(heading_rad), std::sin(heading_rad));
   const Eigen::Vector2d across(-along.y(), along.x());
@@ -102,7 +102,7 @@ void FusionFilter::move(const MotionStep& step) {
       chord * along * length_by.transpose() + length_m * chord * across * heading_by.transpose();
   F.row(kYaw) += turn_by.transpose();
 
-  // Errors that last for a while: what is left of them, and what is new (Ornstein, Uhlenbeck).
+  // Time-correlated errors are Ornstein-Uhlenbeck processes: a decay here, new noise below.
   const double slip_kept = std::exp(-std::abs(wheels_m) / kSlipTravel_m);
   const double receiver_kept = std::exp(-dt_s / kReceiverMemory_s);
   Vector kept = Vector::Ones();
@@ -195,9 +195,9 @@ Eigen::Vector2d FusionFilter::innovation(const PositionObservation& observation)
   return observation.by_receiver ? Eigen::Vector2d(off_m - mean_.tail<2>()) : off_m;
 }
 
-/// Of a observation, with what a straight line leaves of an arc: a heading unsure by a over a way
-/// of length L puts base up to L a^2 / 2 from where the filter's ellipse has it (mean square of
-/// that: 3/4 L^2 var(a)^2). L is what the position changes with the heading.
+/// Returns the noise of an observation, plus the error of linearising the heading: a heading error
+/// a over a path of length L displaces base by L a^2 / 2 beyond the linear model (mean square 3/4
+/// L^2 var(a)^2). L is the change of the position with the heading.
 Eigen::Matrix2d FusionFilter::noise(const PositionObservation& observation) const {
   const double bent2 = 0.75 * covariance_.block<2, 1>(kX, kYaw).squaredNorm();
   return observation.covariance + bent2 * Eigen::Matrix2d::Identity();
@@ -236,7 +236,7 @@ void FusionFilter::apply(const Eigen::Matrix<double, N, 1>& innovation,
   const Eigen::Matrix<double, kSize, N> K = covariance_ * H.transpose() * S.inverse();
   mean_ += K * innovation;
   mean_(kYaw) = geometry::wrap_angle_rad(mean_(kYaw));
-  // Joseph's form keeps the covariance positive whatever the gain's rounding.
+  // Joseph's form keeps the covariance positive definite despite rounding of the gain.
   const Matrix A = Matrix::Identity() - K * H;
   covariance_ = A * covariance_ * A.transpose() + K * R * K.transpose();
   covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();

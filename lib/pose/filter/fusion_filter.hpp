@@ -7,92 +7,92 @@
 
 namespace orchard::pose {
 
-/// Standard deviation of the gyro's bias before it is estimated [rad/s]: that of MEMS gyros.
+/// Prior standard deviation of the gyro bias [rad/s]: typical of MEMS gyros.
 inline constexpr double kGyroBiasSd_radps = 0.02;
 
-/// How base moved over a short time, as measured.
+/// Measured motion of base over a short time.
 struct MotionStep {
   double dt_s = 0.0;
-  double speed_mps = 0.0;       ///< of the wheels
-  double yaw_rate_radps = 0.0;  ///< of the wheels or of the gyro
+  double speed_mps = 0.0;       ///< by the wheels
+  double yaw_rate_radps = 0.0;  ///< by the wheels or the gyro
   double speed_sd_mps = 0.0;
   double yaw_rate_sd_radps = 0.0;
-  bool is_gyro = false;  ///< which of the two gave the yaw rate
+  bool is_gyro = false;  ///< the yaw rate is by the gyro
 };
 
-/// How much what wheels are wrong by changes on the way.
+/// Process noise of the wheels' errors.
 struct WheelChanges {
-  double slip_sd = 0.02;       ///< of the way, as the ground is: a few parts in a hundred on grass
-  double turn_slip_sd = 0.05;  ///< of the turn, where wheels are dragged sideways
-  double curvature_walk = 2e-4;  ///< of the turn per metre, over travel [1/m/sqrt(m)]
+  double slip_sd = 0.02;         ///< of the slip, as a fraction of the travel
+  double turn_slip_sd = 0.05;    ///< of the slip in turns, as a fraction of the turn
+  double curvature_walk = 2e-4;  ///< random walk of the turn per metre over travel [1/m/sqrt(m)]
 };
 
-/// Travel over which the ground stays alike [m].
+/// Correlation length of the slip [m].
 inline constexpr double kSlipTravel_m = 10.0;
 
-/// A position that base's own is compared with.
+/// Measured position of a point of base.
 struct PositionObservation {
   Eigen::Vector2d p_map_m = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
-  Eigen::Vector2d p_base_m = Eigen::Vector2d::Zero();  ///< what in base is there: the antenna
-  bool by_receiver = false;  ///< by satellites: the receiver's slow error counts besides
+  Eigen::Vector2d p_base_m = Eigen::Vector2d::Zero();  ///< the measured point, e.g. the antenna
+  bool by_receiver = false;  ///< by GNSS: contains the receiver's slow error, too
 };
 
-/// An extended Kalman filter over where base is and what is wrong with its sensors: x, y, yaw in
-/// map; the wheels' scale error; their turn per metre (unequal wheels, a steering offset) [1/m];
-/// the gyro's bias [rad/s]; the scale of the wheels' turns; the slip of this patch of ground, of
-/// the way and of the turn; the receiver's slow error to the east and north [m].
+/// Extended Kalman filter over the pose of base and the errors of its sensors. State: x, y, yaw in
+/// map; the wheels' scale error; their turn per metre (unequal wheels, steering offset) [1/m]; the
+/// gyro bias [rad/s]; the scale error of the wheels' turns; the slip of the present ground, along
+/// the path and in turns; the receiver's slow error to the east and north [m].
 class FusionFilter {
  public:
   static constexpr int kSize = 11;
   using Vector = Eigen::Matrix<double, kSize, 1>;
   using Matrix = Eigen::Matrix<double, kSize, kSize>;
 
-  /// At the map's origin, certain of it, with the configured doubts about the sensors.
+  /// Starts at the map's origin without uncertainty; priors of the sensor errors are configured.
   explicit FusionFilter(const FusionConfig& config);
 
   const Vector& mean() const { return mean_; }
   const Matrix& covariance() const { return covariance_; }
 
-  /// Where a point of base is now [m].
+  /// Returns the position in map of a point of base [m].
   Eigen::Vector2d p_map_m(const Eigen::Vector2d& p_base_m) const;
 
-  /// The motion of one step along an arc, its errors as constant over noise_time_s.
+  /// Predicts the motion of one step along an arc; its noise has the correlation time kNoiseTime_s.
   void move(const MotionStep& step);
 
-  /// What the drive has told of its wheels.
+  /// Sets the process noise of the wheels' errors, learnt from the drive.
   void set_wheel_changes(const WheelChanges& changes) { changes_ = changes; }
 
-  /// How large the receiver's slow error may be, per axis [m2]; 0 at first.
+  /// Sets the variance of the receiver's slow error, per axis [m2]; initially 0.
   void set_receiver_variance(double variance) { receiver_variance_ = variance; }
 
   double receiver_variance() const { return receiver_variance_; }
 
-  /// Nothing is known any more of the receiver's slow error.
+  /// Resets the receiver's slow error to its prior.
   void forget_receiver_error();
 
-  /// Unheard motion: nothing moves, doubts grow by these variances [m2 per axis, rad2].
+  /// Adds these variances [m2 per axis, rad2] to the pose, for motion that was not measured.
   void doubt(double position_variance, double yaw_variance);
 
-  /// Puts base there, with no correlation to what is known of the sensors.
+  /// Sets the pose of base, uncorrelated with the sensor errors.
   void place(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance);
 
-  /// Puts base where a whole solve has it, and with it what the receiver is wrong by: their sum,
-  /// the last position, is known well.
+  /// Sets the pose of base and the receiver's error to the result of a whole solve. Both are
+  /// correlated so that their sum, the last measured position, is known well.
   void adopt(const Eigen::Vector3d& x_y_yaw, const Eigen::Matrix3d& covariance,
              const Eigen::Vector2d& receiver_error_m);
 
-  /// Where the heading has become unknown, what it would say of the position is dropped: an ellipse
-  /// knows no circle.
+  /// Decorrelates the heading from the position if the heading is unknown: the positions then lie
+  /// on a circle, which a Gaussian cannot represent.
   void forget_lost_heading();
 
-  /// Squared Mahalanobis distance of what was seen from what was expected; 2 degrees of freedom.
+  /// Returns the squared Mahalanobis distance of the innovation; 2 degrees of freedom.
   double distance2(const PositionObservation& observation) const;
 
   void correct(const PositionObservation& observation);
   void correct_yaw(double yaw_rad, double variance);
 
-  /// The gyro's rate while the robot stands is its bias.
+  /// Corrects the gyro bias by the gyro's rate while the robot stands.
   void correct_gyro_bias(double rate_radps, double variance);
 
  private:

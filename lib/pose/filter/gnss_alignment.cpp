@@ -43,7 +43,7 @@ std::optional<GnssAlignment> align_to_gnss(const std::vector<AntennaObservation>
     }
     median_m = geometry::median(off_m);
   };
-  // Geman and McClure's weights at the scale of the median, which shrinks as outliers lose theirs.
+  // Geman-McClure weights, scaled by the median residual, which shrinks as outliers lose weight.
   for (int round = 0; round < kRounds; ++round) {
     observe();
     for (std::size_t i = 0; i < observations.size(); ++i) {

@@ -5,16 +5,17 @@
 
 namespace orchard::pose {
 
-/// In this time [s] a receiver's error changes to another (to 1/e): satellites, their orbits as
-/// told and the air between hardly change sooner, what reflects their signals does within minutes.
+/// Correlation time of a receiver's error (decay to 1/e) [s]: errors of orbits and atmosphere
+/// change more slowly, those of multipath within minutes.
 inline constexpr double kReceiverMemory_s = 60.0;
 
-/// How satellite fixes are used. Section `pose.gnss`.
+/// Configuration of satellite fixes. Section `pose.gnss`.
 struct GnssConfig {
-  /// Geodetic position of map's origin, map x to the east. All 0: the first usable fix.
+  /// Latitude [deg], longitude [deg], altitude [m] of map's origin; map x points east. All 0: the
+  /// first usable fix.
   std::array<double, 3> datum{0.0, 0.0, 0.0};
   std::array<double, 2> antenna_m{0.0, 0.0};  ///< of the antenna in base
-  /// Least standard deviation believed of a fix, whatever it claims, by its quality.
+  /// Min standard deviation of a fix, by its quality, whatever the receiver claims.
   double sd_fixed_m = 0.015;
   double sd_float_m = 0.30;
   double sd_differential_m = 0.60;

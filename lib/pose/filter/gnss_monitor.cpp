@@ -9,7 +9,7 @@
 namespace orchard::pose {
 namespace {
 
-/// A fix that stays the same to the last digit over so much travel is frozen [m].
+/// A receiver is frozen if its fix stays exactly the same over more than this travel [m].
 constexpr double kFreezeTravel_m = 0.5;
 
 constexpr std::size_t kMinSteps = 7;
@@ -33,8 +33,8 @@ std::optional<double> GnssMonitor::scatter_m() const {
   if (count < kMinSteps) return std::nullopt;
   const std::vector<double> steps2(steps2_.begin(),
                                    steps2_.begin() + static_cast<std::ptrdiff_t>(count));
-  // A step has twice the variance of a fix, on two axes: its square is exponential with mean
-  // 4 sd^2, and the median of that is ln 2 of the mean.
+  // A step has twice the variance of a fix on each of two axes: its square is exponentially
+  // distributed with mean 4 sd^2, and the median is ln 2 times the mean.
   return std::sqrt(geometry::median(steps2) / (4.0 * std::log(2.0)));
 }
 

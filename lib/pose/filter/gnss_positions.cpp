@@ -31,7 +31,7 @@ Eigen::Matrix2d believed_covariance(const Gnss& gnss, const GnssConfig& config) 
   const double ee = gnss.covariance[0], en = gnss.covariance[1], nn = gnss.covariance[3];
   Eigen::Matrix2d covariance;
   covariance << std::max(ee, sd_m * sd_m), en, en, std::max(nn, sd_m * sd_m);
-  // A correlation beyond what the variances allow is no covariance.
+  // Drop a correlation that makes the covariance (nearly) singular or indefinite.
   if (en * en >= 0.98 * covariance(0, 0) * covariance(1, 1)) {
     covariance(0, 1) = covariance(1, 0) = 0.0;
   }

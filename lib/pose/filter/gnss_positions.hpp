@@ -12,11 +12,11 @@
 
 namespace orchard::pose {
 
-/// Where a fix puts the antenna in the east-north plane of the datum.
+/// Position of the antenna in the east-north plane of the datum, from one fix.
 struct GnssPosition {
   std::int64_t utime = 0;
   Eigen::Vector2d p_enu_m = Eigen::Vector2d::Zero();
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< [m2], never below its quality's
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< [m2], at least that of its quality
 
   template <class Archive>
   void persist(Archive& archive) {
@@ -24,11 +24,11 @@ struct GnssPosition {
   }
 };
 
-/// Fixes in metres east and north of a datum.
+/// Converts fixes to metres east and north of a datum.
 ///
-/// The datum is the configured one, or the first usable fix. A fix without quality (NMEA 0) is not
-/// usable. Covariances are as stated, but not below what the fix's quality is believed to reach;
-/// that alone where none is stated.
+/// The datum is the configured one, or the first usable fix. A fix of quality 0 (NMEA: no fix) is
+/// not usable. Variances are those stated by the fix, but at least those configured for its
+/// quality.
 class GnssPositions {
  public:
   explicit GnssPositions(const GnssConfig& config);
@@ -36,13 +36,13 @@ class GnssPositions {
   GnssPositions(GnssPositions&&) noexcept;
   GnssPositions& operator=(GnssPositions&&) noexcept;
 
-  /// None for a fix that cannot be used.
+  /// Converts a fix; none if it is not usable.
   std::optional<GnssPosition> add(const Gnss& gnss);
 
-  /// Latitude [deg], longitude [deg], altitude [m]; none before the first usable fix of a
-  /// receiver without a configured one.
+  /// Returns latitude [deg], longitude [deg], altitude [m] of the datum; none before the first
+  /// usable fix if no datum is configured.
   std::optional<std::array<double, 3>> datum() const;
-  /// Goes on with the datum of another one.
+  /// Replaces the datum.
   void set_datum(const std::array<double, 3>& datum);
 
  private:

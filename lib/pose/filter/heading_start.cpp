@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kPairsMax = 200;
 constexpr double kStartSpreadSigma = 6.0;
 
-/// A receiver's errors last: over so short a way there are no more than so many different ones.
+/// Max number of independent errors on this short path: a receiver's errors are time-correlated.
 constexpr double kIndependentMax = 4.0;
 
 }  // namespace
@@ -37,11 +37,11 @@ std::optional<LocalFrame> HeadingStart::add(const Eigen::Vector2d& p_local_m,
   for (const Pair& p : pairs_) {
     misfit2 += (p.p_map_m - transform(fit.T_a_b, p.p_local_m)).squaredNorm() / (2.0 * n);
   }
-  // Receivers claim too much: what the points scatter counts if it is more.
+  // Receivers often claim too small a variance: use the scatter of the residuals if it is larger.
   const double believed = std::max(variance, misfit2);
   if (reach2 < kStartSpreadSigma * kStartSpreadSigma * believed) {
     if (pairs_.size() == kPairsMax && misfit2 > variance) {
-      // A jump or a long drift in it: what comes next may do better without the oldest.
+      // The oldest points contain a jump or drift: continue without them.
       pairs_.erase(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(kPairsMax / 2));
     }
     return std::nullopt;

@@ -16,21 +16,23 @@
 namespace orchard::pose {
 namespace {
 
-/// Travel and turn from keyframe to keyframe: what lies between follows the wheels.
+/// Travel and turn between keyframes; the path in between follows the wheels.
 constexpr double kKeyframeTravel_m = 1.5;
 constexpr double kKeyframeTurn_rad = 0.5;
 
-/// Slower than this a turn per metre is told by a turn in time no more [m/s].
+/// Min speed for converting a yaw rate bias to a turn per metre [m/s].
 constexpr double kSpeedMin_mps = 0.1;
 
-/// Solved when the way has grown by this fraction: the cost per metre stays constant.
+/// The path is solved when it has grown by this fraction, so that the cost per metre stays
+/// constant.
 constexpr double kGrowth = 0.1;
 constexpr int kKeyframesMin = 20;
 
-/// A way that leaves out more of the positions than this fraction is not believed.
+/// Max fraction of positions left out by an acceptable solution.
 constexpr double kLeftOutMax = 0.2;
 
-/// So far without a position is a gap, and so far behind it both place and heading are known [m].
+/// Travel without a position that makes a gap; the same travel after it determines position and
+/// heading again [m].
 constexpr double kGap_m = 20.0;
 
 SlamConfig graph_config(const PoseConfig& config) {
@@ -119,7 +121,7 @@ std::optional<SmoothedPose> PathSmoother::observe() {
   const bool is_due = due_travel_m_ && graph_.keyframes.back().travel_m >= *due_travel_m_;
   if (!has_grown && !is_due) return std::nullopt;
   if (!solve()) return std::nullopt;
-  // In a gap the wheels go on from where they were better than from a new guess.
+  // In a gap dead reckoning continues better from its own state than from a new estimate.
   if (graph_.keyframes.back().travel_m - position_travel_m_ > kKeyframeTravel_m)
     return std::nullopt;
   const Keyframe& newest = graph_.keyframes.back();
@@ -147,22 +149,23 @@ bool PathSmoother::solve() {
   num_solved_ = static_cast<int>(graph_.keyframes.size());
   due_travel_m_.reset();
   SlamGraph before = graph_;
-  // First without the robust loss: it keeps what lies far behind a gap where the filter had it.
+  // First without the robust loss, which would treat the positions after a gap as outliers and keep
+  // the filter's drift.
   GraphSolution solution = solve_graph(graph_, true, config_);
   if (!solution.solved) return false;
   FixesLeftOut out = left_out();
-  if (out.num_left_out > kLeftOutMax * out.num_fixes) {  // gross fixes bent that start
+  if (out.num_left_out > kLeftOutMax * out.num_fixes) {  // gross outliers distorted that start
     graph_ = before;
     solution = solve_graph(graph_, false, config_);
     if (!solution.solved) return false;
     out = left_out();
   }
   if (out.num_left_out > kLeftOutMax * out.num_fixes) {
-    graph_ = std::move(before);  // a way that most positions contradict is none
+    graph_ = std::move(before);  // too many positions contradict the solution
     return false;
   }
   corrected_ = true;
-  return solution.calibration_covariance.has_value();  // else it does not know how sure it is
+  return solution.calibration_covariance.has_value();  // else the covariances are not valid
 }
 
 std::optional<WheelChanges> PathSmoother::wheel_changes() const {
@@ -175,8 +178,8 @@ std::optional<WheelChanges> PathSmoother::wheel_changes() const {
   }
   if (speeds_mps.empty()) return std::nullopt;
   const double speed_mps = std::max(geometry::median(speeds_mps), kSpeedMin_mps);
-  // Of a process that forgets in kSlipTravel_m, a step over an interval has this fraction of twice
-  // its variance.
+  // For a process with correlation length kSlipTravel_m, the variance of a step over an interval is
+  // this factor times the variance of the process.
   const double fraction = 2.0 * (1.0 - std::exp(-kCalibrationTravel_m / kSlipTravel_m));
   const Eigen::Vector3d& walk = graph_.calibration_walk_sd;
   WheelChanges changes;

@@ -14,43 +14,44 @@
 
 namespace orchard::pose {
 
-/// Where base is by all positions before, and what the receiver was wrong by last.
+/// Present pose of base by all positions so far, and the latest receiver error.
 struct SmoothedPose {
   Eigen::Vector3d T_map_base = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   Eigen::Vector2d receiver_error_m = Eigen::Vector2d::Zero();
 };
 
-/// The way driven so far by all positions before and after: the graph of mode slam without trunks.
+/// Smooths the path driven so far with all positions before and after: the graph of mode slam
+/// without trunks.
 ///
-/// The light filter beside it says where base is now, and so where a new keyframe begins; solving
-/// then finds the wheels' errors in a gap from both its ends, and judges in hindsight which
-/// positions do not belong.
+/// The caller's filter provides the initial pose of each keyframe. A solve then estimates the
+/// wheels' errors across a gap from both its ends, and identifies outliers among the positions.
 class PathSmoother {
  public:
   explicit PathSmoother(const PoseConfig& config);
 
-  /// Motion up to the odometry's time, with where the filter has base then.
+  /// Adds the motion up to the odometry's time; T_map_base is the filter's pose at that time.
   void add(const Odometry& odometry, const Eigen::Vector3d& T_map_base);
 
-  /// A position of a point on base; its T_keyframe_then and utime are filled in here.
+  /// Adds a position of a point on base; sets its T_keyframe_then and utime.
   void add(std::int64_t utime, AbsolutePosition position, const Eigen::Vector3d& T_map_base);
 
-  /// The filter has found its place: moves what was driven before to map.
+  /// Transforms the path so far to map, once the filter has found its pose there.
   void place(const Eigen::Vector3d& T_map_local);
 
-  /// Solves when the way has grown by a tenth, and some metres after a gap; where base is then.
+  /// Solves when the path has grown by a tenth, and some metres after a gap. Returns the present
+  /// pose if it did and positions continue; in a gap dead reckoning is better.
   std::optional<SmoothedPose> observe();
 
-  /// Solves with all that there is.
+  /// Solves with all measurements, at the end of the drive.
   void finish();
 
   std::optional<Trajectory> take_correction();
 
-  /// How much the wheels' errors change, as the last solve has it; none before the first.
+  /// Returns the process noise of the wheels' errors by the last solve; none before the first.
   std::optional<WheelChanges> wheel_changes() const;
 
-  /// By the last solve.
+  /// Returns the fixes that contradict the path of the last solve.
   FixesLeftOut left_out() const { return fixes_left_out(graph_); }
 
  private:
@@ -59,11 +60,11 @@ class PathSmoother {
   bool solve();
 
   SlamConfig config_;
-  DeadReckoning motion_;  ///< since the newest keyframe
+  DeadReckoning motion_;  ///< motion since the newest keyframe
   SlamGraph graph_;
   int num_solved_ = 0;
-  double position_travel_m_ = 0.0;      ///< where the last position was
-  std::optional<double> due_travel_m_;  ///< where the end of a gap is known well enough
+  double position_travel_m_ = 0.0;      ///< travel at the last position
+  std::optional<double> due_travel_m_;  ///< travel at which the solve after a gap is due
   std::int32_t revision_ = 0;
   bool corrected_ = false;
 };

@@ -18,8 +18,8 @@ namespace {
 using mrpt::poses::CPose2D;
 using mrpt::poses::CPosePDFGaussian;
 
-/// Fixes have two dimensions or three: with a bound on the size nothing lies on the heap, and the
-/// products are compiled in a fifth of the time.
+/// Matrix for fixes of two or three dimensions. The bound on the size avoids heap allocation and
+/// shortens compilation.
 using UpTo3 = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3>;
 using VectorUpTo3 = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1>;
 
@@ -72,8 +72,8 @@ void PoseEstimator::add(const Odometry& odometry) {
   }
 }
 
-/// From the pose that has just become known back along the wheels' way: an arc with both
-/// velocities turned round leads to where it began.
+/// Computes the poses before the first known one by integrating the odometry backwards: each arc is
+/// reversed by negating both velocities.
 void PoseEstimator::look_back() {
   State state = *state_;
   Odometry after = unplaced_.back();
@@ -152,7 +152,7 @@ void PoseEstimator::start_at(const PoseFix& fix, const Eigen::Matrix3d& R) {
     const double dy_m = fix.y_m - first_yawless_fix_->y_m;
     const double travel_m = std::hypot(dx_m, dy_m);
     if (travel_m < config_.heading_baseline_m) {
-      // Without odometry a known heading goes on until the next baseline is travelled.
+      // Without odometry, keep the known heading until the next baseline is travelled.
       if (!state_) return;
       state.mean.z() = state_->mean.z();
       state.covariance(2, 2) = state_->covariance(2, 2);
@@ -181,7 +181,7 @@ void PoseEstimator::correct(const PoseFix& fix, const Eigen::Matrix3d& R) {
   const UpTo3 K = P * H.transpose() * S.inverse();
   state_->mean += K * innovation;
   state_->mean.z() = geometry::wrap_angle_rad(state_->mean.z());
-  // Joseph's form keeps the covariance positive whatever the gain's rounding.
+  // Joseph's form keeps the covariance positive definite despite rounding of the gain.
   const Eigen::Matrix3d A = Eigen::Matrix3d::Identity() - K * H;
   state_->covariance = A * P * A.transpose() + K * R_used * K.transpose();
 }

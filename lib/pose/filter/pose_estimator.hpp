@@ -14,31 +14,32 @@
 
 namespace orchard::pose {
 
-/// T_map_base from fixes and wheel odometry, with its covariance: an extended Kalman filter over
-/// (x, y, yaw) whose prediction is MRPT's composition of Gaussian poses.
+/// Localiser of modes `fixes`, `fixes_and_odometry` and `odometry`: an extended Kalman filter over
+/// (x, y, yaw) of T_map_base, with MRPT's composition of Gaussian poses as prediction.
 ///
-/// Takes measurements in order of time; a pure function of that sequence. Without odometry every
-/// fix is a pose of its own, as the paper places its robot by hand (Shalal et al. 2013, section
-/// 6.1). Fixes without yaw give no pose until the robot has travelled heading_baseline_m.
+/// Measurements must come in order of time; the result is a pure function of their sequence.
+/// Without odometry each fix is a pose by itself, as in the paper, where the robot is placed by
+/// hand (Shalal et al. 2013, section 6.1). Fixes without yaw give no pose until the robot has
+/// travelled heading_baseline_m.
 class PoseEstimator : public Localiser {
  public:
   explicit PoseEstimator(const PoseConfig& config);
 
   void add(const Measurement& measurement) override;
 
-  /// Dead-reckons to the odometry's time by what it says of the way since the one before; a silence
-  /// longer than odometry_gap_max_s forgets the pose until the next fix (in mode odometry, which
-  /// has none: the robot is taken to have stood, and the silence is counted).
+  /// Dead-reckons to the odometry's time with its velocity, the mean since the previous reading. A
+  /// gap longer than odometry_gap_max_s drops the pose until the next fix. Mode odometry has no
+  /// fixes: it assumes that the robot stood still and counts the gap in num_gaps().
   void add(const Odometry& odometry);
 
   /// Dead-reckons to the fix's time with the last velocity, then corrects.
   void add(const PoseFix& fix);
 
-  /// The pose at the time of the last measurement; none while it is unknown.
+  /// Returns the pose at the time of the last measurement; none while it is unknown.
   std::optional<PoseEstimate> estimate() const override;
 
-  /// The way to the first known pose, from the odometry that came before it, backwards: at most
-  /// kPastMax_us of it, without a silence.
+  /// Returns the path up to the first known pose, from the earlier odometry: at most the last
+  /// kPastMax_us, without a gap.
   std::vector<PoseEstimate> take_past() override { return std::exchange(past_, {}); }
 
   static constexpr std::int64_t kPastMax_us = 60'000'000;
@@ -67,7 +68,7 @@ class PoseEstimator : public Localiser {
   std::optional<State> state_;
   std::optional<Odometry> last_odometry_;
   std::optional<PoseFix> first_yawless_fix_;
-  std::deque<Odometry> unplaced_;  ///< came while the pose was unknown, without a silence
+  std::deque<Odometry> unplaced_;  ///< odometry without a gap while the pose is unknown
   std::vector<PoseEstimate> past_;
   std::int64_t num_gaps_ = 0;
 };

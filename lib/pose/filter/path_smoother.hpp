@@ -40,7 +40,7 @@ class PathSmoother {
   void place(const Eigen::Vector3d& T_map_local);
 
   /// Solves when the path has grown by a tenth, and some metres after a gap. Returns the present
-  /// pose if it did and positions continue; in a gap dead reckoning is better.
+  /// pose after a solve; none within a gap, where dead reckoning is better.
   std::optional<SmoothedPose> observe();
 
   /// Solves with all measurements, at the end of the drive.

@@ -7,14 +7,14 @@
 namespace orchard::pose {
 namespace {
 
-// Travel over which wheels' errors change by as much as is known of them before anything is learnt
-// [m]: slip is the ground's and the curve's, tyres are warm or cold, loads come and go.
+// Travel over which the wheels' scales change by their prior standard deviation [m]: slip depends
+// on ground and curvature, tyres on temperature and load.
 constexpr double kCalibrationChange_m = 50.0;
-// The same of their bias, which is not the ground's.
+// The same for the yaw rate bias, which does not depend on the ground.
 constexpr double kBiasChange_m = 500.0;
-// Keeps what is said to be known exactly from being divided by.
+// Avoids division by zero when a prior standard deviation is 0.
 constexpr double kSdMin = 1e-9;
-// What was believed before anything was learnt counts as one step.
+// Weight of the initial walk_sd, in steps.
 constexpr double kPriorSteps = 1.0;
 
 }  // namespace

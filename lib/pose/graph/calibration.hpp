@@ -9,42 +9,43 @@
 
 namespace orchard::pose {
 
-/// Travel over which the odometry calibration is taken as constant [m]: an interval.
+/// Length of an interval, over which the odometry calibration is constant [m].
 inline constexpr double kCalibrationTravel_m = 10.0;
 
-/// The odometry calibration as known without the observations that are about to be used.
+/// Prior of the odometry calibration.
 struct CalibrationPrior {
   OdometryCalibration mean = OdometryCalibration::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
 
-  /// Standard deviations before anything is estimated.
+  /// Returns the configured standard deviations, before anything is estimated.
   static Eigen::Vector3d initial_sd(const SlamConfig& config);
   static CalibrationPrior initial(const SlamConfig& config);
 
-  /// What is known of it so many intervals later: in the end what was known at the start.
+  /// Predicts the prior by this number of intervals; in the limit it becomes the initial one.
   CalibrationPrior after(int num_intervals, const Eigen::Vector3d& walk_sd,
                          const SlamConfig& config) const;
 };
 
-/// What an interval keeps of the calibration of the one before, of each number: so much that it is
-/// as uncertain in the end as it was at the start. Wheels' errors change by `walk_sd` from interval
-/// to interval, but do not grow without end.
+/// Returns the decay factors of the calibration from one interval to the next. They keep its
+/// variance stationary at the initial one: the errors change by `walk_sd` per interval but do not
+/// grow without bound.
 Eigen::Vector3d kept_calibration(const Eigen::Vector3d& walk_sd, const SlamConfig& config);
 
-/// Standard deviations of the calibration's change from one interval to the next before anything is
-/// learnt: wheels' errors change over some tens of metres by as much as is known of them.
+/// Returns the initial standard deviations of the calibration's change per interval: wheel errors
+/// change by as much as their prior over some tens of metres.
 Eigen::Vector3d initial_walk_sd(const SlamConfig& config);
 
-/// The calibration's change from one interval to the next by a solved graph.
+/// Change of the calibration from one interval to the next in a solved graph.
 struct CalibrationStep {
-  Eigen::Vector3d change = Eigen::Vector3d::Zero();    ///< against what is kept
+  Eigen::Vector3d change = Eigen::Vector3d::Zero();    ///< relative to the decayed previous value
   Eigen::Vector3d variance = Eigen::Vector3d::Zero();  ///< of change, given the observations
 };
 
-/// The same standard deviations by the steps of a drive that was solved with `walk_sd`: how slip
-/// follows ground and curve is this robot's on this ground. Each step counts as far as observations
-/// tell it (a straight way tells nothing of turns). Source: MacKay 1992, Bayesian Interpolation,
-/// eqs. 4.7-4.10: the evidence's fixed point over well determined parameters.
+/// Learns the standard deviations of the change per interval from the steps of a drive that was
+/// solved with `walk_sd`, because slip depends on the robot and the ground. Each step is weighted
+/// by how well the observations determine it (a straight path does not determine turns). Source:
+/// MacKay 1992, Bayesian Interpolation, eqs. 4.7-4.10: fixed point of the evidence over the
+/// well-determined parameters.
 Eigen::Vector3d learnt_walk_sd(const std::vector<CalibrationStep>& steps,
                                const Eigen::Vector3d& walk_sd, const SlamConfig& config);
 

@@ -7,27 +7,27 @@
 
 namespace orchard::pose {
 
-/// Gives memory in chunks of one size, for what is written once and seldom read again.
+/// Allocator of chunks of one size, for data that is written once and seldom read.
 class ChunkMemory {
  public:
   static constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 
   virtual ~ChunkMemory() = default;
 
-  /// kChunkBytes, aligned for every type, of any content. Throws std::bad_alloc.
+  /// Allocates kChunkBytes, aligned for every type, uninitialised. Throws std::bad_alloc.
   virtual void* take() = 0;
   virtual void give_back(void* chunk) noexcept = 0;
-  /// Nothing of it is needed for the moment: it may leave for where it comes back from when read.
+  /// Allows all chunks to be paged out until they are read again.
   virtual void rest() noexcept {}
 
-  /// A number by which find() gives the chunk again, also in a later process; negative for memory
-  /// that does not outlive this one. Whoever asks leaves the chunk as it is from then on.
+  /// Makes a chunk persistent and returns its number for find(), also in a later process; negative
+  /// if the memory does not outlive this process. The chunk must not be changed afterwards.
   virtual std::int64_t keep(void* /*chunk*/) { return -1; }
-  /// The chunk of that number; none where there is none.
+  /// Returns the chunk of a number from keep(); null if there is none.
   virtual void* find(std::int64_t /*number*/) { return nullptr; }
 };
 
-/// The heap.
+/// Chunk memory on the heap.
 class HeapMemory : public ChunkMemory {
  public:
   void* take() override { return ::operator new(kChunkBytes); }

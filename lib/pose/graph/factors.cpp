@@ -17,7 +17,7 @@ using geometry::transform;
 
 namespace {
 
-/// However little of a receiver's errors lasts, a millimetre does [m].
+/// Min standard deviation of a receiver's correlated error [m].
 constexpr double kReceiverSdMin_m = 0.001;
 
 double receiver_sd_m(const ReceiverModel& model, const ReceiverError& error) {
@@ -30,14 +30,14 @@ using RowMajor = Eigen::Map<
 using Vector2Map = Eigen::Map<const Eigen::Vector2d>;
 using Vector3Map = Eigen::Map<const Eigen::Vector3d>;
 
-/// d(R(yaw)) / d(yaw) * v for R(yaw) * v = rotated.
+/// Returns d(R(yaw)) / d(yaw) * v, given rotated = R(yaw) * v.
 Eigen::Vector2d turned(const Eigen::Vector2d& rotated) { return {-rotated.y(), rotated.x()}; }
 
-// Upper triangular W with W^T W = inverse(covariance): divides an error by its standard deviation.
+// Returns the upper triangular W with W^T W = inverse(covariance), which whitens an error.
 template <int Size>
 Eigen::Matrix<double, Size, Size> whitening(const Eigen::Matrix<double, Size, Size>& covariance) {
   using Matrix = Eigen::Matrix<double, Size, Size>;
-  // A floor far below any sensor keeps a zero covariance invertible.
+  // A minimum far below any sensor noise keeps a zero covariance invertible.
   const Matrix P = covariance + 1e-10 * Matrix::Identity();
   return P.inverse().llt().matrixU();
 }
@@ -111,7 +111,7 @@ class AbsolutePositionFactor : public ceres::SizedCostFunction<2, 3> {
                 double** jacobians) const override;
 
  private:
-  Eigen::Vector2d p_base_;  //< of the point, in base at the keyframe
+  Eigen::Vector2d p_base_;  //< the point, in base at the keyframe
   Eigen::Vector2d p_map_;
   Eigen::Matrix2d W_;
 };

@@ -9,22 +9,22 @@ namespace ceres {
 class CostFunction;
 }
 
-/// The factors of the graph: residuals in standard deviations, with their derivatives. Parameters:
-/// poses are (x, y, yaw) of T_map_base, landmarks (x, y) in map, calibrations three numbers. The
-/// caller owns the returned object.
+/// Factors of the graph: residuals normalised by their standard deviations, with derivatives.
+/// Parameter blocks: a pose is (x, y, yaw) of T_map_base, a landmark (x, y) in map, a calibration
+/// an OdometryCalibration. The caller owns the returned objects.
 namespace orchard::pose {
 
-/// Normalised residual from which on the robust loss of an observation is linear.
+/// Scale of the robust (Cauchy) loss: residuals above it are increasingly down-weighted.
 inline constexpr double kOutlier_sigma = 3.0;
 
-/// Motion between two poses: parameters pose before, pose, calibration. `covariance` is of
-/// motion.delta, perhaps with that of a fixed pose before.
+/// Motion between two poses: parameters previous pose, pose, calibration. `covariance` is that of
+/// motion.delta, plus that of the previous pose if it is fixed but uncertain.
 ceres::CostFunction* motion_factor(const RelativeMotion& motion, const Eigen::Matrix3d& covariance);
 
 /// Observation of a landmark by a keyframe: parameters pose, landmark.
 ceres::CostFunction* observation_factor(const SlamObservation& observation);
 
-/// The same without an object of the caller's: a graph has a hundred thousand of them.
+/// Residual of observation_factor without heap allocation, for graphs of 100,000 observations.
 class ObservationResidual {
  public:
   explicit ObservationResidual(const SlamObservation& observation);
@@ -51,18 +51,19 @@ ceres::CostFunction* landmark_prior_factor(const Eigen::Vector2d& p_map,
 ceres::CostFunction* calibration_prior_factor(const OdometryCalibration& mean,
                                               const Eigen::Matrix3d& covariance);
 
-/// Random walk of the odometry calibration between intervals of travel: parameters before, after;
-/// what is kept of it, standard deviations of what is new.
+/// Random walk of the odometry calibration between intervals of travel: parameters before, after.
+/// `kept` are the decay factors, `sd` the standard deviations of the change.
 ceres::CostFunction* calibration_walk_factor(const Eigen::Vector3d& kept,
                                              const Eigen::Vector3d& sd);
 
 /// Absolute position of a point on base: parameter pose.
 ceres::CostFunction* absolute_position_factor(const AbsolutePosition& position);
 
-/// The same by satellites, claims replaced by this noise: parameters pose, the receiver's error.
+/// Absolute position by GNSS, with the claimed covariance multiplied by `noise`: parameters pose,
+/// receiver error.
 ceres::CostFunction* receiver_position_factor(const AbsolutePosition& position, double noise);
 
-/// What is left of a receiver's error when the next one begins: parameters error before, after.
+/// Gauss-Markov transition of a receiver's error: parameters error before, after.
 ceres::CostFunction* receiver_error_factor(const ReceiverModel& model, const ReceiverError& before,
                                            const ReceiverError& after);
 

@@ -21,29 +21,29 @@ namespace {
 
 constexpr std::size_t kNumPositionsMin = 4;
 
-/// Positions give a direction where they spread over so many standard deviations: a sixth of a
-/// radian, from which solves go on.
+/// Min spread of the positions in standard deviations: it gives a heading to a sixth of a radian,
+/// enough for the solver to converge.
 constexpr double kSpreadSigma = 6.0;
 
-/// Fraction of the positions that must fit the path: now and then signals are reflected.
+/// Min fraction of the positions that must fit the path; some are outliers by reflected signals.
 constexpr double kFitMin = 0.8;
 
 constexpr int kRounds = 5;
 
-/// Fixes of so long a time have one error of the receiver: short beside its memory [us].
+/// Fixes within this time share one receiver error [us]; short compared with kReceiverMemory_s.
 constexpr std::int64_t kReceiverErrorFor_us = 2'000'000;
 
-/// A step between fixes tells of the receiver alone if it took no longer [s].
+/// Max duration of a step between fixes whose error is attributed to the receiver alone [s].
 constexpr double kReceiverStep_s = 2.0;
 
 constexpr std::size_t kStepsMin = 20;
 
-/// A fix farther from the path than this, by what it claims, has no say [sigma].
+/// A fix farther than this from the path, by its claimed covariance, counts as left out [sigma].
 constexpr double kLeftOut_sigma = 5.0;
 
 double per_axis(const AbsolutePosition& position) { return 0.5 * position.covariance.trace(); }
 
-/// Where the path has the point whose position was measured.
+/// Returns the measured point's position as estimated by the path.
 Eigen::Vector2d p_by_path(const Keyframe& keyframe, const AbsolutePosition& position) {
   return transform(compose(keyframe.T_map_base, position.T_keyframe_then), position.lever_base_m);
 }
@@ -76,7 +76,7 @@ std::optional<Eigen::Vector3d> find_georeference(const SlamGraph& graph, double 
   std::vector<double> weights(p_graph.size(), 1.0);
   geometry::RigidFit2 fit;
   std::size_t num_fit = 0;
-  // The first fits with all; a few that do not belong then lose their say.
+  // Iteratively reweighted fit: outliers lose weight from round to round.
   for (int round = 0; round < kRounds; ++round) {
     fit = geometry::fit_rigid(p_map, p_graph, weights);
     num_fit = 0;
@@ -126,12 +126,14 @@ ReceiverModel judge_receiver(const SlamGraph& graph) {
     }
   }
   if (steps2.size() < kStepsMin) return model;
-  // Of errors without memory the square of a step is exponential: its median is ln 2 of its mean.
+  // For white noise the squared step is exponentially distributed: its median is ln 2 times its
+  // mean.
   const double shown = geometry::median(steps2) / (2.0 * std::log(2.0));
   if (shown > 4.0) {
     model.noise = shown;
   } else {
-    // Steps know a scatter to a few tenths: only what is beyond twice its square is something else.
+    // The scatter is known to a few tenths only: count as correlated only what exceeds twice its
+    // variance.
     model.lasting = std::max(0.0, 1.0 - 2.0 * shown);
     model.noise = 1.0 - model.lasting;
   }

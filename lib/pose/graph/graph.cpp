@@ -13,7 +13,7 @@ using geometry::transform;
 
 namespace {
 
-// However often a landmark was observed, the map around it is not known better than this.
+// Min standard deviation of a landmark, by the accuracy of the map around it.
 constexpr double kLandmarkSdMin_m = 0.02;
 
 template <class Observations>
@@ -22,7 +22,7 @@ auto find_observation(Observations& observations, int landmark) {
                       [&](const SlamObservation& s) { return s.landmark == landmark; });
 }
 
-/// What one observation says of a landmark's place in map.
+/// Contribution of one observation to a landmark's position in map, in information form.
 struct PlaceInMap {
   Eigen::Matrix2d information;
   Eigen::Vector2d information_m;

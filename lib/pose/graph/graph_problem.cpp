@@ -97,7 +97,7 @@ void GraphProblem::add_positions(int keyframe) {
   }
 }
 
-// Robustly: where signals begin or cease to be reflected the error leaps, once for all fixes.
+// The loss is robust because the error jumps when reflections of the signal begin or end.
 void GraphProblem::add_receiver_errors() {
   int before = -1;
   for (const int e : receiver_errors_) {
@@ -142,8 +142,8 @@ void GraphProblem::fix_pose(int keyframe) {
   problem_.SetParameterBlockConstant(pose(keyframe));
 }
 
-// Not by a Schur complement in an order of our own: Ceres keeps that by address, and the digits
-// would change from run to run.
+// Does not use Ceres' Schur complement: it orders blocks by address, so results would differ in
+// their last digits from run to run.
 bool GraphProblem::solve(ceres::LinearSolverType type, int iterations_max, double tolerance) {
   ceres::Solver::Options options;
   options.linear_solver_type = type;

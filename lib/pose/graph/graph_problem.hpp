@@ -14,8 +14,8 @@
 
 namespace orchard::pose {
 
-/// Working copy of the unknowns of a solve. The graph changes by write_to() only, so that a solve
-/// that fails leaves it as it was.
+/// Working copy of the unknowns of a solve. Only write_to() changes a graph, so a failed solve
+/// leaves it unchanged.
 class Unknowns {
  public:
   explicit Unknowns(const SlamGraph& graph) : graph_(graph) {}
@@ -38,40 +38,42 @@ class Unknowns {
   std::map<int, Eigen::Vector2d> receiver_errors_;
 };
 
-/// Nonlinear least squares over a working copy, with its blocks in the order in which factors are
-/// added.
+/// Nonlinear least-squares problem over a working copy. Parameter blocks are in the order in which
+/// factors are added.
 class GraphProblem {
  public:
   /// `robust`: observations and absolute positions get a robust loss (Cauchy).
   GraphProblem(const SlamGraph& graph, Unknowns& unknowns, bool robust);
 
-  /// `is_own`: by the problem's own measurements, not by what lies outside it.
+  /// `is_own`: the factor counts as a measurement of this problem, not as a prior from outside it;
+  /// see measured_rows().
   void add_motion(int keyframe, const Eigen::Matrix3d& covariance, bool is_own);
   void add_relative_pose(const RelativePose& relative, bool is_own);
   void add_observation(int keyframe, const SlamObservation& observation);
-  /// Nothing while the graph is not georeferenced.
+  /// Adds the absolute positions of a keyframe; does nothing while the graph is not georeferenced.
   void add_positions(int keyframe);
-  /// How the receiver's errors of all positions that were added follow from one to the next.
+  /// Adds the factors between successive receiver errors of all positions that were added.
   void add_receiver_errors();
   void add_landmark_prior(int landmark, const Eigen::Vector2d& p_map,
                           const Eigen::Matrix2d& covariance);
   void add_calibration_prior(int index, const CalibrationPrior& prior);
-  /// Random walk from what is `kept` of the calibration before `index`.
+  /// Adds the random walk from the calibration before `index`, with the decay factors `kept`.
   void add_calibration_walk(int index, const Eigen::Vector3d& kept);
   void fix_pose(int keyframe);
 
   bool solve(ceres::LinearSolverType type, int iterations_max, double tolerance);
 
-  /// Derivatives of the residuals, columns as `blocks`.
+  /// Returns the Jacobian of the residuals, with columns in the order of `blocks`.
   ceres::CRSMatrix jacobian(const std::vector<double*>& blocks);
 
-  /// Of each of its rows, whether it is of the problem's own measurements, and not of a prior.
+  /// Returns per row of jacobian() whether it belongs to the problem's own measurements, not to a
+  /// prior.
   std::vector<char> measured_rows() const;
 
   double* pose(int keyframe) { return unknowns_.pose(keyframe).data(); }
   double* position(int landmark) { return unknowns_.position(landmark).data(); }
   double* calibration(int index) { return unknowns_.calibration(index).data(); }
-  /// The unknown errors of the receiver, in order of time.
+  /// Returns the receiver errors in order of time.
   std::vector<double*> receiver_errors();
 
  private:

@@ -46,7 +46,8 @@ std::optional<JointCovariance> after_measurements(const JointCovariance& prior,
   const Eigen::MatrixXd H_cross = information(rest, known);
   const Eigen::LLT<Eigen::MatrixXd> factor(H_rest);
   if (factor.info() != Eigen::Success) return std::nullopt;
-  // the rest follows the known ones by `follows`, and what is told of those themselves
+  // Condition the rest on the known unknowns (gain `follows`); `told` is the information of the
+  // measurements on the known ones after marginalising the rest.
   const Eigen::MatrixXd follows = -factor.solve(H_cross);
   const JointCovariance told = information(known, known) + H_cross.transpose() * follows;
   const JointCovariance known_then =

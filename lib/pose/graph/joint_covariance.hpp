@@ -9,22 +9,24 @@
 
 namespace orchard::pose {
 
-/// Of a pose (x, y, yaw in map) and the odometry calibration of its time, in this order: the errors
-/// of wheels last, so that what they add over a hundred metres is one error, not many.
+/// Joint covariance of a pose (x, y, yaw in map) and the odometry calibration of its time, in this
+/// order. It keeps the correlation of wheel errors over a hundred metres.
 using JointCovariance = Eigen::Matrix<double, 6, 6>;
 
 JointCovariance joint_covariance(const Keyframe& keyframe);
 void set_joint_covariance(const JointCovariance& covariance, Keyframe& keyframe);
 
-/// That of a pose reached by `motion` from T_map_before; delta is the motion by the calibration.
+/// Returns the joint covariance after `motion` from T_map_before; `delta` is the motion with the
+/// present calibration.
 JointCovariance after_motion(const JointCovariance& before, const Eigen::Vector3d& T_map_before,
                              const RelativeMotion& motion, const Eigen::Vector3d& delta);
 
-/// Indices of a pose's and a calibration's unknowns.
+/// Indices of the unknowns of a pose and a calibration in an information matrix.
 using JointIndices = std::array<int, 6>;
 
-/// That of the `wanted` unknowns, where `prior` is known of `known` ones, and measurements gave the
-/// information matrix of all of them. None where they do not determine the rest.
+/// Returns the joint covariance of the `wanted` unknowns, given the prior covariance of the `known`
+/// ones and the information matrix of the measurements over all unknowns. None if the measurements
+/// do not determine the other unknowns.
 std::optional<JointCovariance> after_measurements(const JointCovariance& prior,
                                                   const Eigen::MatrixXd& information,
                                                   const JointIndices& known,

@@ -11,18 +11,19 @@ namespace orchard::pose {
 using OdometryCalibration = Eigen::Vector3d;
 
 /// Motion of base between two times, T_then_now, preintegrated from many small steps, with its
-/// derivative by the odometry calibration: a new calibration needs no new integration.
+/// derivative by the odometry calibration, so that a new calibration needs no new integration.
 struct RelativeMotion {
-  Eigen::Vector3d delta = Eigen::Vector3d::Zero();                 ///< by `calibration`
+  Eigen::Vector3d delta = Eigen::Vector3d::Zero();                 ///< integrated by `calibration`
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();            ///< of delta
   Eigen::Matrix3d calibration_jacobian = Eigen::Matrix3d::Zero();  ///< d(delta) / d(calibration)
-  OdometryCalibration calibration = OdometryCalibration::Zero();   ///< that delta was made with
+  OdometryCalibration calibration = OdometryCalibration::Zero();   ///< linearisation point
   double travel_m = 0.0;                                           ///< length of the path, >= 0
 
-  /// delta by another calibration, to first order.
+  /// Returns delta for another calibration, to first order.
   Eigen::Vector3d delta_with(const OdometryCalibration& other) const;
 
-  /// Integrates dt_s at the measured speed and yaw rate; covariance: of speed, both, yaw rate.
+  /// Integrates over dt_s at the measured speed and yaw rate. `covariance`: var speed, cov, var yaw
+  /// rate.
   void drive(double speed_mps, double yaw_rate_radps, const std::array<double, 3>& covariance,
              double dt_s);
 

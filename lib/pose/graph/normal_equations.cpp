@@ -8,7 +8,7 @@
 namespace orchard::pose {
 namespace {
 
-/// Couplings of a block that may come twice before they are sorted.
+/// Number of couplings of a block that may be added before sorting out duplicates.
 constexpr std::size_t kUnsortedMax = 64;
 
 }  // namespace

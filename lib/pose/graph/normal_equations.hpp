@@ -12,23 +12,24 @@
 
 namespace orchard::pose {
 
-/// The matrix of normal equations, H = sum of J^T J, of unknowns that stand in blocks of two or
-/// three: only its lower triangle is held, in one piece of memory.
+/// Sparse matrix of normal equations, H = sum of J^T J, of unknowns in blocks of 1 to 3. Only the
+/// lower triangle is stored, in one piece of memory.
 class NormalEquations {
  public:
   /// Unknowns per block, each 1, 2 or 3.
   explicit NormalEquations(const std::vector<int>& sizes);
 
-  /// Two blocks have an entry together. A block has one with itself.
+  /// Reserves the entry of two blocks; each block always has one with itself.
   void couple(int a, int b);
-  /// Numbers in H with what was coupled so far, duplicates counted once.
+  /// Returns the number of coefficients in H for the blocks coupled so far, without duplicates.
   std::size_t num_entries();
-  /// No block is coupled any more; all entries are zero.
+  /// Completes the structure, with all entries zero; couple() must not be called afterwards. Throws
+  /// std::length_error if there are too many entries.
   void finish();
 
   void set_zero();
-  /// Adds a product of derivatives, rows of block a and columns of block b, which were coupled; of
-  /// a block with itself only the lower triangle counts.
+  /// Adds a product of derivatives (rows of block a, columns of block b) to coupled blocks. For
+  /// a == b only the lower triangle is used. Throws std::logic_error if not coupled.
   template <class Block>
   void add(int a, int b, const Block& block) {
     if (a < b) {
@@ -39,7 +40,7 @@ class NormalEquations {
   }
 
   int num_unknowns() const { return first_.back(); }
-  /// First unknown of a block.
+  /// Returns the index of the first unknown of a block.
   int first(int block) const { return first_[static_cast<std::size_t>(block)]; }
   int size(int block) const { return first(block + 1) - first(block); }
   double diagonal(int unknown) const { return H_.valuePtr()[H_.outerIndexPtr()[unknown]]; }
@@ -47,18 +48,18 @@ class NormalEquations {
     H_.valuePtr()[H_.outerIndexPtr()[unknown]] += value;
   }
 
-  /// Decomposes H; false where it is not positive definite.
+  /// Factorises H; returns false if it is not positive definite.
   bool factorise();
-  /// H^-1 of a vector, once factorised.
+  /// Returns H^-1 times a vector; call after factorise().
   Eigen::VectorXd solve(const Eigen::VectorXd& right) const;
-  /// The entries of H^-1 where H has some, and of H no more than the structure is kept: to be asked
-  /// last. Once factorised.
+  /// Returns the entries of H^-1 where H has entries; call after factorise(). Consumes H and its
+  /// factor, so it must be the last call.
   SelectedInverse inverse() &&;
 
  private:
   struct Below {
     int block = 0;
-    int offset = 0;  ///< of its first row below the diagonal block, in the columns of another
+    int offset = 0;  ///< of its first row, counted below the diagonal block of the column
   };
   const Below& find(int a, int b) const;
 
@@ -82,8 +83,8 @@ class NormalEquations {
   }
 
   std::vector<int> first_;
-  std::vector<std::vector<Below>> below_;  ///< of each block: later ones, in rising order
-  std::vector<std::size_t> num_sorted_;    ///< of those: in order and each once
+  std::vector<std::vector<Below>> below_;  ///< per block: coupled later blocks, ascending
+  std::vector<std::size_t> num_sorted_;    ///< per block: how many of them are sorted and unique
   Eigen::SparseMatrix<double> H_;
   std::unique_ptr<Ldlt> factor_;
 };

@@ -9,24 +9,24 @@
 
 namespace orchard::pose {
 
-/// All observations of one landmark by the scans of one keyframe, summed in information form: its
-/// position in base at the keyframe.
+/// Sum of all observations of one landmark by the scans of one keyframe: its position in base at
+/// the keyframe, in information form.
 struct SlamObservation {
   int landmark = -1;
   int num_scans = 0;
   Eigen::Matrix2d information = Eigen::Matrix2d::Zero();    ///< sum of inverse covariances
   Eigen::Vector2d information_m = Eigen::Vector2d::Zero();  ///< sum of information * position
-  double floor_sd_m = 0.0;  ///< systematic error, the same in all scans of a keyframe
+  double floor_sd_m = 0.0;  ///< systematic error, common to all scans of a keyframe
 
   Eigen::Vector2d position() const;
   Eigen::Matrix2d covariance() const;
 };
 
-/// Where the observations of keyframes lie that the robot has left.
+/// Storage of the observations of older keyframes.
 using ObservationMemory = RowMemory<SlamObservation>;
 
-/// The observations of a keyframe. Kept ones are only read: copies of the list share them, and the
-/// first change of a list takes its own copy back to the heap.
+/// Observations of a keyframe, copy-on-write: after keep(), copies of the list share the stored
+/// rows, and edit() makes an own copy on the heap.
 class ObservationList {
  public:
   const SlamObservation* begin() const { return kept_ != nullptr ? kept_ : own_.data(); }
@@ -35,10 +35,10 @@ class ObservationList {
   bool empty() const { return size() == 0; }
   const SlamObservation& operator[](std::size_t i) const { return begin()[i]; }
 
-  /// The list, to be changed.
+  /// Returns the list for modification.
   std::vector<SlamObservation>& edit();
 
-  /// Lets it lie in `memory`, which must outlive it and its copies.
+  /// Moves the rows to `memory`, which must outlive this list and its copies.
   void keep(ObservationMemory& memory);
 
  private:

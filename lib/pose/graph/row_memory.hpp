@@ -11,7 +11,7 @@
 
 namespace orchard::pose {
 
-/// Where rows lie that nobody changes any more, in chunks.
+/// Storage of immutable rows in chunks.
 template <class Row>
 class RowMemory {
   static_assert(std::is_trivially_destructible_v<Row>);
@@ -24,8 +24,8 @@ class RowMemory {
   RowMemory(const RowMemory&) = delete;
   RowMemory& operator=(const RowMemory&) = delete;
 
-  /// A copy of these rows, side by side, which stays as it is as long as this lives; none of too
-  /// many for a chunk.
+  /// Stores a contiguous copy of these rows, which lives unchanged as long as this object; null if
+  /// they do not fit into one chunk.
   const Row* keep(const std::vector<Row>& rows) {
     if (rows.size() > kRowsPerChunk) return nullptr;
     if (chunks_.empty() || num_in_last_ + rows.size() > kRowsPerChunk) {
@@ -39,7 +39,7 @@ class RowMemory {
     return at;
   }
 
-  /// Nothing of it is needed for the moment.
+  /// Allows the memory to be paged out until it is read again.
   void rest() const { memory_->rest(); }
 
  private:

@@ -11,14 +11,14 @@ SelectedInverse::SelectedInverse(Ldlt&& factor)
     : diagonal_(factor.vectorD().size()), to_factor_(factor.permutationP().indices()) {
   lower_.swap(factor.lower());
   const int n = static_cast<int>(lower_.cols());
-  std::vector<double> column(n, 0.0);  // of L, spread out
+  std::vector<double> column(n, 0.0);  // column j of L, dense
   std::vector<double> sum(n, 0.0);
   std::vector<char> in_column(n, 0);
   const int* starts = lower_.outerIndexPtr();
   const int* rows = lower_.innerIndexPtr();
-  double* inverse = lower_.valuePtr();  // L from the first column up to j, and then its successor
-  // Z = D^-1 L^-1 + (1 - L^T) Z, from the last column to the first: whatever a column needs lies in
-  // the pattern of columns that are done, because elimination filled it in.
+  double* inverse = lower_.valuePtr();  // columns up to j hold L, later ones the inverse Z
+  // Z = D^-1 L^-1 + (1 - L^T) Z, from the last column to the first: the fill-in of the elimination
+  // guarantees that every entry needed lies in the pattern of the columns already computed.
   for (int j = n - 1; j >= 0; --j) {
     for (int e = starts[j]; e < starts[j + 1]; ++e) {
       column[rows[e]] = inverse[e];

@@ -7,24 +7,25 @@
 
 namespace orchard::pose {
 
-/// L D L^T of a matrix of which the lower triangle is read; L can be written over.
+/// L D L^T factorisation, reading the lower triangle of a matrix; gives write access to L.
 class Ldlt : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> {
  public:
-  /// Strictly lower; its diagonal is 1.
+  /// L without its unit diagonal.
   Eigen::SparseMatrix<double>& lower() { return m_matrix; }
 };
 
-/// The entries of the inverse of a sparse, symmetric, positive definite matrix where the matrix
-/// itself has entries (and more), without the rest of the inverse: marginal covariances of an
-/// information matrix at the cost of factorising it once more, in the memory of the factor.
+/// Selected inverse of a sparse, symmetric, positive definite matrix: only the entries of the
+/// inverse within the pattern of its factor, which contains that of the matrix. It gives the
+/// marginal covariances of an information matrix at the cost of one more factorisation, in the
+/// memory of the factor.
 ///
 /// Source: Takahashi, Fagan, Chen 1973, on Eigen's LDL^T.
 class SelectedInverse {
  public:
-  /// Of a matrix that was decomposed, all of D above zero.
+  /// Inverts a factorised matrix; all of D must be positive.
   explicit SelectedInverse(Ldlt&& factor);
 
-  /// One entry; zero where neither the matrix nor its factor has one.
+  /// Returns one entry of the inverse; zero outside the pattern of the factor.
   double at(int row, int column) const;
 
  private:
@@ -33,7 +34,8 @@ class SelectedInverse {
   Eigen::VectorXi to_factor_;
 };
 
-/// None if the matrix, of which the lower triangle is read, is not positive definite.
+/// Computes the selected inverse from the lower triangle of a matrix; none if it is not positive
+/// definite.
 std::optional<SelectedInverse> selected_inverse(const Eigen::SparseMatrix<double>& information);
 
 }  // namespace orchard::pose

@@ -24,18 +24,19 @@ using geometry::transform;
 
 namespace {
 
-// A keyframe is solved for in as many windows as one has keyframes: none needs to converge.
+// Each keyframe is solved in many successive windows, so a single one need not converge.
 constexpr int kWindowIterations = 6;
-constexpr double kWindowTolerance = 1e-4;  // fraction of the sum of squares that a step gains
+constexpr double kWindowTolerance = 1e-4;  // min relative decrease of the cost
 constexpr int kGraphIterations = 30;
 constexpr int kClosureIterations = 10;
-// A path that only positions hold bends slowly over the gaps between them.
+// Without landmarks, convergence across gaps between positions is slow.
 constexpr int kBendIterations = 100;
 constexpr double kGraphTolerance = 1e-6;
 /// A landmark with a single observation constrains nothing.
 bool is_constrained(const SlamLandmark& landmark) { return landmark.keyframes.size() >= 2; }
 
-/// The window's information matrix J^T J, dense: it is small. Of all rows, or those of `is_used`.
+/// Returns the window's information matrix J^T J as a dense matrix, because it is small. `is_used`
+/// selects rows of J (null: all).
 Eigen::MatrixXd information(const ceres::CRSMatrix& J, const std::vector<char>* is_used) {
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(J.num_cols, J.num_cols);
   for (int row = 0; row < J.num_rows; ++row) {
@@ -49,8 +50,8 @@ Eigen::MatrixXd information(const ceres::CRSMatrix& J, const std::vector<char>* 
   return H;
 }
 
-/// Schur complement of the landmarks' positions, the unknowns from `num_rest` on. Their block is
-/// block-diagonal: no factor joins two landmarks.
+/// Schur complement of the landmarks' positions (the unknowns from `num_rest` on). Their part of H
+/// is block-diagonal, because no factor joins two landmarks.
 Eigen::MatrixXd marginalise_landmarks(const Eigen::MatrixXd& H, int num_rest) {
   const int num_positions = static_cast<int>(H.rows()) - num_rest;
   if (num_positions == 0) return H;
@@ -65,7 +66,7 @@ Eigen::MatrixXd marginalise_landmarks(const Eigen::MatrixXd& H, int num_rest) {
   return rest.selfadjointView<Eigen::Lower>();
 }
 
-/// Covariance of three of the unknowns; none where the information is singular.
+/// Returns the covariance of three unknowns from `first` on; none if the information is singular.
 std::optional<Eigen::Matrix3d> marginal(const Eigen::MatrixXd& H, int first) {
   const Eigen::LLT<Eigen::MatrixXd> factor(H);
   if (factor.info() != Eigen::Success) return std::nullopt;
@@ -76,7 +77,7 @@ std::optional<Eigen::Matrix3d> marginal(const Eigen::MatrixXd& H, int first) {
   return Eigen::Matrix3d(0.5 * (P + P.transpose()));
 }
 
-/// What a window solves for, and the pose that it holds on to.
+/// The unknowns of a window and its fixed keyframe.
 struct Window {
   int fixed = 0;  ///< keyframe before the first
   int first = 1;
@@ -130,7 +131,7 @@ void add_window(const SlamGraph& graph, const Window& w, const CalibrationPrior&
   for (int c = w.first_calibration + 1; c <= w.newest_calibration; ++c) {
     problem.add_calibration_walk(c, kept);
   }
-  // The fixed keyframe is itself uncertain: its local covariance adds to the first motion factor.
+  // The fixed keyframe is itself uncertain: add its local covariance to the first motion factor.
   const Keyframe& fixed = graph.keyframes[w.fixed];
   const Eigen::Matrix3d F =
       compose_jacobian_first(Eigen::Vector3d::Zero(), graph.keyframes[w.first].motion.delta);
@@ -156,7 +157,8 @@ void add_window(const SlamGraph& graph, const Window& w, const CalibrationPrior&
   for (const int l : w.landmarks) add_older_observations(graph, l, w.first, problem);
 }
 
-/// Covariances of the newest keyframe; not solved where the information is singular.
+/// Computes the covariances of the newest keyframe; `solved` is false if the information is
+/// singular.
 WindowSolution window_covariances(const Window& w, const Keyframe& first, GraphProblem& problem) {
   std::vector<double*> blocks;
   for (int k = w.first; k <= w.newest; ++k) blocks.push_back(problem.pose(k));
@@ -192,7 +194,7 @@ WindowSolution window_covariances(const Window& w, const Keyframe& first, GraphP
   return solution;
 }
 
-/// How the calibration walked from interval to interval, by the solved graph.
+/// Learns calibration_walk_sd from the steps of the calibration in the solved graph.
 void learn_walk(const WholeProblem& problem, const SelectedInverse& P, const SlamConfig& config,
                 SlamGraph& graph) {
   const Eigen::Vector3d kept = kept_calibration(graph.calibration_walk_sd, config);
@@ -210,9 +212,8 @@ void learn_walk(const WholeProblem& problem, const SelectedInverse& P, const Sla
   graph.calibration_walk_sd = learnt_walk_sd(steps, graph.calibration_walk_sd, config);
 }
 
-/// Writes the covariance of every pose, and what the drive says of its wheels; returns the
-/// covariance of the newest calibration. None, and nothing written, where the information is
-/// singular.
+/// Writes the covariances of the poses and the learnt calibration_walk_sd; returns the covariance
+/// of the newest calibration. None, with nothing written, if the information is singular.
 std::optional<Eigen::Matrix3d> write_covariances(WholeProblem& problem, const SlamConfig& config,
                                                  SlamGraph& graph) {
   const std::optional<SelectedInverse> P = problem.covariances();
@@ -226,7 +227,7 @@ std::optional<Eigen::Matrix3d> write_covariances(WholeProblem& problem, const Sl
   };
   for (int k = 0; k < static_cast<int>(graph.keyframes.size()); ++k) {
     const int pose = problem.pose_row(k);
-    if (pose < 0) continue;  // the origin is known
+    if (pose < 0) continue;  // the origin is fixed
     const int calibration = problem.calibration_row(graph.keyframes[k].calibration);
     JointCovariance joint;
     joint << block(pose, pose), block(pose, calibration), block(pose, calibration).transpose(),

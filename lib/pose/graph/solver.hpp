@@ -11,30 +11,30 @@
 
 namespace orchard::pose {
 
-/// Covariances of the newest keyframe by a solved window.
+/// Covariances of the newest keyframe after the solve of a window.
 struct WindowSolution {
-  bool solved = false;                                         ///< else the graph is as it was
-  Eigen::Matrix3d local_covariance = Eigen::Matrix3d::Zero();  ///< against the map around it
-  /// In map, with the calibration: from what was known at the window's first keyframe, by the
-  /// window's own measurements. What a drive through unknown ground comes to.
+  bool solved = false;                                         ///< false: the graph is unchanged
+  Eigen::Matrix3d local_covariance = Eigen::Matrix3d::Zero();  ///< relative to the map around it
+  /// Joint covariance in map with the calibration: that of the window's first keyframe, propagated
+  /// by the window's own measurements, as for a drive through unmapped ground.
   std::optional<JointCovariance> in_map;
 };
 
-/// Fixed-lag smoothing: solves for the keyframes from `first` on and the landmarks that they
-/// observed, older keyframes fixed. The observations of older keyframes become one prior on each
-/// landmark's position.
+/// Fixed-lag smoothing: solves for the keyframes from `first` on and the landmarks they observed,
+/// with older keyframes fixed. The observations of older keyframes become one prior on the position
+/// of each landmark.
 WindowSolution solve_window(SlamGraph& graph, int first, const CalibrationPrior& prior,
                             const SlamConfig& config);
 
 struct GraphSolution {
-  bool solved = false;  ///< else the graph is as it was
-  /// Of the newest odometry calibration; none where the information is singular.
+  bool solved = false;  ///< false: poses, landmarks and calibrations are unchanged
+  /// Covariance of the newest odometry calibration; none if the information is singular.
   std::optional<Eigen::Matrix3d> calibration_covariance;
 };
 
-/// Solves for all poses, landmarks and calibrations; writes the poses' covariances, and how much
-/// the calibration changes on this drive. `after_closure`: first without the robust loss, which
-/// would keep a newly closed loop open.
+/// Solves for all poses, landmarks and calibrations; also writes the covariances of the poses, the
+/// receiver model and the learnt calibration_walk_sd. `after_closure`: solves first without the
+/// robust loss, which would treat the new closure as an outlier.
 GraphSolution solve_graph(SlamGraph& graph, bool after_closure, const SlamConfig& config);
 
 }  // namespace orchard::pose

@@ -19,8 +19,7 @@ using geometry::transform;
 
 namespace {
 
-// A motion less certain than this may not be part of a rigid submap: observations on both sides may
-// not have corrected it.
+// A less certain motion must not be inside a rigid submap: observations may not have corrected it.
 constexpr double kBlindSd_m = 0.05;
 constexpr double kBlindSd_rad = 0.02;
 // One sigma of the rigidity assumption inside a submap.
@@ -36,7 +35,7 @@ bool is_blind(const Eigen::Matrix3d& P) {
          P(2, 2) > kBlindSd_rad * kBlindSd_rad;
 }
 
-/// Two motions in sequence, with the derivative of both by the odometry calibration.
+/// Joins two successive motions, with the derivative by the odometry calibration.
 RelativeMotion joined(const RelativeMotion& a, const RelativeMotion& b) {
   RelativeMotion both = a;
   const Eigen::Vector3d then = b.delta_with(a.calibration);
@@ -46,7 +45,7 @@ RelativeMotion joined(const RelativeMotion& a, const RelativeMotion& b) {
   return both;
 }
 
-/// Whether landmarks that other keyframes observe, too, place this one.
+/// True if the keyframe observed at least kPlacedBy landmarks that other keyframes observed, too.
 bool is_placed(const SlamGraph& graph, const Keyframe& keyframe) {
   int num = 0;
   for (const SlamObservation& o : keyframe.observations) {
@@ -55,13 +54,13 @@ bool is_placed(const SlamGraph& graph, const Keyframe& keyframe) {
   return num >= kPlacedBy;
 }
 
-/// First keyframe of each submap. What only the wheels say of the shape is no rigid one where they
-/// do not know it: before the first tree, and between two groups of them.
+/// Returns the first keyframe of each submap. A submap ends where its shape would depend on
+/// uncertain wheel odometry alone: before the first tree, and between two groups of trees.
 std::vector<int> beginnings(const SlamGraph& graph, const SlamConfig& config) {
   std::vector<int> first{0};
   const Eigen::Matrix3d unknown =
       CalibrationPrior::initial_sd(config).array().square().matrix().asDiagonal();
-  RelativeMotion alone;  // by the wheels, since landmarks placed the robot
+  RelativeMotion alone;  // motion by the wheels since the last keyframe with is_placed()
   for (int k = 1; k < static_cast<int>(graph.keyframes.size()); ++k) {
     const Keyframe& keyframe = graph.keyframes[k];
     alone = alone.travel_m > 0.0 ? joined(alone, keyframe.motion) : keyframe.motion;
@@ -78,8 +77,8 @@ std::vector<int> beginnings(const SlamGraph& graph, const SlamConfig& config) {
   return first;
 }
 
-/// Adds one keyframe's observation to its submap's. `at` is the index of each landmark's
-/// observation in the submap, -1 for none.
+/// Adds a keyframe's observation to those of its submap. `at` holds the index of each landmark's
+/// observation in `sums`, -1 for none.
 void add_observation(const SlamObservation& seen, const Eigen::Vector3d& T_submap_keyframe,
                      std::vector<SlamObservation>& sums, std::vector<int>& at) {
   int& slot = at[static_cast<std::size_t>(seen.landmark)];
@@ -98,7 +97,7 @@ void add_observation(const SlamObservation& seen, const Eigen::Vector3d& T_subma
   sum.num_scans += seen.num_scans;
 }
 
-/// What scans say of two keyframes, of their submaps; within a submap it is rigid anyway.
+/// Transfers relative poses of keyframes to their submaps; those within one submap are dropped.
 void add_relative_poses(const SlamGraph& graph, SubmapGraph& out) {
   for (const RelativePose& r : graph.relative_poses) {
     RelativePose s;
@@ -119,7 +118,7 @@ void add_relative_poses(const SlamGraph& graph, SubmapGraph& out) {
   }
 }
 
-/// Pose T of a submap that is moved from `was` to `now`.
+/// Moves a pose T rigidly with its submap, from `was` to `now`.
 Eigen::Vector3d moved(const Eigen::Vector3d& T, const Eigen::Vector3d& was,
                       const Eigen::Vector3d& now) {
   return compose(now, between(was, T));
@@ -186,7 +185,7 @@ void back_substitute(const SubmapGraph& solved, SlamGraph& graph) {
   std::vector<Eigen::Vector3d> was;
   for (const int k : solved.keyframes) was.push_back(graph.keyframes[k].T_map_base);
   const auto now = [&](int submap) -> const Keyframe& { return solved.graph.keyframes[submap]; };
-  int next = 0;  // the first submap whose own keyframe is later than k
+  int next = 0;  // first submap whose defining keyframe is later than k
   for (int k = 0; k < static_cast<int>(graph.keyframes.size()); ++k) {
     while (next < static_cast<int>(was.size()) && solved.keyframes[next] <= k) ++next;
     Keyframe& keyframe = graph.keyframes[k];
@@ -220,7 +219,8 @@ void back_substitute(const SubmapGraph& solved, SlamGraph& graph) {
   for (std::size_t l = 0; l < graph.landmarks.size(); ++l) {
     const std::size_t num_submaps = solved.graph.landmarks[l].keyframes.size();
     if (num_submaps >= 2) graph.landmarks[l].p_map = solved.graph.landmarks[l].p_map;
-    // A landmark of one submap is no unknown of the submaps' graph: it moves with its submap.
+    // A landmark of a single submap is not an unknown of the submap graph: it moves with its
+    // submap.
     if (num_submaps == 1) updates[l] = SlamGraph::Update::kPosition;
   }
   graph.update_landmarks(updates);

@@ -9,24 +9,25 @@
 
 namespace orchard::pose {
 
-/// A graph whose keyframes are the submaps of another graph.
+/// A reduced graph whose keyframes are the submaps of another graph.
 ///
-/// A submap is rigid, with the shape that the corrections of its keyframes gave it; all its
-/// observations of a landmark are summed into one from its middle keyframe. The unknowns are the
-/// poses of the submaps: fewer by the keyframes of a submap, and with far less fill where a
-/// landmark is observed from hundreds of keyframes.
+/// A submap is rigid, with the present shape of its keyframes' poses. All its observations of a
+/// landmark are summed into one from its middle keyframe. The unknowns are the poses of the
+/// submaps: far fewer than keyframes, and with less fill-in where a landmark is observed from
+/// hundreds of keyframes.
 struct SubmapGraph {
-  SlamGraph graph;             ///< landmarks have the indices of the other graph
-  std::vector<int> keyframes;  ///< of the other graph: the keyframe whose pose a submap has
-  std::vector<int> submap_of;  ///< per keyframe of the other graph
+  SlamGraph graph;             ///< landmarks have the indices of the original graph
+  std::vector<int> keyframes;  ///< per submap: the original keyframe that defines its pose
+  std::vector<int> submap_of;  ///< per original keyframe: its submap
 };
 
-/// The submaps of a graph, at most submap_length_m long. A submap ends where the motion is
-/// uncertain.
+/// Splits a graph into submaps of at most submap_length_m. A submap also ends where the motion is
+/// too uncertain to be rigid.
 SubmapGraph submaps_of(const SlamGraph& graph, const SlamConfig& config);
 
-/// Moves keyframes and landmarks with their solved submaps, between two submaps in proportion to
-/// the travel; takes over covariances and odometry calibration.
+/// Transfers a solved submap graph to the original graph: moves keyframes with their submaps,
+/// interpolated by travel between two submaps, moves landmarks, and copies covariances and odometry
+/// calibration.
 void back_substitute(const SubmapGraph& solved, SlamGraph& graph);
 
 }  // namespace orchard::pose

@@ -15,14 +15,14 @@
 namespace orchard::pose {
 namespace {
 
-// Ceres' own numbers.
+// Defaults of Ceres.
 constexpr double kFirstRadius = 1e4;
 constexpr double kRadiusMax = 1e16;
-constexpr double kGainMin = 1e-3;        // of what a step was to gain
-constexpr double kStepTolerance = 1e-8;  // of the length of all unknowns
+constexpr double kGainMin = 1e-3;        // min fraction of the predicted decrease of the cost
+constexpr double kStepTolerance = 1e-8;  // relative to the norm of the unknowns
 constexpr int kInvalidStepsMax = 5;      // in a row
 
-/// Cost and its slope by the square of a residual in standard deviations: Cauchy's loss.
+/// Cauchy loss: cost, and twice its derivative by the squared normalised residual (the weight).
 struct Loss {
   double cost = 0.0;
   double slope = 1.0;
@@ -36,17 +36,17 @@ Loss loss_of(double square, bool robust) {
 
 }  // namespace
 
-/// An observation, linearised.
+/// A linearised observation.
 struct WholeProblem::Sight {
-  int column = kHasNoColumn;  ///< of its pose
+  int column = kHasNoColumn;  ///< block of its pose in the equations
   Eigen::Vector2d residual;
   Eigen::Matrix<double, 2, 3> by_pose;
   Eigen::Matrix2d by_position;
 };
 
 struct WholeProblem::Step {
-  Eigen::VectorXd values;  ///< to be added
-  double gain = 0.0;       ///< of cost, were the problem linear
+  Eigen::VectorXd values;  ///< change of the values
+  double gain = 0.0;       ///< decrease of the cost predicted by the linear model
 };
 
 WholeProblem::WholeProblem(const SlamGraph& graph, const SlamConfig& config) : graph_(graph) {
@@ -186,7 +186,7 @@ void WholeProblem::add_landmark(int landmark, const Eigen::VectorXd& values, boo
     const Eigen::Matrix<double, 3, 2> W = s.by_pose.transpose() * s.by_position;
     const Eigen::Matrix<double, 3, 2> WC = W * C;
     right_.segment<3>(equations_->first(s.column)) -= WC * g;
-    for (const Sight& t : sights) {  // the later of two, in the rows: once
+    for (const Sight& t : sights) {  // each pair once: lower triangle only
       if (t.column < 0 || t.column > s.column) continue;
       equations_->add(s.column, t.column,
                       Eigen::Matrix3d(-WC * (t.by_position.transpose() * t.by_pose)));
@@ -246,7 +246,7 @@ std::optional<WholeProblem::Step> WholeProblem::find_step(const Eigen::VectorXd&
   return step;
 }
 
-/// Length of all that is unknown.
+/// Returns the norm of all unknowns.
 double WholeProblem::norm(const Eigen::VectorXd& values) const {
   double sum = 0.0;
   for (int block = 0; block < static_cast<int>(columns_.size()); ++block) {
@@ -276,7 +276,7 @@ bool WholeProblem::solve(bool robust, int iterations_max, double tolerance) {
     if (step->values.norm() <= kStepTolerance * (norm(values_) + kStepTolerance)) return true;
     if (std::abs(now - then) <= tolerance * now) return true;
     const double gained = (now - then) / step->gain;
-    if (gained > kGainMin) {  // false where the cost is no number
+    if (gained > kGainMin) {  // false if the cost is NaN
       values_ = there;
       now = then;
       radius =

@@ -20,30 +20,31 @@ class CostFunction;
 
 namespace orchard::pose {
 
-/// A whole graph as nonlinear least squares, for graphs of any length: observations are evaluated
-/// where they lie, never copied, and landmarks are eliminated one by one while the equations are
-/// summed, where that leaves fewer numbers than their own columns would be.
+/// Nonlinear least-squares problem of a whole graph, with little memory for long drives:
+/// observations are evaluated in place without copies, and landmarks are eliminated one by one
+/// while the equations are summed, if that gives fewer coefficients than keeping them.
 ///
-/// Levenberg-Marquardt with the rules of Ceres (its trust region, tolerances and losses), so that
-/// both give the same digits but for rounding. Works on a copy of the unknowns: the graph, which
-/// must outlive this, changes by write_to() only.
+/// Uses Levenberg-Marquardt with the rules of Ceres (trust region, tolerances and losses), so that
+/// results agree with Ceres up to rounding. Works on a copy of the unknowns: only write_to()
+/// changes a graph. The graph must outlive this object.
 class WholeProblem {
  public:
   WholeProblem(const SlamGraph& graph, const SlamConfig& config);
   ~WholeProblem();
 
-  /// `robust`: observations and absolute positions get a robust loss (Cauchy). False where no
-  /// solution was found.
+  /// Solves the problem; returns false if it failed. `robust`: all factors but odometry and
+  /// calibration get a robust loss (Cauchy).
   bool solve(bool robust, int iterations_max, double tolerance);
 
-  /// Yaws in (-pi, pi]. False, and nothing written, where a pose is not finite.
+  /// Writes the solution, with yaws in (-pi, pi]. Returns false, with nothing written, if a pose is
+  /// not finite.
   bool write_to(SlamGraph& graph) const;
 
-  /// Covariances at the solution of solve(true); none where the information is singular. The last
-  /// thing to ask for.
+  /// Returns the covariances at the solution of solve(true); none if the information is singular.
+  /// Consumes the equations, so no solve may follow.
   std::optional<SelectedInverse> covariances();
 
-  /// First row in them of a pose, negative for one that is known; of a calibration.
+  /// First row in covariances() of a pose (negative if it is fixed) or a calibration.
   int pose_row(int keyframe) const;
   int calibration_row(int index) const;
 
@@ -51,11 +52,11 @@ class WholeProblem {
   struct Factor {
     std::unique_ptr<ceres::CostFunction> residual;
     bool is_robust = false;
-    std::array<int, 3> blocks{};  ///< as many as the residual has parameters
+    std::array<int, 3> blocks{};  ///< parameter blocks; only the residual's number is used
   };
   struct Sight;
   struct Step;
-  /// An observation of a landmark that at least one other keyframe observed, too.
+  /// An observation of a landmark that was observed by at least two keyframes.
   struct Seen {
     int keyframe = 0;
     const SlamObservation* observation = nullptr;
@@ -79,7 +80,7 @@ class WholeProblem {
     return receiver_block(static_cast<int>(graph_.receiver_errors.size())) + landmark;
   }
   static constexpr int kHasNoColumn = -1;
-  /// Where a block begins among the values.
+  /// Index of a block's first number in a vector of values.
   int value(int block) const;
   bool is_constrained(int landmark) const;
 
@@ -92,15 +93,15 @@ class WholeProblem {
   double norm(const Eigen::VectorXd& values) const;
 
   const SlamGraph& graph_;
-  std::vector<Factor> factors_;  ///< all but observations
-  std::vector<Seen> seen_;       ///< landmark by landmark
+  std::vector<Factor> factors_;  ///< all factors but observations
+  std::vector<Seen> seen_;       ///< sorted by landmark
   std::vector<std::size_t> first_seen_;
-  std::vector<int> columns_;  ///< of each block among the equations'; negative: has none
-  bool eliminates_ = false;   ///< landmarks are no unknowns of the equations
+  std::vector<int> columns_;  ///< per block: its block in the equations; negative: none
+  bool eliminates_ = false;   ///< landmarks are eliminated, not unknowns of the equations
   std::unique_ptr<NormalEquations> equations_;
-  Eigen::VectorXd gradient_;  ///< by the equations' unknowns, before landmarks were eliminated
-  Eigen::VectorXd diagonal_;  ///< of H, likewise
-  Eigen::VectorXd right_;     ///< the gradient after
+  Eigen::VectorXd gradient_;  ///< of the equations' unknowns, before elimination of landmarks
+  Eigen::VectorXd diagonal_;  ///< of H, before elimination of landmarks
+  Eigen::VectorXd right_;     ///< gradient after elimination of landmarks
   std::vector<Sight> sights_;
   Eigen::VectorXd values_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The unknowns of a whole graph, what ties them, and which of them have equations together.
+// Structure of a whole problem: its unknowns, its factors and the sparsity of its equations.
 #include <ceres/cost_function.h>
 
 #include <memory>
@@ -75,7 +75,7 @@ void WholeProblem::add_positions(int keyframe) {
   }
 }
 
-// Robustly: where signals begin or cease to be reflected the error leaps, once for all fixes.
+// The loss is robust because the error jumps when reflections of the signal begin or end.
 void WholeProblem::add_receiver_errors() {
   std::vector<char> is_used(graph_.receiver_errors.size(), 0);
   if (graph_.georeferenced) {
@@ -99,7 +99,7 @@ void WholeProblem::add_receiver_errors() {
   }
 }
 
-/// Which blocks are unknowns, and which of them have entries together.
+/// Chooses which blocks are unknowns of the equations and which pairs of them are coupled.
 void WholeProblem::choose_structure() {
   std::vector<char> is_unknown(columns_.size(), 0);
   for (const Factor& factor : factors_) {
@@ -108,7 +108,7 @@ void WholeProblem::choose_structure() {
     }
   }
   for (const Seen& seen : seen_) is_unknown[static_cast<std::size_t>(seen.keyframe)] = 1;
-  if (!graph_.georeferenced) is_unknown[0] = 0;  // the origin is known
+  if (!graph_.georeferenced) is_unknown[0] = 0;  // the origin is fixed
   std::vector<int> sizes;
   for (int block = 0; block < landmark_block(0); ++block) {
     if (is_unknown[static_cast<std::size_t>(block)] == 0) continue;
@@ -152,8 +152,8 @@ void WholeProblem::choose_structure() {
   equations_->finish();
 }
 
-/// Couples all poses that observed a landmark together; false, and given up, where those are more
-/// numbers than with the landmarks: many keyframes in one place.
+/// Couples all poses that observed a common landmark. Gives up and returns false if that needs more
+/// coefficients than keeping the landmarks as unknowns: many keyframes in one place.
 bool WholeProblem::try_eliminating(NormalEquations& without, std::size_t num_with) const {
   std::size_t num_since = 0;
   for (int l = 0; l < num_landmarks(); ++l) {

@@ -33,7 +33,7 @@ struct Pair {
   double distance2 = std::numeric_limits<double>::infinity();  // in standard deviations
 };
 
-/// A point of the scan as a pose places it: all of a pair's test that no candidate changes.
+/// A point of the scan at a hypothesis: the part of a pair's test that is common to all candidates.
 struct PlacedPoint {
   PlacedPoint(const ScanHypothesis& h, const ScanPoint& point) {
     const Eigen::Matrix2d R = rotation(h.T_map_base.z());
@@ -43,12 +43,12 @@ struct PlacedPoint {
     covariance = H * h.covariance * H.transpose() + R * point.covariance * R.transpose();
   }
 
-  /// Of the distance to a candidate.
+  /// Returns the covariance of the offset to a candidate.
   Eigen::Matrix2d innovation_covariance(const AssociationCandidate& c) const {
     return covariance + c.covariance;
   }
 
-  /// Squared Mahalanobis distance to a candidate.
+  /// Returns the squared Mahalanobis distance to a candidate.
   double distance2(const AssociationCandidate& c) const {
     const Eigen::Vector2d offset = c.p_map - p_map;
     return offset.dot(innovation_covariance(c).inverse() * offset);
@@ -166,7 +166,7 @@ class ScanToMapMatcher {
     return placed.distance2(candidates_[static_cast<std::size_t>(candidate)]);
   }
 
-  /// A candidate that a point may be.
+  /// A candidate within the pre-gate of a point.
   struct Allowed {
     int candidate = -1;
     double start_distance2 = 0.0;  ///< at the predicted pose

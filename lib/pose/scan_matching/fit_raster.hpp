@@ -10,14 +10,15 @@
 
 namespace orchard::pose {
 
-/// A picture of the local map around a place in which every cell holds how well a return would fit
-/// there, so that thousands of places of a scan can be tried (Olson's correlative scan matching).
+/// Lookup raster of the local map: each cell holds the likelihood of a return there, so that
+/// thousands of poses of a scan can be scored quickly (Olson's correlative scan matching).
 class FitRaster {
  public:
   FitRaster(const PointMap& map, const Eigen::Vector2d& centre_map, double half_side_m,
             double kernel_m);
 
-  /// As ScanMatcher::score, to the raster's resolution, for points turned into the map's axes.
+  /// Returns ScanMatcher::score up to the raster's resolution. `arms_map` are the points relative
+  /// to base, rotated into the axes of map.
   double score(const std::vector<Eigen::Vector2d>& arms_map, const Eigen::Vector2d& base_map) const;
 
  private:

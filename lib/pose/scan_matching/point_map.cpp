@@ -8,16 +8,16 @@ namespace orchard::pose {
 
 namespace {
 
-/// Reach of the local map around the robot [m], beyond what a scanner sees.
+/// Extent of the local map beyond the scanner's max range [m].
 constexpr double kMapRadius_m = 50.0;
 
-/// Least distance between two points of the map [m], above the noise of a range.
+/// Min distance between two points of the map [m], above the noise of a range.
 constexpr double kMapSpacing_m = 0.07;
 
-/// Most points of one cell: bounds the cost of a query.
+/// Max number of points per cell; bounds the cost of a query.
 constexpr int kMapCellPointsMax = 16;
 
-/// Side of a cell of the map [m], about the farthest pair of the last iterations.
+/// Side of a cell of the map [m], about the max pair distance of the last iterations.
 constexpr double kMapCell_m = 0.4;
 
 }  // namespace

@@ -11,27 +11,26 @@
 
 namespace orchard::pose {
 
-/// The surroundings as the scans have shown them: points on a grid of cells that is folded onto
-/// itself, so that what lies too far behind the robot makes room for what comes. Memory and the
-/// cost of a query are bounded however long the drive.
+/// Local map of points on a grid of cells that wraps around, so that new cells replace those far
+/// behind the robot. Memory and the cost of a query are bounded for any length of drive.
 class PointMap {
  public:
   explicit PointMap(const ScanMotionConfig& config);
 
   void clear();
 
-  /// Adds a point [m, map]; `travel_m` is how far the robot has driven. A point nearer than the
-  /// spacing to one that is there refreshes that one.
+  /// Adds a point [m, map]; `travel_m` is the travel so far. A point nearer to an existing one than
+  /// the map's spacing only refreshes the existing one.
   void insert(const SurfacePoint& point, double travel_m);
 
-  /// What was last seen before that travel is not found any longer.
+  /// Hides points last seen before this travel from nearest() and visit().
   void forget_before(double travel_m) { oldest_m_ = travel_m; }
 
-  /// The nearest point within `radius_m`, or none; `distance2_m2` is set when there is one.
+  /// Returns the nearest point within `radius_m` and sets `distance2_m2`; null if there is none.
   const SurfacePoint* nearest(const Eigen::Vector2d& p_map, double radius_m,
                               double& distance2_m2) const;
 
-  /// Calls `visit` with every point [m] in the square of that half side, in order of the cells.
+  /// Calls `visitor` with every point [m] in the cells of a square, in order of the cells.
   void visit(const Eigen::Vector2d& centre_map, double half_side_m,
              const std::function<void(const Eigen::Vector2d&)>& visitor) const;
 

@@ -9,10 +9,10 @@
 namespace orchard::pose {
 namespace {
 
-/// Least standard deviation of a pair [m]: surfaces are rough, however well a scan fits.
+/// Min standard deviation of a pair [m], by the roughness of surfaces.
 constexpr double kResidualSd_m = 0.02;
 
-/// Neighbouring points err together: so many count as one.
+/// Number of points that count as one, because errors of neighbouring points are correlated.
 constexpr double kCorrelatedPoints = 4.0;
 
 /// Standard deviation of a motion that the scans do not determine [m].
@@ -21,17 +21,17 @@ constexpr double kUnknownShiftSd_m = 0.5;
 /// The same of its turn [rad].
 constexpr double kUnknownTurnSd_rad = 0.3;
 
-/// Of the variance of an expectation that is left along a direction of which a fit tells nothing.
+/// Min remaining fraction of the predicted variance for a direction to count as undetermined.
 constexpr double kUntoldFraction = 0.25;
 
-/// The scan is moved by so many kernels to each side: exp(-0.5 * 1.5^2) = 0.32 is left of the fit
-/// of points that tell of it.
+/// Shift of the scan to each side, in kernels: informative points keep a fit of
+/// exp(-0.5 * 1.5^2) = 0.32.
 constexpr double kProbeKernels = 1.5;
-/// Fraction that points on something without end along the direction seem to have, by their noise.
+/// Apparent informative fraction, by noise, on a surface that is endless along the direction.
 constexpr double kFractionByChance = 0.045;
 
-/// Fraction of the points that tell of a shift along a direction, from what the shift does to the
-/// fit.
+/// Returns the fraction of points that are informative on a shift along a direction, from the loss
+/// of fit by that shift.
 double telling_fraction(const ScanMatcher& matcher, const std::vector<SurfacePoint>& points,
                         const ScanMatch& match, const Eigen::Vector2d& direction, double kernel_m) {
   const double shift_m = kProbeKernels * kernel_m;
@@ -60,7 +60,7 @@ Eigen::Vector3d place_of(const ScanMatch& match, const Eigen::Matrix3d& covarian
   const Eigen::Vector2d apart = (match.T_map_base - T_map_expected).head<2>();
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
   axes.computeDirect(Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()));
-  // the turn is what the search found it to be: an expectation of it may be far off
+  // The rotation is always taken from the fit, because its prediction may be far off.
   Eigen::Vector3d place = match.T_map_base;
   for (int axis = 0; axis < 2; ++axis) {
     const double untold = axes.eigenvalues()(axis) / (kUnknownShiftSd_m * kUnknownShiftSd_m);
@@ -85,7 +85,7 @@ Eigen::Matrix3d covariance_of(const ScanMatcher& matcher, const std::vector<Surf
     const double claimed = std::max(0.0, axes.eigenvalues()(axis)) / weight;
     const double fraction = telling_fraction(matcher, points, match, direction, kScoreKernel_m);
     if (!(claimed > 0.0) || fraction >= claimed) continue;
-    // scales what is said along the direction, and its ties to the turn, by fraction / claimed
+    // Scale the information along the direction (and its correlation) by fraction / claimed.
     Eigen::Matrix3d scale = Eigen::Matrix3d::Identity();
     scale.topLeftCorner<2, 2>() -=
         (1.0 - std::sqrt(fraction / claimed)) * direction * direction.transpose();

@@ -8,20 +8,22 @@
 
 namespace orchard::pose {
 
-/// Covariance of a fit: of (x, y) in map and the turn about the robot.
+/// Returns the covariance of a fit: of (x, y) in map and the rotation about the robot.
 ///
-/// From the pairs' information and what is left between them, reduced to what moving the scan to
-/// and fro really changes: a dense map offers every point a partner nearby, also along a hedge.
-/// What the scan does not tell stays as uncertain as the motion was before it.
+/// It is computed from the information of the pairs and their residuals. Along each axis the
+/// information is limited to the actual loss of fit when the scan is shifted, because in a dense
+/// map every point finds a partner nearby, also along a hedge. Undetermined directions keep the
+/// covariance of unknown_motion().
 Eigen::Matrix3d covariance_of(const ScanMatcher& matcher, const std::vector<SurfacePoint>& points,
                               const ScanMatch& match);
 
-/// The place of a fit, but where the scan does not tell (along a hedge the fit slides) the expected
-/// one (solution remapping: Zhang, Kaess, Singh 2016).
+/// Returns the pose of a fit, with the predicted position in directions that the scan does not
+/// determine, if the fit has slid along them, e.g. along a hedge (solution remapping: Zhang, Kaess,
+/// Singh 2016).
 Eigen::Vector3d place_of(const ScanMatch& match, const Eigen::Matrix3d& covariance,
                          const Eigen::Vector3d& T_map_expected);
 
-/// The covariance of a motion of which nothing is known but what was expected.
+/// Returns the covariance of a motion that is only predicted.
 Eigen::Matrix3d unknown_motion();
 
 }  // namespace orchard::pose

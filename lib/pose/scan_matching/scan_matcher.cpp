@@ -13,46 +13,47 @@ using geometry::rotation;
 
 namespace {
 
-/// Farthest pair of point and surface in the first iterations [m].
+/// Max distance of a pair in the first iterations [m].
 constexpr double kPairMax_m = 0.6;
 
 /// The same in the last iterations [m].
 constexpr double kPairFine_m = 0.25;
 
-/// Scale of the robust kernel in the first iterations [m]: a pair so far apart has half its
-/// weight.
+/// Scale of the robust (Geman-McClure) kernel in the first iterations [m]: a pair at this distance
+/// has a quarter of the full weight.
 constexpr double kKernel_m = 0.3;
 
 /// The same in the last iterations [m].
 constexpr double kKernelFine_m = 0.10;
 
-/// Most iterations of each of the two kinds; most scans converge in fewer.
+/// Max iterations of each of the two stages; most scans converge in fewer.
 constexpr int kIterationsMax = 25;
 
-/// Fraction of good fits below which the neighbourhood is searched for a better pose.
+/// Score below which the neighbourhood is searched for a better pose.
 constexpr double kScoreGood = 0.75;
 
-/// Below this nothing fits: the robot turned on the spot, and every turn is tried.
+/// Score below which nothing fits: the robot may have turned on the spot, so all turns are
+/// searched.
 constexpr double kScoreNone = 0.35;
 
-/// By which a pose found by search must fit better than the expected one, which has the prior on
-/// its side.
+/// Min margin of the score of a pose found by search over the predicted one, which the prior
+/// favours.
 constexpr double kScoreAdvantage = 0.05;
 
-/// Best candidates of the search that are refined: bounds its cost.
+/// Number of candidates of the search that are refined; bounds its cost.
 constexpr int kSearchCandidates = 6;
 
 constexpr double kDoneShift_m = 2e-4;
 constexpr double kDoneTurn_rad = 2e-5;
 constexpr int kPairsMin = 5;
-/// What a smooth surface is taken to say along itself while iterating: it steadies the steps.
+/// Weight of the residual along a smooth surface while iterating; it stabilises the steps.
 constexpr double kAlongFraction = 0.05;
 
 constexpr double kSearchTurnStep_rad = 0.05;
 constexpr double kSearchKernel_m = 0.3;
 constexpr double kSearchShiftStep_m = 0.15;
 constexpr std::size_t kSearchPoints = 120;
-/// Places of the search that end up in the same fit.
+/// Candidates of the search nearer than this converge to the same fit.
 constexpr double kSameTurn_rad = 0.11;
 constexpr double kSameShift_m = 0.45;
 

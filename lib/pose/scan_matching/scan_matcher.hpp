@@ -10,36 +10,37 @@
 
 namespace orchard::pose {
 
-/// Distance of a point from the map's surface that counts as a good fit [m].
+/// Kernel width of the final score [m]: scale of the distance between a point and the map.
 inline constexpr double kScoreKernel_m = 0.15;
 
-/// Where a scan fits the local map.
+/// Result of registering a scan to the local map.
 struct ScanMatch {
   Eigen::Vector3d T_map_base = Eigen::Vector3d::Zero();
   double score = 0.0;    ///< how well the points fit, 0 to 1
   double matched = 0.0;  ///< fraction of the points that have a partner
-  /// Of (x, y) in map and the turn about the robot, in units of one over the residual variance;
-  /// without what smooth surfaces say along themselves.
+  /// Information on (x, y) in map and the rotation about the robot, to be divided by the residual
+  /// variance; smooth surfaces give none along themselves.
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   double residual_variance_m2 = 0.0;
-  double weight = 0.0;  ///< of all pairs together; a pair without residual has 1
+  double weight = 0.0;  ///< sum over all pairs; a pair without residual has weight 1
 };
 
-/// Finds the place of a scan in the local map: robust iterated closest points, to lines on smooth
-/// surfaces and to points elsewhere (after Censi's PL-ICP and KISS-ICP), with a search of the
-/// neighbourhood where that ends in a bad fit.
+/// Registers a scan to the local map by robust ICP: point-to-line on smooth surfaces,
+/// point-to-point elsewhere (after Censi's PL-ICP and KISS-ICP). After a bad fit it searches the
+/// neighbourhood.
 class ScanMatcher {
  public:
   ScanMatcher(const PointMap& map, const ScanMotionConfig& config) : map_(map), config_(config) {}
 
-  /// The best fit from the best of some guesses (there must be one).
+  /// Registers the points, starting from the best of the guesses of T_map_base (at least one).
   ScanMatch match(const std::vector<SurfacePoint>& points,
                   const std::vector<Eigen::Vector3d>& guesses) const;
 
-  /// The fit that a guess leads to, without a search.
+  /// Registers the points from one guess by ICP, without a search.
   ScanMatch refined(const std::vector<SurfacePoint>& points, const Eigen::Vector3d& guess) const;
 
-  /// How well the points fit at a place: the mean over them of exp(-d^2 / 2 kernel^2).
+  /// Returns the fit of the points at a pose: the mean of exp(-d^2 / (2 kernel_m^2)) over the
+  /// points, with d the distance to the nearest point of the map.
   double score(const std::vector<SurfacePoint>& points, const Eigen::Vector3d& T_map_base,
                double kernel_m) const;
 

@@ -14,28 +14,27 @@ using geometry::rotation;
 
 namespace {
 
-/// Side of the squares in which one return is registered [m]: near surfaces get most returns and
-/// must not outweigh far ones.
+/// Side of the squares in which one return is used [m]: near surfaces get most returns and must not
+/// outweigh far ones.
 constexpr double kThinning_m = 0.10;
 
-/// Fewer returns do not determine a motion.
+/// Min number of returns that determine a motion.
 constexpr int kPointsMin = 20;
 
-/// Points last seen this much travel ago are forgotten [m], so that drift does not lay one wall
-/// beside itself.
+/// Points last seen this much travel ago are forgotten [m], so that drift does not double a wall.
 constexpr double kMapTravel_m = 15.0;
 
-/// Fraction of good fits below which a motion is a guess.
+/// Score below which a motion is a guess.
 constexpr double kScoreReliable = 0.35;
 
-/// A motion with a larger standard deviation along its worst direction is not reliable [m].
+/// Max standard deviation of a reliable motion along its worst direction [m].
 constexpr double kReliableShiftSd_m = 0.10;
 
-/// The same of its turn [rad].
+/// The same for its rotation [rad].
 constexpr double kReliableTurnSd_rad = 0.03;
 
 bool is_sure(const Eigen::Matrix3d& covariance) {
-  // of a 2x2: half the trace plus the root of its deviation is the larger eigenvalue
+  // Larger eigenvalue of the 2x2 position covariance.
   const double half_trace = 0.5 * (covariance(0, 0) + covariance(1, 1));
   const double deviation =
       std::hypot(0.5 * (covariance(0, 0) - covariance(1, 1)), covariance(0, 1));
@@ -83,7 +82,7 @@ std::optional<MeasuredMotion> ScanMotion::add(const laser::Scan& scan) {
     motion.matched = match.matched;
     const Eigen::Matrix3d P_map = covariance_of(matcher, few, match);
     T_map_base = place_of(match, P_map, guesses.front());
-    // of base's own axes at the scan before
+    // Rotate the covariance from map into the axes of base at the previous scan.
     Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
     R.topLeftCorner<2, 2>() = rotation(-T_map_base_.z());
     motion.covariance = R * P_map * R.transpose();
@@ -97,7 +96,7 @@ std::optional<MeasuredMotion> ScanMotion::add(const laser::Scan& scan) {
   T_map_base_ = T_map_base;
   utime_ = scan.utime;
   if (is_swept && !velocity_known_) {
-    // the first scan was placed without a velocity: the map begins anew with one that has it
+    // The first scan was not deskewed because the velocity was unknown: restart the map.
     map_.clear();
     points = surface_points(scan, mount_, blind_, velocity_, config_);
   }

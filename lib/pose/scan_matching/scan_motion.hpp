@@ -15,28 +15,29 @@
 
 namespace orchard::pose {
 
-/// How base moved between two scans.
+/// Motion of base between two scans.
 struct MeasuredMotion {
   std::int64_t utime_from = 0;  ///< of the first beam [us]
   std::int64_t utime_to = 0;
   Eigen::Vector3d T_from_to = Eigen::Vector3d::Zero();   ///< x [m], y [m], yaw [rad]
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of T_from_to
-  double matched = 0.0;   ///< fraction of the later scan's points that fit what was seen before
-  bool reliable = false;  ///< false: the motion is what was expected, or a guess
+  double matched = 0.0;   ///< fraction of the later scan's points that match the local map
+  bool reliable = false;  ///< false: the motion is a prediction or a guess
 };
 
-/// The motion of a rig from its scans alone: every scan is fitted to a local map of those before.
+/// Estimates the motion of base from scans alone, by registering each scan to a local map of the
+/// previous ones.
 ///
-/// A scan is expected where the last motion, repeated, leads: in scans, not in seconds, because
-/// recordings stretch time. What the scans do not tell (along a smooth wall, with too few returns)
-/// has a covariance that says so. A pure function of the sequence of scans.
+/// The prediction repeats the last motion per scan, not per second, because time stamps of
+/// recordings may be stretched. Directions that the scans do not determine (along a smooth wall,
+/// with too few returns) get a large covariance. A pure function of the sequence of scans.
 class ScanMotion {
  public:
   ScanMotion(const ScanMotionConfig& config, const laser::LaserConfig& mount,
              const laser::BlindSector& blind);
 
-  /// The motion since the scan before; none for the first scan, and for one that is not later than
-  /// the one before (it is left out). Every number in it is finite.
+  /// Returns the motion since the previous scan. None for the first scan, and for a scan that is
+  /// not later than the previous one, which is ignored. All numbers are finite.
   std::optional<MeasuredMotion> add(const laser::Scan& scan);
 
  private:

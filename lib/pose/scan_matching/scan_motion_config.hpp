@@ -3,14 +3,14 @@
 
 namespace orchard::pose {
 
-/// How the robot's motion is read from its scans. Section `pose.scan_motion`.
+/// Configuration of the motion estimate by scan matching. Section `pose.scan_motion`.
 struct ScanMotionConfig {
   double range_min_m = 0.3;   ///< nearer returns are the robot itself
   double range_max_m = 30.0;  ///< farther returns are not used
-  bool deskew = true;         ///< undo the motion within a scan, where it states its beam period
+  bool deskew = true;         ///< undo the motion within a scan that states its beam period
 
-  double search_turn_rad = 0.6;  ///< to each side of the expected turn
-  double search_shift_m = 0.6;   ///< to each side of the expected place
+  double search_turn_rad = 0.6;  ///< search window to each side of the predicted yaw
+  double search_shift_m = 0.6;   ///< search window to each side of the predicted position
 };
 
 template <class Visitor>

@@ -11,8 +11,8 @@
 
 namespace orchard::pose {
 
-/// Dead reckoning without wheel encoders: T_map_base is the sum of the motions between scans, from
-/// the map's origin at the first scan.
+/// Localiser of mode `odometry` with `motion: scans`: dead reckoning by the motions between scans,
+/// from the map's origin at the first scan.
 class ScanOdometry : public Localiser {
  public:
   ScanOdometry(const ScanMotionConfig& config, const laser::LaserConfig& mount,
@@ -22,7 +22,7 @@ class ScanOdometry : public Localiser {
   /// Takes scans; other measurements are ignored.
   void add(const Measurement& measurement) override;
 
-  /// The pose at the first beam of the last scan.
+  /// Returns the pose at the first beam of the last scan.
   std::optional<PoseEstimate> estimate() const override;
 
   std::string warning() const override;
@@ -32,7 +32,7 @@ class ScanOdometry : public Localiser {
   std::optional<std::int64_t> utime_;
   Eigen::Vector3d T_map_base_ = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();
-  int num_unreliable_ = 0;  ///< scans in a row
+  int num_unreliable_ = 0;  ///< consecutive scans without a reliable motion
 };
 
 }  // namespace orchard::pose

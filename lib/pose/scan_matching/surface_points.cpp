@@ -14,17 +14,16 @@ using geometry::transform;
 
 namespace {
 
-/// Neighbouring returns within it give a point its normal [m]: several beams of one surface, but
-/// not the next trunk.
+/// Radius of the neighbouring returns that determine a normal [m]: several beams of one surface,
+/// but not the next trunk.
 constexpr double kNormalRadius_m = 0.30;
 
-/// Smallest over largest variance of those neighbours up to which they are a wall, whose normal
-/// counts.
+/// Max ratio of the smallest to the largest variance of the neighbours of a flat surface.
 constexpr double kFlatnessMax = 0.05;
 
 constexpr std::ptrdiff_t kNeighbours = 6;  ///< to each side
 constexpr int kPointsOfSurfaceMin = 4;
-/// A surface shorter than this (1-sigma along it) has no direction.
+/// Min extent of a surface with a normal (1-sigma along it).
 constexpr double kSurfaceLengthSd_m = 0.06;
 
 void find_normal(std::vector<SurfacePoint>& points, std::ptrdiff_t i) {
@@ -68,7 +67,7 @@ std::vector<SurfacePoint> surface_points(const laser::Scan& scan, const laser::L
   points.reserve(scan.ranges_m.size());
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const double range_m = scan.ranges_m[i];
-    // drivers give the farthest range for nothing seen
+    // Drivers report range_max_m if there is no return.
     if (!(range_m >= nearest_m && range_m <= farthest_m) || range_m >= scan.range_max_m) continue;
     const double bearing_rad = scan.bearing_rad(static_cast<double>(i));
     if (blind.contains(bearing_rad)) continue;

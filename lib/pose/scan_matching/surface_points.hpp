@@ -11,24 +11,25 @@
 
 namespace orchard::pose {
 
-/// A return of the laser and the surface that it lies on.
+/// A laser return with the normal of its surface.
 struct SurfacePoint {
   Eigen::Vector2d p = Eigen::Vector2d::Zero();       ///< [m]
-  Eigen::Vector2d normal = Eigen::Vector2d::Zero();  ///< unit length when flat
-  bool flat = false;  ///< on something smooth, along which it tells nothing
+  Eigen::Vector2d normal = Eigen::Vector2d::Zero();  ///< unit length if flat
+  bool flat = false;  ///< on a smooth surface; gives no information along it
 };
 
-/// The believable returns of a scan in base at the time of its first beam, in order of the beams.
+/// Returns the valid returns of a scan in base at the time of its first beam, in order of the
+/// beams.
 ///
-/// `velocity` is base's motion per second (x, y, yaw in base), by which returns of later beams are
-/// moved when the scan states its beam period. What the blind sector or the range limits exclude,
-/// and what is not finite, is left out.
+/// `velocity` is base's velocity (x [m/s], y [m/s], yaw [rad/s], in base), by which returns of
+/// later beams are corrected if deskew is on and the scan states its beam period. Returns in the
+/// blind sector, outside the range limits or not finite are left out.
 std::vector<SurfacePoint> surface_points(const laser::Scan& scan, const laser::LaserConfig& mount,
                                          const laser::BlindSector& blind,
                                          const Eigen::Vector3d& velocity,
                                          const ScanMotionConfig& config);
 
-/// The first point in each square of that side, in order; all of them for a side of 0.
+/// Returns the first point in each square of side `side_m`, in order; all points for a side of 0.
 std::vector<SurfacePoint> thinned(const std::vector<SurfacePoint>& points, double side_m);
 
 }  // namespace orchard::pose

@@ -12,26 +12,26 @@
 
 namespace orchard::pose {
 
-/// The scans that keyframes were made at, thinned and packed: sixteen bytes a point, six kilobytes
-/// a metre of path, of which a closure needs a few stretches. They lie in chunks.
+/// Storage of the keyframes' scans, thinned and packed to sixteen bytes per point (about 6 kB per
+/// metre of path). The points are stored in chunks, because a closure reads only a few scans.
 class KeptScans {
  public:
-  /// `memory` holds the points; none: the heap.
+  /// `memory` stores the points; null: the heap.
   explicit KeptScans(std::shared_ptr<ChunkMemory> memory = nullptr);
 
-  /// Keeps the returns [m, base] of the scan taken at a keyframe, later than all before.
+  /// Stores the returns [m, base] of the scan of a keyframe, which must be later than all before.
   void keep(int keyframe, const std::vector<SurfacePoint>& points);
 
-  /// Whether a keyframe has a scan.
+  /// Returns true if the keyframe has a scan.
   bool has(int keyframe) const { return find(keyframe) != nullptr; }
 
-  /// The returns of a keyframe's scan, moved by T_frame_base; none if it has no scan.
+  /// Returns a keyframe's scan transformed by T_frame_base; empty if it has none.
   std::vector<SurfacePoint> points(int keyframe, const Eigen::Vector3d& T_frame_base) const;
 
-  /// Keyframes that have a scan, ascending, from `first` to before `end`.
+  /// Returns the keyframes in [first, end) that have a scan, ascending.
   std::vector<int> between(int first, int end) const;
 
-  /// None of them is needed for the moment.
+  /// Allows the memory to be paged out until it is read again.
   void rest() const { memory_->rest(); }
 
  private:
@@ -46,7 +46,7 @@ class KeptScans {
   const Scan* find(int keyframe) const;
 
   std::unique_ptr<RowMemory<Packed>> memory_;
-  std::vector<Scan> scans_;                ///< ascending
+  std::vector<Scan> scans_;                ///< ascending by keyframe
   std::deque<std::vector<Packed>> large_;  ///< scans of more points than fit into a chunk
 };
 

@@ -7,10 +7,10 @@
 namespace orchard::pose {
 namespace {
 
-/// Nearer to its return than this a beam says nothing of what it passes [m]: leaves and bark.
+/// The last part of a beam before its return does not mark cells as free [m]: leaves and bark.
 constexpr double kBeforeHit_m = 0.6;
 
-/// Least value that a return gives to a cell beside it.
+/// Min value that a return gives to a cell near it; smaller values are not stored.
 constexpr int kBesideMin = 15;
 
 }  // namespace
@@ -68,7 +68,7 @@ void PlaceRaster::finish() {
     std::vector<std::int8_t> wide(fine.size());
     for (std::size_t y = 0; y < n; ++y) {
       for (std::size_t x = 0; x < n; ++x) {
-        // beyond the edge nothing is known: 0
+        // Cells outside the raster are unknown: 0.
         const std::int8_t right = x + step < n ? fine[y * n + x + step] : std::int8_t{0};
         wide[y * n + x] = std::max(fine[y * n + x], right);
       }

@@ -7,32 +7,33 @@
 
 namespace orchard::pose {
 
-/// What scans say of the ground around a place: cells where returns came from count for a point
-/// that falls there, cells that beams passed through count against it, the rest says nothing.
+/// Raster for scoring a submap's pose: a point scores positive in cells with returns, negative in
+/// cells that beams passed through, and zero in unknown cells.
 ///
-/// Coarser and coarser copies hold, at the same spacing, the best value of ever larger squares, by
-/// which whole regions of places are ruled out at once (after Hess et al. 2016).
+/// Coarser levels, at the same spacing, hold the maximum over larger and larger squares; they give
+/// the upper bounds by which branch and bound discards whole regions (after Hess et al. 2016).
 class PlaceRaster {
  public:
-  static constexpr int kHit = 100;      ///< value of a cell on a return
-  static constexpr int kThrough = -60;  ///< of one that beams passed through
+  static constexpr int kHit = 100;      ///< value of a cell with a return
+  static constexpr int kThrough = -60;  ///< value of a cell that beams passed through
   static constexpr int kLevels = 6;     ///< squares of 1 to 32 cells
 
-  /// `kernel_m` is how far a return may lie from where it was, 1-sigma.
+  /// `kernel_m`: repeatability of a return's position, 1-sigma.
   PlaceRaster(const Eigen::Vector2d& centre_map, double half_side_m, double cell_m,
               double kernel_m);
 
-  /// A beam that came back from `hit_map`.
+  /// Adds a beam from the laser to its return at `hit_map`.
   void add(const Eigen::Vector2d& laser_map, const Eigen::Vector2d& hit_map);
 
-  /// After the last beam: makes the values and their coarser copies.
+  /// Computes the values and the coarser levels; call after the last beam.
   void finish();
 
   double cell_m() const { return cell_m_; }
   int column(double x_map_m) const;
   int row(double y_map_m) const;
 
-  /// The best value of the square of 2^level cells whose first cell that is; 0 outside.
+  /// Returns the max value in the square of side 2^level cells that starts at this cell; 0 outside
+  /// the raster.
   int best(int level, int column, int row) const {
     if (column < 0 || row < 0 || column >= side_ || row >= side_)
       return outside(level, column, row);
@@ -42,7 +43,7 @@ class PlaceRaster {
   }
 
  private:
-  /// A square that begins outside may reach in: nothing better is known of it than a hit.
+  /// A square that starts outside may reach into the raster: its bound is kHit.
   int outside(int level, int column, int row) const {
     const int reach = 1 << level;
     return column > -reach && row > -reach && column < side_ && row < side_ ? kHit : 0;

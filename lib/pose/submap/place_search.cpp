@@ -9,12 +9,12 @@
 namespace orchard::pose {
 namespace {
 
-/// Values of the raster that are looked up for one question at most.
+/// Max number of raster lookups per search.
 constexpr std::int64_t kOperationsMax = 60'000'000;
 
 struct Node {
   int turn = 0;
-  int x = 0;  ///< shift in cells of the first place of the square
+  int x = 0;  ///< shift of the square's first pose [cells]
   int y = 0;
   int level = 0;
   int bound = 0;
@@ -46,7 +46,7 @@ class Search {
             geometry::wrap_angle_rad(window_.T_map_submap.z() + turn * turn_step_rad_)};
   }
 
-  /// Finds a better place than `beaten`, away from `apart_from` if there is one.
+  /// Finds the best pose with a score above `beaten`, different from `apart_from` if given.
   bool run(int beaten, const Node* apart_from, double same_m, double same_rad, Node& best) {
     apart_from_ = apart_from;
     same_cells_ = same_m / raster_.cell_m();
@@ -91,7 +91,7 @@ class Search {
     return sum;
   }
 
-  /// Whether all places of a square are the same as the one to stay away from.
+  /// True if all poses of a square count as the same as `apart_from_`.
   bool is_same(const Node& node) const {
     if (!apart_from_ || std::abs(node.turn - apart_from_->turn) > same_turns_) return false;
     const int last = (1 << node.level) - 1;
@@ -132,7 +132,7 @@ class Search {
   double turn_step_rad_ = 0.01;
   int num_turns_ = 0;
   int num_shifts_ = 0;
-  std::vector<std::vector<Eigen::Vector2i>> cells_;  ///< of the points, by turn
+  std::vector<std::vector<Eigen::Vector2i>> cells_;  ///< cells of the points, per turn
   const Node* apart_from_ = nullptr;
   double same_cells_ = 0.0;
   double same_turns_ = 0.0;

@@ -18,62 +18,62 @@ using geometry::rotation;
 
 namespace {
 
-/// Length of the stretches of path whose scans are fitted to one another [m].
+/// Length of the parts of the path whose scans are registered to each other [m].
 constexpr double kStretch_m = 20.0;
 
-/// So many trunks, mapped so much travel ago [m], hold the robot in the map of old.
+/// Number of trunks in view, mapped at least kOld_m of travel ago, that constrain the pose enough.
 constexpr int kAnchorsEnough = 3;
 constexpr double kOld_m = 2.0 * kStretch_m;
 
-/// Travel between two questions [m].
+/// Min travel between two searches [m].
 constexpr double kAskEvery_m = 5.0;
 
-/// More certain than this [m] there is nothing to ask.
+/// No search if the standard deviation of the position is smaller [m].
 constexpr double kAskSd_m = 0.10;
 
-/// The place is looked for within so many standard deviations of the pose.
+/// Search window in standard deviations of the pose.
 constexpr double kSearchSigmas = 4.0;
 
-/// And at least so far [m], so that rivals at a tree's or a row's distance are met.
+/// Limits of the search window; the minimum includes rivals one tree or row away.
 constexpr double kSearchMin_m = 4.0;
 constexpr double kSearchMax_m = 40.0;
 constexpr double kSearchTurnMin_rad = 0.05;
 constexpr double kSearchTurnMax_rad = 0.7;
 
-/// Side of the cells in which places are looked for [m], and of the squares in which a stretch has
-/// one point: walls and hedges count by their length.
+/// Side of the raster's cells [m], and of the squares with one point each, so that walls and hedges
+/// count by their length.
 constexpr double kCell_m = 0.2;
 constexpr double kPointSpacing_m = 0.3;
-/// How far surfaces lie from where they were, 1-sigma [m]: a stretch bends, leaves move.
+/// Repeatability of surfaces, 1-sigma [m]: the path is distorted, leaves move.
 constexpr double kRoughness_m = 0.15;
 constexpr std::size_t kPointsMin = 60;
 constexpr std::size_t kPointsMax = 400;
 
-/// Places nearer than this to one another are the same.
+/// Poses nearer to each other than this are the same.
 constexpr double kSame_m = 1.2;
 constexpr double kSame_rad = 0.12;
 
-/// Score per point on known ground that a place needs, how much of the points lies there, and how
-/// far the best place must lead.
+/// Min score per point in known cells, min fraction of points in known cells, and min lead of the
+/// best pose as a fraction of its score.
 constexpr double kScoreMin = 0.5;
 constexpr double kKnownMin = 0.4;
 constexpr double kLead = 0.2;
 
-/// The fit of all points must end near that place, and be good.
+/// Limits for the fit of all points: change of the pose found, score, and standard deviation.
 constexpr double kFitShift_m = 0.6;
 constexpr double kFitTurn_rad = 0.1;
 constexpr double kFitScore = 0.4;
 constexpr double kFitSd_m = 0.3;
 
-/// A stretch bends by so much: least standard deviation of what it tells.
+/// Distortion of the registered part of the path, added to the covariance of a closure.
 constexpr double kBendSd_m = 0.05;
 constexpr double kBendSd_rad = 0.005;
 
-/// Squared Mahalanobis distance (3 degrees of freedom) that refutes a closure.
+/// Max squared Mahalanobis distance (3 degrees of freedom) of a closure after the solve.
 constexpr double kRefuted2 = 25.0;
 
-/// The whole graph is solved at once where a closure moves the robot by more than this [m], but
-/// not before the graph has grown by that fraction.
+/// A closure that moves the robot by more than this [m] needs a solve of the whole graph, which is
+/// only done after the graph has grown by this fraction.
 constexpr double kMoves_m = 0.3;
 constexpr double kScanSolveGrowth = 0.02;
 
@@ -106,7 +106,7 @@ bool is_held_by_old_trunks(const SlamMap& map) {
   return anchors >= kAnchorsEnough;
 }
 
-/// A fit's covariance, which is of (x, y) in map, in the axes of a keyframe.
+/// Rotates a fit's covariance, whose (x, y) are in map, into the axes of a keyframe.
 Eigen::Matrix3d in_axes_of(const Eigen::Vector3d& T_map_base, const Eigen::Matrix3d& P_map) {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   R.topLeftCorner<2, 2>() = rotation(-T_map_base.z());
@@ -119,7 +119,7 @@ ScanCloser::ScanCloser(const ScanMotionConfig& config, const laser::LaserConfig&
                        std::shared_ptr<ChunkMemory> memory)
     : config_(config), mount_(mount), scans_(std::move(memory)), points_(config) {}
 
-/// Fills the map of points with some keyframes' scans, in map.
+/// Replaces the points of points_ by the scans of these keyframes, in map.
 void ScanCloser::refill(const SlamMap& map, const std::vector<int>& keyframes) {
   filling_ += 1.0;
   points_.forget_before(filling_);
@@ -134,7 +134,7 @@ void ScanCloser::keep(const std::vector<SurfacePoint>& points, const SlamMap& ma
   scans_.keep(map.newest(), points);
 }
 
-/// The old keyframe whose scan shows most of what the points show at that place.
+/// Returns the old keyframe whose scan has the most points in common with `points` at T_map_base.
 int ScanCloser::best_witness(const SlamMap& map, const Eigen::Vector3d& T_map_base,
                              const std::vector<SurfacePoint>& points, const std::vector<int>& old) {
   filling_ += 1.0;

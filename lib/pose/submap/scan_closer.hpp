@@ -14,22 +14,22 @@
 
 namespace orchard::pose {
 
-/// What scans add to the graph where trunks do not hold the robot: the last stretch of the path
-/// against what was seen there long ago.
+/// Closes loops by scans if the trunks do not constrain the pose: registers the scans of the last
+/// part of the path to those taken there long before, and adds the relative pose to the graph.
 class ScanCloser {
  public:
-  /// `memory` holds the scans; none: the heap.
+  /// `memory` stores the scans; null: the heap.
   ScanCloser(const ScanMotionConfig& config, const laser::LaserConfig& mount,
              std::shared_ptr<ChunkMemory> memory = nullptr);
 
-  /// Keeps the returns [m, base] of the newest keyframe's scan.
+  /// Stores the returns [m, base] of the newest keyframe's scan.
   void keep(const std::vector<SurfacePoint>& points, const SlamMap& map);
 
-  /// Looks for a closure at the newest keyframe, as often and as wide as its covariance asks for.
-  /// True if the graph has a new factor.
+  /// Searches for a closure at the newest keyframe if its covariance requires one, within that
+  /// covariance. Returns true if a factor was added to the graph.
   bool observe(SlamMap& map);
 
-  /// Drops the closures that the finished graph contradicts; true if there were any.
+  /// Drops the closures that the finished graph contradicts; returns true if there were any.
   bool drop_contradicted(SlamMap& map);
 
   bool is_ambiguous() const { return ambiguous_; }
@@ -50,9 +50,9 @@ class ScanCloser {
   laser::LaserConfig mount_;
   KeptScans scans_;
   PointMap points_;
-  double filling_ = 0.0;      ///< of points_: what was inserted before is not found
-  double asked_m_ = 0.0;      ///< travel when a closure was last looked for
-  int solved_keyframes_ = 0;  ///< when the graph was last solved for one
+  double filling_ = 0.0;      ///< generation of points_; older points are hidden
+  double asked_m_ = 0.0;      ///< travel at the last search
+  int solved_keyframes_ = 0;  ///< number of keyframes when the graph was last solved for a closure
   bool ambiguous_ = false;
   int num_asked_ = 0;
   int num_closures_ = 0;

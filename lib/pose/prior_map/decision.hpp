@@ -3,44 +3,46 @@
 
 namespace orchard::pose {
 
-// When a position in a prior map is accepted, judged again and given up.
+// Thresholds for accepting, checking and giving up a position in a prior map.
 
-/// Travel between two searches, and between two checks of a position that was found [m].
+/// Travel between two searches, and between two checks of the present position [m].
 inline constexpr double kSearchEvery_m = 1.0;
 
-/// Constellations of fewer trunks repeat in an orchard and are not searched for.
+/// Min number of trunks for a search; smaller constellations repeat in an orchard.
 inline constexpr int kTrunksMin = 6;
 
-/// Hypotheses scored at each scan: bounds its cost.
+/// Number of hypotheses scored per scan; bounds its cost.
 inline constexpr int kHypothesesPerScan = 400;
 
-/// Natural log odds of one position against all others together at which it is accepted (1 in
-/// 8,000), and at which it takes the place of one that is held.
+/// Min natural log-odds of a position against all others together to be accepted (1 in 8,000), and
+/// min log-likelihood advantage of a rival over the present position.
 inline constexpr double kLogOddsMin = 9.0;
 
-/// Natural log likelihood ratio against another orchard of such rows at which a position is
-/// accepted.
+/// Min natural log-likelihood ratio of a position against another orchard with the same planting
+/// pattern.
 inline constexpr double kLogFitMin = 0.0;
 
-/// When fewer of the expected trees are observed, the position is given up.
+/// If a smaller fraction of the expected trees is observed, the position is given up, unless the
+/// trunks around support it.
 inline constexpr double kLostFraction = 0.5;
 
-/// When more of them are, trunks around that fit badly are no reason by themselves: another
-/// position must explain them better.
+/// If at least this fraction of the expected trees is observed, a bad fit of the trunks around is
+/// not sufficient to give up the position: another one must explain them better.
 inline constexpr double kThereFraction = 0.8;
 
 /// A position with a larger standard deviation is lost [m]; see also kLostSpacings.
 inline constexpr double kLostSd_m = 1.0;
 
-/// A place dead-reckoned to more than this fraction of the trees' spacing may be a tree off.
+/// Max standard deviation of a position as a fraction of the trees' spacing; beyond it, landmarks
+/// may be confused with their neighbours.
 inline constexpr double kLostSpacings = 0.3;
 
-inline constexpr int kJudgedTrees = 4;  ///< fewer say nothing of the place
+inline constexpr int kJudgedTrees = 4;  ///< min number of expected trees for a decision
 
-/// Checks in a row that speak against a place.
+/// Number of consecutive contradicting checks that end a position.
 inline constexpr int kContradictions = 2;
 
-/// A place that is held is judged by what stands and was seen within so many ranges of sight.
+/// The present position is checked by trunks within this distance and travel, in detection ranges.
 inline constexpr double kAroundRanges = 1.5;
 
 }  // namespace orchard::pose

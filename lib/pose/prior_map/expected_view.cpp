@@ -14,7 +14,7 @@ using geometry::transform;
 
 namespace {
 
-/// A scan lasts no longer; a sighting that claims to be farther from its scan is not moved.
+/// Max duration of a scan; an observation farther from its scan's stamp is not corrected.
 constexpr double kMaxScanS = 1.0;
 
 }  // namespace

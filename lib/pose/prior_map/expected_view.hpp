@@ -9,8 +9,9 @@
 
 namespace orchard::pose {
 
-/// The sightings of a scan that are of use, moved from the time at which each was made to that of
-/// the scan by the velocity of base. What is not finite is left out.
+/// Returns the usable observations of a scan, corrected by the velocity of base from the time of
+/// each to that of the scan. Values not finite, invalid covariances and objects beyond
+/// observation_range_max_m are left out.
 std::vector<Sighting> sightings_at_scan(const detection::Detections& seen, double speed_mps,
                                         double yaw_rate_radps, const PriorMapConfig& config);
 

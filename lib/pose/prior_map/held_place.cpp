@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The part of PriorMapLocaliser that holds a place and gives it up.
+// PriorMapLocaliser while tracking: checks the present position and gives it up.
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 namespace orchard::pose {
 namespace {
 
-/// A rival stands elsewhere, not a little beside.
+/// Min distance and rotation between a rival and the present position.
 constexpr double kElsewhere_m = 1.0;
 constexpr double kElsewhere_rad = 0.3;
 
@@ -28,7 +28,7 @@ void PriorMapLocaliser::suspect(const std::vector<Sighting>& sightings) {
   if (since_suspicion_) since_suspicion_->observe(sightings, field_);
   const bool anew = since_suspicion_ ? since_suspicion_->surprised() : local_.surprised();
   if (!anew) {
-    // by then local_ knows nothing older either
+    // After window_m of travel local_ contains no older trunks either.
     if (local_.travel_m() - suspected_travel_m_ > config_.window_m) since_suspicion_.reset();
     return;
   }
@@ -38,7 +38,8 @@ void PriorMapLocaliser::suspect(const std::vector<Sighting>& sightings) {
   since_suspicion_->observe(sightings, field_);
 }
 
-/// What stands around base now: the place is known, and a local map bends on its way.
+/// Returns the evidence near base only: the local map is distorted over longer distances, and the
+/// position is already known.
 LocalEvidence PriorMapLocaliser::evidence_around(const LocalTrunkMap& local) const {
   LocalEvidence around = evidence(local);
   const double reach_m = kAroundRanges * config_.detection_range_m;
@@ -59,7 +60,7 @@ void PriorMapLocaliser::track(const std::vector<Sighting>& sightings) {
   const bool judged = trees.num_trees >= kJudgedTrees;
   const bool trees_gone = judged && trees.num_there < kLostFraction * trees.num_trees;
   if (local_.broken()) {
-    // Scans measure also how a robot is carried, or say that they cannot.
+    // Scan matching also measures the motion of a robot that is carried, or is unreliable.
     if (!scan_motion_ || trees_gone) {
       lose("what was seen just now has gone, though the wheels did not say so", true);
       return;
@@ -132,7 +133,7 @@ void PriorMapLocaliser::check_place(const TreeWatch::Count& trees) {
     }
   }
   if (!enough && !trees_gone && !contradicted_since) return;
-  // where many trees were felled the trunks of the way there still speak for the place
+  // Where many trees were felled, the trunks seen before still support the position.
   const bool supported = enough && here(scorer).score >= -kLostLogFit && !contradicted_since;
   num_contradictions_ = supported ? 0 : num_contradictions_ + 1;
   if (trees_gone && !supported) {

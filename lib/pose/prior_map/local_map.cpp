@@ -21,22 +21,22 @@ using geometry::transform_back;
 namespace {
 
 constexpr double kLocalGate2 = geometry::kChiSquare2_999;
-constexpr double kMatchM = 0.5;         ///< a trunk is never farther from where it was seen before
-constexpr double kNewTrunkM = 0.6;      ///< nothing begins nearer to a trunk than this
-constexpr int kSureSightings = 3;       ///< that make a trunk
-constexpr double kSureFraction = 0.5;   ///< of the scans that should have shown it
-constexpr int kMissedForgotten = 5;     ///< scans in a row without what is not sure yet
-constexpr double kUnsureTravelM = 3.0;  ///< what is not sure by then, and unseen since, is dropped
+constexpr double kMatchM = 0.5;         ///< max distance of an observation from its trunk
+constexpr double kNewTrunkM = 0.6;      ///< min distance of a new trunk from known ones
+constexpr int kSureSightings = 3;       ///< min number of observations of a real trunk
+constexpr double kSureFraction = 0.5;   ///< min fraction of the scans that should have shown it
+constexpr int kMissedForgotten = 5;     ///< consecutive misses that remove an unconfirmed trunk
+constexpr double kUnsureTravelM = 3.0;  ///< travel unseen that removes an unconfirmed trunk
 constexpr std::size_t kMaxTrunks = 60;
 constexpr double kViewTravelM = 0.5;
 constexpr double kViewTurnRad = 0.3;
 constexpr std::size_t kMaxViews = 200;
-constexpr int kJudgedTrunks = 3;  ///< fewer expected ones say nothing of the motion
+constexpr int kJudgedTrunks = 3;  ///< min number of expected trunks to judge the motion
 constexpr double kBrokenFraction = 0.34;
-/// A trunk is judged by after so many scans: one that began after the robot was moved would say
-/// that all is well.
+/// Min age in scans of a trunk used to judge the motion: one first seen after the robot was carried
+/// would confirm the wrong motion.
 constexpr int kOldScans = 10;
-/// Fewer trunks that are not there, or stand where none was, may come together by chance.
+/// Min number of contradictions in a scan; fewer may occur by chance.
 constexpr int kSurprises = 3;
 
 }  // namespace
@@ -82,7 +82,7 @@ void LocalTrunkMap::observe(const std::vector<Sighting>& sightings, const SightF
       ++num_matched;
       continue;
     }
-    // beside a trunk of before, or where one would have been seen before
+    // Contradiction: seen beside a known trunk, or in covered space without a known trunk.
     const bool beside = nearest_m < kNewTrunkM;
     num_surprises += beside || field.covers(sighting.p_base);
     if (!beside) fresh.push_back(&sighting);
@@ -106,7 +106,7 @@ void LocalTrunkMap::observe(const std::vector<Sighting>& sightings, const SightF
   if (num_expected >= kJudgedTrunks) {
     num_broken_scans_ = num_seen < kBrokenFraction * num_expected ? num_broken_scans_ + 1 : 0;
   }
-  // with nothing known of before, all of a scan is new
+  // In an empty map every observation is new, which is no contradiction.
   surprised_ = num_before > 0 && num_surprises >= kSurprises && num_surprises > num_matched;
 
   for (const Sighting* sighting : fresh) insert(*sighting);
@@ -151,7 +151,7 @@ int LocalTrunkMap::match(const Sighting& sighting, const std::vector<bool>& take
 }
 
 void LocalTrunkMap::correct(int trunk, const Sighting& sighting) {
-  // innovation: where it is seen, less where it stands, both in the local frame
+  // Innovation: observed minus estimated position, in the local frame.
   const auto at = 3 + 2 * static_cast<Eigen::Index>(trunk);
   const Eigen::Vector2d p_seen = transform(T_local_base_, sighting.p_base);
   const Eigen::Vector2d arm = p_seen - T_local_base_.head<2>();
@@ -262,7 +262,7 @@ std::vector<LocalTrunkMap::Trunk> LocalTrunkMap::trunks(double clump_reach_m) co
     trunk.covariance = P_.block<2, 2>(at, at);
     if (entry.width_weight > 0.0) {
       trunk.width_m = entry.width_sum / entry.width_weight;
-      // what the widths scatter beyond what they state is how the thing observations from its sides
+      // Scatter of the widths beyond their variance: the object has other widths from other sides.
       const double n = entry.num_widths;
       const double mean_m = entry.width_sum_m / n;
       const double excess_m2 = entry.width_sum_m2 / n - mean_m * mean_m - entry.width_noise_m2 / n;

@@ -10,10 +10,9 @@
 
 namespace orchard::pose {
 
-/// The trunks around the last metres of travel, in a frame of their own: SLAM by an extended
-/// Kalman filter over base and trunks. It knows nothing of the prior map, which is how one place
-/// of that map can be held against another by whole trunks rather than by sightings, of which one
-/// wrong trunk makes dozens.
+/// Local map of the trunks along the last metres of travel: EKF-SLAM over base and trunks, in its
+/// own frame. It is independent of the prior map, so that positions in that map can be compared by
+/// whole trunks instead of single observations, of which one wrong trunk yields dozens.
 class LocalTrunkMap {
  public:
   struct Trunk {
@@ -21,15 +20,15 @@ class LocalTrunkMap {
     Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< against base at the last anchor()
     double width_m = 0.0;                                  ///< 0 = unknown
     double width_sd_m = 0.0;
-    double last_travel_m = 0.0;  ///< of base when it was last seen
+    double last_travel_m = 0.0;  ///< travel when it was last seen
     int num_seen = 0;
     int num_expected = 0;  ///< scans that saw it or should have
-    int num_near = 0;      ///< other trunks within the reach that was asked for
-    double sd_m = 0.0;     ///< of its position by itself: how its sightings scatter beyond
-                           ///< what they state, as each side of a bush shows another middle
+    int num_near = 0;      ///< other trunks within `clump_reach_m`
+    double sd_m = 0.0;     ///< scatter of its observations beyond their covariance, e.g. because
+                           ///< each side of a bush shows another centre
   };
 
-  /// A place from which was looked.
+  /// A viewpoint with the occlusions seen from it.
   struct View {
     Eigen::Vector3d T_local_base = Eigen::Vector3d::Zero();
     geometry::OcclusionTest occlusion;
@@ -38,31 +37,31 @@ class LocalTrunkMap {
 
   explicit LocalTrunkMap(const PriorMapConfig& config);
 
-  /// Forgets everything but the travel: begins anew at base.
+  /// Clears the map; keeps the travel. Base becomes the origin.
   void clear();
 
-  /// Base moves by T_base_next with its covariance, along `travel_m` of path.
+  /// Predicts the motion of base by T_base_next with its covariance, along `travel_m` of path.
   void move(const Eigen::Vector3d& T_base_next, const Eigen::Matrix3d& covariance, double travel_m);
 
   void observe(const std::vector<Sighting>& sightings, const SightField& field);
 
-  /// Makes base, as it is now, the frame's origin. Nothing that was asked in the frame before
-  /// holds.
+  /// Moves the frame's origin to the present base. Invalidates all results in the previous frame.
   void anchor();
 
-  /// The trunks that were seen often enough to be there, the one seen last first.
-  /// Parts of one clump stand within `clump_reach_m`.
+  /// Returns the trunks that were seen often enough to be real, the last seen first.
+  /// `clump_reach_m`: max distance between parts of one clump, see Trunk::num_near.
   std::vector<Trunk> trunks(double clump_reach_m = 0.0) const;
   const std::deque<View>& views() const { return views_; }
   const Eigen::Vector3d& T_local_base() const { return T_local_base_; }
   const Eigen::Matrix3d& pose_covariance() const { return pose_covariance_; }
   double travel_m() const { return travel_m_; }
 
-  /// Whether scans, for some time, have shown little of the trunks that they should have: base did
-  /// not move as odometry says.
+  /// True if several consecutive scans have missed most of the expected trunks: base did not move
+  /// as measured.
   bool broken() const { return num_broken_scans_ >= kBrokenScans; }
 
-  /// Whether the last scan alone speaks rather of another place than of where base should be.
+  /// True if the last scan has more contradictions than matches: trunks seen beside known ones or
+  /// where none should be, or missing.
   bool surprised() const { return surprised_; }
 
  private:
@@ -73,7 +72,7 @@ class LocalTrunkMap {
     int num_expected = 0;  ///< scans that saw it or should have
     int num_missed_in_a_row = 0;
     double last_travel_m = 0.0;
-    double excess_m2 = 0.0;  ///< of squared innovations over their covariance, summed, per axis
+    double excess_m2 = 0.0;  ///< sum of squared innovations minus their covariance, per axis
     double width_sum_m = 0.0;
     double width_sum_m2 = 0.0;
     double width_noise_m2 = 0.0;

@@ -18,18 +18,18 @@ constexpr double kMaxCoordinateM = 1e8;
 /// Two landmarks nearer to each other than this are one trunk.
 constexpr double kOneTrunkM = 0.4;
 
-// What no orchard in metres has: used to tell millimetres, centimetres and kilometres from them.
+// Limits of plausible orchards in metres; maps in mm, cm or km exceed them.
 constexpr double kMaxTrunkM = 3.0;
 constexpr double kMaxSpacingM = 50.0;
 constexpr double kMinSpacingM = 0.05;
 
-/// Fraction of a visit's observations from which on a thing is a trunk to it (LocalTrunkMap).
+/// Min detection rate of a trunk in LocalTrunkMap (its kSureFraction).
 constexpr double kSeenMostly = 0.5;
 
-/// Neighbours of one landmark that make pairs with it: bounds what a dense map costs.
+/// Max number of neighbours that form pairs with a landmark; bounds the cost of a dense map.
 constexpr std::size_t kMaxNeighbours = 60;
 
-/// Median distance to the nearest other landmark, by a sweep over x.
+/// Returns the median distance to the nearest other landmark, by a sweep over x.
 double median_spacing_m(const std::vector<PriorLandmark>& landmarks) {
   std::vector<Eigen::Vector2d> points;
   for (const PriorLandmark& l : landmarks) points.push_back(l.p_map);
@@ -84,7 +84,7 @@ std::vector<PriorLandmark> without_doubles(const std::vector<PriorLandmark>& lan
   std::stable_sort(heaviest_first.begin(), heaviest_first.end(),
                    [](const auto& a, const auto& b) { return a.weight > b.weight; });
   const PriorMap map(heaviest_first, 0.0);
-  std::vector<std::int32_t> kept(heaviest_first.size(), -1);  // where each one went
+  std::vector<std::int32_t> kept(heaviest_first.size(), -1);  // index in `merged`, -1: none
   std::vector<PriorLandmark> merged;
   for (std::int32_t i = 0; i < static_cast<std::int32_t>(heaviest_first.size()); ++i) {
     const PriorLandmark& here = map[i];
@@ -116,7 +116,7 @@ PriorMap::PriorMap(EarlierMap earlier, double pair_max_m)
     : landmarks_(std::move(earlier.landmarks)),
       path_m_(std::move(earlier.path_m)),
       reach_m_(earlier.reach_m) {
-  // A cell gives back what was put in last first: in rising order of index, then.
+  // The grid visits a cell's points in reverse order of insertion, hence in ascending order here.
   for (auto i = static_cast<std::int32_t>(landmarks_.size()) - 1; i >= 0; --i) {
     grid_.insert(i, (*this)[i].p_map);
   }

@@ -12,38 +12,38 @@
 
 namespace orchard::pose {
 
-/// Prior fraction of the trees that is gone, and that is new, between two days.
+/// Prior fraction of trees removed, and of trees added, between two days.
 inline constexpr double kChangeFraction = 0.05;
 
-/// A landmark of an earlier day's map.
+/// A landmark of the prior map.
 struct PriorLandmark {
   Eigen::Vector2d p_map = Eigen::Vector2d::Zero();  ///< [m]
   double width_m = 0.0;                             ///< 0 = unknown
-  double weight = 1.0;                              ///< against its doubles: how often it was seen
-  double sd_m = 0.0;  ///< of its position by itself, beyond what all landmarks err by
-  double rate = 1.0;  ///< fraction of its chances at which the earlier drive saw it
+  double weight = 1.0;  ///< number of observations; weight when duplicates are merged
+  double sd_m = 0.0;    ///< of its position, in addition to the error common to all landmarks
+  double rate = 1.0;    ///< detection rate on the earlier drive
 };
 
-/// What an earlier day left: a map, and where it was looked.
+/// Map of an earlier day, with the path of the laser that observed it.
 struct EarlierMap {
   EarlierMap() = default;
   EarlierMap(std::vector<PriorLandmark> all) : landmarks(std::move(all)) {}
 
   std::vector<PriorLandmark> landmarks;
-  std::vector<Eigen::Vector2d> path_m;  ///< of its laser, every half metre or so; none: not known
-  double reach_m = 0.0;                 ///< of the laser there
+  std::vector<Eigen::Vector2d> path_m;  ///< of the laser, about every 0.5 m; empty: unknown
+  double reach_m = 0.0;                 ///< range of the laser on that path
 };
 
-/// Why no robot can find its place by these landmarks (too few, not in metres, not finite), in
-/// words that complete "the prior map ..."; empty if one can.
+/// Checks whether the landmarks are suitable for localisation. Returns the problem (too few, not in
+/// metres, not finite) in words that complete "the prior map ..."; empty if there is none.
 std::string problem_with(const std::vector<PriorLandmark>& landmarks);
 
-/// The landmarks with those that stand nearer to each other than two trunks can made one: a map may
-/// hold a tree twice, once as it was seen from either side.
+/// Merges landmarks that are nearer to each other than two trunks can be: a map may contain a tree
+/// twice, once from either side.
 std::vector<PriorLandmark> without_doubles(const std::vector<PriorLandmark>& landmarks);
 
-/// The landmarks of a prior map, ordered for two questions: what stands near a point, and which
-/// pairs stand at a given distance.
+/// Index of the landmarks of a prior map for two queries: landmarks near a point, and pairs of
+/// landmarks at a given distance.
 class PriorMap {
  public:
   struct Pair {
@@ -58,35 +58,36 @@ class PriorMap {
     return landmarks_[static_cast<std::size_t>(i)];
   }
 
-  /// Calls visit(index) for everything within `radius_m` of the point and some beyond, in an order
-  /// that depends on the map alone.
+  /// Calls visit(index) for all landmarks within `radius_m` of the point and some beyond, in an
+  /// order that depends on the map only.
   template <class Visit>
   void near(const Eigen::Vector2d& p_map, double radius_m, Visit&& visit) const {
     grid_.near(p_map.x(), p_map.y(), radius_m, visit);
   }
 
-  /// Pairs whose distance lies in [least, most]: a range of pairs().
+  /// Returns the range [begin, end) of pairs() with distances in [least_m, most_m).
   std::pair<std::size_t, std::size_t> pairs_at(double least_m, double most_m) const;
   const std::vector<Pair>& pairs() const { return pairs_; }
 
-  /// Probability that another visit that looks at a landmark finds it where it stands.
+  /// Returns the probability that another visit with a landmark in view detects it again.
   double repeat(std::int32_t i) const { return repeat_[static_cast<std::size_t>(i)]; }
 
-  /// Whether the earlier drive looked there; true where its path is not known.
+  /// Returns true if the point was within the laser's range on the earlier drive, or if its path is
+  /// unknown.
   bool was_looked_at(const Eigen::Vector2d& p_map) const;
 
-  /// How near two things are parts of one clump [m].
+  /// Returns the max distance between parts of one clump [m].
   double clump_reach_m() const;
 
-  /// Standard deviation of the widths of the landmarks that have one [m].
+  /// Standard deviation of the known widths of the landmarks [m].
   double width_sd_m() const { return width_sd_m_; }
-  /// Median distance to the nearest landmark [m].
+  /// Median distance of a landmark to its nearest neighbour [m].
   double spacing_m() const { return spacing_m_; }
 
  private:
   std::vector<PriorLandmark> landmarks_;
   geometry::PointGrid grid_{1.0};
-  std::vector<Pair> pairs_;  ///< by distance
+  std::vector<Pair> pairs_;  ///< sorted by distance
   std::vector<double> repeat_;
   std::vector<Eigen::Vector2d> path_m_;
   geometry::PointGrid path_grid_{2.0};

@@ -5,34 +5,34 @@
 
 namespace orchard::pose {
 
-/// What is known of the place at the start.
+/// Knowledge of the pose at the start.
 enum class PriorStart {
-  kGlobal,  ///< nothing: it is found from the trunks
+  kGlobal,  ///< none: global localisation by the trunks
   kGiven,   ///< start_x_m, start_y_m, start_yaw_rad
 };
 
-/// Localisation in the map of an earlier day. Section `pose.prior_map`.
+/// Configuration of localisation in the map of an earlier day. Section `pose.prior_map`.
 struct PriorMapConfig {
   std::string map_file;  ///< map.csv, or the folder that holds it
   PriorStart start = PriorStart::kGlobal;
-  double start_x_m = 0.0;  ///< of base in the prior map
+  double start_x_m = 0.0;  ///< pose of base in the prior map
   double start_y_m = 0.0;
   double start_yaw_rad = 0.0;
   double start_position_sd_m = 0.3;
   double start_yaw_sd_rad = 0.1;
 
   int min_observations = 2;               ///< landmarks seen less often are not used
-  double landmark_sd_m = 0.05;            ///< of the map's positions among their neighbours
-  double width_sd_m = 0.01;               ///< between the widths that two days measure of one trunk
-  double observation_sd_m = 0.02;         ///< of a centre, on top of what the detector states
-  double observation_range_max_m = 10.0;  ///< what is farther away is not used
-  double detection_range_m = 4.0;         ///< within which an unhidden trunk is seen mostly
+  double landmark_sd_m = 0.05;            ///< of a landmark relative to its neighbours
+  double width_sd_m = 0.01;               ///< repeatability of a trunk's width between two days
+  double observation_sd_m = 0.02;         ///< of a centre, added to the detector's covariance
+  double observation_range_max_m = 10.0;  ///< farther objects are not used
+  double detection_range_m = 4.0;         ///< range within which most unoccluded trunks are seen
 
-  double speed_scale_sd = 0.03;           ///< of the wheels' size, unlearnt
-  double turn_scale_sd = 0.03;            ///< the same of their turns
-  double yaw_rate_bias_sd_radps = 0.005;  ///< the same of their yaw rate's bias
+  double speed_scale_sd = 0.03;           ///< prior of the wheels' speed scale
+  double turn_scale_sd = 0.03;            ///< prior of the scale of their turns
+  double yaw_rate_bias_sd_radps = 0.005;  ///< prior of their yaw rate bias
 
-  double window_m = 15.0;  ///< travel whose trunks are compared with the map
+  double window_m = 15.0;  ///< length of the path whose trunks are compared with the map
 };
 
 template <class Visitor>

@@ -18,12 +18,12 @@ using geometry::compose_covariance;
 
 namespace {
 
-/// What base may do while nothing measures its motion.
+/// Standard deviations of the velocity of base while its motion is not measured.
 constexpr double kSilentSpeedSdMps = 0.5;
 constexpr double kSilentYawRateSdRadps = 0.3;
-constexpr double kMaxStepS = 1e6;  ///< keeps every number finite across any jump of time
+constexpr double kMaxStepS = 1e6;  ///< keeps all numbers finite across jumps of time
 
-/// A trunk that the local map knows this badly against base says nothing of the place.
+/// Max standard deviation, relative to base, of a trunk of the local map that is used as evidence.
 constexpr double kBentSdM = 0.25;
 
 std::string place_text(const Place& place) {
@@ -102,7 +102,7 @@ void PriorMapLocaliser::add(const detection::Detections& seen) {
   begin_at(seen.utime);
   double speed_mps = 0.0, yaw_rate_radps = 0.0;
   if (scan_motion_) {
-    // what a scan shows is told with the scan's own time: base is where the scan has put it
+    // Detections have the utime of their scan, to which scan matching has already moved base.
     const double dt_s = timing::seconds(last_motion_.utime_to - last_motion_.utime_from);
     if (dt_s > 0.0) {
       speed_mps = last_motion_.T_from_to.x() / dt_s;
@@ -193,7 +193,7 @@ void PriorMapLocaliser::begin_anew() {
 
 LocalEvidence PriorMapLocaliser::evidence(const LocalTrunkMap& local) const {
   LocalEvidence evidence{local.trunks(map_.clump_reach_m()), local.views(), field_};
-  // What lies beyond a headland turn by wheels that are not known yet may be bent away from base.
+  // After a headland turn with uncalibrated wheels, older trunks may be displaced relative to base.
   const auto bent = std::find_if(evidence.trunks.begin(), evidence.trunks.end(),
                                  [](const LocalTrunkMap::Trunk& trunk) {
                                    return 0.5 * trunk.covariance.trace() > kBentSdM * kBentSdM;
@@ -248,7 +248,7 @@ void PriorMapLocaliser::judge(const SearchResult& result) {
              place_text(result.places[0]) + " and " + place_text(result.places[1]) + "; drive on";
     return;
   }
-  // base has moved on since the search began, in the frame of then
+  // Base has moved since the search began; T_local_base is relative to its frame.
   const Place& place = result.places.front();
   tracker_.start(compose(place.T_map_base, local_.T_local_base()),
                  compose_covariance(place.T_map_base, place.covariance, local_.T_local_base(),

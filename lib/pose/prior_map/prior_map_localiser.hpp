@@ -17,17 +17,18 @@
 
 namespace orchard::pose {
 
-/// Finds base in the map of an earlier day, follows it there, and notices when it is elsewhere.
+/// Localiser of pose.mode prior_map: finds base in the map of an earlier day, tracks it there, and
+/// detects when the position is wrong.
 ///
-/// Without a place it gives no pose: it compares the trunks of the last metres with the whole map
-/// and takes a place only when that is likelier than all others together by kLogOddsMin;
-/// warning() says LOST (nothing fits) or AMBIGUOUS (several do) until then. With a place it gives
-/// poses, and loses it when the trees that should be seen are not, or when the local trunks speak
-/// against it. Uses Detections and Odometry, or scans in its stead (motion: scans).
+/// While searching it gives no pose. It compares the trunks of the last metres with the whole map
+/// and accepts a position only when it is more likely than all others together by kLogOddsMin;
+/// until then warning() says LOST (nothing fits) or AMBIGUOUS (several positions fit). While
+/// tracking it gives poses, and returns to searching if expected trees are missing or the local
+/// trunks contradict the position. Uses Detections and Odometry, or scans with `motion: scans`.
 class PriorMapLocaliser : public Localiser {
  public:
-  /// Throws std::invalid_argument with a sentence when nobody can find a place by the landmarks.
-  /// `mount` and `blind` are of use with motion: scans alone.
+  /// Throws std::invalid_argument if the landmarks are not suitable (see problem_with). `mount` and
+  /// `blind` are used with `motion: scans` only.
   PriorMapLocaliser(const PoseConfig& config, const EarlierMap& earlier,
                     const laser::LaserConfig& mount = {}, const laser::BlindSector& blind = {});
   PriorMapLocaliser(const PriorMapLocaliser&) = delete;
@@ -70,25 +71,25 @@ class PriorMapLocaliser : public Localiser {
   PriorMap map_;
   SightField field_;
   LocalTrunkMap local_;
-  /// The same since a scan that base may have been moved before: what holds if it was.
+  /// Second local map, started at a scan before which the robot may have been carried.
   std::optional<LocalTrunkMap> since_suspicion_;
   double suspected_travel_m_ = 0.0;
   PriorMapTracker tracker_;
-  std::optional<PriorMapSearch> search_;  ///< for a place, or for a rival of the one that is held
-  Place held_;                            ///< when the search for a rival began
+  std::optional<PriorMapSearch> search_;  ///< for a position, or for a rival of the present one
+  Place held_;                            ///< position when the search for a rival began
 
   std::optional<std::int64_t> utime_;
   std::optional<Odometry> last_odometry_;
-  std::optional<ScanMotion> scan_motion_;  ///< in the stead of odometry
-  MeasuredMotion last_motion_;             ///< of the last scan
-  int num_unreliable_ = 0;                 ///< scans in a row that do not tell the motion
+  std::optional<ScanMotion> scan_motion_;  ///< with motion: scans
+  MeasuredMotion last_motion_;             ///< by the last scan
+  int num_unreliable_ = 0;                 ///< consecutive scans without a reliable motion
   bool tracking_ = false;
   TreeWatch watch_;
   int num_contradictions_ = 0;
-  double checked_travel_m_ = 0.0;  ///< of the last search or check
+  double checked_travel_m_ = 0.0;  ///< travel at the last search or check
   std::size_t checked_trunks_ = 0;
-  double lost_travel_m_ = 0.0;  ///< where the place was lost, or the beginning
-  std::string state_;           ///< why there is no place; empty while there is
+  double lost_travel_m_ = 0.0;  ///< travel at which the position was lost; initially 0
+  std::string state_;           ///< why there is no position; empty while tracking
   std::int64_t num_lost_ = 0;
 };
 

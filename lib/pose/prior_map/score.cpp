@@ -21,24 +21,24 @@ namespace {
 constexpr double kScoreGate2 = geometry::kChiSquare2_997;
 constexpr double kScoreGate_m = 0.6;
 
-/// Density of trunks where a lattice of rows, shifted at will, expects one: 0.2 m about its places
-/// [1/m2]. A match must be nearer than that to say more than that this is an orchard.
+/// Null hypothesis: density of trunks at the position expected by any lattice of rows, about 0.2 m
+/// around it [1/m2]. Only a nearer match supports this orchard rather than any orchard.
 constexpr double kLatticeDensity = 3.0;
 
-/// How the local map bends, per root metre.
+/// Distortion of the local map, standard deviation per root metre.
 constexpr double kBendSdM = 0.015;
 constexpr double kBendSdRad = 0.003;
 
-/// A map holds what was seen at more than this fraction of its chances, or thereabouts.
+/// Approximate min detection rate of objects in a map.
 constexpr double kMappedRate = 0.1;
 
-/// What is left of a trunk's probability to be in the map where the earlier drive did not look: its
-/// field of view is known about only.
+/// Factor on a trunk's probability of being in the map if the earlier drive did not look there; not
+/// zero because its coverage is known only approximately.
 constexpr double kUnseenFraction = 0.1;
 
 constexpr double kMinWidthEvidence = -2.0;  ///< a trunk may have grown or been measured badly
 
-/// Views that must have had a landmark in sight for it to be missing.
+/// Min number of views with a landmark in sight for it to count as missing.
 constexpr int kMissingViews = 3;
 
 }  // namespace
@@ -95,7 +95,7 @@ std::optional<Place> PlaceScorer::fit(const Place& start, const std::vector<int>
       best_S_inverse = S_inverse;
     });
 
-    // a repeat of the landmark, or something that the map does not hold, against any trunk of rows
+    // The trunk is the landmark seen again or not in the map; likelihood relative to the lattice.
     double repeated = repeat(trunk);
     if (best < 0 && !map_.was_looked_at(p_map)) repeated *= kUnseenFraction;
     const double as_new = 1.0 - repeated;

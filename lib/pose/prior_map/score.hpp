@@ -13,58 +13,58 @@
 
 namespace orchard::pose {
 
-/// What the last metres of travel showed, frozen: in the frame of base as it was then.
+/// Snapshot of the local map, in its frame.
 struct LocalEvidence {
-  std::vector<LocalTrunkMap::Trunk> trunks;  ///< the one seen last first
+  std::vector<LocalTrunkMap::Trunk> trunks;  ///< the last seen first
   std::deque<LocalTrunkMap::View> views;
   SightField field;
 };
 
-/// A place in the prior map that base may have, and how well it explains the evidence.
+/// Hypothesis of the pose in the prior map, with its score by the local evidence.
 struct Place {
   Eigen::Vector3d T_map_base = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  /// Log of how much likelier the evidence is here than in another orchard whose trees stand in
-  /// just such rows: every trunk counts once, matched, new or missing.
+  /// Log-likelihood ratio of the evidence at this pose against another orchard with the same
+  /// planting pattern. Each trunk counts once: matched, new or missing.
   double score = 0.0;
   std::vector<std::int32_t> matched;  ///< landmarks
   int num_new = 0;
   int num_missing = 0;
 };
 
-/// Holds local evidence against places of the prior map.
+/// Scores pose hypotheses in the prior map by the local evidence.
 class PlaceScorer {
  public:
   PlaceScorer(const PriorMap& map, const PriorMapConfig& config, LocalEvidence evidence);
 
   const LocalEvidence& evidence() const { return evidence_; }
 
-  /// Matches the evidence's trunks in this order, beginning from a place with its covariance; each
-  /// match makes the place surer for the next one, while the local map may bend on the way. None
-  /// once the score has fallen below `score_min`. Missing trunks are not counted.
+  /// Matches the trunks in this order, starting from a pose with its covariance. Each match
+  /// corrects the pose by a Kalman update; process noise between trunks models the distortion of
+  /// the local map. None if the score falls below `score_min`. Does not count missing landmarks.
   std::optional<Place> fit(const Place& start, const std::vector<int>& order,
                            double score_min = -1e300) const;
 
-  /// Counts the landmarks that should have been seen from there and were not.
+  /// Subtracts from the score for landmarks that should have been seen at this pose and were not.
   void count_missing(Place& place) const;
 
-  /// Log-likelihood ratio of two widths being one trunk's rather than two trunks'.
+  /// Returns the log-likelihood ratio of two widths being of the same trunk or of two trunks.
   double width_evidence(const LocalTrunkMap::Trunk& trunk, const PriorLandmark& landmark) const;
 
-  /// The order of all trunks by distance from a point of the local frame.
+  /// Returns the indices of all trunks, by ascending distance from a point in the local frame.
   std::vector<int> order_from(const Eigen::Vector2d& p_local) const;
 
  private:
-  /// Whether some trunk is within a clump's reach of a landmark: another part of what stands there.
+  /// True if a trunk is within the clump reach of a landmark: probably another part of its clump.
   bool stands_near(const Place& place, std::int32_t landmark) const;
 
-  /// Probability that the map holds a trunk, where the earlier drive looked.
+  /// Returns the probability that the map contains a trunk, if the earlier drive looked there.
   double repeat(const LocalTrunkMap::Trunk& trunk) const;
 
   const PriorMap& map_;
   PriorMapConfig config_;
   LocalEvidence evidence_;
-  double position_variance_;  ///< of a trunk against its landmark [m2]
+  double position_variance_;  ///< of a trunk relative to its landmark [m2]
   double gate_radius_m_;
 };
 

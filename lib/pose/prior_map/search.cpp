@@ -13,27 +13,27 @@ using geometry::rotation;
 
 namespace {
 
-constexpr double kPairMinM = 1.5;  ///< a shorter pair tells little of the heading
+constexpr double kPairMinM = 1.5;  ///< a shorter pair determines the heading poorly
 constexpr std::size_t kSeedTrunks = 14;
 constexpr std::size_t kMaxSeeds = 10;
 constexpr int kSeedsPerTrunk = 3;
 constexpr double kToleranceSigma = 3.0;
 
-/// Two places nearer to each other than this are one.
+/// Poses nearer to each other than this are the same.
 constexpr double kSamePlaceM = 0.5;
 constexpr double kSamePlaceRad = 0.2;
 
-/// A place whose score has fallen so low is given up: by Ville's inequality the likelihood ratio of
-/// the true place falls below e^-12 at some trunk once in 160,000 searches.
+/// Hypotheses with a lower score are abandoned: by Ville's inequality the likelihood ratio of the
+/// true pose falls below e^-12 at some trunk in one of 160,000 searches.
 constexpr double kGivenUpScore = -12.0;
 
-constexpr double kKeptBelowBest = 30.0;  ///< a place whose score is lower says nothing any more
+constexpr double kKeptBelowBest = 30.0;  ///< poses this far below the best are negligible
 constexpr std::size_t kMaxPlaces = 200;
 
-/// The other places of the map are another orchard of such rows too, and have the same trunks to
-/// explain, the same of which were felled or planted. In another orchard's map the best place's
-/// score and its lead over the second came to 14 together at most (137 drives, one of them above
-/// 8.3): by what they come to beyond this it fits here rather than there.
+/// Min sum of the best pose's score and its log-odds against the other poses. Other poses in the
+/// map act as another orchard with the same planting pattern, because they must explain the same
+/// trunks, including felled and planted ones. In maps of other orchards this sum was at most 14
+/// (137 drives, one of them above 8.3).
 constexpr double kScoreAndLeadElsewhere = 20.0;
 
 bool same_place(const Place& a, const Place& b) {
@@ -70,7 +70,8 @@ void PriorMapSearch::choose_seeds() {
       if (seed.begin < seed.end) candidates.push_back(std::move(seed));
     }
   }
-  // The rarest distances first; no trunk that is new, and so in no pair, spoils all of them.
+  // The rarest distances first. Each trunk is used in few seeds, so that a new trunk, which is in
+  // no pair of the map, cannot spoil all of them.
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Seed& a, const Seed& b) { return a.end - a.begin < b.end - b.begin; });
   std::vector<int> uses(trunks.size(), 0);
@@ -121,10 +122,10 @@ void PriorMapSearch::try_hypothesis(const Seed& seed, std::int32_t first, std::i
   const Eigen::Vector2d arm = rotation(T_map_local) * (0.5 * (a.p_local + b.p_local));
   start.T_map_base = T_map_local.vector();
   const double yaw_variance = 2.0 * end_variance / (length_m * length_m);
-  const Eigen::Vector3d turn(arm.y(), -arm.x(), 1.0);  // about the middle, not the origin
+  const Eigen::Vector3d turn(arm.y(), -arm.x(), 1.0);  // rotation about the middle of the pair
   start.covariance = yaw_variance * turn * turn.transpose();
   start.covariance.topLeftCorner<2, 2>() += 0.5 * end_variance * Eigen::Matrix2d::Identity();
-  // of the pair itself only what did not go into the place counts: its length, and the widths
+  // The pair's positions determine the pose, so only its length and the widths add to the score.
   const double stretch_m = from_map.norm() - length_m;
   start.score = -0.25 * stretch_m * stretch_m / end_variance +
                 scorer_.width_evidence(a, map_[first]) + scorer_.width_evidence(b, map_[second]);
@@ -161,17 +162,18 @@ SearchResult PriorMapSearch::result() const {
   SearchResult result;
   result.places = places_;
   if (places_.empty()) return result;
-  // what was given up may still be as likely as it was then
+  // Abandoned hypotheses count with the score at which they were abandoned.
   double rivals = std::exp(kGivenUpScore - places_.front().score);
   for (std::size_t i = 1; i < places_.size(); ++i) {
     rivals += std::exp(places_[i].score - places_.front().score);
   }
   result.log_odds = std::min(kKeptBelowBest, -std::log(rivals));
-  // a map of many places fits anything somewhere a little, but then somewhere else about as well
+  // In a large map anything fits somewhere, but then it fits elsewhere about as well: include the
+  // lead over the other poses.
   const double score = places_.front().score;
   result.log_fit = score + result.log_odds - kScoreAndLeadElsewhere;
 
-  // once more from the oldest trunk to the newest: where the local map bends, base is at its end
+  // Refit from the oldest trunk to the newest: the local map is distorted, and base is at its end.
   std::vector<int> order(scorer_.evidence().trunks.size());
   for (std::size_t i = 0; i < order.size(); ++i) {
     order[i] = static_cast<int>(order.size() - 1 - i);

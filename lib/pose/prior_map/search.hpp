@@ -8,29 +8,28 @@
 
 namespace orchard::pose {
 
-/// Farthest two trunks whose distance begins a hypothesis [m]: dead reckoning between them is
-/// still sure.
+/// Max distance of two trunks that start a hypothesis [m]: dead reckoning between them is accurate.
 inline constexpr double kHypothesisPairMax_m = 8.0;
 
-/// Natural log likelihood ratio of another orchard of such rows against a position, at which the
-/// position is given up (1 in 55).
+/// Natural log-likelihood ratio of another orchard with the same planting pattern against a
+/// position, above which the position is contradicted (1 in 55).
 inline constexpr double kLostLogFit = 4.0;
 
-/// What a search of the whole prior map has found.
+/// Result of a search of the whole prior map.
 struct SearchResult {
-  std::vector<Place> places;  ///< distinct ones by falling score; those far below the best left out
+  std::vector<Place> places;  ///< distinct, by descending score; those far below the best left out
   double log_odds = 0.0;      ///< of the best against all others together
-  double log_fit = 0.0;       ///< of the best against this being no place of the map
+  double log_fit = 0.0;       ///< of the best against the robot not being in this map
 };
 
-/// Looks for the places of the prior map that explain the local evidence. Pairs of trunks are laid
-/// on the map's pairs of the same distance, and each place that follows is scored by all trunks.
-/// Work comes in portions, so that no scan costs more than the others.
+/// Searches the prior map for poses that explain the local evidence: pairs of trunks are registered
+/// to the map's pairs of the same distance, and each resulting pose is scored by all trunks. The
+/// work is divided into steps to bound the cost per scan.
 class PriorMapSearch {
  public:
   PriorMapSearch(const PriorMap& map, const PriorMapConfig& config, LocalEvidence evidence);
 
-  /// Tries so many hypotheses; true when none is left.
+  /// Tries up to about `num_hypotheses` more; returns true when none is left.
   bool step(int num_hypotheses);
 
   SearchResult result() const;
@@ -40,7 +39,7 @@ class PriorMapSearch {
  private:
   struct Seed {
     int first = 0, second = 0;       ///< trunks
-    std::size_t begin = 0, end = 0;  ///< of the map's pairs
+    std::size_t begin = 0, end = 0;  ///< range of the map's pairs
     std::vector<int> order;          ///< of the other trunks
   };
 
@@ -52,8 +51,8 @@ class PriorMapSearch {
   PriorMapConfig config_;
   PlaceScorer scorer_;
   std::vector<Seed> seeds_;
-  std::size_t seed_ = 0;       ///< that is being tried
-  std::size_t next_pair_ = 0;  ///< of its range
+  std::size_t seed_ = 0;       ///< seed being tried
+  std::size_t next_pair_ = 0;  ///< in the range of this seed
   std::size_t num_hypotheses_ = 0;
   std::vector<Place> places_;
 };

@@ -18,27 +18,26 @@ using geometry::transform_back;
 
 namespace {
 
-/// Random walk of dead reckoning beyond what the wheels state [m/sqrt(m)]: slip.
+/// Random walk of dead reckoning by slip, in addition to the wheels' covariance [m/sqrt(m)].
 constexpr double kDrift_m_per_sqrt_m = 0.01;
 
 constexpr double kTrackGate2 = geometry::kChiSquare2_997;
-constexpr double kTrackGate_m = 1.0;  ///< most from a sighting to its landmark
-constexpr double kRivalGap = 6.0;     ///< by which the second best landmark must fit worse
-constexpr double kWidthSigma = 5.0;   ///< a sighting that is so much wider is something else
+constexpr double kTrackGate_m = 1.0;  ///< max distance of an observation from its landmark
+constexpr double kRivalGap = 6.0;     ///< min difference of d2 to the second best landmark
+constexpr double kWidthSigma = 5.0;   ///< gate of the difference of widths, plus kWidthSlackM
 constexpr double kWidthSlackM = 0.15;
 
-/// The map errs at each tree in one way, however often the tree is seen: so many sightings of it
-/// weigh as one.
+/// Number of observations of a tree that count as one, because they share the map's error there.
 constexpr double kSightingsPerTree = 10.0;
 
-/// A landmark that another visit finds less surely is not expected to be seen.
+/// Min PriorMap::repeat of a landmark that is expected to be seen.
 constexpr double kSureRepeat = 0.5;
 
-/// Of a turn from one alley to the next, which is half a circle.
+/// Length and duration of a headland turn, a half circle from one alley to the next.
 constexpr double kTurnTravelM = 6.0;
 constexpr double kTurnS = 6.0;
 
-/// The errors of the wheels wander by this fraction of their first standard deviation per root
+/// Random walk of the wheels' errors, as a fraction of their prior standard deviation per root
 /// second.
 constexpr double kWander = 0.01;
 
@@ -108,7 +107,7 @@ void PriorMapTracker::move(const WheelStep& step) {
   P_.topLeftCorner<3, 3>() += G * C * G.transpose();
   const Eigen::Vector3d sd(config_.speed_scale_sd, config_.turn_scale_sd,
                            config_.yaw_rate_bias_sd_radps);
-  // learnt errors wander, but never further than where they were unlearnt
+  // Random walk of the wheels' errors, limited to the prior variance.
   for (int i = 0; i < 3; ++i) {
     double& variance = P_(3 + i, 3 + i);
     const double wandered = variance + std::pow(kWander * sd(i), 2) * step.dt_s;
@@ -182,7 +181,7 @@ void PriorMapTracker::update(const Sighting& sighting, const Match& match) {
   const Eigen::Matrix<double, 6, 2> K = PHt * (H * PHt + N).inverse();
   x_ += K * match.innovation;
   x_(2) = geometry::wrap_angle_rad(x_(2));
-  // Joseph's form keeps the covariance positive whatever the gain's rounding.
+  // Joseph's form keeps the covariance positive definite despite rounding of the gain.
   const Covariance A = Covariance::Identity() - K * H;
   P_ = (A * P_ * A.transpose() + K * N * K.transpose()).eval();
 }
@@ -191,7 +190,7 @@ PriorMapTracker::Matching PriorMapTracker::correct(const std::vector<Sighting>& 
                                                    const SightField& field) {
   Matching matching;
   std::vector<std::int32_t> taken;
-  // the surest match first: it narrows the gates of the others
+  // Best match first: it narrows the gates of the others.
   std::vector<std::pair<double, const Sighting*>> by_distance;
   for (const Sighting& sighting : sightings) {
     const Match match = best_match(sighting, taken);

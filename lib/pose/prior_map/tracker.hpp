@@ -12,7 +12,7 @@
 
 namespace orchard::pose {
 
-/// What wheels say of a stretch of time.
+/// Wheel odometry over a time interval.
 struct WheelStep {
   double speed_mps = 0.0;
   double yaw_rate_radps = 0.0;
@@ -20,34 +20,34 @@ struct WheelStep {
   double dt_s = 0.0;
 };
 
-/// T_map_base by the landmarks of a prior map, once it is known about: an extended Kalman filter
-/// over base and what its wheels get wrong (their scale, the scale of their turns, a yaw rate's
-/// bias). Sightings are matched jointly: each match narrows the gates of the next one.
+/// Tracks T_map_base by the landmarks of a prior map from a known start: an extended Kalman filter
+/// over the pose and the wheels' errors (speed scale, turn scale, yaw rate bias). Observations of a
+/// scan are matched one after another; each match narrows the gates of the next one.
 class PriorMapTracker {
  public:
-  /// How one scan went with the map.
+  /// Result of matching one scan to the map.
   struct Matching {
     int num_matched = 0;
-    std::vector<ExpectedLandmark> expected;  ///< that should have been seen for sure
+    std::vector<ExpectedLandmark> expected;  ///< landmarks that should have been seen
   };
 
   PriorMapTracker(const PriorMap& map, const PriorMapConfig& config);
 
-  /// Begins at a place. What is known of the wheels stays.
+  /// Sets the pose; keeps the estimates of the wheels' errors.
   void start(const Eigen::Vector3d& T_map_base, const Eigen::Matrix3d& covariance);
 
   void move(const WheelStep& step);
-  /// A motion of base that was measured otherwise than by wheels.
+  /// Predicts a motion of base that was not measured by wheels.
   void move(const Eigen::Vector3d& T_base_next, const Eigen::Matrix3d& covariance);
   Matching correct(const std::vector<Sighting>& sightings, const SightField& field);
 
   Eigen::Vector3d T_map_base() const { return x_.head<3>(); }
   Eigen::Matrix3d covariance() const { return P_.topLeftCorner<3, 3>(); }
 
-  /// What the wheels truly did, by what is known of them: T_before_after.
+  /// Returns the motion T_before_after of a step, corrected for the estimated wheel errors.
   Eigen::Vector3d motion(const WheelStep& step) const;
-  /// Its covariance for who does not estimate the wheels' errors: what is not known of them counts
-  /// as noise that adds up to the same over a headland turn.
+  /// Returns the covariance of motion() for users that do not estimate the wheel errors: their
+  /// uncertainty is added as white noise with the same effect over a headland turn.
   Eigen::Matrix3d motion_covariance(const WheelStep& step) const;
 
  private:

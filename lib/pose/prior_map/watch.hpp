@@ -7,19 +7,19 @@
 
 namespace orchard::pose {
 
-/// A landmark that a scan should have shown.
+/// A landmark that should be visible in a scan.
 struct ExpectedLandmark {
   std::int32_t landmark = 0;
   bool seen = false;
 };
 
-/// Which trees of the last scans were there: by trees, not by sightings, so that one tree that was
-/// felled counts once however long the robot stands before its stump.
+/// Counts the expected trees that were observed in the last scans. It counts trees, not
+/// observations, so that a felled tree counts once however long the robot stands before its stump.
 class TreeWatch {
  public:
   struct Count {
-    int num_trees = 0;  ///< that several of the scans should have shown
-    int num_there = 0;  ///< of these, that most of those scans did
+    int num_trees = 0;  ///< trees expected in several of the scans
+    int num_there = 0;  ///< of these, trees observed in at least half of those scans
   };
 
   void add(std::vector<ExpectedLandmark> scan);

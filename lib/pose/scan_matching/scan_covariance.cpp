@@ -18,7 +18,7 @@ constexpr double kCorrelatedPoints = 4.0;
 /// Standard deviation of a motion that the scans do not determine [m].
 constexpr double kUnknownShiftSd_m = 0.5;
 
-/// The same of its turn [rad].
+/// The same for its rotation [rad].
 constexpr double kUnknownTurnSd_rad = 0.3;
 
 /// Min remaining fraction of the predicted variance for a direction to count as undetermined.

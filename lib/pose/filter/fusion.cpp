@@ -19,7 +19,7 @@ namespace {
 /// robots.
 constexpr double kSilenceSpeedSd_mps = 1.5;
 
-/// The same of the yaw rate [rad/s].
+/// The same for the yaw rate [rad/s].
 constexpr double kSilenceYawRateSd_radps = 0.5;
 
 /// A larger standard deviation of the position causes a warning in STATUS [m]: trunks of one row

@@ -25,7 +25,7 @@ constexpr double kBlindSd_rad = 0.02;
 // One sigma of the rigidity assumption inside a submap.
 constexpr double kRigiditySd_m = 0.01;
 
-// So many landmarks give a keyframe's place and direction.
+// Number of landmarks that determine the pose of a keyframe.
 constexpr int kPlacedBy = 2;
 
 constexpr std::size_t kSubmapsBetweenRests = 25;

@@ -12,7 +12,7 @@ namespace {
 /// Standard deviation of the speed against the last measured one in a gap [m/s].
 constexpr double kGapSpeedSd_mps = 0.5;
 
-/// The same of the yaw rate [rad/s].
+/// The same for the yaw rate [rad/s].
 constexpr double kGapYawRateSd_radps = 0.3;
 
 }  // namespace
@@ -53,7 +53,8 @@ void DeadReckoning::add(const Odometry& odometry) {
   if (!utime_) utime_ = started_utime_ = odometry.utime;
   if (measured_utime_) {
     // Encoders measure the mean velocity since the previous reading. If a driver reports the
-    // instantaneous velocity instead, the mean lies anywhere between the two readings (uniform).
+    // instantaneous velocity instead, the mean lies between the two readings: add the variance of a
+    // uniform distribution.
     const double speed_change_mps = odometry.speed_mps - speed_mps_;
     const double yaw_rate_change_radps = odometry.yaw_rate_radps - yaw_rate_radps_;
     velocity_covariance_[0] += speed_change_mps * speed_change_mps / 12.0;

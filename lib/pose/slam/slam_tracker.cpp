@@ -25,7 +25,8 @@ constexpr double kConfirmTravel_m = 1.0;
 constexpr double kNewSessionSd_m = 0.25;
 constexpr int kNumAmbiguousScans = 10;
 constexpr int kNumContradictedScans = 10;
-// A landmark is dropped after this many misses, and this many per keyframe that observed it.
+// A landmark is dropped when its misses reach this number and exceed this multiple of the keyframes
+// that observed it.
 constexpr int kNumMissesMin = 3;
 constexpr double kMissRatioMax = 1.5;
 

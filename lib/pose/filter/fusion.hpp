@@ -20,9 +20,9 @@ namespace orchard::pose {
 /// and fixes the robot starts at the map's origin. With them there is no pose until the first fix
 /// with a heading, or until the dead-reckoned path fits the positions over heading_baseline_m.
 /// Impossible positions (jumps, a frozen receiver) are left out and reported by warning(). The
-/// scatter of a receiver's steps is its noise. If it exceeds the claimed covariance, it replaces
-/// it; if it is less, the difference is a time-correlated error, so that a burst of fixes counts
-/// little more than one fix.
+/// scatter of a receiver's steps is its noise. If it clearly exceeds the claimed covariance, it is
+/// used instead; if it is less, the difference is a time-correlated error, so that a burst of fixes
+/// counts little more than one fix.
 class Fusion : public Localiser {
  public:
   explicit Fusion(const PoseConfig& config);

@@ -196,8 +196,8 @@ Eigen::Vector2d FusionFilter::innovation(const PositionObservation& observation)
 }
 
 /// Returns the noise of an observation, plus the error of linearising the heading: a heading error
-/// a over a path of length L displaces base by L a^2 / 2 beyond the linear model (mean square 3/4
-/// L^2 var(a)^2). L is the change of the position with the heading.
+/// a over a path of length L displaces base by L a^2 / 2 beyond the linear model, with mean square
+/// 0.75 L^2 var(a)^2. L is the derivative of the position by the heading.
 Eigen::Matrix2d FusionFilter::noise(const PositionObservation& observation) const {
   const double bent2 = 0.75 * covariance_.block<2, 1>(kX, kYaw).squaredNorm();
   return observation.covariance + bent2 * Eigen::Matrix2d::Identity();

@@ -38,8 +38,8 @@ struct DetectResult {
   bool image_needed = false;         ///< a candidate is in the camera's view
   bool image_unusable = false;       ///< needed, but it does not decode or has another size
   bool intensities_missing = false;  ///< as in LaserFindings
-  std::vector<AdaptationObservation>
-      observations;  ///< of candidates; empty unless adaptation is enabled
+  /// Observations of candidates; empty unless adaptation is enabled.
+  std::vector<AdaptationObservation> observations;
 };
 
 /// The laser's half of the detector: segmentation and width test. Complete for a rig without a

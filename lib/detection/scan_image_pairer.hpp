@@ -74,8 +74,8 @@ class ScanImagePairer {
   Queue scans_;                                     ///< waiting, in order of arrival
   std::int64_t newest_scan_utime_ = Queue::kNever;  ///< of those that have come
   std::deque<Exposed> images_;                      ///< kept, in order of exposure
-  std::int64_t timed_out_scan_utime_ =
-      Queue::kNever;  ///< newest scan decided without waiting longer
+  /// Time of the newest scan released by timeout, before an image at or after it had arrived.
+  std::int64_t timed_out_scan_utime_ = Queue::kNever;
   std::int64_t num_late_ = 0;
   std::int64_t num_without_motion_ = 0;
   bool with_motion_;

@@ -19,8 +19,8 @@ struct BoardPose {
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   double rms_px = 0.0;  ///< RMS residual of the corners, both coordinates
   int num_corners = 0;  ///< number of corners used
-  double second_squares_px2 =
-      0.0;                 ///< increase of the sum of squares for the second pose of a plane
+  /// Increase of the sum of squares for the second of the two poses that a plane allows.
+  double second_squares_px2 = 0.0;
   bool ambiguous = false;  ///< the second pose explains the corners nearly as well
 
   /// The board's plane: normal_camera . p_camera = distance_m, distance_m > 0.

@@ -14,19 +14,19 @@ struct CameraVerdictRules {
   double most_outliers = 0.25;  ///< max fraction of outliers among all views
   int grid_columns = 5;         ///< grid of image cells in which corners are counted
   int grid_rows = 5;
-  double least_coverage = 0.7;      ///< min fraction of the cells with a corner; the cells at the
-                                    ///< image's four corners must always have one
-  double least_tilt_rad = 0.30;     ///< min tilt of a view that counts as tilted
-  int fewest_tilted = 4;            ///< min number of tilted views
-  double least_lean_spread = 0.10;  ///< min spread of the tilt directions: standard deviation of
-                                    ///< the board's normal in its narrower direction
+  /// Min fraction of the cells with a corner; the cells at the image's corners always need one.
+  double least_coverage = 0.7;
+  double least_tilt_rad = 0.30;  ///< min tilt of a view that counts as tilted
+  int fewest_tilted = 4;         ///< min number of tilted views
+  /// Min spread of the tilt directions: standard deviation of the board's normal in its narrower
+  /// direction.
+  double least_lean_spread = 0.10;
   double least_distance_ratio = 1.25;  ///< min ratio of the farthest to the nearest view
   double largest_rms_px = 1.0;  ///< for images up to 640 px wide; proportional to larger widths
   double largest_fc_sd = 0.01;  ///< max standard deviation of a focal length, relative to it
-  double largest_cc_sd =
-      0.01;  ///< max standard deviation of the principal point, relative to width
-  double largest_cc_offset = 0.25;  ///< max offset of the principal point from the image's middle,
-                                    ///< relative to width and height
+  double largest_cc_sd = 0.01;  ///< max standard deviation of the principal point over image width
+  /// Max offset of the principal point from the image's middle, relative to width and height.
+  double largest_cc_offset = 0.25;
   double largest_fc_difference = 0.1;  ///< max relative difference of the two focal lengths
 };
 

@@ -28,8 +28,8 @@ struct AppearanceFit {
   vision::AppearanceConfig config;  ///< confidence_min has its default
   double penalty = 0.0;
   double area = 0.5;  ///< area under the ROC curve of left-out windows; 0.5 without folds
-  double log_loss =
-      0.0;            ///< mean over left-out windows, equal class weights [nat]; 0 without folds
+  /// Mean over left-out windows with equal class weights [nat]; 0 without folds.
+  double log_loss = 0.0;
   int num_trunk = 0;  ///< number of windows on trunks
   int num_other = 0;
   int num_groups = 0;

@@ -38,10 +38,10 @@ struct ProbabilityFit {
   double prior = 0.5;        ///< mapper.evidence_prior
   double correlation = 0.0;  ///< mapper.evidence_correlation
   int num_things = 0;        ///< number of objects for prior and correlation
-  double log_loss =
-      0.0;  ///< mean over left-out observations [nat]; with one recording over the training data
-  std::vector<double> left_out_tree;  ///< probability_tree of each sample, in order, by weights
-                                      ///< fitted without its recording; -1 = hidden
+  /// Mean over left-out observations [nat]; with only one recording, over the training data.
+  double log_loss = 0.0;
+  /// probability_tree of each sample by weights fitted without its recording; -1 = hidden.
+  std::vector<double> left_out_tree;
 };
 
 /// Options of the fit.

@@ -46,8 +46,7 @@ std::optional<SpotGrowth> spot_growth(const std::vector<SpotObservation>& observ
   std::map<int, std::vector<SpotObservation>> of_thing;
   for (const SpotObservation& observation : observations)
     of_thing[observation.thing].push_back(observation);
-  // Sums about each trunk's own means, kept per trunk, because errors within a trunk are
-  // correlated.
+  // Sums about each trunk's own means, kept per trunk: errors within a trunk are correlated.
   struct Sums {
     double xx = 0.0, xy = 0.0;
   };

@@ -16,8 +16,8 @@ struct SpotObservation {
 
 /// Growth of measured widths with range, common to all trunks: the effect of the beam's divergence.
 struct SpotGrowth {
-  double divergence_rad =
-      0.0;  ///< m of width per m of range, in addition to the rig's laser.spot_rad
+  /// Growth of the width per range [m/m], in addition to the rig's laser.spot_rad.
+  double divergence_rad = 0.0;
   double se_rad = 0.0;
 
   bool significant() const;

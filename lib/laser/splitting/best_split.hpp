@@ -39,8 +39,8 @@ class BestSplit {
   const Beams& beams_;
   CandidateFitter& fit_;
   std::vector<std::ptrdiff_t> positions_;
-  std::array<std::vector<Explanation>, kMaxCircles + 1>
-      explanations_;  ///< by number of circles, then by number of beams explained
+  /// By number of circles, then by number of beams explained.
+  std::array<std::vector<Explanation>, kMaxCircles + 1> explanations_;
   std::vector<Candidate> parts_;
 };
 

@@ -44,8 +44,8 @@ class CandidateFitter {
   const LaserConfig& laser_;
   Arc arc_;
   std::vector<Known> known_;
-  std::vector<std::int32_t>
-      last_known_;  ///< index into known_ by a candidate's first beam; -1 = none
+  /// Index into known_ by a candidate's first beam; -1 = none.
+  std::vector<std::int32_t> last_known_;
 };
 
 /// Whether a circle was found and its fit is good.

@@ -28,8 +28,7 @@ Side side_at(const Beams& beams, std::ptrdiff_t end, std::ptrdiff_t outwards, bo
     return outside_m > 0.0 && outside_m < range_m - beams.jump_m(outside_m);
   };
   const double next_m = beams.range_around_m(end + outwards);
-  // A range between object and background: the spot lies on both, so the beam's axis is at the
-  // edge.
+  // A range between object and background: the spot lies on both, the beam's axis on the edge.
   const double after_m = beams.range_around_m(end + 2 * outwards);
   if (spot_beams > 0.0 && next_m > range_m && after_m > next_m + beams.jump_m(next_m)) {
     side.beyond_beams = 1.0;
@@ -42,8 +41,7 @@ Side side_at(const Beams& beams, std::ptrdiff_t end, std::ptrdiff_t outwards, bo
   if (!nearer(first)) return side;
   std::ptrdiff_t beyond = first + 1;
   while (beyond - first <= config.merge_occluded_beams && nearer(beyond)) ++beyond;
-  // If another surface is visible beyond a thin object, this object's edge lies behind the thin
-  // one.
+  // If another surface is visible beyond a thin object, the edge lies behind the thin object.
   const std::ptrdiff_t farther = end + beyond * outwards;
   const double beyond_m = beams.range_around_m(farther);
   const bool thin = beyond - first <= config.merge_occluded_beams && !beams.blocked(farther) &&

@@ -32,8 +32,7 @@ std::optional<Line> fit_total_least_squares(const std::vector<EdgePoint>& points
 std::optional<Line> fit_regression(const std::vector<EdgePoint>& points);
 
 /// Finds the line with most points within `inlier_px` and a tilt of at most `max_tilt_rad`; among
-/// equals the one nearest to `expected_x_px` at the middle row. Returns its points in the order
-/// given.
+/// equals the one nearest to `expected_x_px` at the middle row. Returns its points, in order.
 std::vector<EdgePoint> points_of_best_line(const std::vector<EdgePoint>& points, int width_px,
                                            int height_px, double expected_x_px, double inlier_px,
                                            double max_tilt_rad);

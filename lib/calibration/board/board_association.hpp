@@ -10,8 +10,7 @@
 
 namespace orchard::calibration {
 
-/// One stationary pose of the board: its pose in the camera frame and the candidate lines in the
-/// scan.
+/// One stationary view of the board: its pose in the camera frame, and candidate lines in the scan.
 struct MountView {
   BoardPose board;
   std::vector<BoardLine> lines;

@@ -206,8 +206,7 @@ class LineFinder {
     return line;
   }
 
-  /// Whether the beam beyond an edge is a mixed pixel: its range is between the edge and the next
-  /// surface.
+  /// Whether the beam beyond an edge is a mixed pixel, with a range between edge and next surface.
   bool mixed_at(std::ptrdiff_t i, int step, double edge_range_m) const {
     const std::ptrdiff_t next = i + step;
     if (next < 0 || next >= static_cast<std::ptrdiff_t>(scan_.ranges_m.size())) return false;

@@ -31,8 +31,7 @@ constexpr double kColourGate = 0.3;
 /// Min fraction of the laser's trunks that the camera must confirm; below it the models freeze.
 constexpr double kAgreementMin = 0.2;
 
-/// The models are rolled back when the confirmed fraction falls below this part of the last good
-/// one.
+/// The models are rolled back when the confirmed fraction falls below this part of the good one.
 constexpr double kCollapseFraction = 0.5;
 
 /// Separation of two groups of trees, in pooled standard deviations, above which a model freezes.
@@ -56,8 +55,7 @@ constexpr double kPopulationFraction = 0.25;
 constexpr double kWidthApart = 0.1;
 constexpr double kColourApart = 0.12;
 
-/// Trimmed mean: without the outer fifth on either side. A median would jump between two kinds of
-/// bark.
+/// Trimmed mean, without a fifth on either side. A median would jump between two kinds of bark.
 double middle_of(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const std::size_t cut = values.size() / 5;

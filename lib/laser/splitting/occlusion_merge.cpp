@@ -8,8 +8,7 @@
 namespace orchard::laser {
 namespace {
 
-/// Whether all beams between two candidates are nearer than both, and at least one lies on another
-/// surface.
+/// Whether all beams between two candidates are nearer than both, and one is on another surface.
 bool is_foreground_clutter(const Beams& beams, const Candidate& before, const Candidate& after) {
   const float nearest_m = std::min(beams.range_m(before.last), beams.range_m(after.first));
   bool another = false;

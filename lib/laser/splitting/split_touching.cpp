@@ -23,8 +23,7 @@ constexpr double kProminence = 2.0;
 constexpr double kClearProminence = 8.0;
 /// Range step in sigmas that noise causes in 1 of 10^5 pairs of neighbours.
 constexpr double kStepSigmas = 4.5;
-/// Largest width and number of beams of a tree with two stems; up to these, BestSplit searches all
-/// splits.
+/// Largest width and number of beams of a tree with two stems, for which BestSplit is used.
 constexpr double kMaxTwinsWidth_m = 0.4;
 constexpr int kMaxBeamsTried = 40;
 /// Largest width of two trunks, one behind the other.

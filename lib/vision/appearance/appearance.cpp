@@ -36,8 +36,7 @@ struct Tone {
   double brightness = 0.0, red = 0.0, blue = 0.0;
 };
 
-/// Every fourth row, starting with the first; enough for the mean of a scene at a quarter of the
-/// cost.
+/// Every fourth row, starting with the first: a quarter of the cost suffices for a scene's mean.
 cv::Mat thinned(const cv::Mat& pixels) {
   return {(pixels.rows + 3) / 4, pixels.cols, pixels.type(), pixels.data, 4 * pixels.step[0]};
 }

@@ -8,9 +8,8 @@
 
 namespace orchard::vision {
 
-/// Overexposures [EV] at which training windows are simulated: what a camera's exposure control may
-/// leave in the sun. Underexposure needs no simulation: it cancels in the features, clipping does
-/// not.
+/// Overexposures [EV] at which training windows are simulated, as a camera's exposure control may
+/// leave them in the sun. Underexposure cancels in the features; clipping does not.
 inline constexpr std::array kLearntExposures_ev{0.0, 1.0, 2.0};
 
 /// Lookup table of a channel for `gain` times the light: linearises the sRGB value, multiplies,

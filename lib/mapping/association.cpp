@@ -10,25 +10,24 @@
 namespace orchard::mapping {
 namespace {
 
-/// From so many observations on, a landmark also takes a detection outside the statistical gate:
-/// its position is no longer in doubt.
+/// Observations from which a landmark's position is reliable enough for the relaxed gate.
 constexpr int kWellKnownObservations = 30;
 
-constexpr int kEstablished = 3;            ///< observations from which a landmark leads a scan
-constexpr double kWidthRelativeSd = 0.15;  ///< of one thing seen from different sides
+constexpr int kEstablished = 3;  ///< observations from which a landmark guides scan alignment
+constexpr double kWidthRelativeSd = 0.15;  ///< of one object observed from different sides
 
-/// Difference of the widths in standard deviations.
+/// Width difference in standard deviations.
 double width_term(const detection::Detection& d, const LandmarkRecord& r) {
   const double sd_m =
       std::hypot(d.width_sd_m, kWidthRelativeSd * std::max<double>(r.width_m, d.width_m));
   return (d.width_m - r.width_m) / std::max(sd_m, 1e-3);
 }
 
-/// Cost of calling the candidate that landmark; none outside the gates.
+/// Cost of assigning the candidate to the landmark; none outside the gates.
 std::optional<double> cost_of(const Candidate& c, const LandmarkRecord& r,
                               const MapperConfig& config) {
   const detection::Detection& d = *c.detection;
-  if (r.is_clump && looks_like_a_tree(d)) return std::nullopt;  // it stands in it
+  if (r.is_clump && looks_like_a_tree(d)) return std::nullopt;  // a tree inside the clump
   const Eigen::Vector2d delta = c.p_aligned - r.association_position();
   if (delta.squaredNorm() > config.gate_m * config.gate_m) return std::nullopt;
   if (std::abs(d.width_m - r.width_m) > config.width_gate_m) return std::nullopt;
@@ -37,12 +36,12 @@ std::optional<double> cost_of(const Candidate& c, const LandmarkRecord& r,
   const double mahalanobis2 = delta.dot(covariance.inverse() * delta);
   if (mahalanobis2 > config.gate_sigma * config.gate_sigma) return std::nullopt;
   const double widths = width_term(d, r);
-  // the determinant keeps a vague landmark from winning by its vagueness
+  // Without the determinant, a landmark with a large covariance would win because of it.
   return mahalanobis2 + std::log(covariance.determinant()) + std::min(9.0, widths * widths);
 }
 
-/// Relaxed-gate association: the well-known landmark, not yet paired in this scan, that a candidate
-/// outside of all gates belongs to: within gate_m and as wide. -1 for none.
+/// Relaxed-gate association: the nearest well-known landmark within gate_m of similar width, for a
+/// candidate outside all regular gates. -1 if there is none or it is already paired in this scan.
 std::int32_t relaxed_gate_match(const Candidate& c, const LandmarkTable& landmarks,
                                 const std::vector<std::int32_t>& taken,
                                 const MapperConfig& config) {
@@ -90,7 +89,7 @@ Association associate(const std::vector<Candidate>& candidates, const LandmarkTa
     is_paired[p.candidate] = 1;
     association.pairs.push_back(p);
   }
-  // Each scan sees a bush at other leaves.
+  // A clump's parts differ from scan to scan, because each scan hits other leaves.
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     if (association.is_explained[k]) continue;
     const std::int32_t i = clump_around(landmarks, candidates[k], config);
@@ -100,9 +99,9 @@ Association associate(const std::vector<Candidate>& candidates, const LandmarkTa
     taken.push_back(i);
     association.pairs.push_back({0.0, i, k});
   }
-  // What lies a little farther from a tree than chance allows, while the tree itself is not seen,
-  // is the tree: half hidden, or seen from a pose that is off. A thing of its own would be seen
-  // beside it.
+  // A candidate just outside the gate of a tree that the scan does not observe otherwise is that
+  // tree, partly occluded or seen with a pose error. A separate object would be observed beside the
+  // tree.
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     if (association.is_explained[k]) continue;
     const std::int32_t i = relaxed_gate_match(candidates[k], landmarks, taken, config);
@@ -136,7 +135,7 @@ std::int32_t merge_partner(const LandmarkTable& landmarks, std::int32_t index,
   double best_m2 = config.merge_m * config.merge_m;
   landmarks.near(r.association_position(), config.merge_m,
                  [&](std::int32_t i, const LandmarkRecord& other) {
-                   // two things in one scan are two things
+                   // two detections of one scan are two objects
                    if (i == index || other.last_scan == r.last_scan) return;
                    if (std::abs(other.width_m - r.width_m) > config.width_gate_m) return;
                    const double distance_m2 =

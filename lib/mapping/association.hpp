@@ -14,37 +14,38 @@
 
 namespace orchard::mapping {
 
-/// A candidate that is a landmark's.
+/// A candidate assigned to a landmark.
 struct Pairing {
-  double cost = 0.0;          ///< the less, the surer; no unit
+  double cost = 0.0;          ///< association cost; lower is better, no unit
   std::int32_t landmark = 0;  ///< index into the table
   std::size_t candidate = 0;  ///< index into the scan's candidates
 };
 
-/// Who is who in one scan.
+/// Result of associating the candidates of one scan with the landmarks.
 struct Association {
   std::vector<Pairing> pairs;      ///< one to one, in order of cost; relaxed-gate ones last
-  std::vector<char> is_explained;  ///< per candidate: within the gates of a landmark, paired or not
+  std::vector<char> is_explained;  ///< per candidate: inside the gates of a landmark, paired or not
 };
 
-/// Pairs each candidate with at most one landmark and each landmark with at most one candidate:
-/// of all pairs within the gates (distance, standard deviations, width) the surest first; then, by
-/// a relaxed gate, candidates beyond the standard deviations of a well-known landmark that the scan
-/// shows nowhere else.
+/// Assigns each candidate to at most one landmark and each landmark to at most one candidate.
+/// Greedy by cost over all pairs inside the gates (distance, Mahalanobis distance, width).
+/// Afterwards, a relaxed gate assigns candidates outside the Mahalanobis gate to well-known
+/// landmarks that have no candidate in this scan.
 Association associate(const std::vector<Candidate>& candidates, const LandmarkTable& landmarks,
                       const MapperConfig& config);
 
-/// The established landmark nearest to a point and nearer than `reach_m`: one seen often enough to
-/// lead a scan, and not known to be an object.
+/// Position of the established landmark nearest to a point and nearer than `reach_m`; none
+/// otherwise. Established landmarks have enough observations to guide scan alignment and are not
+/// classified as objects.
 std::optional<Eigen::Vector2d> nearest_established(const LandmarkTable& landmarks,
                                                    const Eigen::Vector2d& p_map, double reach_m);
 
-/// Whether scans show two landmarks (of these indices) at once, time and again.
+/// Whether scans repeatedly observe two landmarks (given by index) at the same time.
 using AreTwo = std::function<bool(std::int32_t, std::int32_t)>;
 
-/// The landmark that must be the same thing as this one: the nearest within merge_m, of much the
-/// same width, not seen in the same scan and, farther than split_distance_m, not known to be two.
-/// -1 = none; of equally near ones the lowest index.
+/// Index of the landmark that this one must be merged with: the nearest within merge_m of similar
+/// width that was not observed in the same scan and, if farther than split_distance_m, is not known
+/// to be a separate landmark. -1 = none; the lowest index among equally near ones.
 std::int32_t merge_partner(const LandmarkTable& landmarks, std::int32_t index,
                            const MapperConfig& config, const AreTwo& are_two);
 

@@ -19,7 +19,7 @@ Eigen::Matrix3d matrix_of(const std::array<double, 6>& c) {
   return m;
 }
 
-/// Covariance in map of a point at `arm` from the robot whose pose has `pose_covariance`.
+/// Covariance in map of a point at offset `arm` from the robot, caused by `pose_covariance`.
 Eigen::Matrix2d swept(const Eigen::Matrix3d& pose_covariance, const Eigen::Vector2d& arm) {
   const Eigen::Matrix<double, 2, 3> jacobian = geometry::point_jacobian(arm);
   return jacobian * pose_covariance * jacobian.transpose();
@@ -45,7 +45,7 @@ std::vector<Candidate> compose(const detection::Detections& detections,
     Eigen::Matrix2d own;
     own << d.covariance[0], d.covariance[1], d.covariance[1], d.covariance[2];
     own = rotation * own * rotation.transpose();
-    own.diagonal().array() += 1e-6;  // 1 mm: nothing is known better
+    own.diagonal().array() += 1e-6;  // floor of 1 mm
     candidate.covariance = own + swept(pose_covariance, candidate.p_map - robot);
     candidate.aligned_covariance = candidate.covariance;
     candidates.push_back(candidate);

@@ -11,27 +11,28 @@
 
 namespace orchard::mapping {
 
-/// A detection in map, on its way to a landmark.
+/// A detection composed into the map frame, before association.
 struct Candidate {
-  const detection::Detection* detection = nullptr;  ///< lives as long as the scan's Detections
-  Eigen::Vector2d p_map;                            ///< by the pose
-  Eigen::Vector2d p_aligned;                        ///< and moved with its scan onto the map
+  const detection::Detection* detection = nullptr;  ///< owned by the scan's Detections
+  Eigen::Vector2d p_map;                            ///< composed with the given pose
+  Eigen::Vector2d p_aligned;                        ///< p_map moved by the scan alignment
   Eigen::Matrix2d covariance;                       ///< of p_map: detection and pose [m2]
-  Eigen::Matrix2d aligned_covariance;  ///< of p_aligned: detection and what is left of the pose's
+  Eigen::Matrix2d aligned_covariance;  ///< of p_aligned: detection and remaining pose error [m2]
 };
 
-/// Composes the detections of a scan with its pose (eqs. 11-12); p_aligned is p_map as yet. What
-/// lies farther from base than `observation_range_max_m`, or nowhere, is left out.
+/// Composes the detections of a scan with its pose (eqs. 11-12); p_aligned is set to p_map. Drops
+/// detections farther from base than `observation_range_max_m` and those without a finite position.
 std::vector<Candidate> compose(const detection::Detections& detections,
                                const pose::PoseEstimate& T_map_base,
                                const PoseComposition& composition, double observation_range_max_m);
 
-/// Moves the candidates of a scan together onto the map: sets p_aligned and its covariance. Objects
-/// do not lead: bushes look different from each side. T_map_base moved likewise.
+/// Aligns the candidates of a scan with the map by one common motion; sets p_aligned and its
+/// covariance. Objects are moved but do not take part in the fit, because bushes look different
+/// from each side. Returns T_map_base with the same motion applied.
 pose::PoseEstimate align(std::vector<Candidate>& candidates, const pose::PoseEstimate& T_map_base,
                          double kernel_m, const NearestLandmark& nearest);
 
-/// 1-sigma per axis that a pose's covariance gives a point of map [m].
+/// 1-sigma per axis of a map point caused by the covariance of the pose [m].
 double sd_at(const pose::PoseEstimate& T_map_base, const Eigen::Vector2d& p_map);
 
 }  // namespace orchard::mapping

@@ -9,7 +9,7 @@
 
 namespace orchard::mapping {
 
-/// One thing that stands in the orchard, as reported (map frame).
+/// A landmark (tree, post or other object) as published (map frame).
 struct Landmark {
   std::int32_t id = 0;
   detection::Label label = detection::Label::kUnseen;
@@ -20,17 +20,18 @@ struct Landmark {
   double se_y_m = 0.0;
   std::array<double, 3> covariance{};  ///< of the position: xx xy yy [m2]
   double width_m = 0.0;
-  double width_sd_m = 0.0;  ///< standard error of it; 0 = unknown (not in MAP messages)
-  /// Of a hedge or a wall, about its middle; 0 = round. Not in MAP messages, which hold its parts.
+  double width_sd_m = 0.0;  ///< standard error of width_m; 0 = unknown (not in MAP messages)
+  /// Length of a hedge or wall, centred on x_m, y_m; 0 = round. Not in MAP messages, which contain
+  /// the separate parts.
   double length_m = 0.0;
-  double direction_rad = 0.0;  ///< of that length, in (-pi/2, pi/2]
+  double direction_rad = 0.0;  ///< direction of the length, in (-pi/2, pi/2]
   double roc_mean = 0.0;       ///< mean roc_tree over its observations
-  double probability = 0.0;    ///< that it is a tree
+  double probability = 0.0;    ///< probability of being a tree
   std::int32_t row = 0;        ///< 0 = unknown
   std::int32_t position = 0;   ///< 0 = unknown
 };
 
-/// Landmarks that one scan changed, and some of the others (the slow refresh).
+/// Landmarks changed by one scan, plus some unchanged ones for the slow refresh of the whole map.
 struct MapTile {
   std::int64_t utime = 0;
   std::int32_t seq = 0;

@@ -6,7 +6,7 @@
 
 namespace orchard::mapping {
 
-/// The fields of landmark_t in the order of the wire; see bus/messages/fields.hpp.
+/// The fields of landmark_t in wire order; see bus/messages/fields.hpp.
 struct LandmarkFields {
   template <class M, class Visitor>
   static void visit(M& m, Visitor& v) {

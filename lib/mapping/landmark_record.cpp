@@ -13,14 +13,14 @@ constexpr double kTreeRateOfTrees = 0.8;
 /// Fraction of an object's observations that are labelled TREE.
 constexpr double kTreeRateOfObjects = 0.2;
 
-/// Fractions of observations in which a reflector flashes: tape is turned away or dirty in every
-/// other one, and hardly anything else is as bright.
+/// Fractions of observations with a reflector flash: every second view of a tape is turned away or
+/// dirty, and hardly any other object is as bright.
 constexpr double kFlashRateOfTrees = 0.5;
 constexpr double kFlashRateOfObjects = 0.02;
 
 using detection::Label;
 
-/// One observation's probability counts between this and 1 minus it.
+/// Probabilities of single observations are clamped to [this, 1 - this].
 constexpr double kProbabilityMin = 0.005;
 
 double logit(double p) { return std::log(p / (1.0 - p)); }
@@ -38,12 +38,12 @@ void merge_association_positions(LandmarkRecord& into, const LandmarkRecord& fro
   into.association_information = static_cast<float>(total);
 }
 
-/// What an observation weighs whose width is a hint at most.
+/// Weight of a width observation that is known to be biased.
 constexpr double kHint = 0.01;
 constexpr double kWidthSdMin_m = 0.002;
 
-/// From one to the other of the two widths that a count of beams gives [m]: each side of a thing
-/// lies anywhere within one beam step, so that the variance is a sixth of its square.
+/// Beam spacing at the object [m]. The two edges of an object are each uniformly distributed within
+/// one beam spacing, so the width variance is a sixth of its square.
 double beam_m(const detection::Detection& d) { return std::sqrt(6.0) * d.width_sd_m; }
 
 void merge_widths(LandmarkRecord& into, const LandmarkRecord& from) {
@@ -112,7 +112,7 @@ void fuse_width(LandmarkRecord& r, const detection::Detection& d, int fewest_bea
         std::hypot(d.centre_x_m - r.width_x_base_m, d.centre_y_m - r.width_y_base_m);
     fraction = std::min(1.0, moved_m / std::max(beam_m(d), kWidthSdMin_m));
   }
-  // the narrowest that always meets enough beams at this range, with one to spare
+  // smallest width that is always hit by enough beams at this range, with one to spare
   const double least_m =
       d.num_beams > 0 ? d.width_m - (d.num_beams - fewest_beams - 1) * beam_m(d) : 0.0;
   const double known_m = r.width_information > 0.0f ? r.width_m : d.width_m;

@@ -14,24 +14,24 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Scans of a landmark that are asked, the newest.
+/// Maximum number of scans examined per landmark, the newest.
 constexpr std::size_t kScansMax = 100;
-constexpr double kAtPosition_m = 0.25;  ///< what lies so near to a position is observed there
-constexpr double kBetween_m = 0.15;     ///< the same of the middle between two positions
-/// Both positions are occupied in the same scan at least so often, and in this fraction of the
-/// scans of the rarer one.
+constexpr double kAtPosition_m = 0.25;  ///< radius of a position
+constexpr double kBetween_m = 0.15;     ///< radius of the middle between two positions
+/// Two landmarks: both positions are occupied in the same scan at least this often, and in this
+/// fraction of the scans of the rarer position.
 constexpr int kAtOnceMin = 5;
 constexpr double kAtOnceFraction = 0.3;
-/// The rarer one is observed in so many scans, and in this fraction of those of the other.
+/// Minimum number of scans of the rarer position, and its fraction of the scans of the other.
 constexpr int kRarerScansMin = 10;
 constexpr double kRarerFraction = 0.5;
-/// A bush or a hedge fills what lies between its parts: at most this fraction of the scans of the
-/// rarer position may show something in the middle.
+/// A bush or hedge fills the space between its parts: maximum fraction of the rarer position's
+/// scans that may show something in the middle.
 constexpr double kBetweenFractionMax = 0.5;
-/// Observations that each half of a split landmark must have.
+/// Minimum number of observations of each half of a split landmark.
 constexpr std::size_t kHalfObservationsMin = 8;
 
-/// An observation near a landmark, associated with it or not, in map.
+/// An observation near a landmark, in map; associated with it or not.
 struct WindowObservation {
   std::int32_t observation = 0;
   std::int32_t scan = 0;
@@ -39,13 +39,13 @@ struct WindowObservation {
 };
 using Window = std::vector<WindowObservation>;
 
-/// Where two things stand, the one observed more often first.
+/// Positions of two objects, the more often observed one first.
 struct PositionPair {
   Vector2d first, second;
 };
 
-/// What the newest scans of a landmark's chain show within `reach_m` of a point, by the poses as
-/// given, in order of scan; a scan's observations of other landmarks too.
+/// Observations within `reach_m` of a point in the newest scans of a landmark's chain, with the
+/// given poses, in order of scan; including those of other landmarks.
 Window observations_around(const ObservationStore& observations, std::int32_t head,
                            const Vector2d& p_map, double reach_m) {
   std::vector<std::int32_t> scans;
@@ -64,7 +64,7 @@ Window observations_around(const ObservationStore& observations, std::int32_t he
   return window;
 }
 
-/// Per scan of the window, in order: whether one of its observations lies that near to a position.
+/// Per scan of the window, in order: whether an observation lies within `reach_m` of the position.
 std::vector<char> scans_showing(const Window& window, const Vector2d& position, double reach_m) {
   std::vector<char> shown;
   for (std::size_t i = 0; i < window.size(); ++i) {
@@ -78,8 +78,8 @@ int count(const std::vector<char>& shown) {
   return static_cast<int>(std::count(shown.begin(), shown.end(), 1));
 }
 
-/// Whether the window shows both positions at once, time and again, and little between them. A pose
-/// that was off now and then shows one thing at two positions, but never at once.
+/// Whether scans repeatedly occupy both positions at the same time, with little between them. A
+/// wrong pose shows one object at two positions, but never in the same scan.
 bool are_two(const Window& window, const Vector2d& a, const Vector2d& b,
              const std::vector<char>& at_a, const std::vector<char>& at_b) {
   int both = 0;
@@ -89,8 +89,8 @@ bool are_two(const Window& window, const Vector2d& a, const Vector2d& b,
   return count(scans_showing(window, 0.5 * (a + b), kBetween_m)) <= kBetweenFractionMax * fewer;
 }
 
-/// The middle of what is observed at the position that most scans show, of those that
-/// `is_allowed`.
+/// Mean of the observations at the position occupied in the most scans, among positions that
+/// satisfy `is_allowed`.
 template <class IsAllowed>
 std::optional<Vector2d> best_position(const Window& window, const IsAllowed& is_allowed) {
   int num_best = 0;
@@ -113,8 +113,8 @@ std::optional<Vector2d> best_position(const Window& window, const IsAllowed& is_
   return sum / num;
 }
 
-/// The two positions of two things whose observations one landmark holds, farther than `apart_m`
-/// from each other; none where there is one thing.
+/// Positions of two objects, more than `apart_m` apart, whose observations are in one landmark;
+/// none for a single object.
 std::optional<PositionPair> two_positions(const Window& window, double apart_m) {
   const auto first = best_position(window, [](const Vector2d&) { return true; });
   if (!first) return std::nullopt;
@@ -129,7 +129,7 @@ std::optional<PositionPair> two_positions(const Window& window, double apart_m) 
   return PositionPair{*first, *second};
 }
 
-/// Whether a landmark of so many observations is reviewed now: often while it is young, seldom
+/// Whether a landmark with `num_observations` observations is examined now: often at first, rarely
 /// later, so that the cost per observation is constant.
 bool is_review_due(std::int32_t num_observations) {
   if (num_observations < 16) return false;
@@ -137,7 +137,7 @@ bool is_review_due(std::int32_t num_observations) {
   return (num_observations & (num_observations - 1)) == 0;
 }
 
-/// Whether another landmark stands at one of the positions already.
+/// Whether another landmark already exists at one of the positions.
 bool is_known(const MapState& map, std::int32_t index, const PositionPair& positions) {
   const double reach_m = 0.5 * map.config.split_distance_m;
   bool known = false;
@@ -150,9 +150,9 @@ bool is_known(const MapState& map, std::int32_t index, const PositionPair& posit
   return known;
 }
 
-/// Gives each observation of the landmark to the nearer position. A scan that gave its observation
-/// to one of them and kept a secondary return at the other has observed both. False, and nothing
-/// done, where that leaves one of them with few.
+/// Assigns each observation of the landmark to the nearer position. A scan with one associated
+/// observation and a secondary return at the other position has observed both. Returns false,
+/// without any change, if one half would have too few observations.
 bool split(MapState& map, std::int32_t index, const Window& window, const PositionPair& positions) {
   const ObservationStore& observations = map.observations;
   const auto is_nearer_second = [&](const Vector2d& p) {

@@ -8,16 +8,16 @@
 
 namespace orchard::mapping {
 
-// Optional stage: landmark splitting. Gates that are wide enough for poses that are off by
-// decimetres take two things for one where they stand nearer than that. One scan is free of pose
-// errors: what scans show at two positions at once, time and again, is two things.
+// Optional stage: landmark splitting. With pose errors of decimetres the gates must be wide, and
+// two objects closer than the gates become one landmark. A single scan has no pose error: two
+// positions that scans repeatedly occupy at the same time are two landmarks.
 
-/// Splits each changed landmark that holds the observations of two things more than
-/// `mapper.split_distance_m` apart; adds the new landmark to the update. Does nothing where gate_m
-/// is half of split_distance_m or less: no landmark can then hold two.
+/// Splits each changed landmark whose observations belong to two objects more than
+/// `mapper.split_distance_m` apart, and adds the new landmark to the update. Does nothing if gate_m
+/// is at most half of split_distance_m: no landmark can then contain two objects.
 void split_landmarks(MapState& map, MapUpdate& update);
 
-/// Whether scans show two landmarks at once, so that they must not be merged.
+/// Whether scans observe the two landmarks at the same time, so that they must not be merged.
 bool are_two_landmarks(const MapState& map, std::int32_t a, std::int32_t b);
 
 }  // namespace orchard::mapping

@@ -25,7 +25,7 @@ std::int32_t LandmarkTable::add(const Eigen::Vector2d& p_map, double width_m) {
   r.association_x_m = p_map.x();
   r.association_y_m = p_map.y();
   r.width_m = static_cast<float>(width_m);
-  // grown by a quarter: doubling could leave half of a large map's memory unused
+  // Grow by a quarter: doubling could leave half of a large map's memory unused.
   if (records_.size() == records_.capacity()) {
     records_.reserve(records_.size() + records_.size() / 4 + 64);
   }

@@ -11,25 +11,24 @@
 
 namespace orchard::mapping {
 
-/// All landmarks by index (id - 1), and the grid that finds them by their association
-/// positions: the two change together, or not at all. An index is never used again, also when its
-/// landmark was merged away.
+/// All landmarks by index (id - 1), with a spatial grid over their association positions. Every
+/// change updates both. Indices are never reused, even after a landmark was merged away.
 class LandmarkTable {
  public:
   LandmarkTable() = default;
 
-  /// A table of these records, each at its own index; those that are removed hold nothing.
+  /// Builds a table in which records[i] has index i; removed records are empty slots.
   explicit LandmarkTable(std::vector<LandmarkRecord> records);
 
-  /// A landmark with its association position there and nothing accumulated. Throws
-  /// std::length_error when the indices are used up.
+  /// Adds a landmark with the given association position and no observations; returns its index.
+  /// Throws std::length_error when no indices are left.
   std::int32_t add(const Eigen::Vector2d& p_map, double width_m);
 
   const LandmarkRecord& operator[](std::int32_t index) const {
     return records_[static_cast<std::size_t>(index)];
   }
 
-  /// Calls change(record); the grid follows the association position.
+  /// Calls change(record) and updates the grid with the new association position.
   template <class Change>
   void change(std::int32_t index, Change&& change) {
     LandmarkRecord& r = records_[static_cast<std::size_t>(index)];
@@ -38,7 +37,7 @@ class LandmarkTable {
     grid_.move(index, from.x(), from.y(), r.association_x_m, r.association_y_m);
   }
 
-  /// Leaves a record that holds nothing and is_removed.
+  /// Replaces the record by an empty one with is_removed set.
   void remove(std::int32_t index);
 
   /// Calls visit(index, record) for a superset of the landmarks within `radius_m` of a point.
@@ -48,7 +47,7 @@ class LandmarkTable {
                [&](std::int32_t i) { visit(i, records_[static_cast<std::size_t>(i)]); });
   }
 
-  /// One more than the largest index given out.
+  /// Largest index ever used plus one.
   std::int32_t num_indices() const { return static_cast<std::int32_t>(records_.size()); }
   std::size_t num_alive() const { return num_alive_; }
   std::size_t num_bytes() const;

@@ -16,11 +16,11 @@
 
 namespace orchard::mapping {
 
-/// Observations, the newest, that a landmark's position is taken from: a robot that stands still
-/// for an hour must not make each scan dearer than the last.
+/// Maximum number of newest observations used for a landmark's position. Bounds the cost per scan
+/// of a robot that stands still for hours.
 inline constexpr std::size_t kPositionSamplesMax = 512;
 
-/// The map while it is built: landmarks (id = index + 1), every observation, cached positions.
+/// The map under construction: landmarks (id = index + 1), all observations, cached positions.
 struct MapState {
   MapState(const MapperConfig& mapper_config, std::shared_ptr<ChunkMemory> memory)
       : config(mapper_config), observations(std::move(memory)) {}
@@ -28,31 +28,31 @@ struct MapState {
   /// Adds a candidate of the last scan to a landmark.
   void add_observation(std::int32_t index, const Candidate& candidate);
 
-  /// Makes two landmarks one, with the index `keep`.
+  /// Merges landmark `drop` into landmark `keep`.
   void merge(std::int32_t keep, std::int32_t drop);
 
-  /// Makes a landmark what these observations alone would have made of it; its existence stays that
-  /// of `was`.
+  /// Rebuilds a landmark from the observations in `chain` only; keeps the existence log odds of
+  /// `was`.
   void rebuild_landmark(std::int32_t index, const LandmarkRecord& was,
                         std::vector<std::int32_t> chain);
 
-  /// Gives the landmark of index i the index kept[i]; indices that nobody has are removed ones.
+  /// Moves the landmark of index i to index kept[i]; unused indices become removed records.
   void renumber(const std::vector<std::int32_t>& kept);
 
-  /// The mode of a landmark's newest observations.
+  /// Mode of the landmark's newest observations.
   PositionMode mode_of(const LandmarkRecord& record) const;
 
-  /// A landmark as it is published, with its position at that mode.
+  /// A landmark as published, at the position `mode`.
   Landmark report(std::int32_t index, const PositionMode& mode) const;
 
-  /// Index of the landmark that each observation belongs to; -1 for one of none.
+  /// Landmark index of each observation; -1 for unassociated ones.
   ColdArray<std::int32_t> landmark_of_observation() const;
 
-  /// The observations of a landmark, the newest first; none of one that is removed.
+  /// Observations of a landmark, newest first; empty for a removed one.
   std::vector<std::int32_t> observations_of(std::int32_t index) const;
 
-  /// Whoever goes through all landmarks lets the memory of their observations rest after so many:
-  /// neighbours by number share it.
+  /// When iterating over all landmarks, call observations.rest() after this many: observations of
+  /// landmarks with neighbouring indices share memory chunks.
   static constexpr std::int32_t kLandmarksBetweenRests = 64;
 
   MapperConfig config;

@@ -6,8 +6,8 @@
 
 namespace orchard::mapping {
 
-/// What one scan did to the map: ids of landmarks that are new or changed, and ids that are no
-/// more because they were merged into another or stand there no longer. Both in rising order.
+/// Changes of the map by one scan: ids of new or changed landmarks, and ids removed because they
+/// were merged or no longer exist. Both in ascending order.
 struct MapUpdate {
   std::vector<std::int32_t> changed_ids;
   std::vector<std::int32_t> removed_ids;

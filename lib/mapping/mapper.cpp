@@ -23,10 +23,10 @@
 namespace orchard::mapping {
 namespace {
 
-/// Observations from which a tree's scatter says something.
+/// Minimum number of observations for a tree's scatter.
 constexpr int kScatterObservationsMin = 10;
 
-/// Merges each changed landmark with its merge partner, the result likewise, until none has one.
+/// Merges each changed landmark with its merge partner, repeatedly, until none has one.
 void merge_changed(MapState& map, MapUpdate& update) {
   std::vector<std::int32_t>& ids = update.changed_ids;
   const LandmarkTable& landmarks = map.landmarks;
@@ -34,7 +34,7 @@ void merge_changed(MapState& map, MapUpdate& update) {
     return are_two_landmarks(map, a, b);
   };
   std::sort(ids.begin(), ids.end());
-  for (std::size_t k = 0; k < ids.size(); ++k) {  // grows: a merged landmark is looked at again
+  for (std::size_t k = 0; k < ids.size(); ++k) {  // appends, to examine merged landmarks again
     const std::int32_t index = ids[k] - 1;
     if (landmarks[index].is_removed) continue;
     std::int32_t other = merge_partner(landmarks, index, map.config, are_two);
@@ -55,8 +55,8 @@ void merge_changed(MapState& map, MapUpdate& update) {
   std::sort(update.removed_ids.begin(), update.removed_ids.end());
 }
 
-/// Whether a landmark was judged at least so often: by the camera, or by the laser alone where no
-/// picture showed it. A tree beside the robot is out of the picture in most of its observations.
+/// Whether a landmark has enough observations judged by the camera, or by the laser where no image
+/// shows it. A tree beside the robot is outside the image in most observations.
 bool is_seen_often(const MapState& map, const LandmarkRecord& r, int min_observations) {
   if (r.num_observations >= min_observations) return true;
   if (r.num_all < min_observations) return false;
@@ -70,7 +70,7 @@ bool is_seen_often(const MapState& map, const LandmarkRecord& r, int min_observa
   return num_judged >= min_observations;
 }
 
-/// Asks `scans` whenever it is asked.
+/// Creates a SeenGround that refers to `scans`, which must outlive it.
 std::shared_ptr<SeenGround> seen_ground_of(const ObservationStore& scans) {
   auto ground =
       std::make_shared<SeenGround>([&scans](std::int32_t scan) { return scans.free_space(scan); });
@@ -90,7 +90,8 @@ struct Mapper::Impl {
         existence(config.existence, laser),
         map(config, chunks) {}
 
-  /// Appends the index of each trunk that was stored as an observation to `stored`, in their order.
+  /// Adds one scan. Appends to `stored` the index of each trunk stored as an observation, in order
+  /// of storage.
   MapUpdate update(const detection::Detections& detections, const pose::PoseEstimate& T_map_base,
                    std::shared_ptr<const FreeSpace> free_space,
                    std::vector<std::size_t>* stored = nullptr);
@@ -147,7 +148,7 @@ MapUpdate Mapper::Impl::update(const detection::Detections& detections,
     const double sd_m = std::sqrt(0.5 * c.aligned_covariance.trace());
     if (association.is_explained[k] ||
         existence.was_free_before(c.p_aligned, c.detection->width_m, sd_m)) {
-      // A secondary return of a known landmark, or what walks, as far as poses are known now.
+      // A secondary return of a known landmark, or, with the current poses, a moving object.
       map.observations.add_unassociated(observation_of(c));
       note_stored(c);
     } else {
@@ -155,7 +156,7 @@ MapUpdate Mapper::Impl::update(const detection::Detections& detections,
     }
   }
 
-  // Optional stages: what is gone, and what is two.
+  // Optional stages: existence filter and landmark splitting.
   if (free_space) existence.update(free_space, T_map_base_aligned, map.landmarks, update);
   split_landmarks(map, update);
 
@@ -174,9 +175,9 @@ MapUpdate Mapper::rebuild(
   const MapState& was = impl_->map;
   const ColdArray<std::int32_t> landmark_then = was.landmark_of_observation();
   Impl now(was.config, impl_->p_base_laser, impl_->memory);
-  // Observations of a scan stand together before and after, but not in the same order.
+  // The observations of a scan are contiguous before and after, but in a different order.
   ColdArray<std::int32_t> then_of(
-      impl_->memory);  // per observation of now: its landmark's index in was
+      impl_->memory);  // per new observation: index of its landmark in `was`
   for (std::int32_t scan = 0; scan < was.observations.num_scans(); ++scan) {
     const std::int32_t first = was.observations.first_of(scan);
     detection::Detections detections;

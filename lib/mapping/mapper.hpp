@@ -19,23 +19,24 @@
 
 namespace orchard::mapping {
 
-/// The map: associates detections with landmarks, accumulates their evidence and statistics.
+/// Builds the landmark map: associates detections with landmarks and accumulates their evidence and
+/// statistics.
 ///
-/// A pure function of its configuration and the sequence of update() calls. Detections are in
-/// base, landmarks in map. Source: Shalal et al. 2013, section 5 and eqs. 11-13, generalised to
-/// the full composition map <- base.
+/// Deterministic: depends only on the configuration and the sequence of update() calls. Detections
+/// are in base, landmarks in map. Source: Shalal et al. 2013, section 5 and eqs. 11-13, generalised
+/// to the full composition map <- base.
 ///
-/// Of a landmark, roc_mean, n and SE are the paper's plain statistics: of the observations the
-/// camera saw (all of them while it saw none: class unseen). x, y and covariance are those of the
-/// mode of all its observations, composed with the poses as given and weighted by their variance.
-/// probability is Bayes'. `evidence: labels`: from the labels alone, prior 1/2; each TREE or OBJECT
-/// counts as the configured fractions of trees' and of objects' labels say, within 30 of log odds.
-/// `evidence: probability`: from the observations' calibrated probabilities, see
-/// log_odds_of_tree().
+/// roc_mean, num_observations and the standard errors of a landmark are the paper's plain
+/// statistics over the observations with a camera label (over all observations while there is none:
+/// class unseen). x, y and covariance are those of the mode of all observations, composed with the
+/// given poses and weighted by inverse variance. probability is the Bayesian posterior. `evidence:
+/// labels`: from labels only, prior 1/2, with the configured label rates of trees and objects, log
+/// odds within +-30. `evidence: probability`: from the calibrated probabilities of the
+/// observations, see log_odds_of_tree().
 class Mapper {
  public:
-  /// `p_base_laser`: where the laser sits in base; it tells what hides what. `memory` holds the
-  /// observations; none: the heap.
+  /// `p_base_laser`: laser position in base, used by the existence filter. `memory` stores the
+  /// observations; the heap if null.
   explicit Mapper(const MapperConfig& config, const Eigen::Vector2d& p_base_laser = {0.0, 0.0},
                   std::shared_ptr<ChunkMemory> memory = nullptr);
   ~Mapper();
@@ -43,32 +44,34 @@ class Mapper {
   Mapper& operator=(Mapper&&) noexcept;
 
   /// Adds the detections of one scan, observed from T_map_base at the scan's time. `free_space`:
-  /// the evidence of the scan's beams; without it the scan says nothing of what is gone.
+  /// free-space evidence of its beams; without it no landmark is dropped by this scan.
   MapUpdate update(const detection::Detections& detections, const pose::PoseEstimate& T_map_base,
                    std::shared_ptr<const FreeSpace> free_space = nullptr);
 
-  /// Rebuilds the whole map after the past was corrected: every observation goes through update()
-  /// once more, from where `corrected` puts its scan (it is given the pose as known so far). Ids
-  /// are kept: a landmark has the id of that earlier one with which it shares most observations;
-  /// new ids are never ones that were used before.
+  /// Rebuilds the whole map after a correction of past poses. Every observation passes through
+  /// update() again with the pose corrected(T_map_base) of its scan, where T_map_base is the pose
+  /// known so far. Ids are kept: a landmark gets the id of the earlier landmark with which it
+  /// shares most observations; new ids were never used before.
   MapUpdate rebuild(
       const std::function<pose::PoseEstimate(const pose::PoseEstimate& T_map_base)>& corrected);
 
-  /// Whether something saw a place of map free, or the robot drove over it, by the poses as they
-  /// are now. Asks this mapper: call it while the mapper lives and before the next update().
+  /// Returns a test whether a map position was observed free or driven over, using the current
+  /// poses. The test refers to this mapper: use it only during the mapper's lifetime and before the
+  /// next update().
   std::function<bool(const Eigen::Vector2d& p_map)> seen_free() const;
 
-  /// The same for whether scans met something at a place, too often for it to be free.
+  /// Returns a test whether scans hit something at a map position too often for it to be free; same
+  /// validity as seen_free().
   std::function<bool(const Eigen::Vector2d& p_map)> seen_blocked() const;
 
-  /// Ids of what never stood there, by all scans of the drive (existence/whole_drive.hpp).
+  /// Ids of landmarks that never existed, judged by all scans (existence/whole_drive.hpp).
   std::vector<std::int32_t> stray_ids() const;
 
-  /// Ids of those of `landmarks`, this map's, that are legs of people (existence/leg_pairs.hpp).
+  /// Ids of those `landmarks` (of this map) that are legs of people (existence/leg_pairs.hpp).
   std::vector<std::int32_t> leg_ids(const std::vector<Landmark>& landmarks,
                                     bool camera_tells) const;
 
-  /// Observations that rebuild() would go through.
+  /// Number of observations that rebuild() would process.
   std::size_t num_observations() const;
 
   /// Landmark by id; throws std::out_of_range for an unknown one. Its position is cached and
@@ -76,25 +79,25 @@ class Mapper {
   Landmark landmark(std::int32_t id);
   std::size_t num_landmarks() const;
 
-  /// Up to `count` ids in rising order, from `first_id` on.
+  /// Up to `count` ids in ascending order, starting at `first_id`.
   std::vector<std::int32_t> ids_from(std::int32_t first_id, std::size_t count) const;
 
-  /// Memory of landmarks and their index; observations and free-space evidence kept for later
-  /// corrections are not counted.
+  /// Memory of the landmarks and their index [bytes], without the observations and free-space
+  /// evidence stored for corrections.
   std::size_t num_bytes() const;
 
-  /// How far a tree's observations lie from its position [m]: the median of the medians of the
-  /// trees with ten observations or more, of their newest 512. None without such a tree.
+  /// Typical distance of a tree's observations from its position [m]: median over trees with at
+  /// least ten observations of the median over their newest 512. None without such a tree.
   std::optional<double> tree_scatter_m() const;
 
-  /// How many landmarks' observations do not agree on a class.
+  /// Number of landmarks whose observations disagree on the class.
   SplitVotes votes() const;
 
-  /// All landmarks that were judged at least `min_observations` times, by camera or laser, in order
-  /// of id, their positions of all that is known now.
+  /// All landmarks with at least `min_observations` observations judged by camera or laser, in
+  /// order of id, with positions from all current observations.
   std::vector<Landmark> landmarks(int min_observations = 1) const;
 
-  /// Its state; the configuration is the maker's. Observations stay in `memory`.
+  /// Saves or restores the state. The configuration is not included; observations stay in `memory`.
   void persist(StateArchive& archive);
 
  private:

@@ -7,39 +7,42 @@
 
 namespace orchard::mapping {
 
-/// What an observation says of a landmark's class.
+/// Source of the class evidence of an observation.
 enum class Evidence {
-  kLabels,       ///< its label, by the shares below
+  kLabels,       ///< its label, by the rates of TreeRates
   kProbability,  ///< its calibrated probability_tree
 };
 
-/// How detections become landmarks. Section `mapper`.
+/// Configuration of the mapper, section `mapper`.
 struct MapperConfig {
-  double gate_m = 0.30;            ///< farthest a detection may lie from its landmark
-  double gate_sigma = 3.5;         ///< the same in standard deviations of all that is uncertain
-  double width_gate_m = 0.25;      ///< largest difference between the widths of one thing
-  double merge_m = 0.10;           ///< landmarks nearer than this are one
-  bool split_landmarks = true;     ///< a landmark that scans show at two positions at once is two
-  double split_distance_m = 0.60;  ///< least distance of those positions
+  double gate_m = 0.30;         ///< max distance of a detection from its landmark
+  double gate_sigma = 3.5;      ///< the same in standard deviations of detection, pose and landmark
+  double width_gate_m = 0.25;   ///< max width difference of a detection and its landmark
+  double merge_m = 0.10;        ///< landmarks closer than this are merged
+  bool split_landmarks = true;  ///< split landmarks that scans observe at two positions at once
+  double split_distance_m = 0.60;          ///< min distance of those positions
   double observation_range_max_m = 100.0;  ///< farther detections are left out (range from base)
-  bool align_scans = true;        ///< who is who is decided after fitting the scan to the map
-  double align_kernel_m = 0.15;   ///< how far from a landmark a detection still supports a fit
-  double centre_kernel_m = 0.20;  ///< observations farther from the bulk weigh little
+  bool align_scans = true;                 ///< align each scan with the map before association
+  double align_kernel_m = 0.15;   ///< detections farther from a landmark support the fit little
+  double centre_kernel_m = 0.20;  ///< kernel of the mode; observations farther from it weigh little
   Evidence evidence = Evidence::kLabels;
   double evidence_prior = 0.5;        ///< fraction of trees among landmarks
   double evidence_base_rate = 0.5;    ///< fraction of trees among the calibration's observations
   double evidence_correlation = 0.2;  ///< of two observations of one thing, given its class
-  double pose_wait_s = 10.0;          ///< of message time: how long DETECTIONS wait for a POSE
-  double pose_gap_max_s = 2.0;        ///< poses farther apart are not interpolated between
-  /// Poses at least this often place each detection at its own beam's time, sparser ones all of a
-  /// scan at its first beam's: a robot that is measured at stops does not move while it scans.
+  double pose_wait_s = 10.0;          ///< message time that DETECTIONS wait for a POSE
+  double pose_gap_max_s = 2.0;        ///< no interpolation across larger gaps between poses
+  /// With poses at least this often, each detection is placed at its own beam's time; with sparser
+  /// poses, all detections of a scan at the time of its first beam (a robot measured at stops does
+  /// not move while it scans).
   double deskew_pose_gap_max_s = 0.25;
-  int min_observations = 1;  ///< landmarks seen less often are left out of map files
-  /// No key of its own but detector.segmentation.min_beams: what fewer met was not handed over.
+  int min_observations = 1;  ///< landmarks with fewer are left out of map files
+  /// Not a key of its own: detector.segmentation.min_beams. Objects hit by fewer beams are not
+  /// detected.
   int fewest_beams = 1;
-  /// Nor this, but width_max_m there: what is wider was not handed over whole.
+  /// Not a key of its own: detector.segmentation.width_max_m. Wider objects are not reported whole.
   double widest_m = 2.0;
-  /// Nor this: whether detector.segmentation.reflector is `only`, and a TREE is what flashed.
+  /// Not a key of its own: true if detector.segmentation.reflector is `only`, so that TREE means a
+  /// reflector was seen.
   bool flash_tells = false;
   ExistenceConfig existence;
   AlbumConfig album;

@@ -9,12 +9,12 @@
 
 namespace orchard::mapping {
 
-/// The cached position of each landmark, so that the cost per scan is constant. By index; landmarks
-/// with few observations are not cached, their position is computed every time.
+/// Cache of landmark positions by index, which makes the cost per scan constant. Positions of
+/// landmarks with few observations are not cached but computed every time.
 class ModeCache {
  public:
-  /// The mode of a landmark with so many observations: the cached one, or make() when 1/16 of them,
-  /// or more than kFew, have come since.
+  /// The mode of a landmark with `num_observations` observations: the cached one, or make() if the
+  /// number has grown by 1/16 or by kFew since it was computed.
   template <class Make>
   const PositionMode& at(std::int32_t index, std::int32_t num_observations, Make&& make) {
     if (num_observations <= kFew) return few_ = make();
@@ -28,7 +28,7 @@ class ModeCache {
     return known.mode;
   }
 
-  /// Makes the next at() compute the mode.
+  /// Makes the next at() recompute the mode.
   void forget(std::int32_t index) {
     if (static_cast<std::size_t>(index) < known_.size()) known_[index].num_observations = 0;
   }

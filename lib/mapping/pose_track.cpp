@@ -10,8 +10,8 @@
 namespace orchard::mapping {
 namespace {
 
-/// Before the first pose and after the last, base is where they say for so long: a robot moves at
-/// most a tenth of a metre or two in it.
+/// The first and last pose are valid this long beyond the ends: the robot moves 0.2 m at
+/// most.
 constexpr std::int64_t kBeyondEnds_us = 100'000;
 
 double turn(double from_rad, double to_rad, double fraction) {
@@ -19,7 +19,7 @@ double turn(double from_rad, double to_rad, double fraction) {
                                   fraction * geometry::wrap_angle_rad(to_rad - from_rad));
 }
 
-/// `fraction` of the way from one pose to another; utime and seq are those of the first.
+/// Interpolates between two poses; utime and seq are those of the first.
 pose::PoseEstimate between(const pose::PoseEstimate& a, const pose::PoseEstimate& b,
                            double fraction) {
   pose::PoseEstimate pose = a;
@@ -34,12 +34,12 @@ pose::PoseEstimate between(const pose::PoseEstimate& a, const pose::PoseEstimate
   return pose;
 }
 
-/// At one key time: where base was told to be, and where it is known to have been.
+/// Correction at one key time: `told` is the pose received, `is` the corrected one.
 struct Correction {
   pose::PoseEstimate told;
   pose::PoseEstimate is;
 
-  /// Another pose of the same drive, moved as a rigid whole with this one.
+  /// Applies the rigid correction to another pose of the same drive.
   pose::PoseEstimate apply(pose::PoseEstimate pose) const {
     const double turn_rad = is.yaw_rad - told.yaw_rad;
     const Eigen::Vector2d p = geometry::transform(geometry::Pose2{is.x_m, is.y_m, turn_rad},
@@ -54,8 +54,8 @@ struct Correction {
 
 }  // namespace
 
-/// Index of the first pose at or after that time; their number where there is none. It is asked for
-/// the newest as a rule: the search begins there, and leaves old ones on the disk.
+/// Index of the first pose at or after `utime`; the number of poses if there is none. Searches from
+/// the newest pose, which is usually asked for, so that old chunks stay on disk.
 std::size_t PoseTrack::first_from(std::int64_t utime) const {
   std::size_t low = 0, high = poses_.size();
   for (std::size_t back = 1; back <= poses_.size(); back *= 2) {
@@ -111,7 +111,7 @@ double PoseTrack::correct(const pose::Trajectory& trajectory) {
   }
   if (corrections.empty()) return 0.0;
   double moved_m = 0.0;
-  std::size_t next = 0;  // the first key time after the pose
+  std::size_t next = 0;  // index of the first key time after the pose
   for (std::size_t i = 0; i < end; ++i) {
     pose::PoseEstimate& pose = poses_.edit(i);
     while (next < corrections.size() && corrections[next].is.utime <= pose.utime) ++next;

@@ -13,38 +13,38 @@
 
 namespace orchard::mapping {
 
-/// Where base was, at any time between the poses received.
+/// Pose of base at any time, interpolated between the received poses.
 ///
-/// x and y go on a straight line, the angles the short way round, the covariance linearly. Not
-/// mrpt::poses::CPose3DInterpolator, which carries no covariance, and association needs it.
+/// x, y and the covariance are interpolated linearly, the angles along the shorter arc. Not
+/// mrpt::poses::CPose3DInterpolator, because that has no covariance, which association needs.
 class PoseTrack {
  public:
-  /// `memory` holds the poses; none: the heap.
+  /// `memory` stores the poses; the heap if null.
   explicit PoseTrack(double gap_max_s, std::shared_ptr<ChunkMemory> memory = nullptr)
       : gap_max_us_(static_cast<std::int64_t>(gap_max_s * 1e6)),
         poses_(memory ? std::move(memory) : std::make_shared<HeapMemory>()) {}
 
-  /// Takes a pose; one of a time already known replaces nothing and is left out.
+  /// Adds a pose; ignored if a pose of the same time exists.
   void add(const pose::PoseEstimate& pose);
 
-  /// Whether a pose at or after that time is there.
+  /// Whether there is a pose at or after `utime`.
   bool covers(std::int64_t utime) const { return !poses_.empty() && poses_.back().utime >= utime; }
 
-  /// Whether the last two poses at or before that time lie no farther apart than this, so that
-  /// the motion within a scan can be told from them. False before there are two.
+  /// Whether the last two poses at or before `utime` are at most `gap_max_us` apart, so that the
+  /// motion within a scan can be interpolated. False with fewer than two poses.
   bool is_dense_at(std::int64_t utime, std::int64_t gap_max_us) const;
 
-  /// The pose at that time: interpolated, or the first or last one when that is at most 0.1 s away.
-  /// None inside a gap larger than the largest.
+  /// The pose at `utime`: interpolated, or the first or last pose if that is at most 0.1 s away.
+  /// None inside a gap larger than gap_max_s.
   std::optional<pose::PoseEstimate> at(std::int64_t utime) const;
 
-  /// Corrects every pose before trajectory.utime: by what the trajectory says of its key times,
-  /// interpolated between them, and as at the first and the last of them beyond; their covariances
-  /// likewise. Poses from that time on were told with the correction. The farthest that base has
-  /// moved [m].
+  /// Corrects every pose before trajectory.utime, and its covariance: the correction is given at
+  /// the trajectory's key times, interpolated between them and constant before the first and after
+  /// the last. Poses from trajectory.utime on already include it. Returns the largest displacement
+  /// [m].
   double correct(const pose::Trajectory& trajectory);
 
-  /// All of them, in order of utime.
+  /// All poses in order of utime.
   std::vector<pose::PoseEstimate> poses() const;
 
   void persist(StateArchive& archive) { archive(poses_); }

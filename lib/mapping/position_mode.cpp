@@ -8,8 +8,9 @@ namespace {
 
 constexpr int kRounds = 12;
 
-/// exp(a) of a in [-30, 0], to 1e-8 of it at -30 and 1e-13 from -8 on: by the series of exp(a /
-/// 64). Unlike std::exp no call, no table and no branch, so that compilers do several at a time.
+/// exp(a) for a in [-30, 0], relative error 1e-8 at -30 and 1e-13 from -8 on: Taylor series of
+/// exp(a / 64), raised to the power 64. Without call, table or branch, so that compilers can
+/// vectorise it.
 inline double exponential(double a) {
   const double t = a / 64.0;
   double root = 1.0 / 40320.0 + t * (1.0 / 362880.0);
@@ -24,8 +25,8 @@ inline double exponential(double a) {
   return p32 * p32;
 }
 
-/// The points, one array per quantity, so that Eigen computes several at a time: a robot reports
-/// some ten landmarks per scan, and their kernels were a sixth of a replay's time.
+/// The points as one array per quantity, so that Eigen can vectorise: about ten landmarks are
+/// computed per scan.
 struct Points {
   explicit Points(const std::vector<WeightedPoint>& points)
       : x_m(points.size()), y_m(points.size()), weight(points.size()) {
@@ -37,9 +38,9 @@ struct Points {
     }
   }
 
-  /// The weights times a Gaussian kernel about a centre.
+  /// Weights of the points times a Gaussian kernel at `centre`.
   void kernel_weights(const Eigen::Vector2d& centre, double kernel_m, Eigen::ArrayXd& out) const {
-    constexpr double kMin = -30.0;  // never 0: far points still lead
+    constexpr double kMin = -30.0;  // above 0, so that far points still attract
     const double scale = -0.5 / (kernel_m * kernel_m);
     out = (((x_m - centre.x()).square() + (y_m - centre.y()).square()) * scale).max(kMin);
     for (double& a : out) a = exponential(a);

@@ -6,22 +6,22 @@
 
 namespace orchard::mapping {
 
-/// An observation in map and the inverse of its variance.
+/// An observation in map with its weight.
 struct WeightedPoint {
   Eigen::Vector2d p_map;
-  double weight = 0.0;  ///< 1 / m2
+  double weight = 0.0;  ///< inverse variance [1 / m2]
 };
 
-/// The mode of some points.
+/// Mode of a set of points.
 struct PositionMode {
   Eigen::Vector2d p_map;
   Eigen::Matrix2d covariance;  ///< of p_map [m2]
 };
 
-/// The mode of the points, weighted by their variance: mean shift from `start_map` with a Gaussian
-/// kernel that shrinks to `kernel_m`, so that a few observations of something else do not move the
-/// landmark. The covariance is that of the kernel's weighted mean with N - 1, N the effective
-/// number of points; of a single point its own. At least one point.
+/// Computes the mode of the points, weighted by inverse variance: mean shift from `start_map` with
+/// a Gaussian kernel that shrinks to `kernel_m`, so that a few observations of another object do
+/// not move the landmark. The covariance is that of the kernel-weighted mean with N - 1, N the
+/// effective number of points; of a single point its own. Needs at least one point.
 PositionMode position_mode(const std::vector<WeightedPoint>& points,
                            const Eigen::Vector2d& start_map, double kernel_m);
 

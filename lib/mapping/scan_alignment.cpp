@@ -11,7 +11,7 @@
 namespace orchard::mapping {
 namespace {
 
-constexpr double kFanSigmas = 3.0;  ///< turns are tried this far to both sides
+constexpr double kFanSigmas = 3.0;  ///< range of rotations tried, to each side
 constexpr int kFanStepsMax = 30;    ///< to each side
 constexpr int kRefinements = 5;
 
@@ -40,7 +40,7 @@ ScanAlignment align_scan(const std::vector<AlignmentPoint>& points,
   for (const AlignmentPoint& point : points) {
     farthest_m = std::max(farthest_m, (point.p_map - robot_map).norm());
   }
-  // steps of the fan move the farthest point by half a kernel
+  // One step of rotation moves the farthest point by half a kernel.
   const double step_rad = 0.5 * kernel_m / std::max(farthest_m, kernel_m);
   const int steps =
       std::min(kFanStepsMax, static_cast<int>(std::ceil(kFanSigmas * yaw_sd_rad / step_rad)));
@@ -48,7 +48,7 @@ ScanAlignment align_scan(const std::vector<AlignmentPoint>& points,
     double best_score = -1.0;
     double best_yaw_rad = 0.0;
     for (int k = 0; k <= 2 * steps; ++k) {
-      // 0, +1, -1, +2, ...: of equal scores the smallest turn wins
+      // Order 0, +1, -1, +2, ...: the smallest rotation wins among equal scores.
       const double yaw_rad = (k % 2 ? 1 : -1) * ((k + 1) / 2) * kFanSigmas * yaw_sd_rad / steps;
       ScanAlignment trial;
       trial.x_y_yaw.z() = yaw_rad;

@@ -9,7 +9,7 @@
 namespace orchard::mapping {
 namespace {
 
-/// Observations from which their fraction says something.
+/// Minimum number of judged observations.
 constexpr int kObservationsMin = 10;
 
 }  // namespace
@@ -17,7 +17,8 @@ constexpr int kObservationsMin = 10;
 SplitVotes split_votes(const MapState& map) {
   using detection::Label;
   const TreeRates rates = tree_rates(map.config);
-  // the fraction of TREE that says nothing, and halfway from it to what either class gives
+  // `neither`: fraction of TREE labels with no evidence either way. The votes are split when the
+  // fraction is nearer to it than to the rates of both classes.
   const double for_tree = std::log(rates.of_trees / rates.of_objects);
   const double for_object = std::log((1.0 - rates.of_objects) / (1.0 - rates.of_trees));
   const double neither = for_object / (for_tree + for_object);

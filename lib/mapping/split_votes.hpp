@@ -5,13 +5,13 @@ namespace orchard::mapping {
 
 struct MapState;
 
-/// Landmarks whose observations do not agree on a class.
+/// Landmarks whose observations disagree on the class.
 struct SplitVotes {
-  int num_split = 0;  ///< TREE as often as tells a tree and an object apart least
-  int num_told = 0;   ///< TREE at all
+  int num_split = 0;  ///< landmarks whose fraction of TREE labels supports neither class
+  int num_told = 0;   ///< landmarks with at least one TREE label
 };
 
-/// Of landmarks with ten observations or more that judged them, the newest 512 of each.
+/// Counts over landmarks with at least ten judged observations; uses the newest 512 of each.
 SplitVotes split_votes(const MapState& map);
 
 }  // namespace orchard::mapping

@@ -9,7 +9,7 @@
 namespace orchard::mapping {
 namespace {
 
-/// No scanner sweeps longer; a time beyond it is none of this scan.
+/// Maximum duration of a sweep; later times do not belong to the scan.
 constexpr std::int64_t kSweepMax_us = 1'000'000;
 
 bool is_of_sweep(std::int64_t utime, std::int64_t scan_utime) {

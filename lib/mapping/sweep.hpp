@@ -9,15 +9,16 @@
 
 namespace orchard::mapping {
 
-/// When the last object of a scan was seen: its middle beam's utime [us]. The scan's own utime when
-/// nothing in it says otherwise.
+/// Time of the last object of a scan [us], i.e. of its middle beam. The scan's own utime when no
+/// object has a later time.
 std::int64_t last_utime_of(const detection::Detections& detections);
 
-/// The same objects as base would have them, had it stood at `T_map_base` (its pose at the scan's
-/// utime) while the laser swept: each moved by base's motion between its own utime and the scan's.
+/// Removes the robot's motion during the sweep (deskewing): moves each object by the motion of base
+/// between its own utime and the scan's, as if all were observed from `T_map_base`, the pose at the
+/// scan's utime.
 ///
-/// At 1 m/s what a scanner of 75 ms sees straight ahead would otherwise stand 37 mm too near.
-/// Objects around whose utime the track has no pose stay as they are. In the plane.
+/// Without this, at 1 m/s a 75 ms scanner places objects straight ahead 37 mm too near. Objects
+/// without a pose in the track at their utime are left unchanged. Planar.
 detection::Detections unswept(detection::Detections detections, const PoseTrack& track,
                               const pose::PoseEstimate& T_map_base);
 

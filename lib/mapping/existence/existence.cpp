@@ -11,10 +11,10 @@
 namespace orchard::mapping {
 namespace {
 
-/// Most log odds that observations of beams give a thing, so that it can be given up again.
+/// Upper limit of the existence log odds, so that a landmark can still be dropped later.
 constexpr double kBeamLogOddsMax = 8.0;
 
-/// Scans that a new thing's place is looked up in: a minute's, at most.
+/// Number of scans stored for was_free_before(): one minute at most.
 constexpr std::size_t kObservationsMax = 240;
 
 using Eigen::Vector2d;
@@ -34,14 +34,14 @@ bool ExistenceFilter::was_free_before(const Vector2d& p_map, double width_m, dou
   return log_odds < kLogOddsGone;
 }
 
-/// What the beams of one scan say of each landmark in view.
+/// Evidence of one scan's beams for and against each landmark in view.
 struct ExistenceFilter::Evidence {
   struct OfLandmark {
     std::int32_t index = 0;
-    double log_odds = 0.0;  ///< that it still stands there
+    double log_odds = 0.0;  ///< change of the log odds of existence
   };
   std::vector<OfLandmark> of_landmarks;
-  int for_pose = 0, against_pose = 0;  ///< weights of what is found and of what is missed
+  int for_pose = 0, against_pose = 0;  ///< sums of pose_weight() of landmarks found and missed
 };
 
 ExistenceFilter::Evidence ExistenceFilter::evidence_of(const std::vector<std::int32_t>& changed_ids,

@@ -17,29 +17,29 @@
 
 namespace orchard::mapping {
 
-/// Optional stage: a filter of each landmark's existence probability. People walk on, vehicles
-/// drive away.
+/// Optional stage: filters the existence probability of each landmark, because people and vehicles
+/// leave.
 ///
-/// An observation is evidence for a landmark, and so is any return of a beam from its position,
-/// whatever the detector made of it. Beams that pass through a landmark, across it and across all
-/// where it may be, are evidence against it. Landmarks that are hidden or out of reach keep their
-/// odds. A scan that misses more of what is well known than it finds says nothing: its pose is
-/// wrong. The log odds are bounded, so that what stood for long can go, too. The cost depends on
-/// what stands in view, not on the size of the map.
+/// Evidence for a landmark: an observation, or any beam returned from its position, whether
+/// detected or not. Evidence against: beams that pass through it, both across its width and across
+/// its position uncertainty. Occluded landmarks and those out of range keep their log odds. A scan
+/// that misses more well-known landmarks than it finds is ignored, because its pose must be wrong.
+/// The log odds are bounded, so that landmarks of long standing can be dropped too. The cost
+/// depends on the number of landmarks in view, not on the size of the map.
 class ExistenceFilter {
  public:
-  /// `p_base_laser`: where the laser sits in base.
+  /// `p_base_laser`: position of the laser in base.
   ExistenceFilter(const ExistenceConfig& config, const Eigen::Vector2d& p_base_laser)
       : config_(config), p_base_laser_(p_base_laser) {}
 
-  /// Adds the evidence of the scan that was added to the landmarks last: `update` says which it
-  /// observed. Removes landmarks that are gone, and says so in `update`.
+  /// Adds the evidence of the newest scan, whose observed landmarks are in `update`. Removes
+  /// landmarks that are gone and lists them in `update`.
   void update(const std::shared_ptr<const FreeSpace>& free_space,
               const pose::PoseEstimate& T_map_base, LandmarkTable& landmarks, MapUpdate& update);
 
-  /// Whether a thing seen for the first time was not there before: the scans of the last while, the
-  /// one that shows it among them, saw its place free more often than not. What walks is at every
-  /// place for a moment only, also where no later scan looks.
+  /// Whether a newly detected object was absent before: recent scans, including the current one,
+  /// found its position free more often than not. A moving object occupies each position only
+  /// briefly, even where no later scan looks.
   bool was_free_before(const Eigen::Vector2d& p_map, double width_m, double sd_m) const;
 
   void persist(StateArchive& archive);
@@ -50,7 +50,7 @@ class ExistenceFilter {
                        const pose::PoseEstimate& T_map_base, const FreeSpace& free_space,
                        const LandmarkTable& landmarks) const;
 
-  /// A scan whose pose was trusted.
+  /// A scan with a validated pose.
   struct Observation {
     pose::PoseEstimate T_map_base;
     std::shared_ptr<const FreeSpace> free_space;
@@ -58,8 +58,8 @@ class ExistenceFilter {
 
   ExistenceConfig config_;
   Eigen::Vector2d p_base_laser_;
-  std::optional<std::int64_t> last_utime_;  ///< of the last scan that counted
-  std::deque<Observation> observations_;    ///< the newest ones
+  std::optional<std::int64_t> last_utime_;  ///< of the last scan used
+  std::deque<Observation> observations_;    ///< newest scans used, oldest first
 };
 
 }  // namespace orchard::mapping

@@ -3,12 +3,11 @@
 
 namespace orchard::mapping {
 
-/// When a landmark is given up because it was not seen where it should have been. Section
-/// `mapper.existence`.
+/// Configuration of the existence filter, section `mapper.existence`.
 struct ExistenceConfig {
   bool enabled = true;
-  double period_s = 0.25;    ///< observations closer in time are one
-  double scan_wait_s = 1.0;  ///< of message time: DETECTIONS wait for their SCAN; 0 = not used
+  double period_s = 0.25;    ///< min time between two scans that are used
+  double scan_wait_s = 1.0;  ///< message time that DETECTIONS wait for their SCAN; 0 = not used
 };
 
 template <class Visitor>

@@ -7,17 +7,17 @@
 namespace orchard::mapping {
 namespace {
 
-/// Probability that beams pass through where a standing thing is: thin things and wrong poses.
+/// Probability that beams pass through the position of an existing object: thin objects and wrong
+/// poses.
 constexpr double kPassRate = 0.1;
 
-/// The same where a thing is gone: something else may stand in front.
+/// Probability that they pass if the object is gone; less than 1 because another may be in front.
 constexpr double kPassRateGone = 0.7;
 
-/// Beams across a thing from which on their evidence counts in full.
+/// Number of beams across an object from which their evidence has full weight.
 constexpr int kFullBeams = 6;
 
-/// The weight of a landmark in whether a scan's pose can be trusted is its number of observations,
-/// up to this.
+/// Upper limit of pose_weight().
 constexpr int kPoseWeightMax = 100;
 
 }  // namespace

@@ -8,20 +8,20 @@ namespace orchard::mapping {
 /// Log odds of existence below which a landmark is dropped (12 %).
 inline constexpr double kLogOddsGone = -2.0;
 
-/// Log odds that something stands where a beam returned from, or where it was observed.
+/// Log odds of existence from a returned beam or an observation.
 double log_odds_of_return();
 
-/// What a pass of few beams across a thing weighs.
+/// Weighting of a pass-through by few beams.
 enum class BeamWeight {
-  kByNumber,  ///< less: for one scan after the other as they come, whose poses err together
-  kFull,      ///< as much as of many: for scans from all sides
+  kByNumber,  ///< reduced: for consecutive scans, whose pose errors are correlated
+  kFull,      ///< full: for scans from all sides
 };
 
-/// Log odds that something stands at a place of which a scan says this.
+/// Log odds of existence from the free-space evidence of one scan.
 double log_odds_of(const FreeSpaceAnswer& answer, BeamWeight weight = BeamWeight::kByNumber);
 
-/// What a landmark that was observed so often says of a scan's pose by being found or missed: a
-/// scan that misses more than it finds lies elsewhere, and is no evidence.
+/// Weight of a landmark with `num_observations` observations in validating a scan's pose: a scan
+/// that misses more weight than it finds has a wrong pose and is no evidence.
 int pose_weight(int num_observations);
 
 }  // namespace orchard::mapping

@@ -12,11 +12,11 @@
 namespace orchard::mapping {
 namespace {
 
-/// What was seen more often has shown that it stands there.
+/// Landmarks with this many observations do exist.
 constexpr std::size_t kFlickerObservationsMax = 30;
-/// A robot that has seen nothing of a place for longer comes back there [us].
+/// A longer gap between observations means that the robot left and came back [us].
 constexpr std::int64_t kOutOfSight_us = 20'000'000;
-/// A stalk is thinner than from beam to beam and meets two at most.
+/// A stalk is thinner than the beam spacing and is hit by two beams at most.
 constexpr int kStalkBeamsMax = 2;
 
 double distance_from_m(const pose::PoseEstimate& pose, const Eigen::Vector2d& p_map) {
@@ -43,7 +43,7 @@ bool flickers(const MapState& map, const LandmarkRecord& r) {
     const std::int32_t earlier = map.observations[newest[k]].scan;
     const std::int64_t later_us = map.observations.pose(later).utime;
     if (later_us - map.observations.pose(earlier).utime > kOutOfSight_us) continue;
-    bool has_view = true;  // of a scan whose beams are not kept: as of the one before it
+    bool has_view = true;  // of the last scan with stored beams
     for (std::int32_t scan = earlier + 1; scan < later; ++scan) {
       const pose::PoseEstimate& pose = map.observations.pose(scan);
       if (distance_from_m(pose, p_map) > farthest_m) continue;

@@ -6,10 +6,10 @@
 
 namespace orchard::mapping {
 
-/// Whether a landmark is a stalk of grass or a twig that moves in and out of the scan plane: no
-/// tree, never more than two beams wide, and missed between its observations more often than a
-/// thing that stands there would be. A scan is a miss when it has a view of the place from no
-/// farther than the thing was seen from, whatever a lone beam met there.
+/// Whether a landmark is a stalk of grass or a twig that moves in and out of the scan plane: not a
+/// tree, never wider than two beams, and missed between its observations more often than an
+/// existing object would be. A scan is a miss if the position is in view and not farther than the
+/// farthest observation, even if a single beam was returned.
 bool flickers(const MapState& map, const LandmarkRecord& record);
 
 }  // namespace orchard::mapping

@@ -12,25 +12,26 @@
 namespace orchard::mapping {
 namespace {
 
-/// A thing may stand within so many standard deviations of its position.
+/// Extent of the position uncertainty, in standard deviations.
 constexpr double kPosition_sigma = 2.0;
 
-/// Fraction of the beams across where a thing may stand that must pass.
+/// Minimum fraction of the beams across the position uncertainty that must pass.
 constexpr double kPassFraction = 0.8;
 
 using Eigen::Vector2d;
 
-// codes: 1 to kFarthest are ranges
+// Codes from 1 to kFarthest are ranges.
 constexpr std::uint8_t kSaysNothing = 0;
 constexpr std::uint8_t kFarthest = 253;
 constexpr std::uint8_t kBeyondReach = 254;
 constexpr std::uint8_t kNoReturn = 255;
 
-/// Bark is rough and trunks are not round: returns this much before or behind a circle are its.
+/// Returns this far before or behind a circle still belong to the object: bark is rough and trunks
+/// are not round.
 constexpr double kRough_m = 0.05;
-/// Beams that must cross a thing's own width, all of them going on, to say that it is gone.
+/// Minimum number of beams across the object's own width, all of which must pass.
 constexpr int kFewestAcross = 2;
-/// Half as wide as from one beam to the next.
+/// Half the beam spacing, in beams.
 constexpr double kOneBeam = 0.5;
 
 }  // namespace
@@ -51,7 +52,7 @@ FreeSpace::FreeSpace(const laser::Scan& scan, const laser::LaserConfig& laser,
   for (std::size_t i = 0; i < codes_.size(); ++i) {
     const double range_m = scan.ranges_m[i];
     if (blind.contains(scan.bearing_rad(static_cast<double>(i)))) continue;
-    if (range_m == 0.0 || range_m >= scan.range_max_m) {  // drivers give the farthest for none
+    if (range_m == 0.0 || range_m >= scan.range_max_m) {  // some drivers report no return as max
       codes_[i] = kNoReturn;
     } else if (scan.valid(i) && range_m >= reach_m_) {
       codes_[i] = kBeyondReach;
@@ -64,7 +65,7 @@ FreeSpace::FreeSpace(const laser::Scan& scan, const laser::LaserConfig& laser,
 
 namespace {
 
-/// Calls visit(value) for everything of a FreeSpace but its codes.
+/// Calls visit(address, size) for each value.
 template <class... Values, class Visit>
 void visit_each(Visit&& visit, Values&... values) {
   (visit(&values, sizeof(values)), ...);
@@ -102,7 +103,7 @@ FreeSpace FreeSpace::unpack(const std::vector<std::uint8_t>& bytes) {
   return free_space;
 }
 
-/// A point of base in the laser's frame when that beam was sent.
+/// Transforms a point from base (at the scan's utime) to the laser frame at the time of a beam.
 Vector2d FreeSpace::in_laser(const Vector2d& p_base, double beam) const {
   const double time_s = beam_period_s_ * beam;
   const Vector2d arm = p_base - time_s * velocity_.head<2>();
@@ -111,7 +112,7 @@ Vector2d FreeSpace::in_laser(const Vector2d& p_base, double beam) const {
                         p);
 }
 
-/// The beam towards a point, between two beams as a rule.
+/// Fractional index of the beam towards a point.
 double FreeSpace::beam_of(const Vector2d& p_laser) const {
   const double bearing_rad = std::atan2(p_laser.y(), p_laser.x());
   return 0.5 * (static_cast<double>(codes_.size()) - 1) +
@@ -135,8 +136,8 @@ FreeSpaceAnswer FreeSpace::at(const Vector2d& p_base, double width_m, double sd_
   const double beams_per_rad = 1.0 / std::abs(bearing_step_rad_);
   double reach = std::asin(std::min(1.0, across_m / range_m)) * beams_per_rad;
   double own = std::asin(std::min(1.0, 0.5 * width_m / range_m)) * beams_per_rad;
-  // One beam at least meets what is as wide as from one to the next: the two that it lies between
-  // tell of it.
+  // An object as wide as the beam spacing is hit by at least one beam: use the two beams beside its
+  // centre.
   if (own >= kOneBeam) own = std::max(own, 1.0);
   reach = std::max(reach, own);
   if (!(middle - reach >= 0.0 && middle + reach <= last)) return {};

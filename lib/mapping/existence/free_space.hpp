@@ -12,44 +12,47 @@
 
 namespace orchard::mapping {
 
-/// Range within which beams are evidence [m]: farther ones are too sparse for a trunk.
+/// Max range at which beams are evidence [m]; beyond it they are too sparse for a trunk.
 inline constexpr double kBeamReach_m = 8.0;
 
-/// What the beams of a scan say of a position.
+/// What the beams of a scan show at a position.
 enum class FreeSpaceEvidence {
-  kUnknown,        ///< hidden, out of reach, or too few beams
-  kReturns,        ///< something returned from there, whatever it is
-  kPassesThrough,  ///< every beam across the thing, and nearly all across where it may be, goes on
+  kUnknown,        ///< occluded, out of range, or too few beams
+  kReturns,        ///< a beam returned from there, from any object
+  kPassesThrough,  ///< all beams across the object and most across its uncertainty pass
 };
 
+/// Answer of FreeSpace::at().
 struct FreeSpaceAnswer {
   FreeSpaceEvidence evidence = FreeSpaceEvidence::kUnknown;
-  int num_across = 0;  ///< beams across the thing's own width; of kPassesThrough alone
+  int num_across = 0;  ///< beams across the object's own width; kPassesThrough only
 };
 
-/// Free-space evidence: the beams of one scan, kept small (a byte each), asked whether they return
-/// from a position or pass through it.
+/// Free-space evidence of one scan: tells whether its beams return from a position or pass through
+/// it. Compact: one byte per beam.
 class FreeSpace {
  public:
-  /// Beams in the blind sector and returns that the scanner itself does not believe say nothing. Of
-  /// what lies beyond kBeamReach_m from the laser only that it does is kept.
+  /// Ignores beams in the blind sector and returns that the scanner marks as invalid. Ranges beyond
+  /// kBeamReach_m from the laser are stored as "beyond" only.
   FreeSpace(const laser::Scan& scan, const laser::LaserConfig& laser,
             const laser::BlindSector& blind);
 
   std::int64_t utime() const { return utime_; }
 
-  /// Whether its beams were sent one after the other.
+  /// Whether the beams were sent one after the other.
   bool is_sweep() const { return beam_period_s_ > 0.0; }
 
-  /// How base moves during the sweep, per second: x, y [m/s] and yaw [rad/s] in base. Unset: not.
+  /// Sets the velocity of base during the sweep: x, y [m/s] and yaw [rad/s] in base. Default: 0.
   void set_velocity(const Eigen::Vector3d& velocity) { velocity_ = velocity; }
 
-  /// Of something round, `width_m` wide, at `p_base` as base was at the scan's utime. `sd_m`:
-  /// 1-sigma per axis of all that is uncertain about its position. No return counts as going on up
-  /// to half the scanner's range: beyond it, dark bark gives none either.
+  /// Evidence at the position of a round object of width `width_m` at `p_base` (base at the scan's
+  /// utime). `sd_m`: 1-sigma per axis of its total position uncertainty. A beam without return
+  /// counts as passing up to half the scanner's range; beyond that, dark bark gives no return
+  /// either.
   FreeSpaceAnswer at(const Eigen::Vector2d& p_base, double width_m, double sd_m) const;
 
-  /// All of it as bytes, for unpack() of the same program.
+  /// Serializes all data to bytes, for unpack() of the same program. unpack() throws
+  /// std::length_error when there are too few.
   std::vector<std::uint8_t> pack() const;
   static FreeSpace unpack(const std::vector<std::uint8_t>& bytes);
 
@@ -68,7 +71,7 @@ class FreeSpace {
   double reach_m_ = 0.0;
   double sigmas_ = 0.0;
   double fraction_ = 0.0;
-  double no_return_m_ = 0.0;  ///< up to which no return counts as going on
+  double no_return_m_ = 0.0;  ///< range up to which no return means passing
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();
   std::vector<std::uint8_t> codes_;
 };

@@ -9,13 +9,14 @@
 
 namespace orchard::mapping {
 
-/// Ids of landmarks that are most likely legs of people who stood as long as they were seen, in
-/// rising order.
+/// Ids of landmarks that are most likely legs of people who stood still while they were observed,
+/// in ascending order.
 ///
-/// Two things as thin as legs, as far apart as people stand, and no others there; seen together
-/// once, for no longer than people stand still. Where trees of the map's own rows stand in such
-/// pairs, as double stems do, or where too few rows tell, none is. Trees of rows never are, nor,
-/// with `camera_tells`, what a camera called a tree. `landmarks`: of this map, with rows.
+/// Legs are two objects as thin as legs, at the distance of a stance, with no third beside them,
+/// observed together in a single visit no longer than people stand still. Returns none if trees in
+/// the map's rows stand in such pairs too (double stems), or if there are too few trees in rows to
+/// judge. Trees in rows are never legs, nor, with `camera_tells`, are landmarks that a camera
+/// labelled TREE. `landmarks`: of this map, with rows.
 std::vector<std::int32_t> leg_pairs(const MapState& map, const std::vector<Landmark>& landmarks,
                                     bool camera_tells);
 

@@ -11,14 +11,15 @@
 namespace orchard::mapping {
 namespace {
 
-/// Width of a place that is asked for [m]: two beams and more cross it.
+/// Width of a queried position [m]: two or more beams cross it.
 constexpr double kSeenPlace_m = 0.2;
-/// What lies so near to where base was is driven over [m]: less than half of any vehicle's width.
+/// Positions this close to the path of base were driven over [m]: less than half the width of any
+/// vehicle.
 constexpr double kDriven_m = 0.25;
-/// Scans with an opinion that are enough.
+/// Number of votes that decide.
 constexpr int kVotes = 8;
 constexpr int kReturnWeight = 3;
-/// A scan from nearer than this to the last, and turned less, is left out.
+/// Scans that moved less than this from the last stored one, and turned less, are skipped.
 constexpr double kMoved_m = 0.1;
 constexpr double kTurned_rad = 0.1;
 constexpr std::size_t kUnpackedMax = 512;
@@ -47,7 +48,7 @@ const FreeSpace* SeenGround::free_space(std::int32_t number) {
 
 bool SeenGround::Votes::is_passable() const { return num_passes >= kReturnWeight * num_returns; }
 
-/// Scans from where the place is in reach, by rising squared distance.
+/// Stored scans within reach of the position: squared distance and index, nearest first.
 std::vector<std::pair<double, std::int32_t>> SeenGround::scans_near(
     const Eigen::Vector2d& p_map) const {
   std::vector<std::pair<double, std::int32_t>> near;

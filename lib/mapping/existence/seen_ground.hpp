@@ -15,28 +15,29 @@
 
 namespace orchard::mapping {
 
-/// What the scans of a drive, and the robot by having been there, saw free.
+/// Free and blocked ground, from the scans of a drive and the robot's path. Used for the navigation
+/// graph.
 ///
-/// Asked where ways may run. The nearest scans with a view of a place vote; a returning beam counts
-/// three times a passing one, so that a hedge that lets some through is none.
+/// The nearest scans with a view of a position vote. A returned beam counts three times a passing
+/// one, so that a sparse hedge is not free.
 class SeenGround {
  public:
-  /// The evidence of a scan, by its number; none where it has none.
+  /// Returns the free-space evidence of a scan by its number; null if there is none.
   using FreeSpaceOf = std::function<std::shared_ptr<const FreeSpace>(std::int32_t scan)>;
 
   explicit SeenGround(FreeSpaceOf free_space_of) : free_space_of_(std::move(free_space_of)) {}
 
-  /// A robot that stands tells nothing new: scans from where the last one was are left out.
+  /// Adds a scan. Skipped if the robot has hardly moved since the last one.
   void add_scan(std::int32_t scan, const pose::PoseEstimate& T_map_base);
 
-  /// Whether a place of map, two decimetres wide, was seen free, or driven over.
+  /// Whether a position in map, 0.2 m wide, was observed free or was driven over.
   bool is_free(const Eigen::Vector2d& p_map);
 
-  /// Whether those scans met something there, and too often for it to be free.
+  /// Whether scans hit something at a position too often for it to be free.
   bool is_blocked(const Eigen::Vector2d& p_map);
 
-  /// Calls visit(scan, beams) for each scan that may have a view of a place, the nearest first,
-  /// until it returns false.
+  /// Calls visit(scan, beams) for each scan within range of a position, nearest first, until it
+  /// returns false.
   void visit_views(const Eigen::Vector2d& p_map,
                    const std::function<bool(std::int32_t scan, const FreeSpace& beams)>& visit);
 
@@ -58,7 +59,7 @@ class SeenGround {
   FreeSpaceOf free_space_of_;
   std::vector<Scan> scans_;
   geometry::PointGrid grid_{8.0};
-  std::unordered_map<std::int32_t, std::shared_ptr<const FreeSpace>> unpacked_;  ///< some of them
+  std::unordered_map<std::int32_t, std::shared_ptr<const FreeSpace>> unpacked_;  ///< cache
 };
 
 }  // namespace orchard::mapping

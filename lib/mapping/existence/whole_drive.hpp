@@ -9,13 +9,14 @@
 
 namespace orchard::mapping {
 
-/// Indices of landmarks that most likely never stood there, in rising order: seen now and then,
-/// while most scans of the drive with a view of their place, before and after, passed through it;
-/// or overlapping a trunk or post that was seen more than ten times as often.
+/// Indices of landmarks that most likely never existed, in ascending order: those with few
+/// observations while most scans with a view of their position, before or after, passed through it;
+/// those that overlap a trunk or post with more than ten times as many observations; foliage of a
+/// bush; and stalks (flicker.hpp).
 ///
-/// The filter beside it (existence.hpp) weighs what comes after a landmark's first observation, as
-/// it comes; this weighs the whole drive, by the same rates, when the map is written. Landmarks of
-/// many observations are the filter's alone, and so is every landmark where no scan passes.
+/// Run when the map is written, with the same rates as the ExistenceFilter, which only weighs scans
+/// after a landmark's first observation. Landmarks with many observations are left to that filter,
+/// and so are landmarks through which no scan passes.
 std::vector<std::int32_t> stray_landmarks(const MapState& map, SeenGround& ground);
 
 }  // namespace orchard::mapping

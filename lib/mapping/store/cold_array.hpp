@@ -15,8 +15,8 @@
 
 namespace orchard::mapping {
 
-/// An array that grows at its end, in chunks. A chunk that was kept stays as it was then: the first
-/// row of it that is edited moves its rows to another one.
+/// An append-only array whose rows are stored in chunks of a ChunkMemory. Chunks kept by persist()
+/// are never changed: the first edit of one of their rows copies the chunk.
 template <class Row>
 class ColdArray {
   static_assert(std::is_trivially_copyable_v<Row>);
@@ -44,7 +44,7 @@ class ColdArray {
   const Row& operator[](std::size_t i) const { return chunks_[i >> kShift][i & kMask]; }
   const Row& back() const { return (*this)[size_ - 1]; }
 
-  /// A row that is to be changed. Rows of its chunk that were asked for before may have moved.
+  /// Returns a row for modification. Invalidates references to rows of the same chunk.
   Row& edit(std::size_t i) {
     const std::size_t chunk = i >> kShift;
     if (is_kept_[chunk] != 0) thaw(chunk);
@@ -58,7 +58,7 @@ class ColdArray {
       chunks_.push_back(static_cast<Row*>(memory_->take()));
       is_kept_.push_back(0);
     } else if (is_kept_.back() != 0) {
-      const Row copy = row;  // may be one of the chunk's own
+      const Row copy = row;  // `row` may be inside the chunk
       thaw(chunks_.size() - 1);
       return push_back(copy);
     }
@@ -66,7 +66,7 @@ class ColdArray {
     ++size_;
   }
 
-  /// Rows that stand together without a break, from `i` on: at least one, up to the end.
+  /// The contiguous rows from `i` on: pointer and number, at least one.
   std::pair<const Row*, std::size_t> run_from(std::size_t i) const {
     const std::size_t in_chunk = (kMask + 1) - (i & kMask);
     return {&(*this)[i], in_chunk < size_ - i ? in_chunk : size_ - i};
@@ -79,8 +79,8 @@ class ColdArray {
     size_ = 0;
   }
 
-  /// Its chunks are kept, and only their numbers are written. Throws std::runtime_error when the
-  /// memory does not keep them, or does not have them.
+  /// Saves or restores the array: the chunks are kept in the memory, only their numbers are
+  /// written. Throws std::runtime_error when the memory does not keep or does not find them.
   void persist(StateArchive& archive) {
     std::uint64_t size = size_;
     std::uint32_t row_size = sizeof(Row);
@@ -124,7 +124,7 @@ class ColdArray {
 
   std::shared_ptr<ChunkMemory> memory_;
   std::vector<Row*> chunks_;
-  std::vector<char> is_kept_;  ///< of each chunk
+  std::vector<char> is_kept_;  ///< per chunk: kept, must be copied before an edit
   std::size_t size_ = 0;
 };
 

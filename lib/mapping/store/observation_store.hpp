@@ -17,34 +17,34 @@
 
 namespace orchard::mapping {
 
-/// Every observation, those of a landmark chained from the newest to the oldest, and of each scan
-/// where base was and the free-space evidence of its beams.
+/// All observations and scans. The observations of a landmark form a chain from newest to oldest;
+/// each scan has the pose of base and the free-space evidence of its beams.
 class ObservationStore {
  public:
   explicit ObservationStore(std::shared_ptr<ChunkMemory> memory = std::make_shared<HeapMemory>())
       : memory_(memory), scans_(memory), observations_(memory), beams_(memory) {}
 
   const std::shared_ptr<ChunkMemory>& memory() const { return memory_; }
-  /// Nothing of it is needed for the moment.
+  /// Lets the memory release its chunks until they are read again.
   void rest() const { memory_->rest(); }
 
-  /// Starts the next scan; `free_space` may be none.
+  /// Starts the next scan; `free_space` may be null.
   void add_scan(const pose::PoseEstimate& T_map_base, const FreeSpace* free_space);
 
-  /// Index of the scan that was started last.
+  /// Index of the newest scan.
   std::int32_t last_scan() const { return static_cast<std::int32_t>(scans_.size()) - 1; }
   const PoseComposition& last_composition() const { return scans_.back().composition; }
 
   std::int32_t num_scans() const { return static_cast<std::int32_t>(scans_.size()); }
   std::int32_t num_observations() const { return static_cast<std::int32_t>(observations_.size()); }
 
-  /// T_map_base of a scan as it was given.
+  /// T_map_base of a scan as given to add_scan().
   const pose::PoseEstimate& pose(std::int32_t scan) const { return at(scan).T_map_base; }
 
-  /// None where none was given.
+  /// Free-space evidence of a scan; null if none was given.
   std::shared_ptr<const FreeSpace> free_space(std::int32_t scan) const;
 
-  /// Observations of a scan: those from first_of(scan) up to first_of(scan + 1), not included.
+  /// Index of the first observation of a scan; its observations end before first_of(scan + 1).
   std::int32_t first_of(std::int32_t scan) const {
     return scan < num_scans() ? at(scan).first : num_observations();
   }
@@ -52,34 +52,36 @@ class ObservationStore {
     return observations_[static_cast<std::size_t>(observation)];
   }
 
-  /// Puts an observation of the last scan before the chain that starts at `head`; the new head.
+  /// Adds an observation of the newest scan in front of the chain that starts at `head`; returns
+  /// the new head.
   std::int32_t prepend(Observation observation, std::int32_t head);
 
-  /// Stores an observation of the last scan that is in no chain: after a correction it may be.
+  /// Adds an observation of the newest scan to no chain; a correction may associate it later.
   void add_unassociated(Observation observation);
 
-  /// Makes one chain of two, `newer` first; its head.
+  /// Joins two chains, `newer` first; returns the head.
   std::int32_t join(std::int32_t newer, std::int32_t older);
 
-  /// Makes these observations one chain, whatever chains they were in; its head, -1 for none.
+  /// Links these observations into one chain, regardless of their previous chains; returns the
+  /// head, -1 for none.
   std::int32_t relink(std::vector<std::int32_t> observations);
 
-  /// The observations of a chain, the newest first, `most` at most.
+  /// The newest `most` observations of a chain, newest first.
   std::vector<std::int32_t> newest_of(std::int32_t head, std::size_t most) const;
 
-  /// Where an observation lies in map by the pose of its scan.
+  /// Position of an observation in map, by the pose of its scan.
   Eigen::Vector2d p_map(std::int32_t observation) const;
 
   void persist(StateArchive& archive) { archive(scans_, observations_, beams_); }
 
-  /// The first of a chain, `most` at most, composed with the poses as given.
+  /// The newest `most` observations of a chain, composed with the given poses.
   std::vector<WeightedPoint> newest(std::int32_t head, std::size_t most) const;
 
  private:
   struct Scan {
     pose::PoseEstimate T_map_base;
     PoseComposition composition;
-    std::int32_t first = 0;        ///< of its observations
+    std::int32_t first = 0;        ///< index of the first observation
     std::int64_t free_space = -1;  ///< index of its first byte in beams_, or -1
   };
   const Scan& at(std::int32_t scan) const { return scans_[static_cast<std::size_t>(scan)]; }
@@ -87,7 +89,7 @@ class ObservationStore {
   std::shared_ptr<ChunkMemory> memory_;
   ColdArray<Scan> scans_;
   ColdArray<Observation> observations_;
-  ColdArray<std::uint8_t> beams_;  ///< free space, packed
+  ColdArray<std::uint8_t> beams_;  ///< packed free-space evidence
 };
 
 }  // namespace orchard::mapping

@@ -14,30 +14,30 @@
 
 namespace orchard::mapping {
 
-/// Takes the state of objects apart into bytes, or puts it together again from such bytes: for the
-/// same program on the same kind of machine. Whoever keeps the bytes sees that they stay whole.
+/// Serializes the state of objects to bytes, or restores it from them; for the same program on the
+/// same kind of machine. The caller must protect the bytes against corruption.
 ///
-/// A class has one function for both ways, `persist(archive)`, which names every member that a
-/// later output can depend on: `archive(first_, second_)`.
+/// One function per class serves both directions: `persist(archive)` passes every member that later
+/// outputs depend on: `archive(first_, second_)`.
 class StateArchive {
  public:
-  /// Takes apart.
+  /// Creates an archive for writing.
   StateArchive() = default;
-  /// Puts together; `bytes` must outlive this.
+  /// Creates an archive for reading; `bytes` must outlive it.
   explicit StateArchive(std::string_view bytes) : left_(bytes), is_reading_(true) {}
 
   bool is_reading() const { return is_reading_; }
   const std::string& bytes() const { return bytes_; }
-  /// What nothing has been made of yet.
+  /// Number of bytes not read yet.
   std::size_t num_left() const { return left_.size(); }
 
-  /// Throws std::length_error when the bytes do not fit these values.
+  /// Writes or reads the values. Throws std::length_error when the bytes do not fit them.
   template <class... Values>
   void operator()(Values&... values) {
     (visit(values), ...);
   }
 
-  /// The same of `size` bytes as they stand in memory.
+  /// Writes or reads `size` bytes of memory. Throws std::length_error when too few bytes are left.
   void raw(void* data, std::size_t size) {
     if (!is_reading_) {
       bytes_.append(static_cast<const char*>(data), size);

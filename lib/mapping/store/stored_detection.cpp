@@ -28,7 +28,6 @@ Observation observation_of(const Candidate& candidate) {
   return o;
 }
 
-/// All of a detection that the map depends on.
 Detection detection_of(const Observation& o) {
   Detection d;
   d.centre_x_m = o.x_base_m;

@@ -7,10 +7,10 @@
 
 namespace orchard::mapping {
 
-/// A candidate as it is stored; scan and chain are not set.
+/// Converts a candidate to its stored form; scan and previous are not set.
 Observation observation_of(const Candidate& candidate);
 
-/// All of a stored detection that the map depends on.
+/// Restores all fields of a stored detection that the map depends on.
 detection::Detection detection_of(const Observation& observation);
 
 }  // namespace orchard::mapping

@@ -12,11 +12,11 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kBeside_m = 0.1;  ///< between the lines that are tried
-constexpr int kTurnMax = 2;        ///< of those from one station to the next
+constexpr double kBeside_m = 0.1;  ///< distance between neighbouring candidate lines
+constexpr int kTurnMax = 2;        ///< max change of the offset index between stations
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Distance from a point to a piece of a line.
+/// Distance from a point to a line segment.
 double distance_m(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
   const Vector2d d = b - a;
   const double square = d.squaredNorm();
@@ -24,7 +24,7 @@ double distance_m(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
   return (p - (a + fraction * d)).norm();
 }
 
-/// Stations by offsets: how far from everything one is there.
+/// Clearance at each station and lateral offset of a guide.
 class ClearanceTable {
  public:
   ClearanceTable(const Guide& guide, const Obstacles& obstacles, const SeenFree& seen_free)
@@ -50,8 +50,8 @@ class ClearanceTable {
     return at.p + kBeside_m * k * right_of(at.along);
   }
 
-  /// What nobody saw free is as good as full. Close to a landmark nobody needs to have: that is
-  /// no place for a vehicle's middle, and its border is the limit.
+  /// Unseen ground counts as occupied. Offsets closer than kHalfWayMin_m to a landmark need not be
+  /// seen: no vehicle's centre passes there, and the landmark's border is the limit.
   void limit_to_seen(const LinePoint& at, const SeenFree& seen_free,
                      std::vector<double>& row) const {
     std::vector<int> unseen;
@@ -70,14 +70,14 @@ class ClearanceTable {
   std::vector<std::vector<double>> clearance_m_;
 };
 
-/// The offsets of the best line from station `first` to station `last`; empty for none.
+/// Offset indices of the best line from station `first` to station `last`; empty if there is none.
 std::vector<int> best_offsets(const ClearanceTable& table, std::size_t first, std::size_t last,
                               bool pinned) {
   const int reach = table.reach();
   const auto allowed = [&](std::size_t s, int k) {
     return !pinned || k == 0 || (s != first && s != last);
   };
-  // the widest: the largest clearance at the narrowest place
+  // First pass of dynamic programming: maximise the minimum clearance.
   std::vector<double> widest(table.width(), -1.0);
   for (std::size_t s = first; s <= last; ++s) {
     std::vector<double> next(table.width(), -1.0);
@@ -95,7 +95,7 @@ std::vector<int> best_offsets(const ClearanceTable& table, std::size_t first, st
   const double clearance_m = *std::max_element(widest.begin(), widest.end());
   if (clearance_m < kHalfWayMin_m) return {};
 
-  // of those as wide the one nearest to the guide, and as straight
+  // Second pass: among lines of that clearance, minimise bends and the distance from the guide.
   std::vector<double> cost(table.width(), 0.0);
   std::vector<std::vector<int>> before(last - first + 1, std::vector<int>(table.width(), 0));
   for (std::size_t s = first; s <= last; ++s) {
@@ -124,7 +124,8 @@ std::vector<int> best_offsets(const ClearanceTable& table, std::size_t first, st
   return offsets;
 }
 
-/// The next offset beyond an end, back towards the guide where it can; none where it is not free.
+/// Offset at the next station beyond an end, as close to the guide as possible; none where the
+/// clearance is too small.
 std::optional<int> next_offset(const ClearanceTable& table, std::size_t station, int from,
                                double clearance_m) {
   std::optional<int> best;

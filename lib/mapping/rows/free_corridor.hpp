@@ -13,22 +13,23 @@
 
 namespace orchard::mapping {
 
-/// Nothing narrower than twice this is a way [m]: no vehicle passes.
+/// Minimum half width of a corridor [m]; vehicles need more.
 inline constexpr double kHalfWayMin_m = 0.35;
 
-/// Whether something has seen a place of map free: beams that passed, or the robot itself. Empty:
-/// nobody can tell, and only the landmarks count.
+/// Whether a position in map was observed free or driven over. If empty, only the landmarks limit a
+/// corridor.
 using SeenFree = std::function<bool(const Eigen::Vector2d& p_map)>;
 
-/// Everything in the map with its extent, whatever its class.
+/// All landmarks with their extent, regardless of class.
 class Obstacles {
  public:
   explicit Obstacles(const std::vector<Landmark>& landmarks);
 
-  /// From a point to the nearest border [m], `reach_m` at most; below 0 inside of one.
+  /// Distance from a point to the nearest border [m], at most `reach_m`; negative inside a
+  /// landmark.
   double clearance_m(const Eigen::Vector2d& p_map, double reach_m) const;
 
-  /// The same of a line: of its nearest point.
+  /// The same for the point of a line that is nearest to a border.
   double clearance_m(const Line& line, double reach_m) const;
 
  private:
@@ -37,23 +38,23 @@ class Obstacles {
   double largest_m_ = 0.0;
 };
 
-/// A line with free ground on both sides of it.
+/// A line with free ground on both sides.
 struct Corridor {
   Line line;
-  double width_m = 0.0;  ///< twice the distance to what is nearest to the line
+  double width_m = 0.0;  ///< twice the minimum clearance of the line
 };
 
-/// What a corridor runs along.
+/// Reference line of a corridor.
 struct Guide {
-  std::vector<LinePoint> stations;  ///< at even steps
-  double half_m = 0.0;              ///< how far beside them it may run, and be wide to each side
-  std::size_t num_extra = 0;        ///< of the stations at both ends, which it may do without
-  bool pinned = false;              ///< it begins and ends on the stations
+  std::vector<LinePoint> stations;  ///< evenly spaced
+  double half_m = 0.0;              ///< max lateral offset of the line, and max half width
+  std::size_t num_extra = 0;        ///< optional stations at each end, used as far as they are free
+  bool pinned = false;              ///< the line starts and ends exactly on the guide
 };
 
-/// Of all lines along the guide the one that keeps farthest from everything at its narrowest place,
-/// of equal ones that nearest to the guide. None where that is less than kHalfWayMin_m, or not
-/// seen free to both sides.
+/// Finds the line along the guide with the largest minimum clearance; among equal ones, the one
+/// nearest to the guide. None if that clearance is below kHalfWayMin_m or the ground beside the
+/// line was not observed free.
 std::optional<Corridor> free_corridor(const Guide& guide, const Obstacles& obstacles,
                                       const SeenFree& seen_free);
 

@@ -13,9 +13,9 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kWayStep_m = 0.5;     ///< between points of a way
-constexpr double kWidestAlley = 2.5;   ///< of the usual distance of rows
-constexpr double kSideReach_m = 15.0;  ///< farther away no row stands beside another
+constexpr double kWayStep_m = 0.5;     ///< max distance between points of an edge
+constexpr double kWidestAlley = 2.5;   ///< times the median distance of rows
+constexpr double kSideReach_m = 15.0;  ///< max distance of neighbouring rows
 
 Line line_of(const Row& row) {
   Line line;
@@ -23,7 +23,7 @@ Line line_of(const Row& row) {
   return line;
 }
 
-/// How far to the right of a point a line crosses its normal.
+/// Distance to the right from a point to the nearest crossing of a line with the normal.
 std::optional<double> right_distance_m(const LinePoint& at, const Line& line) {
   std::optional<double> nearest_m;
   for (std::size_t i = 1; i < line.size(); ++i) {
@@ -37,7 +37,7 @@ std::optional<double> right_distance_m(const LinePoint& at, const Line& line) {
   return nearest_m;
 }
 
-/// The row that most points along row r have as the nearest to their right; -1 for none.
+/// The row that is the nearest to the right of row r at most of its sample points; -1 for none.
 int right_neighbour(const std::vector<std::vector<LinePoint>>& walks,
                     const std::vector<Line>& lines, std::size_t r) {
   constexpr std::size_t kSamples = 9;
@@ -64,12 +64,12 @@ int right_neighbour(const std::vector<std::vector<LinePoint>>& walks,
   return best;
 }
 
-/// The longest run of points midway between a row and its neighbour, and their distance.
+/// The longest contiguous midline between a row and its right neighbour, and their median distance.
 struct Alley {
   std::size_t left = 0, right = 0;
   std::vector<LinePoint> middle;
   double distance_m = 0.0;
-  std::int32_t from = 0, to = 0;  ///< nodes
+  std::int32_t from = 0, to = 0;  ///< node ids
 };
 
 Alley alley_between(const std::vector<LinePoint>& walk, const Line& right) {
@@ -119,7 +119,8 @@ std::vector<Alley> alleys_of(const std::vector<Line>& lines) {
   return alleys;
 }
 
-/// Round the end of a row from one alley to the next: straight, or past the row's last place.
+/// Path around the end of a row from one alley to the next: straight if that passes the row's end,
+/// else via a point beyond the row's last tree.
 Line round_end(const Vector2d& from, const Vector2d& to, const Vector2d& row_end,
                const Vector2d& outwards, double beyond_m) {
   const Vector2d past = row_end + beyond_m * outwards;
@@ -128,7 +129,7 @@ Line round_end(const Vector2d& from, const Vector2d& to, const Vector2d& row_end
   return {from, past, to};
 }
 
-/// The alley's middle and what lies before its beginning and beyond its end, up to half an alley.
+/// Midline of the alley, extended at both ends by up to half its width.
 Guide guide_of(const Alley& alley) {
   Guide guide;
   guide.half_m = 0.5 * alley.distance_m;
@@ -184,7 +185,7 @@ class GraphBuilder {
     graph_.edges.push_back(std::move(edge));
   }
 
-  /// False where there is no way through.
+  /// Returns false if there is no free corridor.
   bool add_alley(Alley& alley) {
     auto corridor = free_corridor(guide_of(alley), obstacles_, seen_free_);
     if (!corridor) return false;

@@ -13,21 +13,21 @@ namespace orchard::mapping {
 
 enum class WayKind { kAlley, kHeadland };
 
-/// Where ways meet: beyond an alley's end, on the headland.
+/// A node of the navigation graph: the end of an alley, on the headland.
 struct NavigationNode {
   std::int32_t id = 0;  ///< from 1
   Eigen::Vector2d p_map{0, 0};
 };
 
-/// A way that a vehicle can take, both ways round.
+/// An edge that a vehicle can follow in both directions.
 struct NavigationEdge {
   std::int32_t id = 0;  ///< from 1
   WayKind kind = WayKind::kAlley;
-  std::int32_t from = 0, to = 0;  ///< nodes; an alley goes with rising positions
-  std::int32_t row_left = 0;      ///< numbers of the rows beside an alley; of a headland: the row
-  std::int32_t row_right = 0;     ///< that it goes round, and 0
+  std::int32_t from = 0, to = 0;  ///< node ids; an alley runs in the direction of rising positions
+  std::int32_t row_left = 0;      ///< row left of the alley; of a headland, the row it goes around
+  std::int32_t row_right = 0;     ///< row right of the alley; 0 for a headland
   double length_m = 0.0;
-  double width_m = 0.0;  ///< free of everything in the map and seen so, at the narrowest
+  double width_m = 0.0;  ///< free width at the narrowest point
   std::vector<Eigen::Vector2d> line_map;
 };
 
@@ -36,16 +36,19 @@ struct NavigationGraph {
   std::vector<NavigationEdge> edges;  ///< alleys from the left, then headlands
 };
 
-/// The ways between rows that stand beside each other, and round their ends.
+/// Builds the navigation graph: alleys between neighbouring rows and headland paths around the
+/// rows' ends.
 ///
-/// Each is the line that keeps farthest from every landmark's border and was seen free on both
-/// sides; where there is none at least 2 kHalfWayMin_m wide, no way is published. Rows farther
-/// apart than 2.5 times the usual distance have no alley between them; outside of the outermost
-/// rows nothing is known to be free. Alleys reach up to half an alley beyond the ends of the rows.
+/// Each edge is the line with the largest clearance from all landmarks on ground that was observed
+/// free; edges narrower than 2 kHalfWayMin_m are omitted. There are no alleys between rows farther
+/// apart than 2.5 times the median distance, nor outside the outermost rows, where free ground is
+/// unknown. Alleys extend beyond the rows' ends by up to half their width. Without `seen_free` only
+/// the landmarks count.
 NavigationGraph navigation_graph(const std::vector<Landmark>& landmarks,
                                  const std::vector<Row>& rows, const SeenFree& seen_free = {});
 
-/// Distances between neighbouring trees of a row, places without one not counted [m].
+/// Statistics of the distances between neighbouring trees of a row [m]; pairs with an empty slot
+/// between them are not counted.
 struct RowSpacing {
   double median_m = 0.0, least_m = 0.0, most_m = 0.0, sd_m = 0.0;
 };

@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector2d;
 using Number = std::pair<std::int32_t, std::int32_t>;  ///< row, position
 
-/// The row that most known trees of this one were in; 0 when it has none.
+/// Number of the earlier row with most known trees of this row; 0 without any.
 std::int32_t known_row(const Row& row, const std::map<std::int32_t, Number>& numbers) {
   std::map<std::int32_t, int> votes;
   for (const RowPlace& place : row.places) {
@@ -29,7 +29,7 @@ std::int32_t known_row(const Row& row, const std::map<std::int32_t, Number>& num
   return best;
 }
 
-/// Turns a row round when its known trees count the other way.
+/// Reverses a row if the positions of its known trees decrease along it.
 void turn_as_known(Row& row, const std::map<std::int32_t, Number>& numbers) {
   int rising = 0;
   std::int32_t last = 0;
@@ -44,7 +44,7 @@ void turn_as_known(Row& row, const std::map<std::int32_t, Number>& numbers) {
   for (RowPlace& place : row.places) place.position = -place.position;
 }
 
-/// Positions of a row's places by those of its known trees; 0 where no number is free.
+/// Positions of a row's slots, counted from its known trees; 0 where no number is free.
 std::vector<std::int32_t> kept_positions(const Row& row, std::int32_t number,
                                          const std::map<std::int32_t, Number>& numbers,
                                          const std::set<Number>& taken) {
@@ -92,8 +92,8 @@ KeptNumbers keep_ids(const std::vector<Landmark>& earlier, const MapAlignment& a
   const IndexedPoints then(places_of(earlier)), now(places_of(landmarks));
   const IndexedPoints laid(aligned_locally(then, now, alignment));
   const double gate_m = std::clamp(0.35 * typical_spacing_m(then), 0.1, 0.5);
-  // Of trees, what compare takes for the same, and not one that was planted beside the place of
-  // another. What stands farther off may have been moved there, but that is not sure enough.
+  // Trees: use the pairs of compare_maps(), which recognises a tree planted beside a missing one.
+  // Pairs farther apart than gate_m may be moved trees, but are too uncertain.
   ComparisonConfig everywhere;
   everywhere.assume_seen = true;
   for (const MapChange& c :
@@ -123,7 +123,7 @@ void keep_numbers(const std::vector<Landmark>& earlier, std::vector<Row>& rows,
   std::set<std::int32_t> present;
   for (const Landmark& l : landmarks) present.insert(l.id);
   std::map<std::int32_t, Number> numbers;
-  std::set<Number> taken;  ///< by trees that still stand
+  std::set<Number> taken;  ///< of trees that still exist
   std::int32_t next_row = 1;
   for (const Landmark& l : earlier) {
     next_row = std::max(next_row, l.row + 1);
@@ -150,7 +150,7 @@ void keep_numbers(const std::vector<Landmark>& earlier, std::vector<Row>& rows,
       RowPlace place = row.places[i];
       if (is_known) place.position = positions[i];
       const bool is_tree = place.landmark_id != 0;
-      if (!is_tree && place.position == 0) continue;  // an empty place that has no number
+      if (!is_tree && place.position == 0) continue;  // an empty slot without a number
       if (is_tree && numbers.count(place.landmark_id) == 0) {
         given[place.landmark_id] = {number, place.position};
         kept.num_without_number += place.position == 0;

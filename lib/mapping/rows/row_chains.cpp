@@ -13,9 +13,9 @@ namespace orchard::mapping {
 namespace {
 
 constexpr std::int32_t kNone = -1;
-/// Trees nearer than this along a row stand in one place.
+/// Trees closer than this along a row are in the same slot.
 constexpr double kMinStep_spacings = 0.3;
-/// A step sideways costs more than one along: the next tree is ahead.
+/// Weight of the lateral offset in the cost: the next tree should be straight ahead.
 constexpr double kCostBeside = 3.0;
 
 struct Step {
@@ -61,14 +61,14 @@ class Linker {
  private:
   static std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-  /// From i to j along the mean of both trees' rows: the chord of an arc.
+  /// Vector from i to j in the mean direction of both trees' rows (the chord of an arc).
   Step step(std::int32_t i, std::int32_t j) const {
     const Eigen::Vector2d u = (directions_[index(i)] + directions_[index(j)]).normalized();
     const Eigen::Vector2d d = p_map_[index(j)] - p_map_[index(i)];
     return {u.dot(d), u.x() * d.y() - u.y() * d.x()};
   }
 
-  /// Whether both trees' rows and the way from one to the other point alike.
+  /// Whether the directions of both trees' rows and the vector between them agree.
   bool in_line(std::int32_t i, std::int32_t j) const {
     const Eigen::Vector2d &u = directions_[index(i)], &v = directions_[index(j)];
     const Eigen::Vector2d way = (p_map_[index(j)] - p_map_[index(i)]).normalized();
@@ -93,7 +93,8 @@ class Linker {
     return geometry::median(std::move(beside_m));
   }
 
-  /// What follows i (or comes before it) within reach at the least cost; kNone for nothing.
+  /// The unlinked tree that follows i (or precedes it) within reach at minimum cost; kNone if there
+  /// is none.
   std::int32_t best(std::int32_t i, bool ahead, double reach_m) const {
     double least = std::numeric_limits<double>::infinity();
     std::int32_t found = kNone;
@@ -117,7 +118,7 @@ class Linker {
     return found;
   }
 
-  /// Links those that choose each other, until nothing changes.
+  /// Links trees that choose each other, until nothing changes.
   void link_within(double reach_spacings) {
     const double reach_m = reach_spacings * spacing_m_;
     for (bool changed = true; changed;) {
@@ -134,8 +135,8 @@ class Linker {
     }
   }
 
-  /// Once trees are linked, their row is known better than from the votes about each: along the
-  /// links for those that have them, as around it for a tree that stands alone.
+  /// Updates the directions from the links, which are more precise than the votes: of a linked tree
+  /// along its links, of an unlinked tree from the linked ones around it.
   void take_directions_from_links() {
     std::vector<Eigen::Vector2d> linked(p_map_.size(), Eigen::Vector2d(0.0, 0.0));
     for (std::size_t i = 0; i < p_map_.size(); ++i) {
@@ -152,7 +153,7 @@ class Linker {
       std::vector<std::int32_t> near;
       const double reach_m = 4.0 * spacing_m_;
       grid_.near(p_map_[i].x(), p_map_[i].y(), reach_m, [&](std::int32_t j) { near.push_back(j); });
-      std::sort(near.begin(), near.end());  // sums must not depend on the grid's order
+      std::sort(near.begin(), near.end());  // summation order must not depend on the grid
       Eigen::Vector2d sum(0.0, 0.0);
       for (const std::int32_t j : near) {
         const double distance_m = (p_map_[index(j)] - p_map_[i]).norm();

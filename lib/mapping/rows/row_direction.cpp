@@ -12,11 +12,11 @@
 namespace orchard::mapping {
 namespace {
 
-constexpr int kNumAngles = 60;  ///< of half a turn
+constexpr int kNumAngles = 60;  ///< over half a turn
 constexpr double kAngleStep_rad = geometry::kPi / kNumAngles;
 constexpr double kReach_spacings = 4.5;
-/// How far beside a line a tree still stands in it, in spacings: as much as half an angle step
-/// moves a line at its reach.
+/// Lateral tolerance of a line, in spacings: the displacement of the line at its reach by half an
+/// angle step.
 constexpr double kBeside_spacings = 0.1;
 constexpr int kRounds = 12;
 
@@ -39,7 +39,7 @@ double nearest_distance_m(const std::vector<Eigen::Vector2d>& p_map,
   return 600.0;
 }
 
-/// For each angle, how many neighbours stand in that line through tree i.
+/// For each angle, the number of neighbours on the line through tree i (soft count).
 Votes votes_of(const std::vector<Eigen::Vector2d>& p_map, const std::vector<std::int32_t>& near,
                std::size_t i, double spacing_m) {
   Votes votes{};
@@ -79,7 +79,7 @@ Votes blurred(const Votes& votes) {
   return out;
 }
 
-/// The angle of the peak, by the parabola through it and its neighbours [rad].
+/// Angle of the maximum [rad], by parabolic interpolation.
 double peak_rad(const Votes& votes) {
   const auto peak = static_cast<int>(std::max_element(votes.begin(), votes.end()) - votes.begin());
   const auto at = [&](int k) {
@@ -90,8 +90,8 @@ double peak_rad(const Votes& votes) {
   return (peak + shift) * kAngleStep_rad;
 }
 
-/// Lets neighbours agree on one of several families of lines: each tree's votes times what its
-/// neighbours believe, again and again.
+/// Makes neighbours agree on one of several families of lines (relaxation labelling): repeatedly
+/// multiplies each tree's own votes by the mean belief of its neighbourhood.
 void agree(std::vector<Votes>& belief, const std::vector<Neighbours>& neighbours) {
   const std::vector<Votes> own = belief;
   for (int round = 0; round < kRounds; ++round) {
@@ -114,7 +114,7 @@ void agree(std::vector<Votes>& belief, const std::vector<Neighbours>& neighbours
   }
 }
 
-/// The line through tree i that its neighbours in row confirm: principal axis of their offsets.
+/// Direction through tree i, refined by the mean offset of its neighbours in the row.
 Eigen::Vector2d refined(const std::vector<Eigen::Vector2d>& p_map,
                         const std::vector<std::int32_t>& near, std::size_t i, double spacing_m,
                         const Eigen::Vector2d& axis) {
@@ -129,7 +129,7 @@ Eigen::Vector2d refined(const std::vector<Eigen::Vector2d>& p_map,
   return sum.norm() > 0.3 * spacing_m ? sum.normalized() : axis;
 }
 
-/// Turns the axes so that all agree with the mean axis.
+/// Flips the axes so that all agree with the mean axis.
 void orient(std::vector<Eigen::Vector2d>& axes) {
   Eigen::Vector2d doubled(0.0, 0.0);
   for (const Eigen::Vector2d& a : axes) {
@@ -166,7 +166,7 @@ RowDirections row_directions(const std::vector<Eigen::Vector2d>& p_map) {
       const double distance_m = (p_map[static_cast<std::size_t>(j)] - p_map[i]).norm();
       if (static_cast<std::size_t>(j) != i && distance_m <= reach_m) near.push_back(j);
     });
-    std::sort(near.begin(), near.end());  // sums must not depend on the grid's order
+    std::sort(near.begin(), near.end());  // summation order must not depend on the grid
     belief[i] = votes_of(p_map, near, i, result.spacing_m);
     normalise(belief[i]);
   }

@@ -6,16 +6,17 @@
 
 namespace orchard::mapping {
 
-/// How trees stand about each other.
+/// Tree spacing and row directions of an orchard.
 struct RowDirections {
-  double spacing_m = 0.0;                   ///< median distance to the nearest tree
-  std::vector<Eigen::Vector2d> directions;  ///< unit vector per tree along its row, all alike
+  double spacing_m = 0.0;  ///< median distance to the nearest tree
+  std::vector<Eigen::Vector2d>
+      directions;  ///< unit vector per tree along its row, consistently oriented
 };
 
-/// The direction of the row through each tree, from the lines in which its neighbours stand,
-/// made consistent over the orchard so that a curved row's direction turns with it.
+/// Estimates the direction of the row through each tree from the lines on which its neighbours
+/// stand; neighbouring trees are made to agree, so that the direction follows a curved row.
 ///
-/// Points in the map frame [m]; needs at least three, else directions are empty.
+/// Points in map [m]; fewer than three give empty directions.
 RowDirections row_directions(const std::vector<Eigen::Vector2d>& p_map);
 
 }  // namespace orchard::mapping

@@ -14,24 +14,25 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Standard deviation of a planted step, in spacings: trees lean, and are seen from their sides.
+/// Standard deviation of a planted step, in spacings: trees lean and are seen from the side.
 constexpr double kEvidenceSd_spacings = 0.12;
-/// Log odds of a single step without deviation: the density of a planted one, nine places in ten
-/// full, over that of things at random, one per spacing: ln(0.9 / (0.12 sqrt(2 pi))) + 1.
+/// Log odds of a single step without deviation: density of a planted row with 90 % of the slots
+/// filled, against one random object per spacing: ln(0.9 / (0.12 sqrt(2 pi))) + 1.
 constexpr double kExactStep = 2.1;
-/// What an empty place takes from them: ln(0.1) + 1.
+/// Reduction of the log odds per empty slot: -(ln(0.1) + 1).
 constexpr double kEmptyPlace = 1.3;
-/// However far off, a step costs no more: something else was taken for a tree.
+/// Limit of a step's negative log odds: a larger deviation is a false tree.
 constexpr double kStepCostMax = 4.0;
-/// Spacings that differ by less are one.
+/// Max relative difference of equal spacings.
 constexpr double kSameSpacing = 0.15;
-/// Log odds of a row: two good steps of the orchard's own spacing, or three of another.
+/// Minimum log odds of a row: two good steps of the orchard's spacing, or three of another.
 constexpr double kRowMin = 3.3;
-/// An end of a row is cut off where it speaks against the row by more than this.
+/// An end of a row is cut off if its log odds are below minus this.
 constexpr double kEndMin = 4.0;
-/// Rows with so many trees tell the orchard's spacing, where there are any.
+/// Minimum number of trees of the rows that determine the orchard's spacing, if there are such
+/// rows.
 constexpr std::size_t kTelling = 5;
-/// Nearer to a surer row than this fraction of the rows' distance nothing is a row.
+/// Minimum distance of a row from a more certain one, as a fraction of the rows' distance.
 constexpr double kNearest_pitches = 0.6;
 
 const Vector2d& at(const std::vector<Vector2d>& p_map, std::int32_t i) {
@@ -48,7 +49,7 @@ std::vector<double> steps_of(const std::vector<Vector2d>& p_map, const RowChain&
 
 double orchard_spacing_m(const std::vector<Vector2d>& p_map, const std::vector<RowChain>& chains) {
   for (const std::size_t telling : {kTelling, std::size_t{2}}) {
-    std::vector<double> spacings_m;  // one per step, so that long rows say more
+    std::vector<double> spacings_m;  // one per step: weights rows by length
     for (const RowChain& chain : chains) {
       if (chain.size() < telling) continue;
       const double single_m = single_step_m(steps_of(p_map, chain));
@@ -59,8 +60,8 @@ double orchard_spacing_m(const std::vector<Vector2d>& p_map, const std::vector<R
   return 0.0;
 }
 
-/// Median distance of a chain's trees from another chain's line, of those beside it; none where
-/// fewer than two are.
+/// Median distance of a chain's trees from the line of another chain, over the trees beside it;
+/// none for fewer than two.
 std::optional<double> beside_m(const std::vector<Vector2d>& p_map, const RowChain& chain,
                                const RowChain& other) {
   std::vector<double> distances_m;
@@ -79,8 +80,8 @@ std::optional<double> beside_m(const std::vector<Vector2d>& p_map, const RowChai
   return geometry::median(std::move(distances_m));
 }
 
-/// How far apart rows are here: of the surer half of the chains the median distance to the nearest
-/// other one of them; 0 where none stand beside each other.
+/// Typical distance of rows: median distance to the nearest neighbour, among chains with at least
+/// half the maximum log odds; 0 if none are beside each other.
 double pitch_m(const std::vector<Vector2d>& p_map, const std::vector<RowChain>& chains,
                const std::vector<double>& log_odds) {
   const double surest = *std::max_element(log_odds.begin(), log_odds.end());
@@ -113,7 +114,7 @@ RowEvidence row_evidence(const std::vector<Vector2d>& p_map, const RowChain& cha
   if (chain.size() < 2) return evidence;
   const std::vector<double> steps_m = steps_of(p_map, chain);
   const double spacing_m = std::max(1e-3, single_step_m(steps_m));
-  // the run of steps with most evidence, and what lies before and behind it
+  // Maximum-sum run of steps, and the sums before and after it.
   double run = 0.0, before_run = 0.0, sum = 0.0, best = 0.0, before = 0.0, upto = 0.0;
   std::size_t begin = 0, first = 0, last = 0;
   for (std::size_t k = 0; k < steps_m.size(); ++k) {
@@ -125,7 +126,7 @@ RowEvidence row_evidence(const std::vector<Vector2d>& p_map, const RowChain& cha
   }
   if (before < -kEndMin) evidence.first = first;
   if (sum - upto < -kEndMin) evidence.last = last;
-  // a spacing of its own is known from one of its steps, which then says nothing more
+  // A spacing of its own is estimated from one of the steps, which is then no evidence.
   const bool is_orchards = std::abs(spacing_m - orchard_spacing_m) <
                            kSameSpacing * std::max(spacing_m, orchard_spacing_m);
   evidence.log_odds = is_orchards ? best : best - kExactStep;

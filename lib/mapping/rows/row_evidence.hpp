@@ -9,22 +9,22 @@
 
 namespace orchard::mapping {
 
-/// What the steps of a chain say of it.
+/// Evidence that a chain of trees was planted as a row.
 struct RowEvidence {
-  double log_odds = 0.0;  ///< that it was planted, of the part that speaks most for it
-  std::size_t first = 0;  ///< of its trees: what lies before stands elsewhere
-  std::size_t last = 0;   ///< and what lies beyond; inclusive
+  double log_odds = 0.0;  ///< of being planted, for the contiguous part with most evidence
+  std::size_t first = 0;  ///< index of the first tree that belongs to the row
+  std::size_t last = 0;   ///< index of the last one, inclusive
 };
 
-/// Log odds that what stands in line was planted: its steps are whole spacings, most of them single
-/// ones, where things that merely stand there have steps of any length. `orchard_spacing_m`: what
-/// the other rows show, 0 for unknown; a chain of another spacing has to show its own first.
+/// Log odds that a chain was planted: steps of a planted row are whole spacings, mostly single
+/// ones; steps of other objects have any length. `orchard_spacing_m`: spacing of the other rows, 0
+/// if unknown; a chain with another spacing needs one step more.
 RowEvidence row_evidence(const std::vector<Eigen::Vector2d>& p_map, const RowChain& chain,
                          double orchard_spacing_m);
 
-/// Leaves those chains that are rows: whose steps say so, and which do not stand between rows that
-/// are surer, nearer to one than rows of this orchard are to each other. Hedges, bushes and what
-/// else stands in line by chance go.
+/// Removes chains that are not rows: those whose steps are irregular, and those too close to a more
+/// certain row for the row distance of this orchard. Removes hedges, bushes and objects in line by
+/// chance.
 void keep_planted(const std::vector<Eigen::Vector2d>& p_map, std::vector<RowChain>& chains);
 
 }  // namespace orchard::mapping

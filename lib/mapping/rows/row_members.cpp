@@ -16,32 +16,33 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Trees nearer than this stand in one place.
+/// Trees closer than this are in the same slot.
 constexpr double kOnePlace_spacings = 0.3;
-/// What leaving out a tree of full strength costs, in squared standard deviations of a step.
+/// Reward of including a tree of full strength, in squared standard deviations of a step.
 constexpr double kStrengthWorth = 4.0;
-/// Standard deviation of a step about the spacing.
+/// Standard deviation of a step about the spacing, in spacings.
 constexpr double kMemberSd_spacings = 0.2;
-/// So many of a chain may stand between two of its places.
+/// Max number of rejected trees between two accepted ones.
 constexpr std::size_t kMaxBetween = 12;
 
-/// How near a chain's end and another's beginning are that may be one row, and how far beside.
+/// Max gap between the end of a chain and the start of its continuation, and max lateral offset
+/// [spacings].
 constexpr double kMend_spacings = 3.0;
 constexpr double kMendBeside_spacings = 0.25;
 constexpr std::size_t kFew = 5;
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-/// Squared deviation of a step from whole spacings, at least one, in standard deviations.
+/// Squared deviation of a step from a whole number of spacings (at least one), in standard
+/// deviations.
 double step_cost(double spacings) {
   const double whole = std::max(1.0, std::round(spacings));
   const double off = (spacings - whole) / kMemberSd_spacings;
   return off * off / whole;
 }
 
-/// The direction of the row where chain a ends and b begins, and how far beside each other they lie
-/// there: the last few of the one and the first few of the other, so that no single one tells.
-/// None where the two turn away from each other.
+/// Row direction where chain a ends and b begins, and their lateral offset there, robustly from the
+/// last few trees of a and the first few of b. None if the directions differ too much.
 std::optional<std::pair<Vector2d, double>> across(const std::vector<Vector2d>& p_map,
                                                   const RowDirections& rows, const RowChain& a,
                                                   const RowChain& b) {
@@ -66,9 +67,8 @@ std::optional<std::pair<Vector2d, double>> across(const std::vector<Vector2d>& p
   return std::make_pair(u, std::abs(beside_m(last) - beside_m(first)));
 }
 
-/// Distance of trees in their rows [m] where stems, bushes and hedges stand among them: those make
-/// nearest things nearer, never farther, so of the distances to the nearest the upper quartile
-/// tells.
+/// Tree spacing along the rows [m] in the presence of clutter. Stems, bushes and hedges only reduce
+/// nearest-neighbour distances, so the upper quartile is used.
 double spacing_amid_clutter_m(const IndexedPoints& points) {
   std::vector<double> distances_m;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -83,7 +83,7 @@ double spacing_amid_clutter_m(const IndexedPoints& points) {
   return geometry::quantile(std::move(distances_m), 0.75);
 }
 
-/// Where a tree would join a chain: before that of its elements, and how far beside it.
+/// Insertion point of a tree in a chain: element index and lateral distance.
 struct Slot {
   std::size_t before = 0;
   double beside_m = 0.0;
@@ -145,7 +145,7 @@ void join_chains(const std::vector<Vector2d>& p_map, const RowDirections& rows,
            u.dot(p_map[index(chain[slot.before])] - p_map[tree]) <= 0.0) {
       ++slot.before;
     }
-    // the line through the two elements around it, or through the two at that end
+    // The line through the two elements around the tree, or through the last two at an end.
     const std::size_t to = std::clamp<std::size_t>(slot.before, 1, chain.size() - 1);
     const Vector2d &a = p_map[index(chain[to - 1])], &b = p_map[index(chain[to])];
     const Vector2d along = (b - a).normalized(), d = p_map[tree] - a;
@@ -207,7 +207,7 @@ void mend_chains(const std::vector<Vector2d>& p_map, const RowDirections& rows,
 
 RowChain in_places(const std::vector<Vector2d>& p_map, const std::vector<double>& strengths,
                    const RowChain& chain) {
-  std::vector<double> steps_m;  // between those of full strength
+  std::vector<double> steps_m;  // between trees of full strength
   std::int32_t last = -1;
   for (const std::int32_t i : chain) {
     if (strengths[index(i)] < 1.0) continue;
@@ -228,7 +228,7 @@ RowChain in_places(const std::vector<Vector2d>& p_map, const std::vector<double>
       worth[i] = through_j;
       before[i] = static_cast<std::int32_t>(j);
     }
-    // a weak one must stand just where a tree should
+    // The cube requires weak trees to stand exactly in a slot.
     worth[i] += kStrengthWorth * std::pow(std::min(1.0, strengths[index(chain[i])]), 3);
     if (worth[i] > worth[end]) end = i;
   }

@@ -9,14 +9,14 @@
 
 namespace orchard::mapping {
 
-/// How much each tree has to say about where rows are: its confidence (probability times roc_mean)
-/// over half of the map's median. From 1 on that is full strength; posts and parts of bushes that
-/// pass for trees have less.
+/// Weight of each tree in finding rows: its confidence (probability times roc_mean) divided by half
+/// the map's median. 1 or more is full strength; posts and parts of bushes mistaken for trees have
+/// less.
 std::vector<double> row_strengths(const std::vector<const Landmark*>& trees);
 
-/// The trees that may begin and join rows: those of full strength that stand alone in their place.
-/// Of several within a third of the spacing (a bush, two stems) only the strongest does; `rest` are
-/// those too weak, of which each stands alone, too.
+/// Partition of the trees into seed trees and weak ones. `makers`: seed trees of full strength.
+/// `rest`: weaker trees, which may join a row but not start one. Of several trees within a third of
+/// the spacing (a bush, two stems) only the strongest is kept.
 struct RowMakers {
   std::vector<std::size_t> makers;
   std::vector<std::size_t> rest;
@@ -24,20 +24,20 @@ struct RowMakers {
 RowMakers row_makers(const std::vector<Eigen::Vector2d>& p_map,
                      const std::vector<double>& strengths);
 
-/// Puts the trees of indices `rest` into the chains in whose line they stand, between two of a
-/// chain's or beyond its ends by up to a spacing and a half; the others stay out. `rows` has the
-/// directions of all.
+/// Inserts the trees `rest` (indices) into the chains whose line they are on: between two elements,
+/// or beyond an end by up to 1.5 spacings. Other trees are dropped. `rows`: directions of all
+/// trees.
 void join_chains(const std::vector<Eigen::Vector2d>& p_map, const RowDirections& rows,
                  const std::vector<std::size_t>& rest, std::vector<RowChain>& chains);
 
-/// Makes one chain of two where one ends beside the beginning of the other, in its line: what broke
-/// the row there stands between its places. Their trees in order along the row.
+/// Merges two chains where one ends near the start of the other and in its line: trees between
+/// slots had broken the row there. Sorts the merged trees along the row.
 void mend_chains(const std::vector<Eigen::Vector2d>& p_map, const RowDirections& rows,
                  std::vector<RowChain>& chains);
 
-/// Those of a chain that stand in its places, whole spacings apart: what stands between two places
-/// is a post or a bush. The set that has most strength for least deviation from the spacing of
-/// those of full strength.
+/// Selects the trees of a chain that stand in slots, whole spacings apart; those between slots are
+/// posts or bushes. Maximises the total strength minus the deviation from the spacing of the
+/// full-strength trees.
 RowChain in_places(const std::vector<Eigen::Vector2d>& p_map, const std::vector<double>& strengths,
                    const RowChain& chain);
 

@@ -14,13 +14,14 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Mean distance to the right of one chain at which another stands.
+/// Sum and number of the distances to the right from one chain's trees to another chain.
 struct Beside {
   double sum_m = 0.0;
   int count = 0;
 };
 
-/// Each tree's nearest tree to the right, in another chain.
+/// Per pair of chains: distances from the trees of one to their nearest tree to the right, if that
+/// is in the other.
 std::map<std::pair<int, int>, Beside> neighbours_to_the_right(const std::vector<Vector2d>& p_map,
                                                               const RowDirections& rows,
                                                               const std::vector<int>& chain_of) {
@@ -84,13 +85,13 @@ void order_from_left(const std::vector<Vector2d>& p_map, const RowDirections& ro
 
   std::vector<std::vector<std::pair<std::size_t, double>>> edges(chains.size());
   for (const auto& [pair, beside] : neighbours_to_the_right(p_map, rows, chain_of)) {
-    // A single tree that looks past the end of a row is no neighbourhood.
+    // A single tree that sees past the end of a row is no adjacency.
     if (beside.count < 2) continue;
     const auto a = static_cast<std::size_t>(pair.first), b = static_cast<std::size_t>(pair.second);
     edges[a].push_back({b, beside.sum_m / beside.count});
     edges[b].push_back({a, -beside.sum_m / beside.count});
   }
-  // Places across, from the leftmost row of each group that stands together.
+  // Lateral coordinate of each row, accumulated from the leftmost row of its group.
   std::vector<double> across_m(chains.size(), 0.0);
   std::vector<bool> reached(chains.size(), false);
   for (const std::size_t start : by_centre) {

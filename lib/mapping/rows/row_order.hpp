@@ -5,8 +5,8 @@
 
 namespace orchard::mapping {
 
-/// Orders chains from left to right as one looks along the rows: by what stands beside what, so
-/// that the order holds for rows that curve.
+/// Sorts chains from left to right as seen along the rows, by lateral adjacency, so that the order
+/// is right for curved rows.
 void order_from_left(const std::vector<Eigen::Vector2d>& p_map, const RowDirections& rows,
                      std::vector<RowChain>& chains);
 

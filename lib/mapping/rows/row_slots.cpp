@@ -12,14 +12,14 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Steps on either side that tell a row's spacing at a place.
+/// Steps on either side that determine the local spacing.
 constexpr std::size_t kSpacingWindow = 15;
-/// Trees at a row's beginning that are compared with the neighbouring row.
+/// Trees at the start of a row that are compared with the neighbouring row.
 constexpr std::size_t kNumCompared = 4;
-/// Rows on either side that tell where a row should begin.
+/// Rows on either side that determine where a row should start.
 constexpr int kRowsAround = 8;
 
-/// Spacing about step k.
+/// Spacing around step k.
 double local_spacing_m(const std::vector<double>& steps_m, std::size_t k) {
   const std::size_t first = k > kSpacingWindow ? k - kSpacingWindow : 0;
   const std::size_t last = std::min(steps_m.size(), k + kSpacingWindow + 1);
@@ -42,8 +42,8 @@ std::vector<int> places_within(const std::vector<Vector2d>& p_map, const RowChai
   return places;
 }
 
-/// Where a point lies along a chain, in places (a fraction between two trees, beyond the ends by
-/// the spacing there); none when the chain is not beside it.
+/// Slot coordinate of a point along a chain: fractional between two trees, extrapolated at the
+/// ends; none if the chain is not beside the point.
 std::optional<double> place_beside(const Vector2d& p, const Vector2d& along,
                                    const std::vector<Vector2d>& p_map, const RowChain& chain,
                                    const std::vector<int>& places) {
@@ -52,7 +52,7 @@ std::optional<double> place_beside(const Vector2d& p, const Vector2d& along,
     ahead_m.push_back(along.dot(p_map[static_cast<std::size_t>(i)] - p));
   }
   if (chain.size() < 2) return std::nullopt;
-  // The first tree at or ahead of the point; the ends are extrapolated by a few places at most.
+  // First tree at or ahead of the point; the ends are extrapolated by a few slots at most.
   std::size_t k = 1;
   while (k + 1 < chain.size() && ahead_m[k] < 0.0) ++k;
   const double step_m = ahead_m[k] - ahead_m[k - 1];
@@ -63,7 +63,7 @@ std::optional<double> place_beside(const Vector2d& p, const Vector2d& along,
   return place;
 }
 
-/// The chain's direction at its i-th tree: the chord between that tree's neighbours.
+/// Direction of a chain at its i-th tree: the chord between the neighbours.
 Vector2d tangent(const std::vector<Vector2d>& p_map, const RowChain& chain, std::size_t i) {
   const std::size_t before = i == 0 ? 0 : i - 1;
   const std::size_t after = std::min(i + 1, chain.size() - 1);
@@ -72,7 +72,8 @@ Vector2d tangent(const std::vector<Vector2d>& p_map, const RowChain& chain, std:
       .normalized();
 }
 
-/// How many places later than chain q chain r begins; none when they are not beside each other.
+/// Number of slots by which chain r starts later than chain q; none if they are not beside each
+/// other.
 std::optional<double> later_start(const std::vector<Vector2d>& p_map, const RowChain& q,
                                   const std::vector<int>& places_q, const RowChain& r,
                                   const std::vector<int>& places_r) {
@@ -86,23 +87,23 @@ std::optional<double> later_start(const std::vector<Vector2d>& p_map, const RowC
   return geometry::median(offsets);
 }
 
-/// A headland: where rows begin, as a straight line over the rows' order.
+/// A headland: start of the rows as a linear function of the row index.
 struct Headland {
   double start = 0.0;  ///< at row `row`
-  double slope = 0.0;  ///< places per row
+  double slope = 0.0;  ///< slots per row
   int row = 0;
 
   double at(int r) const { return start + slope * (r - row); }
 };
 
-/// Whole places by which a row that begins at `start` is late.
+/// Number of empty slots before a row that starts at `start`.
 int places_late(double start, const Headland& line, int r) {
   return std::max(0, static_cast<int>(std::lround(start - line.at(r))));
 }
 
-/// Minus the logarithm of how likely rows first..last begin as they do, had they been planted
-/// along the line: a missing first tree has a chance of one in ten, beginnings scatter by a fifth
-/// of a place, and most headlands lie square to the rows.
+/// Negative log likelihood of the starts of rows first..last if planted along the line: a first
+/// tree is missing with probability 0.1, starts scatter by a fifth of a slot, and most headlands
+/// are perpendicular to the rows.
 double cost_of(const Headland& line, const std::vector<double>& starts, int first, int last) {
   constexpr double kCostMissing = 2.3, kCostMax = 7.0, kScatter = 0.2, kCostSlope = 6.0;
   double cost = std::abs(line.slope) > 0.05 ? kCostSlope : 0.0;
@@ -115,7 +116,7 @@ double cost_of(const Headland& line, const std::vector<double>& starts, int firs
   return cost;
 }
 
-/// How many of a row's first places are empty, judged by the rows around it.
+/// Number of empty slots at the start of a row, estimated from the rows around it.
 int num_empty_before(const std::vector<double>& starts, int r) {
   const int first = std::max(0, r - kRowsAround);
   const int last = std::min(static_cast<int>(starts.size()) - 1, r + kRowsAround);
@@ -123,7 +124,7 @@ int num_empty_before(const std::vector<double>& starts, int r) {
   Headland best{start(r), 0.0, r};
   double least = cost_of(best, starts, first, last);
   for (int a = first; a <= last; ++a) {
-    for (int b = a; b <= last; ++b) {  // a == b: square to the rows
+    for (int b = a; b <= last; ++b) {  // a == b: perpendicular to the rows
       const Headland line{start(a), a == b ? 0.0 : (start(b) - start(a)) / (b - a), a};
       const double cost = cost_of(line, starts, first, last);
       if (cost < least) {
@@ -137,8 +138,8 @@ int num_empty_before(const std::vector<double>& starts, int r) {
 
 }  // namespace
 
-// Gaps only make steps longer, so a step from the lower third is single as long as no two thirds of
-// the places are empty.
+// Gaps only make steps longer, so a step from the lower third is single unless two thirds of the
+// slots are empty.
 double single_step_m(std::vector<double> steps_m) {
   std::sort(steps_m.begin(), steps_m.end());
   const double typical_m = steps_m[steps_m.size() * 3 / 10];
@@ -154,7 +155,7 @@ std::vector<std::vector<int>> positions_of(const std::vector<Vector2d>& p_map,
   std::vector<std::vector<int>> positions;
   for (const RowChain& chain : chains) positions.push_back(places_within(p_map, chain));
 
-  // Where rows begin, in places, rows that stand together on one scale.
+  // Slot coordinate at which each row starts; rows of a group share one scale.
   std::vector<double> starts(chains.size(), 0.0);
   std::vector<int> group(chains.size(), 0);
   for (std::size_t r = 1; r < chains.size(); ++r) {

@@ -5,17 +5,17 @@
 
 namespace orchard::mapping {
 
-/// Place of every tree of every chain, counted from 0 and with the empty places: inside a chain by
-/// the local spacing; before its first tree by where the neighbouring chains begin, so that a row
-/// whose first tree is missing begins at 1. `chains` in order across.
+/// Slot index of every tree of every chain, from 0, counting empty slots: inside a chain by the
+/// local spacing; before its first tree by the starts of the neighbouring chains, so that missing
+/// first trees are counted. `chains` must be in lateral order.
 std::vector<std::vector<int>> positions_of(const std::vector<Eigen::Vector2d>& p_map,
                                            const std::vector<RowChain>& chains);
 
-/// Distance of neighbouring places, of the steps between trees that follow each other: the median
-/// of the single ones. At least one step.
+/// Distance of neighbouring slots from the steps between successive trees: the median of the single
+/// steps. Needs at least one step.
 double single_step_m(std::vector<double> steps_m);
 
-/// Median distance between neighbouring places of a chain [m].
+/// Median distance between neighbouring slots of a chain [m].
 double place_spacing_m(const std::vector<Eigen::Vector2d>& p_map, const RowChain& chain,
                        const std::vector<int>& positions);
 

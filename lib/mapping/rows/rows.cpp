@@ -18,18 +18,18 @@
 namespace orchard::mapping {
 namespace {
 
-/// Fewer trees in line make no row: two always lie in line.
+/// Minimum number of trees of a row: two are always in line.
 constexpr int kRowTreesMin = 3;
 
-/// A wider gap, in tree spacings, ends a row.
+/// Gaps longer than this, in tree spacings, end a row.
 constexpr double kGapMax_spacings = 8.0;
 
 using Eigen::Vector2d;
 
-/// What stands across the rows by more than this (cosine of 60 degrees) is a hedge or a headland.
+/// Chains at a larger angle to the rows (cosine of 60 degrees) are hedges or headlands.
 constexpr double kAcross_cos = 0.5;
 
-/// The trees, in an order of their own: the result must not depend on that of the landmarks.
+/// The trees sorted by position, so that the result does not depend on the order of the landmarks.
 std::vector<const Landmark*> trees_of(const std::vector<Landmark>& landmarks) {
   std::vector<const Landmark*> trees;
   for (const Landmark& l : landmarks) {
@@ -41,7 +41,7 @@ std::vector<const Landmark*> trees_of(const std::vector<Landmark>& landmarks) {
   return trees;
 }
 
-/// Which way positions count, as a direction that all rows' directions agree with.
+/// Direction of rising positions, consistent with the directions of all rows.
 Vector2d forward_of(const std::vector<Vector2d>& directions, const RowsConfig& config) {
   Vector2d mean(0.0, 0.0);
   for (const Vector2d& u : directions) mean += u;
@@ -57,7 +57,7 @@ Vector2d forward_of(const std::vector<Vector2d>& directions, const RowsConfig& c
 struct Lines {
   std::vector<Vector2d> p_map;
   RowDirections rows;
-  std::vector<RowChain> chains;  ///< in order across, from the left
+  std::vector<RowChain> chains;  ///< in lateral order, from the left
 };
 
 void turn_round(Lines& lines) {
@@ -66,7 +66,7 @@ void turn_round(Lines& lines) {
   std::reverse(lines.chains.begin(), lines.chains.end());
 }
 
-/// With an origin, numbers begin at the corner of the block that is nearest to it.
+/// Turns the numbering so that it starts at the corner nearest to the origin.
 void begin_at_origin(Lines& lines, const Vector2d& origin) {
   const auto first = [&](const RowChain& chain) {
     return (lines.p_map[static_cast<std::size_t>(chain.front())] - origin).norm();
@@ -142,7 +142,7 @@ std::vector<Row> find_rows(const std::vector<Landmark>& landmarks, const RowsCon
     for (std::size_t i = 0; i < lines.chains[r].size(); ++i) {
       const auto tree = static_cast<std::size_t>(lines.chains[r][i]);
       const Vector2d& p = lines.p_map[tree];
-      if (i > 0) {  // the empty places between, evenly
+      if (i > 0) {  // interpolate the empty slots between
         const RowPlace before = row.places.back();
         const int num_steps = positions[r][i] - positions[r][i - 1];
         for (int k = 1; k < num_steps; ++k) {

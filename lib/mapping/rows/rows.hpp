@@ -10,29 +10,30 @@
 
 namespace orchard::mapping {
 
-/// A place of a row: a tree stands there, or is missing.
+/// A slot of a row: occupied by a tree, or empty.
 struct RowPlace {
   std::int32_t position = 0;     ///< number along the row
-  std::int32_t landmark_id = 0;  ///< 0: a gap
+  std::int32_t landmark_id = 0;  ///< 0: empty
   Eigen::Vector2d p_map{0, 0};   ///< of the tree, or where it would stand
 };
 
-/// Trees that stand in line.
+/// Trees in line.
 struct Row {
   std::int32_t number = 0;
-  double spacing_m = 0.0;        ///< median between neighbouring places
-  std::vector<RowPlace> places;  ///< in rising position; the first and last hold trees
+  double spacing_m = 0.0;        ///< median distance of neighbouring slots
+  std::vector<RowPlace> places;  ///< in order of position; the first and last are occupied
 };
 
-/// Finds the rows of a map, straight or curved, and numbers rows and places.
+/// Finds the rows of a map, straight or curved, and numbers rows and slots.
 ///
-/// Only trees count. Places that are empty count too, so that numbers do not move when a tree
-/// dies or is planted: inside a row by the local spacing, before its first tree by where the
-/// neighbouring rows begin. Rows in rising number; a pure function of the landmarks' set, whatever
-/// their order. Takes the shorter of two ways in which trees stand in line for the row's own.
+/// Uses only trees. Empty slots are counted too, so that numbers do not change when a tree dies or
+/// is planted: inside a row by the local spacing, before its first tree by the starts of the
+/// neighbouring rows. Rows are in order of number; the result does not depend on the order of the
+/// landmarks. If trees are aligned in two directions, the one with the shorter spacing is the row
+/// direction.
 std::vector<Row> find_rows(const std::vector<Landmark>& landmarks, const RowsConfig& config);
 
-/// Writes row and position into the landmarks that the rows name; 0 into all others.
+/// Sets row and position of the landmarks in `rows`; 0 for all others.
 void number_landmarks(const std::vector<Row>& rows, std::vector<Landmark>& landmarks);
 
 }  // namespace orchard::mapping

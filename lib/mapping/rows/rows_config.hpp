@@ -11,7 +11,7 @@ enum class RowNumbering {
   kDirection,  ///< positions count towards forward_deg, rows from the left
 };
 
-/// How trees become numbered rows. Section `mapper.rows`.
+/// How trees are grouped into numbered rows. Section `mapper.rows`.
 struct RowsConfig {
   bool enabled = true;
   RowNumbering numbering = RowNumbering::kAutomatic;

@@ -29,7 +29,7 @@ std::vector<LinePoint> walked(const Line& line, double step_m) {
     const Eigen::Vector2d d = line[segment] - line[segment - 1];
     const double fraction =
         d.norm() > 0.0 ? std::clamp((s_m - before_m) / d.norm(), 0.0, 1.0) : 0.0;
-    // the direction of a few steps, so that single points out of line do not turn it
+    // Direction over several segments, so that single points out of line do not turn it.
     const std::size_t first = segment >= 2 ? segment - 2 : 0;
     const std::size_t last = std::min(segment + 1, line.size() - 1);
     points.push_back({line[segment - 1] + fraction * d, (line[last] - line[first]).normalized()});

@@ -16,22 +16,24 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kBaseline_m = 20.0;     ///< longest distance of the two points tried together
-constexpr std::size_t kNumSupport = 40;  ///< points around them of which a fraction must agree
+constexpr double kBaseline_m = 20.0;     ///< max distance of the two points of an anchor
+constexpr std::size_t kNumSupport = 40;  ///< points around the anchor used for the inlier check
+/// Minimum fraction of inliers among them.
 constexpr double kInlierFraction = 0.4;
-// Half width of a row, per distance to the nearest tree: no other row is within.
+// Half width of a row, relative to the distance of the nearest tree; excludes the neighbouring
+// rows.
 constexpr double kRowHalf = 1.5;
 constexpr std::size_t kNumAnchors = 30;
 constexpr std::size_t kNumCandidatesMax = 400;
-/// Of large maps fewer are looked at: what the best do not have, the four hundredth has neither.
+/// Lower limit for large maps, where the best few hypotheses are enough.
 constexpr std::size_t kNumCandidatesMin = 24;
-constexpr std::size_t kNumPairingsMax = 400 * 600;  ///< trees of all candidates
-/// Once so many have been tried, it is enough that this many anchors lead to one place.
+constexpr std::size_t kNumPairingsMax = 400 * 600;  ///< limit on the trees of all candidates
+/// After this many hypotheses, stop as soon as kNumAgreeing anchors agree.
 constexpr double kNumTriedLong = 5e5;
 constexpr int kNumAgreeing = 3;
 constexpr int kNumFitsMax = 40;
 
-/// Two points of a and those around them.
+/// Two points of a and the points around them.
 struct Anchor {
   std::size_t first = 0, second = 0;
   Vector2d middle{0.0, 0.0};
@@ -43,7 +45,7 @@ struct Hypothesis {
   Vector2d middle_a{0.0, 0.0};
   int num_agreeing = 0;
   double sum_m2 = 0.0;
-  double sum_width_m = 0.0;  ///< of what b's partners are wider
+  double sum_width_m = 0.0;  ///< width differences b - a of the inliers
   double sum_width_m2 = 0.0;
 
   double place_m2() const { return sum_m2 / num_agreeing; }
@@ -53,8 +55,8 @@ struct Hypothesis {
   }
 };
 
-/// Log-likelihood ratio of the inlier support against the null hypothesis, by the noise of the
-/// inliers themselves, shrunk to that of the null hypothesis while they are few.
+/// Log-likelihood ratio of the inlier support against the null hypothesis. The noise is estimated
+/// from the inliers and, while they are few, shrunk towards that of the null hypothesis.
 double agreement(const Hypothesis& h, double null_place_m2, double null_width_m2) {
   constexpr double kNullPoints = 5.0;
   const double n = h.num_agreeing;
@@ -64,7 +66,8 @@ double agreement(const Hypothesis& h, double null_place_m2, double null_width_m2
   return 2.0 * gain(h.place_m2(), null_place_m2) + gain(h.width_m2(), null_width_m2);
 }
 
-/// By agreement of places and widths, and by the number that agree, in turn; each once.
+/// Order in which hypotheses are refined: alternately by agreement and by number of inliers, each
+/// hypothesis once.
 std::vector<std::size_t> most_promising_first(const std::vector<Hypothesis>& hypotheses) {
   std::vector<double> places_m2, widths_m2;
   for (const Hypothesis& h : hypotheses) {
@@ -95,14 +98,14 @@ std::vector<std::size_t> most_promising_first(const std::vector<Hypothesis>& hyp
   return order;
 }
 
-/// The points of a map and how wide each is.
+/// Positions and widths of the points of a map.
 struct Trunks {
   const IndexedPoints& places;
   const std::vector<double>& width_m;
 };
 
-/// The point farthest from one within the baseline; `along` a direction: of those within some ten
-/// degrees of it either way. -1 for none.
+/// The farthest point from `first` within the baseline; with `along`, only within about ten degrees
+/// of that axis. -1 for none.
 std::int32_t far_end(const IndexedPoints& a, std::size_t first, const Vector2d* along) {
   constexpr double kAside = 0.17;  ///< sine of the angle
   std::int32_t farthest = -1;
@@ -118,7 +121,7 @@ std::int32_t far_end(const IndexedPoints& a, std::size_t first, const Vector2d* 
   return farthest;
 }
 
-/// Points around an anchor, no farther than that from the line through its two.
+/// Points around an anchor, at most `aside_m` from the line through its two points.
 std::vector<std::int32_t> support_of(const IndexedPoints& a, const Anchor& anchor, double aside_m) {
   const Vector2d along = (a[anchor.second] - a[anchor.first]).stableNormalized();
   std::vector<std::int32_t> support;
@@ -129,7 +132,7 @@ std::vector<std::int32_t> support_of(const IndexedPoints& a, const Anchor& ancho
   return support;
 }
 
-/// Order in which 0 to `count` - 1 come so that any first few of them lie all over.
+/// Permutation of 0 to `count` - 1 in which every prefix is spread over the whole range.
 std::vector<std::size_t> scattered(std::size_t count) {
   std::vector<std::size_t> order;
   const auto step = static_cast<std::size_t>(std::lround(0.618 * static_cast<double>(count)));
@@ -142,8 +145,8 @@ std::vector<std::size_t> scattered(std::size_t count) {
   return order;
 }
 
-/// Each of `count` points from all over a with the one farthest from it, and with the one farthest
-/// along its row: two drives may share but one row.
+/// Anchors at `count` points spread over a: each point with the farthest one, and with the farthest
+/// one along its row, because two drives may share only one row.
 std::vector<Anchor> anchors_of(const IndexedPoints& a, std::size_t count) {
   std::vector<std::size_t> order(a.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -177,8 +180,8 @@ std::vector<Anchor> anchors_of(const IndexedPoints& a, std::size_t count) {
   return anchors;
 }
 
-/// Inlier check: whether enough points around the anchor find partners; stops as soon as too few
-/// can.
+/// Inlier check: whether enough points around the anchor find partners; stops as soon as that is
+/// impossible.
 bool has_support(const Trunks& a, const Trunks& b, const Anchor& anchor, double gate_m,
                  Hypothesis& hypothesis) {
   const geometry::Pose2 T_b_a = inverse(hypothesis.T_a_b);
@@ -210,7 +213,7 @@ bool is_allowed(const geometry::Pose2& T_a_b, const Vector2d& p_a, const Alignme
          (p_a - p_b).norm() <= search.offset_max_m;
 }
 
-/// Calls visit(b1, b2) for every two points of b that could be the anchor's.
+/// Calls visit(b1, b2) for every pair of points of b whose distance matches the anchor's.
 template <class Visit>
 void for_each_counterpart(const IndexedPoints& a, const IndexedPoints& b, const Anchor& anchor,
                           const AlignmentSearch& search, Visit&& visit) {
@@ -254,7 +257,7 @@ geometry::Pose2 fit_pairs(const IndexedPoints& a, const IndexedPoints& b,
   return geometry::fit_rigid(p_a, p_b).T_a_b;
 }
 
-/// Fits outwards from the anchor: pairs far away are right only once the turn is.
+/// Fits outwards from the anchor: distant pairs are correct only once the rotation is accurate.
 AlignmentCandidate refined(const IndexedPoints& a, const IndexedPoints& b,
                            const Hypothesis& hypothesis, double gate_m) {
   AlignmentCandidate candidate{hypothesis.T_a_b, {}};
@@ -292,8 +295,8 @@ bool is_same(const geometry::Pose2& T, const geometry::Pose2& other, const Vecto
   return is_near(T, other, p_a, 0.35 * spacing_m, 0.03);
 }
 
-/// The best of each anchor's own hypotheses: anchors that show the same orchard lead to one place,
-/// others anywhere.
+/// Best hypothesis of each anchor. Anchors in the shared part of the orchard agree on one
+/// alignment, others give arbitrary ones.
 class Agreement {
  public:
   Agreement(double gate_m, double spacing_m) : gate_m_(gate_m), spacing_m_(spacing_m) {}
@@ -301,7 +304,7 @@ class Agreement {
   void add(const Anchor& anchor, const std::vector<Hypothesis>& hypotheses, std::size_t begin) {
     const Hypothesis* best = nullptr;
     double best_score = 0.0;
-    const double null_place_m2 = 0.5 * gate_m_ * gate_m_;  // of a disc
+    const double null_place_m2 = 0.5 * gate_m_ * gate_m_;  // of a uniform disc
     for (std::size_t k = begin; k < hypotheses.size(); ++k) {
       const Hypothesis& h = hypotheses[k];
       constexpr double kNullWidth_m2 = 0.04 * 0.04;
@@ -313,14 +316,14 @@ class Agreement {
     if (best != nullptr) best_.push_back({anchor.first, best->T_a_b, anchor.middle});
   }
 
-  /// Whether `num` anchors, at different trees, lead to one place.
+  /// Whether `num` anchors at different trees agree on one alignment.
   bool is_reached(int num) const {
     for (const Best& one : best_) {
       int num_agreeing = 0;
-      std::optional<std::size_t> last;  // two anchors of one tree follow each other
+      std::optional<std::size_t> last;  // the two anchors of a tree are adjacent
       for (const Best& other : best_) {
         if (other.first == last) continue;
-        // A turn by two trees this far apart is not known better.
+        // Accuracy of a rotation computed from two trees at the baseline.
         const double turn_rad = gate_m_ / kBaseline_m;
         const double lever_m = (one.middle_a - other.middle_a).norm();
         if (!is_near(one.T_a_b, other.T_a_b, one.middle_a, 0.35 * spacing_m_ + turn_rad * lever_m,
@@ -375,7 +378,7 @@ AlignmentCandidates alignment_candidates(const IndexedPoints& a,
   }
   const std::size_t num_candidates_max = std::clamp(kNumPairingsMax / std::max(a.size(), b.size()),
                                                     kNumCandidatesMin, kNumCandidatesMax);
-  std::vector<geometry::Pose2> refined_from;  // close hypotheses are not refined again
+  std::vector<geometry::Pose2> refined_from;  // hypotheses close to these are not refined
   for (const std::size_t k : most_promising_first(hypotheses)) {
     const Hypothesis& h = hypotheses[k];
     if (found.candidates.size() >= num_candidates_max) break;

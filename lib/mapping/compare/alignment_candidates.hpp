@@ -8,12 +8,12 @@
 
 namespace orchard::mapping {
 
-/// Search window of T_a_b.
+/// Search window for T_a_b.
 struct AlignmentSearch {
-  bool any_place = false;     ///< any offset and any turn; else the limits below
-  double offset_max_m = 5.0;  ///< no point of b moves farther than this
+  bool any_place = false;     ///< any offset and rotation; else the limits below
+  double offset_max_m = 5.0;  ///< max displacement of a point of b
   double turn_max_rad = 0.2;
-  double gate_m = 0.5;  ///< farthest that a pair may lie apart
+  double gate_m = 0.5;  ///< max distance of a pair
 };
 
 /// An alignment hypothesis.
@@ -23,13 +23,14 @@ struct AlignmentCandidate {
 };
 
 struct AlignmentCandidates {
-  std::vector<AlignmentCandidate> candidates;  ///< those with most pairs first
-  double num_tried = 0.0;                      ///< for the correction of multiple tests
+  std::vector<AlignmentCandidate> candidates;  ///< in descending number of pairs
+  double num_tried = 0.0;  ///< number of hypotheses tested, for the multiple-test correction
 };
 
-/// Generates alignment hypotheses that register many points of b to points of a: two points on two
-/// points of equal distance, from all over a, refined with their inliers. Where there are too many,
-/// those with most inliers and those whose positions and widths [m] agree best. Deterministic.
+/// Generates alignment hypotheses that register many points of b to points of a: pairs of points
+/// from all over a are matched to pairs of equal distance in b and refined with their inliers. If
+/// there are too many, keeps those with most inliers and those whose positions and widths [m] agree
+/// best. Deterministic.
 AlignmentCandidates alignment_candidates(const IndexedPoints& a,
                                          const std::vector<double>& width_of_a_m,
                                          const IndexedPoints& b,

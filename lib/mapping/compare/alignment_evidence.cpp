@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kOutlierFraction = 0.05;  ///< of pairs that are worse than the noise
+constexpr double kOutlierFraction = 0.05;  ///< fraction of true pairs outside the noise model
 
 double normal_density(double deviation, double sd) {
   const double u = deviation / sd;
@@ -62,7 +62,7 @@ PairNoise null_noise(const std::vector<PairNoise>& of_hypotheses) {
   constexpr std::size_t kNumHypothesesMin = 4;
   PairNoise null = of_hypotheses.front();
   if (of_hypotheses.size() < kNumHypothesesMin) {
-    null.position_sd_m = 0.5 * null.gate_m;  // of a disc, per axis
+    null.position_sd_m = 0.5 * null.gate_m;  // uniform in a disc, per axis
     null.width_sd_m = std::max(null.width_sd_m, std::sqrt(2.0) * null.width_spread_m);
     return null;
   }
@@ -99,7 +99,7 @@ AlignmentEvidence evidence_of(const AlignmentTrunks& a, const AlignmentTrunks& b
   const auto any_width = [&](std::size_t j) {
     return 0.9 * normal_density(b.width_m[j] - noise.width_mean_m, noise.width_spread_m) + 0.1;
   };
-  // mean log-likelihood of a pair under the null hypothesis
+  // Mean log-likelihood of a pair under the null hypothesis.
   const double of_null = -3.0 * (0.5 + 0.5 * std::log(2.0 * geometry::kPi)) -
                          2.0 * std::log(null.position_sd_m) - std::log(null.width_sd_m);
   std::vector<LandmarkPair> pairs = candidate.pairs;
@@ -127,7 +127,7 @@ AlignmentEvidence evidence_of(const AlignmentTrunks& a, const AlignmentTrunks& b
     if (b_is_paired[j]) continue;
     const double missed = a.missed(transform(candidate.T_a_b, b.places[j]), *b.landmarks[j]);
     evidence.num_judged_b += 1.0 - missed;
-    // a new one, or one that was missed: of that its place and width tell as much as under the null
+    // New, or missed by the other drive; a missed one has the likelihood of the null hypothesis.
     evidence.of_b[j] = std::log(
         kChangedFraction * anywhere * any_width(j) * std::exp(-of_null) * (1.0 - missed) + missed);
   }

@@ -15,9 +15,8 @@ constexpr double kOutlierPosition_m = 0.1;         ///< of outliers among positi
 constexpr double kPositionOutliersOfTrees = 0.01;  ///< fraction of unchanged pairs
 constexpr double kPositionOutliersOfOthers = 0.05;
 constexpr double kOutliersMax = 0.3;
-constexpr double kBushPosition_m =
-    0.03;                          ///< where a width is an outlier, the position is less certain
-constexpr double kThinner = -4.0;  ///< standard errors
+constexpr double kBushPosition_m = 0.03;  ///< additional position sd of width outliers
+constexpr double kThinner = -4.0;         ///< standard errors
 
 double normal(double deviation, double sd) {
   const double u = deviation / sd;
@@ -72,7 +71,7 @@ ChangePosterior change_posterior(const PairObservation& pair, const PairScatter&
   posterior.not_repeated = still * still * pair.not_repeated * another;
   const double sum = posterior.unchanged + posterior.changed_with_all + posterior.width_changed +
                      posterior.moved + posterior.replaced + posterior.not_repeated;
-  if (!(sum > 1e-200)) return {0.0, 0.0, 0.0, 0.0, 1.0, 0.0};  // like nothing that is known
+  if (!(sum > 1e-200)) return {0.0, 0.0, 0.0, 0.0, 1.0, 0.0};  // all densities underflow
   posterior.unchanged /= sum;
   posterior.changed_with_all /= sum;
   posterior.width_changed /= sum;

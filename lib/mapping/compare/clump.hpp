@@ -7,15 +7,15 @@
 
 namespace orchard::mapping {
 
-/// Clumps: landmarks so close together that they may be parts of one object.
+/// Parameters of clumps: landmarks so close together that they may be parts of one object.
 struct ClumpConfig {
-  double near_m = 0.5;     ///< two others this near make a landmark part of a bush or heap
-  double reach_m = 0.8;    ///< how far the parts of one stand from each other at most
-  double stake_m = 0.045;  ///< thinner things stand beside trees as they please
+  double near_m = 0.5;     ///< max distance of two other landmarks that make a clump
+  double reach_m = 0.8;    ///< max distance between parts of one clump
+  double stake_m = 0.045;  ///< thinner ones are stakes, which do not count
 };
 
-/// Whether each landmark is part of a clump: at least two others near, stakes and stalks not
-/// counted. Each drive observes other parts of a bush, so such a landmark is not reproducible.
+/// Whether each landmark is part of a clump: at least two others nearby, not counting stakes and
+/// stalks. Each drive observes different parts of a bush, so such landmarks are not reproducible.
 std::vector<char> in_clumps(const std::vector<Landmark>& landmarks, const ClumpConfig& config);
 
 }  // namespace orchard::mapping

@@ -14,14 +14,14 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr std::size_t kNumRanges = VisibilityGrid::kRangeEnds_m.size();
-/// A quarter of the trees is seen better.
+/// Quantile of the visibilities of a well visible tree.
 constexpr double kSeenWell = 0.75;
 
 using Rates = std::array<double, kNumRanges>;
 
-/// Rates that are not negative and explain the observations per second of looking best; what the
-/// trees do not tell apart goes to the nearer distances (least squares by coordinates: the problem
-/// is convex and has few unknowns).
+/// Fits non-negative detection rates per distance bin to the observations per second of all trees
+/// (least squares by coordinate descent: convex, few unknowns). Where the data do not separate
+/// bins, the nearer one gets the rate.
 Rates fit_rates(const std::vector<Rates>& fractions, const std::vector<double>& per_second) {
   constexpr int kSweeps = 300;
   Rates rates{};
@@ -81,7 +81,7 @@ DetectionMap::DetectionMap(const std::vector<Landmark>& landmarks,
   if (!visibilities.empty()) {
     clear_visibility_ = std::max(1e-3, geometry::quantile(std::move(visibilities), kSeenWell));
   }
-  // trees differ at least by half, whatever a small map says
+  // Assume a relative spread of at least one half, even if a small map shows less.
   const double spread = deviations.empty() ? 1.0 : geometry::robust_sd(std::move(deviations));
   shape_ = std::clamp(1.0 / std::max(1e-6, spread * spread), 0.5, 4.0);
 }

@@ -26,7 +26,7 @@ IndexedPoints::IndexedPoints(std::vector<Vector2d> points) : points_(std::move(p
     corner_ = corner_.cwiseMin(p);
     far = far.cwiseMax(p);
   }
-  // However far apart they lie, there are not many more cells than points.
+  // Limit the number of cells, however large the area is.
   const double num_cells_max = 8.0 * static_cast<double>(points_.size()) + 1024.0;
   const auto num_along = [this](double way_m) { return std::floor(way_m / cell_m_) + 1.0; };
   const Vector2d way_m = far - corner_;

@@ -13,10 +13,10 @@
 
 namespace orchard::mapping {
 
-/// Where landmarks stand, in their order.
+/// Positions of the landmarks, in their order.
 std::vector<Eigen::Vector2d> places_of(const std::vector<Landmark>& landmarks);
 
-/// Points that stay where they are, with the grid that finds them.
+/// Immutable points with a grid for radius searches.
 class IndexedPoints {
  public:
   explicit IndexedPoints(std::vector<Eigen::Vector2d> points);
@@ -25,13 +25,13 @@ class IndexedPoints {
   const Eigen::Vector2d& operator[](std::size_t i) const { return points_[i]; }
   const std::vector<Eigen::Vector2d>& points() const { return points_; }
 
-  /// The nearest point within `radius_m`, the first of equally near ones; -1 for none.
+  /// Index of the nearest point within `radius_m`, the lowest among equally near ones; -1 for none.
   std::int32_t nearest(const Eigen::Vector2d& p, double radius_m) const;
 
-  /// All within `radius_m` in order of index.
+  /// All points within `radius_m`, in order of index.
   std::vector<std::int32_t> within(const Eigen::Vector2d& p, double radius_m) const;
 
-  /// Up to `count` nearest of them within `radius_m`, near ones first.
+  /// Up to `count` nearest points within `radius_m`, nearest first.
   std::vector<std::int32_t> nearest_few(const Eigen::Vector2d& p, double radius_m,
                                         std::size_t count) const;
 
@@ -41,7 +41,7 @@ class IndexedPoints {
     if (points_.empty()) return;
     const std::size_t x_last = column(p.x() + radius_m), y_last = line(p.y() + radius_m);
     for (std::size_t y = line(p.y() - radius_m); y <= y_last; ++y) {
-      // the cells of a line follow each other
+      // The cells of a line are contiguous.
       const std::uint32_t* const of_line = begins_.data() + y * num_columns_;
       const std::uint32_t end = of_line[x_last + 1];
       for (std::uint32_t k = of_line[column(p.x() - radius_m)]; k < end; ++k) visit(by_cell_[k]);
@@ -62,32 +62,33 @@ class IndexedPoints {
   Eigen::Vector2d corner_{0.0, 0.0};
   double cell_m_ = 2.0;
   std::size_t num_columns_ = 1, num_lines_ = 1;
-  std::vector<std::uint32_t> begins_;  ///< of each cell, line by line, into by_cell_; and the end
-  std::vector<std::int32_t> by_cell_;  ///< indices, in rising order within a cell
+  std::vector<std::uint32_t>
+      begins_;  ///< start of each cell in by_cell_, line by line; and the end
+  std::vector<std::int32_t> by_cell_;  ///< indices, in ascending order within a cell
 };
 
-/// The same thing in two maps.
+/// One object in two maps.
 struct LandmarkPair {
   std::int32_t a = 0;
   std::int32_t b = 0;
   Eigen::Vector2d residual_m{0.0, 0.0};  ///< T_a_b p_b - p_a
 };
 
-/// Pairs one to one what lies within `gate_m` once b is brought into the frame of a: near pairs
-/// first. In rising order of a.
+/// Pairs points one to one within `gate_m` after transforming b by T_a_b, nearest pairs first.
+/// Returned in order of a.
 std::vector<LandmarkPair> pair_landmarks(const IndexedPoints& a, const IndexedPoints& b,
                                          const geometry::Pose2& T_a_b, double gate_m);
 
-/// The same of the points of b that come to lie within `radius_m` of a place.
+/// The same for the points of b within `radius_m` of p_a only.
 std::vector<LandmarkPair> pair_landmarks_near(const IndexedPoints& a, const IndexedPoints& b,
                                               const geometry::Pose2& T_a_b, double gate_m,
                                               const Eigen::Vector2d& p_a, double radius_m);
 
-/// Takes out of each residual what its neighbours have in common: two maps of one drive each are
-/// bent a little against each other. Fewer than 12 pairs stay as they are.
+/// Removes from each residual the median of its neighbours' residuals, i.e. the slow deformation
+/// between two maps. Fewer than 12 pairs are left unchanged.
 void remove_common_residuals(const IndexedPoints& a, std::vector<LandmarkPair>& pairs);
 
-/// Median distance from a point to the nearest other one [m]; 0 for fewer than two points.
+/// Median nearest-neighbour distance [m]; 0 for fewer than two points.
 double typical_spacing_m(const IndexedPoints& points);
 
 }  // namespace orchard::mapping

@@ -18,18 +18,20 @@ using Eigen::Vector2d;
 
 constexpr double kOddsNeeded = 7.0;  ///< a thousand to one
 constexpr double kSigmasNeeded = 3.0;
-constexpr double kRivalPairsFraction = 0.2;  ///< of the most pairs: fewer are no rival
-constexpr double kExplainedFraction = 0.5;   ///< of the trunks that both drives could see
+constexpr double kRivalPairsFraction = 0.2;  ///< of the most pairs; those with fewer are no rivals
+constexpr double kExplainedFraction = 0.5;   ///< of the trunks that both drives could observe
+/// Max probability that the number of pairs arises by chance.
 constexpr double kChanceAllowed = 0.01;
+/// With fewer trees, objects are used too.
 constexpr std::size_t kFewTrees = 10;
-constexpr double kSharedFrame = 0.45;  ///< of a tree spacing: no other tree is so near
+constexpr double kSharedFrame = 0.45;  ///< fraction of the tree spacing: no other tree is that near
 
 struct Selection {
   std::vector<std::int32_t> index;  ///< into the map's landmarks
   AlignmentTrunks trunks;
 };
 
-/// Whether landmarks surround a position on all sides: it is inside the map.
+/// Whether landmarks surround a position on all sides, so that it is inside the map.
 bool is_surrounded(const IndexedPoints& points, const Vector2d& p) {
   constexpr double kReach_m = 12.0, kWidestGap_rad = 2.6;
   constexpr std::size_t kNum = 10;
@@ -78,14 +80,14 @@ std::size_t num_not_objects(const std::vector<Landmark>& landmarks) {
                     [](const Landmark& l) { return l.label != detection::Label::kObject; }));
 }
 
-/// Logarithm of the chance that at least `count` of Poisson events with that mean happen (an upper
-/// bound, Chernoff).
+/// Log of an upper bound (Chernoff) on the probability of at least `count` Poisson events of that
+/// mean.
 double log_chance(double count, double mean) {
   if (count <= mean || mean <= 0.0) return mean <= 0.0 && count > 0.0 ? -1e9 : 0.0;
   return count - mean - count * std::log(count / mean);
 }
 
-/// Expected number of points of b that find a partner under any alignment.
+/// Expected number of points of b that find a partner under a random alignment.
 double expected_by_chance(const IndexedPoints& a, double num_b, double gate_m) {
   double x0 = 1e300, x1 = -1e300, y0 = 1e300, y1 = -1e300;
   for (const Vector2d& p : a.points()) {
@@ -98,7 +100,7 @@ double expected_by_chance(const IndexedPoints& a, double num_b, double gate_m) {
 }
 
 Eigen::Matrix3d covariance_of(const IndexedPoints& b, const MapAlignment& alignment) {
-  // Bends are common to some ten neighbours: so many fewer pairs tell of them.
+  // About ten neighbours share a deformation, which reduces the effective number of pairs.
   constexpr double kNeighbours = 10.0;
   const double straight_m2 = alignment.position_sd_m * alignment.position_sd_m;
   const double bend_m2 = std::max(0.0, 0.5 * alignment.rms_m * alignment.rms_m - straight_m2);
@@ -127,7 +129,7 @@ bool is_clear(const EvidenceDifference& d) {
   return d.log_odds > kOddsNeeded && d.sigmas > kSigmasNeeded;
 }
 
-/// Alignment hypotheses with the evidence for each of them.
+/// Alignment hypotheses with their evidence.
 struct RatedHypotheses {
   std::vector<AlignmentCandidate> candidates;
   std::vector<AlignmentEvidence> evidence;
@@ -190,7 +192,7 @@ class MapAligner {
     return alignment;
   }
 
-  /// The hypotheses with at least a fraction of the most pairs.
+  /// Hypotheses with at least kRivalPairsFraction of the most pairs.
   std::vector<AlignmentCandidate> worth_rating(std::vector<AlignmentCandidate> candidates,
                                                std::size_t num_pairs_max) const {
     const double least = kRivalPairsFraction * static_cast<double>(num_pairs_max);
@@ -203,8 +205,8 @@ class MapAligner {
     return candidates;
   }
 
-  /// Rates each hypothesis by the noise of its own pairs: the right one may have few pairs, but
-  /// they agree better than pairs of trunks that are only planted alike.
+  /// Evaluates each hypothesis with the noise of its own pairs: the correct one may have few pairs,
+  /// but they agree better than pairs in a merely similar planting pattern.
   RatedHypotheses rate(std::vector<AlignmentCandidate> candidates) const {
     RatedHypotheses rated;
     rated.candidates = std::move(candidates);
@@ -241,8 +243,8 @@ class MapAligner {
     return apart_m(alignment.T_a_b, other, b_.trunks.places, alignment.pairs);
   }
 
-  /// Refuses an alignment whose number of pairs chance explains, or that pairs too few of the
-  /// trunks that both drives could see.
+  /// Rejects an alignment if its number of pairs is explained by chance, or if it pairs too few of
+  /// the trunks that both drives could observe.
   void refuse_chance(const RatedHypotheses& rated, double num_tried,
                      MapAlignment& alignment) const {
     const AlignmentEvidence& evidence = rated.evidence[rated.best];
@@ -264,7 +266,7 @@ class MapAligner {
     }
   }
 
-  /// Calls an alignment ambiguous that another hypothesis explains about as well.
+  /// Declares an alignment ambiguous if another hypothesis explains the maps about as well.
   void refuse_rivals(const RatedHypotheses& rated, MapAlignment& alignment) const {
     alignment.log_odds = 1e9;
     for (std::size_t k = 0; k < rated.candidates.size(); ++k) {
@@ -288,8 +290,8 @@ class MapAligner {
     }
   }
 
-  /// Lattice aliasing: rows that end alike fit well also where they are other rows. Not asked where
-  /// the shared frame excludes other trees.
+  /// Lattice aliasing: rows that end alike also fit when shifted to other rows. Not checked if the
+  /// shared frame excludes other trees.
   void refuse_aliases(const RatedHypotheses& rated, MapAlignment& alignment) const {
     const bool is_told =
         !config_.any_place && distance_m(alignment, geometry::Pose2{}) < kSharedFrame * spacing_m_;

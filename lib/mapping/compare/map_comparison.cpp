@@ -14,26 +14,26 @@ namespace {
 using detection::Label;
 using Eigen::Vector2d;
 
-constexpr double kCertaintyMax = 0.995;  ///< some moved farther than the search radius
+constexpr double kCertaintyMax = 0.995;  ///< the rest moved farther than the search radius
 constexpr double kMissedIfAssumed = 0.005;
-constexpr double kNearestOther = 0.9;  ///< of a tree spacing: what is farther away is another tree
+constexpr double kNearestOther = 0.9;  ///< of the tree spacing: farther away it is another tree
 
-/// Of a normal cloud in the plane 95 % lie within so many standard deviations of its middle.
+/// 95 % quantile of the distance from the mean of a 2D normal distribution, in standard deviations.
 constexpr double kCloudSigmas = 2.448;
 
-/// How far a landmark's observations lie about it: their standard deviation per axis.
+/// Scatter of a landmark's observations: standard deviation per axis.
 double cloud_sd_m(const Landmark& l) {
   return std::sqrt(0.5 * std::max(1, l.num_observations)) * std::hypot(l.se_x_m, l.se_y_m);
 }
 
-/// How far apart parts of one thing may stand in two maps: the one, with half its width, among the
-/// observations of the other. A trunk is as wide as it is, and the suckers of one stump scatter
-/// over it, cut anew into landmarks by each drive.
+/// Max distance of two landmarks that may be parts of one object: one, with half its width, lies
+/// among the observations of the other. The suckers of a stump scatter around it, and each drive
+/// divides them into different landmarks.
 double one_thing_m(const Landmark& a, const Landmark& b) {
   return 0.5 * (a.width_m + b.width_m) + kCloudSigmas * std::max(cloud_sd_m(a), cloud_sd_m(b));
 }
 
-/// All that stands alone and is no object: what tells the trees' spacing.
+/// Positions of single landmarks that are not objects, used for the tree spacing.
 std::vector<Vector2d> lone_trees(const std::vector<Landmark>& landmarks,
                                  const std::vector<char>& in_clump) {
   std::vector<Vector2d> places;
@@ -44,18 +44,18 @@ std::vector<Vector2d> lone_trees(const std::vector<Landmark>& landmarks,
   return places.size() < 2 ? places_of(landmarks) : places;
 }
 
-/// Existence probability of a landmark, by its number of observations.
+/// Existence probability of a landmark from its number of observations.
 double existence(const Landmark& l) {
-  if (l.num_observations == 0) return 1.0;  // a person added it
+  if (l.num_observations == 0) return 1.0;  // added by a person
   return 1.0 - std::exp(-0.5 * l.num_observations);
 }
 
-/// A width that one map does not know has not changed.
+/// Width difference; 0 if one map has no width.
 double width_change_m(const Landmark& a, const Landmark& b) {
   return a.width_m > 0.0 && b.width_m > 0.0 ? b.width_m - a.width_m : 0.0;
 }
 
-/// Factor on the scatter of a pair with fewer observations than usual.
+/// Factor on the noise of a pair with fewer observations than usual.
 double noise_factor(const Landmark& a, const Landmark& b, double typical) {
   const double fraction =
       1.0 / std::max(1, a.num_observations) + 1.0 / std::max(1, b.num_observations);
@@ -76,15 +76,15 @@ bool are_trees(const Landmark& a, const Landmark& b) {
   return a.label == Label::kTree && b.label == Label::kTree;
 }
 
-/// How widths of pairs differ between the two maps.
+/// Statistics of the width differences between the two maps.
 struct WidthChange {
   double common_m = 0.0;
-  double sd_m = 0.01;  ///< about the common change
+  double sd_m = 0.01;  ///< about the common difference
   std::size_t num_pairs = 0;
 };
 
-/// Taken from the pairs that are trees in both maps: posts do not grow, and the width of a bush is
-/// another from each side. From all pairs only where there are too few trees to tell.
+/// Estimated from pairs that are trees in both maps, because posts do not grow and the width of a
+/// bush depends on the viewpoint. From all pairs only if there are too few trees.
 WidthChange width_change_of(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
                             const std::vector<LandmarkPair>& pairs) {
   constexpr std::size_t kMinTrees = 5;
@@ -105,19 +105,19 @@ WidthChange width_change_of(const std::vector<Landmark>& a, const std::vector<La
   return change;
 }
 
-/// How far widths of one trunk in two maps differ by noise, as the maps themselves know it.
+/// Noise of the width difference of one trunk between the maps, from the maps' own standard errors.
 struct WidthNoise {
-  double scale = 0.0;  ///< of the maps' standard errors, by the pairs of trees; 0: not known
+  double scale = 0.0;  ///< factor on the standard errors, from the pairs of trees; 0: unknown
 
-  /// Standard deviation of the change of one pair; 0 where a map does not know its own.
+  /// Standard deviation of the width difference of a pair; 0 if a map has no standard error.
   double sd_m(const Landmark& a, const Landmark& b) const {
     const bool is_known = a.width_sd_m > 0.0 && b.width_sd_m > 0.0;
     return is_known ? scale * std::hypot(a.width_sd_m, b.width_sd_m) : 0.0;
   }
 };
 
-/// What a trunk's sides differ by is in neither map's standard errors: they are scaled so that the
-/// pairs of trees differ as they do.
+/// The standard errors do not include the differences between the sides of a trunk, so they are
+/// scaled to the scatter of the pairs of trees.
 WidthNoise width_noise_of(const std::vector<Landmark>& a, const std::vector<Landmark>& b,
                           const std::vector<LandmarkPair>& pairs, double common_m) {
   constexpr std::size_t kMinTrees = 5;
@@ -167,11 +167,12 @@ PairScatter scatter_of(const std::vector<Landmark>& a, const std::vector<Landmar
 struct Side {
   const std::vector<Landmark>& landmarks;
   const DetectionMap& view;
-  geometry::Pose2 T_map_a;  ///< from the frame of the earlier map, in which places are, to its own
+  geometry::Pose2
+      T_map_a;  ///< from the frame of the earlier map, in which `places` is given, to this map's
   IndexedPoints places;
   std::vector<char> in_clump;
   std::vector<bool> is_paired;
-  /// That a thing has no partner because it has gone, or come, and did not move.
+  /// Probability that an unpaired landmark did not move but is gone or new.
   std::vector<double> not_moved;
 
   Side(const std::vector<Landmark>& all, const DetectionMap& seen, const geometry::Pose2& T,
@@ -208,7 +209,7 @@ class MapComparer {
   MapComparison compare() {
     comparison_.width_change_common_m = width_change_.common_m;
     if (width_change_.num_pairs > 0) {
-      // of a median, which scatters by sqrt(pi / 2) as much as a mean
+      // Standard error of a median: sqrt(pi / 2) times that of a mean.
       comparison_.width_change_common_se_m =
           1.253 * width_change_.sd_m / std::sqrt(static_cast<double>(width_change_.num_pairs));
     }
@@ -243,7 +244,8 @@ class MapComparer {
     }
   }
 
-  /// What stands near an empty place and is as wide as what stood there has moved, most likely.
+  /// Pairs landmarks that probably moved: an unpaired one near an empty position, with the same
+  /// width.
   void pair_moved() {
     constexpr double kProbabilityMin = 0.01;
     struct Offer {
@@ -287,8 +289,8 @@ class MapComparer {
     return pair;
   }
 
-  /// Tells what became of one thing that stands in both maps; false when it is two, of which one
-  /// has given way to the other.
+  /// Classifies the change of a pair; returns false if they are two objects, one of which replaced
+  /// the other.
   bool take_pair(std::size_t i, std::size_t j) {
     const PairObservation pair = observation_of(i, j);
     const ChangePosterior posterior = change_posterior(pair, scatter_);
@@ -332,8 +334,8 @@ class MapComparer {
     return true;
   }
 
-  /// Whether the other map has something of which a landmark may be a part: then nothing is
-  /// missing.
+  /// Whether a landmark may be part of an object in the other map; then it is neither missing nor
+  /// new.
   bool is_part_of_some(const Side& there, std::size_t i, const Side& other) const {
     const Landmark& l = there.landmarks[i];
     const auto near = other.places.within(there.places[i], std::max(config_.moved_max_m, gate_m_));
@@ -345,14 +347,15 @@ class MapComparer {
     });
   }
 
-  /// Probability that the other drive does not map a thing that stands there still.
+  /// Probability that the other drive does not map an existing object.
   double missed_by(const Side& other, const Side& there, std::size_t i) const {
     if (config_.assume_seen) return kMissedIfAssumed;
     return other.view.probability_missed(transform(other.T_map_a, there.places[i]), there.view,
                                          there.landmarks[i]);
   }
 
-  /// Of what one map has and the other has not: whether the other drive looked there.
+  /// Adds the landmarks of one map that the other lacks, as missing or new, or as not seen if the
+  /// other drive did not observe the position well enough.
   void add_absent(const Side& there, const Side& other, Change change) {
     for (std::size_t i = 0; i < there.landmarks.size(); ++i) {
       if (!is_left(there, i)) continue;
@@ -374,7 +377,7 @@ class MapComparer {
   }
 
   const ComparisonConfig& config_;
-  Side a_, b_;  ///< b_ after a_, to which it is aligned
+  Side a_, b_;  ///< b_ is initialized after a_, to which it is aligned
   double gate_m_ = 0.5;
   std::vector<LandmarkPair> pairs_;
   double typical_variance_ = 1.0;

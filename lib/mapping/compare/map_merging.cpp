@@ -14,12 +14,12 @@ using detection::Label;
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
-/// A map cannot know a place better than this [m], whatever its standard errors say.
+/// Lower limit of a map's position error [m], regardless of its standard errors.
 constexpr double kFloor_m = 0.01;
-/// Scatter of one observation where a single one leaves no standard error [m].
+/// Scatter of one observation, used if there is no standard error [m].
 constexpr double kOneObservation_m = 0.03;
 
-/// Sum of squares about the mean that a standard error stands for: eq. 13 backwards.
+/// Inverse of eq. 13: sum of squares about the mean from the standard error.
 double sum_of_squares(double se_m, int n) { return se_m * se_m * n * (n - 1.0); }
 
 double pooled_se(double se_a, int n_a, double se_b, int n_b, double difference_m) {
@@ -30,7 +30,7 @@ double pooled_se(double se_a, int n_a, double se_b, int n_b, double difference_m
   return std::sqrt(sum / (n * (n - 1.0)));
 }
 
-/// Covariance of the place: as the map knows it, else by its standard errors.
+/// Position covariance: as stored in the map, else from the standard errors.
 Matrix2d covariance_of(const Landmark& l) {
   Matrix2d c;
   c << l.covariance[0], l.covariance[1], l.covariance[1], l.covariance[2];
@@ -43,7 +43,7 @@ Matrix2d covariance_of(const Landmark& l) {
 }
 
 double log_odds(double probability) {
-  const double p = std::clamp(probability, 1e-4, 1.0 - 1e-4);  // four digits are written
+  const double p = std::clamp(probability, 1e-4, 1.0 - 1e-4);  // files have four digits
   return std::log(p / (1.0 - p));
 }
 
@@ -114,7 +114,7 @@ std::vector<KeptId> merge_into(MergedMap& merged, const std::vector<Landmark>& b
   }
   for (const Landmark& l : b) places_b.push_back({l.x_m, l.y_m});
   const IndexedPoints a_points(std::move(places_a)), b_points(std::move(places_b));
-  // Paired after local alignment, so that a deformation splits no tree in two.
+  // Pair after local alignment, so that deformation does not duplicate a tree.
   const IndexedPoints b_in_a(aligned_locally(a_points, b_points, alignment));
   const double gate_m = std::clamp(0.35 * typical_spacing_m(a_points), 0.1, 0.5);
   std::vector<std::int32_t> partner(b.size(), -1);

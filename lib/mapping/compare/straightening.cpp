@@ -27,7 +27,7 @@ std::vector<Vector2d> aligned_locally(const IndexedPoints& a, const IndexedPoint
     std::vector<double> x_m, y_m;
     for (const std::int32_t k : near) {
       const LandmarkPair& pair = alignment.pairs[static_cast<std::size_t>(k)];
-      if (pair.b == static_cast<std::int32_t>(j)) continue;  // not corrected by itself
+      if (pair.b == static_cast<std::int32_t>(j)) continue;  // not corrected by its own residual
       x_m.push_back(pair.residual_m.x());
       y_m.push_back(pair.residual_m.y());
     }

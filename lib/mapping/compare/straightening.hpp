@@ -7,8 +7,8 @@
 
 namespace orchard::mapping {
 
-/// Points of b in the frame of a after non-rigid residual removal: the local deformation of one map
-/// against the other is the median residual of the neighbours.
+/// Points of b in the frame of a, after removal of the local deformation between the maps, which is
+/// the median residual of the neighbouring pairs.
 std::vector<Eigen::Vector2d> aligned_locally(const IndexedPoints& a, const IndexedPoints& b,
                                              const MapAlignment& alignment);
 

@@ -15,10 +15,10 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kViewStep_m = 0.5;  ///< between two poses that are looked from
-constexpr double kTurn_rad = 0.15;   ///< or a turn by this
-constexpr int kNumBearings = 1440;   ///< a quarter of a degree: a trunk of 0.1 m at 20 m has one
-constexpr double kBehind_m = 0.5;    ///< what stands closer behind a thing may be the thing itself
+constexpr double kViewStep_m = 0.5;  ///< min distance between two views
+constexpr double kTurn_rad = 0.15;   ///< or min rotation between them
+constexpr int kNumBearings = 1440;   ///< 0.25 degrees: a trunk of 0.1 m at 20 m covers one
+constexpr double kBehind_m = 0.5;    ///< distance behind an object that still belongs to it
 
 struct View {
   Vector2d p_laser{0.0, 0.0};
@@ -26,8 +26,8 @@ struct View {
   double seconds = 0.0;
 };
 
-/// Poses apart, each with the time until the next. A robot that stood for an hour did not look
-/// at its surroundings from more sides: a stop counts as ten ordinary steps at most.
+/// Selects spaced poses, each weighted by the time until the next. A long stop adds no viewpoints,
+/// so it counts as ten ordinary steps at most.
 std::vector<View> views_of(const std::vector<pose::PoseEstimate>& trajectory,
                            const SensorView& view) {
   std::vector<const pose::PoseEstimate*> kept;
@@ -66,7 +66,7 @@ std::size_t bearing_index(double bearing_rad) {
   return static_cast<std::size_t>(std::min(index, kNumBearings - 1));
 }
 
-/// How far one sees from a point in every direction of the map.
+/// Free range from a point in every direction of the map.
 std::vector<float> free_distance_m(const Vector2d& p, double reach_m, const IndexedPoints& things,
                                    const std::vector<double>& radius_m) {
   std::vector<float> free_m(kNumBearings, static_cast<float>(reach_m));
@@ -76,7 +76,7 @@ std::vector<float> free_distance_m(const Vector2d& p, double reach_m, const Inde
         geometry::outline_of(things[k] - p, radius_m[k]);
     if (distance_m <= radius_m[k] + 0.05) continue;
     const double step_rad = 2.0 * geometry::kPi / kNumBearings;
-    // directions whose middle the thing covers
+    // Directions whose centre the object covers.
     const auto first = static_cast<int>(std::ceil((bearing_rad - half_rad) / step_rad - 0.5));
     const auto last = static_cast<int>(std::floor((bearing_rad + half_rad) / step_rad - 0.5));
     for (int b = first; b <= last; ++b) {
@@ -93,7 +93,7 @@ int cell_of(double coordinate_m) {
       std::floor(std::clamp(coordinate_m, -5e8, 5e8) / VisibilityGrid::kCell_m));
 }
 
-/// The directions that the laser does not cover end where it stands.
+/// Sets the range to 0 in directions outside the laser's field of view.
 void close_behind(const SensorView& view, double yaw_rad, std::vector<float>& free_m) {
   const double middle_rad = yaw_rad + 0.5 * (view.bearing_min_rad + view.bearing_max_rad);
   const double half_rad = 0.5 * (view.bearing_max_rad - view.bearing_min_rad);
@@ -107,7 +107,6 @@ void close_behind(const SensorView& view, double yaw_rad, std::vector<float>& fr
 
 }  // namespace
 
-/// Rounds towards minus infinity.
 int VisibilityGrid::tile_of(int cell) {
   return cell >= 0 ? cell / kTileCells : -((-cell + kTileCells - 1) / kTileCells);
 }

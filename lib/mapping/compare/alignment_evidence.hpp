@@ -65,7 +65,7 @@ EvidenceDifference difference(const AlignmentEvidence& first, const AlignmentEvi
 /// Log-odds of a hypothesis against the null hypothesis, from the positions and widths of b only.
 EvidenceDifference detail(const AlignmentEvidence& evidence);
 
-/// Fraction of those trunks of b that are paired that the first drive is expected to have mapped.
+/// Number of pairs divided by the expected number of b's trunks that the first drive maps.
 double fraction_explained(const AlignmentEvidence& evidence, std::size_t num_pairs);
 
 }  // namespace orchard::mapping

@@ -32,7 +32,7 @@ bool is_alike(const CorrectionTarget& target, const Landmark& l) {
   return ratio <= kLikeWidth && ratio >= 1.0 / kLikeWidth;
 }
 
-/// What one hand did to one map, correction by correction.
+/// Applies corrections one by one to a map.
 class Applier {
  public:
   Applier(const std::vector<Landmark>& landmarks, std::int32_t next_id)
@@ -81,7 +81,7 @@ class Applier {
     return result_;
   }
 
-  /// Places that an undone correction gave: later ones may speak of them.
+  /// Records the positions of an undone correction, because later corrections may refer to them.
   void remember(const Correction& c) {
     if (c.new_id != 0) next_id_ = std::max(next_id_, c.new_id + 1);
     if (c.targets.empty() || c.places_map.empty()) return;
@@ -118,7 +118,7 @@ class Applier {
     return nullptr;
   }
 
-  /// The nearest landmark within reach that `accepts` it; nullptr: none.
+  /// The nearest landmark within reach that satisfies `accepts`; nullptr if there is none.
   template <class Accepts>
   Landmark* nearest(const Vector2d& p, const Accepts& accepts) {
     Landmark* best = nullptr;
@@ -159,7 +159,7 @@ class Applier {
     return l;
   }
 
-  /// What else there is to say when a target was not found.
+  /// Explains why a target was not found.
   std::string lost(const CorrectionTarget& target) {
     const std::string name = std::to_string(target.id);
     const auto found = landmarks_.find(known_as(target.id));
@@ -179,7 +179,8 @@ class Applier {
     return conflict(lost(target));
   }
 
-  /// The id to delete; none where nothing stands (then it is satisfied) or another thing does.
+  /// The id to delete; none if nothing exists there (the correction is satisfied) or if it is a
+  /// conflict.
   std::optional<std::int32_t> find_or_gone(const CorrectionTarget& target) {
     const bool is_gone =
         landmarks_.count(known_as(target.id)) == 0 && nearest(target.p_map) == nullptr;
@@ -192,7 +193,7 @@ class Applier {
     return l ? std::optional<std::int32_t>(l->id) : std::nullopt;
   }
 
-  /// An id for a new thing: its own, or the next one where another thing has it.
+  /// An id for a new landmark: the wanted one, or the next free one if that is in use.
   std::int32_t free_id(std::int32_t wanted) {
     if (landmarks_.count(wanted) == 0) return wanted;
     const std::int32_t id = next_id_;
@@ -205,7 +206,7 @@ class Applier {
   void set_class(Label label, Landmark& l) {
     l.label = label;
     if (label == Label::kUnseen) return;
-    // A person is sure; rows are made of trees that are.
+    // A person's class is certain; rows are found from certain trees.
     l.probability = l.roc_mean = label == Label::kTree ? 1.0 : 0.0;
     if (label != Label::kTree) l.row = l.position = 0;
   }
@@ -240,7 +241,7 @@ class Applier {
         parts.push_back(l);
       }
     }
-    if (parts.empty()) return;  // the conflict is that of the last
+    if (parts.empty()) return;  // the conflict is that of the last target
     if (parts.size() == 1) {
       result_ = {c.number, Outcome::kSatisfied,
                  "the map has one thing there, " + std::to_string(parts[0]->id)};
@@ -280,7 +281,7 @@ class Applier {
     }
     Landmark* l = find(target);
     if (l == nullptr) return;
-    l->width_m = l->width_sd_m = 0.0;  // that of both together says nothing of one
+    l->width_m = l->width_sd_m = 0.0;  // the width of both together does not apply to one
     l->num_observations = (l->num_observations + 1) / 2;
     Landmark other = *l;
     move(*l, c.places_map.at(0));
@@ -321,8 +322,9 @@ class Applier {
   double reach_m_;
   std::int32_t next_id_;
   std::map<std::int32_t, Landmark> landmarks_;
-  std::map<std::int32_t, std::vector<Vector2d>> places_;  ///< all that a landmark has had
-  std::map<std::int32_t, std::int32_t> other_id_;         ///< what a correction calls a landmark
+  std::map<std::int32_t, std::vector<Vector2d>> places_;  ///< all positions that a landmark has had
+  std::map<std::int32_t, std::int32_t>
+      other_id_;  ///< ids in corrections of landmarks that have another id in the map
   std::map<std::int32_t, std::string> row_names_;
   std::map<std::int32_t, std::vector<std::string>> notes_;
   std::set<std::int32_t> rows_;

@@ -11,53 +11,55 @@
 
 namespace orchard::mapping {
 
+/// Result of applying a correction.
 enum class CorrectionOutcome {
   kApplied,
-  kByPlace,    ///< applied to what stands there and is alike; its id was another's or none's
-  kSatisfied,  ///< the map itself says so already
-  kConflict,   ///< not applied: a person has to look
+  kByPlace,    ///< applied to a similar landmark there, because the id was not found
+  kSatisfied,  ///< the map already agrees
+  kConflict,   ///< not applied: a person must decide
   kUndone,
 };
 
-/// What became of one correction.
+/// Result of one correction.
 struct CorrectionResult {
   std::int32_t number = 0;
   CorrectionOutcome outcome = CorrectionOutcome::kApplied;
-  std::string reason;  ///< of a conflict, by place, satisfied: a sentence without a full stop
+  std::string reason;  ///< for kByPlace, kSatisfied, kConflict: a sentence without full stop
 };
 
-/// A map as people know it.
+/// A map after corrections.
 struct CorrectedMap {
   std::vector<Landmark> landmarks;                         ///< in order of id
-  std::map<std::int32_t, std::string> row_names;           ///< of the rows that have one
+  std::map<std::int32_t, std::string> row_names;           ///< of rows with a name
   std::map<std::int32_t, std::vector<std::string>> notes;  ///< of landmarks, by id
-  std::vector<CorrectionResult> results;                   ///< one per correction, in their order
-  std::int32_t next_id = 1;                                ///< neither map nor corrections had it
+  std::vector<CorrectionResult> results;                   ///< one per correction, in order
+  std::int32_t next_id = 1;                                ///< free in the map and the corrections
 
   int count(CorrectionOutcome outcome) const;
 };
 
-/// Applies corrections in their order to a map, whose `next_id` is free.
+/// Applies corrections in order to a map; `next_id` is its first free id.
 ///
-/// A target is the landmark of its id where that stands within reach of any place it has had, else
-/// the nearest one there of the same class and like width (a factor of kLikeWidth). What cannot be
-/// found, or would contradict the map, is a conflict and changes nothing; an undone correction
-/// neither. Reach is a third of the distance at which things usually stand, 0.1 to 0.5 m, as for
-/// ids between two drives. What is added has no observations, and width 0 where it is not known.
+/// A target is found by its id, if that landmark is within reach of any position it has had, else
+/// it is the nearest landmark there of the same class and similar width (factor kLikeWidth). A
+/// target that is not found, or a correction that contradicts the map, is a conflict and changes
+/// nothing, like an undone correction. Reach: 0.35 of the typical spacing, 0.1 to 0.5 m, as for
+/// keeping ids between two drives. Added landmarks have no observations, and width 0 if it is
+/// unknown.
 CorrectedMap apply_corrections(const std::vector<Landmark>& landmarks, std::int32_t next_id,
                                const std::vector<Correction>& corrections);
 
-/// Widths that differ by more are another thing's.
+/// Max ratio of the widths of one object.
 inline constexpr double kLikeWidth = 2.0;
 
-/// Which corrections hold after all undo and redo entries, in their order: one flag each. An undo
-/// of what does not hold, and a redo of what does, changes nothing.
+/// Which corrections hold after all undo and redo entries: one flag each, in order. An undo of a
+/// correction that does not hold, and a redo of one that does, have no effect.
 std::vector<bool> corrections_that_hold(const std::vector<Correction>& corrections);
 
-/// The number of the last correction that holds; 0 for none: what a plain undo means.
+/// Number of the last correction that holds, which a plain undo takes back; 0 for none.
 std::int32_t last_to_undo(const std::vector<Correction>& corrections);
 
-/// The number of the correction undone last, when nothing was corrected since; 0 for none.
+/// Number of the correction undone last, if nothing was corrected since; 0 for none.
 std::int32_t last_to_redo(const std::vector<Correction>& corrections);
 
 }  // namespace orchard::mapping

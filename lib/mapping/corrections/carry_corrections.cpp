@@ -12,7 +12,7 @@ namespace {
 using Eigen::Vector2d;
 using geometry::Pose2;
 
-/// How the new map lies around a place, against the rigid alignment: by things known in both.
+/// Local deformation of the new map against the rigid alignment, from landmarks known in both.
 class Bend {
  public:
   Bend(const std::vector<Landmark>& earlier, const std::vector<Landmark>& now,
@@ -77,7 +77,7 @@ std::vector<Correction> carry_corrections(const std::vector<Correction>& correct
   std::vector<Correction> carried = corrections;
   for (Correction& c : carried) {
     for (CorrectionTarget& target : c.targets) {
-      constexpr double kSame_m = 0.002;  // files have tenths of a millimetre
+      constexpr double kSame_m = 0.002;  // files are rounded to 0.1 mm
       const auto before = then.find(target.id);
       const auto after = found_again.find(target.id);
       const bool is_as_mapped =

@@ -9,17 +9,17 @@
 
 namespace orchard::mapping {
 
-/// The landmarks by which a new map's ids are kept when the earlier one was corrected: all that the
-/// earlier run mapped, and after them what people added, by `corrected` of it. So a tree that was
-/// missed and is seen now gets the id that people know.
+/// Landmarks used to keep ids when the earlier map was corrected: all landmarks of the earlier run,
+/// then those added by people (from `corrected`). A tree that was missed earlier and is seen now
+/// thus gets the id that people gave it.
 std::vector<Landmark> known_landmarks(const std::vector<Landmark>& earlier,
                                       const std::vector<Landmark>& corrected);
 
-/// Corrections of an earlier map as they are of a new one of the same orchard, whose ids are kept
-/// (keep_ids()) and whose frame is laid on the earlier one by `T_earlier_now`.
+/// Converts corrections of an earlier map for a new map of the same orchard, whose ids are kept
+/// (keep_ids()) and which is aligned to the earlier one by `T_earlier_now`.
 ///
-/// Places go through the alignment and then with the known landmarks around them: two drives'
-/// maps are a little bent against each other.
+/// Positions are transformed by the alignment plus the local deformation of the known landmarks
+/// around them.
 std::vector<Correction> carry_corrections(const std::vector<Correction>& corrections,
                                           const std::vector<Landmark>& earlier,
                                           const std::vector<Landmark>& now,

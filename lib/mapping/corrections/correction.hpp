@@ -10,18 +10,19 @@
 
 namespace orchard::mapping {
 
+/// Kinds of corrections.
 enum class CorrectionKind {
-  kDelete,    ///< nothing stands there: a ghost
-  kAdd,       ///< something stands there that the map lacks
-  kMove,      ///< it stands elsewhere
-  kClass,     ///< it is a tree, or an object
-  kMerge,     ///< two or more landmarks are one thing, the first of them
-  kSplit,     ///< one landmark is two things
-  kRowName,   ///< what people call a row
+  kDelete,    ///< the landmark does not exist
+  kAdd,       ///< an object exists that the map lacks
+  kMove,      ///< the position is wrong
+  kClass,     ///< the class (tree or object) is wrong
+  kMerge,     ///< two or more landmarks are one object; the first stays
+  kSplit,     ///< one landmark is two objects
+  kRowName,   ///< name of a row
   kRenumber,  ///< row and position of a tree
-  kNote,      ///< words about a landmark
-  kUndo,      ///< an earlier correction does not hold
-  kRedo,      ///< an undone correction holds again
+  kNote,      ///< text about a landmark
+  kUndo,      ///< takes back an earlier correction
+  kRedo,      ///< restores an undone correction
 };
 inline constexpr CorrectionKind kAllCorrectionKinds[] = {
     CorrectionKind::kDelete,  CorrectionKind::kAdd,      CorrectionKind::kMove,
@@ -29,10 +30,11 @@ inline constexpr CorrectionKind kAllCorrectionKinds[] = {
     CorrectionKind::kRowName, CorrectionKind::kRenumber, CorrectionKind::kNote,
     CorrectionKind::kUndo,    CorrectionKind::kRedo};
 
-/// "delete", "add" ...: a kind as files and commands have it.
+/// Name of a kind in files and commands: "delete", "add", ...
 const char* correction_word(CorrectionKind kind);
 
-/// A landmark as it was when somebody corrected it: found again by its id, else by what it was.
+/// A landmark as it was when it was corrected; found again by id, else by position, class and
+/// width.
 struct CorrectionTarget {
   std::int32_t id = 0;
   Eigen::Vector2d p_map{0.0, 0.0};
@@ -40,23 +42,25 @@ struct CorrectionTarget {
   double width_m = 0.0;  ///< 0: unknown
 };
 
-/// One thing that a person knows better than the map.
+/// A correction of the map by a person.
 struct Correction {
-  std::int32_t number = 0;  ///< of the correction, rising from 1
-  std::int64_t utime = 0;   ///< when it was made; given from outside
+  std::int32_t number = 0;  ///< serial number, from 1
+  std::int64_t utime = 0;   ///< time of the correction; set by the caller
   std::string who;
   CorrectionKind kind = CorrectionKind::kNote;
-  /// delete, move, class, split, renumber, note: one; merge: the first stays.
+  /// Landmarks concerned. delete, move, class, split, renumber, note: one; merge: several, the
+  /// first stays.
   std::vector<CorrectionTarget> targets;
-  std::vector<Eigen::Vector2d> places_map;  ///< add, move: one; split: two, the first keeps its id
-  std::int32_t new_id = 0;                  ///< of what add and split bring
+  std::vector<Eigen::Vector2d>
+      places_map;           ///< add, move, merge: one; split: two, the first keeps its id
+  std::int32_t new_id = 0;  ///< id of the landmark created by add or split
   detection::Label label = detection::Label::kTree;  ///< add, class
   double width_m = 0.0;                              ///< add; 0: unknown
   std::int32_t row = 0;                              ///< row, renumber
   std::int32_t position = 0;                         ///< renumber; 0: none
   std::string name;                                  ///< row
-  std::int32_t of = 0;                               ///< undo, redo: the number of another
-  std::string note;                                  ///< why; of a note its text
+  std::int32_t of = 0;  ///< undo, redo: number of the correction concerned
+  std::string note;     ///< reason; for kNote the text
 };
 
 }  // namespace orchard::mapping

@@ -7,10 +7,10 @@
 namespace orchard::mapping {
 namespace {
 
-/// What undo and redo would take next, and what holds.
+/// Stacks of undo and redo.
 struct History {
-  std::vector<std::int32_t> done;    ///< numbers; the last is undone first
-  std::vector<std::int32_t> undone;  ///< the last is redone first
+  std::vector<std::int32_t> done;    ///< numbers of corrections that hold; the last is undone first
+  std::vector<std::int32_t> undone;  ///< numbers of undone corrections; the last is redone first
 };
 
 bool take(std::vector<std::int32_t>& numbers, std::int32_t number) {

@@ -7,11 +7,11 @@
 
 namespace orchard::mapping {
 
-/// What a correction does, for people: `delete 17`, `row 3 "north"`, `move 4 at 1.50 2.00`. Names
-/// in it are as somebody wrote them.
+/// Describes a correction for people: `delete 17`, `row 3 "north"`, `move 4 at 1.50 2.00`. Contains
+/// names as people entered them, unescaped.
 std::string correction_words(const Correction& correction);
 
-/// "applied", "by place", "already so", "conflict", "undone".
+/// Text of an outcome: "applied", "by place", "already so", "conflict", "undone".
 const char* outcome_word(CorrectionOutcome outcome);
 
 }  // namespace orchard::mapping

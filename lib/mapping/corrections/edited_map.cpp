@@ -20,7 +20,7 @@ std::string note_of(const CorrectedMap& map, std::int32_t id) {
   return text;
 }
 
-/// Compares a map as it was given away with what came back.
+/// Compares an exported map with the edited one that came back.
 class EditReader {
  public:
   EditReader(const CorrectedMap& before, std::int32_t next_id, const EditedMapOptions& options)
@@ -43,7 +43,8 @@ class EditReader {
   }
 
  private:
-  /// A feature that was copied has its original's id: the one nearest to the place is it.
+  /// Pairs features by id. A copied feature has its original's id: the one nearest to the original
+  /// position is the original, the others are new.
   void pair(const EditedMap& edited) {
     for (const EditedLandmark& e : edited.landmarks) {
       const auto known = known_.find(e.id);
@@ -70,7 +71,7 @@ class EditReader {
     result_.corrections.push_back(std::move(c));
     return result_.corrections.back();
   }
-  /// `l` as it is when the correction is made, after those before it.
+  /// Creates a correction about `l`, given as it is after the preceding corrections.
   Correction& about(CorrectionKind kind, const Landmark& l) {
     Correction& c = push(kind);
     c.targets = {{l.id, {l.x_m, l.y_m}, l.label, l.width_m}};
@@ -137,12 +138,12 @@ class EditReader {
       const bool is_taken = std::any_of(edited_.begin(), edited_.end(), [&](const auto& other) {
         return other.second->row == e.row && other.second->position == e.position;
       });
-      if (!is_taken) take_number(l, {0, 0}, e);  // a copy has its original's number
+      if (!is_taken) take_number(l, {0, 0}, e);  // else a copy with its original's number
     }
     if (!e.note.empty() && e.id == 0) take_note(l, "", e);
   }
 
-  /// Numbers that go round are first given back, then given.
+  /// Numbers that are exchanged between trees are first removed, then set.
   void renumber() {
     std::set<Place> wanted;
     for (const Renumbered& r : renumbered_) wanted.insert(r.wanted);
@@ -215,7 +216,7 @@ std::vector<Correction> corrections_that_fit(const std::vector<Landmark>& landma
       const bool is_of_none = std::any_of(
           added[i].targets.begin(), added[i].targets.end(),
           [&](const CorrectionTarget& target) { return not_added.count(target.id) != 0; });
-      if (is_of_none) continue;  // said already
+      if (is_of_none) continue;  // the cause is reported already
       if (result.outcome == CorrectionOutcome::kConflict) {
         conflicts.push_back(words_of(added[i]) + ": " + result.reason);
         if (added[i].new_id != 0) not_added.insert(added[i].new_id);

@@ -12,9 +12,9 @@
 
 namespace orchard::mapping {
 
-/// A landmark as somebody left it in another program.
+/// A landmark as left by another program.
 struct EditedLandmark {
-  std::int32_t id = 0;  ///< 0: it has none, it was drawn there
+  std::int32_t id = 0;  ///< 0: drawn in that program
   Eigen::Vector2d p_map{0.0, 0.0};
   detection::Label label = detection::Label::kTree;
   double width_m = 0.0;       ///< 0: unknown
@@ -23,37 +23,39 @@ struct EditedLandmark {
   std::string note;
 };
 
-/// A map as it came back from another program.
+/// A map as returned by another program.
 struct EditedMap {
   std::vector<EditedLandmark> landmarks;
-  std::map<std::int32_t, std::string> row_names;  ///< of the rows that it holds
+  std::map<std::int32_t, std::string> row_names;  ///< of the rows in the file
 };
 
+/// Options of corrections_of().
 struct EditedMapOptions {
-  std::int64_t utime = 0;  ///< when, of the corrections
+  std::int64_t utime = 0;  ///< time of the corrections
   std::string who;
-  bool keep_missing = false;  ///< what the edited map lacks was not deleted
+  bool keep_missing = false;  ///< landmarks missing from the edited map were not deleted
 };
 
-/// What somebody did to a map elsewhere, as corrections of it.
+/// Changes made to a map in another program, as corrections.
 struct EditedMapCorrections {
   std::vector<Correction> corrections;  ///< without numbers
-  std::vector<std::string> left_out;    ///< what no correction can say, a sentence each
+  std::vector<std::string> left_out;  ///< changes that no correction can express, one sentence each
 };
 
-/// Two places nearer than this are one: programs keep degrees to seven decimals [m].
+/// Positions closer than this are equal: programs store degrees to seven decimals [m].
 inline constexpr double kEditedPlace_m = 0.01;
 
-/// A width that differs by less is the same, as files round it [m].
+/// Widths that differ by less are equal: files are rounded [m].
 inline constexpr double kEditedWidth_m = 0.001;
 
-/// The corrections that make `edited` of `before`, the map as it was given away: deleted, added,
-/// moved, classes, numbers, notes, names of rows. `next_id` is free in the map as it is now.
+/// Returns the corrections that turn `before`, the exported map, into `edited`: deleted, added,
+/// moved, class, number, note, row name. `next_id`: first free id of the current map.
 EditedMapCorrections corrections_of(const CorrectedMap& before, const EditedMap& edited,
                                     std::int32_t next_id, const EditedMapOptions& options);
 
-/// Which of the new corrections a map takes: those that would contradict what it and the earlier
-/// ones say now are left out, a sentence each in `conflicts`; what is so already goes unsaid.
+/// Selects the new corrections that can be applied. Those that contradict the map and the earlier
+/// corrections are left out, with a sentence each in `conflicts`; those already satisfied are left
+/// out silently.
 std::vector<Correction> corrections_that_fit(const std::vector<Landmark>& landmarks,
                                              std::int32_t next_id,
                                              const std::vector<Correction>& earlier,

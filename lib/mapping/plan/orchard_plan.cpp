@@ -74,7 +74,7 @@ double typical_alley_m(const OrchardPlan& plan) {
   const std::size_t step = std::max<std::size_t>(1, places.size() / kNumAsked);
   std::vector<double> alleys_m;
   for (std::size_t i = 0; i < places.size(); i += step) {
-    // one ring after another: rows are near, and a wide search is dear
+    // Expanding search radius: rows are near, and a wide search is expensive.
     for (double reach_m = 4.0; reach_m < 2.0 * kWidestAlley_m; reach_m *= 2.0) {
       double nearest_m = 1e300;
       for (const std::int32_t j : places.within(places[i], reach_m)) {

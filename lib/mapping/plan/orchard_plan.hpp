@@ -8,42 +8,42 @@
 
 namespace orchard::mapping {
 
-/// A place where a tree was meant to be planted.
+/// A planned tree position.
 struct PlannedTree {
-  std::string name;  ///< within its row: "14"
+  std::string name;  ///< within its row, e.g. "14"
   Eigen::Vector2d p_plan{0, 0};
 };
 
-/// A row of the plan, its trees in order along it.
+/// A planned row; its trees in order along it.
 struct PlannedRow {
-  std::string name;  ///< "3", "B12"
+  std::string name;  ///< e.g. "3", "B12"
   std::vector<PlannedTree> trees;
 };
 
-/// The grower's plan of a block; no row is empty, no name stands there twice.
+/// The grower's plan of a block. Rows are not empty and names are unique.
 struct OrchardPlan {
   std::vector<PlannedRow> rows;
 
   std::size_t num_trees() const;
-  /// Of all trees in order of rows [m].
+  /// Positions of all trees in order of rows [m].
   std::vector<Eigen::Vector2d> places() const;
 };
 
-/// Which tree of a plan: indices into rows and their trees, in order of places().
+/// Identifies a planned tree: indices of row and tree, in order of places().
 struct PlanIndex {
   std::int32_t row = 0;
   std::int32_t tree = 0;
 };
 std::vector<PlanIndex> plan_indices(const OrchardPlan& plan);
 
-/// Unit vectors along the row at each tree, from its neighbours in the row; in order of places().
-/// A row of one tree has the direction of the whole plan's first longer row, else of x.
+/// Unit vectors along the row at each tree, from its neighbours in the row; in order of places(). A
+/// row of one tree gets the direction of the plan's first longer row, else that of x.
 std::vector<Eigen::Vector2d> directions_along_rows(const OrchardPlan& plan);
 
-/// What people check of a row before they trust a plan.
+/// Summary of a row, for people who check a plan.
 struct PlannedRowFacts {
   double length_m = 0.0;
-  double spacing_m = 0.0;  ///< median between neighbours; 0 for a single tree
+  double spacing_m = 0.0;  ///< median distance of neighbours; 0 for a single tree
   double spacing_least_m = 0.0;
   double spacing_most_m = 0.0;
 };

@@ -17,8 +17,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kOnePlace_m = 0.1;         ///< no two trees are planted so near
-constexpr std::size_t kNumProblemsMax = 8;  ///< that are spelt out
+constexpr double kOnePlace_m = 0.1;         ///< min distance of planted trees
+constexpr std::size_t kNumProblemsMax = 8;  ///< max number of reported problems
 
 Vector2d main_direction(const std::vector<PlannedTree>& trees) {
   Vector2d mean(0.0, 0.0);
@@ -43,7 +43,7 @@ void sort_along(PlannedRow& row) {
   }
   if (trees.size() < 2) return;
   Vector2d along = main_direction(trees);
-  // the file begins where the row does
+  // The first trees in the file are at the start of the row.
   double sum_first = 0.0, sum_last = 0.0;
   for (std::size_t k = 0; k < trees.size() / 2; ++k) {
     sum_first += along.dot(trees[k].p_plan);
@@ -95,7 +95,7 @@ void look_for_doubles(BuiltPlan& built) {
   }
 }
 
-/// Rows where the file names none: as in a map of these trees.
+/// Finds rows as in a map of these trees, because the file names none.
 std::vector<PlannedRow> rows_found(const std::vector<LoosePlannedTree>& trees, BuiltPlan& built) {
   std::vector<Landmark> landmarks;
   for (std::size_t i = 0; i < trees.size(); ++i) {
@@ -187,11 +187,11 @@ BuiltPlan plan_of_lines(const std::vector<PlannedLine>& lines, double spacing_m)
     } else if (!names.insert(row.name).second) {
       add_problem(built, "two lines are row " + row.name);
     }
-    double next_m = 0.0;  // from the begin of the piece to the next tree
+    double next_m = 0.0;  // from the start of the segment to the next tree
     const auto& points = lines[i].points;
     for (std::size_t k = 0; k + 1 < points.size(); ++k) {
       const double length_m = (points[k + 1] - points[k]).norm();
-      // the line's own end is a place, too, where it is a hair short of one
+      // Tolerance for a tree at the end of the line.
       const double hair_m = k + 2 == points.size() ? 0.02 * spacing_m : 0.0;
       for (; next_m <= length_m + hair_m && num_trees < kNumTreesMax; next_m += spacing_m) {
         const Vector2d step = (points[k + 1] - points[k]).stableNormalized();

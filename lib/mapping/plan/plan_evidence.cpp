@@ -8,8 +8,8 @@
 namespace orchard::mapping {
 namespace {
 
-constexpr double kRare = 0.05;      ///< missing trees among planned ones, extra ones among mapped
-constexpr double kStrayPair = 0.1;  ///< of pairs: trees that stand somewhere near their place
+constexpr double kRare = 0.05;      ///< fraction of missing planned trees and of extra mapped trees
+constexpr double kStrayPair = 0.1;  ///< fraction of pairs with a tree anywhere within the gate
 
 }  // namespace
 

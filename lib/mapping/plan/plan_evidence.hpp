@@ -8,26 +8,26 @@
 
 namespace orchard::mapping {
 
-/// What is known of the trees that are laid upon each other.
+/// Noise model of paired planned and mapped trees.
 struct PlanNoise {
-  double position_sd_m = 0.1;  ///< of a tree about its place, per axis
-  double gate_m = 0.5;         ///< farthest that a pair lies apart
-  double trees_per_m2 = 0.1;   ///< of the plan
+  double position_sd_m = 0.1;  ///< of a tree about its planned position, per axis
+  double gate_m = 0.5;         ///< max distance of a pair
+  double trees_per_m2 = 0.1;   ///< density of planned trees
 };
 
-/// Probability that the drive misses a tree that stands at a position of map.
+/// Probability that the drive misses an existing tree at a position in map.
 using MissedAt = std::function<double(const Eigen::Vector2d& p_map)>;
 
-/// Log-likelihood of trees, planned and mapped, under one placement of the plan: each with a prior
-/// of one in twenty that a planned tree is missing or a mapped one extra.
+/// Log-likelihood of the planned and mapped trees for one placement of the plan. Prior: one planned
+/// tree in twenty is missing, one mapped tree in twenty is extra.
 double plan_log_likelihood(const IndexedPoints& planned, const geometry::Pose2& T_map_plan,
                            const std::vector<LandmarkPair>& pairs, const PlanNoise& noise,
                            const MissedAt& missed);
 
-/// Log-likelihood of a pair's distance, against a mapped tree that is extra.
+/// Log-likelihood ratio of a pair at this distance, against an extra mapped tree.
 double pair_gain(double distance_m, const PlanNoise& noise);
 
-/// Of a planned tree without partner.
+/// Log-likelihood of a planned tree without partner.
 double missing_log_likelihood(double probability_missed);
 
 }  // namespace orchard::mapping

@@ -20,12 +20,12 @@ namespace {
 using Eigen::Vector2d;
 using geometry::Pose2;
 
-/// A thousand to one, where four trees count as one: what is planted or felled otherwise than the
-/// plan has it, neighbours are together.
+/// Odds of a thousand to one with four trees counted as one, because neighbouring trees deviate
+/// from the plan together.
 constexpr double kOddsNeeded = 4.0 * 7.0;
-constexpr double kExplainedFraction = 0.5;  ///< of the mapped trees
-constexpr std::size_t kNumTurns = 6;        ///< directions that are followed up
-constexpr std::size_t kNumShifts = 40;      ///< shifts of each
+constexpr double kExplainedFraction = 0.5;  ///< min fraction of the mapped trees in pairs
+constexpr std::size_t kNumTurns = 6;        ///< max number of directions examined
+constexpr std::size_t kNumShifts = 40;      ///< max number of shifts per direction
 constexpr std::size_t kNumPlacementsMax = 12;
 constexpr double kPositionSdMin_m = 0.03;
 
@@ -55,7 +55,7 @@ class PlanFitter {
   }
 
  private:
-  /// Trees of the plan per area, by the area that its nearest neighbours leave each.
+  /// Density of planned trees, from the number of neighbours of each.
   double density() const {
     constexpr double kReachOfSpacings = 6.0;
     const double reach_m = std::max(1.0, kReachOfSpacings * spacing_m_);
@@ -73,7 +73,7 @@ class PlanFitter {
             std::abs(geometry::wrap_angle_rad(T.yaw_rad)) <= search_.turn_max_rad + 1e-3);
   }
 
-  /// The motions of most pairs, one for each direction.
+  /// One placement per direction, those with most pairs.
   std::vector<Pose2> turns() const {
     constexpr double kOneTurn_rad = 0.03;
     const std::vector<double> alike_a(mapped_.size(), 0.1), alike_b(planned_.size(), 0.1);
@@ -86,7 +86,7 @@ class PlanFitter {
       });
       if (!is_known && turns.size() < kNumTurns) turns.push_back(refined(c.T_a_b).T_map_plan);
     }
-    // an orchard is often its own image, turned by half a circle
+    // Many orchards are symmetric under a rotation by half a circle.
     if (config_.any_place) {
       for (std::size_t k = 0, num = turns.size(); k < num; ++k) {
         const Pose2 turned{0.0, 0.0, geometry::wrap_angle_rad(turns[k].yaw_rad + geometry::kPi)};
@@ -99,7 +99,8 @@ class PlanFitter {
     return turns;
   }
 
-  /// The same direction, with every shift that lays many places upon trees.
+  /// Placements in the direction of `turn`, for every shift that puts many planned positions onto
+  /// trees.
   std::vector<PlanPlacement> shifts_of(const Pose2& turn) const {
     constexpr std::size_t kNumAnchors = 80;
     std::vector<std::size_t> order(mapped_.size());
@@ -165,7 +166,7 @@ class PlanFitter {
             static_cast<std::int64_t>(key & 0xffffffffULL) - (1LL << 31)};
   }
 
-  /// Least squares over the pairs, those far off with less weight.
+  /// Iteratively reweighted least squares over the pairs.
   PlanPlacement refined(const Pose2& begin) const {
     constexpr int kNumRounds = 6;
     PlanPlacement placement;

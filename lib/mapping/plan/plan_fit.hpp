@@ -10,29 +10,28 @@
 
 namespace orchard::mapping {
 
-/// A way to lay a plan on a map.
+/// A placement of a plan on a map.
 struct PlanPlacement {
   geometry::Pose2 T_map_plan;
   std::vector<LandmarkPair> pairs;  ///< a: mapped, b: planned
-  double log_odds = 0.0;            ///< of the best placement against this one
+  double log_odds = 0.0;            ///< best placement against this one
 };
 
 struct PlanFit {
   AlignmentStatus status = AlignmentStatus::kNone;
-  /// The best placement first, then those that explain the map about as well; empty: none.
+  /// The best placement first, then rivals that explain the map about equally well; may be empty.
   std::vector<PlanPlacement> placements;
-  double position_sd_m = 0.0;  ///< of trees about their places, per axis
-  std::string reason;          ///< why not, as a sentence without a full stop
+  double position_sd_m = 0.0;  ///< of trees about their planned positions, per axis
+  std::string reason;          ///< reason for a failure, a sentence without full stop
 };
 
-/// Lays the places of a plan rigidly on a map's trees.
+/// Registers the positions of a plan rigidly with the trees of a map.
 ///
-/// `any_place` of `config` is for a map and a plan that have nothing in common but the orchard;
-/// else the plan is in the frame of the map already, within the limits of `config`. Every shift and
-/// turn that lays many places upon trees is tried; the best must beat every other one by odds of a
-/// thousand to one, four trees counted as one: by trees without place, and places without tree
-/// where `missed` says that the drive would have seen it.
-/// Deterministic.
+/// With `any_place` of `config` the frames are unrelated; else the plan must be in the map's frame
+/// within the limits of `config`. Every shift and rotation that puts many planned positions onto
+/// trees is evaluated. The best one must beat every other by odds of a thousand to one, with four
+/// trees counted as one, from trees without position and positions without tree where the drive
+/// would have seen one (`missed`). Deterministic.
 PlanFit fit_plan(const IndexedPoints& mapped, const IndexedPoints& planned, const MissedAt& missed,
                  const MapAlignmentConfig& config);
 

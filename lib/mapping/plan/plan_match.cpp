@@ -11,11 +11,11 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kPairReach = 0.45;      ///< of the spacing: nearer to no other place
-constexpr double kSeenConfidence = 0.8;  ///< as for missing trees of two maps
+constexpr double kPairReach = 0.45;      ///< of the spacing; excludes neighbouring positions
+constexpr double kSeenConfidence = 0.8;  ///< same as for missing trees of two maps
 constexpr double kOutOfPlaceSigmas = 4.0;
-constexpr int kNeighbourRows = 3;   ///< on each side: bends of a map are common to them
-constexpr int kNeighbourTrees = 5;  ///< along a row, likewise
+constexpr int kNeighbourRows = 3;   ///< on each side; they share the map's deformation
+constexpr int kNeighbourTrees = 5;  ///< along a row, on each side; likewise
 
 Vector2d left_of(const Vector2d& along) { return {-along.y(), along.x()}; }
 
@@ -44,7 +44,7 @@ class PlanMatcher {
     if (view.is_known()) {
       missed_ = [&view](const Vector2d& p) { return view.probability_missed(p); };
     } else {
-      // a map without its drive tells of the ground between its trees and next to them
+      // Without a detection map, the ground near mapped trees counts as observed.
       const double near_m = 1.5 * std::max(spacing_m_, alley_m_);
       missed_ = [this, near_m](const Vector2d& p) {
         return mapped_.nearest(p, near_m) >= 0 ? 0.0 : 1.0;
@@ -83,7 +83,7 @@ class PlanMatcher {
     noise_.trees_per_m2 = 1.0 / (spacing_m_ * alley_m_);
   }
 
-  /// The planned place nearest to a point; -1 for none within reach of a row.
+  /// Index of the planned position nearest to a point; -1 if it is too far from any row.
   std::int32_t nearest_place(const IndexedPoints& places, const Vector2d& p) const {
     return places.nearest(p, std::max(alley_m_, 2.0 * spacing_m_));
   }
@@ -119,7 +119,7 @@ class PlanMatcher {
     }
   }
 
-  /// The median of the neighbouring rows: what a bend of the map makes of them all.
+  /// Median shift of the neighbouring rows, which is caused by deformation of the map.
   RowShift usual_shift(const PlanMatch& match, std::size_t r) const {
     std::vector<double> along_m, aside_m;
     const auto num = static_cast<int>(plan_.rows.size());
@@ -182,8 +182,8 @@ class PlanMatcher {
     match.rms_m = num > 0 ? std::sqrt(sum_m2 / num) : 0.0;
   }
 
-  /// How far each tree stands from its place in the shifted row, beyond what its neighbours along
-  /// the row do, too [m]; 0 without tree.
+  /// Distance of each tree from its position in the shifted row, minus the common offset of its
+  /// neighbours along the row [m]; 0 without tree.
   std::vector<double> off_row_m() const {
     std::vector<double> off_m(places_.size(), 0.0);
     for (std::size_t i = 0; i < places_.size(); ++i) {
@@ -235,7 +235,7 @@ class PlanMatcher {
     }
   }
 
-  /// The median length of a vector with normal components, per what robust_sd() makes of it.
+  /// Median length of a vector with normal components, relative to what robust_sd() returns for it.
   static constexpr double kRayleigh = 1.1774 * geometry::kMadToSd;
 
   const OrchardPlan& plan_;
@@ -250,9 +250,9 @@ class PlanMatcher {
   double alley_m_ = 0.0;
   MissedAt missed_;
   PlanNoise noise_;
-  std::vector<Vector2d> places_;   ///< planned places in map
-  std::vector<Vector2d> along_;    ///< their rows' directions in map
-  std::vector<Vector2d> shifted_;  ///< with their rows' own shifts
+  std::vector<Vector2d> places_;   ///< planned positions in map
+  std::vector<Vector2d> along_;    ///< directions of their rows in map
+  std::vector<Vector2d> shifted_;  ///< planned positions including the shifts of their rows
   std::vector<std::int32_t> partner_;
   std::vector<bool> is_paired_;
 };

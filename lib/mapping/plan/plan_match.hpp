@@ -8,59 +8,62 @@
 
 namespace orchard::mapping {
 
+/// Configuration of match_plan().
 struct PlanMatchConfig {
   MapAlignmentConfig alignment;
-  double tolerance_m = 0.3;  ///< a tree this near to its place stands as planned
-  int placement = 0;         ///< which of several that fit equally, from 1; 0: refuse them
+  double tolerance_m = 0.3;  ///< max distance from its position of a tree as planned
+  int placement = 0;         ///< selects one of several equal placements, from 1; 0: none
 };
 
+/// Deviation of a tree from the plan.
 enum class PlanDeviation {
   kAsPlanned,
-  kOutOfPlace,  ///< farther than the tolerance from its place, its row's own shift apart
-  kMissing,     ///< the drive would have seen it
-  kNotSeen,     ///< no tree there, and the drive did not look well enough
-  kExtra,       ///< a tree that the plan has not
+  kOutOfPlace,  ///< farther than the tolerance from its position in the shifted row
+  kMissing,     ///< no tree, and the drive would have seen one
+  kNotSeen,     ///< no tree, but the drive did not observe the position well enough
+  kExtra,       ///< a mapped tree that is not planned
 };
 inline constexpr int kNumPlanDeviations = 5;
 
-/// as_planned, missing ...: as files write it.
+/// Text of a deviation in files: as_planned, missing, ...
 const char* deviation_text(PlanDeviation deviation);
 
-/// What became of one planned tree, or one mapped tree that is extra.
+/// Result for one planned tree, or for one extra tree of the map.
 struct PlanFinding {
   PlanDeviation deviation = PlanDeviation::kAsPlanned;
-  std::int32_t row = -1;        ///< index into the plan; of an extra tree the row it stands in
-  std::int32_t tree = -1;       ///< index into the row; of an extra tree the one before it, or -1
-  std::int32_t landmark = -1;   ///< index into the map; at an empty place an object that is there
-  Eigen::Vector2d p_map{0, 0};  ///< where it stands, or was to stand
-  double along_m = 0.0;     ///< from the planned place towards the row's last tree; 0 without tree
-  double aside_m = 0.0;     ///< to the left of that
-  double confidence = 0.0;  ///< that a missing one is missing, in [0, 1]; else 1
+  std::int32_t row = -1;        ///< index into the plan; of an extra tree, its row or -1
+  std::int32_t tree = -1;       ///< index into the row; of an extra tree, the one before it or -1
+  std::int32_t landmark = -1;   ///< index into the map; at an empty position, an object there
+  Eigen::Vector2d p_map{0, 0};  ///< actual, or planned if there is no tree
+  double along_m = 0.0;         ///< offset from the planned position along the row; 0 without tree
+  double aside_m = 0.0;         ///< offset to the left
+  double confidence = 0.0;      ///< probability that a missing tree is missing, in [0, 1]; else 1
 };
 
-/// What became of a row.
+/// Result for one row.
 struct PlanRowFinding {
   std::array<int, kNumPlanDeviations> counts{};
-  RowShift shift;           ///< against the plan as a whole
-  bool is_shifted = false;  ///< against its neighbouring rows, by more than the tolerance
+  RowShift shift;           ///< relative to the plan as a whole
+  bool is_shifted = false;  ///< more than the tolerance relative to the neighbouring rows
 };
 
+/// Result of match_plan().
 struct PlanMatch {
   PlanFit fit;
-  std::size_t placement = 0;          ///< the one of fit.placements that was taken
-  std::vector<PlanFinding> findings;  ///< planned trees in order of the plan, then extra ones
+  std::size_t placement = 0;          ///< index of the selected placement in fit.placements
+  std::vector<PlanFinding> findings;  ///< planned trees in order of the plan, then extra trees
   std::vector<PlanRowFinding> rows;   ///< as in the plan
   std::array<int, kNumPlanDeviations> counts{};
-  double rms_m = 0.0;  ///< of trees about their places, shifted rows apart
+  double rms_m = 0.0;  ///< of trees about their positions, without shifted rows
 
   bool is_laid() const { return !findings.empty(); }
   const geometry::Pose2& T_map_plan() const { return fit.placements[placement].T_map_plan; }
 };
 
-/// Finds the planned trees in a map: lays the plan on it (fit_plan()), finds rows that stand
-/// elsewhere as a whole (shift_of_row()), and pairs trees and places one to one, near ones first,
-/// within 0.45 of the spacing. Objects are no trees. Where the plan cannot be laid, or can in
-/// several ways and none was chosen, findings stay empty and fit.reason says why.
+/// Finds the planned trees in a map: registers the plan (fit_plan()), finds rows that are shifted
+/// as a whole (shift_of_row()), and pairs trees with planned positions one to one within 0.45 of
+/// the spacing, nearest first. Objects are not trees. If the plan cannot be placed, or is ambiguous
+/// and no placement was selected, `findings` is empty and fit.reason explains why.
 PlanMatch match_plan(const OrchardPlan& plan, const std::vector<Landmark>& landmarks,
                      const DetectionMap& view, const PlanMatchConfig& config);
 

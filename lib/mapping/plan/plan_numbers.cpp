@@ -64,7 +64,7 @@ PlanNumbers number_by_plan(const OrchardPlan& plan, const PlanMatch& match,
   for (Row& row : result.rows) {
     std::stable_sort(row.places.begin(), row.places.end(),
                      [](const RowPlace& a, const RowPlace& b) { return a.position < b.position; });
-    // rows begin and end with trees
+    // Rows start and end with a tree.
     const auto is_gap = [](const RowPlace& place) { return place.landmark_id == 0; };
     while (!row.places.empty() && is_gap(row.places.back())) row.places.pop_back();
     row.places.erase(row.places.begin(),

@@ -9,21 +9,22 @@
 
 namespace orchard::mapping {
 
-/// A landmark's names in the plan.
+/// The names of a landmark in the plan.
 struct PlanName {
   std::int32_t landmark_id = 0;
   std::string row;
-  std::string tree;  ///< empty: an extra tree of that row
+  std::string tree;  ///< empty for an extra tree of the row
 };
 
+/// Numbers and names that a plan gives to a map.
 struct PlanNumbers {
-  std::vector<Row> rows;        ///< in rising number; places without tree are gaps
+  std::vector<Row> rows;        ///< in order of number; positions without tree are gaps
   std::vector<PlanName> names;  ///< in order of the landmarks
 };
 
-/// Numbers a map by its plan, into its landmarks and rows. Names that are whole numbers, all
-/// different, are the numbers; else rows, or the trees of one row, are counted as the plan has
-/// them. Extra trees have their row's number and no position, or neither; objects neither.
+/// Numbers the landmarks and rows of a map by its plan. Names are used as numbers if they are all
+/// different whole numbers; else rows, or the trees of a row, are counted in the order of the plan.
+/// Extra trees get their row's number, if they are in a row, and no position; objects get neither.
 PlanNumbers number_by_plan(const OrchardPlan& plan, const PlanMatch& match,
                            std::vector<Landmark>& landmarks);
 

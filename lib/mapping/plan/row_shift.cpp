@@ -11,8 +11,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kShiftedPrior = 3.9;   ///< one row in fifty is set out wrongly, as log-odds
-constexpr double kFarthestShift = 1.2;  ///< of a spacing, along
+constexpr double kShiftedPrior = 3.9;   ///< log odds: one row in fifty is planted elsewhere
+constexpr double kFarthestShift = 1.2;  ///< max shift along the row, in spacings
 constexpr std::size_t kNumTriedMax = 400;
 
 Vector2d aside_of(const Vector2d& along) { return {-along.y(), along.x()}; }
@@ -45,7 +45,7 @@ class RowShifter {
     return row_.places_map[k] + s.along_m * row_.along[k] + s.aside_m * aside_of(row_.along[k]);
   }
 
-  /// Each shift that brings a place upon a tree.
+  /// Shifts that move a planned position onto a tree.
   std::vector<RowShift> to_try() const {
     std::vector<RowShift> shifts;
     const IndexedPoints places(row_.places_map);
@@ -59,14 +59,14 @@ class RowShifter {
       }
     }
     if (shifts.size() <= kNumTriedMax) return shifts;
-    std::vector<RowShift> some;  // of a long row some tell as much as all
+    std::vector<RowShift> some;  // enough for a long row
     for (std::size_t k = 0; k < kNumTriedMax; ++k) {
       some.push_back(shifts[k * shifts.size() / kNumTriedMax]);
     }
     return some;
   }
 
-  /// By the medians of what stands near the places then.
+  /// Iterates the shift to the median offset of the trees near the shifted positions.
   RowShift settled(RowShift shift) const {
     for (int round = 0; round < 3; ++round) {
       std::vector<double> along_m, aside_m;

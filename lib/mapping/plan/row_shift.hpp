@@ -8,24 +8,23 @@
 
 namespace orchard::mapping {
 
-/// How far a row stands from where the plan has it.
+/// Offset of a row from its planned position.
 struct RowShift {
-  double along_m = 0.0;  ///< towards the row's last tree
-  double aside_m = 0.0;  ///< to the left of that
-  int num_trees = 0;     ///< that tell of it
+  double along_m = 0.0;  ///< towards the last tree of the row
+  double aside_m = 0.0;  ///< to the left
+  int num_trees = 0;     ///< number of trees used
 };
 
-/// One row of the plan, laid on the map.
+/// One row of the plan, transformed to map.
 struct LaidRow {
   std::vector<Eigen::Vector2d> places_map;
   std::vector<Eigen::Vector2d> along;      ///< unit vectors in map
-  std::vector<Eigen::Vector2d> trees_map;  ///< mapped trees nearest to this row of all rows
+  std::vector<Eigen::Vector2d> trees_map;  ///< mapped trees that are nearest to this row
 };
 
-/// A row set out elsewhere as a whole: by up to a little more than a tree along it, by less than
-/// half an alley aside. By the likelihood of its trees, places without tree and trees without
-/// place; a row stands where it was planned unless it is likelier elsewhere by odds of fifty to one
-/// (rows set out wrongly are rare). Then by the median of its trees' deviations.
+/// Finds the shift of a row that was planted elsewhere as a whole: up to 1.2 spacings along and
+/// less than half an alley to the side. Maximises the likelihood of trees and empty positions, with
+/// a prior of one shifted row in fifty. The shift is the median offset of the trees.
 RowShift shift_of_row(const LaidRow& row, double spacing_m, const PlanNoise& noise,
                       const MissedAt& missed);
 

@@ -12,22 +12,23 @@
 namespace orchard::mapping {
 namespace {
 
-/// Of pictures nearer in time one is enough: at a metre a second base moves 0.2 m meanwhile.
+/// Min time between examined images: at 1 m/s base moves 0.2 m in it.
 constexpr std::int64_t kPicturePeriod_us = 200'000;
 
-/// What is seen again after so long is another passing, by which time the pose may have drifted.
+/// A longer gap between views starts a new passing, because the pose may have drifted.
 constexpr std::int64_t kPassing_us = 10'000'000;
 constexpr double kSamePlace_m = 0.3;
 
-/// A view must be better by this to be cut out in the place of another.
+/// Minimum ratio of worth for replacing a view.
 constexpr double kBetter = 1.05;
 
-/// Scans wait for their pictures and pictures for their scans while poses are behind: a minute.
+/// Limits of the queues for scans and images that wait for each other while poses are late: about a
+/// minute.
 constexpr std::size_t kWaitingScansMax = 600;
 constexpr std::size_t kWaitingPicturesMax = 300;
 constexpr std::size_t kPictureBytesMax = std::size_t{64} << 20;
 
-/// Room that is made at once, so that it is not made for each photograph.
+/// Fill level after make_room(), so that it does not run for every photograph.
 constexpr double kFilled = 0.9;
 
 constexpr double kBytesPerMb = 1e6;
@@ -49,7 +50,7 @@ Album::Album(const AlbumConfig& config, const detection::Rig& rig)
 bool Album::keeps_picture(std::int64_t utime) const {
   if (!is_open()) return false;
   if (!last_picture_utime_) return true;
-  const std::int64_t since_us = utime - *last_picture_utime_;  // before: its clock was set back
+  const std::int64_t since_us = utime - *last_picture_utime_;  // negative if its clock was set back
   return since_us < 0 || since_us >= kPicturePeriod_us;
 }
 
@@ -84,7 +85,7 @@ void Album::flush() {
   pictures_.clear();
 }
 
-/// In their order: the first waits until its picture is there, or one that comes after it.
+/// Processes scans in order; the first one waits until its image or a later one is there.
 void Album::take_scans() {
   std::size_t num_done = 0;
   for (const WaitingScan& scan : scans_) {
@@ -94,7 +95,7 @@ void Album::take_scans() {
         [&scan](const WaitingPicture& waiting) { return waiting.image.utime == scan.image_utime; });
     if (of_it != pictures_.end()) {
       observe(scan, of_it->image);
-      // Scans come in order of time: what is older than this one's picture is nobody's.
+      // Scans are in order of time, so older images are no longer needed.
       pictures_.erase(pictures_.begin(), of_it);
     }
     ++num_done;
@@ -129,7 +130,7 @@ void Album::observe(const WaitingScan& scan, const vision::Image& image) {
   if (num_bytes_ > max_bytes_) make_room();
 }
 
-/// The passing that goes on at a place, or a new one.
+/// Index of the current passing at a position, or of a new one.
 std::size_t Album::passing_at(double x_m, double y_m, std::int64_t utime) {
   const auto goes_on = [utime](const Passing& passing) {
     return std::abs(utime - passing.last_utime) <= kPassing_us;
@@ -150,9 +151,10 @@ std::size_t Album::passing_at(double x_m, double y_m, std::int64_t utime) {
   return nearest;
 }
 
-/// Of several passings of one place all but the best go; then the least telling.
+/// Frees memory: keeps the best passing of each position in descending worth, then further ones, up
+/// to kFilled of the limit.
 void Album::make_room() {
-  std::vector<std::size_t> order(passings_.size());  // the most telling first
+  std::vector<std::size_t> order(passings_.size());  // in descending worth
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::stable_sort(order.begin(), order.end(), [this](std::size_t a, std::size_t b) {
     return passings_[a].best.worth > passings_[b].best.worth;

@@ -16,40 +16,39 @@
 
 namespace orchard::mapping {
 
-/// Keeps the sharpest unobstructed view of everything that scans with pictures show, in bounded
-/// memory.
+/// Keeps the sharpest unoccluded view of every object in scans with images, in bounded memory.
 ///
-/// What one passing shows at one place is one thing, of which the best view is kept; whose landmark
-/// it is, is asked only when the map is written (choose()): by then the path may have been
-/// corrected. Scans are taken in the order of add_scan(), each once its picture is there, whatever
-/// the order in which scans and pictures come.
+/// One passing of one position gives one view, the best. Views are assigned to landmarks only when
+/// the map is written (choose_photographs()), because the path may be corrected until then. Scans
+/// are processed in the order of add_scan(), each when its image is there, regardless of the order
+/// in which scans and images arrive.
 class Album {
  public:
   Album(const AlbumConfig& config, const detection::Rig& rig);
 
-  /// Whether photographs are wanted and can be made.
+  /// Whether photographs are enabled and a camera exists.
   bool is_open() const { return max_bytes_ > 0; }
 
-  /// Whether a picture of that time is looked at; others need not be handed over.
+  /// Whether an image of that time will be examined; others need not be added.
   bool keeps_picture(std::int64_t utime) const;
 
-  /// A scan that was paired with the picture of image_utime (0: none). `motion` of base about it.
+  /// Adds a scan that was paired with the image of `image_utime` (0: none). `motion`: of base
+  /// around that time.
   void add_scan(std::int64_t utime, std::int64_t image_utime, const pose::PoseEstimate& T_map_base,
                 const detection::Motion& motion, std::vector<Subject> subjects);
   void add_picture(const vision::Image& image);
 
-  /// No more pictures come: scans that wait for one are done without.
+  /// Ends the input: drops scans that wait for an image.
   void flush();
 
-  /// All photographs, placed by the poses as they are now; those at times without a pose are left
-  /// out.
+  /// All photographs, placed with the current poses; without those at times without a pose.
   std::vector<PlacedPhotograph> photographs(
       const std::function<std::optional<pose::PoseEstimate>(std::int64_t)>& pose_at) const;
 
   std::size_t max_bytes() const { return max_bytes_; }
   std::size_t num_bytes() const { return num_bytes_; }
 
-  /// Its state; the configuration is the maker's.
+  /// Saves or restores the state, without the configuration.
   void persist(StateArchive& archive);
 
  private:
@@ -69,9 +68,9 @@ class Album {
       archive(image.utime, image.seq, image.width_px, image.height_px, image.encoding, image.data);
     }
   };
-  /// What one passing showed at one place.
+  /// Best view of one position in one passing.
   struct Passing {
-    double x_m = 0.0, y_m = 0.0;  ///< in map, by the pose of that time
+    double x_m = 0.0, y_m = 0.0;  ///< in map, by the pose at that time
     std::int64_t last_utime = 0;
     Photograph best;
     void persist(StateArchive& archive) { archive(x_m, y_m, last_utime, best); }
@@ -85,9 +84,9 @@ class Album {
   std::size_t max_bytes_;
   std::vector<WaitingScan> scans_;        ///< in order of arrival
   std::vector<WaitingPicture> pictures_;  ///< likewise
-  std::vector<Passing> passings_;         ///< in order of their beginnings
-  std::size_t num_over_ = 0;              ///< of those at the front: none of them goes on
-  std::size_t num_bytes_ = 0;             ///< of all photographs
+  std::vector<Passing> passings_;         ///< in order of their start
+  std::size_t num_over_ = 0;              ///< number of passings at the front that have ended
+  std::size_t num_bytes_ = 0;             ///< total of all photographs
   std::optional<std::int64_t> last_picture_utime_;
 };
 

@@ -3,9 +3,9 @@
 
 namespace orchard::mapping {
 
-/// A photograph of each landmark. Section `mapper.album`.
+/// Configuration of the album, section `mapper.album`.
 struct AlbumConfig {
-  double max_mb = 8.0;  ///< of all photographs; 0: none are kept
+  double max_mb = 8.0;  ///< limit on all photographs; 0: none are kept
 };
 
 template <class Visitor>

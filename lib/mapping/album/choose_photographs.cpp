@@ -10,8 +10,7 @@
 namespace orchard::mapping {
 namespace {
 
-/// How far from a landmark's middle a view of it may have found its own [m]; of wide things, any
-/// part of them.
+/// Max distance of a photograph's subject from its landmark's centre [m]; more for wide landmarks.
 constexpr double kOfLandmark_m = 0.4;
 constexpr double kSearchMax_m = 3.0;
 
@@ -19,7 +18,7 @@ double reach_m(const Landmark& landmark) {
   return std::min(kSearchMax_m, std::max(kOfLandmark_m, 0.5 * landmark.width_m + 0.2));
 }
 
-/// The landmark whose middle is nearest to a photograph's subject, if any is near enough.
+/// Index of the landmark nearest to a photograph's subject; none if it is too far away.
 std::optional<std::size_t> landmark_of(const PlacedPhotograph& photograph,
                                        const std::vector<Landmark>& landmarks,
                                        const geometry::PointGrid& grid) {

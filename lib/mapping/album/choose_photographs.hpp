@@ -9,9 +9,9 @@
 
 namespace orchard::mapping {
 
-/// Gives each landmark the best photograph of what was seen at its place, nearest landmark first;
-/// in order of id. What does not fit into `max_bytes` is left out: first objects, then the least
-/// telling.
+/// Selects the best photograph of each landmark; photographs belong to the nearest landmark.
+/// Returned in order of id. Photographs beyond `max_bytes` are left out: first those of objects,
+/// then those of least worth.
 std::vector<AlbumEntry> choose_photographs(const std::vector<Landmark>& landmarks,
                                            const std::vector<PlacedPhotograph>& photographs,
                                            std::size_t max_bytes);

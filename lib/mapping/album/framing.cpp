@@ -15,23 +15,23 @@ namespace {
 
 using detection::PlanePoint;
 
-/// What a person wants to see with a trunk: what stands beside it, the ground and the first
-/// branches. Halves of a frame, at least, and in widths of the trunk.
+/// Half size of a frame: at least this, and in trunk widths. It should show the surroundings, the
+/// ground and the first branches.
 constexpr double kHalfFrameMin_m = 0.4;
 constexpr double kHalfFrame_widths = 2.0;
-constexpr double kHeight_widths = 2.0;  ///< a frame is upright
+constexpr double kHeight_widths = 2.0;  ///< height of a frame, in frame widths
 
-/// A frame that shows less beside a trunk than the trunk itself is no picture of it.
+/// Minimum half width of a frame, in trunk widths and pixels.
 constexpr double kHalfFrameMin_trunks = 1.0;
 constexpr double kHalfFrameMin_px = 8.0;
 
-/// A part of a trunk tells less than a poorer picture of the whole.
+/// Factor on the worth of a partly hidden subject: less than a poorer image of the whole.
 constexpr double kHiddenWorth = 0.2;
 constexpr double kNearer_m = 0.1;
 constexpr double kThinnest_m = 0.02;
 constexpr int kQuality = 80;
 
-/// An object in the picture, in pixels.
+/// An object in the image, in pixels.
 struct Seen {
   Eigen::Vector2d pixel;
   double depth_m;
@@ -54,7 +54,7 @@ std::optional<Seen> seen(const Subject& subject, const detection::Rig& rig,
   return Seen{*pixel, depth_m, 0.5 * width_m * rig.camera.intrinsics().fc_px[0] / depth_m};
 }
 
-/// A rectangle of whole pixels about a point.
+/// A rectangle of whole pixels centred on a point.
 vision::PixelRect around(const Eigen::Vector2d& p, double half_width_px, double half_height_px) {
   vision::PixelRect rect;
   rect.x_px = static_cast<int>(std::lround(p.x() - half_width_px));
@@ -70,7 +70,7 @@ Framing framing_of(const Seen& it, double width_m, const detection::Rig& rig) {
   const double wanted_m = std::max(kHalfFrameMin_m, kHalfFrame_widths * width_m);
   const double wanted_px = wanted_m * intrinsics.fc_px[0] / it.depth_m;
   const double wanted_height_px = kHeight_widths * wanted_m * intrinsics.fc_px[1] / it.depth_m;
-  // The picture's border cuts off as much on the other side: the axis stays in the middle.
+  // Crop symmetrically at the image border, so that the axis stays in the middle.
   const double room_px = std::min(it.pixel.x(), intrinsics.width_px - 1 - it.pixel.x());
   const double room_height_px = std::min(it.pixel.y(), intrinsics.height_px - 1 - it.pixel.y());
   const double half_px = std::min(wanted_px, room_px);
@@ -101,7 +101,7 @@ std::vector<Framing> frame_subjects(const std::vector<Subject>& subjects, const 
     for (std::size_t k = 0; k < subjects.size(); ++k) {
       if (k == i || !all[k] || all[k]->depth_m > it.depth_m - kNearer_m) continue;
       const double apart_px = std::abs(all[k]->pixel.x() - it.pixel.x());
-      is_covered = is_covered || apart_px < all[k]->half_px;  // the axis itself is behind it
+      is_covered = is_covered || apart_px < all[k]->half_px;  // the axis itself is hidden
       is_touched = is_touched || apart_px < all[k]->half_px + it.half_px;
     }
     if (is_covered) continue;

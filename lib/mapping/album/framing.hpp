@@ -12,26 +12,26 @@
 
 namespace orchard::mapping {
 
-/// Where a subject stands in a picture.
+/// Location of a subject in an image.
 struct Framing {
-  vision::PixelRect frame;  ///< the part to cut out: the subject's axis is in its middle
-  vision::PixelRect trunk;  ///< where its surface is looked at for sharpness
+  vision::PixelRect frame;  ///< region to cut out, centred on the subject's axis
+  vision::PixelRect trunk;  ///< region of its surface used for the sharpness
   double px_per_m = 0.0;
-  double fraction = 1.0;   ///< how much of the wanted surroundings is in the picture, in (0, 1]
-  bool is_hidden = false;  ///< something nearer hides a part of it
+  double fraction = 1.0;   ///< fraction of the wanted frame inside the image, in (0, 1]
+  bool is_hidden = false;  ///< partly hidden by a nearer object
 };
 
-/// The framings of all subjects of a scan in a picture exposed `dt_s` after the scan, while base
-/// moved as `motion` says; empty frames for those that are not in it, or too small, or wholly
-/// behind a nearer one as the camera sees it.
+/// Framings of all subjects of a scan in an image exposed `dt_s` after the scan, with `motion` of
+/// base between. The frame is empty for subjects outside the image, too small, or with their axis
+/// hidden by a nearer subject.
 std::vector<Framing> frame_subjects(const std::vector<Subject>& subjects, const detection::Rig& rig,
                                     const detection::Motion& motion, double dt_s);
 
-/// How much a framing shows of its subject: details per metre of its surface (sharpness x pixels
-/// per metre), less what is over- or underexposed, cut off or hidden. 0: nothing.
+/// Quality of a framing: details per metre of the subject's surface (sharpness x pixels per metre),
+/// reduced by over- and underexposure, cropping and occlusion. 0: unusable.
 double worth(const Framing& framing, vision::PictureReader& picture);
 
-/// The frame as a JPEG of at most kPhotoWidthMax_px columns; empty where it does not decode.
+/// The frame as a JPEG of at most kPhotoWidthMax_px columns; empty if the image cannot be decoded.
 std::vector<std::uint8_t> cut_out(const Framing& framing, vision::PictureReader& picture);
 
 inline constexpr int kPhotoWidthMax_px = 240;

@@ -8,19 +8,19 @@
 
 namespace orchard::mapping {
 
-/// Something that a scan saw, to be photographed (base frame at the scan's time).
+/// An object in a scan that may be photographed (base frame at the scan's time).
 struct Subject {
-  double x_base_m = 0.0;  ///< its axis
+  double x_base_m = 0.0;  ///< of its axis
   double y_base_m = 0.0;
   double width_m = 0.0;
   std::int8_t occlusion = 0;  ///< bits of detection::Occlusion
 };
 
-/// The best photograph of something in one passing.
+/// The best photograph of an object in one passing.
 struct Photograph {
-  std::int64_t scan_utime = 0;   ///< of the pose that places it
-  std::int64_t image_utime = 0;  ///< of the picture that it was cut out of
-  vision::PixelRect frame;       ///< where it was in that picture
+  std::int64_t scan_utime = 0;   ///< of the scan, whose pose places the subject
+  std::int64_t image_utime = 0;  ///< of the image it was cut out of
+  vision::PixelRect frame;       ///< region in that image
   Subject subject;
   double worth = 0.0;
   std::vector<std::uint8_t> jpeg;
@@ -31,7 +31,7 @@ struct Photograph {
   }
 };
 
-/// A photograph with where it says that its subject stands, by the path as it is now.
+/// A photograph with the position of its subject, by the current poses.
 struct PlacedPhotograph {
   Photograph photograph;
   double x_m = 0.0;

@@ -9,7 +9,7 @@
 namespace orchard::mapping {
 namespace {
 
-/// Log odds of being a tree below which a thing is surely none.
+/// Log odds of being a tree below which a landmark is certainly not one.
 constexpr double kSurelyNone = -2.0;
 
 bool is_surely_no_tree(const LandmarkRecord& r, const MapperConfig& config) {
@@ -26,7 +26,7 @@ bool looks_like_a_tree(const detection::Detection& d) {
 double extent_radius_m(const LandmarkRecord& r) {
   const double half_m = 0.5 * r.width_m;
   if (!r.is_clump) return half_m;
-  // points spread evenly over a disc of radius R have a variance of R^2 / 4 per axis
+  // A uniform disc of radius R has a variance of R^2 / 4 per axis.
   return std::max(half_m, 2.0 * std::sqrt(std::max(0.0f, r.scatter_m2)));
 }
 

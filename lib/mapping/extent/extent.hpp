@@ -9,24 +9,25 @@
 
 namespace orchard::mapping {
 
-/// Borders nearer than this touch [m]: no scanner of this kind sees through, and nobody passes.
+/// Max gap between touching borders [m]: scanners do not see through it, and nobody passes.
 inline constexpr double kTouch_m = 0.15;
 
-/// How far a landmark reaches from its position [m]: half its width; of a clump (a bush, which each
-/// scan sees at other leaves) what its observations cover, if that is more.
+/// Extent of a landmark from its position [m]: half its width; for a clump (a bush, whose leaves
+/// are hit differently by each scan) at least the extent of its observations.
 double extent_radius_m(const LandmarkRecord& record);
 
-/// The landmark that is one clump with landmark `index`: neither is a tree, and nothing passes
-/// between their borders. Together they are no larger than the widest thing that a scan reports:
-/// what is longer is several here, and one in the map's files (long_things.hpp). -1 for none.
+/// Index of the landmark that forms one clump with landmark `index`: both are certainly not trees,
+/// and their borders touch. The clump is at most `widest_m` wide; larger objects stay several
+/// landmarks until map files are written (long_things.hpp). -1 if there is none.
 std::int32_t touching_object(const LandmarkTable& landmarks, std::int32_t index,
                              const MapperConfig& config);
 
-/// Whether what was seen is a tree rather than not, by whatever judged it: a camera, or the laser
-/// alone where no picture shows it. Such a thing stands in a bush, and is no part of it.
+/// Whether a detection is rather a tree than not, judged by the camera, or by the laser if no image
+/// shows it. Trees in a bush are not parts of it.
 bool looks_like_a_tree(const detection::Detection& detection);
 
-/// The clump that a candidate, which does not look like a tree, is a part of; -1 for none.
+/// Index of the clump that a candidate which does not look like a tree is part of; -1 if there is
+/// none.
 std::int32_t clump_around(const LandmarkTable& landmarks, const Candidate& candidate,
                           const MapperConfig& config);
 

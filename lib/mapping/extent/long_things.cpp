@@ -16,9 +16,9 @@ namespace {
 using Eigen::Vector2d;
 using Group = std::vector<std::size_t>;  ///< indices of landmarks
 
-/// Rims nearer than the place that is asked for touch [m]: see SeenGround.
+/// Borders closer than this touch [m]: the width of a position that SeenGround tests.
 constexpr double kHedgeTouch_m = 0.2;
-/// Ends of lines that a group is laid along, at most.
+/// Max number of landmarks used as end points of lines through a group.
 constexpr std::size_t kEndsMax = 40;
 
 Vector2d at(const Landmark& l) { return {l.x_m, l.y_m}; }
@@ -27,7 +27,7 @@ double gap_m(const Landmark& a, const Landmark& b) {
   return (at(b) - at(a)).norm() - 0.5 * (a.width_m + b.width_m);
 }
 
-/// Whether every place from one border to the other was seen to be blocked.
+/// Whether every position between two borders was observed to be blocked.
 bool is_shut(const Vector2d& from, const Vector2d& to, const SeenAs& is_blocked) {
   const double between_m = (to - from).norm();
   const auto num = static_cast<int>(std::ceil((between_m - kHedgeTouch_m) / kHedgeTouch_m));
@@ -45,7 +45,7 @@ bool are_one(const Landmark& a, const Landmark& b, const SeenAs& is_blocked) {
   return is_shut(at(a) + 0.5 * a.width_m * along, at(b) - 0.5 * b.width_m * along, is_blocked);
 }
 
-/// Landmarks by the landmarks that are one thing with them.
+/// Adjacency list of landmarks that belong to one object.
 class Links {
  public:
   explicit Links(std::size_t num) : of_(num) {}
@@ -54,7 +54,7 @@ class Links {
     of_[b].push_back(a);
   }
 
-  /// The parts of `members` that hang together, each in rising order.
+  /// Connected components of `members`, each in ascending order.
   std::vector<Group> parts(const Group& members) const {
     std::vector<char> is_left(of_.size(), 0);
     for (const std::size_t i : members) is_left[i] = 1;
@@ -78,7 +78,7 @@ class Links {
   std::vector<Group> of_;
 };
 
-/// What a group covers along a direction through a place.
+/// Extent of a group along an axis.
 struct Span {
   double from_m = 0.0, to_m = 0.0;  ///< along
   double length_m() const { return to_m - from_m; }
@@ -103,8 +103,8 @@ struct Stretch {
   double length_m = 0.0;
 };
 
-/// The longest straight stretch of a group: its line goes through two of it, and what hangs
-/// together within half of `widest_m` beside the line is on it.
+/// The longest straight part of a group: connected landmarks within half of `widest_m` of a line
+/// through two of them.
 Stretch longest_stretch(const std::vector<Landmark>& landmarks, const Links& links,
                         const Group& group, double widest_m) {
   const std::size_t step = 1 + group.size() / kEndsMax;
@@ -130,7 +130,7 @@ Stretch longest_stretch(const std::vector<Landmark>& landmarks, const Links& lin
   return best;
 }
 
-/// The direction in which a group scatters most.
+/// Principal axis of a group.
 Vector2d main_direction(const std::vector<Landmark>& landmarks, const Group& group) {
   Vector2d mean(0, 0);
   for (const std::size_t i : group) mean += at(landmarks[i]);
@@ -146,8 +146,8 @@ Vector2d main_direction(const std::vector<Landmark>& landmarks, const Group& gro
   return {std::cos(angle_rad), std::sin(angle_rad)};
 }
 
-/// Where a group lies beside a line, and how wide it lies there: as what is spread evenly over that
-/// width scatters.
+/// Lateral position and width of a group relative to a line; the width is that of a uniform
+/// distribution with the same scatter.
 struct Across {
   double middle_m = 0.0;
   double width_m = 0.0;
@@ -166,7 +166,7 @@ Across across_of(const std::vector<Landmark>& landmarks, const Group& group, con
   return {sum_m / num, std::sqrt(12.0 * square_m2 / num)};
 }
 
-/// One object for all of a stretch.
+/// One object for a whole stretch.
 Landmark joined(const std::vector<Landmark>& landmarks, const Stretch& stretch) {
   const Vector2d along = main_direction(landmarks, stretch.members), across(-along.y(), along.x());
   const Span span = span_of(landmarks, stretch.members, stretch.origin, along);
@@ -185,9 +185,9 @@ Landmark joined(const std::vector<Landmark>& landmarks, const Stretch& stretch) 
   }
   const Across beside = across_of(landmarks, stretch.members, stretch.origin, along);
   whole.roc_mean /= std::max(1, whole.num_observations);
-  // A trunk is not as long: what the parts looked like says nothing of the whole.
+  // A trunk is not that long, so the appearance of the parts does not apply to the whole.
   whole.probability = std::min(whole.probability, 1.0 - whole.probability);
-  // How wide a part is was seen along the hedge as often as across it: the narrow ones tell.
+  // Parts are often wide along the hedge, so the narrow ones give its width.
   whole.width_m = geometry::quantile(std::move(widths_m), 0.25) + beside.width_m;
   whole.length_m = span.length_m();
   whole.direction_rad = std::atan2(along.y(), along.x());
@@ -195,7 +195,7 @@ Landmark joined(const std::vector<Landmark>& landmarks, const Stretch& stretch) 
       stretch.origin + 0.5 * (span.from_m + span.to_m) * along + beside.middle_m * across;
   whole.x_m = middle.x();
   whole.y_m = middle.y();
-  // its ends are where the scans happened to show the last bits of it
+  // The ends depend on which parts the scans happened to hit.
   const double along_m2 = whole.width_m * whole.width_m,
                across_m2 = beside.width_m * beside.width_m / 12.0;
   whole.covariance = {along_m2 * along.x() * along.x() + across_m2 * across.x() * across.x(),
@@ -207,8 +207,8 @@ Landmark joined(const std::vector<Landmark>& landmarks, const Stretch& stretch) 
   return whole;
 }
 
-/// Whether the middle of the shorter of two stretches lies on the line of the longer one, as far as
-/// their widths tell.
+/// Whether the middle of the shorter stretch lies on the line of the longer one, within their
+/// widths.
 bool is_in_line(const std::vector<Landmark>& landmarks, const Stretch& a, const Stretch& b) {
   const Stretch& longer = a.length_m < b.length_m ? b : a;
   const Stretch& shorter = a.length_m < b.length_m ? a : b;
@@ -219,8 +219,8 @@ bool is_in_line(const std::vector<Landmark>& landmarks, const Stretch& a, const 
          0.5 * (of_longer.width_m + of_shorter.width_m) + kHedgeTouch_m;
 }
 
-/// Joins stretches in line with each other where no way through was seen free between them, no
-/// longer than the longer of the two: what was too wide to be reported at all, or never in view.
+/// Joins stretches in line if no passage was observed free between them and the gap is not longer
+/// than the longer one: the gap was too wide to be reported, or never in view.
 void join_in_line(const std::vector<Landmark>& landmarks, double widest_m, const SeenAs& is_free,
                   std::vector<Stretch>& stretches) {
   const auto join = [&](Stretch& a, const Stretch& b) {
@@ -235,8 +235,7 @@ void join_in_line(const std::vector<Landmark>& landmarks, double widest_m, const
     const Span& far = first.from_m < second.from_m ? second : first;
     const double gap = far.from_m - near.to_m;
     if (gap > std::max(first.length_m(), second.length_m())) return false;
-    // A gate is free from one face of the hedge to the other; foliage lets a beam in here and
-    // there.
+    // A gate must be free across the whole hedge, because foliage lets single beams in.
     const Vector2d sideways(-along.y(), along.x());
     const Vector2d middle = a.origin + across.middle_m * sideways;
     const double half_m = 0.5 * std::max(across.width_m, kHedgeTouch_m);
@@ -259,12 +258,12 @@ void join_in_line(const std::vector<Landmark>& landmarks, double widest_m, const
       if (b == a || !join(stretches[a], stretches[b])) continue;
       stretches.erase(stretches.begin() + static_cast<std::ptrdiff_t>(b));
       if (b < a) --a;
-      b = static_cast<std::size_t>(-1);  // it is longer now: all others once more
+      b = static_cast<std::size_t>(-1);  // restart: it is longer now
     }
   }
 }
 
-/// Pairs nearer than `widest_m` between which nothing passes.
+/// Links pairs closer than `widest_m` between which nothing passes.
 Links find_links(const std::vector<Landmark>& landmarks, const Group& members, double widest_m,
                  const SeenAs& is_blocked) {
   geometry::PointGrid grid(2.0 * widest_m);
@@ -301,7 +300,7 @@ std::vector<Landmark> join_long_things(std::vector<Landmark> landmarks, double w
   std::vector<char> is_part(landmarks.size(), 0);
   std::vector<Landmark> all;
   std::vector<Stretch> stretches;
-  for (std::size_t g = 0; g < groups.size(); ++g) {  // grows: what a stretch leaves is looked at
+  for (std::size_t g = 0; g < groups.size(); ++g) {  // appends the remaining parts of a group
     if (groups[g].size() < 2) continue;
     const Stretch stretch = longest_stretch(landmarks, links, groups[g], widest_m);
     if (stretch.length_m <= widest_m) continue;

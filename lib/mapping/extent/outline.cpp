@@ -9,7 +9,7 @@
 namespace orchard::mapping {
 namespace {
 
-/// Chords of half a circle: they cut off less than a hundredth of its radius.
+/// Chords per half circle; the approximation error is less than 1 % of the radius.
 constexpr int kChordsOfHalf = 12;
 
 }  // namespace
@@ -19,7 +19,7 @@ std::vector<Eigen::Vector2d> outline_of(const Landmark& l) {
   const Eigen::Vector2d along(std::cos(l.direction_rad), std::sin(l.direction_rad));
   const Eigen::Vector2d half = 0.5 * std::max(0.0, l.length_m - l.width_m) * along;
   const Eigen::Vector2d middle(l.x_m, l.y_m);
-  // The half circles of what is round meet in one point, which is drawn once.
+  // The half circles of a round landmark share their end points, which are drawn once.
   const int num_of_half = half.isZero() ? kChordsOfHalf : kChordsOfHalf + 1;
   std::vector<Eigen::Vector2d> border;
   for (const double end : {1.0, -1.0}) {

@@ -8,8 +8,8 @@
 
 namespace orchard::mapping {
 
-/// What a landmark covers of the ground: the border, counter-clockwise in map [m], of a disc of its
-/// width; of a hedge or a wall, of all that such a disc covers along it. Empty without a width.
+/// Ground outline of a landmark, counter-clockwise in map [m]: a circle of its width, or for a
+/// hedge or wall the area swept by that circle along its length. Empty without a width.
 std::vector<Eigen::Vector2d> outline_of(const Landmark& landmark);
 
 }  // namespace orchard::mapping

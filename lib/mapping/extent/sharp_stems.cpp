@@ -9,9 +9,9 @@
 namespace orchard::mapping {
 namespace {
 
-/// Fewer observations tell too little of how they scatter.
+/// Minimum number of observations for a scatter.
 constexpr int kObservationsMin = 10;
-/// Of the trees of rows this fraction scatters no more: a few have suckers or lean.
+/// Quantile of the scatter of the trees of rows; a few have suckers or lean.
 constexpr double kOfTrees = 0.9;
 
 /// Standard deviation of single observations about their mean, per axis [m].

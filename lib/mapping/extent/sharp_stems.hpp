@@ -7,16 +7,16 @@
 
 namespace orchard::mapping {
 
-/// Tells stems from foliage by how the observations of a landmark scatter: a stem is met at the
-/// same place from every side, leaves at another depth each time.
+/// Distinguishes stems from foliage by the scatter of a landmark's observations: a stem is hit at
+/// the same position from every side, foliage at varying depth.
 ///
-/// What is sharp is the map's own: the trees of its rows scatter as its scanner, its poses and its
-/// trunks do. Without such trees nothing is called sharp.
+/// The limit is the scatter of the trees in the map's own rows, which depends on scanner, poses and
+/// trunks. Without such trees, no landmark is a sharp stem.
 class SharpStems {
  public:
   explicit SharpStems(const std::vector<Landmark>& landmarks);
 
-  /// Whether this is a tree that scatters no more than the trees of rows do.
+  /// Whether a landmark is a tree that scatters no more than the trees of rows.
   bool contains(const Landmark& landmark) const;
 
  private:

@@ -10,22 +10,22 @@
 
 namespace orchard::mapping {
 
-/// How trunks that both maps measured have changed.
+/// Growth of the trunks measured in both maps.
 struct Growth {
   int num_pairs = 0;
-  double tcsa_before_cm2 = 0.0;  ///< of those trees together
+  double tcsa_before_cm2 = 0.0;  ///< sum over these trees
   double tcsa_change_cm2 = 0.0;
   double percent() const {
     return tcsa_before_cm2 > 0.0 ? 100.0 * tcsa_change_cm2 / tcsa_before_cm2 : 0.0;
   }
 };
 
-/// By rows of the later map, 0 for no row; of all together under kGrowthOfAll.
+/// Growth by row of the later map, 0 for no row; the total under kGrowthOfAll.
 inline constexpr std::int32_t kGrowthOfAll = -1;
 using GrowthByRow = std::map<std::int32_t, Growth>;
 
-/// Of the trees that are the same in both (unchanged, moved, grown, thinner) and have a width in
-/// both. `comparison` is of `earlier` (a) and `later` (b).
+/// Computes the growth of the trees found in both maps (unchanged, moved, grown, thinner) with a
+/// width in both. `comparison`: of `earlier` (a) and `later` (b).
 GrowthByRow growth_by_row(const std::vector<Landmark>& earlier, const std::vector<Landmark>& later,
                           const MapComparison& comparison);
 

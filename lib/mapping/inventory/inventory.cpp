@@ -14,11 +14,11 @@ namespace {
 
 constexpr double kSure = 0.95, kLikely = 0.8;
 constexpr int kClassesMax = 40;
-constexpr int kGapsMax = 100000;  // of one row: a map from outside may number its trees as it likes
+constexpr int kGapsMax = 100000;  // per row: an external map may have any numbers
 
 bool is_tree(const Landmark& l) { return l.label == detection::Label::kTree; }
 
-/// Sums over trees.
+/// Sums over the trees of one row.
 struct Sum {
   void add(const Landmark& l) {
     ++row.num_trees;
@@ -39,7 +39,7 @@ struct Sum {
   double diameters_m = 0.0, variance_cm4 = 0.0;
 };
 
-/// The places between numbered trees at which none stands.
+/// Finds the empty slots between numbered trees.
 void find_gaps(const std::map<std::int32_t, Eigen::Vector2d>& places, RowInventory& row) {
   if (places.empty()) return;
   row.first_position = places.begin()->first;
@@ -109,7 +109,7 @@ DiameterHistogram diameter_histogram(const std::vector<Landmark>& landmarks) {
   DiameterHistogram histogram;
   if (diameters_m.empty()) return histogram;
   std::sort(diameters_m.begin(), diameters_m.end());
-  // Of a few wide ones the classes are not made wider.
+  // A few very wide trunks do not widen the classes.
   const double wide_m = diameters_m[(diameters_m.size() - 1) * 98 / 100];
   while (wide_m > kClassesMax * histogram.class_m) histogram.class_m *= 2.0;
   const auto class_of = [&](double diameter_m) {

@@ -39,7 +39,7 @@ struct LandmarkRecord {
   float existence_log_odds = 0.0f;  ///< log odds that it still exists: ExistenceFilter
   bool is_seen = false;             ///< judged by the camera, or by a laser-only rig
   bool is_removed = false;
-  bool is_clump = false;  ///< merged from touching parts, none of them a tree: extent_radius_m()
+  bool is_clump = false;  ///< merged from touching parts, none of them a tree
 
   Eigen::Vector2d association_position() const { return {association_x_m, association_y_m}; }
 };
@@ -71,9 +71,8 @@ double width_sd_m(const LandmarkRecord& record);
 
 /// Adds one composed observation to the paper's statistics (Welford) and to the log odds.
 ///
-/// Observations without a camera label count only until the first labelled one; from then on only
-/// labelled ones count, as in the paper's tables. `evidence`: log likelihood ratio of the
-/// observation.
+/// UNSEEN observations count only until the first labelled one; from then on only labelled ones
+/// count, as in the paper's tables. `evidence`: log likelihood ratio of the observation.
 void accumulate(LandmarkRecord& record, const Eigen::Vector2d& p_map, double roc_tree,
                 detection::Label label, double evidence, double log_odds_max = kLogOddsMax);
 
@@ -104,7 +103,7 @@ double log_odds_of_tree(double sum, int num_observations, const MapperConfig& co
 /// Probability that the landmark is a tree: prior 1/2 for labels, as configured for probabilities.
 double probability_of_tree(const LandmarkRecord& record, const MapperConfig& config);
 
-/// Tree or object by the sign of the log odds; unseen without any camera label.
+/// Tree or object by the sign of the log odds; unseen while no observation is labelled.
 detection::Label label_of(const LandmarkRecord& record, const MapperConfig& config);
 
 }  // namespace orchard::mapping

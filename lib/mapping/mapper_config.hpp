@@ -28,7 +28,7 @@ struct MapperConfig {
   Evidence evidence = Evidence::kLabels;
   double evidence_prior = 0.5;        ///< fraction of trees among landmarks
   double evidence_base_rate = 0.5;    ///< fraction of trees among the calibration's observations
-  double evidence_correlation = 0.2;  ///< of two observations of one thing, given its class
+  double evidence_correlation = 0.2;  ///< of two observations of a landmark, given its class
   double pose_wait_s = 10.0;          ///< message time that DETECTIONS wait for a POSE
   double pose_gap_max_s = 2.0;        ///< no interpolation across larger gaps between poses
   /// With poses at least this often, each detection is placed at its own beam's time; with sparser

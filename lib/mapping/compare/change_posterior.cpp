@@ -23,13 +23,13 @@ double normal(double deviation, double sd) {
   return std::exp(-0.5 * u * u) / (sd * std::sqrt(2.0 * geometry::kPi));
 }
 
-/// Density [1/m2] of a position that far away, with sd per axis.
+/// Density [1/m2] of a 2D normal distribution at `distance_m` from its mean; `sd` per axis.
 double position_density(double distance_m, double sd) {
   const double u = distance_m / sd;
   return std::exp(-0.5 * u * u) / (2.0 * geometry::kPi * sd * sd);
 }
 
-/// Density of a change of width either way.
+/// Density of a width change (two-sided exponential).
 double change_of_width(double change_m, double scale_m) {
   return std::exp(-std::abs(change_m) / scale_m) / (2.0 * scale_m);
 }

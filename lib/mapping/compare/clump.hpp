@@ -9,7 +9,7 @@ namespace orchard::mapping {
 
 /// Parameters of clumps: landmarks so close together that they may be parts of one object.
 struct ClumpConfig {
-  double near_m = 0.5;     ///< max distance of two other landmarks that make a clump
+  double near_m = 0.5;     ///< two other landmarks within this distance make a clump
   double reach_m = 0.8;    ///< max distance between parts of one clump
   double stake_m = 0.045;  ///< thinner ones are stakes, which do not count
 };

@@ -62,8 +62,7 @@ class IndexedPoints {
   Eigen::Vector2d corner_{0.0, 0.0};
   double cell_m_ = 2.0;
   std::size_t num_columns_ = 1, num_lines_ = 1;
-  std::vector<std::uint32_t>
-      begins_;  ///< start of each cell in by_cell_, line by line; and the end
+  std::vector<std::uint32_t> begins_;  ///< start of each cell in by_cell_, and the end
   std::vector<std::int32_t> by_cell_;  ///< indices, in ascending order within a cell
 };
 

@@ -167,8 +167,7 @@ PairScatter scatter_of(const std::vector<Landmark>& a, const std::vector<Landmar
 struct Side {
   const std::vector<Landmark>& landmarks;
   const DetectionMap& view;
-  geometry::Pose2
-      T_map_a;  ///< from the frame of the earlier map, in which `places` is given, to this map's
+  geometry::Pose2 T_map_a;  ///< from the frame of `places`, the earlier map, to this map
   IndexedPoints places;
   std::vector<char> in_clump;
   std::vector<bool> is_paired;

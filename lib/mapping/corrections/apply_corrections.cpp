@@ -323,8 +323,7 @@ class Applier {
   std::int32_t next_id_;
   std::map<std::int32_t, Landmark> landmarks_;
   std::map<std::int32_t, std::vector<Vector2d>> places_;  ///< all positions that a landmark has had
-  std::map<std::int32_t, std::int32_t>
-      other_id_;  ///< ids in corrections of landmarks that have another id in the map
+  std::map<std::int32_t, std::int32_t> other_id_;         ///< id in corrections -> id in the map
   std::map<std::int32_t, std::string> row_names_;
   std::map<std::int32_t, std::vector<std::string>> notes_;
   std::set<std::int32_t> rows_;

@@ -51,9 +51,9 @@ struct Correction {
   /// Landmarks concerned. delete, move, class, split, renumber, note: one; merge: several, the
   /// first stays.
   std::vector<CorrectionTarget> targets;
-  std::vector<Eigen::Vector2d>
-      places_map;           ///< add, move, merge: one; split: two, the first keeps its id
-  std::int32_t new_id = 0;  ///< id of the landmark created by add or split
+  /// Positions. add, move, merge: one; split: two, the first keeps its id.
+  std::vector<Eigen::Vector2d> places_map;
+  std::int32_t new_id = 0;                           ///< id of the landmark created by add or split
   detection::Label label = detection::Label::kTree;  ///< add, class
   double width_m = 0.0;                              ///< add; 0: unknown
   std::int32_t row = 0;                              ///< row, renumber

@@ -8,9 +8,8 @@ namespace orchard::mapping {
 
 /// Tree spacing and row directions of an orchard.
 struct RowDirections {
-  double spacing_m = 0.0;  ///< median distance to the nearest tree
-  std::vector<Eigen::Vector2d>
-      directions;  ///< unit vector per tree along its row, consistently oriented
+  double spacing_m = 0.0;                   ///< median distance to the nearest tree
+  std::vector<Eigen::Vector2d> directions;  ///< unit vector per tree, consistently oriented
 };
 
 /// Estimates the direction of the row through each tree from the lines on which its neighbours

@@ -12,30 +12,32 @@
 namespace orchard::mapping {
 namespace {
 
-/// What was seen less than a tenth as often as a thing is stray beside it: a part of it, a twig.
+/// Landmarks with less than this fraction of a neighbour's observations are clutter beside it: a
+/// part of it or a twig.
 constexpr double kStray = 0.1;
-/// The other leg is seen in more than this fraction of the scans where it is not behind the one.
+/// Minimum fraction of the unoccluded scans that show the other leg.
 constexpr double kBeside = 0.5;
-/// A robot that has seen nothing of a place for longer comes back there [us].
+/// A longer gap between observations means that the robot left and came back [us].
 constexpr std::int64_t kVisitGap_us = 20'000'000;
-/// Nobody stands still for longer [us].
+/// Longest time that a person stands still [us].
 constexpr std::int64_t kStandsMax_us = 120'000'000;
-/// Observations that are enough to know when a thing was seen, and what stood beside it.
+/// Max number of observations examined for the time of the visit, and for the other leg.
 constexpr std::size_t kVisitObservationsMax = 2000, kBesideObservationsMax = 64;
-/// Where one of so many trees of rows, or more, is one of a pair, pairs are stems.
+/// Pairs are legs only if rows have more than this many trees per paired tree; else they are double
+/// stems.
 constexpr double kTreesPerPair = 10.0;
 
 Eigen::Vector2d place_of(const Landmark& l) { return {l.x_m, l.y_m}; }
 
 bool is_leg_wide(const Landmark& l) { return l.width_m >= kLegMin_m && l.width_m <= kLegMax_m; }
 
-/// Where the other leg of a landmark would stand, if most scans that show the landmark, and see
-/// past it, show another thing at one place beside it, as thin as a leg. The scans tell, since of
-/// two that stand so close one is often taken for a second return of the other, or is gone before
-/// it.
+/// Offset of the other leg from a landmark: most scans that show the landmark, and see past it,
+/// show a second object as thin as a leg at one position beside it. Uses the scans, not the
+/// landmarks, because the second of two so close objects is often stored as a secondary return of
+/// the first, or removed before it.
 std::optional<Eigen::Vector2d> other_leg(const MapState& map, const Landmark& leg) {
   const ObservationStore& all = map.observations;
-  const double nearest_m = std::max(kStanceMin_m, leg.width_m);  // two do not stand in each other
+  const double nearest_m = std::max(kStanceMin_m, leg.width_m);  // two objects do not overlap
   const auto seen =
       all.newest_of(map.landmarks[leg.id - 1].last_observation, kBesideObservationsMax);
   std::vector<std::optional<Eigen::Vector2d>> beside(seen.size());
@@ -83,7 +85,7 @@ std::optional<Eigen::Vector2d> other_leg(const MapState& map, const Landmark& le
   return is_leg ? std::make_optional(other) : std::nullopt;
 }
 
-/// Whether a landmark was seen once, and for no longer than people stand.
+/// Whether a landmark was observed in one visit of at most kStandsMax_us.
 bool only_visit(const MapState& map, std::int32_t id) {
   const std::vector<std::int32_t> newest =
       map.observations.newest_of(map.landmarks[id - 1].last_observation, kVisitObservationsMax);
@@ -108,7 +110,7 @@ class StanceNeighbours {
     }
   }
 
-  /// Indices of the others within kStanceMax_m, in rising order.
+  /// Indices of the others within kStanceMax_m, in ascending order.
   std::vector<std::size_t> of(std::size_t i) const {
     std::vector<std::size_t> others;
     grid_.near(landmarks_[i].x_m, landmarks_[i].y_m, kStanceMax_m, [&](std::int32_t k) {
@@ -125,7 +127,7 @@ class StanceNeighbours {
   geometry::PointGrid grid_{2.0};
 };
 
-/// Whether trees of rows stand alone, by the rows of this map.
+/// Whether the trees in the rows of this map stand singly, not in pairs.
 bool trees_stand_alone(const MapState& map, const std::vector<Landmark>& landmarks) {
   int num_trees = 0, num_paired = 0;
   for (const Landmark& tree : landmarks) {
@@ -156,7 +158,7 @@ std::vector<std::int32_t> leg_pairs(const MapState& map, const std::vector<Landm
     const auto others = neighbours.of(i);
     const bool has_third = std::any_of(others.begin(), others.end(), [&](std::size_t k) {
       const Landmark& c = landmarks[k];
-      // the one that was seen more often tells
+      // The landmark with more observations decides.
       if (stays(c) || num_of(c) > num_of(a)) return true;
       const double beside_m = (place_of(c) - place_of(a) - *other).norm();
       return beside_m >= kStanceMin_m && num_of(c) >= kStray * num_of(a);

@@ -12,11 +12,12 @@ namespace orchard::mapping {
 /// Ids of landmarks that are most likely legs of people who stood still while they were observed,
 /// in ascending order.
 ///
-/// Legs are two objects as thin as legs, at the distance of a stance, with no third beside them,
-/// observed together in a single visit no longer than people stand still. Returns none if trees in
-/// the map's rows stand in such pairs too (double stems), or if there are too few trees in rows to
-/// judge. Trees in rows are never legs, nor, with `camera_tells`, are landmarks that a camera
-/// labelled TREE. `landmarks`: of this map, with rows.
+/// A leg is a landmark as thin as a leg, beside which most scans with a clear view show a second
+/// leg at the distance of a stance, with no third object there, observed in a single visit no
+/// longer than people stand still. Returns none if trees in the map's rows stand in such pairs too
+/// (double stems), or if there are too few trees in rows to judge. Trees in rows are never legs,
+/// nor, with `camera_tells`, are landmarks that a camera labelled TREE. `landmarks`: of this map,
+/// with rows.
 std::vector<std::int32_t> leg_pairs(const MapState& map, const std::vector<Landmark>& landmarks,
                                     bool camera_tells);
 

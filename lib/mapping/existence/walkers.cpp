@@ -12,16 +12,17 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// The leg that swings moves at twice the speed of a brisk walk of 1.5 m/s.
+/// Max speed of a leg: a swinging leg moves at twice the speed of a brisk walk of 1.5 m/s.
 constexpr double kLegSpeed_mps = 3.0;
-/// A step takes no longer [us]: as long does a foot rest.
+/// Max duration of a step [us], during which a foot rests.
 constexpr std::int64_t kStep_us = 600'000;
-/// A leg that was not seen for half a step is lost [us].
+/// A leg not observed for half a step is lost [us].
 constexpr std::int64_t kLost_us = kStep_us / 2;
-/// From so many places on a path is one, and its ends are so far apart as it is long, nearly.
+/// A walked path has at least this many positions, and the distance of its ends is at least this
+/// fraction of its length.
 constexpr std::size_t kPathMin = 5;
 constexpr double kStraight = 0.8;
-/// What was seen so often has shown that it stands there.
+/// Landmarks with this many observations do exist.
 constexpr int kStandsObservations = 30;
 
 constexpr int kBothSides = detection::kOccludedLeft | detection::kOccludedRight;
@@ -42,7 +43,8 @@ struct Path {
   }
 };
 
-/// Takes the places of one scan into the paths that they go on, nearest first; others begin.
+/// Appends the positions of one scan to the paths within reach, nearest first; the others start new
+/// paths.
 void follow(std::vector<Path>& paths, std::int64_t utime, const std::vector<Vector2d>& places) {
   std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
   for (std::size_t i = 0; i < paths.size(); ++i) {
@@ -89,7 +91,8 @@ WalkedPaths::WalkedPaths(const MapState& map) : map_(map) {
     for (std::int32_t k = all.first_of(scan); k < all.first_of(scan + 1); ++k) {
       const std::int32_t landmark = landmark_of[static_cast<std::size_t>(k)];
       const bool stands = landmark >= 0 && map.landmarks[landmark].num_all >= kStandsObservations;
-      // Of what is hidden a border moves with the robot; a leg behind the other is still as wide.
+      // The visible part of an occluded object moves with the robot, so it must be as wide as a
+      // leg.
       const double least_m = all[k].occlusion == 0 ? 0.0 : kLegMin_m;
       if (stands || all[k].occlusion == kBothSides || all[k].width_m < least_m ||
           all[k].width_m > kLegMax_m) {

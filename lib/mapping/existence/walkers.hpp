@@ -10,16 +10,17 @@
 
 namespace orchard::mapping {
 
-/// Where somebody walked while the robot looked: things as thin as legs that were followed from
-/// scan to scan over more than people stand apart, straight on.
+/// Paths of people who walked while the robot observed them: objects as thin as legs, followed from
+/// scan to scan on a straight line longer than a stance.
 ///
-/// A walker's foot rests for a few scans at each step, and so becomes a landmark; where no scan
-/// looks again, behind the robot and at a drive's beginning and end, nothing else tells.
+/// The foot of a walker rests for a few scans at each step and so becomes a landmark. Where no
+/// later scan looks (behind the robot, at the start and end of a drive) there is no other evidence
+/// against it.
 class WalkedPaths {
  public:
   explicit WalkedPaths(const MapState& map);
 
-  /// Whether a landmark was seen only while somebody walked through its place.
+  /// Whether a landmark was observed only while a person walked through its position.
   bool have_left(const LandmarkRecord& record) const;
 
  private:

@@ -16,23 +16,23 @@
 namespace orchard::mapping {
 namespace {
 
-/// What was seen so often was no stray observation.
+/// Landmarks with this many observations are not strays.
 constexpr int kStrayObservationsMax = 30;
-/// What overlaps a thing that was seen more than ten times as often is a view of that which went
-/// wrong: half hidden, or of two things in one.
+/// A landmark that overlaps one with ten times as many observations is a wrong view of it: half
+/// occluded, or two objects seen as one.
 constexpr double kStrayFraction = 0.1;
-/// From elsewhere than the row that a stem stands in, its bush hides it: of four sides one shows
-/// it.
+/// A bush hides its stem from all but about one of four sides.
 constexpr double kStemFraction = 0.25;
-/// Wider things than this are no trunks and posts [m]: others may stand within their extent.
+/// Wider landmarks are not trunks or posts [m]; others may stand within their extent.
 constexpr double kCompactMax_m = 1.5;
 
-/// How far a landmark may lie from where a scan of this pose should see it, one sigma [m].
+/// 1-sigma distance of a landmark from its expected position in a scan of this pose [m].
 double view_sd_m(const pose::PoseEstimate& pose, const LandmarkRecord& r) {
   return std::hypot(sd_at(pose, r.association_position()), std::sqrt(std::max(0.0f, r.scatter_m2)));
 }
 
-/// Which scans find what else is mapped around them: the pose of one that misses more is wrong.
+/// Validates the pose of each scan: it must find more of the mapped landmarks around it than it
+/// misses.
 class TrustedScans {
  public:
   explicit TrustedScans(const MapState& map) : map_(map) {}
@@ -61,18 +61,18 @@ class TrustedScans {
   std::map<std::int32_t, bool> is_trusted_;
 };
 
-/// What scans in order of time say of a place from one of them on: the least sum of log odds over
-/// the first so many of them, which is what a thing that came (or, backwards, went) at some time
-/// leaves. That time may be any of theirs, which takes as much as it finds by chance.
+/// Log odds of a position from the scans before an object came (in order of time) or after it left
+/// (in reverse order). The time of the change is unknown: takes the minimum over all prefixes and
+/// adds log(1 + number of scans) for testing that many times.
 double of_absence(const std::vector<double>& log_odds) {
   double sum = 0.0, least = 0.0;
   for (const double odds : log_odds) least = std::min(least, sum += odds);
   return std::min(0.0, least + std::log(1.0 + static_cast<double>(log_odds.size())));
 }
 
-/// Log odds that a landmark stands there, by every scan with a view of its place: against that
-/// nothing does and its observations are strays, and against that something came and went. What is
-/// seen while it is there is no evidence against the latter.
+/// Log odds that a landmark exists, from all scans with a view of its position: the lower of those
+/// against stray observations of nothing and those against an object that came and went. Scans
+/// between its first and last observation are no evidence against the latter.
 double log_odds_of_drive(const MapState& map, const LandmarkRecord& r, TrustedScans& trusted,
                          SeenGround& ground) {
   std::vector<std::int32_t> seen_in;
@@ -106,7 +106,8 @@ double log_odds_of_drive(const MapState& map, const LandmarkRecord& r, TrustedSc
     if (scan > seen_in.back()) after.push_back(odds);
   }
   std::reverse(after.begin(), after.end());
-  // SeenGround keeps one scan of those from one place: the first observation counts all the same
+  // SeenGround skips scans from the same place, so the first observation may be missing: count one
+  // at least.
   return std::min(sum + std::max(1, num_seen) * log_odds_of_return(),
                   of_absence(before) + of_absence(after) + log_odds_of_return());
 }
@@ -115,8 +116,8 @@ double place_sd_m(const LandmarkRecord& r) {
   return std::sqrt(std::max(0.0f, r.scatter_m2) + 1.0 / std::max(r.association_information, 1e-6f));
 }
 
-/// Whether a landmark lies, for all that is known of its place, in one that is seen time and again.
-/// Two trunks or posts do not overlap; a tree may stand in a bush.
+/// Whether a landmark overlaps, beyond its position uncertainty, one with many observations. Two
+/// trunks or posts cannot overlap; a tree may stand in a bush.
 bool is_within_another(const MapState& map, std::int32_t index) {
   const LandmarkRecord& r = map.landmarks[index];
   if (r.is_clump) return false;
@@ -137,8 +138,8 @@ bool is_within_another(const MapState& map, std::int32_t index) {
   return is_within;
 }
 
-/// Whether a landmark is leaves of a bush that happened to look like a trunk: a stem that stands in
-/// a bush or at its border is seen by a good part of the scans that see the bush.
+/// Whether a landmark is foliage of a bush that looked like a trunk: a real stem in a bush or at
+/// its border is observed in a good part of the scans that observe the bush.
 bool is_of_a_bush(const MapState& map, std::int32_t index) {
   const LandmarkRecord& r = map.landmarks[index];
   if (r.is_clump) return false;

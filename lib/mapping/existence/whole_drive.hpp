@@ -9,14 +9,13 @@
 
 namespace orchard::mapping {
 
-/// Indices of landmarks that most likely never existed, in ascending order: those with few
-/// observations while most scans with a view of their position, before or after, passed through it;
-/// those that overlap a trunk or post with more than ten times as many observations; foliage of a
-/// bush; and stalks (flicker.hpp).
+/// Indices of landmarks that most likely never existed or did not stay, in ascending order: those
+/// with few observations while most scans with a view of their position passed through it; those
+/// that overlap a trunk or post with more than ten times as many observations; foliage of a bush;
+/// stalks (flicker.hpp); and feet of walkers (walkers.hpp).
 ///
 /// Run when the map is written, with the same rates as the ExistenceFilter, which only weighs scans
-/// after a landmark's first observation. Landmarks with many observations are left to that filter,
-/// and so are landmarks through which no scan passes.
+/// after a landmark's first observation. Landmarks with many observations are left to that filter.
 std::vector<std::int32_t> stray_landmarks(const MapState& map, SeenGround& ground);
 
 }  // namespace orchard::mapping

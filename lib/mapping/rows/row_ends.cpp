@@ -12,28 +12,29 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Trees that tell where the next one stands: a line through them bears two that stand aside.
+/// Number of trees used to predict the next one: a robust line through five tolerates two outliers.
 constexpr std::size_t kLineTrees = 5;
-/// So many trees tell how far beside such lines trees stand.
+/// Minimum number of trees for the spread about such lines.
 constexpr std::size_t kTellingMin = 10;
-/// So many tell how a row curves.
+/// Minimum number of trees for the curvature of a row.
 constexpr std::size_t kBendMin = 4;
-/// What is taken into a row stands no farther than this to either side, as rows are linked.
+/// Lateral tolerance with which trees are linked into rows, to either side.
 constexpr double kLinked_spacings = 0.3;
-/// At rows' ends trees are so much more common than other things: one in 300 is none, since to cut
-/// off a tree shifts the numbers of its row.
+/// Prior odds that the last tree of a row belongs to it. High, because cutting off a tree shifts
+/// the numbers of its row.
 constexpr double kTreeOdds = 300.0;
-/// Nobody plants straighter than that [m].
+/// Lower limit of the spread of planted trees [m].
 constexpr double kStraightest_m = 0.01;
 
-/// The last of a chain, against the line through the five before it.
+/// Deviation of the last tree of a chain from the line through the five before it.
 struct End {
-  double beside_m = 0.0;  ///< how far to the left of the line it stands
-  double bends_m2 = 0.0;  ///< how far it would if the row turned left by 1 rad per metre
-  double errs = 0.0;  ///< standard errors of the former, of one tree's: beyond a gap it errs more
+  double beside_m = 0.0;  ///< offset to the left of the line
+  double bends_m2 = 0.0;  ///< the same for a row that turns left by 1 rad per metre
+  double errs = 0.0;  ///< standard error of beside_m relative to one tree's; larger beyond a gap
 };
 
-/// What a line through (x, y), of which two may lie off it, says of y at x = 0.
+/// Value at x = 0 of the robust line through (x, y) (Theil-Sen: medians of the slopes and offsets);
+/// tolerates two outliers of five.
 double at_zero(const std::vector<double>& x, const std::vector<double>& y) {
   std::vector<double> slopes, offsets;
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -72,7 +73,7 @@ End end_of(const std::vector<Vector2d>& p_map, RowChain::const_iterator last) {
   return end;
 }
 
-/// Of all trees of a chain that have five before them.
+/// Deviations of all trees of a chain that have five trees before them.
 std::vector<End> all_ends(const std::vector<Vector2d>& p_map, const RowChain& chain) {
   std::vector<End> all;
   for (std::size_t k = kLineTrees; k < chain.size(); ++k) {
@@ -81,7 +82,7 @@ std::vector<End> all_ends(const std::vector<Vector2d>& p_map, const RowChain& ch
   return all;
 }
 
-/// How a row curves [rad/m]: by its own trees, or where it is too short to tell, as all do here.
+/// Curvature of a row [rad/m]: from its own trees, or that of all rows if it is too short.
 double curvature(const std::vector<End>& own, double of_all) {
   if (own.size() < kBendMin) return of_all;
   std::vector<double> each;
@@ -89,7 +90,7 @@ double curvature(const std::vector<End>& own, double of_all) {
   return geometry::median(std::move(each));
 }
 
-/// How far beside its row's curve it stands [m], as if that were known as well as the tree.
+/// Distance of a tree from its row's curve [m], scaled to the standard error of one tree.
 double off_m(const End& end, double row_curvature) {
   return std::abs(end.beside_m - row_curvature * end.bends_m2) / end.errs;
 }
@@ -111,10 +112,10 @@ void cut_ends_beside(const std::vector<Vector2d>& p_map, double spacing_m,
     for (const std::vector<End>& own : ends) {
       for (const End& e : own) offs_m.push_back(off_m(e, curvature(own, curvature_of_all)));
     }
-    // Most stand where they should, and some, where poses were poor, much farther off: exponential.
+    // Exponential distribution: most trees are on the line, some are far off where poses were poor.
     const double mean_m =
         std::max(kStraightest_m, geometry::median(std::move(offs_m)) / std::log(2.0));
-    // where a thing that stands anywhere is as likely as a tree
+    // The limit at which a tree and an object at any position are equally likely.
     const double most_m =
         mean_m * std::log(std::max(1.0, kTreeOdds * kLinked_spacings * spacing_m / mean_m));
     for (std::size_t c = 0; c < chains.size(); ++c) {

@@ -8,9 +8,9 @@
 
 namespace orchard::mapping {
 
-/// Cuts off ends of rows that stand beside the line of the five trees before them, by more than
-/// trees of this map's rows do: somebody, a post or the hedge at the headland, half a step aside.
-/// Rows that curve all along do so at every tree, and keep theirs.
+/// Cuts off the ends of rows that deviate from the line of the five trees before them by more than
+/// trees of this map's rows do: a person, a post or the hedge at the headland. Curved rows deviate
+/// at every tree and are not cut.
 void cut_ends_beside(const std::vector<Eigen::Vector2d>& p_map, double spacing_m,
                      std::vector<RowChain>& chains);
 

@@ -91,6 +91,14 @@ void add_date(const DrivesOfDate& drives, const FarmSettings& settings, const Ed
                                             edits_of ? edits_of(name) : std::string()});
   report.needs = {name};
   report.drives = drives;
+  if (!settings.publish_to.empty()) {
+    FarmTask publish = report;
+    publish.kind = TaskKind::kPublish;
+    publish.name = name_of(TaskKind::kPublish,
+                           {settings.version, name, any.block, any.date,
+                            edits_of ? edits_of(name) : std::string(), settings.publish_to});
+    tasks.add(std::move(publish));
+  }
   tasks.add(std::move(report));
   dates.push_back(name);
 }
@@ -108,9 +116,11 @@ const char* kind_text(TaskKind kind) {
     case TaskKind::kChanges:
       return "changes";
     case TaskKind::kReport:
+      return "report";
+    case TaskKind::kPublish:
       break;
   }
-  return "report";
+  return "publish";
 }
 
 std::vector<FarmTask> tasks_of(std::vector<Drive> drives, const FarmSettings& settings,

@@ -27,6 +27,7 @@ struct FarmSettings {
   bool any_place = false;     ///< drives begin in frames of their own
   double max_offset_m = 5.0;  ///< else: max distance between one tree's positions in two drives
   std::string version;        ///< program version
+  std::string publish_to;     ///< URL of the database of all blocks; empty if there is none
 };
 
 enum class TaskKind {
@@ -35,9 +36,10 @@ enum class TaskKind {
   kDate,     ///< merged drives of a date, with the ids and numbers of the previous date
   kChanges,  ///< changes since the previous date
   kReport,   ///< grower's report of a date
+  kPublish,  ///< date's map in the database of all blocks
 };
 
-/// "check", "map", "date", "changes", "report".
+/// "check", "map", "date", "changes", "report", "publish".
 const char* kind_text(TaskKind kind);
 
 /// One step: its inputs and the name of its result.

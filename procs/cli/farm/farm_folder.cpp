@@ -80,10 +80,12 @@ farm::FarmSettings read_settings(const std::string& path) {
         settings.any_place = entry.second.as<bool>();
       } else if (key == "max_offset_m") {
         settings.max_offset_m = entry.second.as<double>();
+      } else if (key == "publish_to") {
+        settings.publish_to = entry.second.IsNull() ? "" : entry.second.as<std::string>();
       } else {
         throw io::FileError(path + ": " + key +
-                            ": no such key; there are any_place and "
-                            "max_offset_m");
+                            ": no such key; there are any_place, "
+                            "max_offset_m and publish_to");
       }
     }
   } catch (const YAML::Exception& error) {
@@ -223,6 +225,7 @@ void FarmFolder::write_tasks(const FarmContent& content, const std::vector<farm:
   ordered_json json;
   json["any_place"] = content.settings.any_place;
   json["max_offset_m"] = content.settings.max_offset_m;
+  json["publish_to"] = content.settings.publish_to;
   json["tasks"] = ordered_json::object();
   for (const farm::FarmTask& task : tasks) {
     double log_mb = 0.0;
@@ -232,6 +235,9 @@ void FarmFolder::write_tasks(const FarmContent& content, const std::vector<farm:
     ordered_json entry{{"kind", farm::kind_text(task.kind)}, {"needs", task.needs}};
     if (task.kind == farm::TaskKind::kReport) {
       entry["title"] = task.drives.front().block + " " + task.drives.front().date;
+    } else if (task.kind == farm::TaskKind::kPublish) {
+      entry["block"] = task.drives.front().block;
+      entry["date"] = task.drives.front().date;
     } else if (task.kind == farm::TaskKind::kDate || task.kind == farm::TaskKind::kChanges) {
       entry["earlier"] = task.earlier;
     } else {

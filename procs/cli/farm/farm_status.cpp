@@ -18,12 +18,12 @@ namespace {
 using farm::FarmTask;
 using farm::TaskKind;
 
-constexpr std::array<TaskKind, 5> kKinds{TaskKind::kCheck, TaskKind::kMap, TaskKind::kDate,
-                                         TaskKind::kChanges, TaskKind::kReport};
+constexpr std::array<TaskKind, 6> kKinds{TaskKind::kCheck,   TaskKind::kMap,    TaskKind::kDate,
+                                         TaskKind::kChanges, TaskKind::kReport, TaskKind::kPublish};
 
 /// An event to report, and the drive or date that it concerns.
 struct Finding {
-  std::string what;  ///< "set aside", "left out", "damaged"
+  std::string what;  ///< "set aside", "left out", "damaged", "not published"
   std::string of;
   std::string reason;
 };
@@ -66,6 +66,16 @@ void add_left_out(const FarmFolder& farm, const FarmTask& task, const std::vecto
   }
 }
 
+/// What a step said last that was begun and gave no result; empty: none was begun.
+std::string refusal_of(const FarmFolder& farm, const FarmTask& task) {
+  std::ifstream file(farm.path("work/output/" + task.name + ".txt"));
+  std::string last;
+  for (std::string line; std::getline(file, line);) {
+    if (!line.empty()) last = line;
+  }
+  return last;
+}
+
 bool is_damaged(const FarmFolder& farm, const FarmTask& task) {
   std::ifstream file(farm.path("results/" + task.name + "/said.txt"));
   const auto said = nlohmann::json::parse(file, nullptr, false);
@@ -90,6 +100,10 @@ FarmState state_of(const FarmFolder& farm, const std::vector<FarmTask>& tasks,
       if (task.kind == TaskKind::kMap) {
         state.open_s += costs.ask_s.at_least +
                         costs.ask_s.per_mb * 1e-6 * static_cast<double>(task.drives[0].num_bytes);
+      }
+      if (task.kind == TaskKind::kPublish) {
+        const std::string why = refusal_of(farm, task);
+        if (!why.empty()) state.findings.push_back({"not published", title_of(task), why});
       }
       continue;
     }
@@ -157,6 +171,7 @@ std::string status_text(const FarmFolder& farm, const FarmContent& content,
                                  content.drives.size());
   for (const TaskKind kind : kKinds) {
     const Counts& c = state.counts[static_cast<std::size_t>(kind)];
+    if (kind == TaskKind::kPublish && content.settings.publish_to.empty()) continue;
     text += fmt::format("{:<8} {:6} made, {:4} set aside, {:6} to make\n", farm::kind_text(kind),
                         c.num_good, c.num_aside, c.num_open);
   }

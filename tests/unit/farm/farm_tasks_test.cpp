@@ -109,6 +109,29 @@ TEST(FarmTasks, OfAnEditedDateAreTheDatesAfterIt) {
   EXPECT_EQ(num[TaskKind::kChanges], 2);
 }
 
+TEST(FarmTasks, PutEachDateIntoTheDatabaseWhereThereIsOne) {
+  const auto drives = farm_of(2, 3, 2);
+  FarmSettings settings;
+  const auto before = tasks_of(drives, settings);
+  settings.publish_to = "service=farm";
+  const auto now = tasks_of(drives, settings);
+  auto num = num_new(before, now);
+  EXPECT_EQ(num[TaskKind::kPublish], 6);
+  EXPECT_EQ(now.size(), before.size() + 6U) << "and nothing else has another name";
+  settings.publish_to = "service=other";
+  num = num_new(now, tasks_of(drives, settings));
+  EXPECT_EQ(num[TaskKind::kPublish], 6) << "another database has none of them yet";
+  std::string newest;
+  for (const FarmTask& task : now) {
+    if (task.kind == TaskKind::kDate) newest = task.name;
+  }
+  settings.publish_to = "service=farm";
+  num = num_new(now, tasks_of(drives, settings, [&](const std::string& name) {
+                  return name == newest ? std::string("a tree felled") : std::string();
+                }));
+  EXPECT_EQ(num[TaskKind::kPublish], 1) << "what people corrected goes there, too";
+}
+
 TEST(FarmTasks, OfALogThatLiesInTwoPlacesAreMadeOnce) {
   std::vector<Drive> drives{drive("a", "1", "x", "log"), drive("a", "1", "y", "log"),
                             drive("b", "1", "x", "log")};

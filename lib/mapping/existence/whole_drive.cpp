@@ -70,38 +70,47 @@ double of_absence(const std::vector<double>& log_odds) {
   return std::min(0.0, least + std::log(1.0 + static_cast<double>(log_odds.size())));
 }
 
+Eigen::Vector2d base_position(const MapState& map, std::int32_t scan,
+                              const Eigen::Vector2d& p_map) {
+  const pose::PoseEstimate& pose = map.observations.pose(scan);
+  return geometry::transform_back(geometry::Pose2{pose.x_m, pose.y_m, pose.yaw_rad}, p_map);
+}
+
 /// Log odds that a landmark exists, from all scans with a view of its position: the lower of those
 /// against stray observations of nothing and those against an object that came and went. Scans
-/// between its first and last observation are no evidence against the latter.
+/// between its first and last observation are no evidence against the latter, nor are scans from
+/// farther away than it was ever observed: how far a dark or thin object is detected is known only
+/// from its own observations.
 double log_odds_of_drive(const MapState& map, const LandmarkRecord& r, TrustedScans& trusted,
                          SeenGround& ground) {
+  const Eigen::Vector2d p_map = r.association_position();
   std::vector<std::int32_t> seen_in;
+  double seen_range_max_m = 0.0;
   for (const std::int32_t k :
        map.observations.newest_of(r.last_observation, kStrayObservationsMax)) {
-    seen_in.push_back(map.observations[k].scan);
+    const std::int32_t scan = map.observations[k].scan;
+    seen_in.push_back(scan);
+    seen_range_max_m = std::max(seen_range_max_m, base_position(map, scan, p_map).norm());
   }
   std::sort(seen_in.begin(), seen_in.end());
-  const Eigen::Vector2d p_map = r.association_position();
   int num_seen = 0;
-  std::map<std::int32_t, double> others;
+  double sum = 0.0;
+  std::map<std::int32_t, double> in_range;
   ground.visit_views(p_map, [&](std::int32_t scan, const FreeSpace& beams) {
     if (std::binary_search(seen_in.begin(), seen_in.end(), scan)) {
       ++num_seen;
       return true;
     }
     if (!trusted.holds(scan, beams)) return true;
-    const pose::PoseEstimate& pose = map.observations.pose(scan);
-    const Eigen::Vector2d p_base =
-        geometry::transform_back(geometry::Pose2{pose.x_m, pose.y_m, pose.yaw_rad}, p_map);
-    const double odds =
-        log_odds_of(beams.at(p_base, r.width_m, view_sd_m(pose, r)), BeamWeight::kFull);
-    if (odds != 0.0) others[scan] = odds;
+    const Eigen::Vector2d p_base = base_position(map, scan, p_map);
+    const double odds = log_odds_of(
+        beams.at(p_base, r.width_m, view_sd_m(map.observations.pose(scan), r)), BeamWeight::kFull);
+    sum += odds;
+    if (odds != 0.0 && p_base.norm() <= seen_range_max_m) in_range[scan] = odds;
     return true;
   });
-  double sum = 0.0;
   std::vector<double> before, after;
-  for (const auto& [scan, odds] : others) {
-    sum += odds;
+  for (const auto& [scan, odds] : in_range) {
     if (scan < seen_in.front()) before.push_back(odds);
     if (scan > seen_in.back()) after.push_back(odds);
   }

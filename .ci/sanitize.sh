@@ -36,7 +36,7 @@ mkdir -p "$folder"
 cmake --preset "$preset" -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g1" -DORCHARD_JAVA=OFF -DORCHARD_UNITY=ON \
   "${launcher[@]}" >"$folder/configure.log" 2>&1 || { cat "$folder/configure.log"; exit 1; }
 
-export TSAN_OPTIONS="halt_on_error=1 second_deadlock_stack=1"
+export TSAN_OPTIONS="halt_on_error=1 second_deadlock_stack=1 suppressions=$PWD/.ci/tsan_suppressions.txt"
 export UBSAN_OPTIONS=print_stacktrace=1
 if [ $all = yes ]; then
   ninja -C "$folder" -j "$jobs"

@@ -120,8 +120,10 @@ int run_command_line(int given_argc, char** given_argv,
   std::vector<char*> words = with_help_option(given_argc, given_argv);
   const int argc = static_cast<int>(words.size());
   char** argv = words.data();
-  CLI::App app{"Orchard Mapper: from what a robot's laser and camera saw to a map of every tree.",
-               "orchard"};
+  CLI::App app{
+      "Orchard Mapper: maps every tree of an orchard from a robot's laser scans and camera "
+      "pictures.",
+      "orchard"};
   set_up_help(app);
   app.require_subcommand(1);
   app.footer(
@@ -129,12 +131,12 @@ int run_command_line(int given_argc, char** given_argv,
       "  orchard simulate --scene tubes --seed 1 --out out/tubes.lcm --truth out/truth.csv\n"
       "  orchard map out/tubes.lcm --out out/tubes\n"
       "  orchard evaluate out/tubes --truth out/truth.csv\n"
-      "`orchard help COMMAND` explains a command and shows examples.\n"
-      "Exit codes: 0 done, 1 failed or interrupted, 2 bad command line, 3 bad configuration or "
+      "`orchard help COMMAND` explains a command with examples.\n"
+      "Exit codes: 0 success, 1 failed or interrupted, 2 bad command line, 3 bad configuration or "
       "input file.");
   Run run;
   add_commands(app, run);
-  app.add_subcommand("help", "Explain a command: orchard help map");
+  app.add_subcommand("help", "Explain a command, for example: orchard help map");
   finish_help(app);
 
   std::string problem;

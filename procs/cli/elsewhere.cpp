@@ -73,8 +73,10 @@ void go_on_as(const char* program) {
   arguments.push_back(nullptr);
   errno = ENOENT;
   if (arguments.size() > 1) execv(path.c_str(), arguments.data());
-  throw io::FileError(path + ": cannot be started (" + std::strerror(errno) +
-                      "); it belongs beside orchard: `scripts/build.sh " + program + "` makes it");
+  throw io::FileError(
+      path + ": could not be started (" + std::strerror(errno) +
+      "); it must be in the same folder as orchard: build it with `scripts/build.sh " + program +
+      "`");
 }
 
 #define ORCHARD_RUNS_IN(program, function, Options) \

@@ -12,7 +12,7 @@ namespace orchard::cli {
 /// Thrown at Ctrl-C or SIGTERM during a long operation. Partly written files have been removed.
 class Interrupted : public std::runtime_error {
  public:
-  Interrupted() : std::runtime_error("interrupted; nothing was written") {}
+  Interrupted() : std::runtime_error("interrupted; no output was written") {}
 };
 
 /// Shows a progress bar on a terminal and makes a long operation interruptible: while an object

@@ -11,7 +11,9 @@ namespace orchard::cli {
 std::string program_folder() {
   std::error_code error;
   const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
-  if (error) throw io::FileError("where orchard's programs are cannot be found out (/proc)");
+  if (error)
+    throw io::FileError(
+        "the folder of orchard's programs cannot be determined: /proc/self/exe cannot be read");
   return self.parent_path().string();
 }
 

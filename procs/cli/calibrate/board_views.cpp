@@ -34,10 +34,10 @@ class Search {
       found_.width_px = picture.width_px;
       found_.height_px = picture.height_px;
     } else if (picture.width_px != found_.width_px || picture.height_px != found_.height_px) {
-      throw io::FileError(name + ": is of " + size(picture.width_px, picture.height_px) +
-                          " pixels but " + first_name_ + " of " +
+      throw io::FileError(name + ": its size is " + size(picture.width_px, picture.height_px) +
+                          " pixels, but that of " + first_name_ + " is " +
                           size(found_.width_px, found_.height_px) +
-                          "; give pictures of one camera at one size");
+                          "; give pictures of one camera and one size");
     }
     if (auto view = calibration::find_board(picture, board_)) {
       found_.views.push_back({name, std::move(*view)});
@@ -71,8 +71,8 @@ std::vector<std::string> picture_files(const std::vector<std::string>& paths) {
     }
     if (inside.empty()) {
       throw io::FileError(path +
-                          ": holds no picture (.jpg, .jpeg, .png); give the folder with the "
-                          "pictures of the board");
+                          ": this folder has no pictures (.jpg, .jpeg, .png); give the folder with "
+                          "the pictures of the board");
     }
     std::sort(inside.begin(), inside.end());
     files.insert(files.end(), inside.begin(), inside.end());
@@ -85,7 +85,7 @@ void search_files(const std::vector<std::string>& files, Search& search, bool qu
   for (std::size_t i = 0; i < files.size(); ++i) {
     const auto picture = calibration::grey_of(io::read_picture_file(files[i]));
     if (!picture) {
-      throw io::FileError(files[i] + ": is a damaged picture; remove or replace it");
+      throw io::FileError(files[i] + ": this picture is damaged; remove or replace it");
     }
     search.add(files[i], *picture);
     bar.update(i + 1, files.size());
@@ -104,8 +104,8 @@ void search_log(const std::string& path, Search& search, bool quiet) {
   reading.finish();
   if (offsets.empty()) {
     throw io::FileError(path + ": " +
-                        (reader.num_events() == 0 ? "is no LCM log and no picture"
-                                                  : "holds no picture of the camera") +
+                        (reader.num_events() == 0 ? "this file is neither an LCM log nor a picture"
+                                                  : "this log has no IMAGE") +
                         "; give pictures (.jpg, .png), a folder of them, or a log with " +
                         std::string(image_channel));
   }

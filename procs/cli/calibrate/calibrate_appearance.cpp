@@ -41,8 +41,10 @@ void add_samples(const CalibrateAppearanceOptions& options, const io::Config& co
   const auto found =
       evaluation::pair_observations(collector.messages(), truth, static_cast<int>(i));
   if (found.num_scans == 0) {
-    throw io::FileError(options.observation_paths[i] + " holds no scan with a picture of " +
-                        options.log_paths[i] + ": not one time is the same");
+    throw io::FileError(
+        options.observation_paths[i] + " has no scan with a picture in common with " +
+        options.log_paths[i] +
+        ": no time stamp is equal; give the file that was written together with this log");
   }
   std::map<std::pair<std::int64_t, std::size_t>, const evaluation::ObservationPair*> observations;
   for (const evaluation::ObservationPair& observation : found.pairs) {
@@ -64,7 +66,9 @@ void add_samples(const CalibrateAppearanceOptions& options, const io::Config& co
 int run_calibrate_appearance(const CalibrateAppearanceOptions& options) {
   const io::Config config = load_rig(options.config_path);
   if (!config.camera.enabled) {
-    throw io::FileError(options.config_path + " has no camera (camera.enabled: false)");
+    throw io::FileError(
+        options.config_path +
+        " has camera.enabled: false; set it to true to learn the appearance of trunks");
   }
   if (options.observation_paths.size() != options.log_paths.size()) {
     throw io::FileError("there are " + std::to_string(options.log_paths.size()) + " logs and " +
@@ -83,11 +87,11 @@ int run_calibrate_appearance(const CalibrateAppearanceOptions& options) {
   }
   fit.config.confidence_min = config.detector.appearance.confidence_min;
   const std::string note = std::to_string(fit.num_trunk) + " windows on trunks, " +
-                           std::to_string(fit.num_other) + " on other things, " +
-                           std::to_string(fit.num_groups) + " of those, in " +
+                           std::to_string(fit.num_other) + " on other objects, " +
+                           std::to_string(fit.num_groups) + " of them, in " +
                            std::to_string(options.log_paths.size()) + " drives from " +
                            std::filesystem::path(options.log_paths.front()).filename().string() +
-                           "; area under the ROC curve where left out " + fixed_text(fit.area, 4);
+                           "; cross-validated area under the ROC curve " + fixed_text(fit.area, 4);
   const std::string out = options.out_path.empty() ? options.config_path : options.out_path;
   io::edit_config_file(options.config_path, out, appearance_values(fit.config),
                        "orchard calibrate appearance", note);

@@ -57,15 +57,16 @@ void print_calibration(const CameraCalibration& calibration) {
         view.name.size() <= 40 ? view.name : ".." + view.name.substr(view.name.size() - 38);
     std::printf("%-40s %8d %8.3f %9.1f %10.3f%s\n", name.c_str(), view.num_corners, view.rms_px,
                 view.tilt_rad * 180.0 / geometry::kPi, view.distance_m,
-                view.used ? "" : "  left out: disagrees with the rest");
+                view.used ? "" : "  not used: disagrees with the other views");
     if (!view.used) continue;
     least_m = std::min(least_m, view.distance_m);
     most_m = std::max(most_m, view.distance_m);
     tilt_rad = std::max(tilt_rad, view.tilt_rad);
   }
-  std::printf("%d views, %d corners; tilts up to %.0f degrees, distances %.2f to %.2f m\n",
-              calibration.num_views, calibration.num_corners, tilt_rad * 180.0 / geometry::kPi,
-              least_m, most_m);
+  std::printf(
+      "%d views, %d corners; tilted by up to %.0f degrees, at distances of %.2f to %.2f m\n",
+      calibration.num_views, calibration.num_corners, tilt_rad * 180.0 / geometry::kPi, least_m,
+      most_m);
   print_coverage(calibration);
   const geometry::CameraIntrinsics& camera = calibration.intrinsics;
   std::printf("focal length     %s, %s px\n",
@@ -79,7 +80,7 @@ void print_calibration(const CameraCalibration& calibration) {
     std::printf("%s               %s\n", kNames[i],
                 pm(camera.kc[i], calibration.kc_sd[i], 5).c_str());
   }
-  std::printf("(+- one standard deviation) reprojection error %.3f px\n", calibration.rms_px);
+  std::printf("(+- one standard deviation); reprojection error %.3f px\n", calibration.rms_px);
 }
 
 void warn_of_pictures_without_board(const BoardViews& found) {
@@ -90,9 +91,9 @@ void warn_of_pictures_without_board(const BoardViews& found) {
     names += (i > 0 ? ", " : "") + found.without_board[i];
   }
   if (found.without_board.size() > kNamed) names += ", ...";
-  std::fprintf(stderr, "orchard calibrate camera: no board in %zu of %zu pictures: %s\n",
-               found.without_board.size(), found.without_board.size() + found.views.size(),
-               names.c_str());
+  std::fprintf(
+      stderr, "orchard calibrate camera: note: no board found in %zu of %zu pictures: %s\n",
+      found.without_board.size(), found.without_board.size() + found.views.size(), names.c_str());
 }
 
 std::string board_text(const calibration::BoardConfig& board) {
@@ -110,15 +111,14 @@ std::string note_of(const CameraCalibration& calibration, const std::string& sou
                      fixed_text(calibration.cc_sd_px[0], 2) + ", " +
                      fixed_text(calibration.cc_sd_px[1], 2) + " px";
   if (num_reasons > 0) {
-    note += "; FORCED against " + std::to_string(num_reasons) + " reasons not to use it";
+    note += "; FORCED despite " + std::to_string(num_reasons) + " failed checks";
   }
   return note;
 }
 
 int import_camera(const CalibrateCameraOptions& options) {
   if (!options.paths.empty()) {
-    throw io::FileError(options.paths.front() +
-                        ": pictures cannot be used together with --import; give one of both");
+    throw io::FileError(options.paths.front() + ": give either pictures or --import, not both");
   }
   const io::ImportedCamera imported = io::read_camera_file(options.import_path);
   const RigTarget target = rig_target(options.config_path, options.out_path);
@@ -126,7 +126,7 @@ int import_camera(const CalibrateCameraOptions& options) {
   if (!options.quiet) {
     std::printf("%s: %s\n", options.import_path.c_str(), imported.kind.c_str());
     if (imported.fc_sd_px && imported.cc_sd_px) {
-      std::printf("its standard deviations: fc %.2f, %.2f px, cc %.2f, %.2f px\n",
+      std::printf("standard deviations stated in it: fc %.2f, %.2f px, cc %.2f, %.2f px\n",
                   (*imported.fc_sd_px)[0], (*imported.fc_sd_px)[1], (*imported.cc_sd_px)[0],
                   (*imported.cc_sd_px)[1]);
     }
@@ -148,7 +148,7 @@ std::vector<calibration::NamedView> selected_views(const BoardViews& found, int 
     views.push_back(found.views[i]);
   }
   if (!quiet && views.size() < found.views.size()) {
-    std::printf("%zu of %zu views are used, the most different ones (--max-views)\n", views.size(),
+    std::printf("using %zu of %zu views, the most different ones (--max-views)\n", views.size(),
                 found.views.size());
   }
   return views;
@@ -159,8 +159,7 @@ std::vector<calibration::NamedView> selected_views(const BoardViews& found, int 
 int run_calibrate_camera(const CalibrateCameraOptions& options) {
   if (!options.import_path.empty()) return import_camera(options);
   if (options.paths.empty()) {
-    throw io::FileError(
-        "nothing to calibrate from: give pictures, a folder of them, a log, or --import FILE");
+    throw io::FileError("no input: give pictures, a folder of them, a log, or --import FILE");
   }
   calibration::BoardConfig board = options.board;
   board.kind = options.board_kind == "charuco" ? calibration::BoardConfig::kCharuco
@@ -190,7 +189,7 @@ int run_calibrate_camera(const CalibrateCameraOptions& options) {
   if (!options.quiet) print_calibration(calibration);
   if (draws) {
     io::write_file_atomically(options.coverage_path, io::coverage_figure(calibration, format));
-    if (!options.quiet) std::printf("drawn in %s\n", options.coverage_path.c_str());
+    if (!options.quiet) std::printf("corners drawn to %s\n", options.coverage_path.c_str());
   }
   const std::vector<std::string> reasons = calibration::verdict_on(calibration);
   for (const std::string& reason : reasons) {
@@ -198,11 +197,11 @@ int run_calibrate_camera(const CalibrateCameraOptions& options) {
   }
   if (!reasons.empty() && !options.force) {
     std::fprintf(stderr,
-                 "orchard calibrate camera: this result should not be used and nothing was "
-                 "written; add such views, or write it all the same with --force\n");
+                 "orchard calibrate camera: the result failed the checks above and was not "
+                 "written; add the views that are missing, or write it anyway with --force\n");
     return bus::kExitInput;
   }
-  if (!options.quiet && reasons.empty()) std::printf("verdict: good\n");
+  if (!options.quiet && reasons.empty()) std::printf("all checks passed\n");
   write_rig_camera(target, calibration.intrinsics,
                    note_of(calibration, found.source, board, reasons.size()), options.quiet);
   if (!options.quiet && target.out_path.empty()) print_camera(calibration.intrinsics);

@@ -16,24 +16,27 @@ namespace {
 void add_rig_to_write(CLI::App& command, std::string& out_path) {
   command
       .add_option("--out", out_path,
-                  "rig to write; without it that of --config, the old one kept as .bak")
+                  "configuration to write [that of --config; its old version is kept as .bak]")
       ->type_name("FILE");
 }
 
 void add_board_options(CLI::App& command, calibration::BoardConfig& board, std::string& kind) {
-  command.add_option("--board", kind, "chessboard or charuco")
+  command.add_option("--board", kind, "pattern of the board: chessboard or charuco")
       ->check(CLI::IsMember({"chessboard", "charuco"}))
       ->capture_default_str();
   command
       .add_option("--columns", board.columns,
-                  "inner corners (chessboard) or squares (charuco) along a row")
+                  "inner corners (chessboard) or squares (charuco) per row")
       ->capture_default_str();
-  command.add_option("--rows", board.rows, "and along a column")->capture_default_str();
-  command.add_option("--square-m", board.square_m, "side of a square, measured on the board [m]")
+  command
+      .add_option("--rows", board.rows,
+                  "inner corners (chessboard) or squares (charuco) per column")
+      ->capture_default_str();
+  command.add_option("--square-m", board.square_m, "side of a square, measured with a ruler [m]")
       ->capture_default_str();
   command.add_option("--marker-m", board.marker_m, "side of a charuco marker [m]")
       ->capture_default_str();
-  command.add_option("--dictionary", board.dictionary, "of the charuco markers")
+  command.add_option("--dictionary", board.dictionary, "dictionary of the charuco markers")
       ->capture_default_str();
 }
 
@@ -47,86 +50,100 @@ constexpr const char* kCameraExamples =
 void add_camera(CLI::App& calibrate, Run& run) {
   add_command<CalibrateCameraOptions>(
       calibrate, run, "camera",
-      "Measure a camera's intrinsics from pictures of a board, judge them, and write them into the "
-      "rig's YAML; or import them",
+      "Measure the intrinsics of a camera from pictures of a board, check them, and write them "
+      "into the rig's YAML",
       (std::string(kCameraExamples) +
-       "Show the board 20 times: in every corner of the picture, tilted to all four sides, near "
-       "and\n"
-       "far. A result that should not be used is not written: exit code 3, with what is missing.\n"
-       "--import reads Bouguet's Calib_Results.m, ROS camera_info (plumb_bob) and OpenCV YAML.\n")
+       "Input: about 20 pictures of the board, in every corner of the picture, tilted to all four "
+       "sides, near\n"
+       "and far. Output: camera.fc_px, cc_px, alpha_c and kc of the rig. A poor result is not "
+       "written: exit\n"
+       "code 3, with the views to add. --import reads Bouguet's Calib_Results.m, ROS camera_info\n"
+       "(plumb_bob) and OpenCV YAML instead.\n")
           .c_str(),
       run_calibrate_camera, [](CLI::App& command, CalibrateCameraOptions& o) {
         command
             .add_option("pictures", o.paths,
                         "JPEG or PNG files, folders of them, or one log with IMAGE messages")
             ->type_name("PICTURES...|LOG");
-        command.add_option("--import", o.import_path, "another tool's result instead of pictures")
+        command
+            .add_option("--import", o.import_path,
+                        "import the result of another tool instead of pictures")
             ->type_name("FILE");
         add_board_options(command, o.board, o.board_kind);
-        command.add_option("--config", o.config_path, "rig to start from")->type_name("FILE");
+        command.add_option("--config", o.config_path, "rig whose configuration is updated")
+            ->type_name("FILE");
         command
             .add_option("--out", o.out_path,
-                        "rig to write; without it that of --config, the old one kept as .bak; "
-                        "without both nothing is written")
+                        "configuration to write [that of --config; its old version is kept as "
+                        ".bak]; without both options nothing is written")
             ->type_name("FILE");
         command
             .add_option("--coverage", o.coverage_path,
-                        "draw where corners were seen and how far the model misses them")
+                        "draw the corners found and their distance from the model")
             ->type_name("SVG|PNG|PDF");
-        command.add_option("--max-views", o.max_views, "the most different ones are used")
+        command
+            .add_option("--max-views", o.max_views,
+                        "use at most this many views, the most different ones")
             ->check(CLI::Range(3, 200))
             ->capture_default_str();
         command.add_flag("--k3", o.estimate_k3,
-                         "also estimate k3: wide lenses at more than 640 pixels");
+                         "also estimate k3, for wide lenses and pictures wider than 640 pixels");
         command.add_flag("--force", o.force,
-                         "write a result that should not be used, or of another picture size");
-        command.add_flag("--quiet", o.quiet, "warnings and errors only");
+                         "write a poor result, or one for another picture size");
+        command.add_flag("--quiet", o.quiet, "print only warnings and errors");
       });
 }
 
 const char* const kDelayExamples =
-    "  orchard calibrate delay curves.lcm --config mine.yaml --out config/timed.yaml\n";
+    "  orchard calibrate delay curves.lcm --config mine.yaml --out config/timed.yaml\n"
+    "Input: drives with ODOMETRY in curves to both sides past trunks. Output: camera.delay_s of "
+    "the rig.\n";
 
 void add_calibrate_delay(CLI::App& calibrate, Run& run) {
   add_command<CalibrateDelayOptions>(
       calibrate, run, "delay",
-      "Measure how much earlier than its time stamp a picture is exposed, from drives with curves "
-      "past trunks, and write camera.delay_s into the rig's YAML",
+      "Measure the delay from the exposure of a picture to its time stamp and write it into the "
+      "rig's YAML",
       kDelayExamples, run_calibrate_delay, [](CLI::App& command, CalibrateDelayOptions& o) {
-        command.add_option("logs", o.log_paths, "drives with curves to both sides past trunks")
+        command
+            .add_option("logs", o.log_paths, "logs of drives in curves to both sides past trunks")
             ->required()
             ->type_name("LOG...");
-        command.add_option("--config", o.config_path, "the rig they were recorded with")
+        command.add_option("--config", o.config_path, "rig of the recordings")
             ->required()
             ->type_name("FILE");
         add_rig_to_write(command, o.out_path);
-        command.add_flag("--quiet", o.quiet, "warnings and errors only");
+        command.add_flag("--quiet", o.quiet, "print only warnings and errors");
       });
 }
 
 void add_appearance(CLI::App& calibrate, Run& run) {
   const char* examples =
       "  orchard calibrate appearance a.lcm b.lcm --observations a.csv b.csv \\\n"
-      "    --config config/orchard.yaml --out mine.yaml\n";
+      "    --config config/orchard.yaml --out mine.yaml\n"
+      "Output: detector.appearance of the rig. To learn from pictures with masks: orchard "
+      "calibrate trunks.\n";
   add_command<CalibrateAppearanceOptions>(
       calibrate, run, "appearance",
-      "Learn what trunks look like from drives with a known truth, and write it into the rig's "
-      "YAML (from pictures with masks: calibrate trunks)",
+      "Learn the appearance of trunks from drives with a known truth and write it into the rig's "
+      "YAML",
       examples, run_calibrate_appearance, [](CLI::App& command, CalibrateAppearanceOptions& o) {
-        command.add_option("logs", o.log_paths, "drives with scans and pictures")
+        command.add_option("logs", o.log_paths, "logs of drives, with scans and pictures")
             ->required()
             ->type_name("LOG...");
         command
             .add_option("--observations", o.observation_paths,
-                        "what each scan truly held (orchard simulate --observations), one per log")
+                        "true observations (orchard simulate --observations), one file per log")
             ->required()
             ->type_name("CSV...");
-        command.add_option("--config", o.config_path, "the rig")->required()->type_name("FILE");
+        command.add_option("--config", o.config_path, "rig of the recordings")
+            ->required()
+            ->type_name("FILE");
         add_rig_to_write(command, o.out_path);
-        command.add_option("--stride", o.stride, "look at every how manieth scan")
+        command.add_option("--stride", o.stride, "use only every Nth scan")
             ->check(CLI::Range(1, 1000))
             ->capture_default_str();
-        command.add_flag("--quiet", o.quiet, "warnings and errors only");
+        command.add_flag("--quiet", o.quiet, "print only warnings and errors");
       });
 }
 
@@ -136,30 +153,34 @@ void add_probability(CLI::App& calibrate, Run& run) {
       "    --config config/orchard.yaml --out mine.yaml\n";
   add_command<CalibrateProbabilityOptions>(
       calibrate, run, "probability",
-      "Learn from logs with a known truth what probability of a tree the detector's measurements "
-      "stand for, and write it into the rig's YAML",
+      "Calibrate the probabilities of tree and object from logs with a known truth and write them "
+      "into the rig's YAML",
       examples, run_calibrate_probability, [](CLI::App& command, CalibrateProbabilityOptions& o) {
         command
             .add_option("logs", o.log_paths,
-                        "drives (with scans: this rig's detector looks at them anew; else their "
-                        "detections are taken)")
+                        "logs of drives; the detector is run on logs with scans, otherwise the "
+                        "logged detections are used")
             ->required()
             ->type_name("LOG...");
         command
             .add_option("--observations", o.observation_paths,
-                        "what each scan truly held (orchard simulate --observations), one per log")
+                        "true observations (orchard simulate --observations), one file per log")
             ->required()
             ->type_name("CSV...");
-        command.add_option("--config", o.config_path, "the rig")->required()->type_name("FILE");
+        command.add_option("--config", o.config_path, "rig of the recordings")
+            ->required()
+            ->type_name("FILE");
         add_rig_to_write(command, o.out_path);
-        command.add_flag("--quiet", o.quiet, "warnings and errors only");
+        command.add_flag("--quiet", o.quiet, "print only warnings and errors");
       });
 }
 
 }  // namespace
 
 void add_calibrate(CLI::App& app, Run& run) {
-  CLI::App* calibrate = app.add_subcommand("calibrate", "Measure a rig's models from recordings");
+  CLI::App* calibrate = app.add_subcommand(
+      "calibrate",
+      "Calibrate a rig from recordings: camera, extrinsics, delay, trunk model, probabilities");
   calibrate->require_subcommand(1);
   add_camera(*calibrate, run);
   const char* examples =
@@ -172,30 +193,30 @@ void add_calibrate(CLI::App& app, Run& run) {
       "model.yaml\n";
   add_command<CalibrateTrunksOptions>(
       *calibrate, run, "trunks",
-      "Measure width and hue of the trunks in logs (the paper's initialisation), or what trunks "
-      "look like in pictures with masks, and write it into the rig's YAML",
+      "Measure the width, hue and appearance of trunks from logs or masked pictures and write them "
+      "into the rig's YAML",
       examples, run_calibrate_trunks, [](CLI::App& command, CalibrateTrunksOptions& o) {
-        command.add_option("logs", o.log_paths, "drives past trunks of one kind")
+        command.add_option("logs", o.log_paths, "logs of drives past trunks of one kind")
             ->type_name("LOG...");
         command
             .add_option("--config", o.config_path,
-                        "the rig they were recorded with; with --images the defaults without it")
+                        "rig of the recordings; with --images optional [built-in defaults]")
             ->type_name("FILE");
         MaskedPictureOptions& pictures = o.pictures;
-        CLI::Option* images =
-            command
-                .add_option("--images", pictures.picture_folder,
-                            "learn from pictures instead, windows on trunks against elsewhere")
-                ->type_name("DIR");
+        CLI::Option* images = command
+                                  .add_option("--images", pictures.picture_folder,
+                                              "learn the appearance from pictures instead of logs")
+                                  ->type_name("DIR");
         command
             .add_option("--masks", pictures.mask_folder,
-                        "masks of the same names, trunks red; with --images")
+                        "masks of the pictures, with the same names and trunks in red")
             ->needs(images)
             ->type_name("DIR");
-        command.add_option("--only", pictures.only, "numbers of the pictures, such as 000-019")
+        command
+            .add_option("--only", pictures.only, "numbers of the pictures to use, such as 000-019")
             ->needs(images);
         add_rig_to_write(command, o.out_path);
-        command.add_option("--wanted-trunks", o.wanted_trunks, "fewer give a warning")
+        command.add_option("--wanted-trunks", o.wanted_trunks, "warn if fewer trunks are found")
             ->check(CLI::PositiveNumber)
             ->capture_default_str();
         const std::map<std::string, ColourChoice> choices{
@@ -204,28 +225,31 @@ void add_calibrate(CLI::App& app, Run& run) {
             {"appearance", ColourChoice::kAppearance}};
         command
             .add_option("--colour-model", o.colour_model,
-                        "hue_interval, appearance, or auto: the one that tells trunks better")
+                        "hue_interval, appearance, or auto: the better one of both")
             ->transform(CLI::CheckedTransformer(choices))
             ->type_name("MODEL");
         CLI::Option* list =
             command
-                .add_option("--list", o.list_folder,
-                            "write a page with a picture of each thing seen, to pick from; "
-                            "changes no rig")
+                .add_option(
+                    "--list", o.list_folder,
+                    "only write a page with a picture of each object found, to choose trunks from")
                 ->type_name("DIR");
         CLI::Option* trees =
             command
-                .add_option("--trees", o.trees, "the things of that page that are trunks: 3,7,9-20")
+                .add_option("--trees", o.trees,
+                            "numbers of the trunks on the page of --list: 3,7,9-20")
                 ->excludes(list);
-        CLI::Option* map =
-            command.add_option("--map", o.map_folder, "a first map, whose landmarks --ids names")
-                ->excludes(list)
-                ->excludes(trees)
-                ->type_name("DIR");
-        CLI::Option* ids = command.add_option("--ids", o.ids, "its landmarks that are trunks: 4,8");
+        CLI::Option* map = command
+                               .add_option("--map", o.map_folder,
+                                           "map of the log, to choose its landmarks by --ids")
+                               ->excludes(list)
+                               ->excludes(trees)
+                               ->type_name("DIR");
+        CLI::Option* ids = command.add_option("--ids", o.ids,
+                                              "ids of the landmarks of --map that are trunks: 4,8");
         ids->needs(map);
         map->needs(ids);
-        command.add_flag("--quiet", o.quiet, "warnings and errors only");
+        command.add_flag("--quiet", o.quiet, "print only warnings and errors");
         command.parse_complete_callback([&o] {
           const MaskedPictureOptions& p = o.pictures;
           if (p.picture_folder.empty()) {

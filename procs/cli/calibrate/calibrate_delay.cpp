@@ -58,13 +58,13 @@ Round look_at_logs(const CalibrateDelayOptions& options, const io::Config& confi
   const std::string& name = options.log_paths.front();
   if (round.num_pairs == 0) {
     throw io::FileError(name +
-                        " holds no scan with an image at its time; a camera's delay is "
-                        "measured from both (see `orchard log info`)");
+                        " has no scan with a picture of the same time; the delay of the camera is "
+                        "measured from such pairs (see `orchard log info`)");
   }
   if (round.num_moving == 0) {
     throw io::FileError(name +
-                        " holds no ODOMETRY at its images' times; without it nobody knows how the "
-                        "robot turned (see `orchard log info`)");
+                        " has no ODOMETRY at the times of its pictures; it is needed for the "
+                        "rotation of the robot (see `orchard log info`)");
   }
   return round;
 }
@@ -74,11 +74,13 @@ double degrees(double offset_px, const io::Config& config) {
 }
 
 void print(const calibration::DelayEstimate& e, double delay_s, const io::Config& config) {
-  std::printf("looks at trunks   %d in %d pictures, %d while turning (%d more disagree)\n",
-              e.num_observations, e.num_pictures, e.num_turning, e.num_all - e.num_observations);
+  std::printf(
+      "observations      %d of trunks in %d pictures, %d while turning (%d more rejected)\n",
+      e.num_observations, e.num_pictures, e.num_turning, e.num_all - e.num_observations);
   std::printf("delay             %.1f ms, standard error %.1f ms\n", 1e3 * delay_s, 1e3 * e.se_s);
-  std::printf("left over         %.2f px (%.2f deg) whatever the motion, standard error %.2f px\n",
-              e.offset_px, degrees(e.offset_px, config), e.offset_se_px);
+  std::printf(
+      "constant offset   %.2f px (%.2f deg) between laser and image, standard error %.2f px\n",
+      e.offset_px, degrees(e.offset_px, config), e.offset_se_px);
   std::printf("residual          %.2f px\n", e.residual_sd_px);
 }
 
@@ -86,10 +88,12 @@ void print(const calibration::DelayEstimate& e, double delay_s, const io::Config
 
 int run_calibrate_delay(const CalibrateDelayOptions& options) {
   io::Config config = load_rig(options.config_path);
-  if (options.log_paths.empty()) throw io::FileError("no log was given to measure the delay from");
+  if (options.log_paths.empty())
+    throw io::FileError("no input: give the logs of drives with curves past trunks");
   if (!config.camera.enabled) {
-    throw io::FileError(options.config_path +
-                        " has camera.enabled: false; a rig without a camera has no delay");
+    throw io::FileError(
+        options.config_path +
+        " has camera.enabled: false; set it to true to calibrate the delay of a camera");
   }
   calibration::DelayEstimate estimate;
   std::set<std::string> warnings;
@@ -99,8 +103,9 @@ int run_calibrate_delay(const CalibrateDelayOptions& options) {
           calibration::estimate_delay(look_at_logs(options, config, warnings).observations, {});
       config.camera.delay_s += estimate.delay_s;
       if (std::abs(config.camera.delay_s) > 0.5) {
-        throw std::runtime_error("the delay found, " + fixed_text(config.camera.delay_s, 3) +
-                                 " s, is beyond 0.5 s; check the clocks of camera and laser");
+        throw std::runtime_error(
+            "the estimated delay, " + fixed_text(config.camera.delay_s, 3) +
+            " s, exceeds 0.5 s; check whether camera and laser use the same clock");
       }
       if (std::abs(estimate.delay_s) < kSettled_s) break;
     }
@@ -111,10 +116,11 @@ int run_calibrate_delay(const CalibrateDelayOptions& options) {
   }
   if (!options.quiet) print(estimate, config.camera.delay_s, config);
   if (std::abs(degrees(estimate.offset_px, config)) > kOffsetWorthTelling_deg) {
-    std::fprintf(stderr,
-                 "orchard calibrate delay: warning: image edges stand %.1f px (%.2f deg) beside "
-                 "the laser's whatever the motion; see `orchard calibrate laser-camera`\n",
-                 estimate.offset_px, degrees(estimate.offset_px, config));
+    std::fprintf(
+        stderr,
+        "orchard calibrate delay: warning: image and laser edges differ by a constant %.1f px "
+        "(%.2f deg); calibrate the extrinsics with `orchard calibrate laser-camera`\n",
+        estimate.offset_px, degrees(estimate.offset_px, config));
   }
 
   std::string note = "standard error " + fixed_text(1e3 * estimate.se_s, 1) + " ms, " +

@@ -51,23 +51,26 @@ std::vector<calibration::StillView> read_views(const CalibrateLaserCameraOptions
   const std::string& log = options.log_path;
   const auto& lens = config.camera.intrinsics;
   if (collector.num_wrong_size() > 0 && collector.num_wrong_size() < collector.num_images()) {
-    throw io::FileError(fmt::format(
-        "{}: its pictures are of different sizes, {} of {} are not {}x{} (as {} says) but "
-        "e.g. {}: record again at one resolution",
-        log, collector.num_wrong_size(), collector.num_images(), lens.width_px, lens.height_px,
-        options.config_path, collector.wrong_size()));
+    throw io::FileError(
+        fmt::format("{}: the pictures differ in size: {} of {} are not {}x{} (as in {}) but, for "
+                    "example, {}; record again at one resolution",
+                    log, collector.num_wrong_size(), collector.num_images(), lens.width_px,
+                    lens.height_px, options.config_path, collector.wrong_size()));
   }
   if (collector.num_wrong_size() > 0) {
     throw io::FileError(fmt::format(
-        "{}: its pictures are {}, but camera in {} is {}x{}: the YAML of another camera?", log,
-        collector.wrong_size(), options.config_path, lens.width_px, lens.height_px));
+        "{}: the pictures are {}, but the camera of {} has {}x{}; give the configuration of this "
+        "camera",
+        log, collector.wrong_size(), options.config_path, lens.width_px, lens.height_px));
   }
-  if (collector.num_scans() == 0) throw io::FileError(log + ": holds no usable SCAN");
-  if (collector.num_images() == 0) throw io::FileError(log + ": holds no usable IMAGE");
+  if (collector.num_scans() == 0)
+    throw io::FileError(log + ": this log has no valid SCAN; record the laser, too");
+  if (collector.num_images() == 0)
+    throw io::FileError(log + ": this log has no valid IMAGE; record the camera, too");
   if (collector.num_pairs() == 0) {
     throw io::FileError(
-        fmt::format("{}: no picture is within {:.3f} s of a scan "
-                    "(detector.pairing_tolerance_s): are both stamped with one clock?",
+        fmt::format("{}: no picture is within {:.3f} s of a scan (detector.pairing_tolerance_s); "
+                    "check that laser and camera are stamped by the same clock",
                     log, config.detector.pairing_tolerance_s));
   }
   if (collector.num_unreadable() == collector.num_pairs()) {
@@ -78,8 +81,8 @@ std::vector<calibration::StillView> read_views(const CalibrateLaserCameraOptions
   }
   if (collector.pairs().empty()) {
     throw io::FileError(fmt::format(
-        "{}: the camera never saw the board: no {} of {}x{} {} in any of {} pictures; show it "
-        "wholly, in good light, and check --columns and --rows",
+        "{}: the board was not found in any picture: no {} of {}x{} {} in {} pictures; show the "
+        "whole board in good light, and check --columns and --rows",
         log, options.board_kind, options.board.columns, options.board.rows,
         options.board_kind == "charuco" ? "squares" : "inner corners", collector.num_pairs()));
   }
@@ -89,12 +92,12 @@ std::vector<calibration::StillView> read_views(const CalibrateLaserCameraOptions
   if (views.size() < kEnough && collector.pairs().size() > 2 * views.size() + kEnough) {
     std::fprintf(stderr,
                  "orchard calibrate laser-camera: warning: the board was hardly ever held still "
-                 "for two pictures; each picture counts as a view, and what moved between scan "
-                 "and picture spoils it\n");
+                 "for two pictures, so each picture counts as a view; motion between scan and "
+                 "picture adds errors\n");
     views = calibration::single_views(collector.pairs());
   }
   if (!options.quiet) {
-    std::printf("%d scans with a picture, %zu of them show the board, held still in %zu views\n",
+    std::printf("%d scans with a picture, %zu of them with the board; %zu views of a still board\n",
                 collector.num_pairs(), collector.pairs().size(), views.size());
   }
   return calibration::spread_subset(views, options.max_views);
@@ -105,11 +108,11 @@ const char* fate_text(LaserCameraView::Fate fate) {
     case LaserCameraView::Fate::kUsed:
       return "used";
     case LaserCameraView::Fate::kNoLine:
-      return "no line of its size in the scan";
+      return "no line as long as the board in the scan";
     case LaserCameraView::Fate::kNotSeen:
-      return "no line of the scan lies on it";
+      return "no scan line on the board";
     default:
-      return "OUTLIER, left out";
+      return "OUTLIER, not used";
   }
 }
 
@@ -130,8 +133,8 @@ void print_views(const calibration::LaserCameraCalibration& result,
     std::printf("%s\n", fate_text(view.fate));
   }
   std::printf(
-      "(corner px: how well the corners fit a flat board; mean, rms: of the scan's points off that "
-      "board; sigmas: how far the view disagrees with the others)\n");
+      "(corner px: RMS distance of the corners from a flat board; mean, rms: distance of the scan "
+      "points from the board; sigmas: disagreement with the other views)\n");
 }
 
 bool has_outlier(const calibration::LaserCameraCalibration& result) {
@@ -143,15 +146,14 @@ bool has_outlier(const calibration::LaserCameraCalibration& result) {
 
 void print_result(const calibration::LaserCameraCalibration& result) {
   const auto sd = [&](int i) { return std::sqrt(result.covariance(i, i)); };
-  std::printf("%d of %zu views used, their points lie %.1f mm (RMS) off the boards\n",
+  std::printf("%d of %zu views used; their scan points are %.1f mm (RMS) from the boards\n",
               result.num_used, result.views.size(), 1e3 * result.rms_m);
-  std::printf("delta_m %s, standard deviations %.1f, %.1f, %.1f mm (camera's x, y, z)\n",
+  std::printf("delta_m %s, standard deviations %.1f, %.1f, %.1f mm (camera axes x, y, z)\n",
               three(result.extrinsics.delta_m).c_str(), 1e3 * sd(0), 1e3 * sd(1), 1e3 * sd(2));
   std::printf(
-      "phi_rad %s, standard deviations %.2f, %.2f, %.2f deg (turn about the camera's x, y, z)\n",
+      "phi_rad %s, standard deviations %.2f, %.2f, %.2f deg (about the camera axes x, y, z)\n",
       three(result.extrinsics.phi_rad).c_str(), sd(3) / kDeg, sd(4) / kDeg, sd(5) / kDeg);
-  std::printf("95 %% of the time the truth is within %.2f standard deviations\n",
-              result.interval95_factor);
+  std::printf("95 %% confidence interval: +- %.2f standard deviations\n", result.interval95_factor);
 }
 
 Mount mount_of(const geometry::LaserCameraExtrinsics& extrinsics) {
@@ -171,7 +173,9 @@ void write(const CalibrateLaserCameraOptions& options,
 
 int import_file(const CalibrateLaserCameraOptions& options) {
   std::ifstream file(options.import_path, std::ios::binary);
-  if (!file) throw io::FileError(options.import_path + ": cannot be read");
+  if (!file)
+    throw io::FileError(options.import_path +
+                        ": cannot be read; give the printed result of the toolbox as a text file");
   std::ostringstream content;
   content << file.rdbuf();
   const auto axes = options.import_axes == "orchard" ? calibration::LaserAxes::kOrchard
@@ -200,11 +204,12 @@ int import_file(const CalibrateLaserCameraOptions& options) {
 int run_calibrate_laser_camera(const CalibrateLaserCameraOptions& options) {
   const io::Config config = load_rig(options.config_path);
   if (!config.camera.enabled) {
-    throw io::FileError(options.config_path + ": camera.enabled is false: nothing to calibrate");
+    throw io::FileError(options.config_path +
+                        ": camera.enabled is false; set it to true to calibrate a camera");
   }
   if (!options.import_path.empty()) return import_file(options);
   if (options.log_path.empty()) {
-    throw io::FileError("no log was given: name one, or --import FILE");
+    throw io::FileError("no input: give a log, or --import FILE");
   }
   CalibrateLaserCameraOptions o = options;
   o.board.kind = o.board_kind == "charuco" ? calibration::BoardConfig::kCharuco
@@ -240,12 +245,11 @@ int run_calibrate_laser_camera(const CalibrateLaserCameraOptions& options) {
   if (!result.refusal.empty()) {
     if (!o.quiet && has_outlier(result)) print_views(result, views, utimes);
     if (result.board_scale > 0.0) {
-      throw io::FileError(
-          fmt::format("{}: {}; --square-m was {:.1f} mm, and {:.1f} mm would agree: measure ten "
-                      "squares in one, "
-                      "or camera.fc_px is wrong by as much",
-                      o.log_path, result.refusal, 1e3 * o.board.square_m,
-                      1e3 * o.board.square_m * result.board_scale));
+      throw io::FileError(fmt::format(
+          "{}: {}; --square-m was {:.1f} mm, but {:.1f} mm would fit. Measure ten squares together "
+          "with a ruler; if --square-m is right, camera.fc_px is wrong by that factor",
+          o.log_path, result.refusal, 1e3 * o.board.square_m,
+          1e3 * o.board.square_m * result.board_scale));
     }
     throw io::FileError(o.log_path + ": " + result.refusal);
   }
@@ -253,8 +257,8 @@ int run_calibrate_laser_camera(const CalibrateLaserCameraOptions& options) {
       calibration::mount_contradiction(result.mount, mount_of(config.camera.extrinsics));
   if (!contradiction.empty() && !o.any_mount) {
     throw io::FileError(o.log_path + ": " + contradiction +
-                        "; if the mount really is so, say "
-                        "--any-mount or put a rough camera.phi_rad and delta_m into " +
+                        ". If the sensors are really mounted this way, use --any-mount or put "
+                        "approximate camera.phi_rad and camera.delta_m into " +
                         o.config_path);
   }
   if (!contradiction.empty()) {
@@ -265,8 +269,8 @@ int run_calibrate_laser_camera(const CalibrateLaserCameraOptions& options) {
     print_result(result);
     if (!measured) {
       std::printf(
-          "give the board's outer size (--board-width-m, --board-height-m) and the ends of the "
-          "lines count too: the result gets more certain\n");
+          "with the outer size of the board (--board-width-m, --board-height-m) the result would "
+          "be more accurate: the ends of the scan lines are used, too\n");
     }
   }
   const auto sd = [&](int i) { return std::sqrt(result.covariance(i, i)); };

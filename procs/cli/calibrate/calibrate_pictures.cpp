@@ -58,8 +58,8 @@ void add_hue_interval(const vision::HueHistogram& hues, std::vector<io::ConfigVa
   values.push_back({"detector.colour.hue_max_deg", fixed_text(interval.max_deg, 1)});
   if (interval.width_deg > kUselessHues_deg) {
     std::fprintf(stderr,
-                 "%s: warning: the trunks' hues spread over %.0f degrees, so that colour_model "
-                 "hue_interval would tell little; the learnt model does not use them\n",
+                 "%s: warning: the hues of the trunks spread over %.0f degrees, too wide for "
+                 "colour_model hue_interval; the learnt appearance model does not use them\n",
                  kCommand, interval.width_deg);
   }
 }
@@ -68,11 +68,11 @@ std::string note_of(const calibration::AppearanceFit& fit, const PictureCount& c
                     const CalibratePicturesOptions& options) {
   std::string from = std::filesystem::path(options.pictures.picture_folder).lexically_normal();
   if (!options.pictures.only.empty()) from += " " + options.pictures.only;
-  return from +
-         fmt::format(
-             ": {} pictures of {} trees, {} windows on trunks, {} elsewhere; area under the ROC "
-             "curve on trees left out {:.4f}, penalty {:g}",
-             count.used, count.num_groups, fit.num_trunk, fit.num_other, fit.area, fit.penalty);
+  return from + fmt::format(
+                    ": {} pictures of {} trees, {} windows on trunks, {} elsewhere; area under the "
+                    "ROC curve {:.4f} (cross-validated over trees), penalty {:g}",
+                    count.used, count.num_groups, fit.num_trunk, fit.num_other, fit.area,
+                    fit.penalty);
 }
 
 }  // namespace
@@ -93,8 +93,8 @@ int run_calibrate_pictures(const CalibratePicturesOptions& options) {
   fit.config.confidence_min = config.detector.appearance.confidence_min;
   if (count.num_groups < 2) {
     std::fprintf(stderr,
-                 "%s: warning: all pictures show one tree, so that nothing tells how the model "
-                 "does on others; give pictures of about twenty\n",
+                 "%s: warning: all pictures show one tree, so the quality of the model on other "
+                 "trees is unknown; give pictures of about twenty trees\n",
                  kCommand);
   }
 

@@ -48,8 +48,9 @@ void add_samples(const CalibrateProbabilityOptions& options, const io::Config& c
   const auto truth = io::read_observation_csv(options.observation_paths[i]);
   const auto found = evaluation::pair_observations(messages, truth, recording);
   if (found.num_scans == 0) {
-    throw io::FileError(options.observation_paths[i] + " holds no scan of " + options.log_paths[i] +
-                        ": not one time is the same");
+    throw io::FileError(
+        options.observation_paths[i] + " has no scan in common with " + options.log_paths[i] +
+        ": no time stamp is equal; give the file that was written together with this log");
   }
   for (const evaluation::ObservationPair& observation : found.pairs) {
     if (!observation.detection) continue;
@@ -86,16 +87,17 @@ double left_out_error(const std::vector<ProbabilitySample>& samples, const Proba
 }
 
 void print_fit(const ProbabilityFit& fit, double error) {
-  print_weights("what is judged", fit.judged_tree, fit.judged_object);
+  print_weights("judged by camera", fit.judged_tree, fit.judged_object);
   print_weights("laser only", fit.laser_tree, fit.laser_object);
   std::printf(
-      "%d judged observations, %d by the laser only, of %d things in %d recordings\n"
+      "%d observations judged by the camera, %d by the laser only, of %d objects in %d recordings\n"
       "%s: expected calibration error %.4f, log loss %.4f\n"
-      "landmarks: prior %.3f, trees' fraction of observations %.3f, correlation of observations "
-      "%.3f\n",
+      "landmarks: fraction of trees %.3f, fraction of trees among observations %.3f, correlation "
+      "of observations %.3f\n",
       fit.num_judged, fit.num_laser, fit.num_things, fit.num_recordings,
-      fit.num_recordings > 1 ? "cross-validated over recordings"
-                             : "on the recording it was learnt from (give more than one)",
+      fit.num_recordings > 1
+          ? "cross-validated over recordings"
+          : "on the training data (give several recordings for cross-validation)",
       error, fit.log_loss, fit.prior, fit.base_rate, fit.correlation);
 }
 
@@ -127,7 +129,7 @@ int run_calibrate_probability(const CalibrateProbabilityOptions& options) {
   const std::string note = std::to_string(fit.num_judged + fit.num_laser) + " observations in " +
                            std::to_string(fit.num_recordings) + " recordings, from " +
                            std::filesystem::path(options.log_paths.front()).filename().string() +
-                           "; calibration error " + fixed_text(error, 4) + " where left out";
+                           "; calibration error " + fixed_text(error, 4) + " (cross-validated)";
   io::edit_config_file(options.config_path, out,
                        {{"detector.probability.enabled", "true"},
                         {"detector.probability.judged_tree", list_text(fit.config.judged_tree)},

@@ -51,24 +51,25 @@ std::vector<calibration::TrunkObservation> look_at_logs(const CalibrateTrunksOpt
     num_pairs += collector.num_pairs();
   }
   if (num_pairs == 0) {
-    throw io::FileError(options.log_paths.front() +
-                        (config.camera.enabled
-                             ? " holds no scan with an image at its time; trunks are learnt from "
-                               "both (camera.enabled: false for a rig without a camera)"
-                             : " holds no usable scan"));
+    throw io::FileError(
+        options.log_paths.front() +
+        (config.camera.enabled
+             ? " has no scan with a picture of the same time; trunks are learnt from such pairs "
+               "(for a rig without a camera set camera.enabled: false)"
+             : " has no valid scan"));
   }
   return observations;
 }
 
 void print_table(const calibration::TrunkModel& model) {
-  std::printf("%-6s %5s %9s %8s  %s\n", "thing", "looks", "width mm", "hue deg", "taken for");
+  std::printf("%-6s %5s %9s %8s  %s\n", "object", "seen", "width mm", "hue deg", "class");
   int number = 0;
   for (const calibration::ThingSeen& thing : model.things) {
     ++number;
     if (thing.num_observations < 2) continue;
     std::printf("%-6d %5d %9.1f %8.1f  %s\n", number, thing.num_observations,
                 1e3 * thing.median_width_m, thing.dominant_hue_deg,
-                thing.is_trunk ? "a trunk" : "something else");
+                thing.is_trunk ? "trunk" : "other");
   }
   std::printf("%d trunks, %d observations: width %.2f mm, sd %.2f mm", model.num_trunks,
               model.num_observations, 1e3 * model.width_mean_m, 1e3 * model.width_sd_m);
@@ -77,7 +78,7 @@ void print_table(const calibration::TrunkModel& model) {
 }
 
 void print_width_by_range(const calibration::WidthByRange& width) {
-  std::printf("%16s %6s %9s %7s\n", "range m", "looks", "width mm", "sd mm");
+  std::printf("%16s %6s %9s %7s\n", "range m", "seen", "width mm", "sd mm");
   for (const calibration::WidthBin& bin : width.bins) {
     std::printf("%7.2f - %6.2f %6d %9.2f %7.2f\n", bin.range_min_m, bin.range_max_m,
                 bin.num_observations, 1e3 * bin.mean_m, 1e3 * bin.sd_m);
@@ -86,19 +87,22 @@ void print_width_by_range(const calibration::WidthByRange& width) {
     std::printf("sd^2 = (%.2f mm)^2 + (%.2f x range x beam step)^2\n", 1e3 * width.sd_m,
                 width.sd_per_beam_step);
   } else {
-    std::printf("the ranges are too much alike to tell how sd grows: sd_per_beam_step stays\n");
+    std::printf(
+        "the ranges are too similar to estimate the growth of sd with range: sd_per_beam_step is "
+        "unchanged\n");
   }
 }
 
 void print_spot(const std::optional<calibration::SpotGrowth>& spot, double spot_rad) {
   if (!spot) {
     std::printf(
-        "too few trunks at different ranges to tell the beam's divergence: spot_rad stays\n");
+        "too few trunks at different ranges to estimate the divergence of the beam: spot_rad is "
+        "unchanged\n");
     return;
   }
   std::printf("widths grow by %.1f mm per metre of range, standard error %.1f: spot_rad %s\n",
               1e3 * spot->divergence_rad, 1e3 * spot->se_rad,
-              spot->significant() ? fixed_text(spot_rad, 4).c_str() : "stays");
+              spot->significant() ? fixed_text(spot_rad, 4).c_str() : "is unchanged");
 }
 
 /// The beam divergence that makes the measured widths independent of range; at least zero.
@@ -126,8 +130,8 @@ std::vector<calibration::PickedPlace> places_of(const CalibrateTrunksOptions& op
     }
   }
   if (!missing.empty()) {
-    throw io::FileError(path + ": there is no landmark " + missing +
-                        " (its column id holds those there are)");
+    throw io::FileError(path + ": no landmark has id " + missing +
+                        "; choose ids from the column id of this file");
   }
   return places;
 }
@@ -155,7 +159,7 @@ std::optional<vision::AppearanceConfig> choose_appearance(
         calibration::learn_trunk_appearance(observations, model, config.detector.colour);
     const std::string text = fmt::format(
         "area under the ROC curve, {} windows on trunks, {} elsewhere: appearance {:.4f} "
-        "(trunks left out), hue interval {:.4f}",
+        "(cross-validated over trunks), hue interval {:.4f}",
         learnt.fit.num_trunk, learnt.fit.num_other, learnt.fit.area, learnt.hue_interval_area);
     if (!options.quiet) std::printf("%s\n", text.c_str());
     note += "; " + text;
@@ -165,7 +169,8 @@ std::optional<vision::AppearanceConfig> choose_appearance(
     if (options.colour_model == ColourChoice::kAppearance) {
       throw io::FileError(options.log_paths.front() + ": " + error.what());
     }
-    std::fprintf(stderr, "orchard calibrate: warning: no appearance model (%s)\n", error.what());
+    std::fprintf(stderr, "orchard calibrate: warning: no appearance model was learnt: %s\n",
+                 error.what());
   }
   return std::nullopt;
 }
@@ -200,7 +205,8 @@ int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
     return run_calibrate_pictures(pictures);
   }
   const io::Config config = load_rig(options.config_path);
-  if (options.log_paths.empty()) throw io::FileError("no log was given to learn trunks from");
+  if (options.log_paths.empty())
+    throw io::FileError("no input: give the logs of drives past trunks");
   const calibration::TrunkModelOptions rules = rules_of(options, config);
   const auto observations = look_at_logs(options, config);
   calibration::TrunkModel model;
@@ -211,8 +217,9 @@ int run_calibrate_trunks(const CalibrateTrunksOptions& options) {
   }
   if (!options.list_folder.empty()) {
     write_trunk_list(options.list_folder, model, observations);
-    std::printf("%zu things written to %s/index.html and things.csv; nothing else was changed\n",
-                model.things.size(), options.list_folder.c_str());
+    std::printf(
+        "%zu objects written to %s/index.html and things.csv; the configuration was not changed\n",
+        model.things.size(), options.list_folder.c_str());
     return bus::kExitOk;
   }
   if (!options.quiet) {

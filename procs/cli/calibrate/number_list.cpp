@@ -25,7 +25,7 @@ int number_of(const std::string& text) {
 std::vector<int> parse_number_list(const std::string& text, const std::string& what) {
   const auto refuse = [&](const std::string& part) {
     throw io::FileError(what + " " + text + ": \"" + part +
-                        "\" is no number and no range such as 9-20");
+                        "\" is neither a number nor a range such as 9-20");
   };
   std::set<int> numbers;
   std::istringstream parts(text);

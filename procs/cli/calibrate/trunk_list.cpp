@@ -46,17 +46,20 @@ std::string row(const char* format, int number, const calibration::ThingSeen& t)
 
 void write_trunk_list(const std::string& folder, const calibration::TrunkModel& model,
                       const std::vector<calibration::TrunkObservation>& observations) {
-  io::make_folder(folder, "give another one with --list");
+  io::make_folder(folder, "choose another folder with --list");
   std::string csv = "number,taken_for,log,x_m,y_m,looks,width_mm,hue_deg\n";
   std::string html =
-      "<!doctype html>\n<meta charset=\"utf-8\">\n<title>Things seen</title>\n"
-      "<style>body{font-family:sans-serif}table{border-collapse:collapse}"
-      "td,th{border:1px solid #ccc;padding:4px 10px;text-align:right}"
-      "tr.trunk{background:#e4f4e0}</style>\n"
-      "<h1>Things seen</h1>\n<p>Pick the trunks by their numbers: <code>--trees 3,7,9-20</code>. "
-      "Green rows are what was taken for trunks.</p>\n"
-      "<table>\n<tr><th>number</th><th>taken for</th><th>log</th><th>x (m)</th><th>y (m)</th>"
-      "<th>observations</th><th>width (mm)</th><th>hue (deg)</th><th>nearest "
+      "<!doctype html>\n"
+      "<meta charset=\"utf-8\">\n"
+      "<title>Objects found</title>\n"
+      "<style>body{font-family:sans-serif}table{border-collapse:collapse}td,th{border:1px solid "
+      "#ccc;padding:4px 10px;text-align:right}tr.trunk{background:#e4f4e0}</style>\n"
+      "<h1>Objects found</h1>\n"
+      "<p>Choose the trunks by their numbers: <code>--trees 3,7,9-20</code>. Green rows were "
+      "classified as trunks.</p>\n"
+      "<table>\n"
+      "<tr><th>number</th><th>class</th><th>log</th><th>x (m)</th><th>y "
+      "(m)</th><th>observations</th><th>width (mm)</th><th>hue (deg)</th><th>nearest "
       "observation</th></tr>\n";
   int number = 0;
   for (const calibration::ThingSeen& thing : model.things) {
@@ -70,7 +73,7 @@ void write_trunk_list(const std::string& folder, const calibration::TrunkModel& 
     if (const auto* best = best_observation(thing, observations)) {
       const std::string name = "thing_" + std::to_string(number) + ".png";
       write_picture(folder + "/" + name, best->crop);
-      html += "<td><img src=\"" + name + "\" alt=\"thing " + std::to_string(number) + "\"></td>";
+      html += "<td><img src=\"" + name + "\" alt=\"object " + std::to_string(number) + "\"></td>";
     } else {
       html += "<td></td>";
     }

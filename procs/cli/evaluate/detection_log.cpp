@@ -51,9 +51,9 @@ std::vector<Detections> read_detections(const std::string& path) {
     take(event->data.data(), event->data.size(), all);
   }
   if (all.empty()) {
-    throw io::FileError(log_in(path) + " holds no usable " +
-                        std::string(bus::info(Channel::kDetections).name) +
-                        " message; `orchard map` writes them to derived.lcm in its folder");
+    throw io::FileError(
+        log_in(path) + " has no valid " + std::string(bus::info(Channel::kDetections).name) +
+        " message; give a map folder: `orchard map` writes these messages to its derived.lcm");
   }
   return all;
 }
@@ -72,7 +72,7 @@ std::vector<Detections> detect_log(const std::string& path, const io::Config& co
   };
   bus::replay_in_process(log, {&detector}, replay);
   bar.finish();
-  if (all.empty()) throw io::FileError(log + " holds no usable scan");
+  if (all.empty()) throw io::FileError(log + " has no valid scan");
   return all;
 }
 

@@ -38,9 +38,9 @@ evaluation::TrajectoryEvaluation judge_trajectory(const EvaluateOptions& options
 void print_trajectory(const evaluation::TrajectoryEvaluation& evaluation, bool aligned) {
   constexpr double kDegPerRad = 180.0 / geometry::kPi;
   std::printf(
-      "trajectory%s: RMS %.2f mm and %.3f deg, largest %.2f mm and %.3f deg, at %zu poses"
-      " (%d outside the true ones' time)\n",
-      aligned ? ", aligned by itself" : "", 1e3 * evaluation.position_m.rmse,
+      "trajectory%s: error RMS %.2f mm and %.3f deg, max %.2f mm and %.3f deg, at %zu poses (%d "
+      "more are outside the time of the truth)\n",
+      aligned ? ", aligned separately" : "", 1e3 * evaluation.position_m.rmse,
       kDegPerRad * evaluation.yaw_rad.rmse, 1e3 * evaluation.position_m.max,
       kDegPerRad * evaluation.yaw_rad.max, evaluation.compared.size(), evaluation.num_outside);
 }

@@ -48,7 +48,9 @@ void add_landmarks(const EvaluateDetectionsOptions& options, std::size_t i,
                    const std::vector<ObservationPair>& observations, Material& material) {
   const std::string& path = options.paths[i];
   if (!fs::is_directory(path)) {
-    throw io::FileError(path + " is no map folder: --truth judges the landmarks of its map.csv");
+    throw io::FileError(path +
+                        " is not a map folder; with --truth give map folders, to evaluate the "
+                        "landmarks of map.csv");
   }
   const auto truth = io::read_truth_csv(options.truth_paths[i]);
   const auto landmarks = io::read_map_csv((fs::path(path) / "map.csv").string());
@@ -67,14 +69,15 @@ void add_recording(const EvaluateDetectionsOptions& options, std::size_t i, Mate
   evaluation::ObservationPairs found =
       evaluation::pair_observations(messages, truth, static_cast<int>(i), {options.rules.gate_m});
   if (found.num_scans == 0) {
-    throw io::FileError(options.observation_paths[i] + " holds no scan of " + options.paths[i] +
-                        ": not one time is the same; give the CSV that `orchard simulate "
+    throw io::FileError(options.observation_paths[i] + " has no scan in common with " +
+                        options.paths[i] +
+                        ": no time stamp is equal; give the CSV that `orchard simulate "
                         "--observations` wrote with that log");
   }
   if (found.num_without_truth > 0) {
-    std::fprintf(stderr, "orchard evaluate: warning: %s: %d scans with detections are not in %s\n",
-                 options.paths[i].c_str(), found.num_without_truth,
-                 options.observation_paths[i].c_str());
+    std::fprintf(
+        stderr, "orchard evaluate: warning: %s: %d scans with detections are missing in %s\n",
+        options.paths[i].c_str(), found.num_without_truth, options.observation_paths[i].c_str());
   }
   if (!options.truth_paths.empty()) add_landmarks(options, i, found.pairs, material);
   material.names.push_back(fs::path(options.paths[i]).filename().string());

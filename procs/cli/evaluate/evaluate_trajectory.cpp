@@ -36,8 +36,8 @@ int run_evaluate_trajectory(const EvaluateTrajectoryOptions& options) {
       stdout);
   if (evaluation.compared.empty()) {
     std::fprintf(stderr,
-                 "orchard evaluate trajectory: nothing to compare: no pose of %s is at a time that "
-                 "%s tells of; are both from one drive, and in microseconds?\n",
+                 "orchard evaluate trajectory: no pose of %s is within the time of %s, so nothing "
+                 "can be compared; check that both are of one drive and in microseconds\n",
                  path.c_str(), options.truth_path.c_str());
     return bus::kExitRuntime;
   }

@@ -19,7 +19,7 @@ int run_evaluate_windows(const EvaluateWindowsOptions& options) {
   const detection::DetectorConfig model = load_rig(options.model_path).detector;
   if (!model.appearance.learnt()) {
     throw io::FileError(options.model_path +
-                        ": has no learnt detector.appearance; write one with `orchard calibrate "
+                        ": has no learnt detector.appearance; learn one with `orchard calibrate "
                         "trunks --images DIR --masks DIR --out MODEL`");
   }
   const vision::ColourConfig paper;  // the defaults are the paper's

@@ -26,7 +26,7 @@ PictureCount for_each_masked_picture(const MaskedPictureOptions& options, const 
       io::list_masked_pictures(options.picture_folder, options.mask_folder, options.only);
   PictureCount count;
   for (const std::string& name : list.without_mask) {
-    count.left_out.push_back(name + ": has no mask of its name in " + options.mask_folder);
+    count.left_out.push_back(name + ": has no mask of the same name in " + options.mask_folder);
   }
   std::map<std::int64_t, int> group_of_size;
   io::ProgressBar bar("looking", !options.quiet);
@@ -45,7 +45,8 @@ PictureCount for_each_masked_picture(const MaskedPictureOptions& options, const 
     where.seed = seed_of(paths.name, where.seed);
     picture.windows = calibration::sample_windows(picture.picture.mask, where);
     if (picture.windows.empty()) {
-      count.left_out.push_back(paths.picture + ": has no room for windows on and off the trunk");
+      count.left_out.push_back(paths.picture +
+                               ": has no space for windows both on and off the trunk");
       continue;
     }
     const std::int64_t size = picture.picture.mask.num_trunk_px();
@@ -56,11 +57,12 @@ PictureCount for_each_masked_picture(const MaskedPictureOptions& options, const 
   }
   bar.finish();
   if (count.used == 0) {
-    throw io::FileError(options.picture_folder +
-                        ": no picture could be used; the first: " + count.left_out.front());
+    throw io::FileError(
+        options.picture_folder +
+        ": no picture could be used; the reason for the first: " + count.left_out.front());
   }
   for (const std::string& sentence : count.left_out) {
-    std::fprintf(stderr, "%s: warning: left out: %s\n", command, sentence.c_str());
+    std::fprintf(stderr, "%s: warning: picture not used: %s\n", command, sentence.c_str());
   }
   count.num_groups = static_cast<int>(group_of_size.size());
   return count;

@@ -73,7 +73,8 @@ void WorstWindows::write(const std::string& path) const {
     }
   }
   std::vector<std::uint8_t> png;
-  if (!cv::imencode(".png", sheet, png)) throw io::FileError(path + ": cannot be made a PNG");
+  if (!cv::imencode(".png", sheet, png))
+    throw io::FileError(path + ": could not be encoded as PNG");
   io::write_file_atomically(path, {reinterpret_cast<const char*>(png.data()), png.size()});
 }
 

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 void require_word(const char* option, const std::string& word) {
   if (is_farm_word(word)) return;
   throw io::FileError(std::string(option) + " " + word +
-                      ": a name in a farm is of letters, digits, \".\", \"-\" and \"_\"");
+                      ": a name in a farm may only have letters, digits, \".\", \"-\" and \"_\"");
 }
 
 }  // namespace
@@ -31,7 +31,7 @@ int run_farm_init(const FarmInitOptions& options) {
     const std::string path = options.folder + "/" + kFarmFiles[i].name;
     const bool is_users = std::string(kFarmFiles[i].name) == "farm.yaml";
     if (fs::exists(path) && (is_users || !options.renew)) {
-      std::printf("%s is there and stays as it is\n", path.c_str());
+      std::printf("%s exists and was not changed\n", path.c_str());
       continue;
     }
     io::make_folder(fs::path(path).parent_path().string());
@@ -42,9 +42,10 @@ int run_farm_init(const FarmInitOptions& options) {
     }
   }
   std::printf(
-      "%s is a farm: put logs into logs/BLOCK/DATE/ROBOT/ (or `orchard farm add %s LOG --block B "
-      "--date D --robot R`),\n  rigs, where the logs' own are not meant, into rigs/ROBOT.yaml; "
-      "then `orchard farm run %s`\n",
+      "farm created in %s. Put logs into logs/BLOCK/DATE/ROBOT/ (or run `orchard farm add %s LOG "
+      "--block B --date D --robot R`),\n"
+      "  and rigs that replace those stored in the logs into rigs/ROBOT.yaml; then run `orchard "
+      "farm run %s`\n",
       options.folder.c_str(), options.folder.c_str(), options.folder.c_str());
   return bus::kExitOk;
 }
@@ -55,7 +56,7 @@ int run_farm_add(const FarmAddOptions& options) {
   require_word("--robot", options.robot);
   static const std::regex kDate("[0-9]{4}-[0-9]{2}-[0-9]{2}");
   if (!std::regex_match(options.date, kDate)) {
-    throw io::FileError("--date " + options.date + ": dates are written like 2026-05-31");
+    throw io::FileError("--date " + options.date + ": not a date; write it like 2026-05-31");
   }
   const std::string folder =
       farm.path("logs/" + options.block + "/" + options.date + "/" + options.robot);
@@ -64,15 +65,15 @@ int run_farm_add(const FarmAddOptions& options) {
     static const std::regex kLog(".+\\.lcm(\\.[0-9]+)?");
     if (!is_farm_word(name) || !std::regex_match(name, kLog)) {
       throw io::FileError(log +
-                          ": a log in a farm is called NAME.lcm (pieces of one: NAME.lcm.00 "
-                          "...)");
+                          ": not the name of a log in a farm; rename it to NAME.lcm (parts of a "
+                          "split log: NAME.lcm.00 ...)");
     }
     const std::string place = folder + "/" + name;
     if (fs::exists(place)) {
       if (digest_of_files({place}) != digest_of_files({log})) {
-        throw io::FileError(place + " is there already, and is another log than " + log);
+        throw io::FileError(place + " exists already and differs from " + log);
       }
-      std::printf("%s is there already\n", place.c_str());
+      std::printf("%s exists already with the same content\n", place.c_str());
       continue;
     }
     io::make_folder(folder);
@@ -80,7 +81,7 @@ int run_farm_add(const FarmAddOptions& options) {
     io::replace_file_atomically(place, [&](const std::string& temporary) {
       std::error_code error;
       fs::copy_file(log, temporary, fs::copy_options::overwrite_existing, error);
-      if (error) throw io::FileError(log + " cannot be copied (" + error.message() + ")");
+      if (error) throw io::FileError(log + " could not be copied (" + error.message() + ")");
     });
     std::printf("%s\n", place.c_str());
   }

@@ -64,9 +64,9 @@ class DigestCache {
 
 void require_word(const std::string& word, const std::string& where) {
   if (is_farm_word(word)) return;
-  throw io::FileError(where +
-                      ": a name in a farm is of letters, digits, \".\", \"-\" and \"_\"; "
-                      "rename it");
+  throw io::FileError(
+      where +
+      ": a name in a farm may only have letters, digits, \".\", \"-\" and \"_\"; rename it");
 }
 
 farm::FarmSettings read_settings(const std::string& path) {
@@ -84,8 +84,7 @@ farm::FarmSettings read_settings(const std::string& path) {
         settings.publish_to = entry.second.IsNull() ? "" : entry.second.as<std::string>();
       } else {
         throw io::FileError(path + ": " + key +
-                            ": no such key; there are any_place, "
-                            "max_offset_m and publish_to");
+                            ": unknown key; the keys are any_place, max_offset_m and publish_to");
       }
     }
   } catch (const YAML::Exception& error) {
@@ -108,7 +107,7 @@ void add_drives(const FarmFolder& farm, const farm::Drive& of_robot, DigestCache
     std::smatch match;
     if (name.front() == '.') continue;  // a log that is being copied
     if (!std::regex_match(name, match, kLog) || !fs::is_regular_file(farm.path(inside + name))) {
-      content.notes.push_back(inside + name + " is no log (NAME.lcm) and is left alone");
+      content.notes.push_back(inside + name + " is ignored: the name of a log is NAME.lcm");
       continue;
     }
     require_word(name, farm.path(inside + name));
@@ -178,7 +177,7 @@ std::string digest_of_files(const std::vector<std::string>& paths) {
       file.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
       digest.add(buffer.data(), static_cast<std::size_t>(file.gcount()));
     }
-    if (file.bad()) throw io::FileError(path + " cannot be read to its end");
+    if (file.bad()) throw io::FileError(path + " could not be read completely");
   }
   return digest.hex();
 }
@@ -186,7 +185,9 @@ std::string digest_of_files(const std::vector<std::string>& paths) {
 FarmFolder::FarmFolder(std::string root) : root_(std::move(root)) {
   if (!fs::is_regular_file(path("farm.yaml")) || !fs::is_directory(path("logs"))) {
     throw io::FileError(
-        root_ + " is no farm (farm.yaml, logs/): make one with `orchard farm init " + root_ + "`");
+        root_ +
+        " is not a farm (it lacks farm.yaml or logs/); create one with `orchard farm init " +
+        root_ + "`");
   }
 }
 

@@ -43,8 +43,10 @@ class RunLock {
         continue;
       }
       ::close(fd_);
-      throw io::FileError(farm.root() + " is being run already; `orchard farm status " +
-                          farm.root() + "` says how far it is");
+      throw io::FileError(farm.root() +
+                          " is already being processed by another `orchard farm run`; see its "
+                          "progress with `orchard farm status " +
+                          farm.root() + "`");
     }
   }
   ~RunLock() { ::close(fd_); }
@@ -106,12 +108,12 @@ int run_farm_run(const FarmRunOptions& options) {
   const FarmFolder farm(options.folder);
   if (!is_on_path("snakemake")) {
     throw io::FileError(
-        "snakemake is not installed; it runs a farm's steps: apt-get install "
+        "snakemake, which runs the steps of a farm, is not installed: apt-get install "
         "--no-install-recommends snakemake");
   }
   const std::string profile = "profiles/" + options.profile;
   if (!fs::is_regular_file(farm.path(profile + "/config.yaml"))) {
-    throw io::FileError(farm.path(profile) + " holds no config.yaml; the profiles are in " +
+    throw io::FileError(farm.path(profile) + " has no config.yaml; choose a profile in " +
                         farm.path("profiles"));
   }
   const FarmContent content = farm.read();
@@ -147,11 +149,10 @@ int run_farm_run(const FarmRunOptions& options) {
     std::fprintf(stderr, "orchard farm run: note: %s\n", note.c_str());
   }
   if (num_left == 0) return bus::kExitOk;
-  std::fprintf(
-      stderr,
-      "orchard farm run: %d steps are not made (exit code %d of snakemake): what failed is in "
-      "%s; run it again to take up what is left\n",
-      num_left, exit_code, farm.path("work/snakemake.txt").c_str());
+  std::fprintf(stderr,
+               "orchard farm run: %d steps have no result (exit code %d of snakemake); see the "
+               "errors in %s and run it again to do the remaining steps\n",
+               num_left, exit_code, farm.path("work/snakemake.txt").c_str());
   return bus::kExitRuntime;
 }
 
@@ -178,8 +179,8 @@ int run_farm_publish(const FarmPublishOptions& options) {
       const std::string before = fs::read_symlink(link, error).filename().string();
       if (is_date && before != task.name && !farm.edits_of(before).empty()) {
         std::fprintf(stderr,
-                     "orchard farm publish: warning: %s was corrected by hand and stays as it is; "
-                     "the newer map is %s: correct that (`orchard edit`), then remove %s/%s\n",
+                     "orchard farm publish: warning: %s was corrected by hand and is not replaced; "
+                     "the newer map is %s: correct it, too (`orchard edit`), then remove %s/%s\n",
                      link.c_str(), farm.path("results/" + task.name).c_str(),
                      farm.path("results/" + before).c_str(), io::kCorrectionsFile);
         ++num_kept;
@@ -192,7 +193,9 @@ int run_farm_publish(const FarmPublishOptions& options) {
               farm.path("maps").c_str(), num_changes, farm.path("changes").c_str(), num_reports,
               farm.path("reports").c_str());
   if (num_open > 0) {
-    std::fprintf(stderr, "orchard farm publish: note: %d are not made yet\n", num_open);
+    std::fprintf(
+        stderr, "orchard farm publish: note: %d results do not exist yet; run `orchard farm run`\n",
+        num_open);
   }
   return num_kept == 0 ? bus::kExitOk : bus::kExitRuntime;
 }

@@ -119,8 +119,8 @@ FarmState state_of(const FarmFolder& farm, const std::vector<FarmTask>& tasks,
     } else if (task.kind == TaskKind::kCheck && is_damaged(farm, task) &&
                mapped.count(task.drives.front().log_digest) > 0) {
       for (const farm::Drive& drive : task.drives) {
-        state.findings.push_back({"damaged", drive.title(),
-                                  "mapped from what can be read; `orchard log check` says more"});
+        state.findings.push_back(
+            {"damaged", drive.title(), "the readable part was mapped; see `orchard log check`"});
       }
     }
   }
@@ -179,12 +179,12 @@ std::string status_text(const FarmFolder& farm, const FarmContent& content,
     text += fmt::format("{}: {}: {}\n", f.what, f.of, f.reason);
   }
   if (!samples.empty()) {
-    text += fmt::format("a map costs, by {} maps made: {}; {}\n", samples.size(),
-                        cost_text("time of one core", "s", costs.time_s),
+    text += fmt::format("cost of a map, fitted to {} maps: {}; {}\n", samples.size(),
+                        cost_text("core time", "s", costs.time_s),
                         cost_text("memory", "MB", costs.memory_mb));
   }
   if (state.open_s > 0.0) {
-    text += fmt::format("the maps to make will take about {:.0f} s of one core\n", state.open_s);
+    text += fmt::format("the remaining maps will take about {:.0f} s of one core\n", state.open_s);
   }
   return text;
 }

@@ -63,7 +63,8 @@ void become_result(const std::string& made, const std::string& name, const std::
 }  // namespace
 
 int run_farm_step(const FarmStepOptions& options) {
-  if (!is_farm_word(options.name)) throw io::FileError(options.name + ": no name of a result");
+  if (!is_farm_word(options.name))
+    throw io::FileError(options.name + ": not a valid name of a result");
   for (const char* folder : {"results", "work/cost", "work/output"}) fs::create_directories(folder);
   const std::string made = "results/.making-" + options.name + "-" + unlike_any_other();
   fs::remove_all(made);

@@ -81,7 +81,7 @@ std::optional<std::string> ChildProcess::watch() {
   if (stopping_ || Clock::now() < restart_at_) return std::nullopt;
   start();
   ++num_restarts_;
-  return plan_.name + " was started again (" + std::to_string(num_restarts_) + ")";
+  return plan_.name + " was restarted (" + std::to_string(num_restarts_) + ")";
 }
 
 std::string ChildProcess::take_end(int status) {
@@ -91,9 +91,9 @@ std::string ChildProcess::take_end(int status) {
   exit_code_ = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
   std::string text = plan_.name;
   if (WIFSIGNALED(status)) {
-    text += std::string(" was ended by signal ") + strsignal(WTERMSIG(status));
+    text += std::string(" was killed by signal ") + strsignal(WTERMSIG(status));
   } else if (*exit_code_ == 127) {
-    text += ": " + plan_.arguments.front() + " cannot be run";
+    text += ": " + plan_.arguments.front() + " cannot be started; install it beside orchard";
   } else {
     text += " ended with exit code " + std::to_string(*exit_code_);
   }

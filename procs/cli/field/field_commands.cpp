@@ -11,88 +11,106 @@ namespace {
 
 void add_network(CLI::App& command, std::string& lcm_url, std::string& config_path) {
   command
-      .add_option("--lcm-url", lcm_url,
-                  "LCM network (without: the rig's, then $LCM_DEFAULT_URL, then the default)")
+      .add_option(
+          "--lcm-url", lcm_url,
+          "URL of the LCM network [that of the rig, else $LCM_DEFAULT_URL, else the default]")
       ->type_name("URL");
-  command.add_option("--config", config_path, "rig whose network is used")->type_name("FILE");
+  command.add_option("--config", config_path, "rig whose LCM network is used")->type_name("FILE");
 }
 
 void add_live(CLI::App& app, Run& run) {
   add_command<LiveOptions>(
-      app, run, "live", "Start all processes of this machine, watch them, stop all at Ctrl-C",
+      app, run, "live", "Run all processes of this machine until Ctrl-C",
       "  orchard live my_robot.yaml --record out/recordings\n"
       "  orchard live config/orchard.yaml --sim orchard --seed 7     (without hardware)\n"
-      "  orchard live my_robot.yaml --emulate drive.lcm              (the drivers, without "
+      "  orchard live my_robot.yaml --emulate drive.lcm              (drivers without their "
       "devices)\n"
       "  orchard live my_robot.yaml --only drivers                   (on the sensors' machine)\n"
-      "  orchard live my_robot.yaml --without drivers                (on the other one)\n"
-      "A process that fails is started again. What each printed is in DIR/logs.\n",
+      "  orchard live my_robot.yaml --without drivers                (on the mapping machine)\n"
+      "Starts and watches the drivers of the rig, detector, pose, mapper and viewer. A failed "
+      "process is\n"
+      "restarted. Output: the map in DIR, the output of each process in DIR/logs.\n",
       run_live, [](CLI::App& command, LiveOptions& o) {
-        command.add_option("rig", o.config_path, "the robot's YAML")->required()->type_name("RIG");
-        command.add_option("--out", o.out_folder, "folder for the map [out/live/DATE]")
+        command.add_option("rig", o.config_path, "configuration of the robot")
+            ->required()
+            ->type_name("RIG");
+        command
+            .add_option("--out", o.out_folder,
+                        "folder for the map [out/live/DATE]; an existing map is continued")
             ->type_name("DIR");
-        command.add_option("--record", o.record_folder, "record every message into this folder")
+        command
+            .add_option("--record", o.record_folder, "also record every message into this folder")
             ->type_name("DIR");
-        command.add_option("--only", o.only, "these processes alone, such as drivers,recorder")
+        command.add_option("--only", o.only, "run only these processes, such as drivers,recorder")
             ->type_name("NAMES")
             ->delimiter(',');
-        command.add_option("--without", o.without, "all but these processes")
+        command.add_option("--without", o.without, "run all but these processes")
             ->type_name("NAMES")
             ->delimiter(',');
-        command.add_option("--sim", o.scene, "simulated sensors in place of the rig's: this scene")
+        command
+            .add_option("--sim", o.scene,
+                        "simulate the sensors in this scene instead of starting the drivers")
             ->check(CLI::IsMember({"tubes", "orchard", "park"}));
         command
-            .add_option(
-                "--emulate", o.played_log,
-                "devices that play this log, each in its own protocol, instead of the rig's")
+            .add_option("--emulate", o.played_log,
+                        "emulate the devices of the rig: each driver reads this log in its "
+                        "device's protocol")
             ->type_name("LOG")
             ->excludes("--sim");
-        command.add_flag("--edit", o.edit, "people may correct the map on the page");
-        command.add_option("--seed", o.seed, "of the simulated scene")->capture_default_str();
-        command.add_option("--speed", o.speed, "of the simulated drive, times real time")
+        command.add_flag("--edit", o.edit, "allow corrections of the map on the live page");
+        command.add_option("--seed", o.seed, "seed of the simulated scene")->capture_default_str();
+        command
+            .add_option("--speed", o.speed,
+                        "speed of the simulated drive, as a multiple of real time")
             ->capture_default_str();
-        command.add_option("--lcm-url", o.lcm_url, "LCM network, instead of the rig's lcm.url")
+        command.add_option("--lcm-url", o.lcm_url, "URL of the LCM network [lcm.url of the rig]")
             ->type_name("URL");
       });
 }
 
 void add_status(CLI::App& app, Run& run) {
   add_command<StatusOptions>(
-      app, run, "status", "Show how every process on every machine is, until Ctrl-C",
+      app, run, "status", "Show the status of all processes on all machines until Ctrl-C",
       "  orchard status --config my_robot.yaml\n"
-      "  orchard status --once || echo somebody should look\n"
-      "Exit code of --once and --json: 1 when nobody was heard or somebody needs attention.\n",
+      "  orchard status --once || echo needs attention\n"
+      "Shows the rates, losses, latencies and warnings that each process reports by STATUS. Exit "
+      "code of\n"
+      "--once and --json: 1 if no process reports, or one is silent, has a warning, an error or a "
+      "wrong\n"
+      "clock.\n",
       run_status, [](CLI::App& command, StatusOptions& o) {
         add_network(command, o.lcm_url, o.config_path);
-        command.add_flag("--once", o.once, "listen for 2.5 s, print once and end");
-        command.add_flag("--json", o.json, "the same for programs");
+        command.add_flag("--once", o.once, "listen for 2.5 s, print the status once and exit");
+        command.add_flag("--json", o.json, "listen for 2.5 s, print the status as JSON and exit");
       });
 }
 
 void add_record(CLI::App& app, Run& run) {
   add_command<RecordOptions>(
-      app, run, "record", "Record every message until Ctrl-C, split into files, minding the disk",
+      app, run, "record", "Record all LCM messages until Ctrl-C, split into files",
       "  orchard record\n"
       "  orchard record --out /data --name north_block --split-mb 1000 --keep-gb 50\n"
       "  orchard map out/recordings/drive-*.lcm --config my_robot.yaml --out out/drive\n"
-      "The files are lcm-logger's format: NAME-DATE-000.lcm, NAME-DATE-001.lcm, ...\n",
+      "Output: LCM logs NAME-DATE-000.lcm, NAME-DATE-001.lcm, ..., readable by lcm-logplayer, "
+      "too.\n",
       run_record, [](CLI::App& command, RecordOptions& o) {
-        command.add_option("--out", o.folder, "folder")->type_name("DIR")->capture_default_str();
-        command.add_option("--name", o.name, "first part of the files' names")
+        command.add_option("--out", o.folder, "folder of the recording")
+            ->type_name("DIR")
+            ->capture_default_str();
+        command.add_option("--name", o.name, "first part of the file names")
             ->type_name("NAME")
             ->capture_default_str();
-        command.add_option("--split-mb", o.split_mb, "a new file after so many megabytes")
+        command.add_option("--split-mb", o.split_mb, "size of a file; then a new one begins [MB]")
             ->check(CLI::Range(1.0, 1e6))
             ->capture_default_str();
         command
-            .add_option(
-                "--keep-gb", o.keep_gb,
-                "remove this recording's oldest files beyond so many gigabytes; 0: keep all")
+            .add_option("--keep-gb", o.keep_gb,
+                        "max size of the recording: older files are removed [GB]; 0 = keep all")
             ->check(CLI::NonNegativeNumber)
             ->capture_default_str();
         command
             .add_option("--least-free-gb", o.least_free_gb,
-                        "record nothing while the disk has less left, and say so")
+                        "pause the recording, with a warning, while less disk space is free [GB]")
             ->check(CLI::NonNegativeNumber)
             ->capture_default_str();
         add_network(command, o.lcm_url, o.config_path);

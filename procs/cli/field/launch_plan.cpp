@@ -86,7 +86,7 @@ std::set<std::string> named(const std::vector<std::string>& names,
     }
     if (found.size() == before && name != "drivers") {
       const std::string near = nearest_word(name, known);
-      throw io::FileError("this rig has no process \"" + name + "\"" +
+      throw io::FileError("--only or --without: this rig has no process \"" + name + "\"" +
                           (near.empty() ? "" : "; did you mean " + near + "?"));
     }
   }
@@ -152,8 +152,8 @@ std::vector<ChildPlan> plan_launch(const LiveOptions& options, const io::Config&
   plans.erase(std::remove_if(plans.begin(), plans.end(), is_left_out), plans.end());
   if (plans.empty()) {
     throw io::FileError(options.config_path +
-                        ": nothing to start (drivers are started for what "
-                        "the section drivers names)");
+                        ": no process to start; name the sensors of this machine in section "
+                        "drivers, or change --only and --without");
   }
   return plans;
 }

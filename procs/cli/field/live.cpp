@@ -123,7 +123,7 @@ class Launch {
     std::string words = event;
     const std::optional<int> code = child.running() ? std::nullopt : child.exit_code();
     if (code.value_or(0) != 0) {
-      words += "; its last words (" + child.plan().log_path + "):\n" +
+      words += "; last lines of its output (" + child.plan().log_path + "):\n" +
                last_lines(child.plan().log_path, 3);
       if (words.back() == '\n') words.pop_back();
     }
@@ -184,7 +184,7 @@ int run_live(const LiveOptions& given) {
   if (options.out_folder.empty()) options.out_folder = "out/live/" + start_time_text();
   options.viewer_address = viewer_address();
   const std::vector<ChildPlan> plans = plan_launch(options, config, program_folder());
-  io::make_folder(options.out_folder + "/logs", "give another one with --out");
+  io::make_folder(options.out_folder + "/logs", "choose another folder with --out");
   const std::string url = field_url(options.lcm_url, options.config_path);
 
   bus::StopSignal stop;
@@ -195,7 +195,7 @@ int run_live(const LiveOptions& given) {
   Launch launch(plans);
   StatusScreen screen;
   std::fprintf(stderr,
-               "orchard live: started %zu processes; map and logs in %s; Ctrl-C stops all\n",
+               "orchard live: started %zu processes; map and logs in %s; stop with Ctrl-C\n",
                launch.size(), options.out_folder.c_str());
   std::string watch_words;
   if (std::any_of(plans.begin(), plans.end(),
@@ -212,7 +212,7 @@ int run_live(const LiveOptions& given) {
   };
   while (!stop.raised() && !launch.mistake()) {
     draw("orchard live " + options.config_path + ": map in " + options.out_folder +
-         "; Ctrl-C stops all\n" + (watch_words.empty() ? "" : watch_words + "\n") +
+         "; stop with Ctrl-C\n" + (watch_words.empty() ? "" : watch_words + "\n") +
          launch.last_event());
     std::vector<pollfd> files = launch.files();
     files.push_back({stop.fileno(), POLLIN, 0});
@@ -226,18 +226,18 @@ int run_live(const LiveOptions& given) {
     launch.watch();
   }
   const std::optional<int> mistake = launch.mistake();
-  if (!mistake) std::fprintf(stderr, "orchard live: stops\n");
+  if (!mistake) std::fprintf(stderr, "orchard live: stopping\n");
   const bool well = launch.stop([&] {
     while (bus.handle(0)) {
     }
-    draw("orchard live stops\n" + launch.last_event());
+    draw("orchard live: stopping\n" + launch.last_event());
   });
   if (mistake) {
     std::fprintf(stderr, "orchard live: %s\n", launch.last_event().c_str());
     return *mistake == 127 ? bus::kExitRuntime : *mistake;
   }
   if (!well)
-    std::fprintf(stderr, "orchard live: a process did not end well; see %s/logs\n",
+    std::fprintf(stderr, "orchard live: a process ended with an error; see its output in %s/logs\n",
                  options.out_folder.c_str());
   return well ? bus::kExitOk : bus::kExitRuntime;
 }

@@ -29,16 +29,16 @@ bus::Status status_of(const io::LogRecorder& recorder, std::int64_t num_kept_off
     status.text = recorder.problem();
   } else {
     char text[128];
-    std::snprintf(text, sizeof(text), "%.1f MB recorded, %.1f GB left on the disk",
+    std::snprintf(text, sizeof(text), "%.1f MB recorded, %.1f GB free on the disk",
                   1e-6 * static_cast<double>(recorder.total_bytes()),
                   1e-9 * static_cast<double>(recorder.free_bytes()));
     status.text = text;
   }
   if (num_kept_off > 0) {
     status.level = std::max(status.level, bus::Level::kWarning);
-    status.text += "; " + std::to_string(num_kept_off) +
-                   " datagrams kept off in the last second: crafted to end LCM, or more than the "
-                   "receive buffer holds";
+    status.text +=
+        "; " + std::to_string(num_kept_off) +
+        " datagrams dropped in the last second: malformed, or the receive buffer was full";
   }
   return status;
 }
@@ -54,7 +54,7 @@ int run_record(const RecordOptions& options) {
   limits.keep_bytes = static_cast<std::int64_t>(1e9 * options.keep_gb);
   limits.least_free_bytes = static_cast<std::int64_t>(1e9 * options.least_free_gb);
   io::LogRecorder recorder(options.folder + "/" + options.name + "-" + start_time_text(), limits);
-  spdlog::info("records to {}; Ctrl-C ends", recorder.path());
+  spdlog::info("recording to {}; stop with Ctrl-C", recorder.path());
   bus::ProcessReport report(bus, "orchard-recorder", {});
   bus.subscribe_raw([&recorder](const std::string& channel, std::int64_t utime, bus::Bytes bytes) {
     recorder.write(utime, channel, bytes.data, bytes.size);
@@ -67,7 +67,7 @@ int run_record(const RecordOptions& options) {
       if (recorder.problem() != said) {
         said = recorder.problem();
         if (said.empty()) {
-          spdlog::info("records again");
+          spdlog::info("recording again");
         } else {
           spdlog::error("{}", said);
         }
@@ -82,7 +82,8 @@ int run_record(const RecordOptions& options) {
   while (std::chrono::steady_clock::now() < end && bus.handle(30)) {
   }
   recorder.sync();
-  spdlog::info("{} messages recorded, {} left out", recorder.num_written(), recorder.num_dropped());
+  spdlog::info("{} messages recorded, {} not recorded", recorder.num_written(),
+               recorder.num_dropped());
   return recorder.num_dropped() > 0 ? bus::kExitRuntime : bus::kExitOk;
 }
 

@@ -38,7 +38,7 @@ int run_status(const StatusOptions& options) {
   Clock::time_point next_draw = Clock::now();
   while (!stop.raised() && Clock::now() < end) {
     if (!once && Clock::now() >= next_draw) {
-      screen.show(board, "orchard status on " + url + "; Ctrl-C leaves", bus::wall_utime());
+      screen.show(board, "orchard status on " + url + "; stop with Ctrl-C", bus::wall_utime());
       next_draw += kRedraw;
     }
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(

@@ -41,7 +41,8 @@ std::string remarks(const ProcessView& process) {
   if (process.age_s > kSilent_s) add("no STATUS for " + seconds_text(process.age_s));
   if (std::abs(process.clock_offset_s) > kClockOffsetMax_s) {
     char words[96];
-    std::snprintf(words, sizeof(words), "its clock is %.3f s %s: synchronise the hosts (chrony)",
+    std::snprintf(words, sizeof(words),
+                  "its clock is %.3f s %s of this machine's: synchronise the clocks (chrony)",
                   std::abs(process.clock_offset_s),
                   process.clock_offset_s > 0 ? "ahead" : "behind");
     add(words);
@@ -78,7 +79,8 @@ std::string status_table(const std::vector<ProcessView>& processes, std::size_t 
                 "state", "in Hz", "latency ms", "out", "lost", "refused");
   std::string text = cut(line, width) + "\n";
   for (const ProcessView& process : processes) text += process_lines(process, width, colour);
-  if (processes.empty()) text += "nothing heard yet\n";
+  if (processes.empty())
+    text += "no process has reported its status yet; start one with `orchard live`\n";
   return text;
 }
 

@@ -34,8 +34,9 @@ io::MapEdit edit_of(const EditOptions& options) {
 
 void require_folder(const std::string& folder) {
   if (std::filesystem::is_directory(folder)) return;
-  throw io::FileError(folder +
-                      " is no map folder; corrections need one to stand in (not map.csv alone)");
+  throw io::FileError(
+      folder +
+      " is not a map folder; corrections are saved in a map folder, so give that, not map.csv");
 }
 
 }  // namespace
@@ -52,8 +53,8 @@ int run_edit(const EditOptions& options) {
   const std::size_t num_unfinished = io::read_corrections(options.map_folder).num_unfinished_bytes;
   if (num_unfinished > 0) {
     std::fprintf(stderr,
-                 "orchard edit: warning: the end of %s was never written whole; %zu bytes are left "
-                 "out\n",
+                 "orchard edit: warning: the last line of %s is incomplete (an interrupted write); "
+                 "its %zu bytes are ignored\n",
                  io::kCorrectionsFile, num_unfinished);
   }
   const io::MapEditEffect effect =
@@ -64,7 +65,7 @@ int run_edit(const EditOptions& options) {
   }
   using mapping::CorrectionKind;
   if (options.kind != CorrectionKind::kUndo && options.kind != CorrectionKind::kRedo) {
-    std::printf("  `orchard edit %s undo` takes it back\n", options.map_folder.c_str());
+    std::printf("  to undo it: `orchard edit %s undo`\n", options.map_folder.c_str());
   }
   return bus::kExitOk;
 }

@@ -70,7 +70,7 @@ int run_edit_apply(const EditOptions& options) {
   for (const mapping::CorrectionResult& result : map.corrected.results) {
     if (result.outcome != CorrectionOutcome::kConflict) continue;
     content.summary.warnings.push_back("correction " + std::to_string(result.number) +
-                                       " is in conflict: " + result.reason);
+                                       " conflicts with the map: " + result.reason);
   }
   io::write_map_folder(options.out_folder, content);
   std::printf("%zu landmarks, corrections %s, written to %s\n", content.landmarks.size(),

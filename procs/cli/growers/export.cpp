@@ -22,7 +22,7 @@ const io::GeoFormatInfo& format_named(const std::string& word) {
   for (const io::GeoFormatInfo& format : io::geo_formats()) {
     if (word == format.word) return format;
   }
-  throw io::FileError("\"" + word + "\" is no format (`orchard export --help`)");
+  throw io::FileError("\"" + word + "\" is not a format; see `orchard export --help`");
 }
 
 /// Requires the format's file extension, and does not overwrite a file unless requested.
@@ -32,15 +32,15 @@ void require_place(const ExportOptions& options, const io::GeoFormatInfo& format
   const bool fits = name.size() > extension.size() &&
                     name.compare(name.size() - extension.size(), extension.size(), extension) == 0;
   if (!fits) {
-    throw io::FileError(options.out_path + ": a file of " + format.word + " is named NAME" +
-                        extension + "; name --out so");
+    throw io::FileError(options.out_path + ": the name of a file in format " + format.word +
+                        " must be NAME" + extension + "; change --out");
   }
   require_other_folder(out.has_parent_path() ? out.parent_path().string() : ".",
                        {options.map_path});
   std::error_code error;
   if (!options.overwrite && std::filesystem::exists(out, error)) {
     throw io::FileError(options.out_path +
-                        " is there already; give another name, or --overwrite to replace it");
+                        " exists already; give another name, or --overwrite to replace it");
   }
 }
 
@@ -57,8 +57,9 @@ void print_words(const ExportOptions& options, const io::GeoFormatInfo& format,
     std::printf("corrections: %s\n", io::corrections_text(map.corrected).c_str());
   }
   if (!left_out.empty()) {
-    std::printf("left out: %s%s\n", left_out.c_str(),
-                format.has_one_layer ? " (this format holds one layer; --layer chooses it)" : "");
+    std::printf(
+        "left out: %s%s\n", left_out.c_str(),
+        format.has_one_layer ? " (this format stores one layer; choose it with --layer)" : "");
   }
   if (*format.lost != '\0') std::printf("%s\n", format.lost);
 }
@@ -105,8 +106,8 @@ int run_export(const ExportOptions& options) {
   const int num_conflicts = map.corrected.count(mapping::CorrectionOutcome::kConflict);
   if (num_conflicts > 0) {
     std::fprintf(stderr,
-                 "orchard export: warning: %d corrections are in conflict and left out (`orchard "
-                 "edit %s check`)\n",
+                 "orchard export: warning: %d corrections conflict with the map and are not "
+                 "applied; list them with `orchard edit %s check`\n",
                  num_conflicts, options.map_path.c_str());
   }
   (options.json ? print_json : print_words)(options, format, file, map);

@@ -25,10 +25,11 @@ class EditCommands {
       options->kind = kind;
       run = [options] { return run_edit(*options); };
     });
-    command.add_option("--who", options_->who, "who says so; without it the user of the system")
+    command
+        .add_option("--who", options_->who, "name of the person who corrects [the current user]")
         ->type_name("NAME");
     if (kind != CorrectionKind::kNote) {
-      command.add_option("--note", options_->note, "why")->type_name("TEXT");
+      command.add_option("--note", options_->note, "reason of the correction")->type_name("TEXT");
     }
     return command;
   }
@@ -42,7 +43,7 @@ class EditCommands {
   }
 
   void tree(CLI::App& command) {
-    command.add_option("tree", options_->tree, "id, or row/tree")
+    command.add_option("tree", options_->tree, "id (17) or row/tree (3/14) of the landmark")
         ->required()
         ->type_name("ID|ROW/TREE");
   }
@@ -52,7 +53,7 @@ class EditCommands {
         ->type_name("X Y");
   }
   void class_word(CLI::App& command, const char* name) {
-    command.add_option(name, options_->class_word, "tree or object")
+    command.add_option(name, options_->class_word, "class of the landmark: tree or object")
         ->check(CLI::IsMember({"tree", "object"}));
   }
 
@@ -65,83 +66,90 @@ class EditCommands {
 };
 
 void add_tree_words(EditCommands& words) {
-  words.tree(words.add(CorrectionKind::kDelete, "Nothing stands there: a ghost",
+  words.tree(words.add(CorrectionKind::kDelete, "Delete a landmark that does not exist",
                        "  orchard edit out/drive delete 17 --who Ana --note \"a shadow\"\n"));
-  CLI::App& add = words.add(CorrectionKind::kAdd, "Something stands there that the map lacks",
+  CLI::App& add = words.add(CorrectionKind::kAdd, "Add a tree or object that the map lacks",
                             "  orchard edit out/drive add 3/14            (in the gap of row 3)\n"
                             "  orchard edit out/drive add --at 12.5 3.0 --width 0.12\n"
                             "  orchard edit out/drive add --at 1.0 -4.2 --class object\n");
-  add.add_option("gap", words.options().tree, "row/tree of a gap")->type_name("ROW/TREE");
-  words.at(add, 2, "its place [m, map]");
+  add.add_option("gap", words.options().tree, "row/tree of a gap in a row")->type_name("ROW/TREE");
+  words.at(add, 2, "position [m, map frame]");
   words.class_word(add, "--class");
-  add.add_option("--width", words.options().width_m, "of the trunk [m], where it was measured")
+  add.add_option("--width", words.options().width_m, "width of the trunk, if measured [m]")
       ->check(CLI::Range(0.001, 100.0));
-  CLI::App& move = words.add(CorrectionKind::kMove, "It stands elsewhere",
+  CLI::App& move = words.add(CorrectionKind::kMove, "Move a landmark",
                              "  orchard edit out/drive move 17 --at 12.5 3.0\n");
   words.tree(move);
-  words.at(move, 2, "where it stands [m, map]")->required();
-  CLI::App& label = words.add(CorrectionKind::kClass, "It is a tree, or an object",
+  words.at(move, 2, "true position [m, map frame]")->required();
+  CLI::App& label = words.add(CorrectionKind::kClass, "Change the class of a landmark",
                               "  orchard edit out/drive class 17 object\n");
   words.tree(label);
-  label.add_option("class", words.options().class_word, "tree or object")
+  label.add_option("class", words.options().class_word, "true class: tree or object")
       ->required()
       ->check(CLI::IsMember({"tree", "object"}));
-  CLI::App& merge =
-      words.add(CorrectionKind::kMerge, "Two or more landmarks are one thing",
-                "  orchard edit out/drive merge 17 18\n"
-                "The first keeps its id; it stands where most observations saw it.\n");
-  merge.add_option("trees", words.options().trees, "ids, or row/tree")
+  CLI::App& merge = words.add(
+      CorrectionKind::kMerge, "Merge landmarks that are one tree or object",
+      "  orchard edit out/drive merge 17 18\n"
+      "The first keeps its id; the position is that of the landmark with the most observations.\n");
+  merge.add_option("trees", words.options().trees, "ids (17) or row/tree (3/14) of the landmarks")
       ->required()
       ->expected(2, 100)
       ->type_name("ID|ROW/TREE...");
-  CLI::App& split = words.add(CorrectionKind::kSplit, "One landmark is two things",
-                              "  orchard edit out/drive split 17 --at 12.1 3.0 12.9 3.0\n"
-                              "The first place keeps the id.\n");
+  CLI::App& split =
+      words.add(CorrectionKind::kSplit, "Split a landmark that is two trees or objects",
+                "  orchard edit out/drive split 17 --at 12.1 3.0 12.9 3.0\n"
+                "The landmark at the first position keeps the id.\n");
   words.tree(split);
-  words.at(split, 4, "where both stand [m, map]")->required()->type_name("X1 Y1 X2 Y2");
+  words.at(split, 4, "positions of both [m, map frame]")->required()->type_name("X1 Y1 X2 Y2");
 }
 
 void add_number_words(EditCommands& words) {
-  CLI::App& row = words.add(CorrectionKind::kRowName, "What people call a row",
+  CLI::App& row = words.add(CorrectionKind::kRowName, "Name a row",
                             "  orchard edit out/drive row 3 \"by the road\"\n");
-  row.add_option("row", words.options().row, "its number, or its name so far")->required();
-  row.add_option("name", words.options().name, "its name")->required();
-  CLI::App& renumber = words.add(CorrectionKind::kRenumber, "Row and number of a tree",
-                                 "  orchard edit out/drive renumber 17 --row 3 --position 14\n");
+  row.add_option("row", words.options().row, "number of the row, or its current name")->required();
+  row.add_option("name", words.options().name, "new name of the row")->required();
+  CLI::App& renumber =
+      words.add(CorrectionKind::kRenumber, "Change the row and the number of a tree",
+                "  orchard edit out/drive renumber 17 --row 3 --position 14\n");
   words.tree(renumber);
-  renumber.add_option("--row", words.options().row, "number or name")->required();
-  renumber.add_option("--position", words.options().position, "of the tree in its row; 0: none")
+  renumber.add_option("--row", words.options().row, "number or name of the row")->required();
+  renumber
+      .add_option("--position", words.options().position, "number of the tree in its row; 0 = none")
       ->required()
       ->check(CLI::Range(0, 1000000));
-  CLI::App& note = words.add(CorrectionKind::kNote, "Words about a landmark",
+  CLI::App& note = words.add(CorrectionKind::kNote, "Attach a note to a landmark",
                              "  orchard edit out/drive note 3/14 \"grafted in March\"\n");
   words.tree(note);
-  note.add_option("text", words.options().note, "one line")->required()->type_name("TEXT");
+  note.add_option("text", words.options().note, "the note, one line")
+      ->required()
+      ->type_name("TEXT");
 }
 
 void add_history_words(EditCommands& words) {
   for (const auto kind : {CorrectionKind::kUndo, CorrectionKind::kRedo}) {
     const bool undoes = kind == CorrectionKind::kUndo;
     CLI::App& command = words.add(
-        kind, undoes ? "Take a correction back" : "Let an undone correction hold again",
+        kind, undoes ? "Undo a correction" : "Redo an undone correction",
         undoes
             ? "  orchard edit out/drive undo         (the last)\n  orchard edit out/drive undo 7\n"
             : "  orchard edit out/drive redo         (what was undone last)\n");
-    command.add_option("number", words.options().of, "of a correction; without it the last")
+    command.add_option("number", words.options().of, "number of the correction [the last]")
         ->check(CLI::Range(1, 2147483646));
   }
-  CLI::App& list = words.add_reader("list", "All corrections and what became of each",
+  CLI::App& list = words.add_reader("list", "List all corrections and whether each was applied",
                                     "  orchard edit out/drive list --json\n", run_edit_list);
-  list.add_flag("--json", words.options().json, "for programs");
-  CLI::App& check =
-      words.add_reader("check", "The conflicts; exit 3 when there are some",
-                       "  orchard edit out/drive check && echo sound\n", run_edit_check);
-  check.add_flag("--json", words.options().json, "for programs");
+  list.add_flag("--json", words.options().json, "print JSON");
+  CLI::App& check = words.add_reader(
+      "check", "List corrections that conflict with the map; exit code 3 if there are any",
+      "  orchard edit out/drive check && echo sound\n", run_edit_check);
+  check.add_flag("--json", words.options().json, "print JSON");
   CLI::App& apply = words.add_reader(
-      "apply", "Write the corrected map as a folder of its own",
+      "apply", "Write the corrected map to a new folder",
       "  orchard edit out/drive apply --out out/corrected     (map.html, map.gpkg, map.csv ...)\n",
       run_edit_apply);
-  apply.add_option("--out", words.options().out_folder, "folder, made when missing")
+  apply
+      .add_option("--out", words.options().out_folder,
+                  "folder for the map; created if it does not exist")
       ->required()
       ->type_name("DIR");
 }
@@ -151,12 +159,13 @@ void add_history_words(EditCommands& words) {
 void add_growers(CLI::App& app, Run& run) {
   const auto options = std::make_shared<EditOptions>();
   CLI::App& edit = add_subcommand(
-      app, "edit", "Correct a map by hand: what a person says lasts",
+      app, "edit", "Correct a map by hand; corrections are kept when the orchard is mapped again",
       "  orchard edit out/drive delete 17 --note \"a shadow\"\n"
       "  orchard edit out/drive add 3/14\n"
       "  orchard edit out/drive list\n"
-      "Corrections stand in corrections.jsonl beside the map, which stays as it is. `orchard map\n"
-      "--previous` carries them to the next map, by id and place, and says what fits no more.\n");
+      "Corrections are saved in corrections.jsonl beside the map; the map itself is not changed.\n"
+      "`orchard map --previous` applies them to the next map by id and position, and reports "
+      "conflicts.\n");
   edit.add_option("map", options->map_folder, "map folder")->required()->type_name("FOLDER");
   edit.require_subcommand(1);
   EditCommands words(edit, run, options);

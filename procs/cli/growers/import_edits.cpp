@@ -35,7 +35,7 @@ void require_most(const mapping::CorrectedMap& before, const io::EditedMapFile& 
   if (2 * num_there >= total) return;
   throw io::FileError(options.edited_path + " has only " + std::to_string(num_there) + " of " +
                       std::to_string(total) + " landmarks of " + options.map_folder +
-                      "; if it is a part of that map, say --keep-missing");
+                      "; if it is only a part of the map, use --keep-missing");
 }
 
 /// The corrections that the file contained when it was written.
@@ -43,9 +43,9 @@ std::vector<Correction> held(const std::vector<Correction>& all, const io::Edite
                              const ImportEditsOptions& options) {
   const auto num = static_cast<std::size_t>(edited.num_corrections);
   if (num > all.size()) {
-    throw io::FileError(options.edited_path + " holds " + std::to_string(num) +
-                        " corrections, and " + options.map_folder + " has " +
-                        std::to_string(all.size()) + "; is it this map's?");
+    throw io::FileError(options.edited_path + " has " + std::to_string(num) + " corrections, but " +
+                        options.map_folder + " has " + std::to_string(all.size()) +
+                        "; give a file that was exported from this map");
   }
   return {all.begin(), all.begin() + static_cast<std::ptrdiff_t>(num)};
 }
@@ -72,11 +72,11 @@ void print(const ImportEditsOptions& options, const std::vector<Correction>& add
     words += (words.empty() ? "" : ", ") + std::to_string(num) + " " + word;
   }
   std::printf("%zu corrections%s%s%s\n", added.size(), words.empty() ? "" : ": ", words.c_str(),
-              options.dry_run ? " (--dry-run: nothing is written)" : "");
+              options.dry_run ? " (--dry-run: nothing was saved)" : "");
   for (const std::string& sentence : conflicts) std::printf("conflict: %s\n", sentence.c_str());
   for (const std::string& sentence : left_out) std::printf("left out: %s\n", sentence.c_str());
   if (!added.empty() && !options.dry_run) {
-    std::printf("  `orchard edit %s list` shows all, `undo` takes one back\n",
+    std::printf("  list all corrections with `orchard edit %s list`, undo one with `undo`\n",
                 options.map_folder.c_str());
   }
 }
@@ -85,10 +85,11 @@ void print(const ImportEditsOptions& options, const std::vector<Correction>& add
 
 int run_import_edits(const ImportEditsOptions& options) {
   if (!std::filesystem::is_directory(options.map_folder)) {
-    throw io::FileError(options.map_folder + " is no map folder; corrections need one to stand in");
+    throw io::FileError(options.map_folder +
+                        " is not a map folder; corrections are saved in a map folder");
   }
   if (!io::is_correction_text(options.who)) {
-    throw io::FileError("--who: a text that is too long or of several lines");
+    throw io::FileError("--who: the name is too long or has several lines; give a short name");
   }
   const io::StoredMap mapped = io::read_stored_map(options.map_folder);
   const io::EditedMapFile edited = io::read_edited_map(options.edited_path, mapped.georeference);
@@ -112,7 +113,7 @@ int run_import_edits(const ImportEditsOptions& options) {
       throw io::FileError(options.edited_path + ": the note or name of " +
                           (c.targets.empty() ? "row " + std::to_string(c.row)
                                              : "landmark " + std::to_string(c.targets.front().id)) +
-                          " is too long, or not plain text");
+                          " is too long or has control characters; shorten or correct it");
     }
     conflicts.clear();
     added = mapping::corrections_that_fit(mapped.landmarks, mapped.next_id, all, found.corrections,

@@ -16,9 +16,10 @@ namespace {
 void print_plan(const io::StoredPlan& plan) {
   std::printf("%s: %s, %s: %zu rows, %zu trees, rows %.2f m apart%s\n", plan.name.c_str(),
               plan.format.c_str(), plan.crs.c_str(), plan.plan.rows.size(), plan.plan.num_trees(),
-              mapping::typical_alley_m(plan.plan),
-              plan.georeference ? "" : "; not tied to the earth");
-  std::printf("\n     row  trees  first ... last      length_m  spacing_m (least, most)\n");
+              mapping::typical_alley_m(plan.plan), plan.georeference ? "" : "; not georeferenced");
+  std::printf(
+      "\n"
+      "     row  trees  first ... last      length_m  spacing_m (min, max)\n");
   for (const mapping::PlannedRow& row : plan.plan.rows) {
     const mapping::PlannedRowFacts facts = mapping::facts_of(row);
     std::printf("%8s  %5zu  %8s ... %-8s  %8.1f  %9.2f (%.2f, %.2f)\n", row.name.c_str(),
@@ -65,8 +66,10 @@ int run_plan(const PlanOptions& options) {
   print_match(laid, map.landmarks);
   if (!options.out_path.empty()) {
     std::printf(
-        "\nwritten to %s: the map with the plan's numbers, plan.csv and plan_rows.csv (what "
-        "differs),\n  plan.json, names.csv (the plan's names by id)\n",
+        "\n"
+        "written to %s: the map with the plan's numbers, plan.csv and plan_rows.csv "
+        "(differences),\n"
+        "  plan.json, names.csv (names of the plan by landmark id)\n",
         options.out_path.c_str());
   }
   return bus::kExitOk;

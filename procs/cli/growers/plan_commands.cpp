@@ -10,79 +10,88 @@ namespace orchard::cli {
 
 void add_plan_options(CLI::App& command, io::PlanFileOptions& file,
                       mapping::PlanMatchConfig& match) {
-  command.add_option("--layer", file.layer, "which layer of the plan, where it has several")
+  command.add_option("--layer", file.layer, "layer of the plan, if it has several")
       ->type_name("NAME");
-  command.add_option("--row-field", file.row_field, "the plan's column with the row's name")
+  command.add_option("--row-field", file.row_field, "column of the plan with the name of the row")
       ->type_name("NAME");
-  command.add_option("--tree-field", file.tree_field, "the plan's column with the tree's name")
+  command
+      .add_option("--tree-field", file.tree_field, "column of the plan with the name of the tree")
       ->type_name("NAME");
-  command.add_option("--crs", file.crs, "the plan's coordinate system, where the file has none")
+  command
+      .add_option("--crs", file.crs, "coordinate system of the plan, if the file does not state it")
       ->type_name("EPSG:CODE");
   command
       .add_option("--spacing", file.spacing_m,
-                  "from tree to tree [m], where the plan has rows as lines")
+                  "distance between trees of a row, for a plan with rows as lines [m]")
       ->check(CLI::Range(0.2, 100.0));
   command
       .add_option("--tolerance", match.tolerance_m,
-                  "a tree farther from its place is out of place [m]")
+                  "max distance of a tree from its planned position; beyond it the tree is `out of "
+                  "place` [m]")
       ->check(CLI::Range(0.01, 10.0))
       ->capture_default_str();
   command
       .add_option("--placement", match.placement,
-                  "where several placements of the plan fit: which one is true, as they are named")
+                  "number of the true placement, if several fit (they are listed)")
       ->check(CLI::Range(1, 100));
 }
 
 void add_plan(CLI::App& app, Run& run) {
   add_command<PlanOptions>(
-      app, run, "plan", "Read the grower's plan; tell what a map has of it",
-      "  orchard plan block.gpkg                                   (what does it hold?)\n"
+      app, run, "plan", "Read a planting plan, or compare a map with it",
+      "  orchard plan block.gpkg                                   (print its rows and trees)\n"
       "  orchard plan trees.csv --crs EPSG:25830 --out trees.geojson\n"
       "  orchard plan rows.shp --spacing 3.0 --map out/drive\n"
       "  orchard plan block.kml --map out/drive --out out/named    (map with the plan's numbers)\n"
       "  orchard plan grid.yaml --map out/drive --json\n"
-      "GeoPackage, Shapefile, GeoJSON, KML, DXF, CSV in any coordinate system: trees as points or "
-      "rows\n"
-      "as lines. YAML: a regular grid (rows, trees, row_spacing_m, tree_spacing_m, corner_deg,\n"
-      "bearing_deg, rows_to, first_row, first_tree). A map without satellites is laid on the plan "
-      "by its\n"
-      "trees, and tied to the earth by it; where several placements fit they are named (exit 3).\n",
+      "Input: GeoPackage, Shapefile, GeoJSON, KML, DXF or CSV in any coordinate system, with trees "
+      "as points\n"
+      "or rows as lines; or YAML of a regular grid (rows, trees, row_spacing_m, tree_spacing_m, "
+      "corner_deg,\n"
+      "bearing_deg, rows_to, first_row, first_tree). Output: per row the missing, extra and "
+      "misplaced\n"
+      "trees. A map without GNSS is registered to the plan on its trees and takes its "
+      "georeference; if\n"
+      "several placements fit, they are listed (exit code 3).\n",
       run_plan, [](CLI::App& command, PlanOptions& o) {
-        command.add_option("plan", o.plan_path, "the plan")->required()->type_name("FILE");
+        command.add_option("plan", o.plan_path, "file of the plan")->required()->type_name("FILE");
         command.add_option("--map", o.map_path, "map folder, or its map.csv")
             ->type_name("FOLDER|CSV");
         command
             .add_option("--out", o.out_path,
-                        "with --map a folder for the named map, else a GeoJSON file for the plan")
+                        "with --map: folder for the map with the plan's numbers; else: GeoJSON "
+                        "file for the plan")
             ->type_name("DIR|GEOJSON");
         add_plan_options(command, o.file, o.match);
         add_alignment_options(command, o.match.alignment);
-        command.add_flag("--json", o.json, "for programs; lengths in metres");
+        command.add_flag("--json", o.json, "print JSON, with lengths in metres");
       });
 }
 
 void add_publish(CLI::App& app, Run& run) {
   add_command<PublishOptions>(
-      app, run, "publish", "Put a map into PostGIS, beside all blocks and dates before",
+      app, run, "publish", "Store a map in a PostGIS database",
       "  orchard publish out/drive --to postgresql://ana@farm.example/orchard --block north\n"
       "  orchard publish out/drive --to service=farm --block north --date 2026-04-10\n"
-      "One transaction: all of the map or nothing. The same block and date again replaces it, and\n"
-      "what it replaced is kept in orchard.tree_replaced. The password comes from ~/.pgpass,\n"
+      "The map is stored in one transaction, entirely or not at all. A map of the same block and "
+      "date is\n"
+      "replaced; its old rows are kept in orchard.tree_replaced. The password comes from "
+      "~/.pgpass,\n"
       "PGPASSWORD or a service file.\n",
       run_publish, [](CLI::App& command, PublishOptions& o) {
         command.add_option("map", o.map_path, "map folder, or its map.csv")
             ->required()
             ->type_name("FOLDER|CSV");
-        command.add_option("--to", o.url, "database, without a password")
+        command.add_option("--to", o.url, "URL of the database, without a password")
             ->required()
             ->type_name("URL");
-        command.add_option("--block", o.block, "the block's name, the same at every date")
+        command.add_option("--block", o.block, "name of the block, the same for every date")
             ->required()
             ->type_name("NAME");
-        command.add_option("--date", o.date, "without it the day of the drive (UTC)")
+        command.add_option("--date", o.date, "date of the map [day of the drive, UTC]")
             ->type_name("YYYY-MM-DD");
-        command.add_flag("--as-mapped", o.as_mapped, "without what people corrected");
-        command.add_flag("--json", o.json, "for programs");
+        command.add_flag("--as-mapped", o.as_mapped, "ignore corrections by hand");
+        command.add_flag("--json", o.json, "print JSON");
       });
 }
 

@@ -38,28 +38,30 @@ std::string placement_text(const io::StoredPlan& plan, const io::StoredMap& map,
   }
   const mapping::PlanIndex at = mapping::plan_indices(plan.plan)[nearest];
   const mapping::PlannedRow& row = plan.plan.rows[static_cast<std::size_t>(at.row)];
-  return (has_path ? "the drive began "
-                   : "landmark " + std::to_string(map.landmarks.front().id) + " stands ") +
+  return (has_path ? "the drive started "
+                   : "landmark " + std::to_string(map.landmarks.front().id) + " is ") +
          fmt::format("{:.1f} m from row {} tree {}", (places[nearest] - p_plan).norm(), row.name,
                      row.trees[static_cast<std::size_t>(at.tree)].name);
 }
 
 [[noreturn]] void refuse(const io::StoredPlan& plan, const io::StoredMap& map,
                          const mapping::PlanMatch& match, bool any_place) {
-  const std::string begin = plan.name + " cannot be laid on " + map.name;
+  const std::string begin = plan.name + " cannot be registered to " + map.name;
   if (match.fit.status != mapping::AlignmentStatus::kAmbiguous) {
     throw io::FileError(begin + ": " + match.fit.reason +
                         (any_place
-                             ? "; are they of one orchard?"
-                             : "; are they of one orchard, and is the coordinate system right "
-                               "(else --any-place)?"));
+                             ? "; are plan and map of the same orchard?"
+                             : "; are plan and map of the same orchard, and is the coordinate "
+                               "system right? If the positions are unrelated, use --any-place"));
   }
-  std::string text = begin + " without doubt: " + match.fit.reason;
+  std::string text = begin + ", the result is ambiguous: " + match.fit.reason;
   for (std::size_t k = 0; k < match.fit.placements.size(); ++k) {
     text += fmt::format("\n  --placement {}: {}", k + 1,
                         placement_text(plan, map, match.fit.placements[k].T_map_plan));
   }
-  throw io::FileError(text + "\nchoose the one that is true");
+  throw io::FileError(text +
+                      "\n"
+                      "choose the true one with --placement");
 }
 
 std::string line_of(const LaidPlan& laid, const PlanFinding& f,
@@ -74,9 +76,9 @@ std::string line_of(const LaidPlan& laid, const PlanFinding& f,
   const std::string id =
       f.landmark < 0 ? "-" : std::to_string(landmarks[static_cast<std::size_t>(f.landmark)].id);
   if (f.deviation == PlanDeviation::kOutOfPlace) {
-    detail = fmt::format("{:+.2f} m along, {:+.2f} m aside", f.along_m, f.aside_m);
+    detail = fmt::format("{:+.2f} m along the row, {:+.2f} m across", f.along_m, f.aside_m);
   } else if (f.deviation == PlanDeviation::kMissing) {
-    detail = f.landmark < 0 ? "" : "an object stands there";
+    detail = f.landmark < 0 ? "" : "an object is at this position";
   }
   return fmt::format("{:<12}  {:>8}  {:>10}  {:>6}  {:9.2f}  {:9.2f}  {}\n",
                      mapping::deviation_text(f.deviation), row, tree, id, f.p_map.x(), f.p_map.y(),
@@ -133,15 +135,15 @@ void write_plan_files(const std::string& folder, const LaidPlan& laid,
 void print_match(const LaidPlan& laid, const std::vector<mapping::Landmark>& landmarks) {
   const mapping::PlanMatch& match = laid.match;
   const geometry::Pose2& T = match.T_map_plan();
-  std::printf("laid on the map: %d trees at their places, %.2f m apart (RMS)",
+  std::printf("registered to the map on %d trees with a residual of %.2f m (RMS)",
               match.counts[index_of(PlanDeviation::kAsPlanned)] +
                   match.counts[index_of(PlanDeviation::kOutOfPlace)],
               match.rms_m);
   if (laid.is_tied_by_plan) {
-    std::printf("; the plan ties the map to the earth\n");
+    std::printf("; the map takes its georeference from the plan\n");
   } else {
-    std::printf("; the plan lies %.2f m off, turned by %.2f degrees\n", std::hypot(T.x_m, T.y_m),
-                T.yaw_rad * 180.0 / geometry::kPi);
+    std::printf("; the plan is offset by %.2f m and rotated by %.2f degrees\n",
+                std::hypot(T.x_m, T.y_m), T.yaw_rad * 180.0 / geometry::kPi);
   }
   std::printf("\n     row  planned  as planned  out of place  missing  not seen  extra\n");
   for (std::size_t r = 0; r < match.rows.size(); ++r) {
@@ -152,7 +154,7 @@ void print_match(const LaidPlan& laid, const std::vector<mapping::Landmark>& lan
                 count(PlanDeviation::kOutOfPlace), count(PlanDeviation::kMissing),
                 count(PlanDeviation::kNotSeen), count(PlanDeviation::kExtra));
     if (row.is_shifted) {
-      std::printf("  the row stands %+.2f m along, %+.2f m aside", row.shift.along_m,
+      std::printf("  the row is shifted by %+.2f m along, %+.2f m across", row.shift.along_m,
                   row.shift.aside_m);
     }
     std::printf("\n");

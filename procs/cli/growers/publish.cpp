@@ -36,7 +36,7 @@ void require_date(const std::string& date) {
   std::tm day{};
   const char* end = ::strptime(date.c_str(), "%Y-%m-%d", &day);
   if (date.size() != 10 || end == nullptr || *end != '\0') {
-    throw io::FileError("--date " + date + " is no date; give one such as 2026-04-10");
+    throw io::FileError("--date " + date + " is not a date; give one such as 2026-04-10");
   }
 }
 
@@ -46,7 +46,7 @@ std::string date_for(const PublishOptions& options, const io::StoredMap& map) {
     return options.date;
   }
   if (map.trajectories.empty() || map.trajectories.front().front().utime < kYear2000_us) {
-    throw io::FileError(map.name + " does not say when it was driven; say it with --date");
+    throw io::FileError(map.name + " has no date of the drive; give it with --date");
   }
   return date_of(map.trajectories.front().front().utime);
 }
@@ -56,7 +56,7 @@ void require_block(const std::string& block) {
   for (const char c : block) is_plain = is_plain && static_cast<unsigned char>(c) >= 0x20;
   if (!is_plain) {
     throw io::FileError("--block: give a name of 1 to " + std::to_string(kLongestBlock) +
-                        " plain characters");
+                        " characters, without control characters");
   }
 }
 
@@ -114,13 +114,12 @@ int run_publish(const PublishOptions& options) {
   std::printf("%" PRId64 " trees and objects published as block %s of %s", counts.num_published,
               publication.block.c_str(), publication.date.c_str());
   if (counts.num_replaced > 0) {
-    std::printf("; %" PRId64 " of an earlier publication are in orchard.tree_replaced now",
+    std::printf("; %" PRId64 " rows of an earlier publication were moved to orchard.tree_replaced",
                 counts.num_replaced);
   }
   std::printf("\n");
   if (!publication.georeference) {
-    std::printf(
-        "the map is not tied to the earth: column place is empty, x_m and y_m are filled\n");
+    std::printf("the map is not georeferenced: column place is empty, x_m and y_m are filled\n");
   }
   return bus::kExitOk;
 }

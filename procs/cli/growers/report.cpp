@@ -46,8 +46,8 @@ io::EarlierMap compared_with(const ReportOptions& options, const MapInput& now) 
                                   std::pair(&now.mapped, &options.map_path)}) {
     if (!map->trajectories.empty()) continue;
     throw io::FileError(*path +
-                        " does not say where the drive looked (no trajectory.csv beside the map), "
-                        "so gone cannot be told from not seen; give the map's folder");
+                        " has no trajectory.csv beside it, so trees that were not observed cannot "
+                        "be distinguished from missing ones; give the map's folder");
   }
   const mapping::DetectionMap view_before = view_of(before.mapped, 0.0);
   const mapping::DetectionMap view_now = view_of(now.mapped, 0.0);
@@ -112,7 +112,7 @@ nlohmann::ordered_json json_of(const std::vector<std::vector<std::string>>& tabl
 int run_report(const ReportOptions& options) {
   const io::ReportTexts* texts = io::find_report_texts(options.language);
   if (texts == nullptr) {
-    throw io::FileError("--language " + options.language + ": reports are written in en or es");
+    throw io::FileError("--language " + options.language + ": unknown language; choose en or es");
   }
   io::ReportContent content;
   const MapInput input = read_map_input("orchard report", options.map_path, options.as_mapped);
@@ -125,7 +125,7 @@ int run_report(const ReportOptions& options) {
 
   const fs::path folder = options.out_folder.empty() ? folder_of(options.map_path) / "report"
                                                      : fs::path(options.out_folder);
-  io::make_folder(folder.string(), "give another one with --out");
+  io::make_folder(folder.string(), "choose another folder with --out");
   const io::Document document = io::map_report(content, *texts);
   io::FileReplacement files;
   files.write((folder / "report.html").string(), io::document_html(document));

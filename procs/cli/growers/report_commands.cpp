@@ -9,33 +9,37 @@ namespace orchard::cli {
 
 void add_report(CLI::App& app, Run& run) {
   add_command<ReportOptions>(
-      app, run, "report", "Write a map as a report for growers: a page, a PDF, a table",
+      app, run, "report", "Write a report of a map for growers, as web page, PDF and table",
       "  orchard report out/drive                          (out/drive/report/report.pdf ...)\n"
       "  orchard report out/autumn --previous out/spring   (with changes and growth)\n"
       "  orchard report out/drive --plan block.gpkg        (what differs from the plan)\n"
       "  orchard report out/drive --language es --out out/informe\n"
-      "Trees, empty places and trunk cross-sectional area row by row, diameters, a picture of the\n"
-      "block, what was not seen, how sure it is. Numbers are those of map.csv, with what\n"
-      "people corrected (`orchard edit`).\n",
+      "Output: report.html, report.pdf and report.csv with trees, empty places and trunk "
+      "cross-sectional\n"
+      "area per row, diameters, a map of the block, parts that were not observed, and "
+      "uncertainties. The\n"
+      "figures are those of map.csv after corrections by hand (`orchard edit`).\n",
       run_report, [](CLI::App& command, ReportOptions& o) {
         command.add_option("map", o.map_path, "map folder, or its map.csv")
             ->required()
             ->type_name("FOLDER|CSV");
-        command.add_option("--previous", o.previous_path, "an earlier map of the same orchard")
-            ->type_name("FOLDER");
-        command.add_option("--plan", o.plan_path, "the grower's plan: what differs from it")
-            ->type_name("FILE");
         command
-            .add_option("--out", o.out_folder,
-                        "folder to write into; without it report in the map's")
+            .add_option("--previous", o.previous_path,
+                        "folder of an earlier map of the orchard: report changes and growth")
+            ->type_name("FOLDER");
+        command.add_option("--plan", o.plan_path, "planting plan: report differences from it")
+            ->type_name("FILE");
+        command.add_option("--out", o.out_folder, "folder to write to [report/ in the map folder]")
             ->type_name("DIR");
-        command.add_option("--name", o.name, "what the report calls it; without it the folder's")
+        command
+            .add_option("--name", o.name,
+                        "name of the block in the report [name of the map folder]")
             ->type_name("TEXT");
-        command.add_option("--language", o.language, "of the report: en or es")
+        command.add_option("--language", o.language, "language of the report: en or es")
             ->check(CLI::IsMember({"en", "es"}))
             ->capture_default_str();
-        command.add_flag("--as-mapped", o.as_mapped, "without what people corrected");
-        command.add_flag("--json", o.json, "print the table of rows as JSON");
+        command.add_flag("--as-mapped", o.as_mapped, "ignore corrections by hand");
+        command.add_flag("--json", o.json, "also print the table of rows as JSON");
         add_plan_options(command, o.plan_file, o.plan_match);
         add_alignment_options(command, o.alignment);
       });

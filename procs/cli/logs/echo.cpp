@@ -52,7 +52,7 @@ void echo(Channel channel, const EchoOptions& options, const std::string& lcm_ur
     if (stop.wait(bus.fileno(), 5000)) {
       bus.handle(0);
     } else if (num_printed == 0 && !stop.raised()) {
-      std::fprintf(stderr, "orchard echo: nothing on %s yet (%s)\n",
+      std::fprintf(stderr, "orchard echo: no message on %s yet; LCM network: %s\n",
                    std::string(bus::info(channel).name).c_str(), lcm_url.c_str());
     }
   }
@@ -63,8 +63,8 @@ void echo(Channel channel, const EchoOptions& options, const std::string& lcm_ur
 int run_echo(const EchoOptions& options) {
   const auto channel = bus::find_channel(options.channel);
   if (!channel) {
-    std::fprintf(stderr, "orchard echo: no channel \"%s\"; there are %s\n", options.channel.c_str(),
-                 channel_names().c_str());
+    std::fprintf(stderr, "orchard echo: unknown channel \"%s\"; choose one of %s\n",
+                 options.channel.c_str(), channel_names().c_str());
     return bus::kExitUsage;
   }
   try {

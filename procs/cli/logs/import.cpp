@@ -27,8 +27,10 @@ namespace {
 
 /// The laser's extrinsics are not a message but belong to the rig's configuration: print them.
 void print_mount(const io::SensorMount& mount) {
-  std::printf("the rig's YAML needs: laser: {mount_x_m: %g, mount_y_m: %g, mount_yaw_rad: %g}\n",
-              mount.x_m, mount.y_m, mount.yaw_rad);
+  std::printf(
+      "put the pose of the laser into the rig's YAML: laser: {mount_x_m: %g, mount_y_m: %g, "
+      "mount_yaw_rad: %g}\n",
+      mount.x_m, mount.y_m, mount.yaw_rad);
 }
 
 /// True if a file begins like those of lcm-logger.
@@ -57,14 +59,13 @@ int import_bot_core(const std::string& source_path, const ImportOptions& options
       0, options.out_path);
   if (imported.num_all == 0) {
     throw io::FileError(source_path +
-                        ": holds none of libbot's types (planar_lidar_t, image_t, pose_t, "
-                        "gps_data_t); a log of ours needs no import");
+                        ": has no message of libbot's types (planar_lidar_t, image_t, pose_t, "
+                        "gps_data_t); a log of Orchard Mapper needs no import");
   }
   print_imported(options.out_path, imported);
   print_ignored(translator.ignored());
   if (!log.gaps().empty()) {
-    std::printf("%zu damaged stretches of %s were passed over\n", log.gaps().size(),
-                source_path.c_str());
+    std::printf("%zu damaged parts of %s were skipped\n", log.gaps().size(), source_path.c_str());
   }
   return bus::kExitOk;
 }
@@ -75,7 +76,7 @@ int run_import(const ImportOptions& options) {
   const std::string& source_path = options.source_paths.front();
   if (!std::filesystem::exists(source_path)) {
     throw io::FileError(source_path +
-                        " is not there; give a bag, a recording folder, a rawlog or an LCM log");
+                        " does not exist; give a bag, a recording folder, a rawlog or an LCM log");
   }
   const bool is_folder = std::filesystem::is_directory(source_path);
   const bool is_recording = is_folder && std::filesystem::exists(source_path + "/sensors.yaml");
@@ -84,7 +85,8 @@ int run_import(const ImportOptions& options) {
     return import_bags(options);
   }
   if (options.source_paths.size() > 1) {
-    throw io::FileError(source_path + " is no bag of ROS; only bags are imported several at once");
+    throw io::FileError(source_path +
+                        " is not a ROS bag; only bags can be imported several at once");
   }
   if (is_folder) {
     io::RecordingFolder recording(source_path);

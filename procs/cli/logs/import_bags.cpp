@@ -28,7 +28,7 @@ std::vector<std::string> files_of(const std::vector<std::string>& paths) {
       continue;
     }
     const std::vector<std::string> inside = io::bag_files(path);
-    if (inside.empty()) throw io::FileError(path + ": holds no bag (.bag, .mcap, .db3)");
+    if (inside.empty()) throw io::FileError(path + ": this folder has no bag (.bag, .mcap, .db3)");
     files.insert(files.end(), inside.begin(), inside.end());
   }
   return files;
@@ -49,7 +49,7 @@ int import_bags(const ImportOptions& options) {
   io::BagOptions bag_options;
   bag_options.topics = io::parse_topic_choices(options.topics);
   bag_options.slice = {options.slice_height_m, options.slice_thickness_m};
-  LongWork work("looking through the bags");
+  LongWork work("scanning bags");
   io::BagRecording recording(
       files_of(options.source_paths), bag_options,
       [&work](std::uint64_t done, std::uint64_t total) { work.update(done, total); });
@@ -81,7 +81,8 @@ int import_bags(const ImportOptions& options) {
   for (const std::string& loss : recording.losses())
     std::fprintf(stderr, "lost: %s\n", loss.c_str());
   if (imported.num_all == 0) {
-    throw io::FileError(options.source_paths.front() + ": no message of it can be used");
+    throw io::FileError(options.source_paths.front() +
+                        ": no message in it can be used; the reasons are listed above");
   }
   return bus::kExitOk;
 }

@@ -57,7 +57,7 @@ void print_findings(const std::string& path, const LogSurvey& survey) {
   }
   for (const auto& [name, channel] : survey.channels) {
     if (channel.num_refused > 0) {
-      std::printf("%s: %s: %" PRId64 " of %" PRId64 " messages cannot be used (first: %s)\n",
+      std::printf("%s: %s: %" PRId64 " of %" PRId64 " messages are invalid (first: %s)\n",
                   path.c_str(), name.c_str(), channel.num_refused, channel.num_messages,
                   channel.first_refusal.c_str());
     }
@@ -71,20 +71,20 @@ void print_findings(const std::string& path, const LogSurvey& survey) {
                   path.c_str(), name.c_str(), channel.num_duplicates);
     }
     if (channel.num_leaps > 0) {
-      std::printf("%s: %s: %" PRId64 " messages leap in time or number, alone\n", path.c_str(),
+      std::printf("%s: %s: %" PRId64 " single messages jump in time or seq\n", path.c_str(),
                   name.c_str(), channel.num_leaps);
     }
     if (channel.clock_change_s != 0.0) {
-      std::printf("%s: %s: its clock was set by %.1f s\n", path.c_str(), name.c_str(),
-                  channel.clock_change_s);
+      std::printf("%s: %s: the clock of the sender was changed by %.1f s\n", path.c_str(),
+                  name.c_str(), channel.clock_change_s);
     }
     if (channel.num_contests > 2) {
-      std::printf("%s: %s: two sources send it, or one begins again and again\n", path.c_str(),
-                  name.c_str());
+      std::printf("%s: %s: sent by two processes, or by one that restarts again and again\n",
+                  path.c_str(), name.c_str());
     }
   }
   if (!survey.knows_a_channel()) {
-    std::printf("%s: no channel that Orchard Mapper knows\n", path.c_str());
+    std::printf("%s: has no channel of Orchard Mapper\n", path.c_str());
   }
 }
 
@@ -103,7 +103,7 @@ int run_log_info(const LogOptions& options) {
   print_channels(survey);
   for (const std::string& note : survey.notes) std::printf("%s\n", note.c_str());
   if (!survey.gaps.empty() || survey.num_refused() > 0) {
-    std::printf("parts of it cannot be read: see `orchard log check %s`\n",
+    std::printf("parts of the log cannot be read; see `orchard log check %s`\n",
                 logs.paths().size() == 1 ? logs.text().c_str() : "LOG");
   }
   return bus::kExitOk;
@@ -121,7 +121,7 @@ int run_log_check(const LogOptions& options) {
     return bus::kExitOk;
   }
   if (survey.knows_a_channel()) {
-    std::printf("%s: %" PRId64 " messages can be used; `orchard map` does so\n",
+    std::printf("%s: %" PRId64 " messages are valid; `orchard map` uses them\n",
                 options.log_path.c_str(), survey.num_events - survey.num_refused());
   }
   return bus::kExitInput;
@@ -129,7 +129,7 @@ int run_log_check(const LogOptions& options) {
 
 int run_log_config(const LogOptions& options) {
   const bus::LoggedRig rig = bus::rig_of_log(options.log_path, options.process);
-  std::printf("# %s: the rig of", options.log_path.c_str());
+  std::printf("# %s: configuration of", options.log_path.c_str());
   for (const std::string& process : rig.processes) std::printf(" %s", process.c_str());
   std::printf(", version %s\n%s", rig.version.c_str(), rig.yaml.c_str());
   return bus::kExitOk;

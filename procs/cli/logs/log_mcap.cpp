@@ -137,16 +137,21 @@ int run_log_mcap(const LogMcapOptions& options) {
       }
     }
     if (show.num_taken() == 0) {
-      throw io::FileError(logs.text() + " holds no message that could be shown");
+      throw io::FileError(
+          logs.text() +
+          " has no message that can be converted; see its channels with `orchard log info`");
     }
     show.finish();
     num_written = show.num_messages();
-    if (!out) throw io::FileError(options.out_path + ": cannot be written to its end");
+    if (!out)
+      throw io::FileError(options.out_path +
+                          ": could not be written completely; is the disk full?");
   });
   work.finish();
   std::printf("%s: %" PRIu64 " messages\n", options.out_path.c_str(), num_written);
   if (num_refused > 0) {
-    std::fprintf(stderr, "%s: %" PRId64 " messages cannot be used (see `orchard log check`)\n",
+    std::fprintf(stderr,
+                 "%s: %" PRId64 " messages are invalid and left out (see `orchard log check`)\n",
                  logs.text().c_str(), num_refused);
   }
   return bus::kExitOk;

@@ -89,9 +89,10 @@ LogSurvey survey_log(const io::LogPaths& logs) {
   survey.gaps = reader.gaps();
   survey.notes = reader.notes();
   if (survey.num_events == 0) {
-    throw io::FileError(path + (survey.file_size == 0
-                                    ? " is empty; was it recorded with lcm-logger?"
-                                    : " holds no LCM event; is it an LCM log (lcm-logger)?"));
+    throw io::FileError(
+        path + (survey.file_size == 0
+                    ? " is empty; was it recorded with lcm-logger?"
+                    : " has no LCM event; give an LCM log (of lcm-logger or `orchard record`)"));
   }
   return survey;
 }

@@ -114,7 +114,7 @@ std::string words(const Json& value) {
   for (std::size_t i = 0; i < value.size() && i < kWordsOfArray; ++i) {
     text += (i == 0 ? "" : " ") + words(value[i]);
   }
-  if (value.size() > kWordsOfArray) text += " ... " + std::to_string(value.size()) + " in all";
+  if (value.size() > kWordsOfArray) text += " ... " + std::to_string(value.size()) + " values";
   return "[" + text + "]";
 }
 

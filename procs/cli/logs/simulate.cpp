@@ -39,10 +39,10 @@ Interval interval_of(const SimulateOptions& options, std::int64_t scene_end_utim
   const auto after_us = [](double s) { return static_cast<std::int64_t>(std::llround(s * 1e6)); };
   Interval interval{simulation::kEpochUtime + after_us(options.from_s), scene_end_utime};
   if (interval.begin_utime > scene_end_utime) {
-    throw io::FileError(fmt::format(
-        "nothing is left after {:.1f} s: scene {} ends at {:.1f} s; give a smaller --from",
-        options.from_s, options.scene,
-        1e-6 * static_cast<double>(scene_end_utime - simulation::kEpochUtime)));
+    throw io::FileError(
+        fmt::format("--from {:.1f} is after the end of scene {} at {:.1f} s; give a smaller --from",
+                    options.from_s, options.scene,
+                    1e-6 * static_cast<double>(scene_end_utime - simulation::kEpochUtime)));
   }
   if (options.duration_s > 0.0) {
     interval.end_utime =
@@ -98,7 +98,7 @@ int run_simulate(const SimulateOptions& options) {
     make_parent_folder(file);
   }
   const auto scene = simulation::find_scene(options.scene);
-  if (!scene) throw io::FileError("there is no scene \"" + options.scene + "\"");
+  if (!scene) throw io::FileError("unknown scene \"" + options.scene + "\"");
   const io::Config config = rig_of(options);
   const simulation::RigConfig rig{config.laser, config.camera, config.simulation,
                                   config.laser_rear};
@@ -121,8 +121,7 @@ int run_simulate(const SimulateOptions& options) {
               options.seed);
   if (!options.truth_path.empty()) {
     io::write_truth_csv(options.truth_path, simulator.truth());
-    std::printf("%s: %zu things that stand there\n", options.truth_path.c_str(),
-                simulator.truth().size());
+    std::printf("%s: %zu true objects\n", options.truth_path.c_str(), simulator.truth().size());
   }
   if (!options.poses_path.empty()) {
     io::write_poses_csv(options.poses_path, poses);

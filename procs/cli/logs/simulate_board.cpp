@@ -34,10 +34,11 @@ int run_simulate_board(const SimulateOptions& options) {
   if (!options.truth_path.empty() || !options.poses_path.empty() ||
       !options.observations_path.empty()) {
     throw io::FileError(
-        "scene board has no map: its truth is camera.delta_m and camera.phi_rad of --config; "
-        "leave out --truth, --poses and --observations");
+        "--truth, --poses and --observations do not apply to scene board: its truth is "
+        "camera.delta_m and camera.phi_rad of --config");
   }
-  if (options.from_s > 0.0) throw io::FileError("scene board has no --from; leave it out");
+  if (options.from_s > 0.0)
+    throw io::FileError("--from does not apply to scene board; leave it out");
   make_parent_folder(options.out_path);
   const io::Config config = rig_of(options);
   simulation::BoardScene scene = make_scene(options, config);

@@ -24,9 +24,8 @@ void require_views(const CompareOptions& options, const io::StoredMap& map,
                    const std::string& path) {
   if (options.comparison.assume_seen || !map.trajectories.empty()) return;
   throw io::FileError(path +
-                      " does not say where the drive looked (no trajectory.csv beside the map), so "
-                      "not seen cannot be told from missing; give the map's folder, or "
-                      "--assume-seen");
+                      " has no trajectory.csv beside it, so trees that were not observed cannot be "
+                      "distinguished from missing ones; give the map's folder, or --assume-seen");
 }
 
 void print_change(const io::ComparisonContent& content, const MapChange& c) {
@@ -51,9 +50,10 @@ void print_change(const io::ComparisonContent& content, const MapChange& c) {
 void print_table(const io::ComparisonContent& content) {
   const mapping::MapAlignment& alignment = content.alignment;
   std::printf(
-      "aligned on %zu pairs of trunks, %.0f mm apart (RMS); the later map lies at x %+.3f m, "
-      "y %+.3f m,\n  turned by %+.3f degrees (standard deviations %.0f mm, %.0f mm, %.3f "
-      "degrees)\n",
+      "aligned on %zu pairs of trunks with a residual of %.0f mm (RMS); the origin of the later "
+      "map is at\n"
+      "  x %+.3f m, y %+.3f m, rotated by %+.3f degrees (standard deviations %.0f mm, %.0f mm, "
+      "%.3f degrees)\n",
       alignment.pairs.size(), 1e3 * alignment.rms_m, alignment.T_a_b.x_m, alignment.T_a_b.y_m,
       alignment.T_a_b.yaw_rad * 180.0 / geometry::kPi, 1e3 * std::sqrt(alignment.covariance(0, 0)),
       1e3 * std::sqrt(alignment.covariance(1, 1)),
@@ -62,7 +62,7 @@ void print_table(const io::ComparisonContent& content) {
                               Change::kThinner, Change::kUnchanged, Change::kNotSeen}) {
     std::printf("%-9s %6d\n", mapping::change_text(change), content.comparison.count(change));
   }
-  std::printf("all widths together: %+.1f mm (standard error %.1f)\n",
+  std::printf("mean change of width: %+.1f mm (standard error %.1f)\n",
               1e3 * content.comparison.width_change_common_m,
               1e3 * content.comparison.width_change_common_se_m);
   int num_lines = 0;

@@ -14,7 +14,7 @@ namespace {
 void add_reach_option(CLI::App& command, double& reach_m) {
   command
       .add_option("--reach", reach_m,
-                  "how far the laser finds trunks [m]; without it as the map folders say")
+                  "max range at which the laser detects trunks [m; from the map folders]")
       ->check(CLI::Range(0.5, 500.0));
 }
 
@@ -23,14 +23,14 @@ void add_reach_option(CLI::App& command, double& reach_m) {
 void add_alignment_options(CLI::App& command, mapping::MapAlignmentConfig& c) {
   command
       .add_option("--max-offset", c.offset_max_m,
-                  "how far apart the maps may place one tree, at most [m]")
+                  "max offset between the positions of a tree in both maps [m]")
       ->check(CLI::Range(0.01, 100.0))
       ->capture_default_str();
   const double rad_per_deg = geometry::kPi / 180.0;
   command
       .add_option_function<double>(
           "--max-turn-rad", [&c, rad_per_deg](double rad) { c.turn_max_deg = rad / rad_per_deg; },
-          "and how far they may be turned [rad]")
+          "max rotation between the maps [rad]")
       ->check(CLI::Range(0.0, 3.15))
       ->default_str("0.175");
   command
@@ -38,95 +38,107 @@ void add_alignment_options(CLI::App& command, mapping::MapAlignmentConfig& c) {
           "--max-turn",
           [&c](double deg) {
             std::fprintf(stderr,
-                         "orchard: warning: --max-turn (degrees) goes with the next release; use "
-                         "--max-turn-rad (radians)\n");
+                         "orchard: warning: --max-turn (degrees) will be removed in the next "
+                         "release; use --max-turn-rad (radians)\n");
             c.turn_max_deg = deg;
           },
-          "the same [degrees], until the next release")
+          "max rotation between the maps [degrees]; deprecated, use --max-turn-rad")
       ->check(CLI::Range(0.0, 180.0))
       ->group("");
   command.add_flag("--any-place", c.any_place,
-                   "the maps' frames have nothing in common: any offset, any turn");
+                   "search all offsets and rotations, for maps in unrelated frames");
 }
 
 void add_compare(CLI::App& app, Run& run) {
   add_command<CompareOptions>(
-      app, run, "compare", "Tell what changed between two maps of one orchard",
+      app, run, "compare", "Compare two maps of an orchard and list what changed",
       "  orchard compare out/spring out/autumn\n"
       "  orchard compare out/spring out/autumn --out out/changes     (CSV, GeoPackage, picture)\n"
       "  orchard compare out/spring out/autumn --json > changes.json\n"
       "  orchard compare a/map.csv b/map.csv --assume-seen --any-place\n"
-      "The maps are aligned on their trunks. A tree is missing only where the later drive looked\n"
-      "and nothing nearer hid it; else it is not seen. When a shift by a tree or a row explains\n"
-      "the maps as well, nothing is compared (exit 3).\n",
+      "Input: two map folders; their maps are aligned on the trunks. Output: trees that are "
+      "unchanged,\n"
+      "missing, new, moved, thicker or thinner. A tree counts as missing only if the later drive "
+      "could\n"
+      "see its position; otherwise it is `not seen`. If a shift by a tree or a row explains the "
+      "maps as\n"
+      "well, the comparison is refused (exit code 3).\n",
       run_compare, [](CLI::App& command, CompareOptions& o) {
-        command.add_option("earlier", o.earlier_path, "map folder, or its map.csv")
+        command.add_option("earlier", o.earlier_path, "earlier map: its folder or map.csv")
             ->required()
             ->type_name("FOLDER|CSV");
-        command.add_option("later", o.later_path, "map folder, or its map.csv")
+        command.add_option("later", o.later_path, "later map: its folder or map.csv")
             ->required()
             ->type_name("FOLDER|CSV");
-        command.add_option("--out", o.out_folder, "folder for the comparison, made when missing")
+        command
+            .add_option("--out", o.out_folder,
+                        "folder for the comparison; created if it does not exist")
             ->type_name("DIR");
-        command.add_flag("--as-mapped", o.as_mapped, "without what people corrected");
-        command.add_flag("--json", o.json, "for programs; lengths in metres");
+        command.add_flag("--as-mapped", o.as_mapped, "ignore corrections by hand");
+        command.add_flag("--json", o.json, "print JSON, with lengths in metres");
         add_alignment_options(command, o.alignment);
         add_reach_option(command, o.reach_m);
         command
             .add_option("--min-confidence", o.comparison.confidence_min,
-                        "missing and new trees that are less sure count as not seen, changed "
-                        "widths as unchanged")
+                        "min confidence of a change; below it, missing and new trees count as not "
+                        "seen, widths as unchanged")
             ->check(CLI::Range(0.0, 1.0))
             ->capture_default_str();
         command
             .add_option("--sigmas", o.comparison.sigmas_min,
-                        "moves and width changes below so many standard errors are none")
+                        "min number of standard errors of a reported move or width change")
             ->check(CLI::Range(1.0, 20.0))
             ->capture_default_str();
         command
             .add_option("--bush-near", o.comparison.clump.near_m,
-                        "a landmark with two others this near is part of a bush, of which each "
-                        "drive sees other parts [m]")
+                        "a landmark with two others this near counts as part of a bush [m]")
             ->check(CLI::Range(0.05, 5.0))
             ->capture_default_str();
         command
-            .add_option("--bush-reach", o.comparison.clump.reach_m,
-                        "and comes or goes only where nothing else stands this near [m]")
+            .add_option(
+                "--bush-reach", o.comparison.clump.reach_m,
+                "part of a bush is new or missing only if no other landmark is this near [m]")
             ->check(CLI::Range(0.05, 10.0))
             ->capture_default_str();
-        command.add_flag("--assume-seen", o.comparison.assume_seen,
-                         "both drives looked everywhere (for a map.csv without its folder)");
-        command.add_flag("--objects", o.comparison.with_objects, "compare objects too");
+        command.add_flag(
+            "--assume-seen", o.comparison.assume_seen,
+            "assume that both drives observed everything (for a map.csv without its folder)");
+        command.add_flag("--objects", o.comparison.with_objects, "also compare objects");
       });
 }
 
 void add_merge(CLI::App& app, Run& run) {
   add_command<MergeOptions>(
-      app, run, "merge", "Make one map of several drives or robots in one orchard",
+      app, run, "merge", "Merge maps of several drives or robots into one map",
       "  orchard merge out/monday out/tuesday --out out/both\n"
       "  orchard merge out/robot_1 out/robot_2 out/robot_3 --any-place --out out/all\n"
       "  orchard merge out/may_1 out/may_2 --previous out/april --leave-out --out out/may\n"
-      "Maps are aligned on their trunks, in the frame of the first, whose ids and numbers are "
-      "kept;\n"
-      "what is new gets new ids, and ids.csv says which landmark of which map became which. Maps\n"
-      "that do not fit, or fit in two ways, are refused (exit 3) and nothing is written; with\n"
-      "--leave-out the rest is merged, and left_out.csv says which were left out, and why.\n",
+      "Input: map folders of one orchard. Output: a map folder in the frame of the first map, "
+      "whose ids and\n"
+      "numbers are kept; new landmarks get new ids, and ids.csv lists the id of each landmark "
+      "before and\n"
+      "after. Maps that do not fit, or fit in two ways, are refused (exit code 3) and nothing is "
+      "written;\n"
+      "with --leave-out the others are merged, and left_out.csv lists the refused maps with the "
+      "reason.\n",
       run_merge, [](CLI::App& command, MergeOptions& o) {
         command
             .add_option("maps", o.map_paths,
-                        "map folders, or their map.csv; two or more, or one with --previous")
+                        "two or more map folders or map.csv files; one is enough with --previous")
             ->required()
             ->expected(1, 1000)
             ->type_name("FOLDER|CSV...");
-        command.add_option("--out", o.out_folder, "folder for the map, made when missing")
+        command
+            .add_option("--out", o.out_folder, "folder for the map; created if it does not exist")
             ->required()
             ->type_name("DIR");
         command
             .add_option("--previous", o.previous_path,
-                        "map of an earlier date: what is found again keeps its id and number")
+                        "map of an earlier date; landmarks found again keep their id and number")
             ->type_name("FOLDER|CSV");
-        command.add_flag("--leave-out", o.leave_out,
-                         "leave out what cannot be laid on the rest, and say so in left_out.csv");
+        command.add_flag(
+            "--leave-out", o.leave_out,
+            "leave out maps that cannot be aligned with the others, and list them in left_out.csv");
         command.add_option("--config", o.config_path, "rig whose mapper.rows numbers new rows")
             ->type_name("FILE");
         add_alignment_options(command, o.alignment);

@@ -47,9 +47,9 @@ std::int64_t num_out(const ReplayReport& report, Channel channel) {
 void require_usable(const MapOptions& options, const pose::PoseConfig& config,
                     const bus::Node& pose_node, const ReplayReport& report) {
   if (num_in(report, Channel::kScan) == 0) {
-    throw io::FileError(logs_of(options).text() + " holds no usable " +
-                        std::string(bus::info(Channel::kScan).name) +
-                        " message; a map needs the laser's scans (see `orchard log info`)");
+    throw io::FileError(
+        logs_of(options).text() + " has no valid " + std::string(bus::info(Channel::kScan).name) +
+        " message; a map needs the scans of the laser (`orchard log info` lists the channels)");
   }
   if (num_out(report, Channel::kPose) == 0) {
     std::vector<Channel> missing;
@@ -133,11 +133,11 @@ void print_summary(const MapOptions& options, const ReplayReport& report,
                 options.out_folder.c_str());
   }
   std::printf(
-      "written to %s: map.csv (table), map.gpkg (QGIS), map.svg, map.png, map.pdf (picture),\n"
+      "written to %s: map.csv (table), map.gpkg (QGIS), map.svg, map.png, map.pdf (pictures),\n"
       "  map.html (for a browser), trajectory.csv, trajectory.tum (evo), graph.json (aisles, for "
       "planners), summary.json%s%s\n",
       options.out_folder.c_str(), content.photographs.empty() ? "" : ", album (photographs)",
-      options.no_derived ? "" : ", derived.lcm (every message on the way)");
+      options.no_derived ? "" : ", derived.lcm (all intermediate messages)");
 }
 
 /// The laser's field of view from the rig and the log's first scan, for later comparisons.
@@ -178,7 +178,7 @@ int run_map(const MapOptions& options) {
     require_other_folder(options.out_folder, {options.previous_path});
     require_corrections_of(options.out_folder, *previous);
   }
-  io::make_folder(options.out_folder, "give another one with --out");
+  io::make_folder(options.out_folder, "choose another folder with --out");
   MapPipeline pipeline(config, options.out_folder);
   LongWork work("mapping", !options.quiet);  // from here on Ctrl-C removes partly written files
   const std::string derived_path = options.out_folder + "/derived.lcm";
@@ -220,7 +220,8 @@ int run_map(const MapOptions& options) {
   io::MapFolderContent content = pipeline.mapper.content(summary);
   content.view = sensor_view(config, logs_of(options));
   if (content.landmarks.empty()) {
-    content.summary.warnings.push_back("nothing was mapped: no object was seen often enough");
+    content.summary.warnings.push_back(
+        "the map is empty: no object was observed at least mapper.min_observations times");
     std::fprintf(stderr, "orchard map: warning: %s\n", content.summary.warnings.back().c_str());
   }
   std::optional<KeptMap> kept;

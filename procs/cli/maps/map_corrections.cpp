@@ -27,9 +27,9 @@ void require_corrections_of(const std::string& out_folder, const io::CorrectedMa
         std::any_of(earlier.corrections.begin(), earlier.corrections.end(),
                     [&](const Correction& known) { return are_the_same(known, c); });
     if (is_known) continue;
-    throw io::FileError(out_folder + "/" + io::kCorrectionsFile + " holds correction " +
-                        std::to_string(c.number) + " by " + c.who + ", which " +
-                        earlier.mapped.name + " has not; give another folder with --out");
+    throw io::FileError(out_folder + "/" + io::kCorrectionsFile + " has correction " +
+                        std::to_string(c.number) + " by " + c.who + ", which is not in the map " +
+                        earlier.mapped.name + "; choose another folder with --out");
   }
 }
 
@@ -51,7 +51,7 @@ std::string account_corrections(const char* command, const std::vector<Correctio
     const Correction& c = corrections[i];
     content.summary.warnings.push_back("correction " + std::to_string(c.number) + " (" +
                                        mapping::correction_word(c.kind) + ", by " + c.who +
-                                       ") is in conflict: " + corrected.results[i].reason);
+                                       ") conflicts with the map: " + corrected.results[i].reason);
     std::fprintf(stderr, "%s: warning: %s\n", command, content.summary.warnings.back().c_str());
   }
   return io::corrections_text(corrected);

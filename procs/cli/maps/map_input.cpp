@@ -12,8 +12,8 @@ MapInput read_map_input(const char* command, const std::string& path, bool as_ma
   const int num_conflicts = folder.corrected.count(mapping::CorrectionOutcome::kConflict);
   if (num_conflicts > 0) {
     std::fprintf(stderr,
-                 "%s: warning: %d corrections are in conflict and left out (`orchard edit %s "
-                 "check`)\n",
+                 "%s: warning: %d corrections conflict with the map and are not applied; list them "
+                 "with `orchard edit %s check`\n",
                  command, num_conflicts, path.c_str());
   }
   MapInput input{folder.mapped, folder.mapped, folder.corrected.row_names};

@@ -25,14 +25,16 @@ mapping::MapAlignment lay_on(const io::StoredMap& a, const mapping::DetectionMap
     case mapping::AlignmentStatus::kAligned:
       break;
     case mapping::AlignmentStatus::kAmbiguous:
-      throw io::FileError(b.name + " cannot be laid on " + a.name +
-                          " without doubt: " + alignment.reason +
-                          "; if their frames agree better than that, say so with --max-offset");
+      throw io::FileError(
+          b.name + " cannot be aligned with " + a.name +
+          ", the result is ambiguous: " + alignment.reason +
+          "; if the frames of both maps differ by less, set a smaller --max-offset");
     case mapping::AlignmentStatus::kNone:
-      throw io::FileError(b.name + " cannot be laid on " + a.name + ": " + alignment.reason +
-                          (config.any_place ? "; are they of one orchard?"
-                                            : "; are they of one orchard, and of one frame (else "
-                                              "--any-place)?"));
+      throw io::FileError(
+          b.name + " cannot be aligned with " + a.name + ": " + alignment.reason +
+          (config.any_place
+               ? "; are both maps of one orchard?"
+               : "; are both maps of one orchard? If their frames are unrelated, use --any-place"));
   }
   return alignment;
 }
@@ -66,8 +68,7 @@ KeptMap keep_known(const io::CorrectedMapFolder& earlier, const mapping::MapAlig
   if (kept.numbers.num_without_number > 0) {
     content.summary.warnings.push_back(
         std::to_string(kept.numbers.num_without_number) +
-        " new trees stand in rows where no number is free at their place: they have a row and no "
-        "position");
+        " new trees got a row but no position: at their places no number of the row is free");
   }
   return kept;
 }
@@ -80,8 +81,9 @@ void require_other_folder(const std::string& out_folder, const std::vector<std::
     if (folder.empty()) folder = ".";
     std::error_code error;
     if (fs::equivalent(folder, out_folder, error)) {
-      throw io::FileError(out_folder + " holds the map " + input +
-                          ", which must not be overwritten; give another folder with --out");
+      throw io::FileError(
+          out_folder + " is the folder of the map " + input +
+          ", an input that must not be overwritten; choose another folder with --out");
     }
   }
 }

@@ -80,8 +80,8 @@ void add_map(const io::StoredMap& map, std::size_t k, const mapping::MapAlignmen
   append_ids(k + 1, mapping::merge_into(whole.merged, map.landmarks, alignment),
              whole.ids_of_map[k]);
   whole.laid.push_back(fmt::format(
-      "{}: laid on {} trunks, {:.0f} mm apart (RMS); moved by {:.3f} m, {:.3f} m and {:.3f} "
-      "degrees",
+      "{}: aligned on {} trunks with a residual of {:.0f} mm (RMS); moved by {:.3f} m, {:.3f} m "
+      "and {:.3f} degrees",
       options.map_paths[k], alignment.pairs.size(), 1e3 * alignment.rms_m, alignment.T_a_b.x_m,
       alignment.T_a_b.y_m, alignment.T_a_b.yaw_rad * 180.0 / geometry::kPi));
   whole.map.landmarks = whole.merged.landmarks;
@@ -159,8 +159,9 @@ Whole largest_whole(const std::vector<io::StoredMap>& maps, const MergeOptions& 
     if (!best || whole.left_out.size() < best->left_out.size()) best = std::move(whole);
   }
   if (2 * best->left_out.size() >= maps.size()) {
-    throw io::FileError(best->left_out.front().reason +
-                        "; nothing tells which of them is of this orchard");
+    throw io::FileError(
+        best->left_out.front().reason +
+        "; most maps do not fit each other, so it is unknown which ones are of this orchard");
   }
   return std::move(*best);
 }
@@ -251,9 +252,9 @@ int run_merge(const MergeOptions& options) {
   }
   for (const std::string& path : options.map_paths) {
     if (!std::filesystem::is_directory(path) || io::read_corrections(path).list.empty()) continue;
-    content.summary.warnings.push_back(
-        "corrections of " + path +
-        " are not taken over; `orchard edit MAP apply` makes a map of them to merge");
+    content.summary.warnings.push_back("corrections of " + path +
+                                       " are not merged; to include them, write a corrected map "
+                                       "with `orchard edit MAP apply` and merge that");
     std::fprintf(stderr, "orchard merge: warning: %s\n", content.summary.warnings.back().c_str());
   }
   KeptMap kept;
@@ -272,9 +273,9 @@ int run_merge(const MergeOptions& options) {
   if (options.leave_out) {
     io::write_file_atomically(options.out_folder + "/left_out.csv", left_out_csv);
   }
-  std::printf("%zu landmarks from %zu maps, written to %s; ids.csv says which became which\n",
-              content.landmarks.size(), maps.size() - laid.left_out.size(),
-              options.out_folder.c_str());
+  std::printf(
+      "%zu landmarks from %zu maps, written to %s; ids.csv lists the ids before and after\n",
+      content.landmarks.size(), maps.size() - laid.left_out.size(), options.out_folder.c_str());
   return bus::kExitOk;
 }
 

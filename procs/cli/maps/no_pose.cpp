@@ -36,20 +36,22 @@ bool can_read_scans(PoseMode mode) {
 
 std::string no_pose_text(const pose::PoseConfig& config, const std::vector<bus::Channel>& missing,
                          const std::string& state) {
-  std::string text = "gave no pose: pose.mode is " + std::string(mode_text(config.mode));
+  std::string text = "yields no pose: pose.mode " + std::string(mode_text(config.mode));
   std::string channels;
   for (const bus::Channel channel : missing) {
     channels += (channels.empty() ? "" : ", ") + std::string(bus::info(channel).name);
   }
-  if (!channels.empty()) text += " and needs " + channels + ", of which there is none";
+  if (!channels.empty()) text += " needs " + channels + ", which the log lacks";
   const bool no_wheels =
       std::find(missing.begin(), missing.end(), bus::Channel::kOdometry) != missing.end();
   if (no_wheels && can_read_scans(config.mode)) {
-    text += " (pose.motion: scans reads the motion from the scans instead)";
+    text += " (pose.motion: scans estimates the motion from the scans instead)";
   }
-  if (!state.empty()) text += "; it says: " + state;
-  if (channels.empty() && state.empty()) text += ", whose inputs it holds but which fit nowhere";
-  return text + "; see which channels there are with `orchard log info`, and set pose.mode";
+  if (!state.empty()) text += "; the pose estimation reports: " + state;
+  if (channels.empty() && state.empty())
+    text += ": it has the inputs, but no pose could be computed from them";
+  return text +
+         "; list the channels of the log with `orchard log info` and set pose.mode accordingly";
 }
 
 }  // namespace orchard::cli

@@ -27,12 +27,13 @@ constexpr const char* kOpenFirewall = "sudo iptables -I INPUT -p udp -d 239.0.0.
 constexpr std::int64_t kSkew_us = 150'000;
 
 constexpr const char* kUntilBoot =
-    "until the next boot; config/deploy/60-orchard-lcm.conf in /etc/sysctl.d keeps it";
+    "lasts until the next boot; to keep it, copy config/deploy/60-orchard-lcm.conf to "
+    "/etc/sysctl.d";
 constexpr const char* kLoadGuard = "sudo nft -f config/deploy/lcm-guard.nft";
 constexpr const char* kGuardNote =
-    "set the port and the robot's addresses in it first: SECURITY.md";
+    "first set the port and the addresses of the robot in that file (see SECURITY.md)";
 constexpr const char* kFirewallNote =
-    "lets UDP multicast through the firewall; with ufw: sudo ufw allow in proto udp to 239.0.0.0/8";
+    "allows UDP multicast in the firewall; with ufw: sudo ufw allow in proto udp to 239.0.0.0/8";
 
 enum class Severity { kOk, kWarn, kFail };
 
@@ -93,7 +94,7 @@ void check_interfaces(Findings& findings, const UdpmUrl& url) {
   if (!route) {
     findings.add(Severity::kFail, "no route to " + url.address + " (multicast)",
                  "sudo ip link set lo up multicast on && sudo ip route add 224.0.0.0/4 dev lo",
-                 "until the next boot; scripts/multicast_lo.sh does the same");
+                 "lasts until the next boot; scripts/multicast_lo.sh does the same");
     return;
   }
   findings.add(Severity::kOk, "multicast to " + url.address + " goes through " + *route);
@@ -106,44 +107,51 @@ void check_interfaces(Findings& findings, const UdpmUrl& url) {
                                     : "sudo ip route replace 224.0.0.0/4 dev " + other->name;
   const bool through_loopback = loopback != interfaces.end() && *route == loopback->name;
   if (through_loopback && !loopback->multicast) {
-    findings.add(Severity::kWarn, *route + " has no MULTICAST flag; some programs refuse it",
+    findings.add(Severity::kWarn,
+                 *route + " has no MULTICAST flag; some LCM programs refuse to use it",
                  "sudo ip link set lo multicast on");
   }
   if (through_loopback && url.ttl > 0) {
     findings.add(Severity::kWarn,
                  "ttl=" + std::to_string(url.ttl) +
-                     " asks for other machines, but multicast stays on " + *route,
+                     " in the LCM URL is for several machines, but multicast is routed to " +
+                     *route,
                  use_other);
   }
   if (url.ttl > 1) {
-    findings.add(Severity::kWarn, "ttl=" + std::to_string(url.ttl) + " crosses routers",
-                 "use ttl=1 for the robot's own network");
+    findings.add(Severity::kWarn,
+                 "ttl=" + std::to_string(url.ttl) +
+                     " in the LCM URL sends messages beyond routers, out of the robot's network",
+                 "set ttl=1 in lcm.url");
   }
   const auto num_others = std::count_if(interfaces.begin(), interfaces.end(), is_other);
   if (num_others > 1 && !through_loopback) {
     findings.add(url.ttl > 0 ? Severity::kWarn : Severity::kOk,
                  std::to_string(num_others) + " network interfaces are up; LCM uses only " + *route,
-                 "sudo ip route replace 224.0.0.0/4 dev INTERFACE", "INTERFACE: the one to use");
+                 "sudo ip route replace 224.0.0.0/4 dev INTERFACE",
+                 "replace INTERFACE by the interface of the robot's network");
   }
 }
 
 void check_buffers(Findings& findings, const UdpmUrl& url) {
   const std::optional<std::int64_t> limit = kernel_setting("net/core/rmem_max");
   if (!limit) {
-    findings.add(Severity::kWarn, "net.core.rmem_max cannot be read here");
+    findings.add(Severity::kWarn,
+                 "net.core.rmem_max cannot be read: the size of receive buffers is unknown");
     return;
   }
   const std::int64_t wanted = std::max<std::int64_t>(url.recv_buf_size, 2 << 20);
   if (*limit < wanted) {
     findings.add(Severity::kWarn,
-                 "receive buffers are limited to " + std::to_string(*limit) + " bytes, wanted " +
-                     std::to_string(wanted) + ": bursts of pictures may be lost",
+                 "receive buffers are limited to " + std::to_string(*limit) + " bytes, but " +
+                     std::to_string(wanted) + " are needed: bursts of pictures may be lost",
                  "sudo sysctl -w net.core.rmem_max=" + std::to_string(wanted), kUntilBoot);
   } else {
-    findings.add(Severity::kOk, "receive buffers may have " + std::to_string(*limit) + " bytes");
+    findings.add(Severity::kOk,
+                 "receive buffers may be up to " + std::to_string(*limit) + " bytes large");
   }
   if (url.recv_buf_size == 0) {
-    findings.add(Severity::kWarn, "the URL asks for no receive buffer",
+    findings.add(Severity::kWarn, "the LCM URL sets no receive buffer size",
                  "add recv_buf_size=4194304 to lcm.url");
   }
 }
@@ -157,17 +165,18 @@ void check_fragments(Findings& findings, const UdpmUrl& url) {
   const auto memory = kernel_setting("net/ipv4/ipfrag_high_thresh");
   if (!time_s || !memory) {
     findings.add(Severity::kWarn,
-                 "net.ipv4.ipfrag_time and ipfrag_high_thresh cannot be read here");
+                 "net.ipv4.ipfrag_time and ipfrag_high_thresh cannot be read: the limits for "
+                 "message fragments are unknown");
     return;
   }
-  const std::string text = "pieces of broken messages are kept for " + std::to_string(*time_s) +
-                           " s in " + std::to_string(*memory) + " bytes";
+  const std::string text = "fragments of incomplete messages are kept for " +
+                           std::to_string(*time_s) + " s in " + std::to_string(*memory) + " bytes";
   if (*time_s <= kTimeMax_s && *memory >= kMemoryMin_bytes) {
     findings.add(Severity::kOk, text);
   } else if (url.ttl == 0) {
-    findings.add(Severity::kOk, text + "; on one machine no message is cut into pieces");
+    findings.add(Severity::kOk, text + "; with ttl=0 messages are not fragmented");
   } else {
-    findings.add(Severity::kWarn, text + ": when packets are lost, whole messages will be, too",
+    findings.add(Severity::kWarn, text + ": after lost packets, complete messages may be lost, too",
                  "sudo sysctl -w net.ipv4.ipfrag_time=3 net.ipv4.ipfrag_high_thresh=33554432",
                  kUntilBoot);
   }
@@ -177,22 +186,26 @@ void check_fragments(Findings& findings, const UdpmUrl& url) {
 /// their sockets, others need the firewall.
 void check_guard(Findings& findings, const UdpmUrl& url) {
   if (bus::socket_filters_work()) {
-    findings.add(Severity::kOk, "programs of Orchard Mapper drop datagrams that end LCM");
+    findings.add(Severity::kOk,
+                 "programs of Orchard Mapper drop malformed datagrams that would crash LCM");
   } else {
     findings.add(Severity::kWarn,
-                 "this kernel or container allows no socket filters: crafted datagrams can end "
-                 "every program here",
+                 "this kernel or container does not allow socket filters: malformed datagrams can "
+                 "crash every LCM program on this machine",
                  kLoadGuard, kGuardNote);
   }
   const std::optional<bool> arrive = runts_arrive(url);
   if (!arrive) {
-    findings.add(Severity::kOk, "whether the firewall guards other LCM programs cannot be tried");
+    findings.add(Severity::kOk,
+                 "it could not be tested whether the firewall protects other LCM programs");
   } else if (!*arrive) {
-    findings.add(Severity::kOk, "the firewall guards lcm-logger and lcm-spy, too");
+    findings.add(Severity::kOk,
+                 "the firewall protects lcm-logger and lcm-spy from malformed datagrams");
   } else {
-    findings.add(url.ttl > 0 ? Severity::kWarn : Severity::kOk,
-                 "crafted datagrams can end lcm-logger and lcm-spy: the firewall lets them through",
-                 kLoadGuard, kGuardNote);
+    findings.add(
+        url.ttl > 0 ? Severity::kWarn : Severity::kOk,
+        "malformed datagrams can crash lcm-logger and lcm-spy: the firewall does not block them",
+        kLoadGuard, kGuardNote);
   }
 }
 
@@ -233,29 +246,32 @@ void check_traffic(Findings& findings, const std::string& lcm_url) {
     bus.handle(100);
   }
   if (heard_self) {
-    findings.add(Severity::kOk, "a message sent on " + lcm_url + " came back");
+    findings.add(Severity::kOk, "a message sent on " + lcm_url + " was received");
   } else {
     findings.add(Severity::kFail,
-                 sent ? "messages sent on " + lcm_url + " do not come back"
-                      : "the network refuses what is sent on " + lcm_url,
+                 sent
+                     ? "messages sent on " + lcm_url + " are not received: check firewall and route"
+                     : "messages cannot be sent on " + lcm_url,
                  kOpenFirewall, kFirewallNote);
   }
   std::string names;
   for (const auto& [name, offset_us] : others) names += (names.empty() ? "" : ", ") + name;
-  findings.add(Severity::kOk, others.empty() ? "no Orchard Mapper process is running on it"
-                                             : "running on it: " + names);
+  findings.add(Severity::kOk, others.empty()
+                                  ? "no process of Orchard Mapper is running on this network"
+                                  : "running processes: " + names);
   for (const auto& [name, offset_us] : others) {
     if (std::llabs(offset_us) < kSkew_us) continue;
     findings.add(Severity::kWarn,
                  "the clock of " + name + " is " +
                      fixed_text(1e-6 * static_cast<double>(std::llabs(offset_us)), 1) + " s " +
                      (offset_us > 0 ? "ahead of" : "behind") + " this machine's",
-                 "sudo systemctl restart chrony", "one time for all machines: config/deploy");
+                 "sudo systemctl restart chrony", "how to synchronise all machines: config/deploy");
   }
   if (bus.counts().num_bad() > 0) {
     findings.add(Severity::kWarn,
-                 std::to_string(bus.counts().num_bad()) + " messages there are not ours or broken",
-                 "give this system a port of its own in lcm.url");
+                 std::to_string(bus.counts().num_bad()) +
+                     " messages on this network are invalid or not of Orchard Mapper",
+                 "set a separate port for this robot in lcm.url");
   }
 }
 
@@ -266,7 +282,8 @@ int run_doctor(const DoctorOptions& options) {
   const std::optional<UdpmUrl> url = parse_udpm_url(lcm_url);
   if (!url) {
     std::fprintf(stderr,
-                 "orchard doctor: \"%s\" is no URL such as udpm://239.255.76.67:7667?ttl=0\n",
+                 "orchard doctor: \"%s\" is not an LCM URL; give one such as "
+                 "udpm://239.255.76.67:7667?ttl=0\n",
                  printable_text(lcm_url).c_str());
     return bus::kExitUsage;
   }

@@ -79,10 +79,10 @@ std::int64_t utime_asked(const OverlayOptions& options, const bus::ReplayIndex& 
   const double at_us =
       options.at >= kAbsoluteFrom ? options.at : static_cast<double>(first) + 1e6 * options.at;
   if (!(at_us >= static_cast<double>(first) && at_us <= static_cast<double>(last))) {
-    throw io::FileError(options.log_path + " covers 0 to " +
+    throw io::FileError(options.log_path + " covers 0 s to " +
                         fixed_text(1e-6 * static_cast<double>(last - first), 3) + " s (utime " +
                         std::to_string(first) + " to " + std::to_string(last) +
-                        "); --at is outside");
+                        "); give --at within it");
   }
   return std::llround(at_us);
 }
@@ -93,9 +93,8 @@ void require_channel(const OverlayOptions& options, const bus::ReplayIndex& inde
   const bool found = std::any_of(entries.begin(), entries.end(),
                                  [&](const auto& entry) { return entry.channel == channel; });
   if (found) return;
-  throw io::FileError(options.log_path + " holds no usable " +
-                      std::string(bus::info(channel).name) + " message; an overlay needs " + what +
-                      " (see `orchard log info`)");
+  throw io::FileError(options.log_path + " has no valid " + std::string(bus::info(channel).name) +
+                      " message; the overlay needs " + what + " (see `orchard log info`)");
 }
 
 std::vector<io::OverlayPoint> points_of(const laser::Scan& scan, const detection::Rig& rig,
@@ -118,15 +117,16 @@ io::OverlayContent content_of(const OverlayOptions& options, const detection::Sc
   const vision::Image& image = *pair.image;
   const auto& camera = config.camera.intrinsics;
   if (image.width_px != camera.width_px || image.height_px != camera.height_px) {
-    throw io::FileError(options.log_path + " holds pictures of " + std::to_string(image.width_px) +
-                        "x" + std::to_string(image.height_px) + " px, " + replay_rig.name +
+    throw io::FileError(options.log_path + " has pictures of " + std::to_string(image.width_px) +
+                        "x" + std::to_string(image.height_px) + " px, but " + replay_rig.name +
                         " describes a camera of " + std::to_string(camera.width_px) + "x" +
-                        std::to_string(camera.height_px) + "; give the rig they were taken with");
+                        std::to_string(camera.height_px) +
+                        "; give the rig of this recording with --config");
   }
   auto picture = vision::decode(image, detection::picture_of(rig));
   if (!picture) {
     throw io::FileError(options.log_path + ": the picture at utime " + std::to_string(image.utime) +
-                        " does not decode; try another --at");
+                        " cannot be decoded; give another --at");
   }
   const auto findings = detection::find_by_laser(pair.scan, rig);
   const auto motion = detection::to_picture(findings, image, rig, pair.motion);
@@ -168,7 +168,7 @@ int run_overlay(const OverlayOptions& options) {
   }
   const io::Config& config = rig.config;
   if (!config.camera.enabled) {
-    throw io::FileError(rig.name + " has camera.enabled: false; an overlay needs a camera");
+    throw io::FileError(rig.name + " has camera.enabled: false; the overlay needs a camera");
   }
   const io::FigureFormat format = io::figure_format(options.out_path);
   const bus::ReplayIndex index = bus::index_log(options.log_path, {});
@@ -184,9 +184,9 @@ int run_overlay(const OverlayOptions& options) {
   replay.to_s = at_s + kMargin_s;
   bus::replay_in_process(options.log_path, {&node}, replay);
   if (!node.pair()) {
-    throw io::FileError(options.log_path + " has no scan with a picture within " +
+    throw io::FileError(options.log_path + " has no pair of scan and picture within " +
                         fixed_text(kReach_s, 3) + " s of --at " + fixed_text(at_s, 3) +
-                        " s (see detector.pairing_tolerance_s)");
+                        " s of each other (detector.pairing_tolerance_s)");
   }
   const io::OverlayContent content = content_of(options, *node.pair(), rig, first_utime);
   io::write_file_atomically(options.out_path, io::overlay_figure(content, format));

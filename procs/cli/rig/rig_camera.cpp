@@ -42,11 +42,11 @@ void check_size(const RigTarget& target, const geometry::CameraIntrinsics& camer
   const io::Config config = load_rig(target.config_path);
   const geometry::CameraIntrinsics& rig = config.camera.intrinsics;
   if (rig.width_px == camera.width_px && rig.height_px == camera.height_px) return;
-  throw io::FileError(target.config_path + ": camera.width_px x height_px is " +
-                      std::to_string(rig.width_px) + " x " + std::to_string(rig.height_px) +
-                      " but " + what + " is of " + std::to_string(camera.width_px) + " x " +
-                      std::to_string(camera.height_px) +
-                      "; is it another camera's? Correct the size, or give --force to replace it");
+  throw io::FileError(
+      target.config_path + ": camera.width_px x height_px is " + std::to_string(rig.width_px) +
+      " x " + std::to_string(rig.height_px) + ", but the size of " + what + " is " +
+      std::to_string(camera.width_px) + " x " + std::to_string(camera.height_px) +
+      "; give the configuration of this camera, correct its size, or replace it with --force");
 }
 
 std::vector<io::ConfigValue> rig_values_of(const geometry::CameraIntrinsics& camera) {
@@ -75,7 +75,8 @@ void write_rig_camera(const RigTarget& target, const geometry::CameraIntrinsics&
   std::printf("written to %s\n", target.out_path.c_str());
   if (!target.config_path.empty()) {
     std::printf(
-        "delta_m and phi_rad were measured with the old lens: calibrate laser-camera again\n");
+        "delta_m and phi_rad depend on the intrinsics: run `orchard calibrate laser-camera` "
+        "again\n");
   }
 }
 

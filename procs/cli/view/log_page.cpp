@@ -58,7 +58,9 @@ struct LogPage::Spill {
   Spill() {
     std::string name = temporary_folder() + "/orchard_view_XXXXXX";
     fd = ::mkstemp(name.data());
-    if (fd < 0) throw io::FileError(temporary_folder() + " cannot be written; set TMPDIR");
+    if (fd < 0)
+      throw io::FileError(temporary_folder() +
+                          " cannot be written; set TMPDIR to a folder that can");
     ::unlink(name.c_str());
   }
   ~Spill() { ::close(fd); }
@@ -272,7 +274,7 @@ std::optional<PageAnswer> LogPage::picture(std::size_t at) const {
 std::optional<PageAnswer> LogPage::get(const std::string& name, const Parameters& parameters) {
   const auto of_page = parameters.find("boot");
   if (of_page != parameters.end() && of_page->second != boot_) {
-    return PageAnswer{409, "text/plain", "This page is of another viewer: load it anew.\n"};
+    return PageAnswer{409, "text/plain", "This page belongs to an earlier viewer. Reload it.\n"};
   }
   try {
     if (name == "drive") return PageAnswer{200, "application/json", news(parameters)};

@@ -40,7 +40,9 @@ void open_in_browser(const std::string& url) {
   ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
   pid_t child = 0;
   if (::posix_spawnp(&child, "xdg-open", nullptr, &attributes, arguments, environ) != 0) {
-    std::fprintf(stderr, "orchard view: no xdg-open to open a browser with\n");
+    std::fprintf(stderr,
+                 "orchard view: xdg-open is not installed, so no browser was opened; open the "
+                 "address below\n");
   }
   ::posix_spawnattr_destroy(&attributes);
 }
@@ -55,14 +57,14 @@ class TokenPage {
     const auto folder = std::filesystem::temp_directory_path(error);
     path_ = (error ? "." : folder.string()) + "/orchard_view_XXXXXX.html";
     const int fd = ::mkstemps(path_.data(), 5);
-    if (fd < 0) throw io::FileError(path_ + " cannot be written; set TMPDIR");
+    if (fd < 0) throw io::FileError(path_ + " cannot be written; set TMPDIR to a folder that can");
     const std::string text = "<!DOCTYPE html><meta http-equiv=\"refresh\" content=\"0;url=" + url +
                              "?token=" + token + "\">\n";
     const ssize_t written = ::write(fd, text.data(), text.size());
     ::close(fd);
     if (written != static_cast<ssize_t>(text.size())) {
       ::unlink(path_.c_str());
-      throw io::FileError(path_ + " cannot be written; set TMPDIR");
+      throw io::FileError(path_ + " cannot be written; set TMPDIR to a folder that can");
     }
   }
   ~TokenPage() { ::unlink(path_.c_str()); }
@@ -78,11 +80,11 @@ class TokenPage {
 void require_sense(const ViewOptions& options, bool is_folder) {
   if (options.edit && !is_folder) {
     throw io::FileError(
-        "--edit is for a map folder; map the log first (`orchard map`), then "
-        "`orchard view FOLDER --edit`");
+        "--edit needs a map folder; map the log first (`orchard map`), then run `orchard view "
+        "FOLDER --edit`");
   }
   if (is_folder && options.paths.size() > 1) {
-    throw io::FileError("give one map folder, or the logs of one drive");
+    throw io::FileError("give either one map folder or the logs of one drive");
   }
 }
 
@@ -111,8 +113,9 @@ int run_view(const ViewOptions& options) {
   procs::PageContent& content =
       folder ? static_cast<procs::PageContent&>(*folder) : static_cast<procs::PageContent&>(*log);
   const procs::PageServer page(content, server);
-  std::printf("the page is at %s%s%s; Ctrl-C ends\n", page.url().c_str(),
-              server.token.empty() ? "" : "?token=...", options.edit ? " (edits are kept)" : "");
+  std::printf("the page is at %s%s%s; stop with Ctrl-C\n", page.url().c_str(),
+              server.token.empty() ? "" : "?token=...",
+              options.edit ? " (corrections are saved)" : "");
   std::fflush(stdout);
   std::optional<TokenPage> token_page;
   if (options.open && !server.token.empty()) token_page.emplace(page.url(), server.token);

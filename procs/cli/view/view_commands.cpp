@@ -8,33 +8,36 @@ namespace orchard::cli {
 
 void add_view(CLI::App& app, Run& run) {
   add_command<ViewOptions>(
-      app, run, "view", "Open a log or a map in a browser: step through a drive, correct a map",
+      app, run, "view",
+      "Show a log or a map in a browser, to step through a drive or correct a map",
       "  orchard view drive.lcm --open            (play it, scan by scan)\n"
       "  orchard view drive.lcm.00 drive.lcm.01 --config mine.yaml\n"
       "  orchard view out/drive --edit --open     (correct the map on the page)\n"
       "  orchard view out/drive --listen 0.0.0.0:8420 --token-file token   (for the local "
       "network)\n"
-      "In comes a log, which is mapped while you look on and never changed, or a map folder, "
-      "whose\n"
-      "page shows what people corrected. With --edit it takes corrections, as `orchard edit` "
-      "does.\n"
-      "Without --listen the page is for this machine alone.\n",
+      "Input: a log, which is mapped in the background and not changed, or a map folder, which is "
+      "shown\n"
+      "with its corrections. With --edit, corrections made on the page are saved as by `orchard "
+      "edit`.\n"
+      "Without --listen, only this machine can open the page.\n",
       run_view, [](CLI::App& command, ViewOptions& o) {
-        command.add_option("path", o.paths, "log, or the pieces of one, or a map folder")
+        command.add_option("path", o.paths, "a log, the parts of a split log, or a map folder")
             ->required()
             ->type_name("LOG...|FOLDER");
-        command.add_option("--config", o.config_path, "of a log: another rig than its own")
+        command.add_option("--config", o.config_path, "rig to use instead of the one in the log")
             ->type_name("FILE");
         command
             .add_option("--listen", o.listen,
-                        "where the page is (127.0.0.1:8420, or the next port that is free)")
+                        "address of the page [127.0.0.1:8420, or the next free port]")
             ->type_name("ADDRESS:PORT");
         command
-            .add_option("--token-file", o.token_file,
-                        "whose first line lets other hosts look on: http://...?token=TOKEN")
+            .add_option(
+                "--token-file", o.token_file,
+                "file whose first line is the token for other hosts: http://...?token=TOKEN")
             ->type_name("FILE");
-        command.add_flag("--edit", o.edit, "who sees the page may correct the map");
-        command.add_flag("--open,!--no-browser", o.open, "open it in the browser");
+        command.add_flag("--edit", o.edit,
+                         "allow everyone who can open the page to correct the map");
+        command.add_flag("--open,!--no-browser", o.open, "open the page in a browser");
       });
 }
 

@@ -156,7 +156,7 @@ TEST_F(CalibrateCommand, ALogWithoutPicturesIsRefused) {
   const Outcome outcome = run("calibrate trunks " + log + " --config " + rig_.string() + " --out " +
                               in_folder("out.yaml"));
   EXPECT_EQ(outcome.exit_code, 3) << outcome.output;
-  EXPECT_NE(outcome.output.find("no scan with an image"), std::string::npos) << outcome.output;
+  EXPECT_NE(outcome.output.find("no scan with a picture"), std::string::npos) << outcome.output;
   EXPECT_FALSE(fs::exists(in_folder("out.yaml")));
 }
 

@@ -157,11 +157,11 @@ class OtherPictures : public CalibrateLaserCamera {
 };
 
 TEST_F(OtherPictures, OfDifferentSizesAreRefused) {
-  expect_refused(calibrate(log_of({320, 640, 320})), "its pictures are of different sizes, 1 of 3");
+  expect_refused(calibrate(log_of({320, 640, 320})), "the pictures differ in size: 1 of 3");
 }
 
 TEST_F(OtherPictures, OfAnotherCameraAreRefused) {
-  expect_refused(calibrate(log_of({640, 640})), "the YAML of another camera");
+  expect_refused(calibrate(log_of({640, 640})), "give the configuration of this camera");
 }
 
 TEST_F(CalibrateLaserCamera, ImportsTheToolbox) {

@@ -13,7 +13,7 @@ TEST(CommandLine, HelpIsEnoughToStart) {
   EXPECT_EQ(result.exit_code, 0);
   for (const char* command :
        {"simulate", "import", "map", "evaluate", "log", "echo", "doctor", "calibrate",
-        "Exit codes: 0 done, 1 failed or interrupted, 2 bad command line"}) {
+        "Exit codes: 0 success, 1 failed or interrupted, 2 bad command line"}) {
     EXPECT_THAT(result.out, HasSubstr(command));
   }
 }

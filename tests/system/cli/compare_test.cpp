@@ -144,7 +144,7 @@ TEST_F(CompareCommand, LeavesOutWhatIsOfAnotherOrchardAndKeepsIds) {
   // One against one: nobody can tell which is of the orchard.
   const Result two = orchard({"merge", other, may_1, "--leave-out", "--out", path("two")});
   EXPECT_EQ(two.exit_code, 3);
-  EXPECT_THAT(two.err, HasSubstr("nothing tells which"));
+  EXPECT_THAT(two.err, HasSubstr("it is unknown which"));
   EXPECT_FALSE(exists(path("two/map.csv")));
   const Result three =
       orchard({"merge", other, may_1, may_2, "--leave-out", "--out", path("three")});

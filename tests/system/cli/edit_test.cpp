@@ -143,7 +143,7 @@ TEST_F(EditCommand, SaysWhatIsDamaged) {
   EXPECT_EQ(edit({"check"}).exit_code, 3);
   const Result next = edit({"delete", "4"});
   EXPECT_EQ(next.exit_code, 0);
-  EXPECT_THAT(next.err, HasSubstr("40 bytes are left out"));
+  EXPECT_THAT(next.err, HasSubstr("40 bytes are ignored"));
   EXPECT_EQ(list().size(), 2u);
   write_file(file, whole + "{\"n\":2,\"when\":\"yesterday\"}\n");
   const Result bad = edit({"list"});

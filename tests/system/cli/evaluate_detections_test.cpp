@@ -97,7 +97,7 @@ TEST_F(EvaluateDetections, FilesThatAreNotWhatTheyShouldBe) {
   expect_refused(evaluate({path("map"), path("map"), "--observations", path("looks.csv")}),
                  "one --observations per recording");
   expect_refused(evaluate({path("drive.lcm"), "--observations", path("looks.csv")}),
-                 "holds no usable DETECTIONS message");
+                 "has no valid DETECTIONS message");
   expect_refused(evaluate({path("none"), "--observations", path("looks.csv")}), "none");
   std::string other = read_file(path("looks.csv"));
   for (auto at = other.find("\n13"); at != std::string::npos; at = other.find("\n13", at + 1)) {
@@ -105,10 +105,10 @@ TEST_F(EvaluateDetections, FilesThatAreNotWhatTheyShouldBe) {
   }
   write_file(path("other.csv"), other);
   expect_refused(evaluate({path("map"), "--observations", path("other.csv")}),
-                 "not one time is the same");
+                 "no time stamp is equal");
   expect_refused(orchard({"calibrate", "probability", path("drive.lcm"), "--observations",
                           path("other.csv"), "--config", config(), "--out", path("rig.yaml")}),
-                 "not one time is the same");
+                 "no time stamp is equal");
   EXPECT_FALSE(exists(path("rig.yaml")));
 }
 

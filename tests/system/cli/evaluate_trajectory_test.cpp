@@ -83,7 +83,7 @@ TEST_F(EvaluateTrajectoryCommand, SaysWhatIsWrong) {
   write_file(path("truth.csv"), "utime_us,x_m,y_m\n99000000,0,0\n99100000,0,0\n");
   const Result nothing = evaluate();
   EXPECT_EQ(nothing.exit_code, 1);
-  EXPECT_THAT(nothing.err, HasSubstr("nothing to compare"));
+  EXPECT_THAT(nothing.err, HasSubstr("nothing can be compared"));
   EXPECT_EQ(evaluate({"--figure", path("errors.bmp")}).exit_code, 3);
   EXPECT_EQ(evaluate({"--align", "--align-origin"}).exit_code, 2);
   EXPECT_EQ(evaluate({"--unit", "feet"}).exit_code, 2);

@@ -105,7 +105,7 @@ TEST_F(CliTest, ALogWithoutLibbotsTypesIsRefused) {
   ASSERT_EQ(orchard({"simulate", "--scene", "tubes", "--seed", "3", "--out", ours}).exit_code, 0);
   const Result import = orchard({"import", ours, "--out", path("imported.lcm")});
   EXPECT_EQ(import.exit_code, 3);
-  EXPECT_THAT(import.err, HasSubstr("holds none of libbot's types"));
+  EXPECT_THAT(import.err, HasSubstr("has no message of libbot's types"));
 }
 
 }  // namespace

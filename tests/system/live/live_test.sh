@@ -50,7 +50,7 @@ begun=$(date +%s%N)
 back() { local now; now=$(pid_of orchard-mapper) && [ "$now" != "$mapper" ]; }
 wait_for "another mapper" 5 back
 echo "the mapper was back after $((($(date +%s%N) - begun) / 1000000)) ms"
-grep -q "orchard-mapper was ended by signal Killed" live.err || fail "nobody says who was killed"
+grep -q "orchard-mapper was killed by signal Killed" live.err || fail "nobody says who was killed"
 wait_for "the drive's end" 40 is_over
 stop
 [ "$(wc -l <map2/map.csv)" -eq 17 ] || fail "map2/map.csv has not 16 landmarks"

@@ -104,7 +104,7 @@ class Publish(unittest.TestCase):
     def test_again_replaces_and_keeps_what_it_replaced(self):
         self.publish(self.map_of("first"))
         out = self.publish(self.map_of("second", lambda row: 0.01 if row == 1 else 0.0, {401, 402}))
-        self.assertIn("14 of an earlier publication", out)
+        self.assertIn("14 rows of an earlier publication", out)
         self.assertEqual(self.count(), ROWS * TREES - 2)
         self.assertEqual(self.count("tree_replaced", "id / 100 = 1 AND width_m < 0.115"), TREES)
         self.assertEqual(self.count("tree_replaced", "id IN (401, 402)"), 2)

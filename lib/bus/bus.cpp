@@ -63,7 +63,10 @@ struct Bus::Impl {
       return opened;
     }
     if (guard->attach() == 0) {
-      spdlog::warn("no filter on the socket of {}: crafted datagrams can end this process", url);
+      spdlog::warn(
+          "the socket of {} has no filter: malformed datagrams can crash this process (see "
+          "SECURITY.md)",
+          url);
     }
     listen_to_subscribed();
     return opened;
@@ -113,9 +116,8 @@ struct Bus::Impl {
     lcm_subscription_t* subscription =
         open_guarded([&] { return lcm_subscribe(lcm, pattern.c_str(), handler, context); });
     if (subscription == nullptr) {
-      throw BusError("nothing can be received on " + url +
-                     ": is there a multicast route and does the firewall let UDP through? "
-                     "\"orchard doctor\" says what is missing");
+      throw BusError("cannot subscribe to messages on " + url +
+                     ": check the multicast route and the firewall with \"orchard doctor\"");
     }
     lcm_subscription_set_queue_capacity(subscription, is_private() ? 0 : capacity);
   }
@@ -156,14 +158,13 @@ Bus::Bus(const std::string& url) : impl_(std::make_unique<Impl>()) {
   impl_->url = url;
   if (url.compare(0, 7, "udpm://") != 0 && url.compare(0, 7, "memq://") != 0) {
     throw BusError("LCM URL \"" + url +
-                   "\": must begin with udpm:// (for logs there is orchard-log-player)");
+                   "\": must begin with udpm://; to replay a log use orchard-log-player");
   }
   impl_->lcm = lcm_create(url.c_str());
   if (impl_->lcm == nullptr) {
     throw BusError("LCM cannot use " + url +
-                   ": check the address and port, and that a multicast route exists "
-                   "(\"ip route add 224.0.0.0/4 dev lo\" on a machine without network); "
-                   "\"orchard doctor\" says what is missing");
+                   ": check its address and port, and the multicast route with \"orchard doctor\" "
+                   "(on a machine without network: \"ip route add 224.0.0.0/4 dev lo\")");
   }
 }
 
@@ -228,7 +229,7 @@ bool Bus::handle(int timeout_ms) {
   if (impl_->pending) std::rethrow_exception(std::exchange(impl_->pending, nullptr));
   if (result < 0) {
     if (errno == EINTR) return false;
-    throw BusError("LCM failed on " + impl_->url + " while receiving");
+    throw BusError("receiving from LCM failed on " + impl_->url);
   }
   return true;
 }

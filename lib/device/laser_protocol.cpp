@@ -15,7 +15,7 @@ std::unique_ptr<Protocol> make_laser_protocol(LaserProtocol protocol) {
     case LaserProtocol::kColaA:
       return std::make_unique<ColaProtocol>();
   }
-  throw std::invalid_argument("no such protocol of a scanner");
+  throw std::invalid_argument("unknown scanner protocol");
 }
 
 }  // namespace orchard::device

@@ -33,7 +33,7 @@ void ScannerTalk::bound_buffer() {
 }
 
 bool ScannerTalk::may_begin_anew() {
-  if (trouble_.empty()) trouble_ = "the scanner sends no sweeps";
+  if (trouble_.empty()) trouble_ = "the scanner sends no scans";
   if (!is_streaming_) {
     fail(trouble_);
     return false;
@@ -65,7 +65,7 @@ std::string ScannerTalk::condition() const {
   if (!failure_.empty()) return failure_;
   if (!trouble_.empty()) return trouble_;
   if (num_asked_ > 1) return "waits for the scanner's answer to " + command_;
-  return is_streaming_ ? std::string() : "waits for the scanner's first sweep";
+  return is_streaming_ ? std::string() : "waits for the scanner's first scan";
 }
 
 }  // namespace orchard::device

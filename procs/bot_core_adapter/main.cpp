@@ -12,21 +12,20 @@ int main(int argc, char** argv) {
   bus::ProcessInfo info;
   info.name = "orchard-bot-core-adapter";
   info.description =
-      "Translates libbot's LCM types for robots that speak them: planar_lidar_t to SCAN, image_t "
+      "Translate libbot's LCM types into those of Orchard Mapper: planar_lidar_t to SCAN, image_t "
       "to\n"
       "IMAGE, pose_t to ODOMETRY (or POSE_FIX), gps_data_t to GNSS. Configuration: "
       "drivers.bot_core.";
-  info.options = {
-      {"--robot-url", "URL",
-       "LCM network of the robot, instead of the configuration's drivers.bot_core.lcm_url",
-       &robot_url}};
+  info.options = {{"--robot-url", "URL",
+                   "URL of the robot's LCM network [drivers.bot_core.lcm_url]", &robot_url}};
   io::RigFile rig;
   return bus::run_device_process(argc, argv, info, rig, [&]() -> std::unique_ptr<bus::Driver> {
     device::BotCoreConfig config = rig.config().drivers.bot_core;
     if (!robot_url.empty()) config.lcm_url = robot_url;
     if (config.lcm_url.empty()) {
       throw std::invalid_argument(
-          "no network of a robot is named: set drivers.bot_core.lcm_url or give --robot-url");
+          "the LCM network of the robot is unknown: set drivers.bot_core.lcm_url or give "
+          "--robot-url");
     }
     const auto max_bytes = static_cast<std::size_t>(rig.config().drivers.camera.max_bytes);
     return std::make_unique<bus::BotCoreDriver>(config, max_bytes);

@@ -120,10 +120,10 @@ void CameraDriver::restart_when_silent() {
     heard_ = std::max(heard_,
                       Clock::now() - kSilence);  // it needs time to open
   } else if (Clock::now() - heard_ > kHang) {
-    source_->restart("no picture for 4 s; opens the camera again");
+    source_->restart("no picture for 4 s; reopening the camera");
     heard_ = Clock::now();
   } else if (watch_.is_frozen()) {
-    source_->restart("gives the same picture again and again; opens the camera again");
+    source_->restart("repeats the same picture; reopening the camera");
     watch_.restart();
   }
 }
@@ -138,9 +138,9 @@ void CameraDriver::take(device::CameraFrame frame, const bus::Outbox& send) {
   }
   if (frame.width_px != width_px_ || frame.height_px != height_px_) {
     ++num_refused_;
-    refusal_ = "pictures of " + std::to_string(frame.width_px) + "x" +
-               std::to_string(frame.height_px) + ", not the " + std::to_string(width_px_) + "x" +
-               std::to_string(height_px_) + " of camera.width_px and height_px";
+    refusal_ = "pictures are " + std::to_string(frame.width_px) + "x" +
+               std::to_string(frame.height_px) + ", but camera.width_px and height_px are " +
+               std::to_string(width_px_) + "x" + std::to_string(height_px_);
     return;
   }
   last_utime_ = frame.utime;
@@ -168,14 +168,14 @@ bus::DriverCondition CameraDriver::condition() const {
     say(bus::Level::kError, problem);
   }
   if (source_->fileno() >= 0 && Clock::now() - heard_ > kSilence) {
-    say(bus::Level::kError, "no picture for a second");
+    say(bus::Level::kError, "no picture for more than a second");
   }
-  if (watch_.is_frozen()) say(bus::Level::kError, "the picture is frozen: the same ten times");
+  if (watch_.is_frozen()) say(bus::Level::kError, "the picture is frozen: ten identical pictures");
   if (!refusal_.empty()) say(bus::Level::kWarning, "refused: " + refusal_);
   if (config_.max_bytes > kDatagram_bytes) {
     say(bus::Level::kWarning,
-        "drivers.camera.max_bytes is above 60000: a picture of several datagrams is lost with any "
-        "of them");
+        "drivers.camera.max_bytes is above 60000: such pictures need several datagrams, and losing "
+        "one loses the picture");
   }
   return condition;
 }

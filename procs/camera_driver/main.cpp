@@ -8,15 +8,16 @@ int main(int argc, char** argv) {
   bus::ProcessInfo info;
   info.name = "orchard-camera-driver";
   info.description =
-      "Reads a camera (Video4Linux2), a folder of pictures or a video. Sends IMAGE: the camera's "
-      "own\n"
-      "JPEG where it has one, compressed only where drivers.camera.max_bytes asks for it.";
+      "Read a camera (Video4Linux2), a folder of pictures or a video and send IMAGE. A JPEG of the "
+      "camera\n"
+      "is passed on; it is compressed again only if it is larger than drivers.camera.max_bytes.";
   info.options = {
-      {"--device", "DEVICE", "/dev/video0, pictures:FOLDER or video:FILE", &options.device},
-      {"--emulate", "LOG", "play the pictures of a log as a camera would give them",
-       &options.emulate},
+      {"--device", "DEVICE",
+       "source: /dev/video0, pictures:FOLDER or video:FILE [drivers.camera.device]",
+       &options.device},
+      {"--emulate", "LOG", "emulate the camera: replay the pictures of this log", &options.emulate},
       {"--emulate-at", "UTIME",
-       "play the log's first event, or the first picture, at that time of the host [us] [now]",
+       "time of this machine at the first event of the log, or the first picture [us] [now]",
        &options.emulate_at},
   };
   io::RigFile rig;

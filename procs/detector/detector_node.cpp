@@ -84,8 +84,8 @@ bus::NodeCounts DetectorNode::counts() const { return {pairer_.num_late(), num_u
 
 std::string DetectorNode::waiting_for() const {
   if (intensities_missing_) {
-    return "SCAN waits for intensities: detector.segmentation.reflector needs them and the laser "
-           "driver sends none; switch them on there or set reflector to ignored";
+    return "SCAN has no intensities, which detector.segmentation.reflector needs; switch them on "
+           "in the laser driver or set reflector to ignored";
   }
   if (const auto view = joiner_ ? joiner_->waiting_utime() : std::nullopt) {
     return "SCAN at " + fixed_text(static_cast<double>(*view) * 1e-6, 3) +

@@ -25,12 +25,12 @@ laser::OwnReturnsConfig own_returns_config(const laser::LaserConfig& laser,
 std::string own_returns_text(const laser::OwnReturns& own, bus::Channel channel) {
   const auto found = own.found();
   if (!found) return {};
-  return std::string(bus::info(channel).name) + " shows something nearer than " +
+  return std::string(bus::info(channel).name) + " has returns nearer than " +
          fixed_text(found->reach_m, 1) +
-         " m that travels with the robot (its own body, or who walks with it) and becomes "
-         "landmarks: detector.segmentation.blind_centre_rad: " +
+         " m that move with the robot (its own body, or a person walking with it) and become "
+         "landmarks. To ignore them, set detector.segmentation.blind_centre_rad: " +
          fixed_text(found->sector.centre_rad, 2) +
-         " and blind_half_width_rad: " + fixed_text(found->sector.half_width_rad, 2) + " hide it";
+         " and blind_half_width_rad: " + fixed_text(found->sector.half_width_rad, 2);
 }
 
 }  // namespace
@@ -88,7 +88,7 @@ std::string InputHealth::picture_text(bool ended) const {
   if (!is_wanting) return {};
   return "no IMAGE (from the camera) for " +
          std::to_string(ended ? num_without_picture_ : num_since_picture_) + " of " +
-         std::to_string(num_scans) + " scans: what they saw is UNSEEN, neither tree nor object";
+         std::to_string(num_scans) + " scans: their detections are UNSEEN, neither tree nor object";
 }
 
 std::string InputHealth::unusable_text(bool ended) const {
@@ -97,7 +97,7 @@ std::string InputHealth::unusable_text(bool ended) const {
   if (!is_wanting) return {};
   const std::string which = std::to_string(ended ? num_unusable_ : num_since_usable_) + " of " +
                             std::to_string(num_usable_ + num_unusable_) + " pictures are unusable";
-  const std::string outcome = ": what they were to judge is UNSEEN";
+  const std::string outcome = ": their detections are UNSEEN";
   if (bad_width_px_ == width_px_ && bad_height_px_ == height_px_) {
     return which + " (IMAGE cannot be decoded)" + outcome;
   }
@@ -105,7 +105,7 @@ std::string InputHealth::unusable_text(bool ended) const {
     return std::to_string(width_px) + " x " + std::to_string(height_px);
   };
   return which + " (IMAGE is " + size_text(bad_width_px_, bad_height_px_) +
-         " px, camera.width_px and height_px say " + size_text(width_px_, height_px_) + ")" +
+         " px, but camera.width_px and height_px are " + size_text(width_px_, height_px_) + ")" +
          outcome;
 }
 
@@ -113,7 +113,8 @@ std::string InputHealth::odometry_text(bool ended, std::int64_t num_without_moti
   if (num_without_motion == 0 || (!ended && !last_without_motion_)) return {};
   return "no ODOMETRY (from the base) for " + std::to_string(num_without_motion) + " of " +
          std::to_string(num_pictures_) +
-         " pictures: used without the motion between scan and picture (detector.use_odometry)";
+         " pictures: they are used without compensating the motion between scan and picture "
+         "(detector.use_odometry)";
 }
 
 }  // namespace orchard::procs

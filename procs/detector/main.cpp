@@ -9,7 +9,7 @@ int main(int argc, char** argv) {
   orchard::bus::ProcessInfo info;
   info.name = "orchard-detector";
   info.description =
-      "Finds tree trunks and other objects in each laser scan and its camera image.\n"
+      "Detect tree trunks and other objects in each laser scan and its camera picture.\n"
       "Reads SCAN and IMAGE, sends DETECTIONS.";
   orchard::io::RigFile rig;
   return orchard::bus::run_node_process(argc, argv, info, rig, [&] {

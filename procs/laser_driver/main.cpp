@@ -8,9 +8,11 @@ int main(int argc, char** argv) {
   bus::ProcessInfo info;
   info.name = "orchard-laser-driver";
   info.description =
-      "Reads a laser scanner: Hokuyo (SCIP 2.0: URG-04LX-UG01, UTM-30LX, UST-10LX) or SICK\n"
-      "(CoLa-A: TiM3xx, TiM5xx, LMS1xx), over TCP or a serial line. Sends SCAN, stamped with the\n"
-      "host's time of its first beam. Configuration: drivers.laser.";
+      "Read a laser scanner over TCP or a serial line and send SCAN: Hokuyo (SCIP 2.0: "
+      "URG-04LX-UG01,\n"
+      "UTM-30LX, UST-10LX) or SICK (CoLa-A: TiM3xx, TiM5xx, LMS1xx). The time stamp is that of the "
+      "first\n"
+      "beam, in the time of this machine. Configuration: drivers.laser.";
   io::RigFile rig;
   return bus::run_stream_process(argc, argv, info, rig, [&rig] {
     return procs::make_laser_device(rig.config().drivers.laser, bus::Channel::kScan);

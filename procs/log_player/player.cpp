@@ -43,7 +43,7 @@ class Sink {
     verification_->finish();
     for (const std::string& line : verification_->describe()) std::printf("%s\n", line.c_str());
     std::printf("%s\n", verification_->equal()
-                            ? "verified: the log's derived messages come out again"
+                            ? "verified: the replay reproduces the derived messages of the log"
                             : "NOT verified");
     return verification_->equal() ? bus::kExitOk : bus::kExitRuntime;
   }
@@ -110,11 +110,11 @@ int play_in_lockstep(const PlayerOptions& options) {
   const bus::LockstepReport report = bus::replay_in_lockstep(options.log_path, bus, stop, lockstep);
   bar.finish();
   if (report.stopped) {
-    spdlog::warn("stopped before the end of the log: nothing is written");
+    spdlog::warn("stopped before the end of the log: no output was written");
     return bus::kExitOk;
   }
   print_report(report.replay, report.elapsed_s);
-  std::printf("lockstep: nothing lost, %lld sent again\n",
+  std::printf("lockstep: no message lost, %lld repeated\n",
               static_cast<long long>(report.num_resent));
   return sink.finish();
 }

@@ -17,17 +17,19 @@ namespace {
 constexpr const char* kName = "orchard-log-player";
 
 constexpr const char* kDescription =
-    "Replays the source channels of an LCM log (SCAN, IMAGE, ODOMETRY, GNSS, POSE_FIX).\n"
+    "Replay the sensor channels of an LCM log (SCAN, IMAGE, ODOMETRY, GNSS, POSE_FIX).\n"
     "\n"
-    "--in-process (default): detector, pose and mapper inside this program; fast, deterministic.\n"
-    "--lockstep: the real processes, each started with --lockstep on the same LCM URL; every\n"
-    "  message waits until the last one's consequences are acknowledged; deterministic.\n"
-    "--speed X: paced by the clock, for people and lcm-spy; messages may be lost, and the result\n"
-    "  is not deterministic.";
+    "--in-process (default): runs detector, pose and mapper in this program; fast, deterministic.\n"
+    "--lockstep: sends to the real processes, each started with --lockstep on the same LCM URL; "
+    "each\n"
+    "  message waits until all results of the previous one are acknowledged; deterministic.\n"
+    "--speed X: sends in real time or X times faster, for viewing; messages may be lost, and the\n"
+    "  result is not deterministic.";
 
 constexpr const char* kFooter =
-    "Exit codes: 0 replayed (and equal, with --verify), 1 runtime failure, a silent node or a\n"
-    "difference, 2 bad command line, 3 bad configuration or log.";
+    "Exit codes: 0 replayed (with --verify: and equal), 1 runtime failure, no answer of a process, "
+    "or\n"
+    "a difference, 2 bad command line, 3 bad configuration or log.";
 
 void set_up_log(const std::string& level) {
   auto logger = spdlog::stderr_color_mt(kName);
@@ -45,7 +47,7 @@ bool take_replay_rig(PlayerOptions& options, const std::string& config_path) {
     return true;
   } catch (const io::ConfigError& error) {
     for (const std::string& problem : error.problems()) std::cerr << problem << "\n";
-    std::cerr << kName << ": " << error.problems().size() << " mistake(s) in the configuration\n";
+    std::cerr << kName << ": " << error.problems().size() << " error(s) in the configuration\n";
   } catch (const io::FileError& error) {
     std::cerr << kName << ": " << error.what() << "\n";
   }
@@ -65,50 +67,58 @@ std::optional<int> read_player_options(int argc, char** argv, PlayerOptions& opt
   bool print_all = false;
   bool in_process = false;
   bool lockstep = false;
-  app.add_option("log", options.log_path, "the log (lcm-logger's format)")->option_text("LOG");
-  auto* in_process_flag = app.add_flag("--in-process", in_process, "the default mode");
-  auto* lockstep_flag = app.add_flag("--lockstep", lockstep, "through processes that take turns");
-  auto* speed = app.add_option("--speed", options.process.speed, "times real time")
-                    ->option_text("FACTOR")
-                    ->check(CLI::Range(1e-3, 1e3));
+  app.add_option("log", options.log_path, "LCM log to replay")->option_text("LOG");
+  auto* in_process_flag = app.add_flag("--in-process", in_process,
+                                       "run detector, pose and mapper in this program (default)");
+  auto* lockstep_flag = app.add_flag("--lockstep", lockstep,
+                                     "replay through processes that were started with --lockstep");
+  auto* speed =
+      app.add_option("--speed", options.process.speed, "replay in real time, faster by this factor")
+          ->option_text("FACTOR")
+          ->check(CLI::Range(1e-3, 1e3));
   lockstep_flag->excludes(in_process_flag)->excludes(speed);
   speed->excludes(in_process_flag);
-  app.add_option("--config", config_path, "the rig's YAML (without: the rig in LOG)")
+  app.add_option("--config", config_path, "configuration of the rig [the one in LOG]")
       ->option_text("FILE");
-  app.add_option("--out", options.out_path, "write every derived message to this log")
+  app.add_option("--out", options.out_path, "write all derived messages to this log")
       ->option_text("FILE")
       ->excludes(speed);
   app.add_flag("--verify", options.verify,
-               "compare the derived messages, byte by byte, with those recorded in LOG")
+               "compare the derived messages byte by byte with those in LOG")
       ->excludes(speed);
-  app.add_flag("--strict", options.replay.strict, "refuse a log with any damage or bad message");
-  app.add_option("--from", options.replay.from_s, "begin this many seconds into the log")
+  app.add_flag("--strict", options.replay.strict, "refuse a log with damage or invalid messages");
+  app.add_option("--from", options.replay.from_s, "start this many seconds into the log")
       ->option_text("SECONDS");
   app.add_option("--to", options.replay.to_s, "end this many seconds into the log")
       ->option_text("SECONDS");
-  app.add_option("--nodes", options.nodes, "lockstep: who takes part (detector,pose,mapper)")
+  app.add_option("--nodes", options.nodes,
+                 "lockstep: processes that take part [detector,pose,mapper]")
       ->option_text("NAMES")
       ->delimiter(',')
       ->check(CLI::IsMember({"detector", "pose", "mapper"}));
   app.add_option("--start-timeout", options.start_timeout_s,
-                 "lockstep: how long to wait for them to appear (60)")
+                 "lockstep: max time to wait for these processes at the start [60]")
       ->option_text("SECONDS")
       ->check(CLI::Range(1, 86400));
   app.add_option("--wait-for", options.process.wait_for,
-                 "paced: begin when these were heard on STATUS, such as detector,pose,mapper")
+                 "--speed: start when these processes are running, such as detector,pose,mapper")
       ->option_text("NAMES")
       ->delimiter(',')
       ->needs(speed);
-  app.add_flag("--hold", options.process.hold, "paced: stay after the last message")->needs(speed);
-  app.add_option("--lcm-url", lcm_url,
-                 "LCM network (without: the rig's, then $LCM_DEFAULT_URL, then the default)")
+  app.add_flag("--hold", options.process.hold, "--speed: keep running after the last message")
+      ->needs(speed);
+  app.add_option(
+         "--lcm-url", lcm_url,
+         "URL of the LCM network [that of the rig, else $LCM_DEFAULT_URL, else the default]")
       ->option_text("URL");
-  app.add_option("--log-level", log_level, "trace, debug, info, warning, error or off")
+  app.add_option(
+         "--log-level", log_level,
+         "lowest level of log lines to print: trace, debug, info, warning, error or off [info]")
       ->option_text("LEVEL")
       ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}));
   auto* print_flag =
       app.add_flag("--print-config", print_config, "print the effective configuration, and exit");
-  app.add_flag("--all", print_all, "with --print-config: the keys for experts, too")
+  app.add_flag("--all", print_all, "with --print-config: also print the expert keys")
       ->needs(print_flag);
   try {
     app.parse(argc, argv);

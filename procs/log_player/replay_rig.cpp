@@ -29,8 +29,9 @@ ReplayRig choose_rig(const io::LogPaths& logs, const std::string& config_path) {
       return {io::parse_config(rig.yaml, name), name, {}};
     } catch (const io::ConfigError& error) {
       std::vector<std::string> problems = error.problems();
-      problems.push_back(file + " was recorded by version " + rig.version +
-                         ", whose rig this one does not read; give the rig with --config FILE");
+      problems.push_back(
+          file + " was recorded by version " + rig.version +
+          ", whose configuration this version cannot read; give the rig with --config FILE");
       throw io::ConfigError(std::move(problems));
     }
   }
@@ -44,7 +45,7 @@ ReplayRig choose_rig(const io::LogPaths& logs, const std::string& config_path) {
     if (of_first.empty()) of_first = std::move(differences);
   }
   if (of_first.empty()) return chosen;
-  chosen.notes.push_back(config_path + " is another rig than " + logs.text() +
+  chosen.notes.push_back(config_path + " differs from the configuration that " + logs.text() +
                          " was recorded with (key: in the log -> given):");
   for (const std::string& line : io::difference_lines(of_first)) {
     chosen.notes.push_back("  " + line);

@@ -38,7 +38,7 @@ Verification::Verification(const std::string& log_path) : reader_(log_path) {
                                                                  event->offset);
   }
   if (!any) {
-    throw io::FileError(log_path + ": holds no derived message (POSE, DETECTIONS, MAP) to verify");
+    throw io::FileError(log_path + ": has no derived message (POSE, DETECTIONS, MAP) to verify");
   }
 }
 
@@ -81,7 +81,7 @@ void Verification::finish() {
     State& state = states_[i];
     for (const auto& [seq, offset] : state.recorded) {
       differ(state, name_of(i) + " seq " + std::to_string(seq) + " (offset " +
-                        std::to_string(offset) + " in the log): recorded, but not made again");
+                        std::to_string(offset) + " in the log): recorded, but not reproduced");
     }
   }
 }
@@ -103,7 +103,7 @@ std::vector<std::string> Verification::describe() const {
                     std::to_string(state.num_different) + " different");
     if (state.num_tail > 0) {
       lines.push_back("note: " + name_of(i) + ": " + std::to_string(state.num_tail) +
-                      " messages at the end were made now but are not in the log (its recording "
+                      " messages at the end of the replay are not in the log (its recording "
                       "stopped before the processes flushed)");
     }
   }

@@ -55,9 +55,9 @@ void BeamTimes::note_pose(std::int64_t utime, const geometry::Pose2& T_map_base)
 std::string BeamTimes::text() const {
   if (num_moved_ < kMovedMin) return {};
   return fmt::format(
-      "SCAN does not say when each beam was sent (beam_period_us is 0) and the robot moved during "
-      "{} of {} scans, by some {:.2f} m where things stand: they are misplaced by up to as much; "
-      "give the driver, or sensors.yaml of the recording, the scanner's beam_period_us",
+      "SCAN has no beam times (beam_period_us is 0) and the robot moved during {} of {} scans, so "
+      "landmarks may be displaced by about {:.2f} m; set beam_period_us in the laser driver, or in "
+      "sensors.yaml of the recording",
       num_moved_, num_scans_, sum_moved_m_ / static_cast<double>(num_moved_));
 }
 

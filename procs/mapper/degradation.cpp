@@ -109,9 +109,9 @@ std::string Degradation::text() const {
     }
     if (num == 0) continue;
     text += fmt::format(
-        "{}no {} for {:.1f} s in {} stretch{} while the map went on; {} landmarks were first seen "
-        "then (summary.json: degraded)",
-        text.empty() ? "" : "; ", missing, sum_s, num, num == 1 ? "" : "es", num_new);
+        "{}no {} for {:.1f} s in {} interval{} while mapping; {} landmarks were first seen then "
+        "(see `degraded` in summary.json)",
+        text.empty() ? "" : "; ", missing, sum_s, num, num == 1 ? "" : "s", num_new);
   }
   return text;
 }

@@ -59,7 +59,7 @@ std::string JournaledMapper::go_on() {
   using State = io::SnapshotReading::State;
   const io::SnapshotReading reading = io::read_snapshot(place_.file(kSnapshotName), config_hash_);
   if (reading.state == State::kOtherMaker) return kOtherConfiguration;
-  if (reading.state == State::kDamaged) return "its snapshot is damaged, or another program's";
+  if (reading.state == State::kDamaged) return "its snapshot is damaged or of another program";
   const bool has_snapshot = reading.state == State::kWhole;
   if (has_snapshot) {
     const std::string why_not = go_on_from(reading.snapshot);
@@ -100,18 +100,18 @@ std::string JournaledMapper::go_on_with_journal(bool has_snapshot, std::uint64_t
     case State::kDamaged:
       return "its journal is damaged: " + reading.reason;
     case State::kAbsent:
-      if (!has_snapshot) return "it has no journal to go on from";
+      if (!has_snapshot) return "it has no journal";
       break;
     case State::kWhole:
       if (reading.num_torn_bytes > 0) {
-        spdlog::warn("{}: {} bytes at its end are of a write that was cut off: left out", path,
+        spdlog::warn("{}: ignored {} bytes of an interrupted write at the end", path,
                      reading.num_torn_bytes);
       }
       replay(covered_bytes);
   }
   journal_ = std::make_unique<io::Journal>(path, journal_identity(), reading.num_good_bytes);
   if (has_snapshot || reading.num_records > 0) {
-    spdlog::info("goes on with the map in {}: {} landmarks; {} messages were taken in again",
+    spdlog::info("resuming the map in {}: {} landmarks, {} messages of the journal replayed",
                  place_.folder(), mapper_->num_landmarks(), reading.num_records);
   }
   return {};
@@ -151,15 +151,18 @@ void JournaledMapper::replay(std::uint64_t from_bytes) {
   };
   io::read_journal(path, journal_identity(), take_in, from_bytes);
   num_replayed_ = num_taken_;
-  if (num_refused > 0) spdlog::warn("{}: {} messages in it are refused", path, num_refused);
+  if (num_refused > 0)
+    spdlog::warn("{}: {} messages in it are invalid and were ignored", path, num_refused);
 }
 
 void JournaledMapper::begin_new_map(const std::string& why) {
   journal_.reset();
   const std::string aside = place_.set_aside({kJournalName, kSnapshotName, kChunksName});
   if (!aside.empty()) {
-    std::string note = fmt::format("an earlier map in {} is not gone on with, as {}; it is in {}",
-                                   place_.folder(), why, aside);
+    std::string note = fmt::format(
+        "the earlier map in {} cannot be resumed: {}. A new map was started; the earlier one was "
+        "moved to {}",
+        place_.folder(), why, aside);
     spdlog::warn("{}", note);
     if (notes_.size() < kNotesMax) notes_.push_back(std::move(note));
   }
@@ -187,9 +190,9 @@ void JournaledMapper::handle(const bus::Message& input, const bus::Outbox& send)
     if (is_anew && !frame_is_given(config_.pose)) {
       if (before_new_map_) before_new_map_(*mapper_);
       journal_->commit();
-      begin_new_map("orchard-pose began anew, with another origin");
+      begin_new_map("orchard-pose was restarted and its frame has another origin");
     } else if (is_anew) {
-      spdlog::info("orchard-pose began anew; its frame is given, and the map goes on");
+      spdlog::info("orchard-pose was restarted; its frame is unchanged, and the map is continued");
     }
     note_pose(*pose);
   }
@@ -226,10 +229,10 @@ void JournaledMapper::flush(const bus::Outbox& send) {
 
 void JournaledMapper::commit() {
   if (place_.free_bytes() < kReserved_bytes) {
-    throw io::FileError(fmt::format(
-        "{}: less than {} MB are left on the disk: a mapper that is started again would not know "
-        "what came since; make room",
-        place_.file(kJournalName), kReserved_bytes >> 20));
+    throw io::FileError(
+        fmt::format("{}: less than {} MB are free on the disk, so the journal is stopped: a "
+                    "restarted mapper would lose all later messages; free disk space",
+                    place_.file(kJournalName), kReserved_bytes >> 20));
   }
   journal_->commit();
   if (is_snapshot_due()) keep_snapshot();
@@ -257,7 +260,8 @@ void JournaledMapper::keep_snapshot() {
     snapshot.state = archive.bytes();
     io::write_snapshot(place_.file(kSnapshotName), config_hash_, snapshot);
   } catch (const std::exception& error) {
-    spdlog::warn("{}: no snapshot ({}); the journal goes on", place_.folder(), error.what());
+    spdlog::warn("{}: no snapshot was written ({}); the journal is continued", place_.folder(),
+                 error.what());
     return;
   }
   memory_->release_others();

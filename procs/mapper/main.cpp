@@ -11,11 +11,13 @@ int main(int argc, char** argv) {
   orchard::bus::ProcessInfo info;
   info.name = "orchard-mapper";
   info.description =
-      "Accumulates detections into the map of the orchard.\n"
-      "Reads DETECTIONS, POSE and, for what is gone, SCAN; sends MAP, and saves the map's files "
-      "while it runs. Started again with the same --out it goes on with the map there.";
+      "Build the map of the orchard from detections and poses.\n"
+      "Reads DETECTIONS, POSE and SCAN (to find landmarks that are gone), sends MAP and saves the "
+      "files of\n"
+      "the map while it runs. Started again with the same --out, it resumes the map in that "
+      "folder.";
   info.options.push_back(
-      {"--out", "DIR", "folder of the map's files (none are saved without)", &folder});
+      {"--out", "DIR", "folder of the map; without it nothing is saved", &folder});
   info.alone = true;
   info.lockstep = &lockstep;
   orchard::io::RigFile rig;

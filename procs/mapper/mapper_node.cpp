@@ -344,8 +344,9 @@ const std::string& MapperNode::votes_text() const {
   votes_text_.clear();
   if (votes.num_split < 2 || 4 * votes.num_split < votes.num_told) return votes_text_;
   votes_text_ = fmt::format(
-      "{} of {} things with a reflector show it in some scans and not in others: look at one with "
-      "`orchard echo SCAN` and set detector.segmentation.reflectivity_min between it and bark",
+      "{} of {} landmarks with a reflector show it in only some scans: look at the intensities "
+      "with `orchard echo SCAN` and set detector.segmentation.reflectivity_min between those of "
+      "bark and reflector",
       votes.num_split, votes.num_told);
   return votes_text_;
 }
@@ -357,7 +358,7 @@ std::string MapperNode::warning() const {
     warning = degradation_.text();
   } else if (degradation_.lacks_pictures_now()) {
     warning =
-        "DETECTIONS come without pictures (IMAGE): what is mapped meanwhile is not classified";
+        "DETECTIONS come without pictures (IMAGE): landmarks mapped meanwhile are not classified";
   }
   const auto add = [&](const std::string& text) {
     if (!text.empty()) warning += (warning.empty() ? "" : "; ") + text;
@@ -366,9 +367,10 @@ std::string MapperNode::warning() const {
   add(votes_text());
   const auto place = fixes_.empty() ? std::nullopt : georeference();
   if (place && place->residual_rms_m > geometry::kGeoreferenceResidualMax_m) {
-    add(fmt::format(
-        "the satellite fixes lie {:.2f} m about the map that they place (more than {:.1f} m)",
-        place->residual_rms_m, geometry::kGeoreferenceResidualMax_m));
+    add(
+        fmt::format("the GNSS fixes deviate by {:.2f} m (RMS) from the georeferenced map, more "
+                    "than {:.1f} m: its position on the earth is doubtful",
+                    place->residual_rms_m, geometry::kGeoreferenceResidualMax_m));
   }
   return warning;
 }
@@ -416,9 +418,10 @@ std::string MapperNode::waiting_for() const {
     if (queue_.message_time() == Queue::kNever) {
       return "no DETECTIONS and no POSE yet (orchard-detector, orchard-pose)";
     }
-    return is_scan_missing_ ? "no SCAN with the DETECTIONS (a laser driver): what is gone stays in "
-                              "the map (or set mapper.existence.scan_wait_s to 0)"
-                            : "";
+    return is_scan_missing_
+               ? "no SCAN with the DETECTIONS (sent by a laser driver): landmarks that are gone "
+                 "stay in the map; start the driver or set mapper.existence.scan_wait_s to 0"
+               : "";
   }
   return fmt::format(
       "DETECTIONS at {:.3f} s wait for {}", timing::seconds(queue_.front_utime(kDetections)),

@@ -10,7 +10,7 @@ int main(int argc, char** argv) {
   bus::ProcessInfo info;
   info.name = "orchard-pose";
   info.description =
-      "Estimates where the robot is, as pose.mode asks.\n"
+      "Estimate the pose of the robot by the method of pose.mode.\n"
       "Reads POSE_FIX, ODOMETRY, IMU, GNSS, SCAN or DETECTIONS, sends POSE and TRAJECTORY.";
   io::RigFile rig;
   return bus::run_node_process(argc, argv, info, rig,

@@ -11,15 +11,14 @@ int main(int argc, char** argv) {
   orchard::bus::ProcessInfo info;
   info.name = "orchard-sim-driver";
   info.description =
-      "Drives a simulated robot and publishes what its sensors measure.\n"
-      "Sends SCAN, IMAGE and POSE_FIX; in the other scenes than tubes ODOMETRY, GNSS and IMU too.";
+      "Simulate a drive and send the measurements of its sensors.\n"
+      "Sends SCAN, IMAGE and POSE_FIX; except in scene tubes, also ODOMETRY, GNSS and IMU.";
   info.options = {
-      {"--scene", "NAME", "tubes (the paper's simulated environment) or orchard [tubes]",
+      {"--scene", "NAME", "scene: tubes (the paper's), orchard, park or yard [tubes]",
        &options.scene},
-      {"--seed", "N", "one seed gives one world and one run of it [1]", &options.seed},
-      {"--truth", "CSV", "write what stands in the world: class,x_m,y_m,width_m",
-       &options.truth_path},
-      {"--poses", "CSV", "write where the robot truly was: utime_us,x_m,y_m,yaw_rad",
+      {"--seed", "N", "seed of the layout and of all noise [1]", &options.seed},
+      {"--truth", "CSV", "also write the true objects: class,x_m,y_m,width_m", &options.truth_path},
+      {"--poses", "CSV", "also write the true poses of the robot: utime_us,x_m,y_m,yaw_rad",
        &options.poses_path},
   };
   orchard::io::RigFile rig;

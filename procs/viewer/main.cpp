@@ -8,23 +8,23 @@ int main(int argc, char** argv) {
   orchard::bus::ProcessInfo info;
   info.name = "orchard-viewer";
   info.description =
-      "Serves a page on which a browser shows the drive as it goes: the growing map, the robot, "
-      "the "
-      "scan, the camera's picture, how each process is.\n"
-      "Listens to SCAN, IMAGE, DETECTIONS, POSE, TRAJECTORY, MAP and STATUS; only with --edit "
-      "anything is written.";
+      "Serve a live web page of the drive: map, robot, scan, picture and the status of each "
+      "process.\n"
+      "Reads SCAN, IMAGE, DETECTIONS, POSE, TRAJECTORY, MAP and STATUS; sends nothing and writes "
+      "only\n"
+      "corrections (--edit).";
   info.options.push_back({"--listen", "ADDRESS:PORT",
-                          "where the page is (127.0.0.1:8420, or the next port that is free)",
+                          "address of the page [127.0.0.1:8420, or the next free port]",
                           &options.listen});
   info.options.push_back(
       {"--token-file", "FILE",
-       "whose first line lets other hosts look on (and edit, with --edit): http://...?token=TOKEN",
+       "file whose first line is the token for other hosts: http://...?token=TOKEN",
        &options.token_file});
   info.options.push_back({"--folder", "DIR",
-                          "of the map or recording: how much of its disk is left",
+                          "folder of the map or recording, to show the free space of its disk",
                           &options.folder});
   info.options.push_back({"--edit", "DIR",
-                          "the map's folder: whoever sees the page may correct the map",
+                          "folder of the map; allow everyone who can open the page to correct it",
                           &options.edit_folder});
   orchard::io::RigFile rig;
   orchard::procs::ViewerProcess viewer;

@@ -36,7 +36,7 @@ class Fields {
       return depth < kJsonDepthMax;
     };
     json_ = Json::parse(text, shallow, false);
-    if (!json_.is_object()) throw io::FileError("an edit is a JSON object");
+    if (!json_.is_object()) throw io::FileError("an edit must be a JSON object");
   }
   std::string text(const char* key) const {
     const auto at = json_.find(key);
@@ -96,7 +96,7 @@ io::MapEdit edit_of(const Fields& fields) {
     edit.kind = kind;
     is_known = true;
   }
-  if (!is_known) throw io::FileError("what must be delete, add, move, class ...");
+  if (!is_known) throw io::FileError("field `what` must be delete, add, move, class ...");
   edit.trees = fields.texts("trees");
   edit.places_map = fields.places("places_m");
   if (const std::string word = fields.text("class"); !word.empty()) edit.class_word = word;

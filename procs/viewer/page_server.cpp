@@ -96,23 +96,25 @@ httplib::Server::HandlerResponse PageServer::Impl::admit(const httplib::Request&
   };
   const bool is_edit = request.method == "POST" && request.path == kEditPath && content.can_edit();
   if (request.method != "GET" && request.method != "HEAD" && !is_edit) {
-    return refuse(405, "This server is for looking on only.\n");
+    return refuse(405, "This page is read-only.\n");
   }
   if (is_edit && !is_from_own_page(request)) {
-    return refuse(403, "Only this server's own page may edit.\n");
+    return refuse(403, "Edits are accepted only from this server's own page.\n");
   }
   if (is_edit && request.has_header("Content-Encoding")) {  // our pages never compress requests
-    return refuse(415, "An edit is sent as it is, without Content-Encoding.\n");
+    return refuse(415, "Send an edit without Content-Encoding.\n");
   }
   if (options.token.empty()) {
     const bool is_ours =
         is_own_host(request.get_header_value("Host"), options.address, options.port);
-    return is_ours ? Handled::Unhandled : refuse(403, "Ask for 127.0.0.1 by its number.\n");
+    return is_ours ? Handled::Unhandled
+                   : refuse(403, "Use 127.0.0.1 as the host in the address.\n");
   }
   const bool is_given = request.has_param("token");
   const std::string token = is_given ? request.get_param_value("token") : cookie_token(request);
   if (!is_same_secret(options.token, token)) {
-    return refuse(403, "Add ?token=... to the address, as the viewer was given it.\n");
+    return refuse(403,
+                  "Add ?token=... to the address, with the token of the viewer's --token-file.\n");
   }
   if (is_given) {
     response.set_header("Set-Cookie",
@@ -136,7 +138,7 @@ void PageServer::Impl::stream(const httplib::Request& request, httplib::Response
   if (num_streams.fetch_add(1) >= kStreamsMax) {
     --num_streams;
     response.status = 503;
-    response.set_content("As many look on already as can.\n", "text/plain");
+    response.set_content("Too many browsers are connected. Close one of them.\n", "text/plain");
     return;
   }
   struct Client {
@@ -212,8 +214,8 @@ void PageServer::Impl::bind() {
   while (!server.bind_to_port(options.address, options.port)) {
     if (++options.port > last) {
       throw std::runtime_error(options.address + ":" + std::to_string(last) +
-                               " cannot be listened at (taken, or not an address of this host); "
-                               "give another one with --listen");
+                               " cannot be used (in use, or not an address of this machine); give "
+                               "another address with --listen");
     }
   }
   const bool is_v6 = options.address.find(':') != std::string::npos;
@@ -225,7 +227,7 @@ PageServer::PageServer(PageContent& content, const PageServerOptions& options)
     : impl_(std::make_unique<Impl>(content, options)) {
   if (options.token.empty() && !is_loopback(options.address)) {
     throw std::runtime_error("--listen " + options.address +
-                             " lets other hosts look on: give a token with --token-file");
+                             " can be opened by other hosts: give a token with --token-file");
   }
   limit_files();
   impl_->set_up();

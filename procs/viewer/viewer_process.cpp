@@ -29,8 +29,9 @@ std::string read_token(const std::string& path) {
       token.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_") ==
       std::string::npos;
   if (!file || token.size() < kTokenMin || !is_plain) {
-    throw io::FileError(path + ": its first line must be a token of " + std::to_string(kTokenMin) +
-                        " letters, digits, - or _ at least; make one with: openssl rand -hex 16");
+    throw io::FileError(path + ": its first line must be a token of at least " +
+                        std::to_string(kTokenMin) +
+                        " letters, digits, - or _; create one with: openssl rand -hex 16");
   }
   return token;
 }

@@ -52,16 +52,20 @@ BotCoreDriver::BotCoreDriver(const device::BotCoreConfig& config, std::size_t ma
   inbox_->translator = &translator_;
   inbox_->lcm = lcm_create(lcm_url_.c_str());
   if (inbox_->lcm == nullptr) {
-    throw BusError("LCM cannot use drivers.bot_core.lcm_url " + lcm_url_ +
-                   ": check address and port, and that a multicast route exists");
+    throw BusError(
+        "LCM cannot use drivers.bot_core.lcm_url " + lcm_url_ +
+        ": check its address and port, and the multicast route (`orchard doctor` tests it)");
   }
   lcm_subscription_t* subscription =
       lcm_subscribe(inbox_->lcm, ".*", &Inbox::on_message, inbox_.get());
-  if (subscription == nullptr) throw BusError("nothing can be received on " + lcm_url_);
+  if (subscription == nullptr) throw BusError("cannot subscribe to messages on " + lcm_url_);
   lcm_subscription_set_queue_capacity(subscription, kQueue);
   const bool is_network = lcm_url_.compare(0, 7, "udpm://") == 0;
   if (is_network && inbox_->guard.attach() == 0) {
-    spdlog::warn("no filter on the socket of {}: crafted datagrams can end this process", lcm_url_);
+    spdlog::warn(
+        "the socket of {} has no filter: malformed datagrams can crash this process (see "
+        "SECURITY.md)",
+        lcm_url_);
   }
 }
 
@@ -92,7 +96,7 @@ DriverCondition BotCoreDriver::condition() const {
     condition.text = "waits for planar_lidar_t, image_t, pose_t or gps_data_t on " + lcm_url_;
   } else if (Clock::now() - heard_ > kSilence) {
     condition.level = Level::kError;
-    condition.text = "none of libbot's messages for more than a second on " + lcm_url_;
+    condition.text = "no message of libbot's types for more than a second on " + lcm_url_;
   }
   return condition;
 }

@@ -70,7 +70,7 @@ std::optional<Message> BotCoreTranslator::translate(const std::string& channel, 
                                                     std::size_t size) {
   auto decoded = decode_bot_core(data, size);
   if (std::holds_alternative<NotBotCore>(decoded)) {
-    ignore(channel, "not of libbot's types that are read");
+    ignore(channel, "not one of the supported types of libbot");
     return std::nullopt;
   }
   if (const auto* rejection = std::get_if<Rejection>(&decoded)) {
@@ -80,8 +80,8 @@ std::optional<Message> BotCoreTranslator::translate(const std::string& channel, 
   }
   auto& message = std::get<BotCoreMessage>(decoded);
   if (!is_chosen(channel, message)) {
-    ignore(channel, std::string("another ") + bot_core_type_name(message) +
-                        "; section drivers.bot_core chooses");
+    ignore(channel, std::string("a second channel of ") + bot_core_type_name(message) +
+                        "; choose one in section drivers.bot_core");
     return std::nullopt;
   }
   Result result = std::visit([this](auto& m) { return to_message(m); }, message);
@@ -129,7 +129,7 @@ BotCoreTranslator::Result BotCoreTranslator::to_message(BotImage& image) {
 BotCoreTranslator::Result BotCoreTranslator::to_message(const BotPose& pose) {
   const auto& q = pose.orientation;
   const double norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-  if (std::abs(norm - 1.0) > 0.01) return Nothing{"an orientation that is no unit quaternion"};
+  if (std::abs(norm - 1.0) > 0.01) return Nothing{"its orientation is not a unit quaternion"};
   const double yaw_rad =
       std::atan2(2 * (q[0] * q[3] + q[1] * q[2]), 1 - 2 * (q[2] * q[2] + q[3] * q[3]));
   if (config_.pose_as == device::BotPoseAs::kOdometry) return to_odometry(pose, yaw_rad);
@@ -154,7 +154,7 @@ BotCoreTranslator::Result BotCoreTranslator::to_odometry(const BotPose& pose, do
   // No velocity is sent (or the robot stands still): use the mean velocity since the last pose.
   const std::int64_t step_us = before ? pose.utime - before->utime : 0;
   if (step_us <= 0 || step_us > kLongestStep_us) {
-    return Nothing{"no velocity yet: the first of its kind", false};
+    return Nothing{"no velocity, and no earlier pose to compute it from", false};
   }
   const double step_s = 1e-6 * static_cast<double>(step_us);
   const double turn_rad = geometry::wrap_angle_rad(yaw_rad - before->yaw_rad);
@@ -197,7 +197,7 @@ std::optional<Message> BotCoreTranslator::finished(Message message, const std::s
   }
   const auto last = last_utime_.find(ours);
   if (last != last_utime_.end() && utime_of(message) == last->second) {
-    ignore(channel, "the same utime twice");
+    ignore(channel, "same utime as the message before");
     return std::nullopt;
   }
   last_utime_[ours] = utime_of(message);

@@ -91,7 +91,7 @@ void DeviceServer::listen() {
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<std::uint16_t>(port_));
   if (inet_pton(AF_INET, host_.c_str(), &address.sin_addr) != 1) {
-    throw std::invalid_argument(host_ + ": must be a numeric address");
+    throw std::invalid_argument(host_ + ": must be a numeric address such as 127.0.0.1");
   }
   socklen_t size = sizeof(address);
   auto* generic = reinterpret_cast<sockaddr*>(&address);

@@ -64,7 +64,7 @@ void LiveDriver::run(StopSignal& stop) {
 void LiveDriver::announce_duration() {
   duration_s_ = driver_.duration_s();
   if (!duration_s_) return;
-  spdlog::info("publishes {:.0f} s of messages at speed {:g}: done in {}", *duration_s_,
+  spdlog::info("publishing {:.0f} s of messages at speed {:g}, which takes {}", *duration_s_,
                options_.speed, io::waiting_text(*duration_s_ / options_.speed));
   bar_.emplace("publishing", true);
 }
@@ -76,8 +76,10 @@ bool LiveDriver::wait_for_others(StopSignal& stop) {
     wait({}, next_word, stop);
     if (stop.raised()) return false;
     if (Clock::now() >= next_word && !missing_.empty()) {
-      spdlog::warn("still waits for {}: started, on the same LCM URL, and not in --lockstep?",
-                   join(missing_));
+      spdlog::warn(
+          "still waits for {}: check that it is running, on the same LCM URL, and without "
+          "--lockstep",
+          join(missing_));
       next_word += std::chrono::seconds(5);
     }
   }
@@ -87,7 +89,7 @@ bool LiveDriver::wait_for_others(StopSignal& stop) {
 void LiveDriver::wait(std::vector<pollfd> files, Clock::time_point until, const StopSignal& stop) {
   if (report_.due()) {
     if (const double step_s = neighbours_.check_clock(wall_utime(), Clock::now()); step_s != 0.0) {
-      spdlog::warn("the clock of this machine was set by {:+.1f} s", step_s);
+      spdlog::warn("the clock of this machine was changed by {:+.1f} s", step_s);
     }
     report_.send(status());
   }
@@ -118,7 +120,7 @@ void LiveDriver::say_condition() {
   std::string text = driver_.condition().text;
   if (text == said_) return;
   if (text.empty()) {
-    spdlog::info("all is well");
+    spdlog::info("no problem any more");
   } else {
     spdlog::warn("{}", text);
   }

@@ -20,7 +20,7 @@ std::int64_t host_now() {
 
 std::int64_t first_timestamp(const std::string& log_path) {
   const std::optional<io::LogEvent> first = io::LogReader(log_path).next();
-  if (!first) throw io::FileError(log_path + ": holds no event; give a log with messages");
+  if (!first) throw io::FileError(log_path + ": has no event; give a log with messages");
   return first->timestamp_us;
 }
 

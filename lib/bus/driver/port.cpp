@@ -59,7 +59,7 @@ std::optional<speed_t> speed_of(int baud) {
 
 PortAddress parse_tcp(const std::string& text, const std::string& rest) {
   const std::size_t colon = rest.rfind(':');
-  if (colon == std::string::npos || colon == 0) refuse(text, "a host and a port are wanted");
+  if (colon == std::string::npos || colon == 0) refuse(text, "needs a host and a port");
   PortAddress address;
   address.kind = PortAddress::Kind::kTcp;
   address.host = rest.substr(0, colon);
@@ -68,7 +68,7 @@ PortAddress parse_tcp(const std::string& text, const std::string& rest) {
   }
   address.service = rest.substr(colon + 1);
   const std::optional<int> number = parse_whole(address.service);
-  if (!number || *number < 1 || *number > 65535) refuse(text, "the port must be 1 to 65535");
+  if (!number || *number < 1 || *number > 65535) refuse(text, "its port must be 1 to 65535");
   return address;
 }
 
@@ -76,10 +76,10 @@ PortAddress parse_serial(const std::string& text, const std::string& rest) {
   PortAddress address;
   const std::size_t colon = rest.rfind(':');
   address.path = rest.substr(0, colon);
-  if (address.path.empty() || address.path.front() != '/') refuse(text, "a device file is wanted");
+  if (address.path.empty() || address.path.front() != '/') refuse(text, "needs a device file");
   if (colon == std::string::npos) return address;
   const std::optional<int> baud = parse_whole(rest.substr(colon + 1));
-  if (!baud || !speed_of(*baud)) refuse(text, "that baud rate is unknown");
+  if (!baud || !speed_of(*baud)) refuse(text, "its baud rate is not supported");
   address.baud = *baud;
   return address;
 }
@@ -115,8 +115,8 @@ bool set_up_terminal(int fileno, int baud) {
 
 std::string open_problem(const std::string& name, int error) {
   std::string text = "cannot open " + name + ": " + std::strerror(error);
-  if (error == EACCES) text += " (is the user in group dialout?)";
-  if (error == ENOENT) text += " (is it plugged in?)";
+  if (error == EACCES) text += " (add the user to group dialout)";
+  if (error == ENOENT) text += " (check that it is plugged in)";
   return text;
 }
 
@@ -156,7 +156,7 @@ void Port::open_serial() {
   fileno_ = ::open(address_.path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (fileno_ < 0) return close(open_problem(name(), errno));
   if (!set_up_terminal(fileno_, address_.baud)) {
-    return close(name() + " is no serial line: " + std::strerror(errno));
+    return close(name() + " is not a serial line: " + std::strerror(errno));
   }
   state_ = State::kOpen;
   problem_.clear();
@@ -165,7 +165,7 @@ void Port::open_serial() {
 void Port::begin_tcp() {
   addrinfo* found = resolve(address_);
   if (found == nullptr) {
-    return close("\"" + address_.host + "\" is no numeric address (such as 192.168.0.10)");
+    return close("\"" + address_.host + "\" is not a numeric address such as 192.168.0.10");
   }
   fileno_ = socket(found->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   const int result =
@@ -183,7 +183,8 @@ void Port::begin_tcp() {
 bool Port::finish_tcp() {
   pollfd waiting{fileno_, POLLOUT, 0};
   if (poll(&waiting, 1, 0) <= 0) {
-    if (Clock::now() >= next_attempt_) close("cannot open " + name() + ": no answer");
+    if (Clock::now() >= next_attempt_)
+      close("cannot open " + name() + ": no answer; check address, power and cable");
     return false;
   }
   int error = 0;
@@ -212,7 +213,8 @@ void Port::read_into(std::string& bytes) {
     // A serial line without data also reads 0 bytes; only a removed one reports a hang-up.
     pollfd state{fileno_, 0, 0};
     const bool hung_up = poll(&state, 1, 0) > 0 && (state.revents & (POLLHUP | POLLERR)) != 0;
-    if (address_.kind == PortAddress::Kind::kTcp || hung_up) close(name() + ": the device hung up");
+    if (address_.kind == PortAddress::Kind::kTcp || hung_up)
+      close(name() + ": the device closed the connection");
   } else if (error != EAGAIN && error != EINTR) {
     close(name() + ": " + std::strerror(error));
   }
@@ -228,7 +230,7 @@ void Port::write(std::string_view bytes) {
   if (count > 0) unsent_.erase(0, static_cast<std::size_t>(count));
   if (count < 0 && errno != EAGAIN && errno != EINTR)
     return close(name() + ": " + std::strerror(errno));
-  if (unsent_.size() > kUnsentMax_bytes) close(name() + ": the device does not read");
+  if (unsent_.size() > kUnsentMax_bytes) close(name() + ": the device does not accept commands");
 }
 
 void Port::close(const std::string& reason) {

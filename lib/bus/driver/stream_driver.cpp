@@ -67,7 +67,7 @@ void StreamDriver::step(const Outbox& send) {
     }
   }
   if (before == Port::State::kOpen && port_.state() == Port::State::kClosed) {
-    spdlog::warn("{}; connects again", port_.problem());
+    spdlog::warn("{}; reconnecting", port_.problem());
   }
   for (device::Measurement& measurement : protocol_->take_measurements()) {
     send(numbers_.number(std::move(measurement)));
@@ -77,7 +77,8 @@ void StreamDriver::step(const Outbox& send) {
 void StreamDriver::note_clock_step(std::int64_t host_utime) {
   const std::int64_t step_us = clock_.take_step();
   if (step_us == 0) return;
-  spdlog::warn("the host's clock was set by {:+.3f} s", 1e-6 * static_cast<double>(step_us));
+  spdlog::warn("the clock of this machine was changed by {:+.3f} s",
+               1e-6 * static_cast<double>(step_us));
   std::string bytes(8, '\0');
   for (std::size_t i = 0; i < 8; ++i) {
     bytes[i] = static_cast<char>(static_cast<std::uint64_t>(step_us) >> (56 - 8 * i));
@@ -108,8 +109,8 @@ DriverCondition StreamDriver::condition() const {
   condition.num_bad = protocol_->counts().num_bad;
   if (port_.state() != Port::State::kOpen) {
     condition.level = Level::kError;
-    condition.text = port_.problem().empty() ? "opens " + port_.name()
-                                             : port_.problem() + "; tries again every 0.5 s";
+    condition.text = port_.problem().empty() ? "connecting to " + port_.name()
+                                             : port_.problem() + "; retrying every 0.5 s";
   } else if (const std::string text = protocol_->condition(); !text.empty()) {
     condition.level = Level::kWaiting;
     condition.text = text;

@@ -123,8 +123,8 @@ std::unique_ptr<Driver> make_driver(const StreamDevice& device, const StreamOpti
     const std::string& where = options.device.empty() ? device.device : options.device;
     if (where.empty()) {
       throw std::invalid_argument(
-          "no device is named: set it in the rig's section drivers or by --device; without one, "
-          "--emulate LOG plays it");
+          "no device is given: set it in section drivers of the rig or by --device; without "
+          "hardware use --emulate LOG");
     }
     return std::make_unique<StreamDriver>(device.make_protocol(), parse_port(where),
                                           options.raw_out);
@@ -139,14 +139,16 @@ int run_stream_process(int argc, char** argv, ProcessInfo info, io::ConfigFile& 
                        const std::function<StreamDevice()>& make_device) {
   StreamOptions options;
   const std::vector<ExtraOption> more = {
-      {"--device", "PORT", "tcp:HOST:PORT or serial:FILE:BAUD, instead of the configuration's",
+      {"--device", "PORT",
+       "address of the device, tcp:HOST:PORT or serial:FILE:BAUD [from the configuration]",
        &options.device},
-      {"--raw-out", "FILE", "record the device's raw bytes", &options.raw_out},
-      {"--raw-in", "FILE", "read raw bytes from a recording instead of the device",
+      {"--raw-out", "FILE", "record the raw bytes of the device to this file", &options.raw_out},
+      {"--raw-in", "FILE", "read raw bytes from this recording instead of the device",
        &options.raw_in},
-      {"--emulate", "LOG", "play the measurements of a log as the device would send them",
-       &options.emulate},
-      {"--emulate-at", "UTIME", "play the log's first event at that time of the host [us] [now]",
+      {"--emulate", "LOG",
+       "emulate the device: replay the measurements of this log in its protocol", &options.emulate},
+      {"--emulate-at", "UTIME",
+       "--emulate: time of this machine at the first event of the log [us] [now]",
        &options.emulate_at},
   };
   info.options.insert(info.options.end(), more.begin(), more.end());

@@ -26,7 +26,7 @@ template <std::size_t kIndex = 0>
 std::variant<Message, Rejection> decode_alternative(Channel channel, const void* data,
                                                     std::size_t size) {
   if constexpr (kIndex == std::variant_size_v<Message>) {
-    throw std::invalid_argument("decode: no such channel");
+    throw std::invalid_argument("decode: unknown channel");
   } else {
     using M = std::variant_alternative_t<kIndex, Message>;
     if (channel != channel_of_alternative(kIndex)) {

@@ -90,7 +90,7 @@ class FieldReader {
   std::optional<Rejection> result() && {
     if (!rejection_ && position_ != size_) {
       refuse(Reason::kBadCount,
-             "its counts make " + std::to_string(position_) + " bytes of " + std::to_string(size_));
+             "its counts give " + std::to_string(position_) + " bytes of " + std::to_string(size_));
     }
     return std::move(rejection_);
   }

@@ -22,7 +22,7 @@ void check(FieldCheck& c, const laser::Scan& scan) {
   if (!c.ok()) return;
   const double num_steps = static_cast<double>(scan.ranges_m.size()) - 1.0;
   c.that(num_steps * std::abs(scan.bearing_step_rad) <= 2 * geometry::kPi + 0.1,
-         Reason::kInconsistent, "its beams cover more than one turn");
+         Reason::kInconsistent, "its beams cover more than a full turn");
   c.that(scan.intensities.empty() || scan.intensities.size() == scan.ranges_m.size(),
          Reason::kInconsistent, "num_intensities is neither 0 nor num_ranges");
   // ROS drivers send +inf for no return and NaN or -inf for a failed beam (REP 117); all readers of
@@ -50,7 +50,7 @@ void check(FieldCheck& c, const vision::Image& image) {
            "num_bytes is not width_px x height_px");
   } else {
     const std::optional<JpegSize> size = find_jpeg_size(image.data);
-    c.that(size.has_value(), Reason::kInconsistent, "no JPEG with a frame header");
+    c.that(size.has_value(), Reason::kInconsistent, "not a JPEG with a frame header");
     c.that(!size || (size->width_px == image.width_px && size->height_px == image.height_px),
            Reason::kInconsistent, "the JPEG's size is not width_px x height_px");
   }
@@ -70,7 +70,7 @@ void check(FieldCheck& c, const pose::TrajectoryPage& page) {
   c.field("page", page.page, 0, std::int64_t{page.num_pages} - 1);
   std::int64_t before = -1;
   for (const pose::PoseEstimate& pose : page.poses) {
-    c.that(pose.utime > before, Reason::kInconsistent, "its poses are not in order of utime");
+    c.that(pose.utime > before, Reason::kInconsistent, "its poses are not sorted by utime");
     if (!c.ok()) return;
     before = pose.utime;
   }

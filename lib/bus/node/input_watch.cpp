@@ -114,18 +114,18 @@ std::string InputWatch::text(Channel channel, Clock::time_point now) const {
                           fraction("late", counts.num_reordered, num_sent) +
                           fraction("duplicate", counts.num_duplicate, num_sent);
   if (counts.num_leaps > 0) {
-    fractions += ", " + std::to_string(counts.num_leaps) + " refused: they leap in time or number";
+    fractions += ", " + std::to_string(counts.num_leaps) + " refused for a jump in time or seq";
   }
   if (counts.num_contests > 2) fractions += ", from two sources";
   if (counts.num_restarts > 0) {
-    fractions += ", its source began again";
+    fractions += ", its sender was restarted";
     if (counts.clock_change_s != 0.0) {
-      fractions += " and its clock was set by " + fixed_text(counts.clock_change_s, 1) + " s";
+      fractions += " and its clock was changed by " + fixed_text(counts.clock_change_s, 1) + " s";
     }
   }
   if (input.stale) {
     return name + " is STALE: silent for " + fixed_text(Seconds(now - *input.last).count(), 1) +
-           " s (came every " + fixed_text(period(input)->count(), 2) + " s)" + fractions;
+           " s (usual period " + fixed_text(period(input)->count(), 2) + " s)" + fractions;
   }
   return fractions.empty() ? "" : name + " in the last 10 s: " + fractions.substr(2);
 }

@@ -51,7 +51,7 @@ const char* publisher_of(Channel channel) {
     case Channel::kGnss:
       return "a GNSS driver";
     case Channel::kPoseFix:
-      return "orchard-sim-driver or who knows the robot's position";
+      return "orchard-sim-driver or a positioning system";
     case Channel::kImu:
       return "an IMU driver";
     case Channel::kPose:
@@ -108,7 +108,7 @@ void LiveNode::run(StopSignal& stop) {
   report_.send(status());
   spdlog::info("stopped: {} messages used, {} sent, {} refused, {} lost", host_.num_handled(),
                host_.num_published(), bus_.counts().num_bad(), host_.sequence_counts().num_lost);
-  if (!not_saved.empty()) throw std::runtime_error("the last save failed: " + not_saved);
+  if (!not_saved.empty()) throw std::runtime_error("the final save failed: " + not_saved);
 }
 
 /// Waits until a message arrives, STATUS or a save is due, or an input has been silent for too
@@ -132,7 +132,8 @@ void LiveNode::use_up() {
   const Clock::time_point worked_off = Clock::now() + kWorkOffMax;
   while (Clock::now() < worked_off && handle_next()) {
   }
-  if (inbox_.size() > 0) spdlog::warn("{} messages were left unused at the stop", inbox_.size());
+  if (inbox_.size() > 0)
+    spdlog::warn("stopped with {} received messages not processed", inbox_.size());
 }
 
 void LiveNode::look_around(StopSignal& stop) {
@@ -151,8 +152,8 @@ void LiveNode::refuse_to_be_second() const {
   const Clock::time_point now = Clock::now();
   if (!alone_ || now - start_ > kGiveWay) return;
   if (!neighbours_.twin_is_older(report_.num_sent(), now)) return;
-  throw std::runtime_error(neighbours_.twin(now) + " is on " + bus_.url() +
-                           " already: stop it first, or give this one an lcm.url of its own");
+  throw std::runtime_error(neighbours_.twin(now) + " is already running on " + bus_.url() +
+                           ": stop it first, or set another lcm.url for this process");
 }
 
 void LiveNode::report() {
@@ -162,7 +163,7 @@ void LiveNode::report() {
     inputs_.count(channel, host_.sequence_counts(channel), host_.num_used(channel));
   }
   if (const double step_s = neighbours_.check_clock(wall_utime(), Clock::now()); step_s != 0.0) {
-    spdlog::warn("the clock of this machine was set by {:+.1f} s", step_s);
+    spdlog::warn("the clock of this machine was changed by {:+.1f} s", step_s);
   }
   const std::int64_t num_dropped = inbox_.num_dropped();
   num_dropped_lately_ = num_dropped - std::exchange(num_dropped_before_, num_dropped);
@@ -185,7 +186,7 @@ void LiveNode::log_missing_inputs() {
   if (missing == logged_missing_) return;
   logged_missing_ = missing;
   if (missing.empty()) {
-    spdlog::info("all inputs have come");
+    spdlog::info("all inputs are arriving");
   } else {
     spdlog::info("waiting for {}", missing);
   }
@@ -272,11 +273,12 @@ Status LiveNode::status() const {
   if (!num_late_.empty() && num_late_.back() - num_late_.front() > kLateFew) {
     add(Level::kWarning, std::to_string(num_late_.back() - num_late_.front()) +
                              " messages of the last " + std::to_string(kLateSeconds) +
-                             " s came too late to be used");
+                             " s arrived too late to be used");
   }
   if (num_dropped_lately_ > 0) {
-    add(Level::kWarning, std::to_string(num_dropped_lately_) +
-                             " messages dropped in the last second: more than can be used");
+    add(Level::kWarning,
+        std::to_string(num_dropped_lately_) +
+            " messages dropped in the last second: they arrive faster than they can be processed");
   }
   if (bus_.counts().num_bad() > 0) {
     std::string refused = "refused";

@@ -112,7 +112,7 @@ std::string Neighbours::text(Clock::time_point now) const {
   for (const auto& [name, config] : configs_) {
     if (config.hash == config_hash_ || now - config.heard > kConfigGoneAfter) continue;
     const std::string who = named(name, now);
-    append(text, (who.empty() ? name : who) + " has another configuration");
+    append(text, (who.empty() ? name : who) + " runs with another configuration");
   }
   for (const Process& process : processes_) {
     if (now - process.heard > kGoneAfter || process.offsets_us.size() < kOffsets) continue;
@@ -122,11 +122,11 @@ std::string Neighbours::text(Clock::time_point now) const {
     if (std::llabs(offset_us) < kSkew_us) continue;
     append(text, "the clock of " + machine(process.host) + " is " +
                      fixed_text(1e-6 * static_cast<double>(std::llabs(offset_us)), 1) + " s " +
-                     (offset_us > 0 ? "ahead of" : "behind") + " this machine's (by " +
+                     (offset_us > 0 ? "ahead of" : "behind") + " this machine's (seen from " +
                      process.name + ")");
   }
   if (clock_step_s_ != 0.0 && now - clock_step_time_ <= kClockStepSaid) {
-    append(text, "the clock of this machine was set by " + fixed_text(clock_step_s_, 1) + " s");
+    append(text, "the clock of this machine was changed by " + fixed_text(clock_step_s_, 1) + " s");
   }
   return text;
 }

@@ -12,7 +12,7 @@ namespace orchard::bus {
 namespace {
 
 constexpr const char* kFooter =
-    "Exit codes: 0 stopped (Ctrl-C, SIGTERM) or at the end, 1 runtime failure,\n"
+    "Exit codes: 0 stopped (Ctrl-C, SIGTERM) or end of input, 1 runtime failure,\n"
     "2 bad command line, 3 bad configuration or input file.";
 
 /// Log lines go to stderr; stdout is reserved for output that was requested.
@@ -55,7 +55,7 @@ bool load_config(const std::string& program, const std::string& path, io::Config
     return true;
   } catch (const io::ConfigError& error) {
     for (const std::string& problem : error.problems()) std::cerr << problem << "\n";
-    std::cerr << program << ": " << error.problems().size() << " mistake(s) in the configuration\n";
+    std::cerr << program << ": " << error.problems().size() << " error(s) in the configuration\n";
     return false;
   }
 }
@@ -71,35 +71,37 @@ std::optional<int> read_options(int argc, char** argv, const ProcessInfo& info, 
   bool print_config = false;
   bool print_all = false;
   app.add_option("--config", config_path,
-                 info.load_default ? "the rig's YAML (without: that of the scene)"
-                                   : "the rig's YAML (without: built-in defaults)")
+                 info.load_default ? "configuration of the rig [that of the scene]"
+                                   : "configuration of the rig [built-in defaults]")
       ->option_text("FILE");
-  app.add_option("--lcm-url", lcm_url,
-                 "LCM network (without: the rig's, then $LCM_DEFAULT_URL, then the default)")
+  app.add_option(
+         "--lcm-url", lcm_url,
+         "URL of the LCM network [that of the rig, else $LCM_DEFAULT_URL, else the default]")
       ->option_text("URL");
-  app.add_option("--log-level", log_level, "trace, debug, info, warning, error or off")
+  app.add_option(
+         "--log-level", log_level,
+         "lowest level of log lines to print: trace, debug, info, warning, error or off [info]")
       ->option_text("LEVEL")
       ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}));
   auto* print_flag =
       app.add_flag("--print-config", print_config,
                    "print the effective configuration with units and ranges, and exit");
-  app.add_flag("--all", print_all, "with --print-config: the keys for experts, too")
+  app.add_flag("--all", print_all, "with --print-config: also print the expert keys")
       ->needs(print_flag);
   if (kind == ProcessKind::kNode) {
     app.add_flag("--lockstep", options.lockstep,
-                 "take turns with orchard-log-player --lockstep instead of running live; stays "
-                 "ready for the next replay until stopped");
+                 "run in a replay of orchard-log-player --lockstep instead of live; ready for the "
+                 "next replay until stopped");
   } else if (kind == ProcessKind::kDriver) {
     app.add_option("--speed", options.speed,
-                   "times real time; above 0, since flat out UDP loses most messages")
+                   "speed as a multiple of real time; too high a speed loses messages [1]")
         ->option_text("FACTOR")
         ->check(CLI::Range(1e-3, 1e3));
     app.add_option("--wait-for", options.wait_for,
-                   "begin when these were heard on STATUS, such as detector,pose,mapper")
+                   "start when these processes are running, such as detector,pose,mapper")
         ->option_text("NAMES")
         ->delimiter(',');
-    app.add_flag("--hold", options.hold,
-                 "stay after the last message until stopped, instead of ending");
+    app.add_flag("--hold", options.hold, "keep running after the last message until stopped");
   }
   for (const ExtraOption& option : info.options) {
     if (option.value_name.empty()) {
@@ -131,7 +133,8 @@ std::optional<int> read_options(int argc, char** argv, const ProcessInfo& info, 
   if (info.lockstep != nullptr) *info.lockstep = options.lockstep;
   options.config = config.effective();
   if (config_path.empty() && !info.load_default) {
-    spdlog::warn("no --config given: running with built-in defaults");
+    spdlog::warn(
+        "no --config given: using the built-in defaults; give the configuration of the robot");
   }
   return std::nullopt;
 }

@@ -14,8 +14,9 @@ void RejectionLog::note(Channel channel, const Rejection& rejection) {
     ++entry.num_silent;
     return;
   }
-  spdlog::warn("{}: refused a message ({}: {}); {} more like it since the last line",
-               info(channel).name, to_string(rejection.reason), rejection.detail, entry.num_silent);
+  spdlog::warn(
+      "{}: refused an invalid message ({}: {}); {} more of this kind since the last report",
+      info(channel).name, to_string(rejection.reason), rejection.detail, entry.num_silent);
   entry = {now, 0, true};
 }
 

@@ -83,13 +83,13 @@ std::vector<std::string> ArrivalDelays::warnings() const {
   const std::vector<Delay> early(delays.begin(), split), late(split, delays.end());
   const std::string by = seconds_text(most_us - least_us) + " s";
   if (some_are_ahead) {
-    return {"the clock behind " + names_of(early) + " is " + by + " ahead of that behind " +
+    return {"the clock of the sender of " + names_of(early) + " is " + by + " ahead of that of " +
             names_of(late) +
-            ": the log has it before it was measured; positions are wrong by as "
-            "much as the robot drove in that time"};
+            ": messages were logged before their own time stamp. Positions are wrong by the "
+            "distance driven in that time; synchronise the clocks"};
   }
-  return {names_of(late) + " stands in the log " + by + " later after its measurement than " +
-          names_of(early) + ": its clock is behind, or it was held up on its way"};
+  return {names_of(late) + " was logged " + by + " later after its time stamp than " +
+          names_of(early) + ": the clock of its sender is behind, or it was delayed"};
 }
 
 }  // namespace orchard::bus

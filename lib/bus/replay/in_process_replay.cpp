@@ -107,7 +107,7 @@ class Replay {
       auto decoded = decode(entry.channel, batch.bytes[i].data(), batch.bytes[i].size());
       if (const auto* rejection = std::get_if<Rejection>(&decoded)) {
         throw io::FileError(reader_.where(entry.offset) +
-                            ": was changed while it was read: " + rejection->detail);
+                            ": the log was changed while it was read: " + rejection->detail);
       }
       event.source = std::get<Message>(std::move(decoded));
     }

@@ -141,7 +141,8 @@ class Exchange {
     const int num_tries = options_.num_tries * (is_mark ? 120 : 1);
     for (int i = 0; i < num_tries; ++i) {
       if (i > 0) ++num_resent_;
-      if (is_mark && options_.say && i % 100 == 99) options_.say(what_is_missing() + "; waits on");
+      if (is_mark && options_.say && i % 100 == 99)
+        options_.say(what_is_missing() + "; still waiting");
       bus_.publish(id.channel, bytes);
       auto pause = Clock::now() + std::chrono::milliseconds(options_.timeout_ms);
       while (!done() && Clock::now() < pause) {
@@ -150,7 +151,8 @@ class Exchange {
       }
       if (done()) return drop_strangers();
     }
-    throw LockstepError(what_is_missing() + "; given up after sending it again and again");
+    throw LockstepError(what_is_missing() +
+                        "; gave up after repeated attempts. Restart the processes with --lockstep");
   }
 
   /// Drops outputs that no node announced: they do not belong to this replay.
@@ -168,7 +170,7 @@ class Exchange {
   bool done() const { return waiting_.empty() && announced_.empty(); }
 
   std::string what_is_missing() const {
-    std::string text = "lockstep stands still at " + std::string(info(root_.channel).name) +
+    std::string text = "lockstep replay is stuck at " + std::string(info(root_.channel).name) +
                        " seq " + std::to_string(root_.seq) + " (utime " +
                        std::to_string(root_utime_) + ")";
     for (const auto& [id, nodes] : waiting_) {
@@ -181,7 +183,7 @@ class Exchange {
       text += "; " + std::string(info(id.channel).name) + " seq " + std::to_string(id.seq) +
               " was announced but not received";
     }
-    if (!last_refusal_.empty()) text += "; the last message refused was " + last_refusal_;
+    if (!last_refusal_.empty()) text += "; the last refused message was " + last_refusal_;
     return text;
   }
 

@@ -22,11 +22,14 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
 [[noreturn]] void refuse_disagreement(const std::string& log_path, const LoggedRig& a,
                                       const LoggedRig& b,
                                       const std::vector<io::ConfigDifference>& differences) {
-  std::string text = fmt::format("{} was recorded with different rigs ({} -> {}):", log_path,
-                                 fmt::join(a.processes, ", "), fmt::join(b.processes, ", "));
+  std::string text =
+      fmt::format("{} was recorded with different configurations ({} -> {}):", log_path,
+                  fmt::join(a.processes, ", "), fmt::join(b.processes, ", "));
   for (const std::string& line : io::difference_lines(differences)) text += "\n  " + line;
-  throw io::FileError(text + "\ngive one with --config FILE; `orchard log config " + log_path +
-                      " --process " + b.processes.front() + "` prints the last one");
+  throw io::FileError(text +
+                      "\n"
+                      "give one with --config FILE; `orchard log config " +
+                      log_path + " --process " + b.processes.front() + "` prints the second one");
 }
 
 }  // namespace
@@ -55,9 +58,9 @@ LoggedRig rig_of_log(const io::LogPaths& logs, const std::string& process) {
   const std::string log_path = logs.text();
   std::vector<LoggedRig> rigs = read_logged_rigs(logs);
   if (rigs.empty()) {
-    throw io::FileError(log_path +
-                        " does not say with what rig it was recorded (it holds no CONFIG); give "
-                        "the rig with --config FILE");
+    throw io::FileError(
+        log_path +
+        " has no CONFIG message with the rig of the recording; give the rig with --config FILE");
   }
   if (!process.empty()) {
     std::vector<std::string> names;
@@ -69,7 +72,7 @@ LoggedRig rig_of_log(const io::LogPaths& logs, const std::string& process) {
                        [&](const LoggedRig& rig) { return !contains(rig.processes, process); }),
         rigs.end());
     if (rigs.empty()) {
-      throw io::FileError(fmt::format("{} holds no CONFIG of {}, only of {}", log_path, process,
+      throw io::FileError(fmt::format("{} has no CONFIG of {}, only of {}", log_path, process,
                                       fmt::join(names, ", ")));
     }
     return rigs.back();  // a restarted process: its last configuration

@@ -88,7 +88,7 @@ void NodeChain::take_output(std::size_t node, Output&& output) {
   const std::string name(info(output.channel).name);
   for (std::size_t i = 0; i <= node; ++i) {
     if (reads_[i][static_cast<std::size_t>(output.channel)]) {
-      throw std::logic_error("a node reads " + name + ", which itself or a later one sends");
+      throw std::logic_error("a node reads " + name + ", which it or a later node sends");
     }
   }
   if (is_read_from(node + 1, output.channel)) {

@@ -34,14 +34,15 @@ void add_warnings(ReplayReport& report, Channel channel, const SequenceCounts& c
   const std::string name(info(channel).name);
   if (counts.num_leaps > 0) {
     report.warnings.push_back(std::to_string(counts.num_leaps) + " " + name +
-                              " leap in time or number, alone, and were left out");
+                              " messages jump in time or seq and were ignored");
   }
   if (counts.clock_change_s != 0.0) {
-    report.warnings.push_back("the clock behind " + name + " was set by " +
+    report.warnings.push_back("the clock of the sender of " + name + " was changed by " +
                               fixed_text(counts.clock_change_s, 1) + " s");
   }
   if (counts.num_contests > 2) {
-    report.warnings.push_back("two sources send " + name + ", or one begins again and again");
+    report.warnings.push_back(name +
+                              " is sent by two sources, or by one that restarts again and again");
   }
 }
 
@@ -61,7 +62,7 @@ void add_warnings(ReplayReport& report, const SequenceGate& gate) {
   }
   if (report.num_seq_gaps > 0) {
     report.warnings.push_back(std::to_string(report.num_seq_gaps) +
-                              " messages are missing by their sequence numbers");
+                              " messages are missing (gaps in seq)");
   }
   for (const ChannelInfo& channel : kChannels) {
     add_warnings(report, channel.channel, gate.counts(channel.channel));
@@ -187,8 +188,8 @@ ReplayIndex index_log(const io::LogPaths& logs, const ReplayOptions& options) {
     const auto decoded = decode(*channel, event->data.data(), event->data.size());
     if (const auto* rejection = std::get_if<Rejection>(&decoded)) {
       if (options.strict) {
-        throw io::FileError(reader.where(event->offset) + ": this " + event->channel +
-                            " is refused: " + rejection->detail);
+        throw io::FileError(reader.where(event->offset) + ": this message of " + event->channel +
+                            " is invalid: " + rejection->detail);
       }
       ++report.num_rejected[static_cast<std::size_t>(rejection->reason)];
       continue;
@@ -205,35 +206,35 @@ ReplayIndex index_log(const io::LogPaths& logs, const ReplayOptions& options) {
   report.num_duplicates = counts.num_duplicate;
   report.num_seq_gaps = counts.num_lost;
   if (report.num_events == 0) {
-    throw io::FileError(log_path + ": no readable LCM event in it; is it an LCM log?");
+    throw io::FileError(log_path + ": no readable LCM event; give an LCM log");
   }
   if (!has_source) {
-    throw io::FileError(fmt::format(
-        "{}: holds no channel to replay (SCAN, IMAGE, ODOMETRY, GNSS, POSE_FIX), only {}", log_path,
-        fmt::join(other_channels, ", ")));
+    throw io::FileError(
+        fmt::format("{}: has no channel to replay (SCAN, IMAGE, ODOMETRY, GNSS, POSE_FIX), only {}",
+                    log_path, fmt::join(other_channels, ", ")));
   }
   if (options.strict && !report.gaps.empty()) {
-    throw io::FileError(log_path + ": damaged at offset " +
-                        std::to_string(report.gaps.front().offset) + " (" +
-                        std::to_string(report.gaps.front().size) +
-                        " bytes could not be read); \"orchard log repair\" keeps what is whole");
+    throw io::FileError(
+        log_path + ": damaged at offset " + std::to_string(report.gaps.front().offset) + " (" +
+        std::to_string(report.gaps.front().size) +
+        " bytes could not be read); copy the readable messages with \"orchard log repair\"");
   }
   report.warnings = reader.notes();
   add_warnings(report, gathered.gate());
   if (!second_sensors.empty()) {
     report.warnings.push_back(fmt::format(
-        "{}: not used; only of {} a second sensor is ({})", fmt::join(second_sensors, ", "),
-        info(Channel::kScan).name, info(Channel::kScanRear).name));
+        "{}: not used; a second sensor is supported only for {} ({})",
+        fmt::join(second_sensors, ", "), info(Channel::kScan).name, info(Channel::kScanRear).name));
   }
   for (std::string& warning : delays.warnings()) report.warnings.push_back(std::move(warning));
   if (num_contradicted > 0) {
     report.warnings.push_back(std::to_string(num_contradicted) +
-                              " messages at a source's beginning are of another time than it goes "
-                              "on with, and were left out");
+                              " messages at the start of a channel were ignored: their time does "
+                              "not fit the messages after them");
   }
   put_in_order(gathered, options, index);
   if (index.entries.empty()) {
-    throw io::FileError(log_path + ": no usable source message in it" +
+    throw io::FileError(log_path + ": no valid sensor message" +
                         (report.warnings.empty() ? "" : " (" + report.warnings.front() + ")"));
   }
   return index;

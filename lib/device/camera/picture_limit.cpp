@@ -131,18 +131,18 @@ std::variant<vision::Image, NoPicture> PictureLimit::fit(CameraFrame frame) {
   image.height_px = frame.height_px;
   image.encoding = vision::Encoding::kJpeg;
   if (frame.format == PixelFormat::kJpeg) {
-    if (!is_whole_jpeg(frame.data)) return NoPicture{"a JPEG that is not whole"};
+    if (!is_whole_jpeg(frame.data)) return NoPicture{"an incomplete JPEG"};
     if (frame.data.size() <= max_bytes_) {
       image.data = std::move(frame.data);
       return image;
     }
   }
   const std::optional<Planes> planes = planes_of(frame);
-  if (!planes) return NoPicture{"pixels that do not make a picture of its size"};
+  if (!planes) return NoPicture{"pixel data that does not match the size of the picture"};
   // Start near the quality of the last picture: scenes change slowly.
   int high = quality_ == 0 ? kBestQuality : std::min(kBestQuality, quality_ + kRise);
   image.data = compress(*planes, high);
-  if (image.data.empty()) return NoPicture{"pixels that cannot be compressed"};
+  if (image.data.empty()) return NoPicture{"pixel data that cannot be compressed"};
   quality_ = high;
   if (image.data.size() <= max_bytes_) return image;
   int low = kWorstQuality;
@@ -150,7 +150,7 @@ std::variant<vision::Image, NoPicture> PictureLimit::fit(CameraFrame frame) {
   for (--high; low <= high;) {
     const int middle = (low + high + 1) / 2;
     Bytes data = compress(*planes, middle);
-    if (data.empty()) return NoPicture{"pixels that cannot be compressed"};
+    if (data.empty()) return NoPicture{"pixel data that cannot be compressed"};
     if (data.size() <= max_bytes_) {
       image.data = std::move(data);
       quality_ = middle;
@@ -161,8 +161,9 @@ std::variant<vision::Image, NoPicture> PictureLimit::fit(CameraFrame frame) {
   }
   if (image.data.empty()) {
     quality_ = kWorstQuality;
-    return NoPicture{"above " + std::to_string(max_bytes_) + " bytes even with quality " +
-                     std::to_string(kWorstQuality) + ": choose a smaller size or a larger limit"};
+    return NoPicture{"larger than " + std::to_string(max_bytes_) + " bytes even with quality " +
+                     std::to_string(kWorstQuality) +
+                     ": choose a smaller picture size or a larger drivers.camera.max_bytes"};
   }
   return image;
 }

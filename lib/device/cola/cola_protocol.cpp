@@ -130,13 +130,13 @@ void ColaProtocol::take(std::string_view telegram, std::int64_t host_utime) {
 void ColaProtocol::take_sweep(std::string_view telegram, std::int64_t host_utime) {
   auto sweep = parse_cola_scan(telegram, model_, range_);
   if (!sweep || sweep->has_error) {
-    if (sweep) trouble_ = "the scanner reports an error of its own: its sweeps are not used";
+    if (sweep) trouble_ = "the scanner reports an internal error: its scans are not used";
     ++counts_.num_bad;
     return;
   }
   if (step_ == Step::kStart) ask(Step::kStream, host_utime);  // a sweep arrived before the answer
   is_streaming_ = true;
-  trouble_ = sweep->is_dirty ? "the scanner says that its front screen is dirty" : "";
+  trouble_ = sweep->is_dirty ? "the scanner reports a dirty front screen; clean it" : "";
   deadline_utime_ = host_utime + kMaxSilence_us;
   // The clock is synchronised by the time of transmission, since only the network delay separates
   // it from the arrival.
@@ -153,7 +153,8 @@ void ColaProtocol::expire(std::int64_t host_utime) {
   }
   if (step_ != Step::kStop && step_ != Step::kStart) return go_on(false, host_utime);
   if (num_asked_ < kMaxAsked) return ask_again(host_utime);
-  fail("no answer to " + command_ + " (a scanner with CoLa-A? The port is 2111 or 2112)");
+  fail("no answer to " + command_ +
+       "; check that it is a scanner with CoLa-A and the port is 2111 or 2112");
 }
 
 }  // namespace orchard::device

@@ -69,7 +69,7 @@ void GpsdProtocol::expire(std::int64_t host_utime) {
   deadline_ = host_utime + kSilence_us;
   if (host_utime - fix_utime_ < kSilence_us) return;
   fix_utime_ = 0;
-  why_no_fix_ = "gpsd sends no fixes: is the receiver still plugged in?";
+  why_no_fix_ = "gpsd sends no fixes; check that the receiver is still plugged in";
 }
 
 void GpsdProtocol::host_clock_stepped(std::int64_t step_us) {
@@ -80,26 +80,27 @@ void GpsdProtocol::host_clock_stepped(std::int64_t step_us) {
 }
 
 std::string GpsdProtocol::failure() const {
-  return num_unanswered_ > kMaxUnanswered ? "gpsd no longer answers" : "";
+  return num_unanswered_ > kMaxUnanswered ? "gpsd does not answer any more" : "";
 }
 
 std::string GpsdProtocol::condition() const {
-  if (!error_.empty()) return "gpsd says: " + error_;
+  if (!error_.empty()) return "gpsd reports: " + error_;
   if (fix_utime_ == 0) {
     if (has_receivers_ == false) {
-      return "gpsd has no receiver: is it plugged in, and gpsd started with its device?";
+      return "gpsd has no receiver; check that it is plugged in and that gpsd was started with its "
+             "device";
     }
     if (!why_no_fix_.empty()) return why_no_fix_;
-    return "waits for a first report" + (receiver_.empty() ? "" : " of " + shown(receiver_));
+    return "waits for the first report" + (receiver_.empty() ? "" : " of " + shown(receiver_));
   }
   if (std::abs(fix_lead_s_) > kImplausibleLead_s) {
     return "fixes arrive " + fixed_text(fix_lead_s_, 1) +
-           " s after their own time: the host does not keep satellite time, "
-           "use drivers.gnss.stamp: receipt";
+           " s after their own time stamp: the clock of this machine is not synchronised to "
+           "satellite time; use drivers.gnss.stamp: receipt";
   }
   if (num_other_receivers_ > 0) {
     return "reads " + shown(receiver_) +
-           " only: gpsd has other receivers, choose with drivers.gnss.receiver";
+           " only, but gpsd has several receivers; choose one with drivers.gnss.receiver";
   }
   return {};
 }
@@ -150,7 +151,7 @@ void GpsdProtocol::take_fix(const GpsdFix& fix, std::int64_t host_utime) {
   }
   // gpsd reports after each NMEA sentence: a later report has the height.
   if (fix.mode == 3 && !fix.altitude_m) {
-    if (fix_utime_ == 0) why_no_fix_ = "waits for a fix with its height";
+    if (fix_utime_ == 0) why_no_fix_ = "waits for a fix with an altitude";
     return;
   }
   fix_utime_ = host_utime;

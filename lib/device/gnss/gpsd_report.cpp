@@ -21,7 +21,7 @@ class Fields {
   std::optional<double> number(const char* key, double lo, double hi) {
     const Json* field = find(key);
     if (field == nullptr) return std::nullopt;
-    if (!field->is_number()) return object(key, "is no number");
+    if (!field->is_number()) return object(key, "is not a number");
     const double value = field->get<double>();
     if (!(value >= lo && value <= hi)) return object(key, "is out of range");
     return value;
@@ -31,7 +31,7 @@ class Fields {
     const Json* field = find(key);
     if (field == nullptr) return 0;
     if (!field->is_number_integer() || *field < 0 || *field > hi) {
-      object(key, "is no number of its list");
+      object(key, "is not one of its values");
       return 0;
     }
     return field->get<int>();
@@ -41,14 +41,14 @@ class Fields {
     const Json* field = find(key);
     if (field == nullptr) return {};
     if (field->is_string()) return field->get<std::string>();
-    object(key, "is no text");
+    object(key, "is not a text");
     return {};
   }
 
   std::optional<std::int64_t> time(const char* key) {
     if (find(key) == nullptr) return std::nullopt;
     const std::optional<std::int64_t> utime = parse_utc(text(key));
-    if (!utime) object(key, "is no time");
+    if (!utime) object(key, "is not a time");
     return utime;
   }
 
@@ -158,7 +158,7 @@ std::optional<std::int64_t> parse_utc(std::string_view text) {
 
 GpsdReport parse_gpsd_report(std::string_view line) {
   const Json report = Json::parse(line.begin(), line.end(), nullptr, false);
-  if (!report.is_object()) return GpsdBad{"no JSON object"};
+  if (!report.is_object()) return GpsdBad{"not a JSON object"};
   Fields fields(report);
   const std::string name = fields.text("class");
   GpsdReport read;

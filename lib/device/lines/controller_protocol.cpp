@@ -79,13 +79,13 @@ void ControllerProtocol::host_clock_stepped(std::int64_t step_us) {
 }
 
 std::string ControllerProtocol::failure() const {
-  return is_given_up_ ? "no usable line for 10 s" : "";
+  return is_given_up_ ? "no valid line for 10 s" : "";
 }
 
 std::string ControllerProtocol::condition() const {
   if (!is_silent_) return {};
-  if (!last_refused_.empty()) return "waits for a usable line; refused \"" + last_refused_ + ")";
-  return "waits for lines: is the controller running, and the baud rate right?";
+  if (!last_refused_.empty()) return "waits for a valid line; refused \"" + last_refused_ + ")";
+  return "waits for lines; check that the controller is running and the baud rate is right";
 }
 
 ProtocolCounts ControllerProtocol::counts() const {
@@ -152,9 +152,9 @@ std::string ControllerProtocol::add_ticks(const SensorLine& line, const TickLine
   ticks_by_device_clock_ = by_device_clock;
   // The controller's own clock gives the step without the jitter of the line.
   const auto outcome = ticks_.add(ticks, by_device_clock ? std::llround(time_us) : utime);
-  if (outcome == WheelTicks::Outcome::kJumped) return "a jump no wheel can make";
+  if (outcome == WheelTicks::Outcome::kJumped) return "a jump larger than a wheel can turn";
   if (outcome == WheelTicks::Outcome::kNoTime && by_device_clock) {
-    return "its time is not after that of the line before";
+    return "its time is not later than that of the previous line";
   }
   if (outcome != WheelTicks::Outcome::kMoved) return {};
   pose::Odometry odometry = ticks_.odometry();

@@ -98,7 +98,8 @@ class Numbers {
 std::string fill(SensorLine& line, std::string_view letter, Numbers& numbers) {
   const std::size_t count = numbers.count();
   if (letter == "V") {
-    if (count != 2 && count != 4) return "V needs speed and yaw rate, and may have their sds";
+    if (count != 2 && count != 4)
+      return "V needs speed and yaw rate, optionally with their standard deviations";
     VelocityLine velocity;
     velocity.speed_mps = numbers.real(-kSpeedMax_mps, kSpeedMax_mps);
     velocity.yaw_rate_radps = numbers.real(-kYawRateMax_radps, kYawRateMax_radps);
@@ -114,7 +115,8 @@ std::string fill(SensorLine& line, std::string_view letter, Numbers& numbers) {
     ticks.right = numbers.whole();
     line.content = ticks;
   } else if (letter == "I") {
-    if (count != 6 && count != 9) return "I needs 3 rates and 3 accelerations, and may have angles";
+    if (count != 6 && count != 9)
+      return "I needs 3 rates and 3 accelerations, optionally with 3 angles";
     InertialLine inertial;
     numbers.reals(inertial.angular_rate_radps, kAngularRateMax_radps);
     numbers.reals(inertial.acceleration_mps2, kAccelerationMax_mps2);
@@ -143,7 +145,7 @@ std::variant<SensorLine, Comment, BadLine> parse_sensor_line(std::string_view te
     const std::optional<std::uint8_t> stated = read_hex_byte(text.substr(star + 1));
     if (!stated) return BadLine{"the checksum is not two hexadecimal digits"};
     text = text.substr(0, star);
-    if (*stated != line_checksum(text)) return BadLine{"the checksum does not fit"};
+    if (*stated != line_checksum(text)) return BadLine{"the checksum is wrong"};
     line.has_checksum = true;
   }
   std::vector<std::string_view> words = split_words(text);
@@ -154,7 +156,7 @@ std::variant<SensorLine, Comment, BadLine> parse_sensor_line(std::string_view te
     if (!time || *time < 0) return BadLine{"@ needs a time in whole microseconds"};
     line.device_time_us = *time;
     words.pop_back();
-    if (words.empty()) return BadLine{"a time and nothing else"};
+    if (words.empty()) return BadLine{"a time without a measurement"};
   }
   const std::string_view letter = words.front();
   words.erase(words.begin());

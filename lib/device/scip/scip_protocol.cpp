@@ -103,7 +103,8 @@ void ScipProtocol::take(const ScipReply& reply, std::int64_t host_utime) {
       return ask(Step::kLaser, host_utime);
     case Step::kLaser:
       // Status 02: already on. 01: the laser fails to turn on and no sweep will follow.
-      if (reply.status == "01") trouble_ = "the scanner's laser does not come on (status 01)";
+      if (reply.status == "01")
+        trouble_ = "the laser of the scanner does not switch on (status 01)";
       return begin_stream(parameters_->fits_two_characters() ? ScipEncoding::kTwo
                                                              : ScipEncoding::kThreeWithIntensity,
                           host_utime);
@@ -121,7 +122,7 @@ void ScipProtocol::take_parameters(const ScipReply& reply, std::int64_t host_uti
   }
   ++counts_.num_bad;
   if (num_asked_ < kMaxAsked) return ask_again(host_utime);
-  fail("what the scanner says of itself (PP) cannot be read");
+  fail("the parameters of the scanner (reply to PP) are invalid");
 }
 
 void ScipProtocol::take_clock_reading(const ScipReply& reply, std::int64_t host_utime) {
@@ -152,9 +153,9 @@ void ScipProtocol::refuse_stream(std::string_view status, std::int64_t host_utim
   }
   if (status >= "21" && status <= "98") {
     trouble_ = "the scanner reports status " + std::string(status) +
-               (status == "98"  ? ": it resumes after a check"
-                : status < "50" ? ": it stopped to check an error"
-                                : ": hardware trouble (laser, motor)");
+               (status == "98"  ? ": it resumes after a self-test"
+                : status < "50" ? ": it stopped because of an error"
+                                : ": hardware fault (laser, motor)");
     return;
   }
   ++counts_.num_bad;
@@ -196,8 +197,9 @@ void ScipProtocol::expire(std::int64_t host_utime) {
       break;
   }
   if (num_asked_ >= kMaxAsked) {
-    return fail(trouble_.empty() ? "no answer to " + command_ + " (a scanner with SCIP 2.0?)"
-                                 : trouble_);
+    return fail(trouble_.empty()
+                    ? "no answer to " + command_ + "; check that it is a scanner with SCIP 2.0"
+                    : trouble_);
   }
   // A URG-04LX starts in SCIP 1.1; other models answer the switch with an error, which is ignored.
   // The empty line ends a command that a broken connection may have left incomplete.

@@ -79,7 +79,7 @@ void print_findings(const std::string& path, const LogSurvey& survey) {
                   name.c_str(), channel.clock_change_s);
     }
     if (channel.num_contests > 2) {
-      std::printf("%s: %s: sent by two processes, or by one that restarts again and again\n",
+      std::printf("%s: %s: sent by two sources, or by one that restarts again and again\n",
                   path.c_str(), name.c_str());
     }
   }

@@ -196,10 +196,10 @@ TEST_F(InProcessReplay, AClockThatDiffersFromTheOthersIsNamed) {
   };
   EXPECT_EQ(warnings_of(0, 0), "");
   EXPECT_EQ(warnings_of(0, 120'000), "") << "what a sweep and a picture take";
-  EXPECT_NE(warnings_of(200'000, 0).find("the clock behind SCAN, IMAGE is 0.20 s ahead"),
+  EXPECT_NE(warnings_of(200'000, 0).find("the clock of the sender of SCAN, IMAGE is 0.20 s ahead"),
             std::string::npos);
-  EXPECT_NE(warnings_of(-500'000, 0).find("its clock is behind"), std::string::npos);
-  EXPECT_NE(warnings_of(200'000, 80'000).find("ahead of that behind ODOMETRY"), std::string::npos);
+  EXPECT_NE(warnings_of(-500'000, 0).find("the clock of its sender is behind"), std::string::npos);
+  EXPECT_NE(warnings_of(200'000, 80'000).find("ahead of that of ODOMETRY"), std::string::npos);
 }
 
 TEST_F(InProcessReplay, ASecondSensorThatIsNotUsedIsNamed) {

@@ -93,7 +93,7 @@ TEST(LiveNode, SaysThatMessagesCameTooLateToBeUsed) {
   Bus bus("memq://");
   LiveNode live(bus, node, "orchard-recorder", io::EffectiveConfig{}, {});
   live.run(stop);
-  EXPECT_NE(node.said.find("came too late to be used"), std::string::npos) << node.said;
+  EXPECT_NE(node.said.find("arrived too late to be used"), std::string::npos) << node.said;
   EXPECT_GE(node.level, Level::kWarning);
 }
 

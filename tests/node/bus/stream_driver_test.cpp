@@ -144,7 +144,7 @@ TEST(StreamDriver, ConnectsAgainAndNumbersOn) {
     EXPECT_EQ(driver.condition().level, Level::kOk);
     server.hang_up();
     ASSERT_TRUE(run_until(driver, out, [&] { return driver.condition().level == Level::kError; }));
-    EXPECT_NE(driver.condition().text.find("tries again"), std::string::npos);
+    EXPECT_NE(driver.condition().text.find("retrying"), std::string::npos);
   }
 }
 

@@ -109,7 +109,8 @@ TEST_F(CameraDriverTest, APictureOfAnotherSizeIsRefusedAndNamed) {
   const auto driver = play_folder();
   EXPECT_TRUE(run(*driver).empty());
   EXPECT_EQ(driver->condition().num_bad, 1);
-  EXPECT_NE(driver->condition().text.find("640x480, not the 320x240"), std::string::npos);
+  EXPECT_NE(driver->condition().text.find("640x480, but camera.width_px and height_px are 320x240"),
+            std::string::npos);
 }
 
 TEST_F(CameraDriverTest, TheSamePictureTenTimesIsAFrozenCamera) {

@@ -316,7 +316,7 @@ TEST(DetectorNode, SaysThatPicturesAreOfAnotherSize) {
   }
   bench.flush();
   EXPECT_NE(
-      bench.node.warning().find("IMAGE is 320 x 240 px, camera.width_px and height_px say 640"),
+      bench.node.warning().find("IMAGE is 320 x 240 px, but camera.width_px and height_px are 640"),
       std::string::npos);
 }
 

@@ -33,9 +33,11 @@ std::string drive(double beam_period_us, double speed_mps, double yaw_rate_radps
 
 TEST(BeamTimes, AMovingRobotWithoutThemIsTold) {
   // half of 0.1 m per scan
-  EXPECT_NE(drive(0.0, 1.0, 0.0).find("99 of 99 scans, by some 0.05 m"), std::string::npos);
+  EXPECT_NE(
+      drive(0.0, 1.0, 0.0).find("99 of 99 scans, so landmarks may be displaced by about 0.05 m"),
+      std::string::npos);
   // half of 0.05 rad at 4 m
-  EXPECT_NE(drive(0.0, 0.0, 0.5).find("by some 0.10 m"), std::string::npos);
+  EXPECT_NE(drive(0.0, 0.0, 0.5).find("by about 0.10 m"), std::string::npos);
 }
 
 TEST(BeamTimes, NobodyElseIs) {

@@ -404,7 +404,8 @@ TEST(MapperNode, SaysWhereReflectorsDoNotTell) {
       node.handle(detections, nobody);
     }
     node.flush(nobody);
-    const bool is_said = node.warning().find("4 of 4 things with a reflector") != std::string::npos;
+    const bool is_said =
+        node.warning().find("4 of 4 landmarks with a reflector") != std::string::npos;
     EXPECT_EQ(is_said, period == 6) << period << ": " << node.warning();
   }
 }

@@ -46,7 +46,7 @@ kill -0 "$first" || fail "the first one ended"
 printf 'mapper:\n  gate_m: 0.29\n' >"$work/other.yaml"
 start "$work/b.out" "$node" --role pose --config "$work/other.yaml" --lcm-url "$url"
 second=$started
-watch orchard-fake 0 "has another configuration" || fail "another configuration is not said"
+watch orchard-fake 0 "runs with another configuration" || fail "another configuration is not said"
 stop "$second"; stop "$first"
 echo "ok: two of a kind"
 

@@ -60,7 +60,7 @@ process=$!
 children+=("$process")
 "$bin/status_watch" "$url" orchard-fake 0 >/dev/null || fail "no STATUS"
 kill "$reader"; wait "$reader" || true
-"$bin/fake_driver" --speed 20 --lcm-url "$url" 2>/dev/null  # "all inputs have come"
+"$bin/fake_driver" --speed 20 --lcm-url "$url" 2>/dev/null  # "all inputs are arriving"
 code=0; timeout 10 tail --pid="$process" -f /dev/null || fail "SIGPIPE: goes on"
 wait "$process" || code=$?
 [ "$code" -eq 0 ] || fail "SIGPIPE gave exit code $code"

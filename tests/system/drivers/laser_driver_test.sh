@@ -42,7 +42,7 @@ echo "ok: SCANs of both protocols, and of their raw bytes"
 
 code=0; timeout 10 "$driver" --config "$work/rig.yaml" --lcm-url "$url" >"$work/none.log" 2>&1 || code=$?
 [ "$code" -eq 3 ] || fail "exit code $code without a device, wanted 3"
-grep -q "no device is named" "$work/none.log" || fail "nothing said of the missing device"
+grep -q "no device is given" "$work/none.log" || fail "nothing said of the missing device"
 code=0; timeout 10 "$driver" --config "$work/rig.yaml" --lcm-url "$url" --device usb0 >"$work/bad.log" 2>&1 || code=$?
 [ "$code" -eq 3 ] || fail "exit code $code for a device that is none, wanted 3"
 echo "ok: what cannot be is refused"

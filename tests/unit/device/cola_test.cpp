@@ -154,7 +154,7 @@ TEST(ColaProtocol, AsksForIntensitiesWhereItMayLogIn) {
   cola.receive(telegram("sAN Run 1"), 0);
   EXPECT_EQ(sent(cola), "sEN LMDscandata 1");
   cola.receive(telegram("sEA LMDscandata 1"), 0);
-  EXPECT_EQ(cola.condition(), "waits for the scanner's first sweep");
+  EXPECT_EQ(cola.condition(), "waits for the scanner's first scan");
   // Sent 50 ms after it began, and read 100 us after it was sent: nothing is known to be quicker.
   cola.receive(telegram(kHead + " 1 " + kDistances + " 0" + kTail), 2'000'000);
   const auto measured = cola.take_measurements();
@@ -199,7 +199,7 @@ TEST(ColaProtocol, ADeviceInTroubleSaysSo) {
   dirty.replace(dirty.find(" 0 0 1A"), 7, " 0 2 1A");
   cola.receive(telegram(dirty), 0);
   EXPECT_EQ(cola.take_measurements().size(), 1u);
-  EXPECT_EQ(cola.condition(), "the scanner says that its front screen is dirty");
+  EXPECT_EQ(cola.condition(), "the scanner reports a dirty front screen; clean it");
   dirty.replace(dirty.find(" 0 2 1A"), 7, " 0 1 1A");
   cola.receive(telegram(dirty), 0);
   EXPECT_TRUE(cola.take_measurements().empty());

@@ -134,7 +134,7 @@ TEST(ScipProtocol, TheSimplestScannerIsAskedForRangesAlone) {
   ScipProtocol scip;
   EXPECT_EQ(lead_to_stream(scip), "MD0002000500000\n");
   scip.receive("MD0002000500000\n00P\n\n", 0);
-  EXPECT_EQ(scip.condition(), "waits for the scanner's first sweep");
+  EXPECT_EQ(scip.condition(), "waits for the scanner's first scan");
   // In two pieces, as a serial line hands them over.
   const std::string sweep = "MD0002000500000\n99b\nm2@0?\n0CB1Dh00C1GQn\n\n";
   scip.receive(sweep.substr(0, 30), 1'000'000);
@@ -196,14 +196,14 @@ TEST(ScipProtocol, AScannerThatFallsSilentIsStartedAgain) {
   EXPECT_LE(*scip.deadline(), 2'000'000);
   scip.expire(*scip.deadline());
   EXPECT_EQ(scip.take_to_send(), "QT\n");
-  EXPECT_EQ(scip.condition(), "the scanner sends no sweeps");
+  EXPECT_EQ(scip.condition(), "the scanner sends no scans");
 }
 
 TEST(ScipProtocol, TroubleThatTheScannerReportsIsSaid) {
   ScipProtocol scip;
   lead_to_stream(scip);
   scip.receive("MD0002000500000\n50U\n\n", 0);
-  EXPECT_EQ(scip.condition(), "the scanner reports status 50: hardware trouble (laser, motor)");
+  EXPECT_EQ(scip.condition(), "the scanner reports status 50: hardware fault (laser, motor)");
 }
 
 TEST(ScipProtocol, RubbishWithoutEndIsNotKept) {

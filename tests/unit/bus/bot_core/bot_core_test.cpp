@@ -98,7 +98,7 @@ TEST(BotCore, OfTwoScannersTheFirstUnlessOneIsChosen) {
   EXPECT_TRUE(translated(first, "FRONT", lidar()));
   EXPECT_FALSE(translated(first, "REAR", lidar()));
   EXPECT_EQ(first.ignored().begin()->first,
-            "REAR: another planar_lidar_t; section drivers.bot_core chooses");
+            "REAR: a second channel of planar_lidar_t; choose one in section drivers.bot_core");
   device::BotCoreConfig config;
   config.scan_channel = "REAR";
   BotCoreTranslator chosen(config, 60000);

@@ -23,7 +23,7 @@ TEST(InputWatch, AChannelThatFallsSilentIsStaleWithinASecond) {
   EXPECT_TRUE(watch.is_stale(Channel::kScan));
   EXPECT_TRUE(watch.is_serious(Channel::kScan));
   EXPECT_EQ(watch.text(Channel::kScan, at_ms(4200)),
-            "SCAN is STALE: silent for 2.3 s (came every 0.10 s)");
+            "SCAN is STALE: silent for 2.3 s (usual period 0.10 s)");
   EXPECT_FALSE(watch.update(at_ms(3000))) << "it is known already";
   watch.note(Channel::kScan, at_ms(5000));
   EXPECT_TRUE(watch.update(at_ms(5000))) << "it is back";
@@ -60,9 +60,9 @@ TEST(InputWatch, SaysTheSharesOfTheLastTenSeconds) {
   counts.num_duplicate = 10;
   counts.num_leaps = 1;
   watch.count(Channel::kScan, counts, 1095);
-  EXPECT_EQ(watch.text(Channel::kScan, Time()),
-            "SCAN in the last 10 s: 5.0 % lost, 10.0 % duplicate, 1 refused: they leap in time or "
-            "number");
+  EXPECT_EQ(
+      watch.text(Channel::kScan, Time()),
+      "SCAN in the last 10 s: 5.0 % lost, 10.0 % duplicate, 1 refused for a jump in time or seq");
   EXPECT_TRUE(watch.is_serious(Channel::kScan));
   for (int i = 0; i < 11; ++i) watch.count(Channel::kScan, counts, 1095 + 100 * i);
   EXPECT_TRUE(watch.text(Channel::kScan, Time()).empty()) << "that was ten seconds ago";

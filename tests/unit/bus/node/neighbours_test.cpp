@@ -54,7 +54,7 @@ TEST(Neighbours, SaysWhoHasAnotherConfiguration) {
   EXPECT_TRUE(mine.text(Time()).empty());
   notice.hash = 8;
   mine.note(notice, Time());
-  EXPECT_EQ(mine.text(Time()), "orchard-pose on laptop:5 has another configuration");
+  EXPECT_EQ(mine.text(Time()), "orchard-pose on laptop:5 runs with another configuration");
 }
 
 TEST(Neighbours, SaysWhoseClockIsAnother) {
@@ -76,7 +76,8 @@ TEST(Neighbours, NoticesThatTheClockWasSet) {
     EXPECT_EQ(mine.check_clock(kWall, Time() + seconds(1)), 0.0);
     EXPECT_EQ(mine.check_clock(kWall + 1'000'000, Time() + seconds(2)), 0.0);
     EXPECT_DOUBLE_EQ(mine.check_clock(kWall + 2'000'000 + step_us, Time() + seconds(3)), hour_s);
-    EXPECT_NE(mine.text(Time() + seconds(4)).find("of this machine was set"), std::string::npos);
+    EXPECT_NE(mine.text(Time() + seconds(4)).find("of this machine was changed"),
+              std::string::npos);
     EXPECT_EQ(mine.check_clock(kWall + 3'000'000 + step_us, Time() + seconds(4)), 0.0);
     EXPECT_TRUE(mine.text(Time() + seconds(70)).empty());
   }

@@ -141,14 +141,14 @@ TEST(PictureLimit, DamagedFramesAreRefused) {
   CameraFrame frame = jpeg_frame(scene(320, 240, 5.0), 90);
   CameraFrame cut = frame;
   cut.data.resize(cut.data.size() / 2);
-  EXPECT_EQ(refused(limit, cut), "a JPEG that is not whole");
+  EXPECT_EQ(refused(limit, cut), "an incomplete JPEG");
   CameraFrame empty = frame;
   empty.data.clear();
-  EXPECT_EQ(refused(limit, empty), "a JPEG that is not whole");
+  EXPECT_EQ(refused(limit, empty), "an incomplete JPEG");
   PictureLimit tight(1000);
   CameraFrame other_size = frame;
   other_size.width_px = 640;
-  EXPECT_EQ(refused(tight, other_size), "pixels that do not make a picture of its size");
+  EXPECT_EQ(refused(tight, other_size), "pixel data that does not match the size of the picture");
 }
 
 TEST(FrameWatch, TenPicturesTheSameAreAFrozenCamera) {

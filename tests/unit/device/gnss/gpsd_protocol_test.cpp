@@ -149,7 +149,7 @@ TEST(GpsdProtocol, AFixWaitsForItsHeight) {
   without.replace(without.find(",\"altHAE\":51.5"), 14, "");
   protocol.receive(without, kHost_us + 5);
   EXPECT_TRUE(taken(protocol).empty());
-  EXPECT_EQ(protocol.condition(), "waits for a fix with its height");
+  EXPECT_EQ(protocol.condition(), "waits for a fix with an altitude");
   protocol.receive(tpv(0), kHost_us + 9);
   const auto fixes = taken(protocol);
   ASSERT_EQ(fixes.size(), 1u);
@@ -177,7 +177,7 @@ TEST(GpsdProtocol, DeviationsOfAFloatSolutionAreNotThoseOfAFixedOne) {
 
 TEST(GpsdProtocol, SaysWhatIsMissingAndRecovers) {
   GpsdProtocol protocol = connected();
-  EXPECT_EQ(protocol.condition(), "waits for a first report");
+  EXPECT_EQ(protocol.condition(), "waits for the first report");
   protocol.receive("{\"class\":\"DEVICES\",\"devices\":[]}\r\n", kHost_us + 5);
   EXPECT_NE(protocol.condition().find("no receiver"), std::string::npos);
   protocol.receive("{\"class\":\"TPV\",\"device\":\"/dev/ttyACM0\",\"mode\":1}\r\n", kHost_us + 9);
@@ -194,7 +194,7 @@ TEST(GpsdProtocol, SaysWhatIsMissingAndRecovers) {
     EXPECT_EQ(protocol.take_to_send(), "?DEVICES;\n");
   }
   EXPECT_NE(protocol.condition().find("still plugged in"), std::string::npos);
-  EXPECT_EQ(protocol.failure(), "gpsd no longer answers");
+  EXPECT_EQ(protocol.failure(), "gpsd does not answer any more");
   protocol.connected(kHost_us + 20'000'000);
   EXPECT_EQ(protocol.failure(), "");
   protocol.receive(tpv(100), kHost_us + 20'000'100);

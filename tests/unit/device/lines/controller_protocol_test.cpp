@@ -41,7 +41,7 @@ std::string with_checksum(const std::string& line) {
 TEST(ControllerProtocol, VelocitiesAreStampedWhenTheyCome) {
   ControllerProtocol protocol = connected();
   EXPECT_EQ(protocol.condition(),
-            "waits for lines: is the controller running, and the baud rate right?");
+            "waits for lines; check that the controller is running and the baud rate is right");
   protocol.receive("V 0.5 0.1 0.02", kStart_us + 10);
   protocol.receive(" 0.03\r\n", kStart_us + 20);
   const auto odometry = taken<pose::Odometry>(protocol);
@@ -158,7 +158,7 @@ TEST(ControllerProtocol, SaysWhenItIsSilentAndGivesUp) {
   EXPECT_EQ(protocol.failure(), "");
   protocol.receive("V 1 \x1b[2J\n", kStart_us + 1'500'000);
   EXPECT_EQ(protocol.condition(),
-            "waits for a usable line; refused \"V 1 ?[2J\" (not a number: ?[2J)");
+            "waits for a valid line; refused \"V 1 ?[2J\" (not a number: ?[2J)");
   while (protocol.failure().empty()) {
     ASSERT_LT(*protocol.deadline(), kStart_us + 12'000'000);
     protocol.expire(*protocol.deadline());

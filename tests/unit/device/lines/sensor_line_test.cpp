@@ -60,7 +60,7 @@ TEST(SensorLine, PassesOverComments) {
 }
 
 TEST(SensorLine, SaysWhatIsWrong) {
-  EXPECT_EQ(why("V 0.5"), "V needs speed and yaw rate, and may have their sds");
+  EXPECT_EQ(why("V 0.5"), "V needs speed and yaw rate, optionally with their standard deviations");
   EXPECT_EQ(why("V 0.5 0.x"), "not a number: 0.x");
   EXPECT_EQ(why("V nan 0"), "not a number: nan");
   EXPECT_EQ(why("V 0 inf"), "not a number: inf");
@@ -72,11 +72,12 @@ TEST(SensorLine, SaysWhatIsWrong) {
   EXPECT_EQ(why("X 1 2"), "begins with none of V, T, I and #");
   EXPECT_EQ(why("v 1 2"), "begins with none of V, T, I and #");
   EXPECT_EQ(why("V 1 2 @-5"), "@ needs a time in whole microseconds");
-  EXPECT_EQ(why("@5"), "a time and nothing else");
-  EXPECT_EQ(why("V 0.52 -0.013 @1500000*1B"), "the checksum does not fit");
+  EXPECT_EQ(why("@5"), "a time without a measurement");
+  EXPECT_EQ(why("V 0.52 -0.013 @1500000*1B"), "the checksum is wrong");
   EXPECT_EQ(why("V 0.52 -0.013 @1500000*4"), "the checksum is not two hexadecimal digits");
   EXPECT_EQ(why("V 1 +-2"), "not a number: +-2");
-  EXPECT_EQ(why("I 1 2 3 4 5 6 7"), "I needs 3 rates and 3 accelerations, and may have angles");
+  EXPECT_EQ(why("I 1 2 3 4 5 6 7"),
+            "I needs 3 rates and 3 accelerations, optionally with 3 angles");
   EXPECT_EQ(why(std::string(150, 'a') + std::string(40, ' ')), "begins with none of V, T, I and #");
   EXPECT_EQ(why("V 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1"), "too many words");
 }

@@ -11,7 +11,8 @@ struct ConsistencyConfig {
 
 template <class Visitor>
 void describe(Visitor& v, ConsistencyConfig& c) {
-  v.flag("enabled", c.enabled, "compare laser and image edges and warn when they disagree");
+  v.flag("enabled", c.enabled,
+         "compare laser and image edges while driving and warn if they disagree for long");
 }
 
 }  // namespace orchard::detection

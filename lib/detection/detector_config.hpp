@@ -50,44 +50,48 @@ struct DetectorConfig {
 
 template <class Visitor>
 void describe(Visitor& v, DetectorConfig& c) {
-  v.section("segmentation", c.segmentation, "cutting a scan into objects");
-  v.section("width", c.width, "trunk width model, eqs. 8-10");
-  v.expert().section("window", c.window, "image windows");
+  v.section("segmentation", c.segmentation, "segmentation of a scan into objects");
+  v.section("width", c.width, "model of trunk widths (eqs. 8-10 of the paper)");
+  v.expert().section("window", c.window, "size of the image windows");
   v.choice("colour_model", c.colour_model, {"hue_interval", "appearance"},
-           "what gives roc_colour: the paper's hue interval, or what was learnt of trunks");
-  v.section("colour", c.colour, "trunk colour: colour_model hue_interval");
-  v.expert().section("appearance", c.appearance, "what trunks look like: colour_model appearance");
+           "model for roc_colour: the paper's hue interval, or a learnt appearance model");
+  v.section("colour", c.colour, "hue of trunks, for colour_model: hue_interval");
+  v.expert().section("appearance", c.appearance,
+                     "learnt appearance of trunks, for colour_model: appearance");
   v.check(c.colour_model == ColourModel::kHueInterval || c.appearance.learnt(), "colour_model",
-          "needs a learnt detector.appearance; `orchard calibrate trunks` writes one");
-  v.expert().section("edges", c.edges, "trunk edges");
+          "needs a learnt detector.appearance; learn one with `orchard calibrate trunks`");
+  v.expert().section("edges", c.edges, "detection of trunk edges in the picture");
   v.expert().number("roc_laser_threshold", c.roc_laser_threshold, 0, 1, "1",
-                    "candidates have at least this roc_laser (the paper's ROC_th)");
+                    "min roc_laser of a trunk candidate (ROC_th of the paper)");
   v.expert().number(
       "visible_fraction_min", c.visible_fraction_min, 0, 1, "1",
-      "a half-hidden object of a trunk's width is judged if this fraction of a trunk shows, as "
-      "wide as its circle and detector.width together say; 1 = it stays UNSEEN");
-  v.expert().number("colour_weight", c.colour_weight, 0, 1, "1", "weight of colour in roc_vision");
-  v.expert().number("laser_weight", c.laser_weight, 0, 1, "1", "weight of the laser in roc_tree");
-  v.number("tree_threshold", c.tree_threshold, 0, 1, "1", "TREE from this roc_tree on");
-  v.expert().choice(
-      "decision", c.decision, {"roc", "probability"},
-      "TREE by roc_tree and tree_threshold (the paper's), or by probability and its tree_min");
+      "min visible fraction of a half-hidden trunk to be classified; its width is estimated from "
+      "its circle and detector.width; 1 = half-hidden trunks stay UNSEEN");
+  v.expert().number("colour_weight", c.colour_weight, 0, 1, "1",
+                    "weight of the colour in roc_vision; the rest is that of the edges");
+  v.expert().number("laser_weight", c.laser_weight, 0, 1, "1",
+                    "weight of the laser in roc_tree; the rest is that of roc_vision");
+  v.number("tree_threshold", c.tree_threshold, 0, 1, "1",
+           "min roc_tree of class TREE; a larger value gives fewer, surer trees");
+  v.expert().choice("decision", c.decision, {"roc", "probability"},
+                    "rule for class TREE: roc_tree at least tree_threshold (the paper), or "
+                    "calibrated probability at least probability.tree_min");
   v.expert().section("probability", c.probability, "calibrated probabilities of tree and object");
   v.check(c.decision == Decision::kRoc || c.probability.enabled, "decision",
           "probability needs detector.probability.enabled: true");
   v.check(c.width.mean_m < c.segmentation.width_max_m, "width",
-          "mean_m must be below segmentation.width_max_m: no trunk would be reported");
+          "mean_m must be below segmentation.width_max_m, otherwise no trunk is reported");
   v.expert().number("pairing_tolerance_s", c.pairing_tolerance_s, 0, 10, "s",
-                    "largest time between a scan and its picture");
+                    "max time difference of a scan and its picture");
   v.expert().number("image_wait_s", c.image_wait_s, 0, 60, "s",
-                    "message time that a scan waits for pictures");
+                    "max time that a scan waits for a picture (message time)");
   v.check(c.pairing_tolerance_s <= c.image_wait_s, "pairing_tolerance_s",
-          "must not be above image_wait_s: the picture would come too late");
+          "must not be above image_wait_s, otherwise the picture comes too late");
   v.flag("use_odometry", c.use_odometry,
-         "move points by ODOMETRY from their beam's time to the picture's");
-  v.section("adaptation", c.adaptation, "models that follow the trees while driving");
+         "compensate the motion of the robot between beam and picture by ODOMETRY");
+  v.section("adaptation", c.adaptation, "adaptation of the models while driving");
   v.expert().section("extrinsics_monitor", c.extrinsics_monitor,
-                     "warning when laser and image edges disagree for long");
+                     "monitor of the laser-camera extrinsics");
 }
 
 }  // namespace orchard::detection

@@ -38,22 +38,22 @@ inline bool fits_features(const ProbabilityConfig& c) {
 
 template <class Visitor>
 void describe(Visitor& v, ProbabilityConfig& c) {
-  v.flag("enabled", c.enabled, "state probability_tree and probability_object of each detection");
+  v.flag("enabled", c.enabled, "compute probability_tree and probability_object of each detection");
   v.number("tree_min", c.tree_min, 0.01, 0.99, "1",
-           "decision probability: TREE from this probability_tree on");
+           "min probability_tree of class TREE, for decision: probability");
   v.numbers("judged_tree", c.judged_tree, -1e3, 1e3, "1",
-            "log odds of tree against unknown per: 1, width z, z^2 / 5, range in m, "
+            "weights of the log odds of tree against unknown for: 1, width z, z^2 / 5, range in m, "
             "log(beams / 10), hidden sides, log odds of roc_colour, roc_colour is 0, roc_edges, "
             "roc_edges is 0");
-  v.numbers("judged_object", c.judged_object, -1e3, 1e3, "1", "the same of object");
+  v.numbers("judged_object", c.judged_object, -1e3, 1e3, "1", "the same for object");
   v.numbers("laser_tree", c.laser_tree, -1e3, 1e3, "1",
-            "of tree where no camera has looked: the first six only");
-  v.numbers("laser_object", c.laser_object, -1e3, 1e3, "1", "the same of object");
+            "weights for tree without a camera measurement: the first six features");
+  v.numbers("laser_object", c.laser_object, -1e3, 1e3, "1", "the same for object");
   v.check(fits_features(c), "judged_tree",
           "the four lists must have 10, 10, 6 and 6 numbers, or all be empty; run `orchard "
           "calibrate probability` again");
   v.check(!c.enabled || c.learnt(), "enabled",
-          "needs weights; `orchard calibrate probability` writes them");
+          "needs weights; compute them with `orchard calibrate probability`");
 }
 
 }  // namespace orchard::detection

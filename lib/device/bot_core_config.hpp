@@ -26,15 +26,18 @@ struct BotCoreConfig {
 
 template <class Visitor>
 void describe(Visitor& v, BotCoreConfig& c) {
-  v.text("lcm_url", c.lcm_url, "LCM network of a robot that speaks libbot's types; empty: none");
-  v.text("scan_channel", c.scan_channel, "its planar_lidar_t; empty: the first that carries one");
-  v.text("image_channel", c.image_channel, "its image_t");
-  v.text("pose_channel", c.pose_channel, "its pose_t");
-  v.text("gps_channel", c.gps_channel, "its gps_data_t");
+  v.text("lcm_url", c.lcm_url,
+         "URL of the LCM network of a robot with libbot's types; empty = none");
+  v.text("scan_channel", c.scan_channel, "channel of planar_lidar_t; empty = the first one found");
+  v.text("image_channel", c.image_channel, "channel of image_t; empty = the first one found");
+  v.text("pose_channel", c.pose_channel, "channel of pose_t; empty = the first one found");
+  v.text("gps_channel", c.gps_channel, "channel of gps_data_t; empty = the first one found");
   v.choice("pose_as", c.pose_as, {"odometry", "pose_fix"},
-           "its pose_t becomes velocities | external positions");
-  v.number("range_min_m", c.range_min_m, 0, 10, "m", "planar_lidar_t does not say");
-  v.number("range_max_m", c.range_max_m, 0.1, 1000, "m", "planar_lidar_t does not say");
+           "pose_t is converted to: velocities (ODOMETRY) | external positions (POSE_FIX)");
+  v.number("range_min_m", c.range_min_m, 0, 10, "m",
+           "min range of the scanner, which planar_lidar_t does not state; from the data sheet");
+  v.number("range_max_m", c.range_max_m, 0.1, 1000, "m",
+           "max range of the scanner, which planar_lidar_t does not state; from the data sheet");
   v.check(c.range_min_m < c.range_max_m, "range_min_m", "must be below range_max_m");
 }
 

@@ -25,8 +25,10 @@ struct LaserDriverConfig {
 template <class Visitor>
 void describe(Visitor& v, LaserDriverConfig& c) {
   v.text("device", c.device,
-         "tcp:192.168.0.10:10940 or serial:/dev/ttyACM0:115200; empty: there is none");
-  v.choice("protocol", c.protocol, {"scip", "cola_a"}, "Hokuyo speaks scip, SICK cola_a");
+         "address of the scanner: tcp:192.168.0.10:10940 or serial:/dev/ttyACM0:115200; empty = no "
+         "scanner");
+  v.choice("protocol", c.protocol, {"scip", "cola_a"},
+           "protocol: scip for Hokuyo, cola_a for SICK");
 }
 
 /// Addresses and settings of this machine's sensors. Section `drivers`.

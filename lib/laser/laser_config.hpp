@@ -34,25 +34,30 @@ struct RearLaserConfig : LaserConfig {
 
 template <class Visitor>
 void describe(Visitor& v, LaserConfig& c) {
-  v.number("mount_x_m", c.mount_x_m, -10, 10, "m", "laser in base, forward");
-  v.number("mount_y_m", c.mount_y_m, -10, 10, "m", "laser in base, left");
-  v.number("mount_yaw_rad", c.mount_yaw_rad, -6.2832, 6.2832, "rad", "laser in base, turned left");
-  v.number("range_sd_m", c.range_sd_m, 0, 1, "m", "1-sigma of a range, constant part");
-  v.number("range_sd_fraction", c.range_sd_fraction, 0, 0.2, "1", "1-sigma per metre of range");
-  v.expert().number("target_sd_fraction", c.target_sd_fraction, 0, 0.2, "1",
-                    "1-sigma per metre of range of what all beams of an object share");
+  v.number("mount_x_m", c.mount_x_m, -10, 10, "m",
+           "x of the laser in base (forward), measured with a ruler");
+  v.number("mount_y_m", c.mount_y_m, -10, 10, "m",
+           "y of the laser in base (left), measured with a ruler");
+  v.number("mount_yaw_rad", c.mount_yaw_rad, -6.2832, 6.2832, "rad",
+           "yaw of the laser in base, counter-clockwise; 0 = looks forward");
+  v.number("range_sd_m", c.range_sd_m, 0, 1, "m",
+           "standard deviation of a range, constant part; from the data sheet");
+  v.number("range_sd_fraction", c.range_sd_fraction, 0, 0.2, "1",
+           "standard deviation of a range per metre of range; from the data sheet");
   v.expert().number(
-      "spot_m", c.spot_m, 0, 0.2, "m",
-      "width of the beam as it leaves; data sheets give it, callipers show it as what is "
-      "measured too wide however near");
-  v.expert().number(
-      "spot_rad", c.spot_rad, 0, 0.05, "rad",
-      "the beam's divergence; widths are less by it; `orchard calibrate trunks` measures it");
+      "target_sd_fraction", c.target_sd_fraction, 0, 0.2, "1",
+      "standard deviation per metre of range of the error common to all beams of an object");
+  v.expert().number("spot_m", c.spot_m, 0, 0.2, "m",
+                    "width of the laser spot at the scanner; from the data sheet, or the excess of "
+                    "measured widths at short range");
+  v.expert().number("spot_rad", c.spot_rad, 0, 0.05, "rad",
+                    "divergence of the beam, subtracted from widths; from the data sheet or "
+                    "`orchard calibrate trunks`");
 }
 
 template <class Visitor>
 void describe(Visitor& v, RearLaserConfig& c) {
-  v.flag("enabled", c.enabled, "a second scanner sends SCAN.rear; its place and noise follow");
+  v.flag("enabled", c.enabled, "true for a robot with a second scanner (SCAN.rear)");
   describe(v, static_cast<LaserConfig&>(c));
 }
 

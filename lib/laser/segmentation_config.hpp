@@ -33,30 +33,36 @@ struct SegmentationConfig {
 
 template <class Visitor>
 void describe(Visitor& v, SegmentationConfig& c) {
-  v.number("range_min_m", c.range_min_m, 0, 100, "m", "nearer returns are the robot itself");
-  v.number("range_max_m", c.range_max_m, 0.1, 500, "m", "farther returns are not used");
-  v.number("jump_m", c.jump_m, 0.001, 10, "m", "range step that separates objects");
+  v.number("range_min_m", c.range_min_m, 0, 100, "m",
+           "nearer returns are ignored (the robot itself)");
+  v.number("range_max_m", c.range_max_m, 0.1, 500, "m",
+           "farther returns are ignored; larger finds more distant trunks with fewer beams");
+  v.number("jump_m", c.jump_m, 0.001, 10, "m",
+           "min range step between two objects; larger merges neighbours");
   v.expert().number("jump_fraction", c.jump_fraction, 0, 1, "1",
-                    "growth of that step per metre of range");
-  v.integer("min_beams", c.min_beams, 1, 1000, "beams", "fewest beams of an object");
-  v.number("width_max_m", c.width_max_m, 0.05, 100, "m", "wider things are not reported");
+                    "growth of jump_m per metre of range");
+  v.integer("min_beams", c.min_beams, 1, 1000, "beams",
+            "min beams of an object; larger drops thin and distant objects");
+  v.number("width_max_m", c.width_max_m, 0.05, 100, "m",
+           "max width of an object; wider ones (walls, hedges) are not reported");
   v.number("blind_centre_rad", c.blind_centre_rad, -6.2832, 6.2832, "rad",
-           "laser frame: middle of a sector that shows the robot itself");
+           "middle of the sector in which the scanner sees the robot itself, in the laser frame");
   v.number("blind_half_width_rad", c.blind_half_width_rad, 0, 3.1416, "rad",
-           "half the angle of that sector; 0 for none");
+           "half the angle of that sector; 0 = no such sector");
   v.integer("merge_occluded_beams", c.merge_occluded_beams, 0, 20, "beams",
-            "parts of an object that grass or a twig hides are merged over at most so many beams; "
-            "0 = off");
+            "max width of grass or a twig in front of an object, in beams: the parts beside it are "
+            "merged; 0 = off");
   v.flag("split_touching", c.split_touching,
-         "split what two circles fit clearly better than one: trunks that touch");
+         "split an object that two circles fit clearly better than one (touching trunks)");
   v.expert().integer("min_beams_circle", c.min_beams_circle, 3, 1000, "beams",
-                     "fewest beams to which a circle is fitted; twice that with a side hidden");
+                     "min beams for a circle fit; twice as many with a hidden side");
   v.choice("reflector", c.reflector, {"ignored", "only", "exclude"},
-           "reflectors mark nothing | the trees, and only they can be trees | what is no tree");
-  v.number("reflectivity_min", c.reflectivity_min, 0, 1e9, "as the scanner's intensities",
-           "one beam this bright makes an object a reflector");
+           "meaning of reflectors: none | only objects with a reflector can be trees | objects "
+           "with a reflector are not trees");
+  v.number("reflectivity_min", c.reflectivity_min, 0, 1e9, "intensity units of the scanner",
+           "min intensity of a beam on a reflector; read intensities with `orchard echo SCAN`");
   v.check(c.reflector == ReflectorUse::kIgnored || c.reflectivity_min > 0.0, "reflectivity_min",
-          "must be above 0 when reflector is not ignored; `orchard echo SCAN` shows intensities");
+          "must be above 0 if reflector is not ignored; `orchard echo SCAN` shows the intensities");
   v.check(c.range_min_m < c.range_max_m, "range_min_m", "must be below range_max_m");
 }
 

@@ -19,12 +19,18 @@ struct WidthConfig {
 
 template <class Visitor>
 void describe(Visitor& v, WidthConfig& c) {
-  v.expert().choice("mode", c.mode, {"compensated", "paper"}, "how a width is measured");
-  v.number("mean_m", c.mean_m, 0.005, 5, "m", "mean trunk width (mu of eq. 9)");
-  v.number("sd_m", c.sd_m, 0, 2, "m", "its standard deviation (sigma of eq. 9)");
-  v.expert().number("sd_floor_m", c.sd_floor_m, 0.001, 1, "m", "sigma never gets smaller");
+  v.expert().choice(
+      "mode", c.mode, {"compensated", "paper"},
+      "width from the beams of an object: unbiased, or the chord of the paper (eq. 8)");
+  v.number("mean_m", c.mean_m, 0.005, 5, "m",
+           "mean trunk width at the height of the scanner (mu of eq. 9); from `orchard calibrate "
+           "trunks` or a calliper");
+  v.number("sd_m", c.sd_m, 0, 2, "m",
+           "standard deviation of trunk widths (sigma of eq. 9); from `orchard calibrate trunks`");
+  v.expert().number("sd_floor_m", c.sd_floor_m, 0.001, 1, "m",
+                    "lower limit of that standard deviation");
   v.expert().number("sd_per_beam_step", c.sd_per_beam_step, 0, 5, "1",
-                    "part of sigma that grows as range x beam step");
+                    "growth of the standard deviation with range, in units of range x beam step");
 }
 
 }  // namespace orchard::laser

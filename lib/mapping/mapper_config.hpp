@@ -51,48 +51,56 @@ struct MapperConfig {
 
 template <class Visitor>
 void describe(Visitor& v, MapperConfig& c) {
-  v.number("gate_m", c.gate_m, 0.01, 0.99, "m", "farthest a detection lies from its landmark");
+  v.number("gate_m", c.gate_m, 0.01, 0.99, "m",
+           "max distance of a detection from its landmark; larger tolerates worse poses, but mixes "
+           "up neighbours");
   v.expert().number("gate_sigma", c.gate_sigma, 0.5, 20, "1",
-                    "the same in standard deviations of detection, pose and landmark");
+                    "max distance of a detection from its landmark in standard deviations of both "
+                    "and of the pose");
   v.number("width_gate_m", c.width_gate_m, 0.01, 10, "m",
-           "largest difference between a detection's width and its landmark's");
-  v.number("merge_m", c.merge_m, 0, 0.99, "m", "landmarks nearer than this are one");
+           "max difference of the widths of a detection and its landmark");
+  v.number("merge_m", c.merge_m, 0, 0.99, "m", "landmarks nearer than this are merged");
   v.check(c.merge_m <= 2.0 * c.gate_m, "merge_m",
-          "must not be above twice gate_m: such landmarks share no observation");
+          "must not be above twice gate_m: landmarks farther apart share no observation");
   v.flag("split_landmarks", c.split_landmarks,
-         "split a landmark where scans show things at two positions at once, time and again");
+         "split a landmark if scans repeatedly observe objects at two positions at once");
   v.expert().number("split_distance_m", c.split_distance_m, 0.01, 5, "m",
-                    "split_landmarks: least distance of the two positions");
+                    "split_landmarks: min distance of the two positions");
   v.number("observation_range_max_m", c.observation_range_max_m, 0.1, 500, "m",
-           "detections farther from base are left out");
+           "max range of detections from base; farther ones are ignored");
   v.expert().flag(
       "align_scans", c.align_scans,
-      "decide who is who after fitting the scan to the map, within the pose's covariance");
+      "align each scan with the map, within the covariance of the pose, before association");
   v.expert().number("align_kernel_m", c.align_kernel_m, 0.01, 2, "m",
-                    "how far from a landmark a detection still supports a fit");
+                    "align_scans: standard deviation of the Gaussian weight of a detection's "
+                    "distance from a landmark");
   v.expert().number("centre_kernel_m", c.centre_kernel_m, 0.01, 5, "m",
-                    "observations farther than this from the bulk weigh little");
-  v.expert().choice(
-      "evidence", c.evidence, {"labels", "probability"},
-      "what an observation says of a landmark's class: its label, or its calibrated probability");
+                    "standard deviation of the Gaussian kernel of a landmark's position; "
+                    "observations farther from the mode weigh little");
+  v.expert().choice("evidence", c.evidence, {"labels", "probability"},
+                    "class evidence of an observation: its label, or its calibrated probability");
   v.expert().number("evidence_prior", c.evidence_prior, 0.01, 0.99, "1",
-                    "evidence probability: fraction of trees among landmarks");
+                    "evidence: probability: fraction of trees among landmarks; from `orchard "
+                    "calibrate probability`");
   v.expert().number(
       "evidence_base_rate", c.evidence_base_rate, 0.01, 0.99, "1",
-      "evidence probability: fraction of trees among the observations that were learnt from");
+      "evidence: probability: fraction of trees among the observations of the calibration");
   v.expert().number("evidence_correlation", c.evidence_correlation, 0, 1, "1",
-                    "evidence probability: n observations count as n / (1 + (n - 1) x this)");
+                    "evidence: probability: correlation c of observations; n of them count as n / "
+                    "(1 + (n - 1) c)");
   v.expert().number("pose_wait_s", c.pose_wait_s, 0, 3600, "s",
-                    "message time that detections wait for a pose");
+                    "max time that DETECTIONS wait for a POSE (message time)");
   v.expert().number("pose_gap_max_s", c.pose_gap_max_s, 0.001, 3600, "s",
-                    "poses farther apart are not interpolated between");
-  v.expert().number("deskew_pose_gap_max_s", c.deskew_pose_gap_max_s, 0, 10, "s",
-                    "poses at least this often undo the motion within a scan; 0 = never");
+                    "max interval of poses to interpolate between");
+  v.expert().number(
+      "deskew_pose_gap_max_s", c.deskew_pose_gap_max_s, 0, 10, "s",
+      "max interval of poses to compensate the motion within a scan; 0 = never compensate");
   v.integer("min_observations", c.min_observations, 1, 1000, "1",
-            "landmarks seen less often stay out of map files");
-  v.section("existence", c.existence, "dropping landmarks that are gone");
-  v.section("rows", c.rows, "rows and numbers");
-  v.section("album", c.album, "a photograph of each landmark");
+            "min observations of a landmark in the map files; larger drops clutter and rarely seen "
+            "trees");
+  v.section("existence", c.existence, "removal of landmarks that are gone");
+  v.section("rows", c.rows, "rows of trees and their numbers");
+  v.section("album", c.album, "photographs of landmarks");
   v.check(c.deskew_pose_gap_max_s <= c.pose_gap_max_s, "deskew_pose_gap_max_s",
           "must not be above pose_gap_max_s");
 }

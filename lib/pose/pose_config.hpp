@@ -48,30 +48,32 @@ template <class Visitor>
 void describe(Visitor& v, PoseConfig& c) {
   v.choice("mode", c.mode,
            {"fixes", "fixes_and_odometry", "odometry", "stationary", "fused", "prior_map", "slam"},
-           "where poses come from");
-  v.choice("motion", c.motion, {"wheels", "scans"},
-           "modes odometry, slam, prior_map: motion from ODOMETRY | from the scans");
+           "method of localisation");
+  v.choice(
+      "motion", c.motion, {"wheels", "scans"},
+      "source of the motion in modes odometry, slam and prior_map: ODOMETRY, or matching of scans");
   v.expert().number("reorder_window_s", c.reorder_window_s, 0, 10, "s",
-                    "message time that one channel may lag another; GNSS always half a second");
+                    "max delay between channels (message time); for GNSS it is always 0.5 s");
   v.number("fix_position_sd_m", c.fix_position_sd_m, 1e-6, 100, "m",
-           "of a fix that states no covariance");
+           "standard deviation of the position of a POSE_FIX without covariance");
   v.number("fix_yaw_sd_rad", c.fix_yaw_sd_rad, 1e-6, 3.2, "rad",
-           "of a fix that states no covariance");
-  v.number("speed_sd_fraction", c.speed_sd_fraction, 0, 1, "1",
-           "of odometry that states no covariance, per m/s");
+           "standard deviation of the yaw of a POSE_FIX without covariance");
+  v.number(
+      "speed_sd_fraction", c.speed_sd_fraction, 0, 1, "1",
+      "standard deviation of the speed of ODOMETRY without covariance, as a fraction of the speed");
   v.number("yaw_rate_sd_radps", c.yaw_rate_sd_radps, 0, 3.2, "rad/s",
-           "of odometry that states no covariance");
+           "standard deviation of the yaw rate of ODOMETRY without covariance");
   v.expert().number("odometry_gap_max_s", c.odometry_gap_max_s, 0.001, 3600, "s",
-                    "a longer silence is not dead-reckoned across");
+                    "max interval of ODOMETRY to dead-reckon across");
   v.expert().number("heading_baseline_m", c.heading_baseline_m, 0.01, 100, "m",
-                    "travel that gives a first heading to fixes without yaw and to GNSS");
-  v.section("fusion", c.fusion, "mode fused: wheels, IMU, GNSS and fixes together");
-  v.section("gnss", c.gnss, "how satellite fixes are used");
-  v.section("prior_map", c.prior_map, "localisation in an earlier day's map: mode prior_map");
+                    "distance to drive for a first heading, for fixes without yaw and GNSS");
+  v.section("fusion", c.fusion, "mode fused: fusion of wheels, IMU, GNSS and fixes");
+  v.section("gnss", c.gnss, "GNSS: datum, antenna and accuracy");
+  v.section("prior_map", c.prior_map, "mode prior_map: localisation in an earlier map");
   v.check(c.mode != PoseMode::kPriorMap || !c.prior_map.map_file.empty(), "mode",
-          "needs pose.prior_map.map_file: the map of an earlier day");
-  v.section("slam", c.slam, "trunk-landmark SLAM: mode slam");
-  v.expert().section("scan_motion", c.scan_motion, "motion: scans");
+          "needs pose.prior_map.map_file: an earlier map");
+  v.section("slam", c.slam, "mode slam: SLAM with trunks as landmarks");
+  v.expert().section("scan_motion", c.scan_motion, "motion: scans: motion by matching of scans");
 }
 
 }  // namespace orchard::pose

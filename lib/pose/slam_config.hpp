@@ -40,45 +40,53 @@ struct SlamConfig {
 template <class Visitor>
 void describe(Visitor& v, SlamConfig& c) {
   v.expert().number("detections_wait_s", c.detections_wait_s, 0, 60, "s",
-                    "message time that DETECTIONS may lag the motion");
+                    "max delay of DETECTIONS behind the motion (message time)");
   v.expert().number("keyframe_travel_m", c.keyframe_travel_m, 0.05, 10, "m",
-                    "travel between keyframes");
+                    "distance between keyframes; smaller is more accurate and slower");
   v.expert().integer("window_keyframes", c.window_keyframes, 4, 200, "keyframes",
-                     "corrected at every keyframe");
-  v.expert().number("observation_sd_m", c.observation_sd_m, 0.001, 1, "m",
-                    "of a centre, on top of what the detector states");
+                     "number of recent keyframes that are optimised at each keyframe");
+  v.expert().number(
+      "observation_sd_m", c.observation_sd_m, 0.001, 1, "m",
+      "standard deviation of an observed centre, added to the covariance of the detector");
   v.expert().number("observation_range_max_m", c.observation_range_max_m, 0.5, 200, "m",
-                    "what is farther away is no landmark");
-  v.expert().number("width_max_m", c.width_max_m, 0.05, 10, "m", "what is wider is no landmark");
-  v.expert().number("gate_sigma", c.gate_sigma, 1, 10, "sigma", "of association");
-  v.number("gate_m", c.gate_m, 0.05, 10, "m", "farthest an observation lies from its landmark");
+                    "max range of observations; farther ones are ignored");
+  v.expert().number("width_max_m", c.width_max_m, 0.05, 10, "m",
+                    "max width of a landmark; wider objects are ignored");
+  v.expert().number("gate_sigma", c.gate_sigma, 1, 10, "sigma",
+                    "gate of data association, in standard deviations");
+  v.number("gate_m", c.gate_m, 0.05, 10, "m", "max distance of an observation from its landmark");
   v.expert().number("width_gate_m", c.width_gate_m, 0, 5, "m",
-                    "widths may differ by this on top of what is stated");
+                    "max difference of widths, in addition to their uncertainty");
   v.expert().number("new_landmark_m", c.new_landmark_m, 0.05, 10, "m",
-                    "nearer to a landmark than this nothing new is begun");
-  v.expert().number(
-      "detection_rate_min", c.detection_rate_min, 0, 1, "1",
-      "fraction of a keyframe's scans that must observe a landmark: ground and leaves flash up");
-  v.expert().number("speed_scale_sd", c.speed_scale_sd, 0, 0.5, "1", "of the wheels' scale");
-  v.expert().number("turn_scale_sd", c.turn_scale_sd, 0, 0.5, "1", "of the scale of their turns");
+                    "min distance of a new landmark from existing ones");
+  v.expert().number("detection_rate_min", c.detection_rate_min, 0, 1, "1",
+                    "min fraction of a keyframe's scans that observe a landmark; rarer detections "
+                    "are clutter (ground, leaves)");
+  v.expert().number("speed_scale_sd", c.speed_scale_sd, 0, 0.5, "1",
+                    "prior standard deviation of the scale of the wheels' speed");
+  v.expert().number("turn_scale_sd", c.turn_scale_sd, 0, 0.5, "1",
+                    "prior standard deviation of the scale of the wheels' yaw rate");
   v.expert().number("yaw_rate_bias_sd_radps", c.yaw_rate_bias_sd_radps, 0, 1, "rad/s",
-                    "of their yaw rate's bias");
-  v.expert().number("gap_s", c.gap_s, 0.01, 60, "s", "a longer silence of the motion is a gap");
-  v.expert().number(
-      "lost_sd_m", c.lost_sd_m, 0.1, 20, "m",
-      "1-sigma of the place among the trunks from which on none is known again; about a third "
-      "of their spacing");
+                    "prior standard deviation of the bias of the wheels' yaw rate");
+  v.expert().number("gap_s", c.gap_s, 0.01, 60, "s",
+                    "a longer interval without measured motion is a gap");
+  v.expert().number("lost_sd_m", c.lost_sd_m, 0.1, 20, "m",
+                    "position uncertainty (1 sigma) above which trunks are not recognised and a "
+                    "new session starts; about a third of their spacing");
   v.expert().number("closure_kernel_m", c.closure_kernel_m, 0.02, 5, "m",
-                    "landmarks farther apart after the best shift are no pair");
+                    "loop closure: max distance of matched landmarks after registration");
   v.expert().number("closure_sd_m", c.closure_sd_m, 0.01, 1, "m",
-                    "repeatability of a tree's position within a submap, standard deviation");
+                    "loop closure: standard deviation of a tree's position within a submap");
   v.expert().number("closure_margin", c.closure_margin, 0, 100, "log-likelihood",
-                    "by which a loop closure must beat any other shift");
-  v.flag("use_fixes", c.use_fixes, "POSE_FIX places the map and bounds its drift");
-  v.flag("use_gnss", c.use_gnss, "GNSS does, with map east-north-up about pose.gnss.datum");
-  v.expert().number("merge_m", c.merge_m, 0, 5, "m", "landmarks nearer to each other are one");
+                    "loop closure: min log-likelihood advantage over any other registration; "
+                    "larger closes fewer, surer loops");
+  v.flag("use_fixes", c.use_fixes, "use POSE_FIX to georeference the map and limit its drift");
+  v.flag("use_gnss", c.use_gnss,
+         "use GNSS to georeference the map and limit its drift; map x points east, y north from "
+         "pose.gnss.datum");
+  v.expert().number("merge_m", c.merge_m, 0, 5, "m", "landmarks nearer than this are merged");
   v.expert().number("submap_length_m", c.submap_length_m, 0.5, 1000, "m",
-                    "large graphs are solved by submaps of the path of this length");
+                    "path length of a submap; large graphs are solved submap by submap");
   v.check(c.merge_m <= c.gate_m, "merge_m", "must not be above gate_m");
   v.check(c.merge_m <= c.new_landmark_m, "merge_m", "must not be above new_landmark_m");
 }

@@ -48,35 +48,40 @@ struct ScannerConfig {
 
 template <class Visitor>
 void describe(Visitor& v, ScannerConfig& c) {
-  v.integer("num_beams", c.num_beams, 2, 20000, "beams", "of one sweep");
-  v.number("bearing_min_rad", c.bearing_min_rad, -6.2832, 6.2832, "rad", "of the first beam");
-  v.number("bearing_step_rad", c.bearing_step_rad, 1e-5, 0.2, "rad", "between two beams");
-  v.number("range_min_m", c.range_min_m, 0, 10, "m", "nearest return");
-  v.number("range_max_m", c.range_max_m, 0.1, 300, "m", "farthest return");
-  v.number("rate_hz", c.rate_hz, 0.1, 100, "Hz", "sweeps a second while driving");
-  v.number("beam_period_us", c.beam_period_us, 0, 10000, "us", "between two beams");
-  v.number("spot_rad", c.spot_rad, 0, 0.05, "rad", "width of the spot");
-  v.number("spot_m", c.spot_m, 0, 0.2, "m", "width of the spot where it leaves");
-  v.number("return_fraction", c.return_fraction, 0.01, 0.5, "1",
-           "least part of a spot that returns: 0.5 as a line would, real scanners less");
-  v.number("bloom_rad", c.bloom_rad, 0, 0.05, "rad", "a reflector shines into beams beside it");
+  v.integer("num_beams", c.num_beams, 2, 20000, "beams", "number of beams of a scan");
+  v.number("bearing_min_rad", c.bearing_min_rad, -6.2832, 6.2832, "rad",
+           "bearing of the first beam");
+  v.number("bearing_step_rad", c.bearing_step_rad, 1e-5, 0.2, "rad", "angle between two beams");
+  v.number("range_min_m", c.range_min_m, 0, 10, "m", "min range");
+  v.number("range_max_m", c.range_max_m, 0.1, 300, "m", "max range");
+  v.number("rate_hz", c.rate_hz, 0.1, 100, "Hz", "scans per second while driving");
+  v.number("beam_period_us", c.beam_period_us, 0, 10000, "us", "time between two beams");
+  v.number("spot_rad", c.spot_rad, 0, 0.05, "rad", "divergence of the beam");
+  v.number("spot_m", c.spot_m, 0, 0.2, "m", "width of the laser spot at the scanner");
+  v.number(
+      "return_fraction", c.return_fraction, 0.01, 0.5, "1",
+      "min fraction of a spot on an object for a return: 0.5 for a line, less for real scanners");
+  v.number("bloom_rad", c.bloom_rad, 0, 0.05, "rad",
+           "angle by which a reflector extends into neighbouring beams");
   v.number("mixed_probability", c.mixed_probability, 0, 1, "1",
-           "that a spot split over two surfaces reads between them");
-  v.number("dropout_probability", c.dropout_probability, 0, 1, "1", "that a hit gives no return");
-  v.number("beam_sd_m", c.beam_sd_m, 0, 1, "m", "range noise of each beam, constant part");
+           "probability of a range between two surfaces that share a spot");
+  v.number("dropout_probability", c.dropout_probability, 0, 1, "1",
+           "probability that a hit gives no return");
+  v.number("beam_sd_m", c.beam_sd_m, 0, 1, "m", "standard deviation of each range, constant part");
   v.number("beam_sd_fraction", c.beam_sd_fraction, 0, 0.2, "1",
-           "range noise of each beam, per metre");
+           "standard deviation of each range, per metre");
   v.number("scan_sd_fraction", c.scan_sd_fraction, 0, 0.2, "1",
-           "range error of each target in each scan, per metre");
+           "standard deviation of the range error of an object in a scan, per metre");
   v.number("target_sd_fraction", c.target_sd_fraction, 0, 0.2, "1",
-           "lasting range error of each target, per metre");
-  v.number("limit_fraction", c.limit_fraction, 0, 0.5, "1", "class limit of the error from 1 m on");
-  v.number("limit_m", c.limit_m, 0, 1, "m", "class limit of the error below 1 m");
-  v.number("resolution_m", c.resolution_m, 1e-6, 0.1, "m", "step of the ranges");
-  v.number("height_m", c.height_m, 0.02, 5, "m", "scan plane above the ground");
-  v.flag("intensities", c.intensities, "report the strength of each return");
+           "standard deviation of the constant range error of an object, per metre");
+  v.number("limit_fraction", c.limit_fraction, 0, 0.5, "1",
+           "limit of the range error from 1 m on, as a fraction of the range");
+  v.number("limit_m", c.limit_m, 0, 1, "m", "limit of the range error below 1 m");
+  v.number("resolution_m", c.resolution_m, 1e-6, 0.1, "m", "resolution of the ranges");
+  v.number("height_m", c.height_m, 0.02, 5, "m", "height of the scan plane above the ground");
+  v.flag("intensities", c.intensities, "SCAN states intensities");
   v.number("tilt_sd_rad", c.tilt_sd_rad, 0, 0.3, "rad",
-           "pitch and roll of each sweep on uneven ground");
+           "standard deviation of pitch and roll of a scan on uneven ground");
   v.check(c.range_min_m < c.range_max_m, "range_min_m", "must be below range_max_m");
 }
 
@@ -92,13 +97,13 @@ struct ImageConfig {
 
 template <class Visitor>
 void describe(Visitor& v, ImageConfig& c) {
-  v.number("rate_hz", c.rate_hz, 0.1, 100, "Hz", "pictures a second while driving");
-  v.number("offset_s", c.offset_s, 0, 1, "s", "from a sweep to its picture while driving");
-  v.number("noise_sd", c.noise_sd, 0, 50, "grey", "noise of every pixel");
+  v.number("rate_hz", c.rate_hz, 0.1, 100, "Hz", "pictures per second while driving");
+  v.number("offset_s", c.offset_s, 0, 1, "s", "time from a scan to its picture while driving");
+  v.number("noise_sd", c.noise_sd, 0, 50, "grey", "standard deviation of the noise of a pixel");
   v.number("blur_px", c.blur_px, 0, 5, "px", "sigma of the blur; 0 = none");
-  v.integer("jpeg_quality", c.jpeg_quality, 10, 100, "1", "of the JPEG encoder");
+  v.integer("jpeg_quality", c.jpeg_quality, 10, 100, "1", "quality of the JPEG encoder");
   v.number("stamp_delay_s", c.stamp_delay_s, -0.5, 0.5, "s",
-           "a picture's time stamp comes this much after its exposure");
+           "delay of the time stamp of a picture after its exposure");
 }
 
 /// The paper's simulated environment. Section `simulation.tubes`.
@@ -116,15 +121,18 @@ struct TubesConfig {
 
 template <class Visitor>
 void describe(Visitor& v, TubesConfig& c) {
-  v.number("tube_spacing_m", c.tube_spacing_m, 0.5, 3, "m", "between tubes of a row");
-  v.number("row_spacing_m", c.row_spacing_m, 1, 4, "m", "between the two rows");
-  v.number("jitter_m", c.jitter_m, 0, 0.1, "m", "most that a tube stands off its place");
-  v.number("first_tube_m", c.first_tube_m, 1, 5, "m", "from the start to the first tubes");
-  v.number("step_m", c.step_m, 0.05, 2, "m", "the robot's equal steps");
-  v.integer("num_steps", c.num_steps, 1, 1000, "1", "scan-image pairs");
-  v.number("step_period_s", c.step_period_s, 0.1, 100, "s", "between two pairs");
-  v.number("fix_sd_m", c.fix_sd_m, 0, 1, "m", "of the position measured by hand");
-  v.number("fix_yaw_sd_rad", c.fix_yaw_sd_rad, 0, 1, "rad", "of the heading measured by hand");
+  v.number("tube_spacing_m", c.tube_spacing_m, 0.5, 3, "m", "distance between the tubes of a row");
+  v.number("row_spacing_m", c.row_spacing_m, 1, 4, "m", "distance between the two rows");
+  v.number("jitter_m", c.jitter_m, 0, 0.1, "m", "max offset of a tube from its place");
+  v.number("first_tube_m", c.first_tube_m, 1, 5, "m", "distance from the start to the first tubes");
+  v.number("step_m", c.step_m, 0.05, 2, "m", "length of a step of the robot");
+  v.integer("num_steps", c.num_steps, 1, 1000, "1",
+            "number of steps, each with a scan and a picture");
+  v.number("step_period_s", c.step_period_s, 0.1, 100, "s", "time between two steps");
+  v.number("fix_sd_m", c.fix_sd_m, 0, 1, "m",
+           "standard deviation of the position measured by hand");
+  v.number("fix_yaw_sd_rad", c.fix_yaw_sd_rad, 0, 1, "rad",
+           "standard deviation of the heading measured by hand");
 }
 
 /// Scene orchard. Section `simulation.orchard`.
@@ -163,38 +171,47 @@ struct OrchardConfig {
 
 template <class Visitor>
 void describe(Visitor& v, OrchardConfig& c) {
-  v.integer("num_rows", c.num_rows, 2, 200, "rows", "along map y; the robot drives between them");
-  v.integer("trees_per_row", c.trees_per_row, 1, 1000, "trees", "places of a row");
-  v.number("row_spacing_m", c.row_spacing_m, 1.5, 20, "m", "between rows");
-  v.number("tree_spacing_m", c.tree_spacing_m, 0.3, 20, "m", "between trees of a row");
-  v.number("jitter_m", c.jitter_m, 0, 2, "m", "most that a tree stands off its place");
-  v.number("missing_fraction", c.missing_fraction, 0, 1, "1", "of the places are empty");
+  v.integer("num_rows", c.num_rows, 2, 200, "rows",
+            "number of rows along map y; the robot drives between them");
+  v.integer("trees_per_row", c.trees_per_row, 1, 1000, "trees", "number of tree places per row");
+  v.number("row_spacing_m", c.row_spacing_m, 1.5, 20, "m", "distance between rows");
+  v.number("tree_spacing_m", c.tree_spacing_m, 0.3, 20, "m", "distance between the trees of a row");
+  v.number("jitter_m", c.jitter_m, 0, 2, "m", "max offset of a tree from its place");
+  v.number("missing_fraction", c.missing_fraction, 0, 1, "1",
+           "fraction of the places that are empty");
   v.number("trunk_width_m", c.trunk_width_m, 0.02, 2, "m", "mean trunk width");
-  v.number("trunk_width_sd_m", c.trunk_width_sd_m, 0, 0.5, "m", "its standard deviation");
-  v.number("post_every_m", c.post_every_m, 0, 1000, "m", "between posts of a row; 0 = none");
+  v.number("trunk_width_sd_m", c.trunk_width_sd_m, 0, 0.5, "m",
+           "standard deviation of the trunk width");
+  v.number("post_every_m", c.post_every_m, 0, 1000, "m",
+           "distance between the posts of a row; 0 = no posts");
   v.number("post_width_m", c.post_width_m, 0.02, 1, "m", "width of a post");
-  v.number("wide_post_fraction", c.wide_post_fraction, 0, 1, "1", "posts as wide as a trunk");
-  v.integer("num_bushes", c.num_bushes, 0, 1000, "1", "bushes among the trees");
-  v.number("bark_hue_min_deg", c.bark_hue_min_deg, 0, 360, "deg", "least hue of a trunk");
-  v.number("bark_hue_max_deg", c.bark_hue_max_deg, 0, 360, "deg", "greatest hue of a trunk");
-  v.number("bark_saturation_min", c.bark_saturation_min, 0, 1, "1", "least saturation of a trunk");
-  v.number("bark_saturation_max", c.bark_saturation_max, 0, 1, "1", "greatest of it");
-  v.number("bark_value_min", c.bark_value_min, 0, 1, "1", "least value of a trunk");
-  v.number("bark_value_max", c.bark_value_max, 0, 1, "1", "greatest of it");
-  v.flag("rough_bark", c.rough_bark, "bands and patches of moss and grey, not even streaks");
-  v.number("lean_sd_rad", c.lean_sd_rad, 0, 0.3, "rad", "of the trunks, in the pictures");
+  v.number("wide_post_fraction", c.wide_post_fraction, 0, 1, "1",
+           "fraction of posts as wide as a trunk");
+  v.integer("num_bushes", c.num_bushes, 0, 1000, "1", "number of bushes among the trees");
+  v.number("bark_hue_min_deg", c.bark_hue_min_deg, 0, 360, "deg", "min hue of a trunk");
+  v.number("bark_hue_max_deg", c.bark_hue_max_deg, 0, 360, "deg", "max hue of a trunk");
+  v.number("bark_saturation_min", c.bark_saturation_min, 0, 1, "1", "min saturation of a trunk");
+  v.number("bark_saturation_max", c.bark_saturation_max, 0, 1, "1", "max saturation of a trunk");
+  v.number("bark_value_min", c.bark_value_min, 0, 1, "1", "min value (brightness) of a trunk");
+  v.number("bark_value_max", c.bark_value_max, 0, 1, "1", "max value (brightness) of a trunk");
+  v.flag("rough_bark", c.rough_bark,
+         "bark with bands and patches of moss and grey instead of even streaks");
+  v.number("lean_sd_rad", c.lean_sd_rad, 0, 0.3, "rad",
+           "standard deviation of the lean of trunks in the pictures");
   v.number("stop_every_m", c.stop_every_m, 0, 10, "m",
-           "stand still for every scan, picture and fix; 0 = drive on");
-  v.number("weave_radps", c.weave_radps, 0, 2, "rad/s", "most it turns left and right in a row");
-  v.number("weave_period_s", c.weave_period_s, 0.5, 60, "s", "of that weaving");
-  v.number("speed_mps", c.speed_mps, 0.05, 10, "m/s", "the robot's speed");
-  v.number("headland_m", c.headland_m, 0.5, 50, "m", "driven beyond a row before turning");
+           "distance between stops for each scan, picture and fix; 0 = drive without stops");
+  v.number("weave_radps", c.weave_radps, 0, 2, "rad/s",
+           "max yaw rate of weaving left and right in a row");
+  v.number("weave_period_s", c.weave_period_s, 0.5, 60, "s", "period of that weaving");
+  v.number("speed_mps", c.speed_mps, 0.05, 10, "m/s", "speed of the robot");
+  v.number("headland_m", c.headland_m, 0.5, 50, "m", "distance driven beyond a row before turning");
   v.integer("laps", c.laps, 0, 1000, "1",
-            "times through all alleys and back to the start; 0 = to the last alley's end");
-  v.flag("start_anywhere", c.start_anywhere, "begin somewhere on the lap; needs laps");
-  v.number("fix_rate_hz", c.fix_rate_hz, 0, 100, "Hz", "POSE_FIX; 0 = none");
-  v.number("fix_sd_m", c.fix_sd_m, 0, 10, "m", "of the fixes' position");
-  v.number("fix_yaw_sd_rad", c.fix_yaw_sd_rad, 0, 1, "rad", "of the fixes' heading");
+            "laps through all alleys and back to the start; 0 = only to the end of the last alley");
+  v.flag("start_anywhere", c.start_anywhere, "start at a random position of the lap; needs laps");
+  v.number("fix_rate_hz", c.fix_rate_hz, 0, 100, "Hz", "rate of POSE_FIX; 0 = none");
+  v.number("fix_sd_m", c.fix_sd_m, 0, 10, "m", "standard deviation of the position of a POSE_FIX");
+  v.number("fix_yaw_sd_rad", c.fix_yaw_sd_rad, 0, 1, "rad",
+           "standard deviation of the yaw of a POSE_FIX");
   v.check(c.bark_hue_min_deg <= c.bark_hue_max_deg, "bark_hue_min_deg", "must not pass the max");
   v.check(c.bark_saturation_min <= c.bark_saturation_max, "bark_saturation_min",
           "must not pass the max");
@@ -216,15 +233,18 @@ struct MotionConfig {
 
 template <class Visitor>
 void describe(Visitor& v, MotionConfig& c) {
-  v.number("odometry_rate_hz", c.odometry_rate_hz, 0, 1000, "Hz", "ODOMETRY; 0 = none");
-  v.number("speed_scale_sd", c.speed_scale_sd, 0, 0.5, "1", "scale error of a run");
-  v.number("speed_sd_mps", c.speed_sd_mps, 0, 5, "m/s", "speed noise of a sample");
-  v.number("yaw_rate_bias_sd_radps", c.yaw_rate_bias_sd_radps, 0, 1, "rad/s", "bias of a run");
-  v.number("yaw_rate_sd_radps", c.yaw_rate_sd_radps, 0, 3, "rad/s", "yaw rate noise of a sample");
-  v.number("gnss_rate_hz", c.gnss_rate_hz, 0, 100, "Hz", "GNSS; 0 = none");
-  v.number("gnss_sd_m", c.gnss_sd_m, 0, 100, "m", "GNSS noise east and north");
+  v.number("odometry_rate_hz", c.odometry_rate_hz, 0, 1000, "Hz", "rate of ODOMETRY; 0 = none");
+  v.number("speed_scale_sd", c.speed_scale_sd, 0, 0.5, "1",
+           "standard deviation of the scale error of speed, per run");
+  v.number("speed_sd_mps", c.speed_sd_mps, 0, 5, "m/s", "standard deviation of the noise of speed");
+  v.number("yaw_rate_bias_sd_radps", c.yaw_rate_bias_sd_radps, 0, 1, "rad/s",
+           "standard deviation of the bias of the yaw rate, per run");
+  v.number("yaw_rate_sd_radps", c.yaw_rate_sd_radps, 0, 3, "rad/s",
+           "standard deviation of the noise of the yaw rate");
+  v.number("gnss_rate_hz", c.gnss_rate_hz, 0, 100, "Hz", "rate of GNSS; 0 = none");
+  v.number("gnss_sd_m", c.gnss_sd_m, 0, 100, "m", "standard deviation of GNSS, east and north");
   v.numbers("datum", c.datum, -1000, 10000, "deg, deg, m",
-            "latitude, longitude, altitude of the map's origin");
+            "latitude, longitude, altitude of the origin of the map");
   v.check(c.datum[0] > -90 && c.datum[0] < 90, "datum", "latitude must be in (-90, 90)");
   v.check(c.datum[1] >= -180 && c.datum[1] <= 180, "datum", "longitude must be in [-180, 180]");
 }
@@ -251,23 +271,22 @@ struct SimulationConfig {
 
 template <class Visitor>
 void describe(Visitor& v, SimulationConfig& c) {
-  v.section("scanner", c.scanner, "the laser scanner");
-  v.section("image", c.image, "the camera's pictures");
+  v.section("scanner", c.scanner, "laser scanner");
+  v.section("image", c.image, "camera");
   v.section("tubes", c.tubes, "scene tubes: the paper's simulated environment");
   v.section("orchard", c.orchard, "scene orchard");
-  v.section("park", c.park, "scene park: trees in no order, driven through by a car");
-  v.section("yard", c.yard, "scene yard: a block, a shed, hedges, scattered trees");
-  v.section("clutter", c.clutter, "what else stands and moves in scene orchard");
+  v.section("park", c.park, "scene park: scattered trees, driven through by a car");
+  v.section("yard", c.yard, "scene yard: a building, a shed, hedges, scattered trees");
+  v.section("clutter", c.clutter, "other fixed and moving objects of scene orchard");
   v.section("light", c.light, "sun, sky and shadows in the pictures");
-  v.section("camera_response", c.camera_response, "what the camera makes of that light");
+  v.section("camera_response", c.camera_response, "exposure and white balance of the camera");
   v.section("motion", c.motion, "odometry and GNSS of scene orchard");
-  v.section("wheels", c.wheels, "what else wheel encoders get wrong");
-  v.section("gnss", c.gnss,
-            "where the satellite receiver's antenna is, and what goes wrong with it");
-  v.section("imu", c.imu, "inertial unit of scene orchard");
+  v.section("wheels", c.wheels, "errors of the wheel encoders");
+  v.section("gnss", c.gnss, "GNSS antenna and errors");
+  v.section("imu", c.imu, "IMU of scene orchard");
   v.section("carry", c.carry, "the robot is lifted and put down in another alley");
-  v.section("change", c.change, "scene orchard on a later day");
-  v.section("board", c.board, "scene board: a chessboard before laser and camera");
+  v.section("change", c.change, "changes for scene orchard on a later day");
+  v.section("board", c.board, "scene board: a chessboard in front of laser and camera");
 }
 
 }  // namespace orchard::simulation

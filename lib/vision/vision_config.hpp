@@ -16,12 +16,15 @@ struct WindowConfig {
 template <class Visitor>
 void describe(Visitor& v, WindowConfig& c) {
   v.expert().number("colour_width_m", c.colour_width_m, 0.005, 2, "m",
-                    "colour window on the trunk");
+                    "width of the colour window, on the trunk");
   v.expert().number("colour_height_m", c.colour_height_m, 0.005, 3, "m",
-                    "colour window on the trunk");
-  v.expert().number("edge_width_m", c.edge_width_m, 0.005, 2, "m", "edge window across the edge");
-  v.expert().number("edge_height_m", c.edge_height_m, 0.005, 3, "m", "edge window along the edge");
-  v.expert().integer("min_size_px", c.min_size_px, 1, 200, "px", "smaller windows count as unseen");
+                    "height of the colour window, on the trunk");
+  v.expert().number("edge_width_m", c.edge_width_m, 0.005, 2, "m",
+                    "width of the edge window, across the edge");
+  v.expert().number("edge_height_m", c.edge_height_m, 0.005, 3, "m",
+                    "height of the edge window, along the edge");
+  v.expert().integer("min_size_px", c.min_size_px, 1, 200, "px",
+                     "min window size; smaller windows count as UNSEEN");
 }
 
 /// The colour rule of the paper's figure 8. Section `detector.colour`.
@@ -35,12 +38,16 @@ struct ColourConfig {
 
 template <class Visitor>
 void describe(Visitor& v, ColourConfig& c) {
-  v.number("hue_min_deg", c.hue_min_deg, 0, 360, "deg", "trunk hue, lower end (may wrap)");
-  v.number("hue_max_deg", c.hue_max_deg, 0, 360, "deg", "trunk hue, upper end");
-  v.expert().number("saturation_min", c.saturation_min, 0, 1, "1", "paler pixels have no hue");
-  v.expert().number("value_min", c.value_min, 0, 1, "1", "darker pixels have no hue");
+  v.number("hue_min_deg", c.hue_min_deg, 0, 360, "deg",
+           "lower end of the hue of trunks; above hue_max_deg the interval wraps through red; from "
+           "`orchard calibrate trunks`");
+  v.number("hue_max_deg", c.hue_max_deg, 0, 360, "deg", "upper end of the hue of trunks");
+  v.expert().number("saturation_min", c.saturation_min, 0, 1, "1",
+                    "min saturation; paler pixels have no hue");
+  v.expert().number("value_min", c.value_min, 0, 1, "1",
+                    "min value (brightness); darker pixels have no hue");
   v.expert().integer("hue_bins", c.hue_bins, 6, 180, "bins",
-                     "histogram whose peak is the dominant hue");
+                     "bins of the hue histogram, whose peak is the dominant hue");
 }
 
 enum class LineFit {
@@ -61,13 +68,16 @@ struct EdgeConfig {
 template <class Visitor>
 void describe(Visitor& v, EdgeConfig& c) {
   v.expert().choice("fit", c.fit, {"total_least_squares", "regression"},
-                    "how an edge's line is fitted");
-  v.expert().number("canny_low", c.canny_low, 1, 1000, "grey", "Canny's lower threshold");
-  v.expert().number("canny_high", c.canny_high, 1, 1000, "grey", "Canny's upper threshold");
-  v.expert().integer("median_size_px", c.median_size_px, 1, 15, "px", "median filter (odd)");
-  v.expert().integer("min_points", c.min_points, 2, 1000, "px", "fewer edge pixels make no line");
+                    "method of fitting a line to an edge");
+  v.expert().number("canny_low", c.canny_low, 1, 1000, "grey",
+                    "lower threshold of the Canny detector");
+  v.expert().number("canny_high", c.canny_high, 1, 1000, "grey",
+                    "upper threshold of the Canny detector");
+  v.expert().integer("median_size_px", c.median_size_px, 1, 15, "px",
+                     "size of the median filter (odd)");
+  v.expert().integer("min_points", c.min_points, 2, 1000, "px", "min edge pixels of a line");
   v.expert().number("max_tilt_deg", c.max_tilt_deg, 1, 90, "deg",
-                    "steepest lean of a trunk's edge");
+                    "max tilt of a trunk's edge from the vertical");
   v.check(c.canny_low < c.canny_high, "canny_low", "must be below canny_high");
   v.check(c.median_size_px % 2 == 1, "median_size_px", "must be odd");
 }

@@ -24,31 +24,38 @@ struct AdaptationConfig {
 
 template <class Visitor>
 void describe(Visitor& v, AdaptationConfig& c) {
-  v.flag("enabled", c.enabled, "follow width, colour and brightness of the trees while driving");
-  v.expert().number("period_s", c.period_s, 0.05, 600, "s", "message time between two steps");
-  v.expert().integer("min_trees", c.min_trees, 2, 12, "trees", "fewer freeze a model");
+  v.flag("enabled", c.enabled,
+         "adapt the models of trunk width, colour and brightness to the trees while driving");
+  v.expert().number("period_s", c.period_s, 0.05, 600, "s",
+                    "interval between two adaptation steps (message time)");
+  v.expert().integer("min_trees", c.min_trees, 2, 12, "trees",
+                     "min number of recent trees; with fewer a model is not adapted");
   v.expert().number("smoothing_s", c.smoothing_s, 0.05, 3600, "s",
-                    "time constant with which a model goes to where its trees are");
+                    "time constant of the adaptation; larger is slower and smoother");
   v.expert().number("width_rate_per_s", c.width_rate_per_s, 0, 1, "1/s",
-                    "fastest change of the width, as a fraction of the calibrated one");
+                    "max rate of change of the width, as a fraction of the calibrated width");
   v.expert().number("width_limit", c.width_limit, 0, 1, "1",
-                    "largest change of the width, as a fraction of the calibrated one");
+                    "max change of the width, as a fraction of the calibrated width");
   v.expert().number("colour_rate_per_s", c.colour_rate_per_s, 0, 10, "1/s",
-                    "fastest change of a colour (log of a channel's ratio to green)");
-  v.expert().number("colour_limit", c.colour_limit, 0, 3, "1", "largest change of a colour (log)");
+                    "max rate of change of a colour (log of the ratio of red or blue to green)");
+  v.expert().number("colour_limit", c.colour_limit, 0, 3, "1",
+                    "max change of a colour (log of that ratio)");
   v.expert().number("brightness_rate_per_s", c.brightness_rate_per_s, 0, 10, "1/s",
-                    "fastest change of the brightness (log)");
+                    "max rate of change of the brightness (log)");
   v.expert().number("brightness_limit", c.brightness_limit, 0, 5, "1",
-                    "largest change of the brightness (log)");
+                    "max change of the brightness (log)");
   v.expert().number("reference_blue", c.reference_blue, 0, 20, "1",
-                    "a calibrated trunk's blue over green; 0 = the first trees of a drive");
+                    "ratio of blue to green of a trunk, from `orchard calibrate trunks`; 0 = from "
+                    "the first trees of a drive");
   v.expert().number("reference_red", c.reference_red, 0, 20, "1",
-                    "a calibrated trunk's red over green; 0 = the first trees of a drive");
+                    "ratio of red to green of a trunk, from `orchard calibrate trunks`; 0 = from "
+                    "the first trees of a drive");
   v.expert().number("reference_green", c.reference_green, 0, 255, "grey",
-                    "a calibrated trunk's green; 0 = the first trees of a drive");
+                    "green level of a trunk, from `orchard calibrate trunks`; 0 = from the first "
+                    "trees of a drive");
   v.check((c.reference_blue > 0) == (c.reference_red > 0) &&
               (c.reference_blue > 0) == (c.reference_green > 0),
-          "reference_blue", "the three references are given together or not at all");
+          "reference_blue", "the three references must be given together or not at all");
 }
 
 }  // namespace orchard::detection

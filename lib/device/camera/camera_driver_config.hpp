@@ -15,10 +15,12 @@ struct CameraDriverConfig {
 
 template <class Visitor>
 void describe(Visitor& v, CameraDriverConfig& c) {
-  v.text("device", c.device, "/dev/video0, pictures:FOLDER or video:FILE; empty: no camera");
-  v.number("rate_hz", c.rate_hz, 0.1, 120, "Hz", "pictures per second at most");
+  v.text("device", c.device,
+         "camera: /dev/video0, pictures:FOLDER or video:FILE; empty = no camera");
+  v.number("rate_hz", c.rate_hz, 0.1, 120, "Hz", "max pictures per second");
   v.integer("max_bytes", c.max_bytes, 1000, 4000000, "bytes",
-            "a larger picture is compressed anew; above 60000 it needs several datagrams");
+            "max size of a picture; larger ones are compressed again; above 60000 a picture needs "
+            "several datagrams");
 }
 
 }  // namespace orchard::device

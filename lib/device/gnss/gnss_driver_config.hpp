@@ -22,12 +22,14 @@ struct GnssDriverConfig {
 
 template <class Visitor>
 void describe(Visitor& v, GnssDriverConfig& c) {
-  v.text("device", c.device, "where gpsd listens: tcp:127.0.0.1:2947; empty: no receiver");
-  v.text("receiver", c.receiver, "as gpsd names it (/dev/ttyACM0); empty: the first that reports");
+  v.text("device", c.device, "address of gpsd: tcp:127.0.0.1:2947; empty = no receiver");
+  v.text("receiver", c.receiver,
+         "name of the receiver in gpsd (/dev/ttyACM0); empty = the first that reports");
   v.choice("stamp", c.stamp, {"receipt", "fix_time"},
-           "stamps from arrival less latency_s | the fix's own time, where the host keeps it, too");
+           "time stamp: arrival minus latency_s | time of the fix, if the clock of this machine is "
+           "synchronised to satellite time");
   v.number("latency_s", c.latency_s, 0, 2, "s",
-           "stamp: receipt: from the instant of a fix to its quickest arrival");
+           "stamp: receipt: min delay from a fix to its arrival; from the data sheet");
 }
 
 }  // namespace orchard::device

@@ -18,12 +18,15 @@ struct OdometryDriverConfig {
 
 template <class Visitor>
 void describe(Visitor& v, OdometryDriverConfig& c) {
-  v.text("device", c.device, "serial:/dev/ttyACM0:115200 or tcp:HOST:PORT; empty: none");
+  v.text("device", c.device,
+         "address of the controller: serial:/dev/ttyACM0:115200 or tcp:HOST:PORT; empty = none");
   v.numbers("metres_per_tick", c.metres_per_tick, -1, 1, "m",
-            "T lines: left, right wheel; negative where a wheel counts backwards");
+            "T lines: distance per tick of the left and the right wheel; negative if a wheel "
+            "counts backwards");
   v.number("wheel_distance_m", c.wheel_distance_m, 0.01, 10, "m",
-           "T lines: between the tracks of the left and the right wheel");
-  v.integer("counter_bits", c.counter_bits, 8, 64, "1", "T lines: the counters' width");
+           "T lines: distance between the tracks of the left and the right wheel");
+  v.integer("counter_bits", c.counter_bits, 8, 64, "1",
+            "T lines: size of the tick counters, which wrap at 2^counter_bits");
 }
 
 /// The inertial unit: of orchard-imu-driver, or on the same line as the wheels. Section
@@ -35,9 +38,11 @@ struct ImuDriverConfig {
 
 template <class Visitor>
 void describe(Visitor& v, ImuDriverConfig& c) {
-  v.text("device", c.device, "serial:/dev/ttyACM1:115200 or tcp:HOST:PORT; empty: none of its own");
+  v.text("device", c.device,
+         "address of an IMU with its own line: serial:/dev/ttyACM1:115200 or tcp:HOST:PORT; empty "
+         "= none");
   v.numbers("mount_rad", c.mount_rad, -6.2832, 6.2832, "rad",
-            "I lines: roll, pitch, yaw of the unit's axes in base");
+            "I lines: roll, pitch, yaw of the axes of the IMU in base");
 }
 
 }  // namespace orchard::device

@@ -18,15 +18,15 @@ constexpr std::size_t kConfigBytesMax = 1 << 20;
 /// Presents all sections of a configuration, which must outlive the returned schema.
 ConfigSchema schema_of(Config& c) {
   return [&c](ConfigVisitor& v) {
-    v.section("lcm", c.lcm, "messages");
-    v.section("laser", c.laser, "laser mount and noise");
-    v.expert().section("laser_rear", c.laser_rear, "a second laser's mount and noise");
-    v.section("camera", c.camera, "camera intrinsics and extrinsics");
-    v.section("detector", c.detector, "scan and image to detections");
-    v.section("pose", c.pose, "where the robot is");
-    v.section("mapper", c.mapper, "detections to the map");
-    v.section("drivers", c.drivers, "the sensors of this machine");
-    v.section("simulation", c.simulation, "the simulated world and its sensors");
+    v.section("lcm", c.lcm, "LCM network");
+    v.section("laser", c.laser, "pose of the laser on the robot, and its noise");
+    v.expert().section("laser_rear", c.laser_rear, "pose and noise of a second laser");
+    v.section("camera", c.camera, "camera: intrinsics, and extrinsics to the laser");
+    v.section("detector", c.detector, "detector: from scans and pictures to detections");
+    v.section("pose", c.pose, "localisation of the robot");
+    v.section("mapper", c.mapper, "mapper: from detections and poses to the map");
+    v.section("drivers", c.drivers, "sensors that are connected to this machine");
+    v.section("simulation", c.simulation, "simulated world and sensors");
   };
 }
 
@@ -43,7 +43,8 @@ LoadedConfig load_config_with_warnings(const std::string& path) {
   std::string text(kConfigBytesMax + 1, '\0');
   if (!file || !file.read(text.data(), static_cast<std::streamsize>(text.size())).eof()) {
     if (file.gcount() > static_cast<std::streamsize>(kConfigBytesMax)) {
-      throw ConfigError({path + ": is larger than any configuration (1 MiB); is it one?"});
+      throw ConfigError({path + ": is larger than 1 MiB, so it cannot be a configuration; give "
+                                "another file with --config"});
     }
     throw ConfigError({path + ": cannot be read; give an existing file with --config"});
   }

@@ -16,7 +16,8 @@ struct LcmConfig {
 
 template <class Visitor>
 void describe(Visitor& v, LcmConfig& c) {
-  v.text("url", c.url, "LCM provider; ttl=0 stays on this machine, ttl=1 reaches its network");
+  v.text("url", c.url,
+         "URL of the LCM network; ttl=0: this machine only, ttl=1: its local network");
 }
 
 /// The effective configuration as sent in CONFIG: all keys with their values, and a hash.

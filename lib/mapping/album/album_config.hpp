@@ -11,7 +11,7 @@ struct AlbumConfig {
 template <class Visitor>
 void describe(Visitor& v, AlbumConfig& c) {
   v.expert().number("max_mb", c.max_mb, 0, 1000, "MB",
-                    "most that the photographs of trees and objects take; 0 = none are kept");
+                    "max size of all photographs of trees and objects; 0 = no photographs");
 }
 
 }  // namespace orchard::mapping

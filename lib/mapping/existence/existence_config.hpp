@@ -13,12 +13,12 @@ struct ExistenceConfig {
 template <class Visitor>
 void describe(Visitor& v, ExistenceConfig& c) {
   v.flag("enabled", c.enabled,
-         "drop landmarks whose position beams of later scans pass through; needs SCAN");
+         "remove landmarks when beams of later scans pass through their position; needs SCAN");
   v.expert().number("period_s", c.period_s, 0.0, 60.0, "s",
-                    "message time between two observations that count");
+                    "min time between two scans that are used (message time)");
   v.expert().number("scan_wait_s", c.scan_wait_s, 0.0, 60.0, "s",
-                    "message time that DETECTIONS wait for their SCAN, whose beams tell what is "
-                    "gone; 0 = without SCAN, and nothing is dropped");
+                    "max time that DETECTIONS wait for their SCAN (message time); 0 = do not use "
+                    "SCAN, no landmark is removed");
 }
 
 }  // namespace orchard::mapping

@@ -23,16 +23,17 @@ struct RowsConfig {
 
 template <class Visitor>
 void describe(Visitor& v, RowsConfig& c) {
-  v.flag("enabled", c.enabled, "find rows and number them");
+  v.flag("enabled", c.enabled, "find rows of trees and number rows and trees");
   v.choice("numbering", c.numbering, {"automatic", "origin", "direction"},
-           "where numbers begin: by the map's axes, at the corner nearest to origin_m, or along "
-           "forward_deg");
-  v.numbers("origin_m", c.origin_m, -1e7, 1e7, "m", "map frame; for numbering: origin");
+           "start of the numbers: by the axes of the map, at the corner nearest to origin_m, or "
+           "along forward_deg");
+  v.numbers("origin_m", c.origin_m, -1e7, 1e7, "m",
+            "numbering: origin: corner where the numbers start, in the map frame");
   v.number("forward_deg", c.forward_deg, -360, 360, "deg",
-           "map frame, from x to y; for numbering: direction");
+           "numbering: direction: direction of increasing tree numbers, from map x towards y");
   v.expert().integer("first_row", c.first_row, 1, 100000, "1", "number of the first row");
   v.expert().integer("first_position", c.first_position, 1, 100000, "1",
-                     "number of a row's first place");
+                     "number of the first tree of a row");
 }
 
 }  // namespace orchard::mapping

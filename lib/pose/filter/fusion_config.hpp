@@ -14,13 +14,15 @@ struct FusionConfig {
 
 template <class Visitor>
 void describe(Visitor& v, FusionConfig& c) {
-  v.flag("use_imu", c.use_imu, "IMU: its yaw rate instead of the wheels'");
-  v.flag("use_gnss", c.use_gnss, "satellite fixes: section pose.gnss");
-  v.flag("use_fixes", c.use_fixes, "external fixes");
-  v.expert().number("speed_scale_sd", c.speed_scale_sd, 0, 0.5, "1",
-                    "scale error of the wheels, which is found while driving");
-  v.expert().number("gyro_sd_radps", c.gyro_sd_radps, 1e-6, 3, "rad/s",
-                    "yaw rate of an IMU that states no variance");
+  v.flag("use_imu", c.use_imu, "use the yaw rate of the IMU instead of that of the wheels");
+  v.flag("use_gnss", c.use_gnss, "use GNSS; see section pose.gnss");
+  v.flag("use_fixes", c.use_fixes, "use POSE_FIX");
+  v.expert().number(
+      "speed_scale_sd", c.speed_scale_sd, 0, 0.5, "1",
+      "prior standard deviation of the wheels' scale error, which is estimated while driving");
+  v.expert().number(
+      "gyro_sd_radps", c.gyro_sd_radps, 1e-6, 3, "rad/s",
+      "standard deviation of the yaw rate of an IMU without variance; from the data sheet");
 }
 
 }  // namespace orchard::pose

@@ -24,15 +24,20 @@ struct GnssConfig {
 
 template <class Visitor>
 void describe(Visitor& v, GnssConfig& c) {
-  v.numbers("datum", c.datum, -1000, 10000, "deg, deg, m",
-            "latitude, longitude, altitude of the map's origin; 0, 0, 0 = of the first usable fix");
-  v.numbers("antenna_m", c.antenna_m, -20, 20, "m", "x, y of the antenna in base");
-  v.expert().number("sd_fixed_m", c.sd_fixed_m, 0.001, 100, "m",
-                    "least standard deviation believed of an RTK fixed solution");
-  v.expert().number("sd_float_m", c.sd_float_m, 0.001, 100, "m", "of an RTK float solution");
+  v.numbers(
+      "datum", c.datum, -1000, 10000, "deg, deg, m",
+      "latitude, longitude, altitude of the origin of the map; 0, 0, 0 = the first valid fix");
+  v.numbers("antenna_m", c.antenna_m, -20, 20, "m",
+            "x, y of the antenna in base, measured with a ruler");
+  v.expert().number(
+      "sd_fixed_m", c.sd_fixed_m, 0.001, 100, "m",
+      "min standard deviation assumed for an RTK fixed solution, whatever the receiver states");
+  v.expert().number("sd_float_m", c.sd_float_m, 0.001, 100, "m",
+                    "min standard deviation assumed for an RTK float solution");
   v.expert().number("sd_differential_m", c.sd_differential_m, 0.001, 100, "m",
-                    "of a differential fix");
-  v.expert().number("sd_single_m", c.sd_single_m, 0.001, 100, "m", "of any other fix");
+                    "min standard deviation assumed for a differential fix");
+  v.expert().number("sd_single_m", c.sd_single_m, 0.001, 100, "m",
+                    "min standard deviation assumed for any other fix");
   v.check(c.sd_fixed_m <= c.sd_float_m, "sd_fixed_m", "must not be above sd_float_m");
   v.check(c.sd_float_m <= c.sd_differential_m, "sd_float_m", "must not be above sd_differential_m");
   v.check(c.sd_differential_m <= c.sd_single_m, "sd_differential_m",

@@ -37,35 +37,42 @@ struct PriorMapConfig {
 
 template <class Visitor>
 void describe(Visitor& v, PriorMapConfig& c) {
-  v.text("map_file", c.map_file, "map.csv of an earlier day, or the folder that holds it");
+  v.text("map_file", c.map_file, "map.csv of an earlier drive, or its folder");
   v.expert().choice("start", c.start, {"global", "given"},
-                    "found from the trunks, or as start_* say");
-  v.expert().number("start_x_m", c.start_x_m, -1e8, 1e8, "m", "base in the prior map");
-  v.expert().number("start_y_m", c.start_y_m, -1e8, 1e8, "m", "base in the prior map");
+                    "start pose: found by recognising the trunks, or given by start_x_m, "
+                    "start_y_m, start_yaw_rad");
+  v.expert().number("start_x_m", c.start_x_m, -1e8, 1e8, "m",
+                    "start: given: x of base in the prior map");
+  v.expert().number("start_y_m", c.start_y_m, -1e8, 1e8, "m",
+                    "start: given: y of base in the prior map");
   v.expert().number("start_yaw_rad", c.start_yaw_rad, -6.2832, 6.2832, "rad",
-                    "base in the prior map");
+                    "start: given: yaw of base in the prior map");
   v.expert().number("start_position_sd_m", c.start_position_sd_m, 0.001, 10, "m",
-                    "of a given start");
-  v.expert().number("start_yaw_sd_rad", c.start_yaw_sd_rad, 0.001, 1, "rad", "of a given start");
+                    "start: given: standard deviation of the position");
+  v.expert().number("start_yaw_sd_rad", c.start_yaw_sd_rad, 0.001, 1, "rad",
+                    "start: given: standard deviation of the yaw");
   v.expert().integer("min_observations", c.min_observations, 0, 1000000, "1",
-                     "landmarks of the map seen less often are not used");
+                     "min observations of a landmark of the prior map to be used");
   v.expert().number("landmark_sd_m", c.landmark_sd_m, 0.001, 1, "m",
-                    "of the map's positions among their neighbours");
-  v.expert().number("width_sd_m", c.width_sd_m, 0.001, 1, "m",
-                    "between the widths that two days measure of one trunk");
-  v.expert().number("observation_sd_m", c.observation_sd_m, 0.001, 1, "m",
-                    "of a centre, on top of what the detector states");
+                    "standard deviation of the landmarks' positions relative to their neighbours");
+  v.expert().number(
+      "width_sd_m", c.width_sd_m, 0.001, 1, "m",
+      "standard deviation of the change of a trunk's measured width between two days");
+  v.expert().number(
+      "observation_sd_m", c.observation_sd_m, 0.001, 1, "m",
+      "standard deviation of an observed centre, added to the covariance of the detector");
   v.expert().number("observation_range_max_m", c.observation_range_max_m, 0.5, 200, "m",
-                    "what is farther away is not used");
+                    "max range of observations; farther ones are ignored");
   v.expert().number("detection_range_m", c.detection_range_m, 0.5, 200, "m",
-                    "within which an unhidden trunk is seen mostly");
+                    "range within which trunks that are not occluded are usually detected");
   v.expert().number("speed_scale_sd", c.speed_scale_sd, 0, 0.5, "1",
-                    "of the wheels' scale, unlearnt");
-  v.expert().number("turn_scale_sd", c.turn_scale_sd, 0, 0.5, "1", "of the scale of their turns");
+                    "prior standard deviation of the scale of the wheels' speed");
+  v.expert().number("turn_scale_sd", c.turn_scale_sd, 0, 0.5, "1",
+                    "prior standard deviation of the scale of the wheels' yaw rate");
   v.expert().number("yaw_rate_bias_sd_radps", c.yaw_rate_bias_sd_radps, 0, 1, "rad/s",
-                    "of their yaw rate's bias");
+                    "prior standard deviation of the bias of the wheels' yaw rate");
   v.expert().number("window_m", c.window_m, 2, 200, "m",
-                    "travel whose trunks are compared with the map");
+                    "length of the path whose trunks are compared with the map");
   v.check(c.detection_range_m <= c.observation_range_max_m, "detection_range_m",
           "must not be above observation_range_max_m");
 }

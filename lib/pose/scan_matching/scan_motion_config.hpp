@@ -15,13 +15,14 @@ struct ScanMotionConfig {
 
 template <class Visitor>
 void describe(Visitor& v, ScanMotionConfig& c) {
-  v.number("range_min_m", c.range_min_m, 0, 100, "m", "nearer returns are the robot itself");
-  v.number("range_max_m", c.range_max_m, 0.5, 500, "m", "farther returns are not used");
-  v.flag("deskew", c.deskew, "undo the motion within a scan that states its beam period");
+  v.number("range_min_m", c.range_min_m, 0, 100, "m",
+           "nearer returns are ignored (the robot itself)");
+  v.number("range_max_m", c.range_max_m, 0.5, 500, "m", "farther returns are ignored");
+  v.flag("deskew", c.deskew, "compensate the motion within a scan, if SCAN states its beam period");
   v.number("search_turn_rad", c.search_turn_rad, 0, 3.1416, "rad",
-           "turn to each side of the expected one that is searched");
+           "search range of the rotation, to each side of the predicted one");
   v.number("search_shift_m", c.search_shift_m, 0, 5, "m",
-           "distance to each side of the expected place that is searched");
+           "search range of the position, to each side of the predicted one");
   v.check(c.range_min_m < c.range_max_m, "range_min_m", "must be below range_max_m");
 }
 

@@ -42,24 +42,31 @@ struct BoardSceneConfig {
 
 template <class Visitor>
 void describe(Visitor& v, BoardSceneConfig& c) {
-  v.integer("columns", c.columns, 3, 40, "corners", "inner corners of a row of the chessboard");
-  v.integer("rows", c.rows, 3, 40, "corners", "inner corners of a column");
+  v.integer("columns", c.columns, 3, 40, "corners", "inner corners per row of the chessboard");
+  v.integer("rows", c.rows, 3, 40, "corners", "inner corners per column");
   v.number("square_m", c.square_m, 0.005, 1, "m", "side of a square");
-  v.number("margin_m", c.margin_m, 0, 1, "m", "white board beyond the outer squares");
-  v.integer("num_poses", c.num_poses, 1, 1000, "poses", "in which the board is held still");
-  v.number("hold_s", c.hold_s, 0.1, 100, "s", "that it is held still in each");
-  v.number("move_s", c.move_s, 0, 100, "s", "from one pose to the next");
-  v.number("range_min_m", c.range_min_m, 0.2, 50, "m", "laser to the board's middle, nearest");
-  v.number("range_max_m", c.range_max_m, 0.2, 50, "m", "laser to the board's middle, farthest");
-  v.number("tilt_max_rad", c.tilt_max_rad, 0, 1.3, "rad", "largest tilt from the line of sight");
-  v.number("tremor_m", c.tremor_m, 0, 0.1, "m", "1-sigma of a held board's place");
-  v.number("tremor_rad", c.tremor_rad, 0, 0.1, "rad", "1-sigma of a held board's orientation");
+  v.number("margin_m", c.margin_m, 0, 1, "m", "width of the white margin around the squares");
+  v.integer("num_poses", c.num_poses, 1, 1000, "poses",
+            "number of poses in which the board is held still");
+  v.number("hold_s", c.hold_s, 0.1, 100, "s", "time for which each pose is held");
+  v.number("move_s", c.move_s, 0, 100, "s", "time to move from one pose to the next");
+  v.number("range_min_m", c.range_min_m, 0.2, 50, "m",
+           "min distance from the laser to the middle of the board");
+  v.number("range_max_m", c.range_max_m, 0.2, 50, "m",
+           "max distance from the laser to the middle of the board");
+  v.number("tilt_max_rad", c.tilt_max_rad, 0, 1.3, "rad",
+           "max tilt of the board from the line of sight");
+  v.number("tremor_m", c.tremor_m, 0, 0.1, "m",
+           "standard deviation of the position of a held board");
+  v.number("tremor_rad", c.tremor_rad, 0, 0.1, "rad",
+           "standard deviation of the orientation of a held board");
   v.choice("handling", c.handling,
            {"careful", "parallel", "turned_only", "leaned_only", "two_orientations", "still",
             "small_tilts"},
-           "how the person moves it");
-  v.choice("seen_by", c.seen_by, {"both", "camera_only", "laser_only"}, "who sees the board");
-  v.choice("flip", c.flip, {"none", "left_right", "top_bottom"}, "mirrored pictures");
+           "how the person moves the board");
+  v.choice("seen_by", c.seen_by, {"both", "camera_only", "laser_only"},
+           "sensors that observe the board");
+  v.choice("flip", c.flip, {"none", "left_right", "top_bottom"}, "mirroring of the pictures");
   v.check(c.range_min_m <= c.range_max_m, "range_min_m", "must not be above range_max_m");
 }
 

@@ -18,17 +18,19 @@ struct ChangeConfig {
 
 template <class Visitor>
 void describe(Visitor& v, ChangeConfig& c) {
-  v.number(
-      "fraction", c.fraction, 0, 1, "1",
-      "of the trees are gone, and as many new ones fill empty places, as far as there are any");
-  v.number("moved_fraction", c.moved_fraction, 0, 1, "1", "of the trees stand elsewhere nearby");
-  v.number("moved_m", c.moved_m, 0.05, 5, "m", "how far at least");
-  v.number("moved_spread_m", c.moved_spread_m, 0, 5, "m", "and by up to how much farther");
-  v.number("growth_m", c.growth_m, 0, 0.5, "m", "mean by which trunks have grown wider");
-  v.number("grown_fraction", c.grown_fraction, 0, 1, "1", "of the trees have grown");
+  v.number("fraction", c.fraction, 0, 1, "1",
+           "fraction of the trees that are gone; as many new ones fill empty places, if there are "
+           "enough");
+  v.number("moved_fraction", c.moved_fraction, 0, 1, "1", "fraction of the trees that have moved");
+  v.number("moved_m", c.moved_m, 0.05, 5, "m", "min distance of a move");
+  v.number("moved_spread_m", c.moved_spread_m, 0, 5, "m",
+           "range of the distance of a move above moved_m");
+  v.number("growth_m", c.growth_m, 0, 0.5, "m", "mean growth of a trunk's width");
+  v.number("grown_fraction", c.grown_fraction, 0, 1, "1", "fraction of the trees that have grown");
   v.number("objects_fraction", c.objects_fraction, 0, 1, "1",
-           "of posts and bushes are gone, and as many stand in other places of the rows");
-  v.integer("seed", c.seed, 0, 2147483647, "1", "which trees, with the scene's own seed");
+           "fraction of posts and bushes that are gone; as many stand in other places of the rows");
+  v.integer("seed", c.seed, 0, 2147483647, "1",
+            "seed that, with that of the scene, selects the trees");
 }
 
 }  // namespace orchard::simulation

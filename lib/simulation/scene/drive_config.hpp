@@ -22,9 +22,9 @@ struct EpisodeConfig {
 
 template <class Visitor>
 void describe(Visitor& v, EpisodeConfig& c) {
-  v.number("at_s", c.at_s, 0, 1e6, "s", "first time, from the start");
-  v.number("for_s", c.for_s, 0, 1e6, "s", "how long; 0 = never");
-  v.number("every_s", c.every_s, 0, 1e6, "s", "from one to the next; 0 = once");
+  v.number("at_s", c.at_s, 0, 1e6, "s", "time of the first event, from the start");
+  v.number("for_s", c.for_s, 0, 1e6, "s", "duration of an event; 0 = no events");
+  v.number("every_s", c.every_s, 0, 1e6, "s", "interval of events; 0 = one event");
 }
 
 /// Errors of wheel encoders beyond section `motion`. Section `simulation.wheels`.
@@ -44,20 +44,23 @@ struct WheelsConfig {
 
 template <class Visitor>
 void describe(Visitor& v, WheelsConfig& c) {
-  v.number("yaw_rate_scale_sd", c.yaw_rate_scale_sd, 0, 0.5, "1", "scale error of yaw, per run");
+  v.number("yaw_rate_scale_sd", c.yaw_rate_scale_sd, 0, 0.5, "1",
+           "standard deviation of the scale error of the yaw rate, per run");
   v.number("turn_slip_sd", c.turn_slip_sd, 0, 0.5, "1",
-           "scale error of speed and yaw rate in each curve");
-  v.section("outage", c.outage, "no ODOMETRY");
+           "standard deviation of the scale errors of speed and yaw rate in each curve");
+  v.section("outage", c.outage, "periods without ODOMETRY");
   v.number("surface_slip_sd", c.surface_slip_sd, 0, 0.5, "1",
-           "scale error of speed that belongs to the ground");
-  v.number("surface_turn_slip_sd", c.surface_turn_slip_sd, 0, 0.5, "1", "the same of the yaw rate");
-  v.number("surface_m", c.surface_m, 0.5, 1000, "m", "size of a patch of ground");
-  v.number("load_sd", c.load_sd, 0, 0.5, "1", "scale error of speed that changes with the load");
-  v.number("load_every_s", c.load_every_s, 1, 1e6, "s", "from one change of the load to the next");
+           "standard deviation of the scale error of speed, which depends on the ground");
+  v.number("surface_turn_slip_sd", c.surface_turn_slip_sd, 0, 0.5, "1",
+           "standard deviation of the scale error of yaw rate, which depends on the ground");
+  v.number("surface_m", c.surface_m, 0.5, 1000, "m", "size of a patch of equal ground");
+  v.number("load_sd", c.load_sd, 0, 0.5, "1",
+           "standard deviation of the scale error of speed, which depends on the load");
+  v.number("load_every_s", c.load_every_s, 1, 1e6, "s", "interval of changes of the load");
   v.number("bias_wander_sd_radps", c.bias_wander_sd_radps, 0, 1, "rad/s",
-           "bias of the yaw rate that comes and goes");
-  v.number("bias_wander_s", c.bias_wander_s, 1, 1e6, "s", "time over which it does");
-  v.flag("states_covariance", c.states_covariance, "ODOMETRY tells how sure it is");
+           "standard deviation of the wandering bias of the yaw rate");
+  v.number("bias_wander_s", c.bias_wander_s, 1, 1e6, "s", "time constant of that bias");
+  v.flag("states_covariance", c.states_covariance, "ODOMETRY states its covariance");
 }
 
 /// Time-correlated errors and availability of a GNSS receiver. Section `simulation.gnss.sky`.
@@ -76,17 +79,18 @@ struct SkyConfig {
 
 template <class Visitor>
 void describe(Visitor& v, SkyConfig& c) {
-  v.number("wander_sd_m", c.wander_sd_m, 0, 100, "m", "error that changes slowly, per axis");
-  v.number("wander_time_s", c.wander_time_s, 1, 1e5, "s", "in which it forgets itself");
-  v.number("gap_every_s", c.gap_every_s, 0, 1e5, "s", "mean from one gap to the next; 0 = none");
-  v.number("gap_min_s", c.gap_min_s, 0.1, 1e4, "s", "shortest gap");
-  v.number("gap_max_s", c.gap_max_s, 0.1, 1e4, "s", "longest gap");
+  v.number("wander_sd_m", c.wander_sd_m, 0, 100, "m",
+           "standard deviation of the slowly changing error, per axis");
+  v.number("wander_time_s", c.wander_time_s, 1, 1e5, "s", "time constant of that error");
+  v.number("gap_every_s", c.gap_every_s, 0, 1e5, "s", "mean time between gaps; 0 = no gaps");
+  v.number("gap_min_s", c.gap_min_s, 0.1, 1e4, "s", "min length of a gap");
+  v.number("gap_max_s", c.gap_max_s, 0.1, 1e4, "s", "max length of a gap");
   v.number("burst_s", c.burst_s, 0, 1e4, "s", "mean length of a burst of fixes; 0 = no bursts");
   v.number("pause_s", c.pause_s, 0, 1e4, "s", "mean length of the pause after a burst");
   v.number("multipath_fraction", c.multipath_fraction, 0, 0.9, "1",
-           "of the time signals are reflected");
-  v.number("multipath_for_s", c.multipath_for_s, 0.1, 1e4, "s", "mean time a reflection lasts");
-  v.number("multipath_m", c.multipath_m, 0, 1000, "m", "mean length of its error");
+           "fraction of the time with multipath");
+  v.number("multipath_for_s", c.multipath_for_s, 0.1, 1e4, "s", "mean duration of multipath");
+  v.number("multipath_m", c.multipath_m, 0, 1000, "m", "mean error by multipath");
   v.check(c.gap_min_s <= c.gap_max_s, "gap_min_s", "must not be above gap_max_s");
 }
 
@@ -106,18 +110,21 @@ struct ReceiverConfig {
 
 template <class Visitor>
 void describe(Visitor& v, ReceiverConfig& c) {
-  v.numbers("antenna_m", c.antenna_m, -20, 20, "m, m", "forward and left in base");
+  v.numbers("antenna_m", c.antenna_m, -20, 20, "m, m",
+            "position of the antenna in base: forward, left");
   v.number("canopy_fraction", c.canopy_fraction, 0, 1, "1",
-           "of the stretches between the rows lie under a dense canopy");
-  v.number("canopy_length_m", c.canopy_length_m, 0.5, 1000, "m", "of such a stretch");
+           "fraction of the path along rows under a dense canopy");
+  v.number("canopy_length_m", c.canopy_length_m, 0.5, 1000, "m",
+           "length of a stretch under a dense canopy");
   v.number("canopy_sd_m", c.canopy_sd_m, 0, 100, "m",
-           "noise there, stated as it is; 0 = no fix at all");
-  v.number("stated_sd_m", c.stated_sd_m, 0, 100, "m", "what fixes claim; 0 = the truth");
-  v.section("outage", c.outage, "no GNSS");
-  v.number("jump_m", c.jump_m, 0, 1e5, "m", "how far fixes are off during jump");
-  v.section("jump", c.jump, "fixes are off, each time to another side");
-  v.section("freeze", c.freeze, "the same position again and again");
-  v.section("sky", c.sky, "errors with a memory, fixes in bursts with gaps");
+           "noise of fixes there, stated correctly; 0 = no fix at all");
+  v.number("stated_sd_m", c.stated_sd_m, 0, 100, "m",
+           "standard deviation that fixes state; 0 = the true one");
+  v.section("outage", c.outage, "periods without GNSS");
+  v.number("jump_m", c.jump_m, 0, 1e5, "m", "offset of fixes during a jump");
+  v.section("jump", c.jump, "periods with displaced fixes, each time in another direction");
+  v.section("freeze", c.freeze, "periods with a frozen position");
+  v.section("sky", c.sky, "correlated errors, bursts and gaps of fixes");
 }
 
 /// An IMU on base; the defaults are those of a small MEMS unit. Section `simulation.imu`.
@@ -135,16 +142,21 @@ struct ImuConfig {
 
 template <class Visitor>
 void describe(Visitor& v, ImuConfig& c) {
-  v.number("rate_hz", c.rate_hz, 0, 1000, "Hz", "IMU; 0 = none");
-  v.number("angular_rate_sd_radps", c.angular_rate_sd_radps, 0, 3, "rad/s", "noise of a sample");
-  v.number("yaw_rate_bias_sd_radps", c.yaw_rate_bias_sd_radps, 0, 1, "rad/s", "bias of a run");
-  v.number("yaw_rate_walk", c.yaw_rate_walk, 0, 0.1, "rad/s/sqrt(s)", "how that bias wanders");
-  v.number("acceleration_sd_mps2", c.acceleration_sd_mps2, 0, 10, "m/s2", "noise of a sample");
+  v.number("rate_hz", c.rate_hz, 0, 1000, "Hz", "rate of IMU; 0 = none");
+  v.number("angular_rate_sd_radps", c.angular_rate_sd_radps, 0, 3, "rad/s",
+           "standard deviation of the noise of an angular rate");
+  v.number("yaw_rate_bias_sd_radps", c.yaw_rate_bias_sd_radps, 0, 1, "rad/s",
+           "standard deviation of the bias of the yaw rate, per run");
+  v.number("yaw_rate_walk", c.yaw_rate_walk, 0, 0.1, "rad/s/sqrt(s)", "random walk of that bias");
+  v.number("acceleration_sd_mps2", c.acceleration_sd_mps2, 0, 10, "m/s2",
+           "standard deviation of the noise of an acceleration");
   v.number("acceleration_bias_sd_mps2", c.acceleration_bias_sd_mps2, 0, 10, "m/s2",
-           "bias of a run");
-  v.flag("orientation", c.orientation, "reports roll, pitch, and yaw from east");
-  v.number("orientation_sd_rad", c.orientation_sd_rad, 0, 1, "rad", "noise of each angle");
-  v.number("yaw_bias_sd_rad", c.yaw_bias_sd_rad, 0, 3.2, "rad", "error of north of a run");
+           "standard deviation of the bias of an acceleration, per run");
+  v.flag("orientation", c.orientation, "the IMU states roll, pitch, and yaw from east");
+  v.number("orientation_sd_rad", c.orientation_sd_rad, 0, 1, "rad",
+           "standard deviation of the noise of each angle");
+  v.number("yaw_bias_sd_rad", c.yaw_bias_sd_rad, 0, 3.2, "rad",
+           "standard deviation of the error of north, per run");
 }
 
 /// The robot is lifted over the trees and set down in another alley. Section `simulation.carry`.
@@ -157,10 +169,11 @@ struct CarryConfig {
 
 template <class Visitor>
 void describe(Visitor& v, CarryConfig& c) {
-  v.number("at_s", c.at_s, 0, 1e6, "s", "when it is lifted; 0 = never");
-  v.number("for_s", c.for_s, 0, 1e6, "s", "until it is put down; 0 = never");
-  v.integer("to_alley", c.to_alley, 0, 1000, "1", "from 1; 0 = any other than where it is");
-  v.flag("odometry", c.odometry, "ODOMETRY goes on meanwhile and says: standing still");
+  v.number("at_s", c.at_s, 0, 1e6, "s", "time at which the robot is lifted; 0 = never");
+  v.number("for_s", c.for_s, 0, 1e6, "s", "time until it is put down; 0 = never");
+  v.integer("to_alley", c.to_alley, 0, 1000, "1",
+            "alley in which it is put down, from 1; 0 = any other alley");
+  v.flag("odometry", c.odometry, "ODOMETRY continues meanwhile, with standing wheels");
 }
 
 }  // namespace orchard::simulation

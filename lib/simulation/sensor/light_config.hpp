@@ -22,21 +22,28 @@ struct LightConfig {
 
 template <class Visitor>
 void describe(Visitor& v, LightConfig& c) {
-  v.flag("enabled", c.enabled, "linear light, sun and sky, shadows; needed by the keys below");
-  v.flag("sun_from_seed", c.sun_from_seed, "true: the seed chooses the sun's direction");
-  v.number("sun_azimuth_deg", c.sun_azimuth_deg, -360, 360, "deg", "from map x, to the left");
-  v.number("sun_elevation_deg", c.sun_elevation_deg, 3, 90, "deg", "above the horizon");
+  v.flag("enabled", c.enabled,
+         "simulate sun, sky and shadows in linear light; needed by the keys below");
+  v.flag("sun_from_seed", c.sun_from_seed, "the seed chooses the direction of the sun");
+  v.number("sun_azimuth_deg", c.sun_azimuth_deg, -360, 360, "deg",
+           "azimuth of the sun, from map x towards y");
+  v.number("sun_elevation_deg", c.sun_elevation_deg, 3, 90, "deg",
+           "elevation of the sun above the horizon");
   v.number("sun_fraction", c.sun_fraction, 0, 1, "1",
-           "direct fraction of the light towards the sun");
-  v.flag("shadows", c.shadows, "cast shadows, dappled under crowns");
+           "fraction of the light that comes directly from the sun");
+  v.flag("shadows", c.shadows, "shadows of objects, dappled under crowns");
   v.number("temperature_k", c.temperature_k, 1500, 15000, "K", "colour temperature of the sun");
   v.number("shade_temperature_ratio", c.shade_temperature_ratio, 0.5, 4, "1",
-           "colour temperature of the sky over the sun's");
-  v.number("drift_ev_per_min", c.drift_ev_per_min, -4, 4, "EV/min", "steady change of light");
-  v.number("drift_ev_amplitude", c.drift_ev_amplitude, 0, 4, "EV", "of a sine of light");
-  v.number("drift_k_per_min", c.drift_k_per_min, -5000, 5000, "K/min", "steady change of colour");
-  v.number("drift_k_amplitude", c.drift_k_amplitude, 0, 5000, "K", "of a sine of colour");
-  v.number("drift_period_s", c.drift_period_s, 1, 1e5, "s", "of both sines");
+           "ratio of the colour temperatures of sky and sun");
+  v.number("drift_ev_per_min", c.drift_ev_per_min, -4, 4, "EV/min",
+           "linear drift of the brightness of the light");
+  v.number("drift_ev_amplitude", c.drift_ev_amplitude, 0, 4, "EV",
+           "amplitude of a sine of that brightness");
+  v.number("drift_k_per_min", c.drift_k_per_min, -5000, 5000, "K/min",
+           "linear drift of the colour temperature");
+  v.number("drift_k_amplitude", c.drift_k_amplitude, 0, 5000, "K",
+           "amplitude of a sine of the colour temperature");
+  v.number("drift_period_s", c.drift_period_s, 1, 1e5, "s", "period of both sines");
 }
 
 /// Response of the camera to light. Section `simulation.camera_response`; takes effect when
@@ -54,15 +61,21 @@ struct CameraResponseConfig {
 
 template <class Visitor>
 void describe(Visitor& v, CameraResponseConfig& c) {
-  v.number("exposure_ev", c.exposure_ev, -6, 6, "EV", "0: white that faces the sun is full scale");
-  v.number("white_balance_k", c.white_balance_k, 1500, 15000, "K", "light it shows as neutral");
-  v.number("auto_exposure", c.auto_exposure, 0, 1, "1", "fraction of the light's drift taken back");
-  v.number("auto_exposure_lag_s", c.auto_exposure_lag_s, 0, 60, "s", "time constant of it");
+  v.number("exposure_ev", c.exposure_ev, -6, 6, "EV",
+           "exposure; 0: white in full sun is full scale");
+  v.number("white_balance_k", c.white_balance_k, 1500, 15000, "K",
+           "colour temperature that appears neutral");
+  v.number("auto_exposure", c.auto_exposure, 0, 1, "1",
+           "fraction of the drift of the light that the exposure compensates");
+  v.number("auto_exposure_lag_s", c.auto_exposure_lag_s, 0, 60, "s",
+           "time constant of that compensation");
   v.number("auto_white_balance", c.auto_white_balance, 0, 1, "1",
-           "fraction of the colour's drift taken back, with the same lag");
-  v.number("vignetting", c.vignetting, 0, 1, "1", "light lost in the corners");
-  v.number("gamma", c.gamma, 1, 4, "1", "of the stored picture");
-  v.number("exposure_s", c.exposure_s, 0, 0.1, "s", "smear while the robot turns; 0 = sharp");
+           "fraction of the drift of the colour that the white balance compensates, with the same "
+           "time constant");
+  v.number("vignetting", c.vignetting, 0, 1, "1", "fraction of light lost in the corners");
+  v.number("gamma", c.gamma, 1, 4, "1", "gamma of the stored picture");
+  v.number("exposure_s", c.exposure_s, 0, 0.1, "s",
+           "exposure time, for motion blur while turning; 0 = sharp");
 }
 
 }  // namespace orchard::simulation

@@ -38,21 +38,21 @@ inline bool fits_features(const AppearanceConfig& c) {
 template <class Visitor>
 void describe(Visitor& v, AppearanceConfig& c) {
   v.integer("version", c.version, kAppearanceVersion, kAppearanceVersion, "1",
-            "of the features; another one must be learnt anew");
+            "version of the features; with another version learn the model again");
   v.number("confidence_min", c.confidence_min, 0, 1, "1",
-           "below it a window is no trunk's: edges are not looked at");
+           "min confidence of a trunk; below it the edges are not searched");
   v.number("bias", c.bias, -1e3, 1e3, "1", "log odds of an average window");
-  v.numbers("mean", c.mean, -1e6, 1e6, "1", "of each feature where it was learnt");
-  v.numbers("scale", c.scale, 1e-9, 1e6, "1", "standard deviation of each feature there");
+  v.numbers("mean", c.mean, -1e6, 1e6, "1", "mean of each feature in the training data");
+  v.numbers("scale", c.scale, 1e-9, 1e6, "1",
+            "standard deviation of each feature in the training data");
   v.numbers("weights", c.weights, -1e3, 1e3, "1",
             "log odds per standard deviation of each feature");
   v.numbers("squares", c.squares, -1e3, 1e3, "1",
-            "log odds per square of each feature in standard deviations (3 at most), less one; "
-            "empty = none");
+            "log odds per squared feature minus one (in standard deviations, at most 3); empty = "
+            "not used");
   v.check(fits_features(c), "weights",
-          "mean, scale and weights must have one number per feature each, or all be empty (squares "
-          "too, or be empty alone); run "
-          "`orchard calibrate trunks` again");
+          "mean, scale and weights must have one number per feature, or all be empty; squares as "
+          "well, or be empty; run `orchard calibrate trunks` again");
 }
 
 }  // namespace orchard::vision

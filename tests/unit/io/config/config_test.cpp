@@ -154,7 +154,7 @@ TEST(Config, AFileThatIsTooLargeForOneIsRefused) {
       load_config(file);
       FAIL() << file;
     } catch (const ConfigError& error) {
-      EXPECT_THAT(error.problems(), ElementsAre(HasSubstr("larger than any configuration")));
+      EXPECT_THAT(error.problems(), ElementsAre(HasSubstr("larger than 1 MiB")));
     }
   }
   std::filesystem::remove(path);

@@ -18,7 +18,7 @@ std::vector<EvaluatedObject> named(const std::vector<simulation::TruthObject>& t
   int num_objects = 0;
   for (const simulation::TruthObject& thing : truth) {
     if (thing.label == Label::kUnseen) {
-      throw std::invalid_argument("evaluate_map: the truth holds a thing without a class");
+      throw std::invalid_argument("evaluate_map: the truth has an object without a class");
     }
     EvaluatedObject object;
     object.truth = thing;

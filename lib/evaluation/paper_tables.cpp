@@ -78,14 +78,14 @@ std::string evaluation_summary(const MapEvaluation& evaluation) {
                         evaluation.num_trees_missed, evaluation.num_trees,
                         evaluation.num_duplicates, kMmPerM * evaluation.trees.rms_m);
     text += fmt::format(
-        "aligned on the trees: moved by ({:.3f}, {:.3f}) m, turned by {:.3f} degrees; without that "
-        "{} trees found, error RMS {:.2f} mm\n",
+        "aligned on the trees: moved by ({:.3f}, {:.3f}) m, rotated by {:.3f} degrees; without "
+        "alignment {} trees found, error RMS {:.2f} mm\n",
         before.T_truth_map.x_m, before.T_truth_map.y_m,
         180.0 / geometry::kPi * before.T_truth_map.yaw_rad, before.num_trees_found,
         kMmPerM * before.trees.rms_m);
   }
   for (const mapping::Landmark& landmark : evaluation.extra) {
-    text += fmt::format("extra landmark {} ({}, seen {} times) at ({:.3f}, {:.3f}) m\n",
+    text += fmt::format("extra landmark {} ({}, {} observations) at ({:.3f}, {:.3f}) m\n",
                         landmark.id, label_text(landmark.label), landmark.num_observations,
                         landmark.x_m, landmark.y_m);
   }

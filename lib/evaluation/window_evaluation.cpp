@@ -78,14 +78,14 @@ WindowEvaluation evaluate_windows(const std::vector<ScoredWindow>& windows, doub
 
 std::string window_summary(const WindowEvaluation& e) {
   std::string summary = fmt::format(
-      "{} pictures of {} trees ({} left out): {} windows on trunks, {} elsewhere at the "
-      "same heights\n",
+      "{} pictures of {} trees ({} not used): {} windows on trunks, {} elsewhere at the same "
+      "heights\n",
       e.num_pictures, e.num_groups, e.left_out.size(), e.num_trunk, e.num_other);
   summary += area_text("auc", e.appearance, "the learnt model");
   summary += area_text("auc_hue_interval", e.hue_interval, "the hue interval of this model file");
   summary += area_text("auc_hue_interval_paper", e.paper_hue_interval, "the paper's hue interval");
   summary += fmt::format(
-      "from a confidence of {:.2f} on: {:.1f} % of the windows on trunks, {:.1f} % of those "
+      "with a confidence of at least {:.2f}: {:.1f} % of the windows on trunks, {:.1f} % of those "
       "elsewhere\n",
       e.confidence_min, 100.0 * e.found_fraction, 100.0 * e.false_fraction);
   return summary;

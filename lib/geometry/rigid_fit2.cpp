@@ -13,7 +13,8 @@ RigidFit2 fit_rigid(const std::vector<Vector2d>& p_a, const std::vector<Vector2d
                     const std::vector<double>& weights) {
   const bool is_weighted = !weights.empty();
   if (p_a.empty() || p_a.size() != p_b.size() || (is_weighted && weights.size() != p_a.size())) {
-    throw std::invalid_argument("fit_rigid: wants as many points as points, and at least one");
+    throw std::invalid_argument(
+        "fit_rigid: needs equally many points in both sets, and at least one");
   }
   RigidFit2 fit;
   double total = 0.0;

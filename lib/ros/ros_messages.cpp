@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMaxFields = 256;
 
-NotUsed cut_short() { return {"shorter than its type says"}; }
+NotUsed cut_short() { return {"shorter than its type requires"}; }
 
 Header read_header(RosReader& reader) {
   if (reader.wire() == Wire::kRos1) reader.number<std::uint32_t>();  // seq
@@ -85,8 +85,8 @@ std::variant<pose::PoseFix, NotUsed> to_fix(const Header& header, const Pose& po
   fix.covariance = covariance;
   const Quaternion& q = pose.orientation;
   fix.has_yaw = !(q[0] == 0.0 && q[1] == 0.0 && q[2] == 0.0 && q[3] == 0.0);
-  if (!is_finite({fix.x_m, fix.y_m})) return NotUsed{"a place that is not finite"};
-  if (fix.has_yaw && !is_unit(q)) return NotUsed{"an orientation that is no unit quaternion"};
+  if (!is_finite({fix.x_m, fix.y_m})) return NotUsed{"a position that is not finite"};
+  if (fix.has_yaw && !is_unit(q)) return NotUsed{"an orientation that is not a unit quaternion"};
   if (fix.has_yaw) fix.yaw_rad = yaw_rad(q);
   return fix;
 }
@@ -134,7 +134,7 @@ std::variant<laser::Scan, NotUsed> decode_laser_scan(const void* data, std::size
   scan.intensities = reader.floats();
   if (!reader.ok()) return cut_short();
   if (!(scan.beam_period_us >= 0.0) || !std::isfinite(scan.beam_period_us)) {
-    return NotUsed{"a time_increment that is no duration"};
+    return NotUsed{"a time_increment that is not a valid duration"};
   }
   for (float& range_m : scan.ranges_m) {
     if (!std::isinf(range_m)) continue;
@@ -155,8 +155,8 @@ std::variant<pose::Imu, NotUsed> decode_imu(const void* data, std::size_t size, 
   const auto acceleration_covariance = read_doubles<9>(reader);
   if (!reader.ok()) return cut_short();
   // -1 as first element of a covariance: not measured (sensor_msgs/Imu).
-  if (rate_covariance[0] == -1.0) return NotUsed{"it measures no angular rate"};
-  if (acceleration_covariance[0] == -1.0) return NotUsed{"it measures no acceleration"};
+  if (rate_covariance[0] == -1.0) return NotUsed{"it has no angular rate"};
+  if (acceleration_covariance[0] == -1.0) return NotUsed{"it has no acceleration"};
   imu.angular_rate_variance = mean_variance(rate_covariance);
   imu.acceleration_variance = mean_variance(acceleration_covariance);
   imu.orientation_variance = mean_variance(orientation_covariance);
@@ -187,7 +187,7 @@ std::variant<pose::Gnss, NotUsed> decode_nav_sat_fix(const void* data, std::size
   const bool has_covariance = reader.number<std::uint8_t>() != 0;
   if (!reader.ok()) return cut_short();
   if (status < kFix) return NotUsed{"no fix"};
-  if (status > kGround) return NotUsed{"a status that is none"};
+  if (status > kGround) return NotUsed{"an invalid status"};
   if (!is_finite({gnss.latitude_deg, gnss.longitude_deg})) {
     return NotUsed{"a position that is not finite"};
   }
@@ -272,7 +272,7 @@ std::variant<PointCloud, NotUsed> decode_point_cloud(const void* data, std::size
   cloud.height = reader.number<std::uint32_t>();
   cloud.width = reader.number<std::uint32_t>();
   const std::size_t num_fields = reader.count(13);
-  if (num_fields > kMaxFields) return NotUsed{"more than 256 fields a point"};
+  if (num_fields > kMaxFields) return NotUsed{"more than 256 fields per point"};
   for (std::size_t i = 0; i < num_fields && reader.ok(); ++i) {
     PointField field;
     field.name = reader.text();
@@ -293,7 +293,7 @@ std::variant<PointCloud, NotUsed> decode_point_cloud(const void* data, std::size
   const bool is_whole = cloud.width > 0 && cloud.height > 0 && cloud.point_bytes > 0 &&
                         (cloud.height == 1 || cloud.row_bytes >= row_bytes) &&
                         needed <= cloud.num_bytes;
-  if (!is_whole) return NotUsed{"its size contradicts its points"};
+  if (!is_whole) return NotUsed{"its size does not match its number of points"};
   return cloud;
 }
 

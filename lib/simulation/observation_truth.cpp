@@ -311,7 +311,7 @@ std::vector<TrueObservation> observe_truth(const World& world,
                                            const geometry::CameraConfig& camera, const Tilt& tilt) {
   if (T_map_laser.size() != 1 &&
       T_map_laser.size() != static_cast<std::size_t>(scanner.num_beams)) {
-    throw std::invalid_argument("observe_truth: wants one pose, or one per beam");
+    throw std::invalid_argument("observe_truth: needs one pose, or one per beam");
   }
   TruthObserver observer(world, T_map_laser, scanner, camera, tilt);
   std::vector<TrueObservation> observations;

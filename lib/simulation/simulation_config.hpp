@@ -216,7 +216,7 @@ void describe(Visitor& v, OrchardConfig& c) {
   v.check(c.bark_saturation_min <= c.bark_saturation_max, "bark_saturation_min",
           "must not pass the max");
   v.check(c.bark_value_min <= c.bark_value_max, "bark_value_min", "must not pass the max");
-  v.check(!c.start_anywhere || c.laps > 0, "start_anywhere", "needs laps, to go round");
+  v.check(!c.start_anywhere || c.laps > 0, "start_anywhere", "needs laps above 0");
 }
 
 /// Odometry and GNSS while driving. Section `simulation.motion`.

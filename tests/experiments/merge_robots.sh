@@ -32,7 +32,7 @@ for seed in $(seq "$first" "$last"); do
   "$orchard" simulate --scene orchard --seed "$seed" --config "$work/fixes.yaml" --duration 1 \
     --out "$work/begin.lcm" --truth "$work/truth.csv" >/dev/null
   way_s=$("$orchard" simulate --scene orchard --seed "$seed" --config "$work/fixes.yaml" \
-    --from 1e9 --out "$work/none.lcm" 2>&1 | sed -n 's/.*ends at \([0-9]*\).*/\1/p' || true)
+    --from 1e9 --out "$work/none.lcm" 2>&1 | sed -n 's/.*the end of scene [a-z]* at \([0-9]*\).*/\1/p' || true)
   robot 1 0 45 fixes
   robot 2 35 75 slam
   robot 3 65 100 slam

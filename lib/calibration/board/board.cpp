@@ -189,28 +189,30 @@ std::optional<BoardView> find_charuco(const cv::Mat& grey, const BoardConfig& bo
 std::optional<std::string> problem_with(const BoardConfig& board) {
   if (board.columns < 3 || board.rows < 3 || board.columns > 50 || board.rows > 50) {
     return "a board of " + std::to_string(board.columns) + " x " + std::to_string(board.rows) +
-           " cannot be looked for; both must be 3 to 50 (inner corners of a chessboard, squares of "
-           "a ChArUco board)";
+           " cannot be detected: columns and rows must be 3 to 50 (inner corners of a chessboard, "
+           "squares of a ChArUco board)";
   }
   if (!(board.square_m > 0.0) || !(board.square_m <= 5.0)) {
-    return "the side of a square must be in metres, above 0 and up to 5; measure it on the board";
+    return "the side of a square must be above 0 and at most 5 m; measure it on the board, in "
+           "metres";
   }
   if (!(board.margin_m >= 0.0) || !(board.margin_m <= 5.0)) {
-    return "the board's margin must be in metres, 0 to 5; measure it on the board";
+    return "the margin of the board must be 0 to 5 m; measure it on the board, in metres";
   }
   if (board.kind == BoardConfig::kChessboard) return std::nullopt;
   if (!(board.marker_m > 0.0) || !(board.marker_m < board.square_m)) {
-    return "the side of a marker must be above 0 and below that of a square; measure both";
+    return "the side of a marker must be above 0 and below that of a square; measure both on the "
+           "board";
   }
   const auto dictionary = marker_dictionary(board.dictionary);
   if (!dictionary) {
-    return "there is no marker dictionary \"" + board.dictionary +
-           "\"; it is 4x4, 5x5, 6x6 or 7x7, then _50, _100, _250 or _1000 (4x4_50)";
+    return "unknown marker dictionary \"" + board.dictionary +
+           "\"; give 4x4, 5x5, 6x6 or 7x7, followed by _50, _100, _250 or _1000 (such as 4x4_50)";
   }
   const int num_markers = board.columns * board.rows / 2;
   if (num_markers > marker_count(board.dictionary)) {
-    return "the board has " + std::to_string(num_markers) + " markers, more than the dictionary " +
-           board.dictionary + " holds; give the dictionary that it was printed with";
+    return "the board has " + std::to_string(num_markers) + " markers, but the dictionary " +
+           board.dictionary + " has fewer; give the dictionary with which the board was printed";
   }
   return std::nullopt;
 }

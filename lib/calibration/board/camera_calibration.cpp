@@ -55,13 +55,12 @@ Solution solve(const std::vector<const NamedView*>& views, cv::Size size, bool e
                             {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 200, 1e-12});
   } catch (const cv::Exception&) {
     throw std::runtime_error(
-        "the views determine no camera; show the board tilted to all sides and at several "
+        "the views do not determine the camera; show the board tilted to all sides and at several "
         "distances");
   }
   if (!cv::checkRange(solution.camera) || !cv::checkRange(solution.distortion) ||
       !std::isfinite(solution.rms_px)) {
-    throw std::runtime_error(
-        "the calculation found no finite camera; show the board tilted to all sides");
+    throw std::runtime_error("the estimation did not converge; show the board tilted to all sides");
   }
   const int num_parameters = (estimate_k3 ? 9 : 8) + 6 * static_cast<int>(views.size());
   const double freedom = 2.0 * solution.num_corners - num_parameters;
@@ -147,7 +146,7 @@ CameraCalibration calibrate_camera(const std::vector<NamedView>& views, int widt
                                    const CameraCalibrationOptions& options) {
   if (views.size() < kFewestViews) {
     throw std::runtime_error("the board was found in " + std::to_string(views.size()) +
-                             " pictures; at least " + std::to_string(kFewestViews) +
+                             " pictures, but at least " + std::to_string(kFewestViews) +
                              ", better 20, are needed");
   }
   std::vector<const NamedView*> used;

@@ -35,15 +35,15 @@ class Judge {
   void judge_views() {
     if (calibration_.num_views < rules_.fewest_views) {
       reasons_.push_back("too few views: " + std::to_string(calibration_.num_views) +
-                         " of the board are used, " + std::to_string(rules_.fewest_views) +
-                         " are needed and 20 are better");
+                         " of the board are used, but " + std::to_string(rules_.fewest_views) +
+                         " are needed, better 20");
     }
     const auto all = static_cast<double>(calibration_.views.size());
     const double outliers = all - calibration_.num_views;
     if (outliers > rules_.most_outliers * all) {
       reasons_.push_back(
           "too many outliers: " + fixed_text(outliers, 0) + " of " + fixed_text(all, 0) +
-          " views disagree with the rest; is the board flat, and was it held still?");
+          " views disagree with the others; check that the board is flat, and hold it still");
     }
   }
 
@@ -69,9 +69,9 @@ class Judge {
     }
     if (coverage.fraction() < rules_.least_coverage) {
       reasons_.push_back("only " + fixed_text(100.0 * coverage.fraction(), 0) +
-                         " % of the picture was covered by the board, " +
+                         " % of the picture was covered by the board, but " +
                          fixed_text(100.0 * rules_.least_coverage, 0) +
-                         " % are needed; move it all over the picture");
+                         " % are needed; move the board over the whole picture");
     }
   }
 
@@ -88,9 +88,9 @@ class Judge {
     if (tilted < rules_.fewest_tilted) {
       reasons_.push_back("the tilt is too small: " + std::to_string(tilted) +
                          " views are tilted by " + degrees(rules_.least_tilt_rad) +
-                         " degrees or more (the largest by " + degrees(largest_rad) + "), " +
+                         " degrees or more (max " + degrees(largest_rad) + "), " +
                          std::to_string(rules_.fewest_tilted) +
-                         " are needed; without tilt the focal length cannot be told");
+                         " are needed; without tilt the focal length is not determined");
       return;
     }
     Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
@@ -117,7 +117,7 @@ class Judge {
     }
     if (farthest_m < rules_.least_distance_ratio * nearest_m) {
       reasons_.push_back("all views are at one distance (" + fixed_text(nearest_m, 2) + " to " +
-                         fixed_text(farthest_m, 2) + " m); show the board nearer and farther too");
+                         fixed_text(farthest_m, 2) + " m); show the board nearer and farther, too");
     }
   }
 
@@ -127,8 +127,8 @@ class Judge {
     if (calibration_.rms_px > limit_px) {
       reasons_.push_back(
           "the reprojection error is too large: " + fixed_text(calibration_.rms_px, 2) +
-          " px, at most " + fixed_text(limit_px, 2) +
-          " px are allowed; is the board flat, and was it held still?");
+          " px, but at most " + fixed_text(limit_px, 2) +
+          " px are allowed; check that the board is flat, and hold it still");
     }
   }
 
@@ -138,7 +138,7 @@ class Judge {
                                   calibration_.fc_sd_px[1] / camera.fc_px[1]);
     if (!(fc_sd <= rules_.largest_fc_sd)) {
       reasons_.push_back("the focal length is uncertain by " + fixed_text(100.0 * fc_sd, 1) +
-                         " % (one standard deviation), at most " +
+                         " % (one standard deviation), but at most " +
                          fixed_text(100.0 * rules_.largest_fc_sd, 1) +
                          " % are allowed; add views with more tilt");
     }
@@ -146,7 +146,7 @@ class Judge {
     const double limit_px = rules_.largest_cc_sd * camera.width_px;
     if (!(cc_sd_px <= limit_px)) {
       reasons_.push_back("the principal point is uncertain by " + fixed_text(cc_sd_px, 1) +
-                         " px (one standard deviation), at most " + fixed_text(limit_px, 1) +
+                         " px (one standard deviation), but at most " + fixed_text(limit_px, 1) +
                          " px are allowed; add views with more tilt");
     }
   }
@@ -156,15 +156,16 @@ class Judge {
     const double dx = (camera.cc_px[0] - 0.5 * (camera.width_px - 1)) / camera.width_px;
     const double dy = (camera.cc_px[1] - 0.5 * (camera.height_px - 1)) / camera.height_px;
     if (std::max(std::abs(dx), std::abs(dy)) > rules_.largest_cc_offset) {
-      reasons_.push_back("the principal point (" + fixed_text(camera.cc_px[0], 0) + ", " +
-                         fixed_text(camera.cc_px[1], 0) +
-                         ") is far from the picture's middle; are the pictures cropped?");
+      reasons_.push_back(
+          "the principal point (" + fixed_text(camera.cc_px[0], 0) + ", " +
+          fixed_text(camera.cc_px[1], 0) +
+          ") is far from the middle of the picture; use pictures that are not cropped");
     }
     const double ratio = camera.fc_px[0] / camera.fc_px[1];
     if (std::abs(ratio - 1.0) > rules_.largest_fc_difference) {
-      reasons_.push_back("the two focal lengths differ by " +
-                         fixed_text(100.0 * std::abs(ratio - 1.0), 0) +
-                         " %; are the pictures stretched, or is the board's size wrong?");
+      reasons_.push_back(
+          "the two focal lengths differ by " + fixed_text(100.0 * std::abs(ratio - 1.0), 0) +
+          " %; check that the pictures are not stretched and the squares of the board are square");
     }
     // The distortion model must be invertible at the image's corners.
     for (const double u : {0.0, camera.width_px - 1.0}) {
@@ -173,8 +174,8 @@ class Judge {
         const auto back = camera_.project({ray.x(), ray.y(), 1.0});
         if (back && (*back - Eigen::Vector2d(u, v)).norm() < 0.5) continue;
         reasons_.push_back(
-            "the distortion that was found folds back inside the picture; show the board in the "
-            "picture's corners");
+            "the estimated distortion is not invertible inside the picture; show the board in the "
+            "corners of the picture");
         return;
       }
     }

@@ -108,9 +108,8 @@ void require_observations(const std::vector<DelayObservation>& observations,
   const int num = static_cast<int>(observations.size());
   if (num < options.min_observations) {
     throw std::runtime_error(
-        fmt::format("only {} observations at trunks with both edges in the picture ({} are needed, "
-                    "within {:.0f} m or "
-                    "less); drive past trunks with the camera on them",
+        fmt::format("only {} observations of trunks with both edges in the picture ({} are needed, "
+                    "at up to {:.0f} m); drive past trunks with the camera looking at them",
                     num, options.min_observations, 5.0));
   }
   const auto num_turning = static_cast<int>(std::count_if(
@@ -118,11 +117,10 @@ void require_observations(const std::vector<DelayObservation>& observations,
         return std::abs(observation.yaw_rate_radps) >= options.turning_radps;
       }));
   if (num_turning < options.min_turning_observations) {
-    throw std::runtime_error(
-        fmt::format("the robot hardly turned: {} of {} observations at a yaw rate of {:.1f} rad/s "
-                    "or more, so a delay "
-                    "cannot be told; drive curves to both sides past trunks",
-                    num_turning, num, options.turning_radps));
+    throw std::runtime_error(fmt::format(
+        "the robot hardly turned, so the delay is not determined: only {} of {} observations at a "
+        "yaw rate of {:.1f} rad/s or more; drive in curves to both sides past trunks",
+        num_turning, num, options.turning_radps));
   }
 }
 
@@ -173,27 +171,24 @@ DelayEstimate estimate_delay(const std::vector<DelayObservation>& observations,
     if (std::abs(observation.yaw_rate_radps) >= options.turning_radps) ++estimate.num_turning;
   }
   if (!fit) {
-    throw std::runtime_error(
-        fmt::format("{} observations cannot tell a delay from a camera that is turned: the robot "
-                    "turned to one side "
-                    "at one rate; drive curves to both sides, faster and slower ones",
-                    estimate.num_all));
+    throw std::runtime_error(fmt::format(
+        "{} observations cannot distinguish a delay from a rotated camera: the robot turned only "
+        "to one side at one rate; drive in fast and slow curves to both sides",
+        estimate.num_all));
   }
   if (estimate.num_observations >= kAgreeingMin * estimate.num_all &&
       estimate.num_turning < options.min_turning_observations) {
-    throw std::runtime_error(fmt::format(
-        "of the observations that agree with one delay only {} are of curves ({} are needed): "
-        "those while "
-        "turning contradict one another; check that ODOMETRY's yaw rate has the right sign and "
-        "size, and that its clock is that of the laser",
-        estimate.num_turning, options.min_turning_observations));
+    throw std::runtime_error(
+        fmt::format("of the observations that agree on a delay only {} are in curves ({} are "
+                    "needed), so those in curves contradict each other; check the sign and scale "
+                    "of the yaw rate of ODOMETRY, and that it uses the clock of the laser",
+                    estimate.num_turning, options.min_turning_observations));
   }
   if (estimate.num_observations < kAgreeingMin * estimate.num_all) {
-    throw std::runtime_error(
-        fmt::format("only {} of {} observations agree with one delay ({:.0f} % are needed); check "
-                    "camera.phi_rad, "
-                    "camera.delta_m and laser.mount_* first (orchard calibrate laser-camera)",
-                    estimate.num_observations, estimate.num_all, 100.0 * kAgreeingMin));
+    throw std::runtime_error(fmt::format(
+        "only {} of {} observations agree on a delay ({:.0f} % are needed); first check "
+        "camera.phi_rad, camera.delta_m and laser.mount_* (orchard calibrate laser-camera)",
+        estimate.num_observations, estimate.num_all, 100.0 * kAgreeingMin));
   }
   estimate.delay_s = fit->line.delay_s;
   estimate.se_s = std::sqrt(fit->covariance(0, 0));
@@ -203,9 +198,8 @@ DelayEstimate estimate_delay(const std::vector<DelayObservation>& observations,
   estimate.num_pictures = static_cast<int>(pictures.size());
   if (estimate.se_s > options.max_se_s) {
     throw std::runtime_error(
-        fmt::format("{} observations in {} pictures tell the delay to {:.1f} ms only; drive more "
-                    "and faster curves to "
-                    "both sides past trunks",
+        fmt::format("{} observations in {} pictures determine the delay only to {:.1f} ms; drive "
+                    "in more and faster curves to both sides past trunks",
                     estimate.num_observations, estimate.num_pictures, 1e3 * estimate.se_s));
   }
   return estimate;

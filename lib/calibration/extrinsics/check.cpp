@@ -34,20 +34,17 @@ std::string mount_contradiction(const Mount& found, const Mount& stated) {
   if (turned_deg > kLargest_deg) {
     const Mount left_right = mirrored(stated, {-1.0, 1.0, 1.0});
     if (angle_deg(found.R_camera_laser, left_right.R_camera_laser) < 0.5 * kLargest_deg) {
-      return "the pictures are mirrored left to right, or the camera is mounted upside down "
-             "against what camera.phi_rad states (to a scanner, which sees one plane, both look "
-             "the same)";
+      return "the pictures are mirrored left to right, or the camera is mounted upside down, in "
+             "contrast to camera.phi_rad (a scanner with one plane cannot distinguish them)";
     }
-    return fmt::format(
-        "the camera is mounted turned by {:.0f} deg against what camera.phi_rad states",
-        turned_deg);
+    return fmt::format("the camera is rotated by {:.0f} deg relative to camera.phi_rad",
+                       turned_deg);
   }
   const Mount top_bottom = mirrored(stated, {1.0, -1.0, 1.0});
   const double off_m = (found.delta_m - stated.delta_m).norm();
   if (off_m > kOtherSide_m && (found.delta_m - top_bottom.delta_m).norm() < 0.3 * off_m) {
-    return "the pictures are mirrored top to bottom, or the laser is mounted on the other side of "
-           "the camera than camera.delta_m states (to a scanner, which sees one plane, both look "
-           "the same)";
+    return "the pictures are mirrored top to bottom, or the laser is on the other side of the "
+           "camera than camera.delta_m states (a scanner with one plane cannot distinguish them)";
   }
   return {};
 }

@@ -42,7 +42,7 @@ template <std::size_t N>
 Numbers<N> numbers_after(const std::string& text, const std::string& name) {
   const std::size_t at = find_name(text, name);
   if (at == std::string::npos) {
-    throw std::runtime_error("holds no \"" + name + " = [x y z]\"");
+    throw std::runtime_error("has no \"" + name + " = [x y z]\"");
   }
   Numbers<N> list;
   list.end = at;
@@ -67,8 +67,8 @@ Eigen::Matrix3d rotation_matrix(const std::string& text) {
       Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());
   if (!(R * R.transpose()).isIdentity(5.0 * kOff) || !(R.determinant() > 0.0)) {
     throw std::runtime_error(
-        "has a matrix R that is no rotation (its rows must be unit vectors at "
-        "right angles, its determinant 1)");
+        "has a matrix R that is not a rotation (its rows must be orthogonal unit vectors, its "
+        "determinant 1)");
   }
   const Eigen::Quaterniond nearest(R);
   return nearest.normalized().toRotationMatrix();
@@ -98,7 +98,7 @@ geometry::LaserCameraExtrinsics import_mount(const std::string& text, LaserAxes 
     if (unit == AngleUnit::kAsStated) unit = stated_unit(small, phi.end);
     if (unit == AngleUnit::kAsStated) {
       throw std::runtime_error(
-          "does not say whether phi is in deg or rad: say --angles deg or rad");
+          "does not state whether phi is in deg or rad; give --angles deg or rad");
     }
     const double scale = unit == AngleUnit::kDegrees ? geometry::kPi / 180.0 : 1.0;
     for (std::size_t i = 0; i < 3; ++i) extrinsics.phi_rad[i] = scale * phi.numbers[i];
@@ -113,8 +113,8 @@ geometry::LaserCameraExtrinsics import_mount(const std::string& text, LaserAxes 
   constexpr double kMinAhead = 0.5;  // 60 degrees
   if (R(2, 0) < kMinAhead) {
     throw std::runtime_error(
-        std::string("under these axes the camera looks away from where the scanner looks "
-                    "forward: try --axes ") +
+        std::string(
+            "gives a camera that looks away from the scanner's forward direction; try --axes ") +
         (axes == LaserAxes::kToolbox ? "orchard" : "toolbox") + " or the other unit of --angles");
   }
   return extrinsics;

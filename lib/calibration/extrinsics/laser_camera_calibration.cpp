@@ -60,7 +60,7 @@ class Calibration {
  private:
   std::string why_not() {
     if (static_cast<int>(views_.size()) < options_.min_views) {
-      return "only " + std::to_string(views_.size()) + " views of the board, at least " +
+      return "only " + std::to_string(views_.size()) + " views of the board, but at least " +
              std::to_string(options_.min_views) + " are needed; hold it still in more places";
     }
     std::vector<BoardPose> boards;
@@ -73,10 +73,10 @@ class Calibration {
       }
     }
     if (num_with_line < options_.min_views) {
-      return "the scanner saw nothing of the board's size in " +
+      return "the scanner found no line as long as the board in " +
              std::to_string(views_.size() - static_cast<std::size_t>(num_with_line)) + " of " +
              std::to_string(views_.size()) +
-             " views that the camera saw: hold the board where the scan plane cuts it";
+             " views with a board in the picture; hold the board where the scan plane cuts it";
     }
     out_.motion = board_motion(boards);
     const std::string degenerate = degenerate_motion(out_.motion);
@@ -90,16 +90,16 @@ class Calibration {
       return wrong_size();
     }
     if (association.num_fitting < wanted) {
-      return "no mount of the scanner puts one of its lines on the board in more than " +
+      return "no pose of the scanner puts its lines on the board in more than " +
              std::to_string(association.num_fitting) + " of " + std::to_string(num_with_line) +
              " views (" + std::to_string(wanted) +
-             " are needed): either the scanner never saw the board, or the board's size, the "
-             "camera's intrinsics or the times of scans and pictures are wrong";
+             " are needed): check that the scan plane cuts the board, the size of the board, the "
+             "intrinsics of the camera, and the times of scans and pictures";
     }
     // Five views fit some mount by chance: a rival needs at least six views and 90 % of the best.
     if (association.rival_fitting >= std::max(6, (9 * association.num_fitting + 9) / 10)) {
       if (find_board_scale(views_, outline_, association)) return wrong_size();
-      return "two different mounts of the scanner explain the views equally well (" +
+      return "two different poses of the scanner explain the views equally well (" +
              std::to_string(association.num_fitting) + " and " +
              std::to_string(association.rival_fitting) +
              " views): tilt the board more and to all sides";
@@ -165,7 +165,7 @@ class Calibration {
   }
 
   std::string wrong_size() const {
-    return "the ranges say that the board is " + fixed_text(100.0 * out_.board_scale, 1) +
+    return "according to the ranges the board has " + fixed_text(100.0 * out_.board_scale, 1) +
            " % of its stated size (standard deviation " +
            fixed_text(100.0 * out_.board_scale_sd, 1) + " %)";
   }
@@ -187,7 +187,7 @@ class Calibration {
       }
       adjustment = adjust_mount(chosen, association.mount, options_.noise,
                                 options_.use_edges ? &outline_ : nullptr);
-      if (!adjustment) return "the equations of the mount have no solution; record again";
+      if (!adjustment) return "the extrinsics could not be estimated; record again";
       std::size_t worst = 0;
       for (std::size_t k = 0; k < used.size(); ++k) {
         auto& view = out_.views[used[k]];

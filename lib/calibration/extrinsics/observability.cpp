@@ -76,15 +76,13 @@ std::string degenerate_motion(const BoardMotion& motion) {
   constexpr double kHardlyTilted_deg = 16.0;
   if (motion.out_of_line < kMinSpread || motion.tilt_max_deg < kHardlyTilted_deg) {
     if (motion.moved_m < kMoved_m) {
-      return "the board never moved: all views show it in one place and one orientation, which "
-             "determines one of six unknowns; hold it in other places, tilted to all sides";
+      return "the board never moved, so most of the six unknowns are not determined; hold it in "
+             "other places, tilted to all sides";
     }
     return fmt::format(
         "the board was always (nearly) parallel to itself, tilted by {:.1f} deg at most between "
-        "two "
-        "views: translations along it are not determined; tilt it by 20 to 45 deg to the left and "
-        "right, "
-        "forward and back",
+        "two views, so translations along it are not determined; tilt it by 20 to 45 deg to the "
+        "left and right, forward and back",
         motion.tilt_max_deg);
   }
   if (motion.num_orientations == 2) {
@@ -94,9 +92,9 @@ std::string degenerate_motion(const BoardMotion& motion) {
            ", the line in which the two planes meet, is not determined; hold it in more";
   }
   const Eigen::Vector3d across = motion.axis_camera.cwiseAbs();
-  const char* advice = across.y() > 0.7   ? "lean it forward and back too"
-                       : across.x() > 0.7 ? "turn it to the left and right too"
-                                          : "tilt it about a second axis too";
+  const char* advice = across.y() > 0.7   ? "tilt it forward and back, too"
+                       : across.x() > 0.7 ? "turn it to the left and right, too"
+                                          : "tilt it about a second axis, too";
   return "all boards were tilted about one axis only, " + camera_direction(motion.axis_camera) +
          ": the translation along that axis is not determined; " + advice;
 }
@@ -113,12 +111,14 @@ std::string undetermined_direction(const Eigen::Matrix<double, 6, 6>& covariance
   std::string what;
   if (!(shift_sd_m <= shift_sd_max_m)) {
     what = "the translation along " + camera_direction(shift.eigenvectors().col(2)) +
-           fmt::format(" is not determined (standard deviation {:.0f} mm, wanted at most {:.0f})",
-                       1e3 * shift_sd_m, 1e3 * shift_sd_max_m);
+           fmt::format(
+               " is not determined (standard deviation {:.0f} mm, but at most {:.0f} is allowed)",
+               1e3 * shift_sd_m, 1e3 * shift_sd_max_m);
   } else if (!(turn_sd_rad <= turn_sd_max_rad)) {
     what = "the rotation about " + camera_direction(turn.eigenvectors().col(2)) +
-           fmt::format(" is not determined (standard deviation {:.2f} deg, wanted at most {:.2f})",
-                       turn_sd_rad / kDeg, turn_sd_max_rad / kDeg);
+           fmt::format(
+               " is not determined (standard deviation {:.2f} deg, but at most {:.2f} is allowed)",
+               turn_sd_rad / kDeg, turn_sd_max_rad / kDeg);
   } else {
     return {};
   }
@@ -130,11 +130,10 @@ std::string undetermined_direction(const Eigen::Matrix<double, 6, 6>& covariance
   }
   if (motion.out_of_plane < 0.15) {
     return what +
-           "; the board was hardly tilted about a second axis: lean it forward and back as "
-           "well as turning it";
+           "; the board was hardly tilted about a second axis: tilt it forward and back, too";
   }
   if (motion.distance_max_m < 1.15 * motion.distance_min_m) {
-    return what + "; the board never changed its distance: hold it nearer and farther too";
+    return what + "; the distance of the board never changed: hold it nearer and farther, too";
   }
   return what + "; hold the board in more places and orientations";
 }

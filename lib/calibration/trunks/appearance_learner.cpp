@@ -282,12 +282,12 @@ void check(const std::vector<AppearanceSample>& samples, const AppearanceFit& fo
   if (found.num_trunk < kMinWindows || found.num_other < kMinWindows) {
     throw std::runtime_error("there are " + std::to_string(found.num_trunk) +
                              " windows on trunks and " + std::to_string(found.num_other) +
-                             " elsewhere; at least " + std::to_string(kMinWindows) +
+                             " elsewhere, but at least " + std::to_string(kMinWindows) +
                              " of each are needed to learn what trunks look like");
   }
   for (const AppearanceSample& sample : samples) {
     for (const double value : sample.features) {
-      if (!std::isfinite(value)) throw std::runtime_error("a window has a feature of no value");
+      if (!std::isfinite(value)) throw std::runtime_error("a feature of a window is not a number");
     }
   }
 }

@@ -33,7 +33,8 @@ void add(const vision::HueHistogram& hues, vision::HueHistogram& sum) {
 }
 
 HueInterval hue_interval(const vision::HueHistogram& hues, double tail, double margin_deg) {
-  if (hues.num_coloured <= 0) throw std::invalid_argument("no coloured pixels, so no hue");
+  if (hues.num_coloured <= 0)
+    throw std::invalid_argument("no coloured pixels, so the hue is unknown");
   const int mean = mean_hue(hues);
   const auto count_at = [&](int offset) {
     const int hue = (mean + offset + 2 * vision::kNumHues) % vision::kNumHues;

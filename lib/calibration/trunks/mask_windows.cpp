@@ -113,7 +113,7 @@ std::vector<LabelledWindow> sample_windows(const TrunkMask& mask,
                                            const MaskWindowOptions& options) {
   if (mask.trunk.size() !=
       static_cast<std::size_t>(mask.width_px) * static_cast<std::size_t>(mask.height_px)) {
-    throw std::invalid_argument("the mask does not have its size");
+    throw std::invalid_argument("the mask differs from the picture in size");
   }
   std::vector<int> rows;
   std::vector<Run> runs(static_cast<std::size_t>(mask.height_px));

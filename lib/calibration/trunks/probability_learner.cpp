@@ -161,8 +161,9 @@ void check(const std::vector<ProbabilitySample>& samples) {
   }
   if (num_trees >= kMinOfAKind && num_others >= kMinOfAKind) return;
   throw std::runtime_error("there are " + std::to_string(num_trees) +
-                           " judged observations at trees and " + std::to_string(num_others) +
-                           " at other things; at least " + std::to_string(kMinOfAKind) +
+                           " observations of trees judged by the camera and " +
+                           std::to_string(num_others) + " of other objects, but at least " +
+                           std::to_string(kMinOfAKind) +
                            " of each are needed to learn probabilities");
 }
 

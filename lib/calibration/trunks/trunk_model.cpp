@@ -149,23 +149,24 @@ void compare_populations(const std::vector<Thing>& things, const std::vector<std
   const double by_width = separation(widths_m[0], widths_m[1], 1e-3);
   const double by_hue = has_hue ? separation(hues_deg[0], hues_deg[1], 1.0) : 0.0;
   const std::string what =
-      std::to_string(others.size()) + " other things of about " +
+      std::to_string(others.size()) + " other objects of about " +
       millimetres(geometry::midpoint_median(widths_m[1])) +
       (has_hue ? " and hue " + fixed_text(geometry::midpoint_median(hues_deg[1]) + hue_deg, 0)
                : std::string());
   if (std::max(by_width, by_hue) < options.separation_min) {
-    model.warnings.push_back(
-        what + " do not separate from the trunks (" + fixed_text(by_width, 1) + " sd in width" +
-        (has_hue ? ", " + fixed_text(by_hue, 1) + " sd in hue" : "") + "; " +
-        fixed_text(options.separation_min, 0) +
-        " are needed): a mixed orchard, or posts like trunks; pick the trunks with --list and "
-        "--trees");
+    model.warnings.push_back(what + " cannot be separated from the trunks (" +
+                             fixed_text(by_width, 1) + " sd in width" +
+                             (has_hue ? ", " + fixed_text(by_hue, 1) + " sd in hue" : "") + "; " +
+                             fixed_text(options.separation_min, 0) +
+                             " are needed): a mixed orchard, or posts like trunks; choose the "
+                             "trunks with --list and --trees");
   }
   const double fraction =
       static_cast<double>(trunks.size()) / static_cast<double>(trunks.size() + others.size());
   if (fraction < options.fraction_min) {
-    model.warnings.push_back(what + " are about as many as the " + std::to_string(trunks.size()) +
-                             " taken for trunks; check with --list, and pick with --trees");
+    model.warnings.push_back(
+        what + " are about as many as the " + std::to_string(trunks.size()) +
+        " objects classified as trunks; check them with --list, and choose with --trees");
   }
 }
 
@@ -178,10 +179,10 @@ void look_for_two_kinds(const std::vector<Thing>& things, const std::vector<std:
   const double middle_m = geometry::midpoint_median(widths_m);
   const auto groups = detection::find_two_groups(widths_m, 0.2, 0.01 * middle_m);
   if (!groups || groups->separation < options.separation_min) return;
-  model.warnings.push_back("the trunks are of two kinds, about " + millimetres(groups->low_mean) +
-                           " and " + millimetres(groups->high_mean) + " wide (" +
-                           fixed_text(groups->separation, 1) +
-                           " sd apart): one mean fits neither; calibrate on one kind with --trees");
+  model.warnings.push_back(
+      "there are two kinds of trunks, about " + millimetres(groups->low_mean) + " and " +
+      millimetres(groups->high_mean) + " wide (" + fixed_text(groups->separation, 1) +
+      " sd apart): one mean fits neither; choose the trunks of one kind with --trees");
 }
 
 std::vector<std::size_t> picked_by_number(const std::vector<Thing>& things,
@@ -189,8 +190,8 @@ std::vector<std::size_t> picked_by_number(const std::vector<Thing>& things,
   std::vector<std::size_t> picked;
   for (const int number : numbers) {
     if (number < 1 || number > static_cast<int>(things.size())) {
-      throw std::runtime_error("there is no thing " + std::to_string(number) + ", only 1 to " +
-                               std::to_string(things.size()) + "; --list DIR shows them");
+      throw std::runtime_error("there is no object " + std::to_string(number) + ", only 1 to " +
+                               std::to_string(things.size()) + "; list them with --list DIR");
     }
     picked.push_back(static_cast<std::size_t>(number - 1));
   }
@@ -216,7 +217,8 @@ std::vector<std::size_t> picked_by_place(const std::vector<Thing>& things,
     }
   }
   if (!unseen.empty()) {
-    throw std::runtime_error("of the map not seen in full: " + unseen + "; leave out of --ids");
+    throw std::runtime_error("no complete observation of these landmarks of the map: " + unseen +
+                             "; remove them from --ids");
   }
   return picked;
 }
@@ -229,9 +231,9 @@ std::vector<std::size_t> find_trunks(const std::vector<Thing>& things, bool has_
   }
   auto trunks = largest_population(things, std::vector<bool>(things.size()), has_hue, options);
   if (trunks.empty()) {
-    throw std::runtime_error("nothing that stands alone was seen " +
+    throw std::runtime_error("no separate object was observed " +
                              std::to_string(options.min_observations) +
-                             " times or more, so there is nothing to learn trunks from");
+                             " times or more; drive past trunks more slowly or nearer");
   }
   return trunks;
 }
@@ -314,9 +316,9 @@ TrunkModel estimate_trunk_model(const std::vector<TrunkObservation>& observation
     model.hue_min_deg = interval.min_deg;
     model.hue_max_deg = interval.max_deg;
     if (interval.width_deg > 90.0) {
-      model.warnings.push_back("the trunks' hues spread over " +
+      model.warnings.push_back("the hues of the trunks spread over " +
                                std::to_string(static_cast<int>(interval.width_deg)) +
-                               " degrees, so that colour will tell little");
+                               " degrees, so colour will hardly help to classify");
     }
   }
   compare_populations(things, trunks, model.has_hue, options, model);
@@ -324,7 +326,7 @@ TrunkModel estimate_trunk_model(const std::vector<TrunkObservation>& observation
   if (model.num_trunks < options.wanted_trunks) {
     model.warnings.push_back("only " + std::to_string(model.num_trunks) + " trunks were found; " +
                              std::to_string(options.wanted_trunks) +
-                             " or more make a model that can be relied on");
+                             " or more are needed for a reliable model");
   }
   return model;
 }

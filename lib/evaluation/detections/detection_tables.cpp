@@ -38,9 +38,11 @@ std::string detection_tables(const DetectionEvaluation& e) {
   std::string text;
   const DetectionRules& rules = e.rules;
   text += fmt::format(
-      "Counted: things nearer than {:.1f} m, at least {} beams, at most {:.0f} % hidden{}\n\n",
+      "Evaluated: objects nearer than {:.1f} m, with at least {} beams and at most {:.0f} % "
+      "occluded{}\n"
+      "\n",
       rules.range_max_m, rules.num_beams_min, 100.0 * rules.hidden_max,
-      rules.in_picture ? ", whole in the picture" : "");
+      rules.in_picture ? ", entirely in the picture" : "");
   text += fmt::format("{:<22} {:>9} {:>9} {:>9} {:>7} {:>7} {:>7}\n", "class tree", "precision",
                       "recall", "F1", "right", "wrong", "missed");
   add_counts(text, "per observation", e.counts);
@@ -49,10 +51,11 @@ std::string detection_tables(const DetectionEvaluation& e) {
     add_counts(text, "per landmark", e.landmarks->counts);
     text += "\n";
   }
-  text +=
-      fmt::format("wrong: {} on another thing, {} on nothing; missed: {} not detected, {} UNSEEN\n",
-                  e.counts.num_wrong_on_object, e.counts.num_wrong - e.counts.num_wrong_on_object,
-                  e.counts.num_not_detected, e.counts.num_unseen);
+  text += fmt::format(
+      "false positives: {} on another object, {} on no object; missed: {} not detected, {} "
+      "UNSEEN\n",
+      e.counts.num_wrong_on_object, e.counts.num_wrong - e.counts.num_wrong_on_object,
+      e.counts.num_not_detected, e.counts.num_unseen);
   add_slices(text, "by range", e.by_range);
   if (e.by_recording.size() > 1) add_slices(text, "by recording", e.by_recording);
 
@@ -65,11 +68,14 @@ std::string detection_tables(const DetectionEvaluation& e) {
                     test.best.precision(), test.best.recall(), test.best.f1());
   }
   text +=
-      "(of trees, of others: mean rate of confidence; threshold: the best on these observations)\n";
+      "(of trees, of others: mean rate of confidence; threshold: the best one for these "
+      "observations)\n";
   if (e.has_probability) {
     add_reliability(text, "probability per observation", e.reliability);
   } else {
-    text += "\nno probabilities in these messages (detector.probability.enabled)\n";
+    text +=
+        "\n"
+        "the messages have no probabilities (detector.probability.enabled is false)\n";
   }
   if (e.landmarks) add_reliability(text, "probability per landmark", e.landmarks->reliability);
   return text;

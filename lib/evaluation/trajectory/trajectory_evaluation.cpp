@@ -21,7 +21,7 @@ void require_order(const Track& track, const char* which) {
   for (std::size_t i = 1; i < track.poses.size(); ++i) {
     if (track.poses[i].utime <= track.poses[i - 1].utime) {
       throw std::invalid_argument(std::string("evaluate_trajectory: the time of the ") + which +
-                                  " does not go up");
+                                  " is not ascending");
     }
   }
 }

@@ -35,7 +35,7 @@ ordered_json statistics_json(const ErrorStatistics& e) {
 std::string trajectory_summary(const TrajectoryEvaluation& evaluation,
                                const TrajectoryRules& rules) {
   std::string text =
-      fmt::format("{} of {} poses compared with {} true ones: {} outside their time, {} in gaps",
+      fmt::format("{} of {} poses compared with {} true poses: {} outside their time, {} in gaps",
                   evaluation.compared.size(), evaluation.num_estimates, evaluation.num_true,
                   evaluation.num_outside, evaluation.num_in_gaps);
   if (rules.association == Association::kNearest) {
@@ -47,10 +47,10 @@ std::string trajectory_summary(const TrajectoryEvaluation& evaluation,
   text += "\n";
   if (rules.alignment != Alignment::kNone) {
     const geometry::Pose2& t = evaluation.T_truth_estimate;
-    text += fmt::format(
-        "aligned {}: moved by ({:.3f}, {:.3f}) m, turned by {:.3f} degrees\n",
-        rules.alignment == Alignment::kRigid ? "with the least squares" : "at the first pose",
-        t.x_m, t.y_m, kDegPerRad * t.yaw_rad);
+    text +=
+        fmt::format("aligned {}: moved by ({:.3f}, {:.3f}) m, rotated by {:.3f} degrees\n",
+                    rules.alignment == Alignment::kRigid ? "by least squares" : "at the first pose",
+                    t.x_m, t.y_m, kDegPerRad * t.yaw_rad);
   }
   text += fmt::format("{:<26} {:>6}  {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "", "n", "RMSE",
                       "mean", "median", "sd", "min", "max");
@@ -62,7 +62,7 @@ std::string trajectory_summary(const TrajectoryEvaluation& evaluation,
   text += row(position_name, evaluation.relative_position_m, 1.0, "m");
   const std::string yaw_name = fmt::format("RPE yaw, {:g} {}", rules.delta, unit_name(rules.unit));
   text += row(yaw_name, evaluation.relative_yaw_rad, kDegPerRad, "deg");
-  if (!evaluation.has_yaw) text += "no headings on one side: yaw is not judged\n";
+  if (!evaluation.has_yaw) text += "one trajectory has no headings: yaw is not evaluated\n";
   return text;
 }
 

@@ -180,15 +180,11 @@ class MapAligner {
   MapAlignment refused(std::size_t num_pairs_max) const {
     MapAlignment alignment;
     const auto most = static_cast<double>(num_pairs_max);
-    alignment.reason = config_.any_place ? fmt::format(
-                                               "at most {:.0f} trees come to lie upon each other, "
-                                               "however the second map is laid "
-                                               "on the first",
-                                               most)
-                                         : fmt::format(
-                                               "at most {:.0f} trees come to lie upon each other "
-                                               "within {:.1f} m and {:.0f} degrees",
-                                               most, config_.offset_max_m, config_.turn_max_deg);
+    alignment.reason =
+        config_.any_place
+            ? fmt::format("at most {:.0f} trees match in any alignment of the two maps", most)
+            : fmt::format("at most {:.0f} trees match within {:.1f} m and {:.0f} degrees", most,
+                          config_.offset_max_m, config_.turn_max_deg);
     return alignment;
   }
 
@@ -256,13 +252,11 @@ class MapAligner {
     const double fraction = fraction_explained(evidence, alignment.pairs.size());
     if (log_p > std::log(kChanceAllowed)) {
       alignment.status = AlignmentStatus::kNone;
-      alignment.reason = fmt::format(
-          "the {:.0f} trees that come to lie upon each other may do so by chance", num_pairs);
+      alignment.reason = fmt::format("the match of {:.0f} trees may be by chance", num_pairs);
     } else if (fraction < kExplainedFraction) {
       alignment.status = AlignmentStatus::kNone;
       alignment.reason = fmt::format(
-          "only {:.0f} % of the trees that both drives could see come to lie upon each other",
-          100.0 * fraction);
+          "only {:.0f} % of the trees that both drives could observe match", 100.0 * fraction);
     }
   }
 
@@ -283,8 +277,8 @@ class MapAligner {
       alignment.status = AlignmentStatus::kAmbiguous;
       alignment.rival_offset_m = distance_m(alignment, rival.T_a_b);
       alignment.reason = fmt::format(
-          "they fit about as well when the second is shifted by another {:.1f} m ({:.0f} pairs of "
-          "trees against {:.0f})",
+          "they match about as well when the second map is shifted by another {:.1f} m ({:.0f} "
+          "pairs of trees against {:.0f})",
           alignment.rival_offset_m, static_cast<double>(rival.pairs.size()),
           static_cast<double>(alignment.pairs.size()));
     }
@@ -301,8 +295,8 @@ class MapAligner {
     }
     alignment.status = AlignmentStatus::kAmbiguous;
     alignment.reason = fmt::format(
-        "the {:.0f} trees that come to lie upon each other agree in place and width no better "
-        "than other trees planted alike would",
+        "the positions and widths of the {:.0f} matched trees agree no better than by chance in a "
+        "regular planting",
         static_cast<double>(alignment.pairs.size()));
   }
 

@@ -153,8 +153,7 @@ class Applier {
     Landmark* l = nearest(target.p_map, [&](const Landmark& x) { return is_alike(target, x); });
     if (l == nullptr) return nullptr;
     result_.outcome = Outcome::kByPlace;
-    result_.reason =
-        std::to_string(l->id) + " stands where " + std::to_string(target.id) + " stood";
+    result_.reason = std::to_string(l->id) + " is at the position of " + std::to_string(target.id);
     other_id_[target.id] = l->id;
     return l;
   }
@@ -164,13 +163,13 @@ class Applier {
     const std::string name = std::to_string(target.id);
     const auto found = landmarks_.find(known_as(target.id));
     if (found != landmarks_.end()) {
-      return name + " stands " + fixed_text((place_of(found->second) - target.p_map).norm(), 2) +
-             " m from where it was corrected";
+      return name + " is " + fixed_text((place_of(found->second) - target.p_map).norm(), 2) +
+             " m from the position of the correction";
     }
     const Landmark* l = nearest(target.p_map);
-    if (l == nullptr) return name + " is gone, and nothing stands there";
+    if (l == nullptr) return name + " is gone, and no landmark is at its position";
     return name + " is gone; " + std::to_string(l->id) + ", " + label_text(l->label) + " " +
-           fixed_text(l->width_m, 2) + " m wide, stands there now";
+           fixed_text(l->width_m, 2) + " m wide, is at its position now";
   }
 
   Landmark* find(const CorrectionTarget& target) {
@@ -186,7 +185,7 @@ class Applier {
         landmarks_.count(known_as(target.id)) == 0 && nearest(target.p_map) == nullptr;
     if (is_gone) {
       result_ = {result_.number, Outcome::kSatisfied,
-                 "the map has nothing there, " + std::to_string(target.id) + " is gone"};
+                 "the map has no landmark there: " + std::to_string(target.id) + " is gone"};
       return std::nullopt;
     }
     const Landmark* l = find(target);
@@ -199,7 +198,8 @@ class Applier {
     const std::int32_t id = next_id_;
     other_id_[wanted] = id;
     result_ = {result_.number, Outcome::kByPlace,
-               std::to_string(wanted) + " is another thing now, this one is " + std::to_string(id)};
+               std::to_string(wanted) + " is the id of another landmark now; this one got id " +
+                   std::to_string(id)};
     return id;
   }
 
@@ -215,11 +215,12 @@ class Applier {
     const Vector2d& p = c.places_map.at(0);
     if (const Landmark* l = nearest(p)) {
       if (l->label != c.label) {
-        conflict(std::to_string(l->id) + ", " + label_text(l->label) + ", stands there already");
+        conflict(std::to_string(l->id) + ", " + label_text(l->label) + ", is there already");
         return;
       }
       if (l->id != c.new_id) other_id_[c.new_id] = l->id;
-      result_ = {c.number, Outcome::kSatisfied, "the map has it, as " + std::to_string(l->id)};
+      result_ = {c.number, Outcome::kSatisfied,
+                 "the map has it already, with id " + std::to_string(l->id)};
       return;
     }
     Landmark l;
@@ -244,11 +245,11 @@ class Applier {
     if (parts.empty()) return;  // the conflict is that of the last target
     if (parts.size() == 1) {
       result_ = {c.number, Outcome::kSatisfied,
-                 "the map has one thing there, " + std::to_string(parts[0]->id)};
+                 "the map has only one landmark there: " + std::to_string(parts[0]->id)};
       return;
     }
     if (result_.outcome == Outcome::kConflict) {
-      result_ = {c.number, Outcome::kByPlace, "without one of them: " + gone};
+      result_ = {c.number, Outcome::kByPlace, "one of them was left out: " + gone};
     }
     Landmark whole = *parts[0];
     for (std::size_t i = 1; i < parts.size(); ++i) {
@@ -275,7 +276,7 @@ class Applier {
       if (second->id != c.new_id) other_id_[c.new_id] = second->id;
       if (landmarks_.count(target.id) == 0) other_id_[target.id] = first->id;
       result_ = {c.number, Outcome::kSatisfied,
-                 "the map has two things there, " + std::to_string(first->id) + " and " +
+                 "the map has two landmarks there: " + std::to_string(first->id) + " and " +
                      std::to_string(second->id)};
       return;
     }
@@ -299,7 +300,7 @@ class Applier {
     }
     for (const auto& [row, name] : row_names_) {
       if (row == c.row || name != c.name) continue;
-      conflict("row " + std::to_string(row) + " is called \"" + c.name + "\" already");
+      conflict("row " + std::to_string(row) + " already has the name \"" + c.name + "\"");
       return;
     }
     row_names_[c.row] = c.name;
@@ -311,8 +312,8 @@ class Applier {
     for (const auto& [id, other] : landmarks_) {
       if (&other == l || c.position == 0) continue;
       if (other.row != c.row || other.position != c.position) continue;
-      conflict("row " + std::to_string(c.row) + " tree " + std::to_string(c.position) + " is " +
-               std::to_string(id));
+      conflict("row " + std::to_string(c.row) + " tree " + std::to_string(c.position) +
+               " is already landmark " + std::to_string(id));
       return;
     }
     l->row = c.row, l->position = c.position;

@@ -83,7 +83,7 @@ class EditReader {
     if (e.label != was.label) {
       if (e.label == detection::Label::kUnseen) {
         result_.left_out.push_back(std::to_string(e.id) +
-                                   " cannot become unseen; it is a tree or an object");
+                                   " cannot get class unseen; give tree or object");
       } else {
         about(CorrectionKind::kClass, now).label = e.label;
         now.label = e.label;
@@ -95,7 +95,7 @@ class EditReader {
     }
     if (e.width_m > 0.0 && std::abs(e.width_m - was.width_m) > kEditedWidth_m) {
       result_.left_out.push_back(std::to_string(e.id) +
-                                 ": a width is measured, and stays as it was");
+                                 ": widths are measured and cannot be edited; the width was kept");
     }
     take_number(now, {was.row, was.position}, e);
     take_note(now, note_of(before_, e.id), e);
@@ -106,7 +106,7 @@ class EditReader {
     if (wanted == was || now.label != detection::Label::kTree) return;
     if (e.row == 0) {
       result_.left_out.push_back(std::to_string(now.id) +
-                                 ": a tree's row cannot be taken away, only given or changed");
+                                 ": the row of a tree can be set or changed, but not removed");
       return;
     }
     renumbered_.push_back({now, was, wanted});
@@ -115,8 +115,9 @@ class EditReader {
   void take_note(const Landmark& now, const std::string& was, const EditedLandmark& e) {
     if (e.note == was) return;
     if (e.note.empty()) {
-      result_.left_out.push_back(std::to_string(now.id) +
-                                 ": a note is taken back with `orchard edit MAP undo`");
+      result_.left_out.push_back(
+          std::to_string(now.id) +
+          ": a note cannot be removed this way; use `orchard edit MAP undo`");
       return;
     }
     const bool is_longer = !was.empty() && e.note.rfind(was + "; ", 0) == 0;

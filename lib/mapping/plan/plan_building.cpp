@@ -72,7 +72,7 @@ void look_for_doubles(BuiltPlan& built) {
     std::set<std::string> names;
     for (const PlannedTree& tree : row.trees) {
       if (tree.name.empty()) {
-        add_problem(built, "row " + row.name + " has trees with a name and trees without");
+        add_problem(built, "row " + row.name + " has trees with and without a name");
         break;
       }
       if (!names.insert(tree.name).second) {
@@ -90,7 +90,7 @@ void look_for_doubles(BuiltPlan& built) {
     for (const std::int32_t j : places.within(places[i], kOnePlace_m)) {
       if (static_cast<std::size_t>(j) <= i) continue;
       add_problem(built, "trees " + name_of(i) + " and " + name_of(static_cast<std::size_t>(j)) +
-                             " stand in one place");
+                             " have the same position");
     }
   }
 }
@@ -122,14 +122,14 @@ std::vector<PlannedRow> rows_found(const std::vector<LoosePlannedTree>& trees, B
       ++num_in_rows;
     }
   }
-  built.notes.push_back("the plan names no rows: " + std::to_string(planned.size()) +
-                        " were found and numbered by where the trees stand");
+  built.notes.push_back("the plan does not name rows: " + std::to_string(planned.size()) +
+                        " rows were found from the positions of the trees and numbered");
   if (num_in_rows < trees.size()) {
     built.notes.push_back(std::to_string(trees.size() - num_in_rows) +
-                          " trees of the plan stand in no row and are left out");
+                          " trees of the plan are in no row and are left out");
   }
   if (planned.empty()) {
-    built.problems.push_back("the trees stand in no rows; name each tree's row in a column");
+    built.problems.push_back("no rows of trees were found; name the row of each tree in a column");
   }
   return planned;
 }
@@ -155,7 +155,7 @@ BuiltPlan plan_of_trees(const std::vector<LoosePlannedTree>& trees) {
   } else {
     if (num_named < trees.size()) {
       built.problems.push_back(std::to_string(trees.size() - num_named) + " of " +
-                               std::to_string(trees.size()) + " trees name no row");
+                               std::to_string(trees.size()) + " trees have no row");
     }
     std::map<std::string, std::size_t> row_of_name;
     for (const LoosePlannedTree& tree : trees) {
@@ -183,9 +183,9 @@ BuiltPlan plan_of_lines(const std::vector<PlannedLine>& lines, double spacing_m)
   for (std::size_t i = 0; i < lines.size(); ++i) {
     PlannedRow row{is_named ? lines[i].row : std::to_string(i + 1), {}};
     if (row.name.empty()) {
-      add_problem(built, "row line " + std::to_string(i + 1) + " has no name, others have one");
+      add_problem(built, "row line " + std::to_string(i + 1) + " has no name, but others have one");
     } else if (!names.insert(row.name).second) {
-      add_problem(built, "two lines are row " + row.name);
+      add_problem(built, "two lines have the name of row " + row.name);
     }
     double next_m = 0.0;  // from the start of the segment to the next tree
     const auto& points = lines[i].points;
@@ -201,13 +201,13 @@ BuiltPlan plan_of_lines(const std::vector<PlannedLine>& lines, double spacing_m)
       next_m -= length_m;
     }
     if (row.trees.empty()) {
-      add_problem(built, "row " + row.name + " is no line");
+      add_problem(built, "row " + row.name + " is not a line");
       continue;
     }
     built.plan.rows.push_back(std::move(row));
   }
   if (num_trees >= kNumTreesMax) {
-    add_problem(built, "trees every " + fixed_text(spacing_m, 3) + " m would be over " +
+    add_problem(built, "trees every " + fixed_text(spacing_m, 3) + " m apart would be more than " +
                            std::to_string(kNumTreesMax));
     return built;
   }

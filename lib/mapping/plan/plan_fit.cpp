@@ -226,9 +226,9 @@ class PlanFitter {
     if (num_most < static_cast<std::size_t>(std::max(2, config_.min_pairs)) ||
         static_cast<double>(num_most) < kExplainedFraction * static_cast<double>(mapped_.size())) {
       fit.reason =
-          fmt::format("at most {} of the map's {} trees come to stand at a place of the plan{}",
-                      num_most, mapped_.size(),
-                      config_.any_place ? std::string(", however it is laid")
+          fmt::format("at most {} of the {} trees of the map match a place of the plan{}", num_most,
+                      mapped_.size(),
+                      config_.any_place ? std::string(" in any placement")
                                         : fmt::format(" within {:.1f} m and {:.0f} degrees",
                                                       config_.offset_max_m, config_.turn_max_deg));
       return fit;
@@ -259,10 +259,12 @@ class PlanFitter {
       const double turn_rad = std::abs(
           geometry::wrap_angle_rad(rival.T_map_plan.yaw_rad - placements[best].T_map_plan.yaw_rad));
       fit.reason = fmt::format(
-          "{} placements of the plan fit about equally well; the nearest rival lies {:.1f} m off{}",
+          "{} placements of the plan fit about equally well; the most similar one is {:.1f} m "
+          "away{}",
           rivals.size() + 1, apart_m(placements[best].T_map_plan, rival.T_map_plan),
-          turn_rad > 0.1 ? fmt::format(", turned by {:.0f} degrees", turn_rad * 180 / geometry::kPi)
-                         : std::string());
+          turn_rad > 0.1
+              ? fmt::format(", rotated by {:.0f} degrees", turn_rad * 180 / geometry::kPi)
+              : std::string());
     }
     return fit;
   }
@@ -283,7 +285,7 @@ PlanFit fit_plan(const IndexedPoints& mapped, const IndexedPoints& planned, cons
                  const MapAlignmentConfig& config) {
   if (mapped.size() < 2 || planned.size() < 2) {
     PlanFit fit;
-    fit.reason = "fewer than two trees cannot be laid on a plan";
+    fit.reason = "at least two trees are needed to register a map to a plan";
     return fit;
   }
   return PlanFitter(mapped, planned, missed, config).fit();

@@ -80,8 +80,8 @@ void Fusion::add(const Odometry& odometry) {
     move_to(odometry.utime);
     ++num_silences_;
     silence_most_s_ = std::max(silence_most_s_, silent_s);
-    note(
-        fmt::format("no ODOMETRY for {:.1f} s: what the robot did meanwhile is unknown", silent_s));
+    note(fmt::format("no ODOMETRY for {:.1f} s: the motion of the robot in that time is unknown",
+                     silent_s));
   } else {
     odometry_ = odometry;
     move_to(odometry.utime, odometry.speed_mps, odometry.yaw_rate_radps);
@@ -117,7 +117,7 @@ void Fusion::add(const Gnss& gnss) {
   travel_m_ = 0.0;
   if (is_frozen) {
     ++num_frozen_;
-    note("GNSS is frozen: the same fix again and again while the robot moves");
+    note("GNSS is frozen: it repeats the same fix while the robot moves");
     return;
   }
   PositionObservation observation;
@@ -151,7 +151,7 @@ void Fusion::weigh(PositionObservation& observation) {
   const double scatter = geometry::square(*scatter_m);
   if (scatter > 4.0 * claimed) {
     observation.covariance = scatter * Eigen::Matrix2d::Identity();
-    note(fmt::format("GNSS scatters by {:.2f} m, more than it claims: believed that much less",
+    note(fmt::format("GNSS scatters by {:.2f} m, more than it states: it gets less weight",
                      *scatter_m));
   }
   // The scatter is known to a few tenths only: count as correlated only what exceeds twice its
@@ -171,8 +171,9 @@ bool Fusion::is_left_out(const PositionObservation& observation) {
     // since the last gap.
     const double patience_s = timing::seconds(*left_out_since_ - borne_out_since_);
     if (since_s < std::min(kRevalidation_s, patience_s)) {
-      note(fmt::format("GNSS is {:.1f} m from where the robot can be: left out for {:.1f} s", off_m,
-                       since_s));
+      note(fmt::format(
+          "GNSS is {:.1f} m from any possible position of the robot: ignored for {:.1f} s", off_m,
+          since_s));
       return true;
     }
     filter_.forget_receiver_error();
@@ -322,7 +323,7 @@ void Fusion::move_to(std::int64_t utime) {
     turn.is_gyro = true;
     filter_.move(turn);
   }
-  note(fmt::format("no ODOMETRY for {:.1f} s: what the robot does meanwhile is unknown", silent_s));
+  note(fmt::format("no ODOMETRY for {:.1f} s: the motion of the robot is unknown", silent_s));
   utime_ = utime;
 }
 
@@ -378,23 +379,25 @@ std::string Fusion::warning() const {
         !left_out.empty()) {
       all += left_out + "; ";
     }
-    if (num_frozen_ > 0) all += fmt::format("{} GNSS fixes of a frozen receiver; ", num_frozen_);
+    if (num_frozen_ > 0)
+      all += fmt::format("{} GNSS fixes of a frozen receiver were ignored; ", num_frozen_);
     if (num_silences_ > 0) {
       all +=
           fmt::format("ODOMETRY silent {} times, up to {:.1f} s; ", num_silences_, silence_most_s_);
     }
-    if (!is_placed_) all += "never found where it started: no heading from GNSS or POSE_FIX; ";
+    if (!is_placed_) all += "the start was never located: no heading from GNSS or POSE_FIX; ";
     if (!all.empty()) all.resize(all.size() - 2);
     return all;
   }
   if (utime_ && !note_.empty() && timing::seconds(*utime_ - note_utime_) < kNoteShown_s)
     return note_;
   if (!is_placed_ && utime_) {
-    return "no pose yet: the robot must travel before GNSS or POSE_FIX give a heading";
+    return "no pose yet: the robot must drive a distance before GNSS or POSE_FIX give a heading";
   }
   const double worst_variance = filter_.covariance().diagonal().head<2>().maxCoeff();
   if (is_placed_ && worst_variance > geometry::square(kWarnSd_m)) {
-    return fmt::format("position uncertain to {:.2f} m", std::sqrt(worst_variance));
+    return fmt::format("the position is uncertain: {:.2f} m (one sigma)",
+                       std::sqrt(worst_variance));
   }
   return {};
 }

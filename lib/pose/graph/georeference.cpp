@@ -166,9 +166,9 @@ FixesLeftOut fixes_left_out(const SlamGraph& graph) {
 
 std::string in_words(const FixesLeftOut& left_out) {
   if (left_out.num_left_out == 0) return {};
-  return fmt::format("{} of {} GNSS fixes left out, up to {:.1f} m off, for up to {:.1f} s",
-                     left_out.num_left_out, left_out.num_fixes, left_out.farthest_m,
-                     left_out.longest_s);
+  return fmt::format(
+      "{} of {} GNSS fixes were rejected, with errors of up to {:.1f} m, for up to {:.1f} s",
+      left_out.num_left_out, left_out.num_fixes, left_out.farthest_m, left_out.longest_s);
 }
 
 void apply_georeference(const Eigen::Vector3d& T_map_graph, SlamGraph& graph) {

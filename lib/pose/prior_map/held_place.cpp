@@ -62,15 +62,15 @@ void PriorMapLocaliser::track(const std::vector<Sighting>& sightings) {
   if (local_.broken()) {
     // Scan matching also measures the motion of a robot that is carried, or is unreliable.
     if (!scan_motion_ || trees_gone) {
-      lose("what was seen just now has gone, though the wheels did not say so", true);
+      lose("the surroundings changed suddenly without motion of the wheels", true);
       return;
     }
     begin_anew();
   }
   const double sd_m = largest_sd_m(tracker_.covariance());
   if (sd_m > std::min(kLostSd_m, kLostSpacings * map_.spacing_m())) {
-    lose("no tree was recognised for so long that the last place is known to " +
-             fixed_text(sd_m, 1) + " m only",
+    lose("no tree was recognised for too long; the position uncertainty is " + fixed_text(sd_m, 1) +
+             " m",
          false);
     return;
   }
@@ -78,8 +78,10 @@ void PriorMapLocaliser::track(const std::vector<Sighting>& sightings) {
     const bool is_rivalled = has_rival(search_->result());
     search_.reset();
     if (is_rivalled) {
-      lose("the trunks around fit another place much better: the robot may have been carried",
-           true);
+      lose(
+          "the trunks around the robot fit another place much better; it may have been carried "
+          "there",
+          true);
       return;
     }
   }
@@ -137,9 +139,8 @@ void PriorMapLocaliser::check_place(const TreeWatch::Count& trees) {
   const bool supported = enough && here(scorer).score >= -kLostLogFit && !contradicted_since;
   num_contradictions_ = supported ? 0 : num_contradictions_ + 1;
   if (trees_gone && !supported) {
-    lose("of the " + std::to_string(trees.num_trees) +
-             " trees that should be seen at the last place only " +
-             std::to_string(trees.num_there) + " are",
+    lose("only a few of the " + std::to_string(trees.num_trees) +
+             " trees expected at the last place are visible: " + std::to_string(trees.num_there),
          true);
   } else if (num_contradictions_ < kContradictions) {
     return;
@@ -148,9 +149,8 @@ void PriorMapLocaliser::check_place(const TreeWatch::Count& trees) {
   } else {
     const double since_m =
         contradicted_since ? local_.travel_m() - suspected_travel_m_ : config_.window_m;
-    lose("the trunks of the last " + fixed_text(since_m, 0) +
-             " m speak against the place that was taken" +
-             (contradicted_since ? ": the robot may have been carried before them" : ""),
+    lose("the trunks of the last " + fixed_text(since_m, 0) + " m contradict the estimated place" +
+             (contradicted_since ? "; the robot may have been carried before" : ""),
          true);
   }
 }

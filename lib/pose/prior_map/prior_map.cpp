@@ -54,16 +54,17 @@ std::string rounded(double value) { return fmt::format("{:.3g}", value); }
 }  // namespace
 
 std::string problem_with(const std::vector<PriorLandmark>& landmarks) {
-  if (landmarks.empty()) return "holds no landmark that was seen often enough";
+  if (landmarks.empty())
+    return "has no landmark with at least pose.prior_map.min_observations observations";
   if (landmarks.size() < kMinLandmarks) {
-    return "holds only " + std::to_string(landmarks.size()) +
-           " landmarks; a place cannot be told by fewer than " + std::to_string(kMinLandmarks);
+    return "has only " + std::to_string(landmarks.size()) +
+           " landmarks; localisation needs at least " + std::to_string(kMinLandmarks);
   }
   std::vector<double> widths_m;
   for (const PriorLandmark& l : landmarks) {
     const bool sound = std::abs(l.p_map.x()) <= kMaxCoordinateM &&
                        std::abs(l.p_map.y()) <= kMaxCoordinateM && std::isfinite(l.width_m);
-    if (!sound) return "holds a landmark whose position or width is no number of metres";
+    if (!sound) return "has a landmark with an invalid position or width";
     if (l.width_m > 0.0) widths_m.push_back(l.width_m);
   }
   const double width_m = geometry::median(std::move(widths_m));
@@ -73,7 +74,7 @@ std::string problem_with(const std::vector<PriorLandmark>& landmarks) {
   const double spacing_m = median_spacing_m(landmarks);
   if (spacing_m > kMaxSpacingM || spacing_m < kMinSpacingM) {
     return "is not in metres: its landmarks are " + rounded(spacing_m) +
-           " m apart, as a median; trees are " + rounded(kMinSpacingM) + " to " +
+           " m apart (median), but trees are " + rounded(kMinSpacingM) + " to " +
            rounded(kMaxSpacingM) + " m apart";
   }
   return {};

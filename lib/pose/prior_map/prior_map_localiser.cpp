@@ -58,7 +58,7 @@ PriorMapLocaliser::PriorMapLocaliser(const PoseConfig& config, const EarlierMap&
   if (config.motion == MotionSource::kScans) {
     scan_motion_.emplace(config.scan_motion, mount, blind);
   }
-  state_ = "LOST: no trunk was seen yet";
+  state_ = "LOST: no trunk was observed yet";
 }
 
 void PriorMapLocaliser::add(const Measurement& measurement) {
@@ -210,7 +210,7 @@ LocalEvidence PriorMapLocaliser::evidence(const LocalTrunkMap& local) const {
 void PriorMapLocaliser::search() {
   if (local_.broken()) {
     begin_anew();
-    state_ = "LOST: the robot was moved while it was looking for its place; it begins anew";
+    state_ = "LOST: the robot was moved during localisation; localisation starts again";
   }
   if (!search_) {
     const std::size_t num_trunks = local_.trunks().size();
@@ -235,7 +235,7 @@ void PriorMapLocaliser::judge(const SearchResult& result) {
       std::to_string(checked_trunks_) + " trunks of the last " +
       fixed_text(std::min(config_.window_m, local_.travel_m() - lost_travel_m_), 0) + " m";
   if (result.places.empty() || result.log_fit < kLogFitMin) {
-    state_ = "LOST: the " + since + " fit no place of the prior map well enough; drive on, or " +
+    state_ = "LOST: the " + since + " do not fit any place of the prior map; drive on, or " +
              "check that it is the map of this orchard";
     return;
   }
@@ -289,10 +289,11 @@ std::string PriorMapLocaliser::warning() const {
   if (!tracking_) return state_;
   if (num_unreliable_ > 0) {
     return "the last " + std::to_string(num_unreliable_) +
-           " scans do not tell how the robot moved: motion is guessed between trees";
+           " scans could not be matched: the motion between trees is extrapolated";
   }
   if (last_odometry_ && silence_s() > pose_config_.odometry_gap_max_s) {
-    return "no ODOMETRY for " + fixed_text(silence_s(), 1) + " s: motion is guessed between scans";
+    return "no ODOMETRY for " + fixed_text(silence_s(), 1) +
+           " s: the motion between scans is extrapolated";
   }
   return {};
 }

@@ -38,8 +38,8 @@ std::optional<PoseEstimate> ScanOdometry::estimate() const {
 std::string ScanOdometry::warning() const {
   if (num_unreliable_ == 0) return {};
   return "LOST: the last " + std::to_string(num_unreliable_) +
-         " scans do not tell how the robot moved (too few returns, nothing in common with those "
-         "before, or smooth walls alone); the path is a guess from there on";
+         " scans could not be matched (too few returns, no overlap with earlier scans, or only "
+         "smooth walls); the path is extrapolated from there on";
 }
 
 }  // namespace orchard::pose

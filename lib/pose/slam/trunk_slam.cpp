@@ -264,28 +264,29 @@ std::string TrunkSlam::warning() const {
   if (map_.empty()) return {};
   if (motion_.silence_s() > config_.gap_s) {
     return "no motion measured for " + std::to_string(static_cast<int>(motion_.silence_s())) +
-           " s: the pose goes on at the last velocity";
+           " s: the pose is extrapolated with the last velocity";
   }
-  if (tracker_.is_ambiguous()) return "AMBIGUOUS: the trunks in view fit more than one place";
+  if (tracker_.is_ambiguous()) return "AMBIGUOUS: the trunks in view fit several places";
   if (closer_.is_ambiguous()) {
-    return "AMBIGUOUS: the trunks passed last fit the map in more than one way; no loop is closed";
+    return "AMBIGUOUS: the last trunks fit the map in several ways; no loop is closed";
   }
   if (map_.lost && !map_.is_tied_down()) {
-    return "LOST: nothing in view fitted the map for too long; a map of its own until a loop "
-           "closes";
+    return "LOST: the trunks in view did not fit the map for too long; a separate map is built "
+           "until a loop closes";
   }
   if (!finished_) return {};
   if (kWorthSaying * (lost_us_ + ambiguous_us_) > driven_us_) {
     return "LOST for " + std::to_string(lost_us_ / 1'000'000) + " s and AMBIGUOUS for " +
            std::to_string(ambiguous_us_ / 1'000'000) + " s of " +
-           std::to_string(driven_us_ / 1'000'000) + " s: look at the map before it is used";
+           std::to_string(driven_us_ / 1'000'000) +
+           " s of the drive: check the map before using it";
   }
   if (end_sd_m() > config_.lost_sd_m) {
-    return "at its end the drive is known to " + std::to_string(std::lround(end_sd_m() * 100)) +
-           " cm only (one sigma): " +
-           (num_closures() == 0 ? "no loop was closed"
-                                : "too long after the last loop that was closed") +
-           "; pass again where trees are known";
+    return "the position at the end of the drive is uncertain: " +
+           std::to_string(std::lround(end_sd_m() * 100)) + " cm (one sigma), " +
+           (num_closures() == 0 ? "because no loop was closed"
+                                : "long after the last closed loop") +
+           "; drive past known trees again";
   }
   return {};
 }

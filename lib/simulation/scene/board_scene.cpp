@@ -133,8 +133,8 @@ BoardScene::BoardScene(std::uint64_t seed, const RigConfig& rig)
     }
     if (!pose) {
       throw std::invalid_argument(
-          "simulation.board: no pose of the board is wholly in the picture and cut by the scan "
-          "plane; make it smaller, or range_max_m larger");
+          "simulation.board: no pose of the board is entirely in the picture and cut by the scan "
+          "plane; make the board smaller, or range_max_m larger");
     }
     poses_.push_back(*pose);
   }

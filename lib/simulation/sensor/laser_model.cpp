@@ -335,7 +335,7 @@ laser::Scan simulate_scan(const World& world, const std::vector<Pose2>& T_map_la
                           Random& random, const Tilt& tilt) {
   if (T_map_laser.size() != 1 &&
       T_map_laser.size() != static_cast<std::size_t>(scanner.num_beams)) {
-    throw std::invalid_argument("simulate_scan: wants one pose, or one per beam");
+    throw std::invalid_argument("simulate_scan: needs one pose, or one per beam");
   }
   const bool leafy = std::any_of(world.cylinders.begin(), world.cylinders.end(),
                                  [](const Cylinder& c) { return c.leaf_depth_m > 0.0; });

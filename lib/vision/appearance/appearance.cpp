@@ -313,7 +313,7 @@ AppearanceFeatures appearance_features(const PixelBlock& pixels, const PixelRect
 
 double appearance_log_odds(const AppearanceFeatures& features, const AppearanceConfig& config) {
   if (!config.learnt() || !fits_features(config)) {
-    throw std::invalid_argument("the appearance model is not learnt");
+    throw std::invalid_argument("the appearance model was not learnt");
   }
   double log_odds = config.bias;
   for (std::size_t i = 0; i < features.size(); ++i) {

@@ -17,7 +17,7 @@ grep -q "FAIL.*no route" "$work/sick" || fail "the missing route is not found"
 grep -q "fix: .*ip route add 224.0.0.0/4 dev lo" "$work/sick" || fail "no command that mends it"
 
 "$in_namespace" "$orchard" doctor >"$work/well" 2>&1 || { cat "$work/well" >&2; fail "a good network: not 0"; }
-grep -q "OK .*came back" "$work/well" || { cat "$work/well" >&2; fail "no self test"; }
+grep -q "OK .*was received" "$work/well" || { cat "$work/well" >&2; fail "no self test"; }
 
 "$in_namespace" "$orchard" doctor --json >"$work/json" || fail "doctor --json: not 0"
 grep -q '"worst": "\(ok\|warn\)"' "$work/json" && grep -q '"level": "ok"' "$work/json" ||

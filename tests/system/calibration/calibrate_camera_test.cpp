@@ -161,7 +161,7 @@ TEST_F(CalibrateCamera, BadPicturesAreOneSentence) {
   expect_refusal(in_folder("board"), "no board was found in any of the 1 pictures");
   write_picture(folder_ / "board/1.png",
                 {640, 240, std::vector<std::uint8_t>(std::size_t{640} * 240, 90)});
-  expect_refusal(in_folder("board"), "1.png: is of 640 x 240 pixels but");
+  expect_refusal(in_folder("board"), "1.png: its size is 640 x 240 pixels, but");
   std::ofstream(in_folder("text.png")) << std::string(5000, 'x');
   expect_refusal(in_folder("text.png"), "text.png: is neither a JPEG nor a PNG");
   const std::string whole = text_of(folder_ / "board/0.png");
@@ -177,7 +177,7 @@ TEST_F(CalibrateCamera, BadPicturesAreOneSentence) {
   io::LogWriter log(in_folder("scans.lcm"));
   log.write(1, bus::info(bus::Channel::kScan).name, std::vector<std::uint8_t>(20));
   log.close();
-  expect_refusal(in_folder("scans.lcm"), "scans.lcm: holds no picture of the camera");
+  expect_refusal(in_folder("scans.lcm"), "scans.lcm: this log has no IMAGE");
 }
 
 TEST_F(CalibrateCamera, AnotherCamerasRigIsRefused) {

@@ -119,7 +119,7 @@ TEST_F(CalibrateLaserCamera, ACameraMountedOnItsSideIsRefused) {
   std::ostringstream phi_rad;
   phi_rad << "phi_rad: [" << phi[0] << ", " << phi[1] << ", " << phi[2] << "]";
   expect_refused(calibrate(simulate("", 12, "phi_rad: [1.5788, 0.0065, 1.5628]", phi_rad.str())),
-                 "the camera is mounted turned by 9");
+                 "the camera is rotated by 9");
 }
 
 TEST_F(CalibrateLaserCamera, DegenerateMotionIsNamed) {

@@ -71,7 +71,7 @@ TEST_F(CompareCommand, RefusesMapsThatAreNone) {
   const std::string far = map_csv("far.csv", forty_trees(-1, 500.0));
   const Result apart = orchard({"compare", a, far, "--assume-seen"});
   EXPECT_EQ(apart.exit_code, 3);
-  EXPECT_THAT(apart.err, HasSubstr("cannot be laid on"));
+  EXPECT_THAT(apart.err, HasSubstr("cannot be aligned with"));
   EXPECT_EQ(orchard({"compare", a, far, "--assume-seen", "--any-place"}).exit_code, 0);
 }
 

@@ -185,7 +185,7 @@ TEST_F(EditCommand, IsCarriedToTheNextMap) {
   ASSERT_EQ(orchard({"edit", b, "delete", "5"}).exit_code, 0);
   const Result refused = orchard({"map", drive, "--previous", a, "--out", b});
   EXPECT_EQ(refused.exit_code, 3);
-  EXPECT_THAT(refused.err, HasSubstr("holds correction 4"));
+  EXPECT_THAT(refused.err, HasSubstr("has correction 4"));
 }
 
 TEST_F(EditCommand, ComparisonKnowsWhatPeopleSaid) {

@@ -39,7 +39,7 @@ TEST(Corrections, GoToWhatStandsThereAndIsAlikeWhenTheIdIsGone) {
   const CorrectedMap corrected =
       apply_corrections(map, 10, {about(CorrectionKind::kDelete, 1, kMap[1])});
   EXPECT_EQ(corrected.results[0].outcome, Outcome::kByPlace);
-  EXPECT_THAT(corrected.results[0].reason, HasSubstr("9 stands where 2 stood"));
+  EXPECT_THAT(corrected.results[0].reason, HasSubstr("9 is at the position of 2"));
   EXPECT_EQ(corrected.landmarks.size(), 3u);
 }
 

@@ -22,11 +22,11 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void fail(const std::string& path, const char* what, int error) {
   std::string advice;
-  if (error == ENOSPC || error == EDQUOT) advice = "; make room and try again";
+  if (error == ENOSPC || error == EDQUOT) advice = "; free disk space and try again";
   if (error == EACCES || error == EPERM || error == EROFS) {
-    advice = "; choose a place where you may write";
+    advice = "; choose a folder in which you may write";
   }
-  if (error == ENOENT) advice = "; does its folder exist?";
+  if (error == ENOENT) advice = "; create its folder first";
   throw FileError(path + ": cannot " + what + " (" + std::strerror(error) + ")" + advice);
 }
 
@@ -74,15 +74,15 @@ void rename_durably(const std::string& from, const std::string& to) {
 
 std::string replaceable_path(const std::string& path) {
   std::error_code error;
-  if (path.empty()) throw FileError("an empty file name; give one");
+  if (path.empty()) throw FileError("the file name is empty; give one");
   const fs::file_status status = fs::status(path, error);
   if (fs::exists(status) && !fs::is_regular_file(status)) {
-    throw FileError(path + (fs::is_directory(status) ? " is a folder" : " is no regular file") +
+    throw FileError(path + (fs::is_directory(status) ? " is a folder" : " is not a regular file") +
                     " and is not replaced; give the name of a file");
   }
   if (!fs::is_symlink(fs::symlink_status(path, error))) return path;
   const fs::path target = fs::weakly_canonical(path, error);
-  if (error) throw FileError(path + ": its link cannot be followed (" + error.message() + ")");
+  if (error) throw FileError(path + ": this link cannot be followed (" + error.message() + ")");
   return target.string();
 }
 

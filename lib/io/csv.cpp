@@ -62,7 +62,7 @@ class CsvReader::GzipSource : public CsvReader::Source {
     int code = Z_OK;
     const char* message = ::gzerror(file_, &code);
     if (count < 0 || code == Z_BUF_ERROR) {  // Z_BUF_ERROR: the compressed data are truncated
-      throw FileError(path_ + ": damaged or cut short (" + message + "); fetch or record it again");
+      throw FileError(path_ + ": damaged or truncated (" + message + "); copy or record it again");
     }
     buffer.resize(size + static_cast<std::size_t>(count));
     return count > 0;
@@ -97,7 +97,8 @@ CsvReader CsvReader::from_text(std::string_view text, const std::string& name) {
 
 CsvReader::CsvReader(std::unique_ptr<Source> source, const std::string& name)
     : name_(name), source_(std::move(source)) {
-  if (!read_line()) throw FileError(name_ + " is empty; its first line must name the columns");
+  if (!read_line())
+    throw FileError(name_ + " is empty; the first line of a CSV file must name the columns");
   split();
   for (const std::string_view field : fields_) columns_.emplace_back(field);
 }
@@ -122,7 +123,7 @@ bool CsvReader::next() {
   split();
   if (fields_.size() == columns_.size()) return true;
   fail_at_column(1, std::to_string(fields_.size()) + " fields, but the first line has " +
-                        std::to_string(columns_.size()) + "; was the file cut short or edited?");
+                        std::to_string(columns_.size()) + "; the file may be truncated or edited");
 }
 
 bool CsvReader::read_line() {
@@ -147,7 +148,7 @@ bool CsvReader::read_line() {
   }
   std::size_t size = end - buffer_begin_;
   if (size > kMaxLineBytes) {
-    fail_at_column(kMaxLineBytes, "a line of over 1 MB; is it a CSV file?");
+    fail_at_column(kMaxLineBytes, "a line of over 1 MB; give a CSV file");
   }
   if (size > 0 && buffer_[buffer_begin_ + size - 1] == '\r') --size;
   line_text_.assign(buffer_, buffer_begin_, size);
@@ -161,9 +162,9 @@ void CsvReader::split() {
   if (line.empty()) fail_at_column(1, "an empty line; remove it");
   for (std::size_t i = 0; i < line.size(); ++i) {
     const auto c = static_cast<unsigned char>(line[i]);
-    if (c == '"') fail_at_column(i + 1, "a quote; fields stand without quotes here");
+    if (c == '"') fail_at_column(i + 1, "a quote character; write fields without quotes");
     if (c < 0x20 || c == 0x7F) {
-      fail_at_column(i + 1, "a control character; is it a CSV file?");
+      fail_at_column(i + 1, "a control character; give a CSV file");
     }
   }
   std::size_t begin = 0;

@@ -12,7 +12,7 @@ void make_folder(const std::string& folder, const std::string& advice) {
   std::filesystem::create_directories(folder, error);
   std::error_code unreadable;
   if (std::filesystem::is_directory(folder, unreadable)) return;
-  throw FileError(folder + ": cannot be made a folder" +
+  throw FileError(folder + ": cannot be created as a folder" +
                   (error ? " (" + error.message() + ")" : std::string()) +
                   (advice.empty() ? std::string() : "; " + advice));
 }

@@ -67,11 +67,11 @@ JournalReading judge_header(const std::string& header, std::int64_t identity) {
   }
   reading.state = JournalReading::State::kDamaged;
   if (header.compare(0, 8, kJournalMagic, 8) != 0) {
-    reading.reason = "it does not begin as one";
+    reading.reason = "it has no header of a journal";
   } else if (get32(header.data() + 20) != crc_of({header.data(), 20})) {
-    reading.reason = "its beginning is damaged";
+    reading.reason = "its header is damaged";
   } else if (get32(header.data() + 8) != kVersion) {
-    reading.reason = "it is of format " + std::to_string(get32(header.data() + 8)) + ", not " +
+    reading.reason = "it has format " + std::to_string(get32(header.data() + 8)) + " instead of " +
                      std::to_string(kVersion);
   } else {
     reading.state = JournalReading::State::kOtherMaker;
@@ -127,7 +127,7 @@ JournalReading read_journal(const std::string& path, std::int64_t identity,
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return {};
   if (!std::filesystem::is_regular_file(path, error)) {
-    throw FileError(path + " is no regular file; give another folder");
+    throw FileError(path + " is not a regular file; give another folder");
   }
   std::ifstream file(path, std::ios::binary);
   if (!file) throw FileError(path + ": cannot be read (" + std::strerror(errno) + ")");
@@ -165,8 +165,7 @@ JournalReading read_journal(const std::string& path, std::int64_t identity,
       reading.num_torn_bytes = left;
       if (end < file_size && !is_zero_to_the_end(file, offset)) {
         reading.state = JournalReading::State::kDamaged;
-        reading.reason =
-            "the block at offset " + std::to_string(offset) + " does not hold together";
+        reading.reason = "the block at offset " + std::to_string(offset) + " is inconsistent";
       }
       break;
     }

@@ -86,7 +86,7 @@ SnapshotReading read_snapshot(const std::string& path, std::int64_t identity) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return reading;
   if (!std::filesystem::is_regular_file(path, error)) {
-    throw FileError(path + " is no regular file; give another folder");
+    throw FileError(path + " is not a regular file; give another folder");
   }
   std::ifstream file(path, std::ios::binary);
   std::ostringstream content;

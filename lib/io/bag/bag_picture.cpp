@@ -87,8 +87,9 @@ std::variant<vision::Image, ros::NotUsed> compressed(const ros::Picture& picture
       return image_of(plain, picture.utime);
     }
   }
-  return ros::NotUsed{"a compressed picture that is no JPEG or PNG of colours or grey (format \"" +
-                      picture.encoding.substr(0, 40) + "\")"};
+  return ros::NotUsed{
+      "a compressed picture that is neither a colour or grey JPEG nor PNG (format \"" +
+      picture.encoding.substr(0, 40) + "\")"};
 }
 
 }  // namespace
@@ -97,7 +98,7 @@ std::variant<vision::Image, ros::NotUsed> bag_picture(const ros::Picture& pictur
   if (picture.width_px == 0 && picture.height_px == 0) return compressed(picture);
   const auto found = encodings().find(picture.encoding);
   if (found == encodings().end()) {
-    return ros::NotUsed{"encoding " + picture.encoding.substr(0, 40) + " is not read"};
+    return ros::NotUsed{"encoding " + picture.encoding.substr(0, 40) + " is not supported"};
   }
   const auto [type, conversion] = found->second;
   const std::uint64_t pixel_bytes = static_cast<std::uint64_t>(CV_ELEM_SIZE(type));
@@ -108,7 +109,7 @@ std::variant<vision::Image, ros::NotUsed> bag_picture(const ros::Picture& pictur
           picture.num_bytes &&
       (type != CV_8UC2 || picture.width_px % 2 == 0) &&
       (picture.width_px >= 2 && picture.height_px >= 2);
-  if (!is_whole) return ros::NotUsed{"a picture whose size contradicts its data"};
+  if (!is_whole) return ros::NotUsed{"a picture whose size does not match its data"};
   const cv::Mat given(static_cast<int>(picture.height_px), static_cast<int>(picture.width_px), type,
                       const_cast<std::uint8_t*>(picture.data), picture.row_bytes);
   if (conversion < 0) return image_of(given, picture.utime);

@@ -226,7 +226,7 @@ BagRecording::BagRecording(const std::vector<std::string>& paths, const BagOptio
                            const Progress& progress)
     : impl_(std::make_unique<Impl>()) {
   constexpr std::size_t kMaxFiles = 10000;
-  if (paths.empty() || paths.size() > kMaxFiles) throw FileError("no bag, or more than 10000");
+  if (paths.empty() || paths.size() > kMaxFiles) throw FileError("give 1 to 10000 bags");
   impl_->paths = paths;
   impl_->slice = options.slice;
   std::uint64_t total = 0, done = 0;
@@ -258,7 +258,7 @@ std::optional<SensorMessage> BagRecording::next() {
     }
     auto& sensed = std::get<SensorMessage>(decoded);
     if (!entry.has_own_time) {
-      impl_->ignore(entry.topic, "without a time of its own: the bag's was taken");
+      impl_->ignore(entry.topic, "without a time stamp of its own: used with the time of the bag");
       std::visit([&](auto& m) { m.utime = entry.utime; }, sensed);
     }
     if (static_cast<BagKind>(entry.kind) == BagKind::kScanRear) {
@@ -266,7 +266,7 @@ std::optional<SensorMessage> BagRecording::next() {
     }
     auto& last = impl_->last_utime[entry.kind];
     if (last && utime_of(sensed) <= *last) {
-      impl_->ignore(entry.topic, "the same time twice");
+      impl_->ignore(entry.topic, "the same time stamp as the message before");
       continue;
     }
     last = utime_of(sensed);

@@ -42,7 +42,7 @@ std::string list(const std::vector<FoundTopic>& topics) {
   for (std::size_t i = 0; i < topics.size() && i < kShown; ++i) {
     text += (text.empty() ? "" : ", ") + topics[i].name + " (" +
             std::to_string(topics[i].num_messages) + " " +
-            (topics[i].type.empty() ? "of no type" : topics[i].type) +
+            (topics[i].type.empty() ? "without a type" : topics[i].type) +
             (topics[i].is_known_wire ? "" : ", neither ROS 1 nor CDR") + ")";
   }
   if (topics.empty()) return "no messages";
@@ -54,14 +54,14 @@ std::string named_topic(const std::string& kind_name, const std::string& name, B
   const auto found = std::find_if(topics.begin(), topics.end(),
                                   [&](const FoundTopic& topic) { return topic.name == name; });
   if (found == topics.end()) {
-    throw FileError("--topic " + kind_name + "=" + name + ": no message of it; there are " +
-                    list(topics));
+    throw FileError("--topic " + kind_name + "=" + name +
+                    ": this topic has no messages; the topics are " + list(topics));
   }
   for (const Types& types : types_of(kind)) {
     if (is_of(*found, types)) return name;
   }
-  throw FileError("--topic " + kind_name + "=" + name + ": its type, " + found->type +
-                  ", does not become this kind; there are " + list(topics));
+  throw FileError("--topic " + kind_name + "=" + name + ": its type " + found->type +
+                  " cannot be converted to this kind; the topics are " + list(topics));
 }
 
 std::string only_topic(const std::string& kind_name, BagKind kind,
@@ -71,9 +71,9 @@ std::string only_topic(const std::string& kind_name, BagKind kind,
     std::copy_if(topics.begin(), topics.end(), std::back_inserter(candidates),
                  [&](const FoundTopic& topic) { return is_of(topic, types); });
     if (candidates.size() > 1) {
-      throw FileError("several topics could be " + kind_name + ": " + list(candidates) +
-                      "; choose with --topic " + kind_name + "=" + candidates.front().name +
-                      ", or leave them out with --topic " + kind_name + "=none");
+      throw FileError("several topics can be " + kind_name + ": " + list(candidates) +
+                      "; choose one with --topic " + kind_name + "=" + candidates.front().name +
+                      ", or none with --topic " + kind_name + "=none");
     }
     if (!candidates.empty()) return candidates.front().name;
   }
@@ -99,8 +99,8 @@ std::array<std::string, kNumBagKinds> choose_topics(
   }
   if (is_any) return chosen;
   throw FileError(
-      "no topic that can be used; LaserScan, PointCloud2, Image, CompressedImage, Imu, "
-      "NavSatFix and Odometry can; there are " +
+      "no usable topic; supported are LaserScan, PointCloud2, Image, CompressedImage, Imu, "
+      "NavSatFix and Odometry; the topics are " +
       list(topics));
 }
 
@@ -115,7 +115,7 @@ std::map<std::string, std::string> parse_topic_choices(const std::vector<std::st
       std::string kinds;
       for (const char* name : kBagKindNames)
         kinds += (kinds.empty() ? "" : ", ") + std::string(name);
-      throw FileError("--topic " + pair + ": must be KIND=TOPIC, KIND one of " + kinds);
+      throw FileError("--topic " + pair + ": must be KIND=TOPIC with KIND one of " + kinds);
     }
     choices[kind] = pair.substr(equals + 1);
   }

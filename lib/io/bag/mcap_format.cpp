@@ -73,7 +73,7 @@ class McapFormat : public RecordFormat {
   BagRecord read_schema(ByteFields& fields) {
     const auto id = fields.number<std::uint16_t>();
     std::string name = fields.text();
-    if (!fields.ok()) return DamagedRecord{"a schema that ends too early"};
+    if (!fields.ok()) return DamagedRecord{"a truncated schema"};
     schema_names_[id] = std::move(name);
     return OtherRecord{};
   }
@@ -84,7 +84,7 @@ class McapFormat : public RecordFormat {
     const auto schema_id = fields.number<std::uint16_t>();
     record.topic.name = fields.text();
     const std::string encoding = fields.text();
-    if (!fields.ok()) return DamagedRecord{"a channel that ends too early"};
+    if (!fields.ok()) return DamagedRecord{"a truncated channel"};
     const auto schema = schema_names_.find(schema_id);
     if (schema != schema_names_.end()) record.topic.type = schema->second;
     record.topic.wire = encoding == "ros1" ? ros::Wire::kRos1 : ros::Wire::kCdr;
@@ -98,7 +98,7 @@ class McapFormat : public RecordFormat {
     fields.number<std::uint32_t>();  // sequence
     const auto log_time_ns = fields.number<std::uint64_t>();
     fields.number<std::uint64_t>();  // publish time
-    if (!fields.ok()) return DamagedRecord{"a message that ends too early"};
+    if (!fields.ok()) return DamagedRecord{"a truncated message"};
     record.utime = static_cast<std::int64_t>(log_time_ns / kNanosecondsPerMicrosecond);
     record.size = fields.left();
     record.data = fields.take(record.size);
@@ -114,7 +114,7 @@ class McapFormat : public RecordFormat {
     record.compression = fields.text();
     const auto size = fields.number<std::uint64_t>();
     record.data = fields.take(size);
-    if (!fields.ok()) return DamagedRecord{"a chunk that ends too early"};
+    if (!fields.ok()) return DamagedRecord{"a truncated chunk"};
     record.size = static_cast<std::size_t>(size);
     return record;
   }

@@ -95,7 +95,7 @@ void McapWriter::finish_chunk() {
   std::string packed(ZSTD_compressBound(chunk_.size()), '\0');
   const std::size_t size =
       ZSTD_compress(packed.data(), packed.size(), chunk_.data(), chunk_.size(), kLevel);
-  if (ZSTD_isError(size)) throw std::runtime_error("zstd cannot compress a chunk");
+  if (ZSTD_isError(size)) throw std::runtime_error("zstd failed to compress a chunk");
   packed.resize(size);
   const std::uint32_t crc = static_cast<std::uint32_t>(
       crc32_z(0, reinterpret_cast<const unsigned char*>(chunk_.data()), chunk_.size()));

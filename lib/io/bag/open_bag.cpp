@@ -39,7 +39,8 @@ bool is_bag(const std::string& path) { return format_of(path) != Format::kNone; 
 std::unique_ptr<BagReader> open_bag(const std::string& path) {
   const Format format = format_of(path);
   if (format == Format::kNone) {
-    throw FileError(path + ": no bag; bags of rosbag 2.0, MCAP and rosbag2's sqlite3 are read");
+    throw FileError(path +
+                    ": not a supported bag; give a rosbag 2.0, MCAP or sqlite3 (rosbag2) bag");
   }
   if (format == Format::kSqlite) return std::make_unique<SqliteBag>(path);
   auto file = std::make_unique<std::ifstream>(path, std::ios::binary);
@@ -55,7 +56,7 @@ std::vector<std::string> bag_files(const std::string& folder) {
     const std::string extension = entry.path().extension().string();
     if ((extension == ".zstd" || extension == ".zst") &&
         fs::exists(fs::path(folder) / "metadata.yaml")) {
-      throw FileError(path + " is compressed as a whole; unpack it first: zstd -d " + path);
+      throw FileError(path + " is compressed as a file; decompress it first: zstd -d " + path);
     }
     const bool is_named = extension == ".db3" || extension == ".mcap" || extension == ".bag";
     if (is_named && is_bag(path)) files.push_back(path);

@@ -35,12 +35,12 @@ std::optional<BagMessage> RecordBag::next() {
     if (head.size == 0) return std::nullopt;
     const auto size = format_->record_size(head.bytes, head.size);
     if (!size) {
-      go_on_behind_damage("no record begins here");
+      go_on_behind_damage("no record starts here");
       continue;
     }
     if (*size == 0 || *size > window_.size() - place) {
-      lose(at_byte(place) + "cut short: its last " + std::to_string(window_.size() - place) +
-           " bytes are part of a record");
+      lose(at_byte(place) + "truncated: its last " + std::to_string(window_.size() - place) +
+           " bytes are an incomplete record");
       position_ = window_.size();
       return std::nullopt;
     }
@@ -75,13 +75,13 @@ std::optional<BagMessage> RecordBag::next_in_chunk() {
     const std::uint8_t* bytes = chunk_->content.data() + within;
     const std::size_t left = chunk_->content.size() - within;
     const auto size = format_->record_size(bytes, left);
-    BagRecord record = DamagedRecord{"no record begins here"};
+    BagRecord record = DamagedRecord{"no record starts here"};
     if (size && *size > 0 && *size <= left) {
       record = format_->read(bytes, static_cast<std::size_t>(*size));
       chunk_->position += *size;
     }
     if (const auto* damaged = std::get_if<DamagedRecord>(&record)) {
-      lose("in the chunk " + at_byte(chunk_->place) + std::to_string(left) + " bytes behind byte " +
+      lose("in the chunk " + at_byte(chunk_->place) + std::to_string(left) + " bytes after byte " +
            std::to_string(within) + " are damaged (" + damaged->why + ")");
       break;
     }
@@ -140,7 +140,7 @@ std::optional<BagMessage> RecordBag::message_of(const MessageRecord& record,
                                                 const BagPlace& place) {
   const auto topic = topic_of_id_.find(record.topic_id);
   if (topic == topic_of_id_.end()) {
-    lose("messages of number " + std::to_string(record.topic_id) + ", whose topic is not told");
+    lose("messages of number " + std::to_string(record.topic_id) + ", whose topic is not defined");
     return std::nullopt;
   }
   if (record.size > kMaxMessageBytes) {
@@ -171,7 +171,7 @@ std::optional<std::vector<std::uint8_t>> RecordBag::content_of(const ChunkRecord
   std::string mistake = unpack(chunk.compression, chunk.data, chunk.size, content);
   if (mistake.empty() && chunk.crc != 0 &&
       crc32_z(0, content.data(), content.size()) != chunk.crc) {
-    mistake = "its check sum is wrong";
+    mistake = "its checksum is wrong";
   }
   if (mistake.empty()) return content;
   lose(at_byte(place) + "a chunk of " + std::to_string(chunk.size) + " bytes: " + mistake);

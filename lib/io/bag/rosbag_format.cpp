@@ -86,7 +86,7 @@ class RosbagFormat : public RecordFormat {
     const std::uint8_t* data = fields.take(data_size);
     const auto operation = header.number<std::uint8_t>("op");
     if (!fields.ok() || !header.is_sound() || !operation) {
-      return DamagedRecord{"a record whose header is none"};
+      return DamagedRecord{"a record with an invalid header"};
     }
     if (*operation == kConnection) return read_connection(header, data, data_size);
     if (*operation == kMessage) return read_message(header, data, data_size);
@@ -98,7 +98,7 @@ class RosbagFormat : public RecordFormat {
   static BagRecord read_connection(const HeaderFields& header, const std::uint8_t* data,
                                    std::size_t size) {
     const auto id = header.number<std::uint32_t>("conn");
-    if (!id) return DamagedRecord{"a connection without number"};
+    if (!id) return DamagedRecord{"a connection without a number"};
     TopicRecord record;
     record.id = *id;
     record.topic.name = header.text("topic");
@@ -110,7 +110,7 @@ class RosbagFormat : public RecordFormat {
                                 std::size_t size) {
     const auto id = header.number<std::uint32_t>("conn");
     const auto time = header.number<std::uint64_t>("time");
-    if (!id || !time) return DamagedRecord{"a message without connection or time"};
+    if (!id || !time) return DamagedRecord{"a message without a connection or time"};
     MessageRecord record;
     record.topic_id = *id;
     const auto seconds = static_cast<std::int64_t>(*time & 0xFFFFFFFFu);
@@ -124,7 +124,7 @@ class RosbagFormat : public RecordFormat {
   static BagRecord read_chunk(const HeaderFields& header, const std::uint8_t* data,
                               std::size_t size) {
     const auto unpacked_size = header.number<std::uint32_t>("size");
-    if (!unpacked_size) return DamagedRecord{"a chunk without size"};
+    if (!unpacked_size) return DamagedRecord{"a chunk without a size"};
     ChunkRecord record;
     record.compression = header.text("compression");
     record.unpacked_size = *unpacked_size;

@@ -26,7 +26,7 @@ Database open(const std::string& path) {
   const int code = sqlite3_open_v2(path.c_str(), &raw, SQLITE_OPEN_READONLY, nullptr);
   Database database(raw, sqlite3_close);
   if (code != SQLITE_OK) {
-    throw FileError(path + ": cannot be opened as a database of SQLite" +
+    throw FileError(path + ": cannot be opened as an SQLite database" +
                     (raw ? std::string(" (") + sqlite3_errmsg(raw) + ")" : ""));
   }
   sqlite3_db_config(raw, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
@@ -40,8 +40,7 @@ Database open(const std::string& path) {
 Statement prepare(sqlite3* database, const std::string& path, const char* sql) {
   sqlite3_stmt* raw = nullptr;
   if (sqlite3_prepare_v2(database, sql, -1, &raw, nullptr) != SQLITE_OK) {
-    throw FileError(path + ": no bag of rosbag2, or a damaged one (" + sqlite3_errmsg(database) +
-                    ")");
+    throw FileError(path + ": not a bag of rosbag2, or damaged (" + sqlite3_errmsg(database) + ")");
   }
   return Statement(raw, sqlite3_finalize);
 }
@@ -98,7 +97,7 @@ struct SqliteBag::Impl {
     const std::string name = "row " + std::to_string(message.place.record) + " of messages: ";
     const auto topic = topic_of_id.find(sqlite3_column_int64(statement, 1));
     if (topic == topic_of_id.end()) {
-      lose(name + "its topic is not told");
+      lose(name + "its topic is not defined");
       return std::nullopt;
     }
     message.topic = topic->second;
@@ -109,7 +108,7 @@ struct SqliteBag::Impl {
     if (!is_zstd(message.data, message.size)) return message;
     unpacked.resize(zstd_size(message.data, message.size, kMaxMessageBytes));
     const std::string mistake = unpacked.empty()
-                                    ? std::string("its size is not told, or is beyond 64 MB")
+                                    ? std::string("its size is unknown, or above 64 MB")
                                     : unpack("zstd", message.data, message.size, unpacked);
     if (!mistake.empty()) {
       lose(name + mistake);
@@ -142,8 +141,8 @@ std::optional<BagMessage> SqliteBag::next() {
     if (code != SQLITE_ROW) {
       impl_->is_done = true;
       if (code != SQLITE_DONE) {
-        impl_->lose("behind row " + std::to_string(impl_->row) + " of " +
-                    std::to_string(impl_->num_rows) + " nothing can be read (" +
+        impl_->lose("after row " + std::to_string(impl_->row) + " of " +
+                    std::to_string(impl_->num_rows) + " no more rows can be read (" +
                     sqlite3_errmsg(impl_->database.get()) + ")");
       }
       break;

@@ -11,12 +11,12 @@
 namespace orchard::io {
 namespace {
 
-const char* const kOtherLength = "its length is not what it says";
+const char* const kOtherLength = "its length differs from the stated one";
 
 std::string unpack_lz4(const std::uint8_t* data, std::size_t size, std::vector<std::uint8_t>& out) {
   LZ4F_dctx* raw = nullptr;
   if (LZ4F_isError(LZ4F_createDecompressionContext(&raw, LZ4F_VERSION)))
-    return "lz4 does not start";
+    return "lz4 cannot be initialised";
   const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> context(
       raw, LZ4F_freeDecompressionContext);
   std::size_t read = 0, written = 0;
@@ -30,7 +30,7 @@ std::string unpack_lz4(const std::uint8_t* data, std::size_t size, std::vector<s
     if (hint == 0) return written == out.size() ? "" : kOtherLength;  // end of the frame
     if (in == 0 && room == 0) return kOtherLength;
   }
-  return "cut short";
+  return "truncated";
 }
 
 std::string unpack_bz2(const std::uint8_t* data, std::size_t size, std::vector<std::uint8_t>& out) {
@@ -59,7 +59,8 @@ std::string unpack(const std::string& compression, const std::uint8_t* data, std
     if (ZSTD_isError(length)) return std::string("damaged: ") + ZSTD_getErrorName(length);
     return length == unpacked.size() ? "" : kOtherLength;
   }
-  return "compression " + compression.substr(0, 32) + ", which is not read (bz2, lz4, zstd are)";
+  return "compression " + compression.substr(0, 32) +
+         ", which is not supported (bz2, lz4 and zstd are)";
 }
 
 bool is_zstd(const std::uint8_t* data, std::size_t size) {

@@ -35,12 +35,14 @@ std::vector<PictureFile> list_pictures(const std::string& folder) {
     std::int64_t utime = 0;
     const auto result = std::from_chars(stem.data(), stem.data() + stem.size(), utime);
     if (result.ec != std::errc() || result.ptr != stem.data() + stem.size() || utime < 0) {
-      throw FileError(entry.path().string() + ": pictures must be named <utime_us>.jpg; rename it");
+      throw FileError(entry.path().string() +
+                      ": the name of a picture must be <utime_us>.jpg; rename it");
     }
     files.push_back({utime, entry.path().string()});
   }
   if (error) throw FileError(folder + ": cannot be read (" + error.message() + ")");
-  if (files.empty()) throw FileError(folder + ": holds no picture <utime_us>.jpg");
+  if (files.empty())
+    throw FileError(folder + ": has no picture <utime_us>.jpg; give the folder of the pictures");
   std::sort(files.begin(), files.end(),
             [](const PictureFile& a, const PictureFile& b) { return a.utime < b.utime; });
   return files;

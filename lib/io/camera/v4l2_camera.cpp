@@ -88,7 +88,7 @@ std::optional<device::CameraFrame> V4l2Camera::take() {
     ++num_damaged_;
   }
   if (const int code = call(VIDIOC_QBUF, &buffer); code < 0) {
-    restart(failed("takes no buffer back", code));
+    restart(failed("does not accept a buffer again", code));
   }
   return frame;
 }
@@ -115,13 +115,13 @@ std::string V4l2Camera::open() {
   fileno_ = fileno;
   v4l2_capability capability{};
   if (const int code = call(VIDIOC_QUERYCAP, &capability); code < 0) {
-    return failed("is no camera", code);
+    return failed("is not a camera", code);
   }
   const std::uint32_t can = (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0
                                 ? capability.device_caps
                                 : capability.capabilities;
   if ((can & V4L2_CAP_VIDEO_CAPTURE) == 0 || (can & V4L2_CAP_STREAMING) == 0) {
-    return path_ + " gives no stream of pictures: is it the camera's first device?";
+    return path_ + " does not stream pictures; use the first device of the camera";
   }
   if (std::string why = choose_format(); !why.empty()) return why;
   auto rate = capture<v4l2_streamparm>();
@@ -148,21 +148,21 @@ std::string V4l2Camera::choose_format() {
     format.fmt.pix.pixelformat = wanted.fourcc;
     format.fmt.pix.field = V4L2_FIELD_ANY;
     if (const int code = call(VIDIOC_S_FMT, &format); code < 0) {
-      return failed("takes no format", code);
+      return failed("accepts no picture format", code);
     }
     const v4l2_pix_format& got = format.fmt.pix;
     if (got.pixelformat != wanted.fourcc) continue;
     if (static_cast<int>(got.width) != mode_.width_px ||
         static_cast<int>(got.height) != mode_.height_px) {
       return path_ + " gives " + std::to_string(got.width) + "x" + std::to_string(got.height) +
-             ", not the " + std::to_string(mode_.width_px) + "x" + std::to_string(mode_.height_px) +
-             " of camera.width_px and height_px";
+             ", but camera.width_px and height_px are " + std::to_string(mode_.width_px) + "x" +
+             std::to_string(mode_.height_px);
     }
     format_ = wanted.format;
     row_bytes_ = static_cast<int>(got.bytesperline);
     return {};
   }
-  return path_ + " offers none of MJPEG, YUYV, GREY, BGR and RGB";
+  return path_ + " offers none of the formats MJPEG, YUYV, GREY, BGR and RGB";
 }
 
 std::string V4l2Camera::start_streaming() {
@@ -170,25 +170,25 @@ std::string V4l2Camera::start_streaming() {
   request.count = kNumBuffers;
   request.memory = V4L2_MEMORY_MMAP;
   if (const int code = call(VIDIOC_REQBUFS, &request); code < 0) {
-    return failed("gives no buffers (is another program using it?)", code);
+    return failed("provides no buffers; is another program using it?", code);
   }
   for (std::uint32_t i = 0; i < request.count; ++i) {
     auto buffer = capture<v4l2_buffer>();
     buffer.memory = V4L2_MEMORY_MMAP;
     buffer.index = i;
     if (const int code = call(VIDIOC_QUERYBUF, &buffer); code < 0) {
-      return failed("describes no buffer", code);
+      return failed("does not describe its buffers", code);
     }
     void* memory = calls_->map(fileno_, buffer.length, buffer.m.offset);
     if (memory == nullptr) return path_ + ": its buffers cannot be mapped";
     buffers_.push_back({memory, buffer.length});
     if (const int code = call(VIDIOC_QBUF, &buffer); code < 0) {
-      return failed("takes no buffer", code);
+      return failed("does not accept a buffer", code);
     }
   }
   int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   if (const int code = call(VIDIOC_STREAMON, &type); code < 0)
-    return failed("does not start", code);
+    return failed("does not start streaming", code);
   is_streaming_ = true;
   return {};
 }

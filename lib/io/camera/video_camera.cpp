@@ -13,7 +13,7 @@ std::unique_ptr<CameraSource> open_video(const std::string& path, std::int64_t s
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // reported below
   auto video = std::make_shared<cv::VideoCapture>(path);
   if (!video->isOpened()) {
-    throw FileError(path + ": OpenCV cannot read it; give a video file such as .avi or .mp4");
+    throw FileError(path + ": cannot be read as a video; give a video file such as .avi or .mp4");
   }
   double rate_hz = video->get(cv::CAP_PROP_FPS);
   if (!(rate_hz > 0.0 && rate_hz <= 1000.0)) rate_hz = 25.0;  // the file has no rate

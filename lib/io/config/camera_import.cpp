@@ -16,11 +16,11 @@ ImportedCamera read_camera_file(const std::string& path) {
   if (error) throw FileError(path + ": cannot be read (" + error.message() + ")");
   if (size == 0 || size > kMaxBytes) {
     throw FileError(path + ": " + std::to_string(size) +
-                    " bytes; a camera's description has 1 byte to 1 MB");
+                    " bytes; a camera description has 1 byte to 1 MB");
   }
   std::ifstream file(path, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (!file || text.size() != size) throw FileError(path + ": cannot be read to its end");
+  if (!file || text.size() != size) throw FileError(path + ": could not be read completely");
   if (std::filesystem::path(path).extension() == ".m") return parse_camera_matlab(text, path);
   return parse_camera_yaml(text, path);
 }

@@ -97,9 +97,9 @@ ImportedCamera parse_camera_matlab(std::string_view text, const std::string& nam
   const auto need = [&](std::string_view key, std::size_t count) -> const std::vector<double>& {
     const std::vector<double>* numbers = find(key);
     if (!numbers || numbers->size() != count) {
-      throw FileError(name + ": holds no \"" + std::string(key) + "\" of " + std::to_string(count) +
+      throw FileError(name + ": has no \"" + std::string(key) + "\" of " + std::to_string(count) +
                       (count == 1 ? " number" : " numbers") +
-                      "; is it the Calib_Results.m that Bouguet's toolbox saves?");
+                      "; give the Calib_Results.m that Bouguet's toolbox saves");
     }
     return *numbers;
   };
@@ -115,7 +115,7 @@ ImportedCamera parse_camera_matlab(std::string_view text, const std::string& nam
   const double nx = need("nx", 1)[0], ny = need("ny", 1)[0];
   for (const double side : {nx, ny}) {
     if (!(side >= 1.0 && side <= 1e5) || side != std::floor(side)) {
-      throw FileError(name + ": nx and ny must be the picture's size in whole pixels");
+      throw FileError(name + ": nx and ny must be the size of the picture in whole pixels");
     }
   }
   lens.width_px = static_cast<int>(nx);

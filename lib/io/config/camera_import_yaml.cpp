@@ -22,9 +22,9 @@ class CameraYaml {
     try {
       root_ = YAML::Load(std::string(text));
     } catch (const YAML::Exception& error) {
-      throw FileError(name_ + ": is no YAML (" + error.what() + ")");
+      throw FileError(name_ + ": is not valid YAML (" + error.what() + ")");
     }
-    if (!root_.IsMap()) fail("is no camera's YAML");
+    if (!root_.IsMap()) fail("is not the YAML of a camera");
   }
 
   ImportedCamera read() {
@@ -36,7 +36,7 @@ class CameraYaml {
     lens.height_px = size_of({"image_height", "image_Height"});
     const std::vector<double> k = numbers_of({"camera_matrix", "Camera_Matrix"}, "camera_matrix");
     if (k.size() != 9)
-      fail("its camera_matrix has " + std::to_string(k.size()) + " numbers, not 9");
+      fail("its camera_matrix has " + std::to_string(k.size()) + " numbers instead of 9");
     if (k[3] != 0.0 || k[6] != 0.0 || k[7] != 0.0 || k[8] != 1.0 || !(k[0] > 0.0) ||
         !(k[4] > 0.0)) {
       fail("its camera_matrix is not [fx s cx; 0 fy cy; 0 0 1]");
@@ -48,15 +48,15 @@ class CameraYaml {
                                              "distortion_coefficients");
     if (d.size() != 4 && d.size() != 5 && d.size() != 8 && d.size() != 12 && d.size() != 14) {
       fail("its distortion_coefficients are " + std::to_string(d.size()) +
-           " numbers, not 4 or 5 (k1 k2 p1 p2 k3)");
+           " numbers instead of 4 or 5 (k1 k2 p1 p2 k3)");
     }
     for (std::size_t i = 0; i < d.size(); ++i) {
       if (i < 5) {
         lens.kc[i] = d[i];
       } else if (d[i] != 0.0) {
         fail(
-            "its lens has more than the five distortion coefficients k1 k2 p1 p2 k3; calibrate "
-            "again with plumb_bob (five coefficients)");
+            "it has more than the five distortion coefficients k1 k2 p1 p2 k3; calibrate again "
+            "with model plumb_bob");
       }
     }
     return camera;
@@ -71,12 +71,12 @@ class CameraYaml {
       const std::string word = model.Scalar();
       if (word != "plumb_bob" && word != "rational_polynomial") {
         fail("its distortion_model is " + word.substr(0, 40) +
-             "; only plumb_bob (k1 k2 p1 p2 k3) can be used here, calibrate again with it");
+             ", but only plumb_bob (k1 k2 p1 p2 k3) is supported; calibrate again with plumb_bob");
       }
     }
     const YAML::Node fisheye = root_["fisheye_model"];
     if (fisheye && fisheye.IsScalar() && fisheye.Scalar() != "0") {
-      fail("it describes a fisheye lens; only k1 k2 p1 p2 k3 can be used here");
+      fail("it describes a fisheye lens, but only the model k1 k2 p1 p2 k3 is supported");
     }
   }
 
@@ -84,7 +84,7 @@ class CameraYaml {
     for (const char* key : keys) {
       if (const YAML::Node node = root_[key]) return node;
     }
-    fail(std::string("holds no ") + *keys.begin() +
+    fail(std::string("has no ") + *keys.begin() +
          "; a ROS camera_info or OpenCV calibration file has one");
   }
 
@@ -92,7 +92,7 @@ class CameraYaml {
     int size = 0;
     const YAML::Node node = find(keys);
     if (!node.IsScalar() || !YAML::convert<int>::decode(node, size) || size < 1) {
-      fail(std::string("its ") + *keys.begin() + " is no number of pixels");
+      fail(std::string("its ") + *keys.begin() + " is not a number of pixels");
     }
     return size;
   }
@@ -109,7 +109,7 @@ class CameraYaml {
       double value = 0.0;
       if (!item.IsScalar() || !YAML::convert<double>::decode(item, value) ||
           !std::isfinite(value)) {
-        fail(std::string("its ") + what + " holds something that is no finite number");
+        fail(std::string("its ") + what + " has an element that is not a finite number");
       }
       numbers.push_back(value);
     }

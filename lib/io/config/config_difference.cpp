@@ -47,7 +47,7 @@ Values values_of(const std::string& yaml) {
   try {
     root = YAML::Load(yaml);
   } catch (const YAML::Exception& error) {
-    throw ConfigError({std::string("a configuration is not YAML: ") + error.msg});
+    throw ConfigError({std::string("a configuration is not valid YAML: ") + error.msg});
   }
   Values values;
   if (root.IsMap()) flatten(root, "", values);

@@ -203,7 +203,7 @@ void edit_config_file(const std::string& path, const std::string& out_path,
     std::ifstream replaced(out_path, std::ios::binary);
     const std::string old((std::istreambuf_iterator<char>(replaced)), {});
     if (replaced.bad() || !replaced.is_open()) {
-      throw FileError(out_path + ": cannot be read, so no backup of it can be kept; give another " +
+      throw FileError(out_path + ": cannot be read, so no backup can be made; give another " +
                       "file to write");
     }
     write_file_atomically(out_path + ".bak", old);

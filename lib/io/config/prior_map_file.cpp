@@ -40,7 +40,8 @@ std::vector<Eigen::Vector2d> laser_path(const StoredMap& map) {
 void require_places(const std::string& name, const std::vector<pose::PriorLandmark>& landmarks) {
   const std::string problem = pose::problem_with(landmarks);
   if (problem.empty()) return;
-  throw FileError(name + " (pose.prior_map.map_file) is no map to find a place in: it " + problem);
+  throw FileError(name + " (pose.prior_map.map_file) cannot be used for localisation: it " +
+                  problem);
 }
 
 }  // namespace

@@ -79,7 +79,7 @@ class Reader : public ConfigVisitor {
     for (const auto& entry : section_->node) {
       const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "(not a text)";
       const std::string where = location(entry.first) + section_->prefix + key;
-      if (!seen.insert(key).second) problems.push_back(where + ": stands here twice");
+      if (!seen.insert(key).second) problems.push_back(where + ": is given twice; remove one");
       if (section_->known.count(key) || section_->renamed.count(key)) continue;
       if (const OldKey* old = find_fixed_key(section_->prefix + key)) {
         warn_of_fixed(*old, entry.second, where);
@@ -139,7 +139,7 @@ class Reader : public ConfigVisitor {
     const auto is_control = [](char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0; };
     if (std::string shown = field.Scalar(); std::any_of(shown.begin(), shown.end(), is_control)) {
       std::replace_if(shown.begin(), shown.end(), is_control, '?');
-      return refuse(field, key.name, shown, "must not hold control characters (here: ?)");
+      return refuse(field, key.name, shown, "must not contain control characters (shown as ?)");
     }
     value = field.Scalar();
   }
@@ -208,10 +208,10 @@ class Reader : public ConfigVisitor {
       section_->renamed.insert(former);
       const std::string where = location(old) + section_->prefix + former;
       if (field) {
-        problems.push_back(where + ": stands here twice, also by its new name " + key);
+        problems.push_back(where + ": is given twice, also by its new name " + key);
       } else {
         warnings.push_back(where + " is now called " + key +
-                           "; the old name goes with the next version");
+                           "; the old name will be removed in the next version");
         field.reset(old);
       }
     }
@@ -232,12 +232,12 @@ class Reader : public ConfigVisitor {
     const auto given = parse_number(text);
     const auto fixed = parse_number(old.fixed_at);
     if (*old.fixed_at == '\0') {
-      warnings.push_back(where + " = " + text + " is ignored: what it governed is no more");
+      warnings.push_back(where + " = " + text +
+                         " is ignored: its function was removed; delete the key");
       return;
     }
     if (text == old.fixed_at || (given && fixed && *given == *fixed)) return;
-    warnings.push_back(where + " = " + text + " is ignored: it is no key any more, but fixed at " +
-                       old.fixed_at);
+    warnings.push_back(where + " = " + text + " is ignored: it is now fixed at " + old.fixed_at);
   }
 
   std::string location(const YAML::Node& field) const {
@@ -275,11 +275,11 @@ std::vector<std::string> read_yaml(const std::string& yaml, const std::string& n
     root = YAML::Load(yaml);
   } catch (const YAML::Exception& error) {
     throw ConfigError(
-        {name + ":" + std::to_string(error.mark.line + 1) + ": not YAML: " + error.msg});
+        {name + ":" + std::to_string(error.mark.line + 1) + ": is not valid YAML: " + error.msg});
   }
   if (root.IsNull()) root = YAML::Node(YAML::NodeType::Map);
   if (!root.IsMap()) {
-    throw ConfigError({name + ":1: must be sections with keys, such as \"detector:\""});
+    throw ConfigError({name + ":1: must consist of sections with keys, such as \"detector:\""});
   }
   Reader reader(root, name);
   schema(reader);

@@ -96,7 +96,7 @@ FigureFormat figure_format(const std::string& path) {
   if (extension == ".svg") return FigureFormat::kSvg;
   if (extension == ".png") return FigureFormat::kPng;
   if (extension == ".pdf") return FigureFormat::kPdf;
-  throw FileError(path + ": a figure is written as .svg, .png or .pdf");
+  throw FileError(path + ": the name of a figure must end in .svg, .png or .pdf");
 }
 
 double text_width_px(const std::string& text, double size_px, bool is_bold) {

@@ -52,7 +52,7 @@ std::string coverage_figure(const calibration::CameraCalibration& calibration,
               {16.0, kBlack});
   const auto dot = [](PixelPoint at, Canvas& c) { c.circle(at, 2.0, kCorner, kCorner); };
   Legend({{"corner found", dot},
-          line_item("to the model's corner, " + fixed_text(lengthen, 0) + " times as long", kArrow),
+          line_item("error of the model, " + fixed_text(lengthen, 0) + " times enlarged", kArrow),
           {"principal point", draw_cross}},
          box.width())
       .draw({box.x0, 36.0}, canvas);

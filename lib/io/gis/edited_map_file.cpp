@@ -35,7 +35,7 @@ class EditedMapReader {
     dataset_.reset(GDALDataset::Open(path.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY,
                                      kGeoPackage.data(), nullptr, nullptr));
     if (!dataset_) {
-      throw FileError(path + " is no GeoPackage" +
+      throw FileError(path + " is not a GeoPackage" +
                       (errors_.first().empty() ? "" : " (" + errors_.first() + ")"));
     }
   }
@@ -44,18 +44,18 @@ class EditedMapReader {
     if (const char* number = dataset_->GetMetadataItem(kCorrectionsMetadata)) {
       const auto num_corrections = whole_number(number);
       if (!num_corrections || *num_corrections < 0) {
-        throw FileError(path_ + ": its number of corrections is none; export the map again");
+        throw FileError(path_ + ": its number of corrections is invalid; export the map again");
       }
       result_.num_corrections = *num_corrections;
     }
     OGRLayer* landmarks = dataset_->GetLayerByName("landmarks");
     if (landmarks == nullptr) {
-      throw FileError(path_ + " has no layer landmarks; give a map's GeoPackage, edited");
+      throw FileError(path_ + " has no layer `landmarks`; give the edited GeoPackage of a map");
     }
     read_landmarks(*landmarks);
     if (OGRLayer* rows = dataset_->GetLayerByName("rows")) read_rows(*rows);
     if (!errors_.first().empty()) {
-      throw FileError(path_ + " cannot be read whole (" + errors_.first() + ")");
+      throw FileError(path_ + " could not be read completely (" + errors_.first() + ")");
     }
     return std::move(result_);
   }
@@ -65,7 +65,8 @@ class EditedMapReader {
     const OGRFeatureDefn& definition = *layer.GetLayerDefn();
     for (const char* name : {"id", "class"}) {
       if (definition.GetFieldIndex(name) < 0) {
-        throw FileError(path_ + ": landmarks has no column " + name + "; is it a map's?");
+        throw FileError(path_ + ": layer landmarks has no column " + name +
+                        "; give the edited GeoPackage of a map");
       }
     }
     set_crs(layer);
@@ -73,14 +74,14 @@ class EditedMapReader {
     while (const OGRFeatureUniquePtr feature{layer.GetNextFeature()}) {
       at_ = path_ + ": feature " + std::to_string(feature->GetFID()) + " of landmarks";
       if (result_.map.landmarks.size() >= kLandmarksMax) {
-        throw FileError(path_ + " holds over two million landmarks");
+        throw FileError(path_ + " has over two million landmarks");
       }
       mapping::EditedLandmark l;
       l.id = number(*feature, "id");
       l.p_map = place(*feature);
       l.label = label(*feature, l.id == 0);
       l.width_m = real(*feature, "width_m");
-      if (l.width_m > kMaxWidth_m) throw FileError(at_ + ": width_m cannot be that number");
+      if (l.width_m > kMaxWidth_m) throw FileError(at_ + ": width_m is out of range");
       l.row = number(*feature, "row");
       l.position = number(*feature, "position");
       l.note = one_line(text(*feature, "note"), l.id);
@@ -102,9 +103,10 @@ class EditedMapReader {
     const bool is_on_earth = own != nullptr && (own->IsGeographic() || own->IsProjected());
     if (is_on_earth != georeference_.has_value()) {
       throw FileError(path_ +
-                      (is_on_earth ? " lies on the earth, and the map does not know where"
-                                   : " lies nowhere on the earth, as the map does") +
-                      "; is it this map's?");
+                      (is_on_earth
+                           ? " has a position on the earth, but the map is not georeferenced"
+                           : " has no position on the earth, but the map has") +
+                      "; give a file that was exported from this map");
     }
     if (!is_on_earth) return;
     OGRSpatialReference wgs84;
@@ -113,22 +115,22 @@ class EditedMapReader {
     const std::unique_ptr<OGRSpatialReference> srs(own->Clone());
     srs->SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
     to_wgs84_.reset(OGRCreateCoordinateTransformation(srs.get(), &wgs84));
-    if (!to_wgs84_) throw FileError(path_ + ": its coordinate system is not known here");
+    if (!to_wgs84_) throw FileError(path_ + ": its coordinate system is unknown");
   }
 
   Vector2d place(const OGRFeature& feature) const {
     const OGRGeometry* geometry = feature.GetGeometryRef();
     if (geometry == nullptr || geometry->IsEmpty() ||
         wkbFlatten(geometry->getGeometryType()) != wkbPoint) {
-      throw FileError(at_ + " is no point; mend or delete it");
+      throw FileError(at_ + " is not a point; correct or delete it");
     }
     Vector2d p(geometry->toPoint()->getX(), geometry->toPoint()->getY());
     if (to_wgs84_) {
-      if (!to_wgs84_->Transform(1, &p.x(), &p.y())) throw FileError(at_ + " lies nowhere on earth");
+      if (!to_wgs84_->Transform(1, &p.x(), &p.y())) throw FileError(at_ + " is not on the earth");
       p = geometry::map_of(*georeference_, {p.y(), p.x()});
     }
     if (!(p.cwiseAbs().maxCoeff() <= kMaxCoordinate_m)) {
-      throw FileError(at_ + " lies farther away than any map reaches");
+      throw FileError(at_ + " is farther away than a map can reach");
     }
     return p;
   }
@@ -150,7 +152,7 @@ class EditedMapReader {
     if (field < 0 || !feature.IsFieldSetAndNotNull(field)) return 0.0;
     const double value = feature.GetFieldAsDouble(field);
     if (!(value >= 0.0 && value <= kNumberMax)) {
-      throw FileError(at_ + ": " + name + " cannot be that number");
+      throw FileError(at_ + ": " + name + " is out of range");
     }
     return value;
   }
@@ -180,7 +182,7 @@ class EditedMapReader {
     }
     while (is_broken && !line.empty() && line.back() == ' ') line.pop_back();
     if (is_broken) {
-      result_.left_out.push_back("the line breaks of the note on " +
+      result_.left_out.push_back("line breaks in the note of " +
                                  (id == 0 ? "a new landmark" : "landmark " + std::to_string(id)));
     }
     return line;

@@ -91,19 +91,19 @@ const std::vector<GeoFormatInfo>& geo_formats() {
   static const std::vector<GeoFormatInfo> kFormats{
       {GeoFormat::kGeoPackage, "gpkg", ".gpkg", false, false, ""},
       {GeoFormat::kGeoJson, "geojson", ".geojson", true, true, ""},
-      {GeoFormat::kKml, "kml", ".kml", false, true, "KML keeps no colours by class"},
+      {GeoFormat::kKml, "kml", ".kml", false, true, "KML does not store colours by class"},
       {GeoFormat::kShapefile, "shp", ".shp.zip", false, false,
-       "a shapefile cuts column names to ten letters and texts to 254 bytes"},
+       "a Shapefile limits column names to ten letters and texts to 254 bytes"},
       {GeoFormat::kDxf, "dxf", ".dxf", false, false,
-       "DXF holds places and labels alone: no widths, no certainty, no coordinate system"},
-      {GeoFormat::kCsv, "csv", ".csv", true, false, "CSV names no coordinate system"},
+       "DXF stores only positions and labels: no widths, no certainty, no coordinate system"},
+      {GeoFormat::kCsv, "csv", ".csv", true, false, "CSV does not store the coordinate system"},
       {GeoFormat::kFlatGeobuf, "flatgeobuf", ".fgb", true, false, ""}};
   return kFormats;
 }
 
 std::string geo_system_text(const std::optional<geometry::Georeference>& georeference,
                             const GeoFormatInfo& format) {
-  if (!georeference) return "metres of the map, not tied to the earth";
+  if (!georeference) return "metres of the map, not georeferenced";
   if (format.is_on_earth) return "WGS 84, latitude and longitude (EPSG:4326)";
   const std::string utm =
       "WGS 84 in UTM (EPSG:" + std::to_string(geometry::utm_epsg(*georeference)) + ")";
@@ -121,7 +121,7 @@ struct GeoFile::Impl {
     if (holds && errors.first().empty()) return;
     throw FileError(std::string("map") + info.extension + ": GDAL cannot write it (" +
                     (errors.first().empty() ? std::string("no reason given") : errors.first()) +
-                    "); is GDAL complete, with its " + driver_of(info.format) + " driver?");
+                    "); install GDAL with its " + driver_of(info.format) + " driver?");
   }
   OGRPoint point(const Eigen::Vector2d& p_map) const {
     if (!georeference) return OGRPoint(p_map.x(), p_map.y());
@@ -163,8 +163,8 @@ GeoFile::GeoFile(const std::optional<geometry::Georeference>& georeference, GeoF
   Impl& m = *impl_;
   if (info->is_on_earth && !georeference) {
     throw FileError(std::string(info->word) +
-                    " holds latitude and longitude alone, and the map does not know where on the "
-                    "earth it lies (no GNSS, no pose.gnss.datum); take gpkg, shp, dxf or csv");
+                    " stores only latitude and longitude, but the map is not georeferenced (no "
+                    "GNSS, no pose.gnss.datum); use gpkg, shp, dxf or csv");
   }
   if (georeference) {
     const int epsg = info->is_on_earth ? 4326 : geometry::utm_epsg(*georeference);

@@ -47,8 +47,8 @@ void write_landmarks(const MapLayers& map, GeoFile& file) {
   const std::optional<geometry::Georeference>& georeference = *map.georeference;
   GeoLayer layer{"landmarks",
                  GeoGeometry::kPoint,
-                 "Trees and other things; label: row/tree, or #id. Lengths in metres, diameter_mm "
-                 "and cross_section_cm2 of trunks",
+                 "Trees and objects; label: row/tree, or #id. Lengths in metres, diameter_mm and "
+                 "cross_section_cm2 of trunks",
                  {{"id", GeoType::kInteger},
                   {"class", GeoType::kText},
                   {"x_m", GeoType::kReal},
@@ -111,7 +111,7 @@ void write_extents(const MapLayers& map, GeoFile& file) {
   style.symbols = {{"", "object", "solid", kRed, 0.2}};
   file.begin_layer({"extents",
                     GeoGeometry::kArea,
-                    "What objects cover: bushes, hedges, walls, posts; id as in landmarks",
+                    "Outlines of objects: bushes, hedges, walls, posts; id as in landmarks",
                     {{"id", GeoType::kInteger},
                      {"width_m", GeoType::kReal},
                      {"length_m", GeoType::kReal},
@@ -134,7 +134,7 @@ void write_paths(const MapLayers& map, GeoFile& file) {
   file.begin_layer(
       {"path",
        GeoGeometry::kLine,
-       "Where the robot drove",
+       "Path of the robot",
        {{"first_utime_us", GeoType::kInteger64}, {"last_utime_us", GeoType::kInteger64}},
        qml_text(style)});
   for (const auto* trajectory : map.trajectories) {
@@ -181,7 +181,7 @@ void write_rows(const MapLayers& map, GeoFile& file) {
   file.begin_layer(
       {"gaps",
        GeoGeometry::kPoint,
-       "Places of rows where no tree stands",
+       "Gaps in rows: places without a tree",
        {{"row", GeoType::kInteger}, {"position", GeoType::kInteger}, {"label", GeoType::kText}},
        qml_text(style)});
   for (const mapping::Row& row : *map.rows) {
@@ -201,18 +201,19 @@ void write_graph(const mapping::NavigationGraph& graph, GeoFile& file) {
     style.is_line = true;
     style.symbols = {
         {"", is_alley ? "alley" : "headland", is_alley ? "solid" : "dash", kBlue, 0.3}};
-    file.begin_layer({is_alley ? "alleys" : "headlands",
-                      GeoGeometry::kLine,
-                      is_alley ? "Ways between rows, with the width that was seen free [m]"
-                               : "Ways round the ends of rows, with the width seen free [m]",
-                      {{"edge", GeoType::kInteger},
-                       {"from_node", GeoType::kInteger},
-                       {"to_node", GeoType::kInteger},
-                       {is_alley ? "row_left" : "row", GeoType::kInteger},
-                       {"row_right", GeoType::kInteger},
-                       {"length_m", GeoType::kReal},
-                       {"width_m", GeoType::kReal}},
-                      qml_text(style)});
+    file.begin_layer(
+        {is_alley ? "alleys" : "headlands",
+         GeoGeometry::kLine,
+         is_alley ? "Alleys between rows, with the observed free width [m]"
+                  : "Headland paths around the ends of rows, with the observed free width [m]",
+         {{"edge", GeoType::kInteger},
+          {"from_node", GeoType::kInteger},
+          {"to_node", GeoType::kInteger},
+          {is_alley ? "row_left" : "row", GeoType::kInteger},
+          {"row_right", GeoType::kInteger},
+          {"length_m", GeoType::kReal},
+          {"width_m", GeoType::kReal}},
+         qml_text(style)});
     for (const mapping::NavigationEdge& edge : graph.edges) {
       if (edge.kind != kind) continue;
       file.add(
@@ -225,7 +226,7 @@ void write_graph(const mapping::NavigationGraph& graph, GeoFile& file) {
   style.symbols = {{"", "node", "circle", kBlue, 1.0}};
   file.begin_layer({"nodes",
                     GeoGeometry::kPoint,
-                    "Where ways meet",
+                    "Nodes, where alleys and headland paths meet",
                     {{"node", GeoType::kInteger}},
                     qml_text(style)});
   for (const mapping::NavigationNode& node : graph.nodes) {

@@ -67,7 +67,8 @@ std::string fields_text(const OGRFeatureDefn& definition) {
 std::unique_ptr<OGRSpatialReference> named_crs(const std::string& name) {
   auto srs = std::make_unique<OGRSpatialReference>();
   if (srs->SetFromUserInput(name.c_str()) != OGRERR_NONE) {
-    throw FileError("--crs " + name + " is no coordinate system; give a code such as EPSG:25830");
+    throw FileError("--crs " + name +
+                    " is not a coordinate system; give a code such as EPSG:25830");
   }
   return srs;
 }
@@ -87,7 +88,8 @@ class PlanFeatureReader {
     dataset_.reset(GDALDataset::Open(path.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY,
                                      kDrivers.data(), nullptr, nullptr));
     if (!dataset_) {
-      throw FileError(path + " is no GeoPackage, Shapefile, GeoJSON, KML, DXF, FlatGeobuf or CSV" +
+      throw FileError(path +
+                      " is not a GeoPackage, Shapefile, GeoJSON, KML, DXF, FlatGeobuf or CSV file" +
                       (errors_.first().empty() ? "" : " (" + errors_.first() + ")"));
     }
     driver_ = dataset_->GetDriver()->GetDescription();
@@ -99,11 +101,11 @@ class PlanFeatureReader {
     const std::vector<OGRLayer*> layers = chosen_layers();
     for (OGRLayer* layer : layers) read_layer(*layer, layers.size() > 1);
     if (!errors_.first().empty()) {
-      throw FileError(path_ + " cannot be read whole (" + errors_.first() + ")");
+      throw FileError(path_ + " could not be read completely (" + errors_.first() + ")");
     }
     if (num_left_out_ > 0) {
       result_.notes.push_back(std::to_string(num_left_out_) +
-                              " features that are neither points nor lines are left out");
+                              " features that are neither points nor lines were ignored");
     }
     return std::move(result_);
   }
@@ -125,7 +127,7 @@ class PlanFeatureReader {
     const bool are_folders = driver_ == "LIBKML" || driver_ == "KML" || driver_ == "DXF";
     if (layers.size() > 1 && !are_folders) {
       throw FileError(path_ +
-                      " has several layers; say which one is the plan with --layer: " + names);
+                      " has several layers; choose that of the plan with --layer: " + names);
     }
     return layers;
   }
@@ -147,9 +149,9 @@ class PlanFeatureReader {
     const bool is_table = driver_ == "CSV" && definition.GetGeomFieldCount() == 0;
     const bool has_degrees = longitude >= 0 && latitude >= 0;
     if (is_table && !has_degrees && (x < 0 || y < 0)) {
-      throw FileError(path_ +
-                      " has no columns of places (latitude and longitude, or x and y), only: " +
-                      fields_text(definition));
+      throw FileError(
+          path_ + " has no columns with positions (latitude and longitude, or x and y), only: " +
+          fields_text(definition));
     }
     set_crs(layer, is_table && has_degrees);
     // if a drawing has several layers, each is a row
@@ -164,7 +166,7 @@ class PlanFeatureReader {
       at_ = path_ + ": feature " + std::to_string(number) +
             (is_folder ? " of layer " + std::string(layer.GetName()) : std::string());
       if (result_.trees.size() + result_.lines.size() >= kNumFeaturesMax) {
-        throw FileError(path_ + " holds over two million features; give one block");
+        throw FileError(path_ + " has over two million features; give the plan of one block");
       }
       PlanFeature f;
       f.row = name_of(*feature, row_field);
@@ -179,7 +181,7 @@ class PlanFeatureReader {
       }
       const OGRGeometry* geometry = feature->GetGeometryRef();
       if (geometry == nullptr || geometry->IsEmpty()) {
-        throw FileError(at_ + " has no place; mend or delete it");
+        throw FileError(at_ + " has no position; correct or delete it");
       }
       if (!take(*geometry, f)) {
         ++num_left_out_;
@@ -218,7 +220,7 @@ class PlanFeatureReader {
       auto given = named_crs(options_.crs);
       given->SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
       if (srs && !srs->IsSame(given.get())) {
-        result_.notes.push_back("the file says " + crs_text(*srs) + "; it is read as " +
+        result_.notes.push_back("the file states " + crs_text(*srs) + "; it is read as " +
                                 options_.crs + ", as --crs says");
       }
       srs = std::move(given);
@@ -228,7 +230,7 @@ class PlanFeatureReader {
     to_wgs84_.reset(OGRCreateCoordinateTransformation(srs.get(), &wgs84));
     if (!to_wgs84_) {
       throw FileError(path_ + ": " + crs_text(*srs) +
-                      " cannot be turned into latitude and longitude");
+                      " cannot be converted to latitude and longitude");
     }
     result_.crs = crs_text(*srs);
     result_.is_geographic = true;
@@ -243,8 +245,8 @@ class PlanFeatureReader {
       return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
     });
     if (name.size() > kLongestName || !is_text) {
-      throw FileError(at_ + ": a name of at most " + std::to_string(kLongestName) +
-                      " plain characters is wanted");
+      throw FileError(at_ + ": the name must have at most " + std::to_string(kLongestName) +
+                      " characters, without control characters");
     }
     return name;
   }
@@ -255,7 +257,7 @@ class PlanFeatureReader {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size()) {
       throw FileError(at_ + ": " + feature.GetDefnRef()->GetFieldDefn(field)->GetNameRef() +
-                      " = \"" + std::string(text.substr(0, kLongestName)) + "\" is no number");
+                      " = \"" + std::string(text.substr(0, kLongestName)) + "\" is not a number");
     }
     return value;
   }
@@ -263,11 +265,12 @@ class PlanFeatureReader {
   /// Transforms a point to WGS 84 if the file's coordinate system is known.
   Vector2d checked(Vector2d p) const {
     if (to_wgs84_ && !to_wgs84_->Transform(1, &p.x(), &p.y())) {
-      throw FileError(at_ + " lies outside of what " + result_.crs + " can express");
+      throw FileError(at_ + " is outside the area of " + result_.crs);
     }
     const bool is_place = std::isfinite(p.x()) && std::isfinite(p.y()) &&
                           (!to_wgs84_ || (std::abs(p.x()) <= 180.0 && std::abs(p.y()) <= 89.0));
-    if (!is_place) throw FileError(at_ + " lies nowhere on earth; is its coordinate system right?");
+    if (!is_place)
+      throw FileError(at_ + " is not on the earth; check its coordinate system (--crs)");
     return p;
   }
 

@@ -48,16 +48,15 @@ void to_metres(PlanFeatures& features, StoredPlan& stored) {
         if (stored.georeference) p = geometry::map_of(*stored.georeference, {p.y(), p.x()});
         const Vector2d from_middle = stored.georeference ? p : Vector2d(p - middle);
         if (from_middle.norm() > kFarthest_m) {
-          throw FileError(stored.name + ": row " + f.row + " lies " +
+          throw FileError(stored.name + ": row " + f.row + " is " +
                           fixed_text(1e-3 * from_middle.norm(), 0) +
-                          " km from the middle of the plan; is its coordinate system right "
-                          "(--crs)?");
+                          " km from the middle of the plan; check its coordinate system (--crs)");
         }
         if (!stored.georeference && p.cwiseAbs().maxCoeff() > kLocalMax_m) {
           throw FileError(stored.name + ": x " + fixed_text(p.x(), 1) + ", y " +
                           fixed_text(p.y(), 1) +
-                          " are coordinates of a country's or zone's system, and the file does "
-                          "not say which; name it, for example --crs EPSG:25830");
+                          " are coordinates of a national or UTM system that the file does not "
+                          "name; give it, for example --crs EPSG:25830");
         }
       }
     }
@@ -68,8 +67,8 @@ mapping::BuiltPlan built(PlanFeatures features, const PlanFileOptions& options,
                          const std::string& name) {
   if (!features.trees.empty()) {
     if (!features.lines.empty()) {
-      features.notes.push_back("it has trees, so its " + std::to_string(features.lines.size()) +
-                               " lines are left out");
+      features.notes.push_back("the plan has trees, so its " +
+                               std::to_string(features.lines.size()) + " lines were ignored");
     }
     std::vector<mapping::LoosePlannedTree> trees;
     for (PlanFeature& f : features.trees) {
@@ -80,12 +79,12 @@ mapping::BuiltPlan built(PlanFeatures features, const PlanFileOptions& options,
     return plan;
   }
   if (features.lines.empty()) {
-    throw FileError(name + " holds neither points (trees) nor lines (rows)");
+    throw FileError(name + " has neither points (trees) nor lines (rows)");
   }
   if (options.spacing_m <= 0.0) {
-    throw FileError(name +
-                    " holds rows as lines; say how far apart the trees stand in them, for "
-                    "example --spacing 3.0");
+    throw FileError(
+        name +
+        " has rows as lines; give the distance between the trees, for example --spacing 3.0");
   }
   std::vector<mapping::PlannedLine> lines;
   for (PlanFeature& f : features.lines) lines.push_back({std::move(f.row), std::move(f.points)});
@@ -103,7 +102,7 @@ bool is_yaml(const std::string& path) {
 
 StoredPlan read_plan(const std::string& path, const PlanFileOptions& options) {
   if (!std::filesystem::is_regular_file(path)) {
-    throw FileError(path + (std::filesystem::exists(path) ? " is no file" : " does not exist") +
+    throw FileError(path + (std::filesystem::exists(path) ? " is not a file" : " does not exist") +
                     "; give a plan (GeoPackage, Shapefile, GeoJSON, KML, DXF, CSV, or YAML)");
   }
   PlanFeatures features = is_yaml(path) ? read_plan_grid(path) : read_plan_features(path, options);
@@ -117,8 +116,7 @@ StoredPlan read_plan(const std::string& path, const PlanFileOptions& options) {
     std::string text;
     for (const std::string& problem : plan.problems) text += (text.empty() ? "" : "; ") + problem;
     throw FileError(path + ": " + text +
-                    "; mend the plan, or name its columns with --row-field "
-                    "and --tree-field");
+                    "; correct the plan, or name its columns with --row-field and --tree-field");
   }
   stored.plan = std::move(plan.plan);
   stored.notes = std::move(plan.notes);

@@ -30,26 +30,29 @@ struct PlanGrid {
 };
 
 void describe(ConfigVisitor& v, PlanGrid& g) {
-  v.integer("rows", g.rows, 1, 100000, "", "how many");
-  v.integer("trees", g.trees, 1, 100000, "", "in each row");
-  v.number("row_spacing_m", g.row_spacing_m, 0.2, 100.0, "m", "from row to row");
-  v.number("tree_spacing_m", g.tree_spacing_m, 0.2, 100.0, "m", "from tree to tree");
+  v.integer("rows", g.rows, 1, 100000, "", "number of rows");
+  v.integer("trees", g.trees, 1, 100000, "", "number of trees per row");
+  v.number("row_spacing_m", g.row_spacing_m, 0.2, 100.0, "m", "distance between rows");
+  v.number("tree_spacing_m", g.tree_spacing_m, 0.2, 100.0, "m",
+           "distance between the trees of a row");
   v.numbers("corner_deg", g.corner_deg, -180.0, 180.0, "degrees",
-            "latitude and longitude of the first row's first tree; without it the plan is not "
-            "tied to the earth");
+            "latitude and longitude of the first tree of the first row; without it the plan is not "
+            "georeferenced");
   v.number("bearing_deg", g.bearing_deg, -360.0, 360.0, "degrees",
-           "of the rows, first tree to last, clockwise from north");
+           "bearing of the rows from the first to the last tree, clockwise from north");
   v.choice("rows_to", g.rows_to, {"right", "left"},
-           "where the second row lies for who looks along the first");
+           "side of the second row, looking along the first");
   v.integer("first_row", g.first_row, 1, 1000000, "", "number of the first row");
-  v.integer("first_tree", g.first_tree, 1, 1000000, "", "number of each row's first tree");
-  v.check(g.rows > 0, "rows", "how many rows are there?");
-  v.check(g.trees > 0, "trees", "how many trees has a row?");
-  v.check(g.row_spacing_m > 0.0, "row_spacing_m", "how far apart are the rows?");
-  v.check(g.tree_spacing_m > 0.0, "tree_spacing_m", "how far apart are the trees?");
+  v.integer("first_tree", g.first_tree, 1, 1000000, "", "number of the first tree of each row");
+  v.check(g.rows > 0, "rows", "is missing: the number of rows");
+  v.check(g.trees > 0, "trees", "is missing: the number of trees per row");
+  v.check(g.row_spacing_m > 0.0, "row_spacing_m", "is missing: the distance between rows");
+  v.check(g.tree_spacing_m > 0.0, "tree_spacing_m",
+          "is missing: the distance between the trees of a row");
   v.check(g.corner_deg.empty() || (g.corner_deg.size() == 2 && std::abs(g.corner_deg[0]) <= 90.0),
           "corner_deg", "must be [latitude, longitude]");
-  v.check(static_cast<double>(g.rows) * g.trees <= 2e6, "trees", "over two million in all");
+  v.check(static_cast<double>(g.rows) * g.trees <= 2e6, "trees",
+          "gives more than two million trees");
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ std::map<std::int32_t, mapping::PlanName> read_plan_names(const std::string& pat
     const std::int32_t id = fields.size() == 3 ? mapping::number_in_name(fields[0]) : 0;
     if (id == 0 || line.size() > 1000) throw FileError(at + "must be id,row,tree");
     if (!names.emplace(id, mapping::PlanName{id, fields[1], fields[2]}).second) {
-      throw FileError(at + "id " + fields[0] + " stands there twice");
+      throw FileError(at + "id " + fields[0] + " occurs twice");
     }
   }
   if (names.empty()) throw FileError(path + " cannot be read, or is empty");

@@ -154,8 +154,8 @@ std::string plan_json(const StoredPlan& stored) {
 std::string plan_geojson(const StoredPlan& stored) {
   if (!stored.georeference) {
     throw FileError(stored.name +
-                    " is not tied to the earth, and GeoJSON holds latitude and longitude only; "
-                    "name its coordinate system with --crs");
+                    " is not georeferenced, but GeoJSON stores only latitude and longitude; give "
+                    "its coordinate system with --crs");
   }
   std::string text = "{\"type\": \"FeatureCollection\", \"features\": [";
   bool is_first = true;

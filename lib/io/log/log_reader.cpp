@@ -25,7 +25,8 @@ std::unique_ptr<std::istream> open_log(const std::string& path) {
     throw FileError(path + " is a folder, not an LCM log; give the log file in it");
   }
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-    throw FileError(path + " is not a file that can be read twice; copy it to a file first");
+    throw FileError(
+        path + " is a pipe or device, but the log must be read twice; copy it to a file first");
   }
   errno = 0;
   auto file = std::make_unique<std::ifstream>(path, std::ios::binary);
@@ -67,8 +68,8 @@ std::optional<LogEvent> LogReader::next() {
 LogEvent LogReader::read_at(std::uint64_t offset) {
   const auto size = plausible_size(offset);
   if (!size) {
-    throw FileError(path_ + " holds no event at offset " + std::to_string(offset) +
-                    " any longer; was it changed while it was read?");
+    throw FileError(path_ + " has no event at offset " + std::to_string(offset) +
+                    " any more; it was changed while it was read");
   }
   return event_at(offset, *size);
 }
@@ -139,7 +140,7 @@ LogEvent LogReader::event_at(std::uint64_t offset, std::uint64_t size) {
   const auto view = window_.at(offset, static_cast<std::size_t>(size));
   if (view.size < size) {
     throw FileError(path_ + " cannot be read at offset " + std::to_string(offset) +
-                    "; is the disk failing, or the file being written?");
+                    "; the disk may be failing, or the file is being written");
   }
   const LogEventHeader header = parse_log_event_header(view.bytes);
   const std::uint8_t* channel = view.bytes + LogEventHeader::kBytes;

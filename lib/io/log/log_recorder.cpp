@@ -161,8 +161,9 @@ void LogRecorder::sync() {
   }
   if (fileno_ < 0) open_next();
   if (problem_.empty() && is_space_short()) {
-    problem_ = "the disk of " + stem_ + " has " + megabytes(free_bytes_) + " left and " +
-               megabytes(limits_.least_free_bytes) + " are kept free: nothing is recorded";
+    problem_ = "the disk of " + stem_ + " has " + megabytes(free_bytes_) + " free, of which " +
+               megabytes(limits_.least_free_bytes) +
+               " are reserved: recording is paused; free disk space";
   }
 }
 

@@ -12,7 +12,7 @@ LogRepair repair_log(const std::string& path, const std::string& out_path,
                      const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
   std::error_code ignored;
   if (std::filesystem::equivalent(path, out_path, ignored)) {
-    throw FileError(out_path + " is the log to be repaired; give another name");
+    throw FileError(out_path + " is the input log; give another name for the output");
   }
   LogReader reader(path);  // opened before the output is created
   LogWriter writer(out_path);
@@ -23,7 +23,7 @@ LogRepair repair_log(const std::string& path, const std::string& out_path,
     if (progress) progress(reader.position(), reader.file_size());
   }
   if (repair.num_events == 0) {
-    throw FileError(path + " holds no LCM event that can be read; is it an LCM log?");
+    throw FileError(path + " has no readable LCM event; give an LCM log");
   }
   repair.gaps = reader.gaps();
   for (const LogGap& gap : repair.gaps) repair.num_lost_bytes += gap.size;

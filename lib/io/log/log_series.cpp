@@ -163,10 +163,10 @@ std::vector<std::string> LogSeries::notes() const {
   std::vector<std::string> notes = breaks_;
   if (logs_.size() == 1) return notes;
   for (const Log& log : logs_) {
-    if (!log.first_timestamp_us) notes.push_back(log.path + " holds no LCM event");
+    if (!log.first_timestamp_us) notes.push_back(log.path + " has no LCM event");
     if (log.num_repeated > 0) {
       notes.push_back(std::to_string(log.num_repeated) + " messages of " + name_of(log.path) +
-                      " stand in another log, too: used once");
+                      " are also in another log; they are used once");
     }
   }
   return notes;

@@ -23,11 +23,12 @@ struct LogWriter::Impl {
     fd = ::open(part.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
     if (fd < 0) {
       throw FileError(path + ": cannot be written (" + std::strerror(errno) +
-                      "); does its folder exist, and may you write there?");
+                      "); check that its folder exists and you may write there");
     }
     if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
       ::close(fd);
-      throw FileError(path + ": another process is writing it; wait for it or give another name");
+      throw FileError(path +
+                      ": another process is writing this file; wait for it or give another name");
     }
     if (::ftruncate(fd, 0) != 0) {
       ::close(fd);
@@ -59,12 +60,12 @@ LogWriter::~LogWriter() = default;
 
 void LogWriter::write(std::int64_t timestamp_us, std::string_view channel,
                       const std::vector<std::uint8_t>& data) {
-  if (!impl_) throw FileError("a log was written to after it was closed");
+  if (!impl_) throw FileError("write to a closed log");
   const bool printable =
       std::all_of(channel.begin(), channel.end(), [](char c) { return c > 0x20 && c < 0x7F; });
   if (channel.empty() || channel.size() > LogReader::kMaxChannelBytes || !printable) {
     throw FileError(impl_->target + ": \"" + std::string(channel) +
-                    "\" is no channel name: it needs 1 to 63 printable characters");
+                    "\" is not a channel name: it must have 1 to 63 printable characters");
   }
   if (LogEventHeader::kBytes + channel.size() + data.size() > LogReader::kMaxEventBytes) {
     throw FileError(impl_->target + ": a message of " + std::to_string(data.size()) + " bytes on " +

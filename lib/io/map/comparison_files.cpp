@@ -158,7 +158,7 @@ std::string comparison_json(const ComparisonContent& content) {
 }
 
 void write_comparison_folder(const std::string& folder, const ComparisonContent& content) {
-  make_folder(folder, "give another place for the comparison");
+  make_folder(folder, "choose another folder for the comparison");
   const std::filesystem::path path(folder);
   FileReplacement files;
   files.write((path / "compare.csv").string(), comparison_csv(content));

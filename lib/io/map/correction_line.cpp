@@ -43,11 +43,11 @@ class Line {
  public:
   Line(std::string_view text, std::string place) : place_(std::move(place)) {
     json_ = Json::parse(text, nullptr, false);
-    if (!json_.is_object()) fail("is no JSON object");
+    if (!json_.is_object()) fail("is not a JSON object");
   }
 
   [[noreturn]] void fail(const std::string& why) const {
-    throw FileError(place_ + ": " + why + "; mend or remove the line");
+    throw FileError(place_ + ": " + why + "; correct or remove the line");
   }
 
   std::int64_t integer(const Json& json, const char* key, std::int64_t lo) const {
@@ -55,7 +55,7 @@ class Line {
       fail(std::string(key) + " must be a whole number");
     }
     const auto value = json[key].get<std::int64_t>();
-    if (value < lo || value > kMaxInt) fail(std::string(key) + " cannot be that number");
+    if (value < lo || value > kMaxInt) fail(std::string(key) + " is out of range");
     return value;
   }
   std::int32_t integer(const char* key, std::int64_t lo) {
@@ -67,7 +67,7 @@ class Line {
     if (!json_.contains(key) || !json_[key].is_string()) fail(std::string(key) + " must be a text");
     auto value = json_[key].get<std::string>();
     if (!is_correction_text(value)) {
-      fail(std::string(key) + " is too long, or holds control characters");
+      fail(std::string(key) + " is too long, or contains control characters");
     }
     return value;
   }
@@ -77,7 +77,7 @@ class Line {
     if (!json.is_number()) fail(std::string(key) + " must be a number");
     const double value = json.get<double>();
     if (!std::isfinite(value) || value < lo || value > hi) {
-      fail(std::string(key) + " cannot be that number");
+      fail(std::string(key) + " is out of range");
     }
     return value;
   }
@@ -101,7 +101,8 @@ class Line {
     used_.push_back("landmarks");
     if (!has("landmarks") || !json_["landmarks"].is_array()) fail("landmarks must be a list");
     const Json& list = json_["landmarks"];
-    if (list.size() < least || list.size() > most) fail("landmarks must name as many as it needs");
+    if (list.size() < least || list.size() > most)
+      fail("landmarks has the wrong number of landmarks for this correction");
     std::vector<CorrectionTarget> result;
     for (const Json& json : list) {
       if (!json.is_object()) fail("landmarks must be a list of objects");
@@ -138,20 +139,21 @@ class Line {
     for (const CorrectionKind kind : mapping::kAllCorrectionKinds) {
       if (word == mapping::correction_word(kind)) return kind;
     }
-    fail("\"" + printable_text(word) + "\" is no correction that this release knows");
+    fail("\"" + printable_text(word) +
+         "\" is a kind of correction that this version does not know");
   }
   std::int64_t utime() {
     const std::string when = text("when");
     std::tm utc{};
     const char* end = ::strptime(when.c_str(), "%Y-%m-%dT%H:%M:%SZ", &utc);
-    if (end == nullptr || *end != '\0') fail("when must be like 2026-05-04T08:00:00Z");
+    if (end == nullptr || *end != '\0') fail("`when` must be a time like 2026-05-04T08:00:00Z");
     return std::int64_t{1000000} * static_cast<std::int64_t>(::timegm(&utc));
   }
   /// An unknown field is from a later release or a mistake, so it is an error.
   void require_all_used() const {
     for (const auto& [key, value] : json_.items()) {
       if (std::find(used_.begin(), used_.end(), key) == used_.end()) {
-        fail("\"" + printable_text(key) + "\" has no place in such a correction");
+        fail("\"" + printable_text(key) + "\" does not belong to this kind of correction");
       }
     }
   }
@@ -211,7 +213,7 @@ Correction correction_of(Line& line) {
       break;
   }
   if (line.has("note")) c.note = line.text("note");
-  if (c.kind == CorrectionKind::kNote && c.note.empty()) line.fail("a note without words");
+  if (c.kind == CorrectionKind::kNote && c.note.empty()) line.fail("the note is empty");
   line.require_all_used();
   return c;
 }
@@ -267,7 +269,7 @@ StoredCorrections parse_corrections(std::string_view text, const std::string& na
     Line fields(text.substr(begin, end - begin), place);
     Correction c = correction_of(fields);
     const std::int32_t last = stored.list.empty() ? 0 : stored.list.back().number;
-    if (c.number <= last) fields.fail("n must rise from line to line");
+    if (c.number <= last) fields.fail("n must increase from line to line");
     stored.list.push_back(std::move(c));
     begin = end + 1;
   }

@@ -27,7 +27,7 @@ std::string path_in(const std::string& folder) {
 [[noreturn]] void fail(const std::string& path, const char* what) {
   const int error = errno;
   throw FileError(path + ": cannot " + what + " (" + std::strerror(error) + ")" +
-                  (error == EACCES || error == EROFS ? "; may you write there?" : ""));
+                  (error == EACCES || error == EROFS ? "; check that you may write there" : ""));
 }
 
 /// The file, open and exclusively locked during the lifetime of this object.
@@ -47,9 +47,9 @@ class LockedFile {
   std::string text() const {
     struct stat status {};
     if (::fstat(fd_, &status) != 0) fail(path_, "be read");
-    if (!S_ISREG(status.st_mode)) throw FileError(path_ + " is no regular file; move it away");
+    if (!S_ISREG(status.st_mode)) throw FileError(path_ + " is not a regular file; move it away");
     if (static_cast<std::size_t>(status.st_size) > kMaxBytes) {
-      throw FileError(path_ + " is larger than any list of corrections; is it one?");
+      throw FileError(path_ + " is too large for a list of corrections; move it away");
     }
     std::string text(static_cast<std::size_t>(status.st_size), '\0');
     std::size_t size = 0;
@@ -88,7 +88,7 @@ class LockedFile {
     for (int i = 0; ::flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; ++i) {
       if (i >= kTries) {
         ::close(fd_);
-        throw FileError(path_ + ": another program has been writing it for ten seconds; end it");
+        throw FileError(path_ + ": locked by another program for ten seconds; stop that program");
       }
       ::usleep(kPause_us);
     }
@@ -127,7 +127,7 @@ StoredCorrections read_corrections(const std::string& folder) {
   errno = error;
   if (got < 0) fail(path, "be read");
   if (text.size() > kMaxBytes) {
-    throw FileError(path + " is larger than any list of corrections; is it one?");
+    throw FileError(path + " is too large for a list of corrections; move it away");
   }
   return parse_corrections(text, path);
 }

@@ -46,7 +46,7 @@ std::vector<Landmark> read_map(CsvReader csv) {
   while (csv.next()) {
     Landmark landmark;
     landmark.id = static_cast<std::int32_t>(csv.integer_in(0, 0, kMaxInt));
-    if (!ids.insert(landmark.id).second) csv.fail(0, "this id stands there twice");
+    if (!ids.insert(landmark.id).second) csv.fail(0, "this id occurs twice");
     landmark.label = parse_label(csv, 1);
     landmark.x_m = csv.number_in(2, -kMaxCoordinate_m, kMaxCoordinate_m);
     landmark.y_m = csv.number_in(3, -kMaxCoordinate_m, kMaxCoordinate_m);

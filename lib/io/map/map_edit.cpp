@@ -27,7 +27,7 @@ detection::Label label_named(const std::string& word) {
   for (const auto label : {detection::Label::kTree, detection::Label::kObject}) {
     if (word == label_text(label)) return label;
   }
-  throw FileError("\"" + word + "\" is no class; give tree or object");
+  throw FileError("\"" + word + "\" is not a class; give tree or object");
 }
 
 constexpr int kPositionMax = 1000000;
@@ -63,10 +63,10 @@ std::int32_t number_to_turn(const MapEdit& edit, const std::vector<Correction>& 
     if (c.number != edit.of || is_step) continue;
     if (holds[i] == undoes) return c.number;
     throw FileError("correction " + std::to_string(c.number) +
-                    (undoes ? " is undone already" : " holds already"));
+                    (undoes ? " is undone already" : " is applied already"));
   }
-  throw FileError("there is no correction " + std::to_string(edit.of) +
-                  " (`orchard edit MAP list`)");
+  throw FileError("no correction has number " + std::to_string(edit.of) +
+                  "; list them with `orchard edit MAP list`");
 }
 
 /// Number of a row; a row without trees is new.
@@ -92,7 +92,7 @@ Correction correction_of(const MapEdit& edit, const CorrectedMapFolder& map) {
   switch (c.kind) {
     case CorrectionKind::kAdd:
       if (c.places_map.empty() == edit.trees.empty()) {
-        throw FileError("give the place of what is missing: a gap (3/14) or --at X Y");
+        throw FileError("give the position of the missing landmark: a gap (3/14) or --at X Y");
       }
       if (c.places_map.empty()) c.places_map = {gap_named(map, edit.trees.front())};
       c.new_id = map.corrected.next_id;
@@ -134,7 +134,7 @@ void require_possible(const Correction& c, const CorrectedMapFolder& after) {
     throw FileError("nothing to correct: " + result.reason);
   }
   if (c.kind == CorrectionKind::kSplit && (c.places_map[0] - c.places_map[1]).norm() < 0.01) {
-    throw FileError("the two parts stand in one place; give two with --at X1 Y1 X2 Y2");
+    throw FileError("the two positions are equal; give two different ones with --at X1 Y1 X2 Y2");
   }
 }
 
@@ -143,7 +143,8 @@ void require_possible(const Correction& c, const CorrectedMapFolder& after) {
 void require_sound(const MapEdit& edit) {
   for (const std::string* text : {&edit.who, &edit.note, &edit.name}) {
     if (!is_correction_text(*text)) {
-      throw FileError("a text that is too long, no UTF-8 or of several lines cannot be noted");
+      throw FileError(
+          "the text is too long, not UTF-8 or has several lines; shorten or correct it");
     }
   }
   struct Needs {
@@ -179,15 +180,15 @@ void require_sound(const MapEdit& edit) {
   }
   for (const Vector2d& p : edit.places_map) {
     if (!(p.cwiseAbs().maxCoeff() <= kMaxCoordinate_m)) {
-      throw FileError("a place farther than any map reaches");
+      throw FileError("the position is farther away than a map can reach");
     }
   }
   if (edit.position < 0 || edit.position > kPositionMax || edit.of < 0 ||
       !(edit.width_m >= 0.0 && edit.width_m <= kMaxWidth_m)) {
-    throw FileError("a number that cannot be");
+    throw FileError("a number is out of range");
   }
   if (edit.kind == CorrectionKind::kNote && edit.note.empty()) {
-    throw FileError("a note without words");
+    throw FileError("the note is empty");
   }
 }
 
@@ -201,7 +202,7 @@ std::vector<std::string> MapEditEffect::new_conflicts() const {
     if (is.outcome != CorrectionOutcome::kConflict || was.outcome == is.outcome) continue;
     sentences.push_back("correction " + std::to_string(is.number) + " (" +
                         mapping::correction_word(before.corrections[i].kind) +
-                        ") is in conflict now: " + is.reason);
+                        ") now conflicts with the map: " + is.reason);
   }
   return sentences;
 }

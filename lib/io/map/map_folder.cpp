@@ -32,7 +32,7 @@ MapHeading heading_of(const MapFolderContent& content) {
 }  // namespace
 
 void write_map_folder(const std::string& folder, const MapFolderContent& content) {
-  make_folder(folder, "give another place for the map");
+  make_folder(folder, "choose another folder for the map");
   const std::filesystem::path path(folder);
   const mapping::NavigationGraph graph =
       mapping::navigation_graph(content.landmarks, content.rows, content.seen_free);

@@ -50,7 +50,7 @@ bool is_alive(long pid) { return ::kill(static_cast<pid_t>(pid), 0) == 0 || errn
 }  // namespace
 
 MapPlace::MapPlace(std::string folder) : folder_(std::move(folder)) {
-  make_folder(folder_, "give another place for the map");
+  make_folder(folder_, "choose another folder for the map");
   lock();
   try {
     remove_temporaries();  // first, because they may have filled the disk
@@ -73,9 +73,9 @@ void MapPlace::lock() {
   // On a file system without locks, none is used.
   if (::flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     ::close(fd_);
-    throw FileError(folder_ +
-                    ": another mapper saves its map there; stop it, or give another "
-                    "folder");
+    throw FileError(
+        folder_ +
+        ": another mapper is saving its map in this folder; stop it, or choose another folder");
   }
 }
 

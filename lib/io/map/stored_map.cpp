@@ -42,13 +42,14 @@ void require_metres(const std::string& name, const std::vector<Landmark>& landma
                                    [](const Landmark& l) { return l.width_m > kWidestTrunk_m; });
     throw FileError(at_line(name, static_cast<std::size_t>(wide - landmarks.begin())) +
                     "width_m = " + fixed_text(wide->width_m, 1) +
-                    " is no trunk, and so are most; is the map in millimetres? Give it in metres");
+                    " is too wide for a trunk, like most others; the map seems to be in "
+                    "millimetres, give it in metres");
   }
   const double spacing_m = mapping::typical_spacing_m(mapping::IndexedPoints(places));
   if (landmarks.size() < 3) return;
   if (spacing_m > 0.0 && spacing_m < kNarrowestSpacing_m) {
-    throw FileError(at_line(name, 0) + "x_m, y_m: things stand " + fixed_text(spacing_m, 4) +
-                    " apart; are these degrees? Give metres of a flat map");
+    throw FileError(at_line(name, 0) + "x_m, y_m: landmarks are " + fixed_text(spacing_m, 4) +
+                    " apart; these seem to be degrees, give metres");
   }
   double x0 = 1e300, x1 = -1e300, y0 = 1e300, y1 = -1e300;
   for (const Eigen::Vector2d& p : places) {
@@ -58,13 +59,13 @@ void require_metres(const std::string& name, const std::vector<Landmark>& landma
   if (std::max(x1 - x0, y1 - y0) < kNarrowestSpacing_m) {
     throw FileError(at_line(name, 0) + "x_m, y_m: the whole map spans " +
                     fixed_text(std::max(x1 - x0, y1 - y0), 4) +
-                    "; are these degrees? Give metres of a flat map");
+                    "; these seem to be degrees, give metres");
   }
   // a spacing of 0 means that no landmark has a neighbour within 162 m
   if (spacing_m > kWidestSpacing_m || spacing_m == 0.0 || spacing_m > 100.0) {
-    throw FileError(at_line(name, 0) +
-                    "x_m, y_m: things stand more than 100 apart; are these millimetres? Give "
-                    "metres");
+    throw FileError(
+        at_line(name, 0) +
+        "x_m, y_m: landmarks are more than 100 apart; these seem to be millimetres, give metres");
   }
 }
 
@@ -77,12 +78,12 @@ std::string text_of(const std::filesystem::path& path) {
 
 double number_in(const Json& json, const char* key, double lo, double hi, const std::string& name) {
   if (!json.contains(key) || !json[key].is_number()) {
-    throw FileError(name + ": " + key + " is missing or no number; map the log again");
+    throw FileError(name + ": " + key + " is missing or not a number; map the log again");
   }
   const double value = json[key].get<double>();
   if (!std::isfinite(value) || value < lo || value > hi) {
     throw FileError(name + ": " + key + " = " + fixed_text(value, 3) +
-                    " cannot be; map the log again");
+                    " is out of range; map the log again");
   }
   return value;
 }
@@ -90,7 +91,7 @@ double number_in(const Json& json, const char* key, double lo, double hi, const 
 void take_summary(const std::filesystem::path& path, StoredMap& map) {
   const std::string name = path.string();
   const Json json = Json::parse(text_of(path), nullptr, false);
-  if (!json.is_object()) throw FileError(name + " is no JSON object; map the log again");
+  if (!json.is_object()) throw FileError(name + " is not a JSON object; map the log again");
   if (json.contains("next_id")) {
     map.next_id = std::max(
         map.next_id, static_cast<std::int32_t>(number_in(json, "next_id", 1, 2147483647.0, name)));
@@ -131,11 +132,11 @@ StoredMap read_stored_map(const std::string& folder_or_csv) {
   const fs::path folder(folder_or_csv);
   map.name = is_folder ? (folder / "map.csv").string() : folder_or_csv;
   if (is_folder && !fs::exists(map.name)) {
-    throw FileError(folder_or_csv + " holds no map.csv; give a folder that orchard map wrote");
+    throw FileError(folder_or_csv + " has no map.csv; give a folder that `orchard map` wrote");
   }
   map.landmarks = read_map_csv(map.name);
   if (map.landmarks.empty()) {
-    throw FileError(map.name + ":2: the map is empty; there is nothing to lay another one on");
+    throw FileError(map.name + ":2: the map is empty, so no other map can be aligned with it");
   }
   require_metres(map.name, map.landmarks);
   for (const Landmark& l : map.landmarks) {

@@ -66,9 +66,10 @@ std::string hash_text(std::int64_t hash) {
 }  // namespace
 
 std::string residual_warning(const geometry::Georeference& georeference) {
-  return "the map's place on the earth is doubtful: satellite fixes lie " +
-         fixed_text(georeference.residual_rms_m, 2) + " m (RMS) from where the map has them, " +
-         fixed_text(geometry::kGeoreferenceResidualMax_m, 1) + " m are usual at most";
+  return "the georeference of the map is doubtful: GNSS fixes deviate by " +
+         fixed_text(georeference.residual_rms_m, 2) +
+         " m (RMS) from their positions in the map, but at most " +
+         fixed_text(geometry::kGeoreferenceResidualMax_m, 1) + " m are expected";
 }
 
 std::string summary_json(const MapFolderContent& content) {

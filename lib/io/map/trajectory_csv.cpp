@@ -20,7 +20,7 @@ std::vector<pose::PoseEstimate> read_trajectory(CsvReader csv) {
     pose::PoseEstimate pose;
     pose.utime = csv.integer(0);
     if (!trajectory.empty() && pose.utime <= trajectory.back().utime) {
-      csv.fail(0, "time must go up from line to line");
+      csv.fail(0, "the time must increase from line to line");
     }
     pose.seq = static_cast<std::int32_t>(trajectory.size());
     pose.x_m = csv.number_in(1, -kMaxCoordinate_m, kMaxCoordinate_m);

@@ -18,7 +18,7 @@ RowAndTree row_and_tree(const CorrectedMapFolder& map, const std::string& name) 
   const std::size_t slash = name.rfind('/');
   const auto position = whole_number(name.substr(slash + 1));
   if (slash == std::string::npos || !position || *position < 1) {
-    throw FileError("\"" + name + "\" names no tree; give an id (17) or row/tree (3/14)");
+    throw FileError("\"" + name + "\" is not a tree; give an id (17) or row/tree (3/14)");
   }
   return {row_named(map, name.substr(0, slash)), *position};
 }
@@ -65,7 +65,7 @@ Eigen::Vector2d gap_named(const CorrectedMapFolder& map, const std::string& name
     }
   }
   throw FileError(map.mapped.name + " has no gap at tree " + std::to_string(number.position) +
-                  " of row " + std::to_string(number.row) + "; give the place with --at X Y");
+                  " of row " + std::to_string(number.row) + "; give the position with --at X Y");
 }
 
 std::string landmark_words(const mapping::Landmark& landmark) {

@@ -29,7 +29,7 @@ void require_no_password(const std::string& url) {
   if (options == nullptr) {
     PQfreemem(error);  // it may contain the password
     throw FileError(
-        "--to: this is no URL of PostgreSQL; give one such as postgresql://user@host/database");
+        "--to: this is not a PostgreSQL URL; give one such as postgresql://user@host/database");
   }
   bool has_password = false;
   for (const PQconninfoOption* o = options; o->keyword != nullptr; ++o) {
@@ -38,8 +38,8 @@ void require_no_password(const std::string& url) {
   PQconninfoFree(options);
   if (has_password) {
     throw FileError(
-        "--to: everyone on this machine sees a password on the command line; leave it out and put "
-        "it into ~/.pgpass (mode 600), a service file or PGPASSWORD");
+        "--to: a password on the command line is visible to everyone on this machine; put it into "
+        "~/.pgpass (mode 600), a service file or PGPASSWORD instead");
   }
 }
 
@@ -74,7 +74,7 @@ void PostgresConnection::fail(const char* what) const {
 void PostgresConnection::run(const char* statements) {
   const Result result(PQexec(connection_.get(), statements));
   const ExecStatusType status = PQresultStatus(result.get());
-  if (status != PGRES_COMMAND_OK && status != PGRES_TUPLES_OK) fail("the database refuses");
+  if (status != PGRES_COMMAND_OK && status != PGRES_TUPLES_OK) fail("the database refused");
 }
 
 std::int64_t PostgresConnection::run(const char* statement,
@@ -85,28 +85,28 @@ std::int64_t PostgresConnection::run(const char* statement,
                                    nullptr, values.data(), nullptr, nullptr, 0));
   const ExecStatusType status = PQresultStatus(result.get());
   if (status == PGRES_TUPLES_OK) return PQntuples(result.get());
-  if (status != PGRES_COMMAND_OK) fail("the database refuses");
+  if (status != PGRES_COMMAND_OK) fail("the database refused");
   return std::strtoll(PQcmdTuples(result.get()), nullptr, 10);
 }
 
 void PostgresConnection::begin_copy(const char* statement) {
   const Result result(PQexec(connection_.get(), statement));
-  if (PQresultStatus(result.get()) != PGRES_COPY_IN) fail("the database refuses");
+  if (PQresultStatus(result.get()) != PGRES_COPY_IN) fail("the database refused");
 }
 
 void PostgresConnection::copy(std::string_view lines) {
   if (PQputCopyData(connection_.get(), lines.data(), static_cast<int>(lines.size())) != 1) {
-    fail("the connection broke");
+    fail("the connection was lost");
   }
 }
 
 void PostgresConnection::end_copy() {
-  if (PQputCopyEnd(connection_.get(), nullptr) != 1) fail("the connection broke");
+  if (PQputCopyEnd(connection_.get(), nullptr) != 1) fail("the connection was lost");
   bool is_good = true;
   while (Result result{PQgetResult(connection_.get())}) {
     is_good = is_good && PQresultStatus(result.get()) == PGRES_COMMAND_OK;
   }
-  if (!is_good) fail("the database refuses");
+  if (!is_good) fail("the database refused");
 }
 
 }  // namespace orchard::io

@@ -25,9 +25,9 @@ vision::Image read_jpeg_file(const std::string& path) {
   std::vector<std::uint8_t> data(static_cast<std::size_t>(size));
   std::ifstream file(path, std::ios::binary);
   file.read(reinterpret_cast<char*>(data.data()), static_cast<std::streamsize>(size));
-  if (!file) throw FileError(path + ": cannot be read to its end");
+  if (!file) throw FileError(path + ": could not be read completely");
   auto image = jpeg_image(data.data(), data.size());
-  if (!image) throw FileError(path + ": is no JPEG picture; remove or replace it");
+  if (!image) throw FileError(path + ": is not a JPEG picture; remove or replace it");
   return std::move(*image);
 }
 

@@ -46,8 +46,7 @@ std::vector<Range> ranges_of(const std::string& only) {
     const auto first = number_of(part.substr(0, dash));
     const auto last = dash == std::string_view::npos ? first : number_of(part.substr(dash + 1));
     if (!first || !last || *last < *first) {
-      throw FileError("--only " + only +
-                      ": must be numbers of pictures such as 000-019 or 0-19,30");
+      throw FileError("--only " + only + ": must be picture numbers such as 000-019 or 0-19,30");
     }
     ranges.emplace_back(*first, *last);
     begin = end + 1;
@@ -80,13 +79,14 @@ std::map<std::string, std::string> pictures_in(const std::string& folder) {
   }
   if (error) throw FileError(folder + ": cannot be read (" + error.message() + ")");
   if (pictures.empty()) {
-    throw FileError(folder + ": holds no picture (.jpg, .jpeg or .png); give the folder of them");
+    throw FileError(folder +
+                    ": has no picture (.jpg, .jpeg or .png); give the folder of the pictures");
   }
   return pictures;
 }
 
 [[noreturn]] void refuse_as_unreadable(const std::string& path) {
-  throw FileError(path + ": is no picture that can be read to its end; remove or replace it");
+  throw FileError(path + ": is not a complete picture; remove or replace it");
 }
 
 /// Reads a JPEG with our decoder, which rejects truncated files; OpenCV returns a partial image.
@@ -110,7 +110,7 @@ vision::PixelBlock read_png(const std::string& path) {
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
   std::ifstream file(path, std::ios::binary);
   file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-  if (!file) throw FileError(path + ": cannot be read to its end");
+  if (!file) throw FileError(path + ": could not be read completely");
   cv::Mat picture;
   try {
     picture = cv::imdecode(bytes, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
@@ -153,11 +153,11 @@ MaskedPictureList list_masked_pictures(const std::string& picture_folder,
   }
   if (list.pictures.empty() && list.without_mask.empty()) {
     throw FileError("--only " + only + ": no picture of " + picture_folder +
-                    " has such a number; they go from " + pictures.begin()->first + " to " +
+                    " has such a number; the numbers go from " + pictures.begin()->first + " to " +
                     pictures.rbegin()->first);
   }
   if (list.pictures.empty()) {
-    throw FileError(mask_folder + ": holds no mask of the name of a picture, such as " +
+    throw FileError(mask_folder + ": has no mask with the name of a picture, such as " +
                     list.without_mask.front() + "; give the folder of the masks");
   }
   return list;
@@ -169,8 +169,8 @@ MaskedPicture read_masked_picture(const MaskedPicturePaths& paths) {
   const vision::PixelBlock mask = read_picture(paths.mask);
   const vision::PixelRect &size = result.pixels.area, &mask_size = mask.area;
   if (size.width_px != mask_size.width_px || size.height_px != mask_size.height_px) {
-    throw FileError(paths.mask + ": is " + size_text(mask_size) + " pixels, its picture " +
-                    size_text(size) + "; a mask must have its picture's size");
+    throw FileError(paths.mask + ": is " + size_text(mask_size) + " pixels, but its picture " +
+                    size_text(size) + "; a mask must have the size of its picture");
   }
   result.mask.width_px = size.width_px;
   result.mask.height_px = size.height_px;
@@ -181,7 +181,7 @@ MaskedPicture read_masked_picture(const MaskedPicturePaths& paths) {
     result.mask.trunk.push_back(is_trunk ? 1 : 0);
   }
   if (std::count(result.mask.trunk.begin(), result.mask.trunk.end(), 1) == 0) {
-    throw FileError(paths.mask + ": has no red pixel, so it marks no trunk");
+    throw FileError(paths.mask + ": has no red pixel, so no trunk is marked");
   }
   return result;
 }

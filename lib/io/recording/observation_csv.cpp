@@ -36,14 +36,14 @@ std::vector<TrueObservation> read_observations(CsvReader csv) {
     TrueObservation o;
     o.utime = csv.integer(0);
     if (!observations.empty() && o.utime < observations.back().utime) {
-      csv.fail(0, "time must not go back from line to line");
+      csv.fail(0, "the time must not decrease from line to line");
     }
     if (observations.empty() || o.utime != observations.back().utime) in_scan.clear();
     o.object = static_cast<int>(csv.integer_in(1, 0, kMaxObject));
-    if (!in_scan.insert(o.object).second) csv.fail(1, "stands twice in one scan");
+    if (!in_scan.insert(o.object).second) csv.fail(1, "occurs twice in one scan");
     o.label = read_class(csv, 2);
     if (labels.emplace(o.object, o.label).first->second != o.label) {
-      csv.fail(2, "is not the class that this object had before");
+      csv.fail(2, "differs from the class of this object in an earlier line");
     }
     o.x_m = csv.number_in(3, -kMaxCoordinate_m, kMaxCoordinate_m);
     o.y_m = csv.number_in(4, -kMaxCoordinate_m, kMaxCoordinate_m);
@@ -74,7 +74,8 @@ void write_observation_csv(const std::string& path,
       "utime_us,object,class,x_m,y_m,width_m,range_m,bearing_rad,num_beams,hidden_fraction,"
       "in_picture\n";
   for (const TrueObservation& o : observations) {
-    if (o.label == Label::kUnseen) throw FileError(path + ": a truth has no unseen objects");
+    if (o.label == Label::kUnseen)
+      throw FileError(path + ": an object of the truth must not be unseen");
     text += std::to_string(o.utime) + "," + std::to_string(o.object) +
             (o.label == Label::kTree ? ",tree," : ",object,") + fixed_text(o.x_m, 4) + "," +
             fixed_text(o.y_m, 4) + "," + fixed_text(o.width_m, 4) + "," + fixed_text(o.range_m, 4) +

@@ -30,7 +30,8 @@ vision::Image decode_png(const std::string& path, const std::vector<std::uint8_t
   const std::uint32_t width_px = big_endian(&bytes[16]), height_px = big_endian(&bytes[20]);
   if (width_px == 0 || height_px == 0 || width_px > kMaxSide_px || height_px > kMaxSide_px) {
     throw FileError(path + ": its PNG header states " + std::to_string(width_px) + " x " +
-                    std::to_string(height_px) + " pixels; 1 to 8192 a side can be read");
+                    std::to_string(height_px) +
+                    " pixels, but only 1 to 8192 per side are supported");
   }
   cv::Mat grey;
   try {
@@ -56,12 +57,12 @@ vision::Image read_picture_file(const std::string& path) {
   if (error) throw FileError(path + ": cannot be read (" + error.message() + ")");
   if (size <= kPngHeaderBytes || size > kMaxBytes) {
     throw FileError(path + ": " + std::to_string(size) +
-                    " bytes are no picture that can be read (up to 16 MB); remove or replace it");
+                    " bytes; a picture must have 1 byte to 16 MB; remove or replace it");
   }
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
   std::ifstream file(path, std::ios::binary);
   file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-  if (!file) throw FileError(path + ": cannot be read to its end");
+  if (!file) throw FileError(path + ": could not be read completely");
   if (std::equal(kPngStart.begin(), kPngStart.end(), bytes.begin())) return decode_png(path, bytes);
   if (bytes[0] == 0xff && bytes[1] == 0xd8) return read_jpeg_file(path);
   throw FileError(path + ": is neither a JPEG nor a PNG picture; remove or convert it");

@@ -41,7 +41,7 @@ void RawBytesWriter::write(const RawEvent& event) {
   put_big_endian(record, static_cast<std::uint32_t>(event.bytes.size()));
   record += event.bytes;
   file_ << record << std::flush;
-  if (!file_) throw FileError(path_ + ": cannot be written (is the disk full?)");
+  if (!file_) throw FileError(path_ + ": could not be written; is the disk full?");
 }
 
 RawBytesReader::RawBytesReader(const std::string& path)
@@ -50,7 +50,7 @@ RawBytesReader::RawBytesReader(const std::string& path)
   if (!file_) throw FileError(path_ + ": cannot be opened");
   file_.read(magic.data(), magic.size());
   if (!file_ || std::string_view(magic.data(), magic.size()) != kRawBytesMagic) {
-    throw FileError(path_ + ": no recording of raw bytes (it does not begin with ORCHRAW1)");
+    throw FileError(path_ + ": not a recording of raw bytes (it does not start with ORCHRAW1)");
   }
 }
 
@@ -61,7 +61,7 @@ std::optional<RawEvent> RawBytesReader::next() {
   event.utime = static_cast<std::int64_t>(get_big_endian(header.data(), 8));
   const auto size = static_cast<std::uint32_t>(get_big_endian(header.data() + 9, 4));
   if (!is_kind(header[8]) || size > kEventMax_bytes) {
-    throw FileError(path_ + ": damaged: an event of a kind or size that cannot be");
+    throw FileError(path_ + ": damaged: an event has an invalid kind or size");
   }
   event.kind = static_cast<RawKind>(header[8]);
   event.bytes.resize(size);

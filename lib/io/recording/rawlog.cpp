@@ -32,7 +32,7 @@ using namespace mrpt::obs;
 /// Returns the uncompressed size in bytes.
 std::uint64_t checked_size(const std::string& path) {
   if (!std::filesystem::is_regular_file(path)) {
-    throw FileError(path + " is no file; give an MRPT rawlog");
+    throw FileError(path + " is not a file; give an MRPT rawlog");
   }
   const gzFile file = ::gzopen(path.c_str(), "rb");
   if (file == nullptr) throw FileError(path + " cannot be opened; give a readable rawlog");
@@ -46,7 +46,7 @@ std::uint64_t checked_size(const std::string& path) {
   ::gzerror(file, &code);
   ::gzclose(file);
   if (count < 0 || code == Z_BUF_ERROR) {
-    throw FileError(path + ": damaged or cut short (its compression says so); fetch it again");
+    throw FileError(path + ": damaged or truncated (decompression failed); copy it again");
   }
   if (size == 0) throw FileError(path + " is empty; give an MRPT rawlog");
   return size;
@@ -74,20 +74,20 @@ void read_objects(const std::string& path, std::uint64_t size, RawlogCollector& 
     while (position < size) {
       add(archive.ReadObject(), collector);
       const std::uint64_t end = stream.getPosition();
-      if (end <= position) throw std::runtime_error("it does not go on");
+      if (end <= position) throw std::runtime_error("the data is incomplete");
       position = end;
     }
   } catch (const FileError&) {
     throw;
   } catch (const std::bad_alloc&) {
     throw FileError(path + ": damaged at byte " + std::to_string(position) +
-                    " (an object asks for more memory than the file can fill); fetch it again");
+                    " (an object is larger than the file); copy it again");
   } catch (const std::exception& error) {
     const std::string reason = error.what();
     constexpr std::size_t kShownBytes = 200;  // MRPT appends its call stack
     throw FileError(path + ": cannot be read at byte " + std::to_string(position) + " (" +
                     reason.substr(0, std::min(reason.find('\n'), kShownBytes)) +
-                    "); is it an MRPT rawlog, and whole?");
+                    "); give a complete MRPT rawlog");
   }
 }
 
@@ -116,7 +116,8 @@ void read_objects(const std::string& path, std::uint64_t size, RawlogCollector& 
 /// changed to another). Throws FileError if the child crashes or reports an error.
 void require_readable(const std::string& path, std::uint64_t size) {
   int ends[2];
-  if (::pipe2(ends, O_CLOEXEC) != 0) throw FileError(path + ": no pipe to check it through");
+  if (::pipe2(ends, O_CLOEXEC) != 0)
+    throw FileError(path + ": the check of the file could not be started (pipe)");
   const pid_t child = ::fork();
   if (child == 0) try_in_child(path, size, ends[1]);
   ::close(ends[1]);
@@ -127,13 +128,13 @@ void require_readable(const std::string& path, std::uint64_t size) {
     if (count > 0) mistake.append(buffer, static_cast<std::size_t>(count));
   }
   ::close(ends[0]);
-  if (child < 0) throw FileError(path + ": no process to check it in");
+  if (child < 0) throw FileError(path + ": the check of the file could not be started (process)");
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   if (!mistake.empty()) throw FileError(mistake);
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    throw FileError(path + ": damaged so that MRPT cannot read it; fetch it again");
+    throw FileError(path + ": damaged so that MRPT cannot read it; copy it again");
   }
 }
 
@@ -150,7 +151,7 @@ RawlogContent read_rawlog(const std::string& path) {
     for (const auto& [name, count] : content.ignored) {
       found += (found.empty() ? "" : ", ") + std::to_string(count) + " " + name;
     }
-    throw FileError(path + " holds no observation that can be used, only " +
+    throw FileError(path + " has no usable observation, only " +
                     (found.empty() ? "comments" : found));
   }
   return content;

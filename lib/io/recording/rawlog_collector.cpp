@@ -48,7 +48,7 @@ vision::Image encode(const cv::Mat& picture, const std::string& path) {
   image.height_px = picture.rows;
   if (picture.empty() || picture.depth() != CV_8U ||
       !cv::imencode(".jpg", picture, image.data, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality})) {
-    throw FileError(path + ": a picture in it cannot be used; is the rawlog damaged?");
+    throw FileError(path + ": a picture in it is invalid; the rawlog may be damaged");
   }
   return image;
 }
@@ -119,14 +119,14 @@ void RawlogCollector::add_scan(const CObservation2DRangeScan& source) {
   mrpt::poses::CPose3D pose = source.sensorPose;
   if (!content_.laser_mount) content_.laser_label = source.sensorLabel;
   if (source.sensorLabel != content_.laser_label) {
-    return ignore(name + " of " + source.sensorLabel + " (one laser is taken)");
+    return ignore(name + " of " + source.sensorLabel + " (only one laser is used)");
   }
   if (std::abs(pose.roll()) > kMaxTiltRad || std::abs(pose.pitch()) > kMaxTiltRad) {
     return ignore(name + " (not horizontal)");
   }
   if (num_beams < 2 || !(source.aperture > 0.0f) || !(source.aperture < 7.0f) ||
       !(source.maxRange > 0.0f) || !(source.maxRange <= kMaxRange_m)) {
-    return ignore(name + " (contradicts itself)");
+    return ignore(name + " (inconsistent)");
   }
   if (!content_.laser_mount) content_.laser_mount = SensorMount{pose.x(), pose.y(), pose.yaw()};
   laser::Scan scan;
@@ -152,7 +152,7 @@ void RawlogCollector::add_image(const CObservationImage& source) {
   if (!has_camera_) content_.camera_label = source.sensorLabel;
   has_camera_ = true;
   if (source.sensorLabel != content_.camera_label) {
-    return ignore(class_name(source) + " of " + source.sensorLabel + " (one camera is taken)");
+    return ignore(class_name(source) + " of " + source.sensorLabel + " (only one camera is used)");
   }
   vision::Image image;
   if (source.image.isExternallyStored()) {
@@ -162,7 +162,7 @@ void RawlogCollector::add_image(const CObservationImage& source) {
     const fs::path file = fs::path(CRawlog::detectImagesDirectory(path_)) / name;
     if (leaves || !fs::is_regular_file(file)) {
       throw FileError(path_ + ": its picture " + name.string() +
-                      " is not in its image folder; put it there");
+                      " is missing in its image folder; copy it there");
     }
     image = file.extension() == ".jpg" ? read_jpeg_file(file.string())
                                        : encode(cv::imread(file.string()), path_);
@@ -208,7 +208,7 @@ void RawlogCollector::add_gps(const CObservationGPS& source) {
   fix.fix_quality = static_cast<std::int8_t>(fields.fix_quality);
   const bool sane = std::abs(fix.latitude_deg) <= 90.0 && std::abs(fix.longitude_deg) <= 180.0 &&
                     std::isfinite(fix.altitude_m);
-  if (!sane) return ignore(class_name(source) + " (contradicts itself)");
+  if (!sane) return ignore(class_name(source) + " (inconsistent)");
   content_.messages.emplace_back(fix);
 }
 

@@ -18,7 +18,7 @@ constexpr std::int64_t kMaxUtime = std::int64_t{1} << 60;
 /// The header must be utime_us followed by one column per beam.
 void expect_beams(const CsvReader& csv, const LaserDescription& laser) {
   if (csv.columns().front() != "utime_us") {
-    csv.fail_at_column(1, "the first line must be utime_us and then a column per beam");
+    csv.fail_at_column(1, "the first line must be utime_us, followed by a column per beam");
   }
   const auto num_columns = static_cast<std::int64_t>(csv.columns().size());
   if (num_columns == laser.num_beams + 1) return;
@@ -33,8 +33,8 @@ bool RecordingCsv::next_line() {
   if (!csv_.next()) return false;
   const std::int64_t utime = csv_.integer_in(0, 0, kMaxUtime);
   if (utime <= utime_) {
-    csv_.fail(0, std::to_string(utime) + " does not come after " + std::to_string(utime_) +
-                     " of the line before; sort the lines and remove doubles");
+    csv_.fail(0, std::to_string(utime) + " is not later than " + std::to_string(utime_) +
+                     " of the line before; sort the lines and remove duplicates");
   }
   utime_ = utime;
   ++seq_;
@@ -51,7 +51,7 @@ ScanCsv::ScanCsv(CsvReader ranges, const LaserDescription& laser,
 std::optional<laser::Scan> ScanCsv::next() {
   if (!next_line()) {
     if (intensities_ && intensities_->next()) {
-      intensities_->fail(0, "a line more than the scans have");
+      intensities_->fail(0, "has more lines than the file of scans");
     }
     return std::nullopt;
   }
@@ -73,7 +73,7 @@ std::optional<laser::Scan> ScanCsv::next() {
 
 void ScanCsv::read_intensities(laser::Scan& scan) {
   if (!intensities_->next()) {
-    csv_.fail(0, "this scan has no line in the file of intensities");
+    csv_.fail(0, "the file of intensities has no line for this scan");
   }
   if (intensities_->integer(0) != scan.utime) {
     intensities_->fail(0, "must be the scan's " + std::to_string(scan.utime));

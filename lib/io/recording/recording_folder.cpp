@@ -31,8 +31,8 @@ std::optional<CsvReader> open_table(const fs::path& folder, const std::string& n
   const fs::path compressed = folder / (name + ".csv.gz");
   const bool has_plain = fs::exists(plain), has_compressed = fs::exists(compressed);
   if (has_plain && has_compressed) {
-    throw FileError(plain.string() + " stands beside " + compressed.filename().string() +
-                    "; remove the one that is not meant");
+    throw FileError(plain.string() + " exists beside " + compressed.filename().string() +
+                    "; remove one of them");
   }
   if (has_plain) return CsvReader::open(plain.string());
   if (has_compressed) return CsvReader::open(compressed.string());
@@ -43,8 +43,9 @@ std::string read_text(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
   if (!file || !(text << file.rdbuf())) {
-    throw FileError(path.string() +
-                    ": cannot be read; a recording folder needs one that describes the laser");
+    throw FileError(
+        path.string() +
+        ": cannot be read; a recording folder needs this file with the laser's parameters");
   }
   return text.str();
 }
@@ -59,7 +60,8 @@ std::vector<ImageFile> list_images(const fs::path& folder) {
     const auto result = std::from_chars(stem.data(), stem.data() + stem.size(), file.utime);
     if (entry.path().extension() != ".jpg" || result.ec != std::errc() || file.utime < 0 ||
         result.ptr != stem.data() + stem.size()) {
-      throw FileError(file.path + ": pictures must be named <utime_us>.jpg; rename or remove it");
+      throw FileError(file.path +
+                      ": the name of a picture must be <utime_us>.jpg; rename or remove it");
     }
     files.push_back(std::move(file));
   }
@@ -68,7 +70,8 @@ std::vector<ImageFile> list_images(const fs::path& folder) {
   const auto twin =
       std::adjacent_find(files.begin(), files.end(),
                          [](const ImageFile& a, const ImageFile& b) { return a.utime == b.utime; });
-  if (twin != files.end()) throw FileError(twin->path + ": another picture has the same time");
+  if (twin != files.end())
+    throw FileError(twin->path + ": another picture has the same time; remove one");
   return files;
 }
 
@@ -101,12 +104,12 @@ struct RecordingFolder::Impl {
 RecordingFolder::RecordingFolder(const std::string& path) : impl_(std::make_unique<Impl>()) {
   const fs::path folder(path);
   if (!fs::is_directory(folder)) {
-    throw FileError(path + " is no folder; give a recording folder, with sensors.yaml in it");
+    throw FileError(path + " is not a folder; give a recording folder with sensors.yaml");
   }
   const fs::path sensors = folder / "sensors.yaml";
   impl_->laser = parse_sensors_yaml(read_text(sensors), sensors.string());
   auto scans = open_table(folder, "scans");
-  if (!scans) throw FileError(path + " holds neither scans.csv nor scans.csv.gz; add one");
+  if (!scans) throw FileError(path + " has neither scans.csv nor scans.csv.gz; add one");
   impl_->sources.push_back(table_source(std::make_shared<ScanCsv>(
       std::move(*scans), impl_->laser, open_table(folder, "intensities"))));
   impl_->sources.push_back(image_source(list_images(folder / "images")));

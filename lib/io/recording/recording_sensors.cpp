@@ -48,11 +48,11 @@ class Section {
     std::set<std::string> seen;
     for (const auto& entry : node_) {
       const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "(not a text)";
-      if (!seen.insert(key).second) fail(entry.first, key + " stands here twice");
+      if (!seen.insert(key).second) fail(entry.first, key + " is given twice; remove one");
       if (known_.count(key)) continue;
       std::string names;
       for (const std::string& known : known_) names += (names.empty() ? "" : ", ") + known;
-      fail(entry.first, key + ": unknown key; known here are " + names);
+      fail(entry.first, key + ": unknown key; the keys are " + names);
     }
   }
 
@@ -114,7 +114,8 @@ LaserDescription parse_sensors_yaml(const std::string& yaml, const std::string& 
     section.refuse_unknown();
     return laser;
   } catch (const YAML::Exception& error) {
-    throw FileError(name + ":" + std::to_string(error.mark.line + 1) + ": not YAML: " + error.msg);
+    throw FileError(name + ":" + std::to_string(error.mark.line + 1) +
+                    ": is not valid YAML: " + error.msg);
   }
 }
 

@@ -25,8 +25,8 @@ evaluation::Track read_track(CsvReader csv, const std::string& name) {
   const auto yaw = find_column(csv, "yaw_rad");
   if (!utime || !x || !y) {
     throw FileError(name +
-                    ":1: a track needs the columns utime_us, x_m and y_m (and may have "
-                    "yaw_rad), as trajectory.csv and poses.csv do");
+                    ":1: a track needs the columns utime_us, x_m and y_m (optionally yaw_rad), "
+                    "like trajectory.csv and poses.csv");
   }
   evaluation::Track track;
   track.has_yaw = yaw.has_value();
@@ -34,7 +34,7 @@ evaluation::Track read_track(CsvReader csv, const std::string& name) {
     evaluation::TrackPose pose;
     pose.utime = csv.integer(*utime);
     if (!track.poses.empty() && pose.utime <= track.poses.back().utime) {
-      csv.fail(*utime, "time must go up from line to line");
+      csv.fail(*utime, "the time must increase from line to line");
     }
     pose.x_m = csv.number_in(*x, -kMaxCoordinate_m, kMaxCoordinate_m);
     pose.y_m = csv.number_in(*y, -kMaxCoordinate_m, kMaxCoordinate_m);
@@ -42,7 +42,7 @@ evaluation::Track read_track(CsvReader csv, const std::string& name) {
       pose.yaw_rad = geometry::wrap_angle_rad(csv.number_in(*yaw, -kMaxYaw_rad, kMaxYaw_rad));
     track.poses.push_back(pose);
   }
-  if (track.poses.empty()) throw FileError(name + ": holds no poses");
+  if (track.poses.empty()) throw FileError(name + ": has no poses");
   return track;
 }
 

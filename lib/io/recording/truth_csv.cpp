@@ -51,7 +51,8 @@ std::vector<TruthObject> parse_truth_csv(std::string_view text, const std::strin
 void write_truth_csv(const std::string& path, const std::vector<TruthObject>& truth) {
   std::string text = "class,x_m,y_m,width_m\n";
   for (const TruthObject& object : truth) {
-    if (object.label == Label::kUnseen) throw FileError(path + ": a truth has no unseen objects");
+    if (object.label == Label::kUnseen)
+      throw FileError(path + ": an object of the truth must not be unseen");
     text += object.label == Label::kTree ? "tree," : "object,";
     text += fixed_text(object.x_m, 4) + "," + fixed_text(object.y_m, 4) + "," +
             fixed_text(object.width_m, 4) + "\n";

@@ -10,19 +10,18 @@ const ReportTexts kReportTextsEn = {
     "Driven on {}. Orchard Mapper {}.",
     "an unknown day",
     "page",
-    "What stands in the block",
+    "Contents of the block",
     "{} trees in {} rows.",
-    "{} more trees stand in no row.",
+    "{} more trees are outside the rows.",
     "{} empty places between the trees of the rows.",
-    "{} other things, such as posts and crates.",
+    "{} other objects, such as posts and crates.",
     "Trunk cross-sectional area: {} cm² in all, {} cm² per tree on average.",
-    "Trunk cross-sectional area (TCSA) is the area of the cut that a saw would make through the "
-    "trunk at the height of the scanner. It grows with the tree and is what yield and vigour are "
-    "compared by.",
+    "Trunk cross-sectional area (TCSA) is the area of a cut through the trunk at the height of the "
+    "scanner. It grows with the tree and is used to compare yield and vigour.",
     "The block",
     "tree",
     "empty place",
-    "other thing",
+    "other object",
     "R",
     "Row by row",
     "row",
@@ -43,18 +42,18 @@ const ReportTexts kReportTextsEn = {
     "x; y (m)",
     "number",
     "latitude, longitude",
-    "An empty place is one where the distance between two neighbours leaves room for trees.",
+    "An empty place is a gap between two neighbours in a row that is wide enough for a tree.",
     "What has changed",
     "Compared with {} of {}.",
     "change",
     "trees",
     "gone",
     "new",
-    "stands elsewhere",
+    "moved",
     "thicker",
     "thinner, or another tree",
     "as before",
-    "cannot be told: not in view of both drives",
+    "unknown: not observed by both drives",
     "Growth",
     "Diameters have changed by {} mm ± {} mm on average. The cross-sectional area of the {} trees "
     "measured both times has changed by {} cm².",
@@ -70,21 +69,21 @@ const ReportTexts kReportTextsEn = {
     "not seen",
     "extra",
     "shifted as a whole",
-    "What was not seen, and why",
-    "{} things were never in the camera's view: whether they are trees is not known, and they are "
-    "not counted.",
-    "Everything that was mapped was in the camera's view.",
-    "For {} s there were no pictures; {} things were first met then.",
+    "What was not observed, and why",
+    "{} objects were never in the view of the camera: it is not known whether they are trees, and "
+    "they are not counted.",
+    "Everything in the map was in the view of the camera.",
+    "For {} s there were no pictures; {} objects were first observed in that time.",
     "For {} s there was no satellite position.",
-    "{} trees of the earlier map were out of view this time.",
-    "While it was mapped, the program warned (in English): {}",
-    "How sure this is",
+    "{} trees of the earlier map were out of view in this drive.",
+    "Warnings of the program while mapping (in English): {}",
+    "Uncertainty",
     "Of the trees {} are sure (95 % or more), {} likely (80 % or more), {} unsure.",
-    "A tree's place in the map is known to about {} cm (half of them better).",
-    "A trunk's diameter is known to about {} mm (half of them better).",
-    "The ± in these tables is what single measurements scatter. An error that all trunks share, "
-    "such "
-    "as of the scanner's calibration, comes on top; between two drives with one robot it cancels.",
+    "The median uncertainty of a tree's position in the map is {} cm.",
+    "The median uncertainty of a trunk's diameter is {} mm.",
+    "The ± in these tables is the scatter of single measurements. An error common to all trunks, "
+    "such as that of the scanner's calibration, is not included; it cancels between two drives of "
+    "one robot.",
 };
 
 }  // namespace orchard::io

@@ -59,12 +59,13 @@ SummaryFacts read_summary_facts(const std::string& folder_or_csv, std::string_vi
   std::error_code error;
   if (!fs::is_regular_file(path, error)) return facts;
   if (fs::file_size(path, error) > kBytesMax) {
-    throw FileError(path.string() + ": too large for a summary of a map");
+    throw FileError(path.string() + ": too large for the summary of a map");
   }
   std::ifstream file(path, std::ios::binary);
   const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   const Json json = Json::parse(text, nullptr, false);
-  if (!json.is_object()) throw FileError(path.string() + ": no JSON object, as a map's summary is");
+  if (!json.is_object())
+    throw FileError(path.string() + ": not a JSON object, so not the summary of a map");
   facts.day = date_text(number_in(json, "first_utime_us"));
   facts.version = text_in(json, "version");
   if (const auto it = json.find("degraded"); it != json.end() && it->is_array()) {

@@ -40,7 +40,7 @@ code=0
 FAKE_NODE_ALONE=1 "$node" --role pose --lcm-url "$url" 2>"$work/b.out" || code=$?
 cat "$work/b.out"
 [ "$code" -eq 1 ] || fail "a second one that may not: exit code $code"
-grep -q "orchard-fake on $(hostname):$first is on" "$work/b.out" || fail "does not name the first"
+grep -q "orchard-fake on $(hostname):$first is already running on" "$work/b.out" || fail "does not name the first"
 kill -0 "$first" || fail "the first one ended"
 # Another configuration.
 printf 'mapper:\n  gate_m: 0.29\n' >"$work/other.yaml"

@@ -156,7 +156,7 @@ TEST_F(CalibrateCamera, ABadResultIsNotWrittenUnlessForced) {
 
 TEST_F(CalibrateCamera, BadPicturesAreOneSentence) {
   expect_refusal(in_folder("missing.png"), "missing.png: cannot be read");
-  expect_refusal(in_folder("board"), "holds no picture");
+  expect_refusal(in_folder("board"), "this folder has no pictures");
   write_picture(folder_ / "board/0.png", pictures().nothing);
   expect_refusal(in_folder("board"), "no board was found in any of the 1 pictures");
   write_picture(folder_ / "board/1.png",

@@ -141,7 +141,7 @@ TEST_F(CalibrateCommand, LearnsAppearanceAndTrunksOfAFirstMap) {
   for (const char* bad : {"9999", "4,x", "7-3"}) {
     const Outcome refused = run(command + bad);
     EXPECT_EQ(refused.exit_code, 3) << refused.output;
-    EXPECT_NE(refused.output.find(bad[0] == '9' ? "no landmark 9999" : "is no number"),
+    EXPECT_NE(refused.output.find(bad[0] == '9' ? "no landmark has id 9999" : "neither a number"),
               std::string::npos)
         << refused.output;
     EXPECT_FALSE(fs::exists(in_folder("out.yaml")));

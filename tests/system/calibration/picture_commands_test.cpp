@@ -112,15 +112,17 @@ TEST_F(PictureCommands, BadInputIsOneSentenceAndExitCode3) {
     EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
     EXPECT_FALSE(fs::exists(out));
   };
-  refused("calibrate trunks" + folders() + "--out " + out, "holds no picture");
+  refused("calibrate trunks" + folders() + "--out " + out, "has no picture");
   write_pair(0);
-  refused("calibrate trunks" + folders() + "--only 500-600 --out " + out, "they go from 100");
-  refused("calibrate trunks" + folders() + "--only x --out " + out, "must be numbers of pictures");
+  refused("calibrate trunks" + folders() + "--only 500-600 --out " + out,
+          "the numbers go from 100");
+  refused("calibrate trunks" + folders() + "--only x --out " + out, "must be picture numbers");
   refused("evaluate windows" + folders() + "--model " ORCHARD_SOURCE_DIR "/config/tubes.yaml",
           "has no learnt detector.appearance");
   refused("evaluate windows" + folders() + "--model " + in_folder("none.yaml"), "cannot be read");
   cv::imwrite((folder_ / "masks" / "100.png").string(), cv::Mat(10, 10, CV_8UC3, {0, 0, 128}));
-  refused("calibrate trunks" + folders() + "--out " + out, "a mask must have its picture's size");
+  refused("calibrate trunks" + folders() + "--out " + out,
+          "a mask must have the size of its picture");
 }
 
 /// Real trunks: learnt from the first twenty pictures, judged on all others.

@@ -148,7 +148,7 @@ TEST_F(EditCommand, SaysWhatIsDamaged) {
   write_file(file, whole + "{\"n\":2,\"when\":\"yesterday\"}\n");
   const Result bad = edit({"list"});
   EXPECT_EQ(bad.exit_code, 3);
-  EXPECT_THAT(bad.err, HasSubstr("corrections.jsonl:2: when must be like"));
+  EXPECT_THAT(bad.err, HasSubstr("corrections.jsonl:2: `when` must be a time like"));
   for (const char* line : {"[]", "{", "{\"n\":1}", "\xFF", "null",
                            "{\"n\":2,\"when\":\"2026-05-04T08:00:00Z\",\"who\":\"A\",\"what\":"
                            "\"delete\",\"landmarks\":[{\"id\":3,\"x_m\":1e999,\"y_m\":0,"

@@ -74,9 +74,9 @@ TEST_F(EvaluateTrajectoryCommand, SaysWhatIsWrong) {
   write_file(path("truth.csv"), "utime_us,x_m\n1,2\n");
   refused("a track needs the columns utime_us, x_m and y_m");
   write_file(path("truth.csv"), "utime_us,x_m,y_m\n");
-  refused("holds no poses");
+  refused("has no poses");
   write_file(path("truth.csv"), "utime_us,x_m,y_m\n2,0,0\n1,0,0\n");
-  refused("truth.csv:3:1: utime_us: time must go up");
+  refused("truth.csv:3:1: utime_us: the time must increase");
   write_file(path("truth.csv"), "utime_us,x_m,y_m\n2,nan,0\n");
   refused("truth.csv:2:3");
   // sound, but of another day

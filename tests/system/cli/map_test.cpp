@@ -49,7 +49,7 @@ TEST_F(MapCommand, PiecesOfALogAreMappedAsTheLogWas) {
   const Result result = orchard({"map", path("drive.1"), path("drive.2"), path("drive.0"),
                                  path("drive.1"), "--out", path("pieces"), "--config", config()});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.err, HasSubstr("stand in another log, too: used once"));
+  EXPECT_THAT(result.err, HasSubstr("are also in another log; they are used once"));
   for (const char* file : {"map.csv", "map.gpkg", "trajectory.csv", "derived.lcm"}) {
     EXPECT_EQ(read_file(path("pieces/") + file), read_file(path("map/") + file)) << file;
   }

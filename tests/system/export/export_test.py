@@ -147,10 +147,10 @@ class Export(unittest.TestCase):
             if word in ("geojson", "kml"):
                 done = self.run_export(word)
                 self.assertEqual(done.returncode, 3, word)
-                self.assertIn("latitude and longitude alone", done.stderr)
+                self.assertIn("only latitude and longitude", done.stderr)
                 self.assertFalse(os.path.exists(self.out))
                 continue
-            self.assertIn("not tied to the earth", self.export(word))
+            self.assertIn("not georeferenced", self.export(word))
             layer = {"dxf": ["entities", "-where", "Text IS NULL AND Layer IN ('tree', 'object')"],
                      "csv": []}.get(word, ["landmarks"])
             rows = self.read(layer)

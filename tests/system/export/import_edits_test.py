@@ -119,7 +119,7 @@ class ImportEdits(unittest.TestCase):
         database.close()
         told = self.come_back(path)
         self.assertEqual(told["conflicts"], [])
-        self.assertEqual(told["left_out"], ["the line breaks of the note on landmark 205"])
+        self.assertEqual(told["left_out"], ["line breaks in the note of landmark 205"])
         # Two that change places: both numbers are given back, then given.
         self.assertEqual(told["counts"], {"delete": 1, "move": 1, "class": 1, "note": 2, "renumber": 4, "row": 1, "add": 1})
         after = self.corrected()

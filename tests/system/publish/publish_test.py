@@ -175,7 +175,7 @@ class Publish(unittest.TestCase):
         folder = self.map_of("refused")
         for url, code, words in (("postgresql://ana:tell9nobody@farm/orchard", 3, "~/.pgpass"),
                                  ("host=farm password=tell9nobody", 3, "~/.pgpass"),
-                                 ("postgresql://ana:tell9nobody@[farm/orchard", 3, "no URL"),
+                                 ("postgresql://ana:tell9nobody@[farm/orchard", 3, "not a PostgreSQL URL"),
                                  ("postgresql:///orchard?host=/nowhere", 1, "no connection")):
             done = subprocess.run([ORCHARD, "publish", folder, "--to", url, "--block", "north",
                                    "--date", "2026-04-10"], capture_output=True, text=True)

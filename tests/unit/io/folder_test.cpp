@@ -25,7 +25,7 @@ TEST(MakeFolder, SaysWhichFolderWhyAndWhatToDoInstead) {
     FAIL() << "a folder below a file";
   } catch (const FileError& error) {
     EXPECT_EQ(std::string(error.what()), folder /
-                                             "file/below: cannot be made a folder (Not a "
+                                             "file/below: cannot be created as a folder (Not a "
                                              "directory); give another one with --out");
   }
   EXPECT_THROW(make_folder(folder / "file"), FileError);  // a file of that name is there

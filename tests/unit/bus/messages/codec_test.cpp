@@ -246,7 +246,7 @@ TEST(Codec, ContentThatCannotBeIsRefused) {
        Reason::kOutOfRange},
       {"not the JPEG's size", Channel::kImage, on<Image>([](Image& m) { m.width_px = 640; }),
        Reason::kInconsistent},
-      {"no JPEG", Channel::kImage, on<Image>([](Image& m) { m.data[1] = 0; }),
+      {"not a JPEG", Channel::kImage, on<Image>([](Image& m) { m.data[1] = 0; }),
        Reason::kInconsistent},
       {"JPEG cut before its frame", Channel::kImage, on<Image>([](Image& m) { m.data.resize(12); }),
        Reason::kInconsistent},

@@ -200,10 +200,11 @@ TEST(V4l2Camera, SaysWhatIsWrong) {
   other_size.width_px = 640;
   other_size.height_px = 480;
   EXPECT_EQ(open(other_size).problem(),
-            "/dev/video7 gives 640x480, not the 320x240 of camera.width_px and height_px");
+            "/dev/video7 gives 640x480, but camera.width_px and height_px are 320x240");
   FakeCamera strange;
   strange.formats = {V4L2_PIX_FMT_NV12};
-  EXPECT_EQ(open(strange).problem(), "/dev/video7 offers none of MJPEG, YUYV, GREY, BGR and RGB");
+  EXPECT_EQ(open(strange).problem(),
+            "/dev/video7 offers none of the formats MJPEG, YUYV, GREY, BGR and RGB");
   FakeCamera absent;
   absent.is_plugged_in = false;
   EXPECT_EQ(open(absent).problem(), "/dev/video7 cannot be opened: No such file or directory");

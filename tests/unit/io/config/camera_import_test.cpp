@@ -147,18 +147,18 @@ TEST(CameraImport, TakesAPolynomialOnlyWhenItIsNone) {
 TEST(CameraImport, RefusesYamlThatIsNoSuchCamera) {
   for (const auto& [from, to, words] : std::vector<std::array<std::string, 3>>{
            {"plumb_bob", "equidistant", "distortion_model is equidistant"},
-           {"image_width: 640", "image_width: many", "image_width is no number"},
-           {"image_width: 640", "image_width: -1", "image_width is no number"},
+           {"image_width: 640", "image_width: many", "image_width is not a number"},
+           {"image_width: 640", "image_width: -1", "image_width is not a number"},
            {"image_height: 480\n", "", "holds no image_height"},
            {"camera_matrix:", "matrix:", "holds no camera_matrix"},
-           {"[500.5, 0.0,", "[500.5,", "8 numbers, not 9"},
-           {"[500.5,", "[.nan,", "no finite number"},
+           {"[500.5, 0.0,", "[500.5,", "8 numbers instead of 9"},
+           {"[500.5,", "[.nan,", "not a finite number"},
            {"[500.5,", "[-500.5,", "is not [fx s cx"},
            {"0.0, 0.0, 1.0]", "0.0, 0.5, 1.0]", "is not [fx s cx"},
            {"[0.1, -0.2,", "[0.1,", ""},
            {"[0.1, -0.2, 0.001, -0.002, 0.0]", "[0.1]", "are 1 numbers"},
            {"camera_name: head_camera", "fisheye_model: 1", "fisheye"},
-           {"camera_name: head_camera", "camera_name: [", "is no YAML"}}) {
+           {"camera_name: head_camera", "camera_name: [", "is not valid YAML"}}) {
     const std::string sentence = refusal(parse_camera_yaml, with(kRos, from, to));
     if (!words.empty()) {
       EXPECT_NE(sentence.find(words), std::string::npos) << to << ": " << sentence;

@@ -96,20 +96,21 @@ TEST(OldKeys, BothNamesOfOneKeyAreRefused) {
     FAIL();
   } catch (const ConfigError& error) {
     EXPECT_THAT(error.problems(),
-                ElementsAre(HasSubstr("mapper.apart_m: stands here twice, also by "
-                                      "its new name split_distance_m")));
+                ElementsAre(HasSubstr(
+                    "mapper.apart_m: is given twice, also by its new name split_distance_m")));
   }
 }
 
 TEST(OldKeys, AKeyThatIsFixedNowIsIgnoredWithAWarningUnlessItSaysTheSame) {
   EXPECT_THAT(warnings_of("pose: {slam: {solve_growth: 0.10}}"), IsEmpty());
-  EXPECT_THAT(warnings_of("pose:\n  slam:\n    solve_growth: 0.2\n"),
-              ElementsAre("rig.yaml:3: pose.slam.solve_growth = 0.2 is ignored: it is no key any "
-                          "more, but fixed at 0.1"));
+  EXPECT_THAT(
+      warnings_of("pose:\n  slam:\n    solve_growth: 0.2\n"),
+      ElementsAre("rig.yaml:3: pose.slam.solve_growth = 0.2 is ignored: it is now fixed at 0.1"));
   EXPECT_THAT(warnings_of("mapper: {presence: {past_share: 0.9}}"),
               Contains(HasSubstr("mapper.existence.past_share = 0.9 is ignored")));
-  EXPECT_THAT(warnings_of("mapper: {existence: {seen_rate: 0.5}}"),
-              Contains(HasSubstr("mapper.existence.seen_rate = 0.5 is ignored: what it governed")));
+  EXPECT_THAT(
+      warnings_of("mapper: {existence: {seen_rate: 0.5}}"),
+      Contains(HasSubstr("mapper.existence.seen_rate = 0.5 is ignored: its function was removed")));
 }
 
 TEST(OldKeys, EveryOldNameLeadsToAKeyThatIsThereAndIsNoneItself) {

@@ -37,7 +37,7 @@ TEST(Config, ThreeMistakesAreNamedAtOnceWithFileAndLine) {
 }
 
 TEST(Config, RefusesWhatIsNotWhatItShouldBe) {
-  EXPECT_THAT(problems_of("- a\n- b\n"), ElementsAre(HasSubstr("must be sections")));
+  EXPECT_THAT(problems_of("- a\n- b\n"), ElementsAre(HasSubstr("must consist of sections")));
   EXPECT_THAT(problems_of("camera: {width_px: 3.5}\n"),
               ElementsAre("rig.yaml:1: camera.width_px = 3.5: must be a whole number"));
   EXPECT_THAT(problems_of("camera: {fc_px: [1, 2, 3]}\n"),
@@ -46,14 +46,15 @@ TEST(Config, RefusesWhatIsNotWhatItShouldBe) {
               ElementsAre(HasSubstr("camera.fc_px[1]")));
   EXPECT_THAT(problems_of("camera: 7\n"), ElementsAre(HasSubstr("must be a section")));
   EXPECT_THAT(problems_of("laser:\n  mount_x_m: 1\n  mount_x_m: 2\n"),
-              ElementsAre(HasSubstr("stands here twice")));
+              ElementsAre(HasSubstr("is given twice; remove one")));
   EXPECT_THAT(problems_of("lcm: {url: [a]}\n"), ElementsAre(HasSubstr("must be a text")));
-  EXPECT_THAT(problems_of("lcm:\n  url: memq://\r"),
-              ElementsAre("rig.yaml:2: lcm.url = memq://?: must not hold control characters (here: "
-                          "?)"));
+  EXPECT_THAT(
+      problems_of("lcm:\n  url: memq://\r"),
+      ElementsAre(
+          "rig.yaml:2: lcm.url = memq://?: must not contain control characters (shown as ?)"));
   EXPECT_THAT(problems_of("lcm:\r\n  url: memq://\r\nlaser:\r\n"), ElementsAre());
   EXPECT_THAT(problems_of("pose: {mode: magic}\n"), ElementsAre(HasSubstr("must be one of fixes")));
-  EXPECT_THAT(problems_of("a: [\n"), ElementsAre(HasSubstr("not YAML")));
+  EXPECT_THAT(problems_of("a: [\n"), ElementsAre(HasSubstr("not valid YAML")));
 }
 
 std::string appearance_of(std::size_t num_weights, const std::string& scale = "0.5") {

@@ -149,16 +149,17 @@ TEST_F(PlanFile, SaysWhatIsWrong) {
         << "\"" << text << "\" lacks \"" << words << "\"";
   };
   says((folder_ / "none.gpkg").string(), "does not exist");
-  says(folder_.string(), "is no file");
-  says(written("text.csv", "row,tree,x,y\n1,1,0,zero\n"), "feature 1: y = \"zero\" is no number");
-  says(written("nan.csv", "row,tree,x,y\n1,1,0,nan\n"), "lies nowhere on earth");
+  says(folder_.string(), "is not a file");
+  says(written("text.csv", "row,tree,x,y\n1,1,0,zero\n"),
+       "feature 1: y = \"zero\" is not a number");
+  says(written("nan.csv", "row,tree,x,y\n1,1,0,nan\n"), "is not on the earth");
   says(written("twice.csv", "row,tree,x,y\n1,1,0,0\n1,1,3,0\n"), "row 1 has two trees 1");
   says(written("zone.csv", "row,tree,x,y\n1,1,391444,6946623\n1,2,391447,6946623\n"), "--crs");
   says(written("far.csv", "row,tree,lat,lon\n1,1,41,0\n1,2,42,0\n"), "km from the middle");
-  says(written("pole.csv", "row,tree,lat,lon\n1,1,141,0\n"), "lies nowhere on earth");
-  says(written("columns.csv", "row,tree,east_of_house\n1,1,4\n"), "no columns of places");
+  says(written("pole.csv", "row,tree,lat,lon\n1,1,141,0\n"), "is not on the earth");
+  says(written("columns.csv", "row,tree,east_of_house\n1,1,4\n"), "no columns with positions");
   says(written("nothing.csv", ""), "nothing.csv");
-  says(written("noise.gpkg", "no database at all"), "is no GeoPackage");
+  says(written("noise.gpkg", "no database at all"), "is not a GeoPackage");
   says(written("long.csv", "row,tree,x,y\n" + std::string(100, 'r') + ",1,0,0\n"), "a name of");
   PlanFileOptions options;
   options.row_field = "block";

@@ -85,7 +85,7 @@ TEST_F(LogSeriesTest, WhatTwoLogsHoldIsGivenOnce) {
   LogSeries series(paths);
   EXPECT_EQ(read_all(series), drive);
   EXPECT_THAT(series.notes(),
-              ElementsAre("60 messages of drive.1 stand in another log, too: used once"));
+              ElementsAre("60 messages of drive.1 are also in another log; they are used once"));
 }
 
 TEST_F(LogSeriesTest, TheSameLogTwiceIsTheLog) {
@@ -112,7 +112,7 @@ TEST_F(LogSeriesTest, ASilenceBetweenLogsAndAnEmptyOneAreSaid) {
   EXPECT_EQ(read_all(series).size(), 200u);
   // from event 99, received with 98, to event 200: 102 periods of 20 ms
   EXPECT_THAT(series.notes(), ElementsAre("nothing was recorded for 2.0 s before drive.1",
-                                          HasSubstr("empty holds no LCM event")));
+                                          HasSubstr("empty has no LCM event")));
 }
 
 TEST_F(LogSeriesTest, EachEventIsFoundAgain) {

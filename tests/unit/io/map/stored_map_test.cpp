@@ -196,7 +196,7 @@ TEST(Summary, WarnsOfAGeoreferenceThatDoesNotFit) {
   content.georeference->residual_rms_m = 0.84;
   write_map_folder(folder.path(), content);
   EXPECT_THAT(read_bytes(folder / "summary.json"),
-              HasSubstr("doubtful: satellite fixes lie 0.84 m"));
+              HasSubstr("doubtful: GNSS fixes deviate by 0.84 m"));
 }
 
 }  // namespace

@@ -90,9 +90,9 @@ TEST_F(MaskedPictures, AreChosenByNumber) {
   EXPECT_THAT(names("000-009"), ElementsAre("000", "001", "009"));
   EXPECT_THAT(names("1"), ElementsAre("001"));
   EXPECT_THAT(names("0-0,010-200"), ElementsAre("000", "010", "119"));
-  EXPECT_THAT(list_refusal("500-600"), HasSubstr("they go from 000 to 119"));
+  EXPECT_THAT(list_refusal("500-600"), HasSubstr("the numbers go from 000 to 119"));
   for (const char* only : {"9-0", "a", "1-", "-1", "1,,2", "1-2-3", "1 "}) {
-    EXPECT_THAT(list_refusal(only), HasSubstr("must be numbers of pictures")) << only;
+    EXPECT_THAT(list_refusal(only), HasSubstr("must be picture numbers")) << only;
   }
 }
 
@@ -101,26 +101,26 @@ TEST_F(MaskedPictures, APictureWithoutMaskIsNamed) {
   write_image("001.jpg");
   write_mask("001.png");
   EXPECT_THAT(list_masked_pictures(images_, masks_, "").without_mask, ElementsAre("000"));
-  EXPECT_THAT(list_refusal("0"), HasSubstr("holds no mask of the name of a picture, such as 000"));
+  EXPECT_THAT(list_refusal("0"), HasSubstr("has no mask with the name of a picture, such as 000"));
 }
 
 TEST_F(MaskedPictures, FoldersWithoutPicturesAreRefused) {
-  EXPECT_THAT(list_refusal(""), HasSubstr("images: holds no picture"));
+  EXPECT_THAT(list_refusal(""), HasSubstr("images: has no picture"));
   write_image("000.jpg");
-  EXPECT_THAT(list_refusal(""), HasSubstr("masks: holds no picture"));
+  EXPECT_THAT(list_refusal(""), HasSubstr("masks: has no picture"));
   EXPECT_THROW(list_masked_pictures(folder_ / "nowhere", masks_, ""), FileError);
 }
 
 TEST_F(MaskedPictures, WhatIsNoPictureOrDoesNotFitIsRefusedByName) {
   write_image("000.jpg");
   write_mask("000.png", {0, 0, 128}, 41);
-  EXPECT_THAT(refusal("000"), HasSubstr("000.png: is 41 x 60 pixels, its picture 40 x 60"));
+  EXPECT_THAT(refusal("000"), HasSubstr("000.png: is 41 x 60 pixels, but its picture 40 x 60"));
   write_mask("000.png", {128, 0, 0});
   EXPECT_THAT(refusal("000"), HasSubstr("has no red pixel"));
   write_mask("000.png", {128, 128, 128});  // grey is not red
   EXPECT_THAT(refusal("000"), HasSubstr("has no red pixel"));
   write_bytes(masks_ + "/000.png", "no picture");
-  EXPECT_THAT(refusal("000"), HasSubstr("000.png: is no picture"));
+  EXPECT_THAT(refusal("000"), HasSubstr("000.png: is not a complete picture"));
   write_bytes(masks_ + "/000.png", "");
   EXPECT_THAT(refusal("000"), HasSubstr("0 bytes"));
   write_mask("000.png");

@@ -56,14 +56,14 @@ TEST(RecordingFolder, MessagesComeInOrderOfTimeAndKind) {
 
 TEST(RecordingFolder, MistakesAreNamedWithFileAndLine) {
   const TestFolder folder;
-  EXPECT_THAT(error_of(folder / "none"), HasSubstr("is no folder"));
+  EXPECT_THAT(error_of(folder / "none"), HasSubstr("is not a folder"));
   EXPECT_THAT(error_of(folder.path()), HasSubstr("sensors.yaml"));
   write_recording(folder);
   write_bytes(folder / "sensors.yaml", std::string(kSensors) + "  colour: red\n");
   EXPECT_THAT(error_of(folder.path()), HasSubstr("sensors.yaml:8: laser.colour: unknown key"));
   write_bytes(folder / "sensors.yaml", kSensors);
   const std::pair<const char*, const char*> cases[] = {
-      {"utime_us,a,b\n100,0,1\n100,0,1\n", "scans.csv:3:1: utime_us: 100 does not come after"},
+      {"utime_us,a,b\n100,0,1\n100,0,1\n", "scans.csv:3:1: utime_us: 100 is not later than"},
       {"utime_us,a,b\n100,0\n", "scans.csv:2:1: 2 fields"},
       {"utime_us,a,b\n100,0,nan\n", "scans.csv:2:7: b: \"nan\" is not a finite number"},
       {"utime_us,a,b\n100,0,-1\n", "scans.csv:2:7: b: \"-1\" must be in"},
@@ -78,7 +78,7 @@ TEST(RecordingFolder, MistakesAreNamedWithFileAndLine) {
   write_bytes(folder / "scans.csv", kScans);
   std::filesystem::create_directory(folder / "images");
   write_bytes(folder / "images/100.jpg", "no picture");
-  EXPECT_THAT(error_of(folder.path()), HasSubstr("100.jpg: is no JPEG"));
+  EXPECT_THAT(error_of(folder.path()), HasSubstr("100.jpg: is not a JPEG"));
 }
 
 TEST(RecordingFolder, ACompressedFileThatIsCutOrFlippedIsRefused) {
@@ -91,11 +91,11 @@ TEST(RecordingFolder, ACompressedFileThatIsCutOrFlippedIsRefused) {
   EXPECT_THAT(read_recording_folder(folder.path()), SizeIs(5));
   const std::string good = read_bytes(folder / "scans.csv.gz");
   write_bytes(folder / "scans.csv.gz", good.substr(0, good.size() - 9));
-  EXPECT_THAT(error_of(folder.path()), HasSubstr("damaged or cut short"));
+  EXPECT_THAT(error_of(folder.path()), HasSubstr("damaged or truncated"));
   std::string bad = good;
   bad[good.size() - 6] = static_cast<char>(bad[good.size() - 6] ^ 1);  // in the check sum
   write_bytes(folder / "scans.csv.gz", bad);
-  EXPECT_THAT(error_of(folder.path()), HasSubstr("damaged or cut short"));
+  EXPECT_THAT(error_of(folder.path()), HasSubstr("damaged or truncated"));
 }
 
 TEST(RecordingFolder, TheRealOnesAreRead) {

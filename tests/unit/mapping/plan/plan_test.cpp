@@ -172,7 +172,7 @@ TEST(PlanBuilding, SaysWhatCannotBe) {
   };
   EXPECT_EQ(problems_of({{"1", "1", {0, 0}}, {"1", "1", {2, 0}}}), "row 1 has two trees 1\n");
   EXPECT_EQ(problems_of({{"1", "1", {0, 0}}, {"2", "4", {0.05, 0}}}),
-            "trees 1/1 and 2/4 stand in one place\n");
+            "trees 1/1 and 2/4 have the same position\n");
   EXPECT_EQ(problems_of({{"1", "1", {0, 0}}, {"", "4", {3, 0}}}), "1 of 2 trees have no row\n");
 }
 

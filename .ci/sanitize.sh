@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Builds tests with sanitizers and runs them.
-#   .ci/sanitize.sh [OPTIONS] [TEST_PROGRAM...]   default: the quick tests of the rooms that compute
+# Build tests with sanitizers and run them.
+#   .ci/sanitize.sh [OPTIONS] [TEST_PROGRAM...]   default: the quick tests of the computing modules
 #     --thread         the thread sanitizer (build-tsan), not those for addresses and undefined
 #                      behaviour (build-asan)
-#     --all            every test of ctest, those with real processes, too: hours of processor
-#     --matching REGEX of --all only those whose names match
-#     --jobs N         compilers at once (default 2); the tests run one after another
-# Not optimised more than -O1: what is slow here is compiling.
+#     --all            every test of ctest, including those with real processes (hours of CPU time)
+#     --matching REGEX with --all: only tests whose name matches
+#     --jobs N         number of compilers (default 2); tests run one after another
+# Compiled with -O1: compiling takes most of the time.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 preset=asan-ubsan folder=build-asan

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Runs clang-tidy (.clang-tidy) on the source files that changed since a commit, those of this change
-# first, until its time is up. Says which it did not come to; fails on what it finds only.
+# Run clang-tidy (.clang-tidy) on the source files that changed since a commit, those of this change
+# first, until the time limit. Lists the files that were not checked; fails only on findings.
 #   .ci/tidy.sh [--since REV] [--all] [--seconds N]
-#     --since REV   default: where this branch left origin/main, or else the last ten commits
+#     --since REV   default: the branch point from origin/main, else the last ten commits
 #     --all         the whole tree
-#     --seconds N   begin no file after that long (default 600)
+#     --seconds N   start no new file after this time (default 600)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 since=

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Installs what is needed, configures and builds everything into build/. Says what it does.
-#   scripts/build.sh             everything
-#   scripts/build.sh TARGET...   arguments go to ninja
+# Install the required packages, configure and build everything into build/.
+#   scripts/build.sh             build everything
+#   scripts/build.sh TARGET...   build only these targets of ninja
 set -euo pipefail
 case "${1:-}" in
   -h | --help) sed -n '/^[^#]/q; /^#!/d; /^# SPDX/d; s/^# \{0,1\}//p' "$0"; exit 0 ;;
@@ -14,7 +14,7 @@ echo "== 1/3 packages (scripts/install_deps.sh)"
 scripts/install_deps.sh
 
 echo "== 2/3 configure: cmake -S . -B build -G Ninja (Release)"
-# Options of your own come last, such as -DORCHARD_WERROR=ON, or -DORCHARD_UNITY=OFF to change code.
+# Options for cmake come last, such as -DORCHARD_WERROR=ON, or -DORCHARD_UNITY=OFF for development.
 read -r -a options <<<"-DORCHARD_UNITY=ON ${ORCHARD_CMAKE_OPTIONS:-}"
 launcher=()
 command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
@@ -23,7 +23,7 @@ mkdir -p build
 if ! cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release "${launcher[@]}" "${options[@]}" >build/configure.log 2>&1
 then
   cat build/configure.log
-  echo "build: cmake failed; the lines above say why" >&2
+  echo "build: cmake failed; see the lines above" >&2
   exit 1
 fi
 

@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# The paper's simulated orchard, mapped live by separate processes, judged against the truth, and
-# mapped twice more from the recording: all three maps must be the same. Needs nothing done before.
+# Simulate the paper's orchard, map it live, compare the map with the truth, and map the recording
+# twice more: all three maps must be equal. Builds what is needed first.
 #   scripts/demo.sh [--seed N] [--keep] [--out DIR] [--build DIR] [--no-build] [--private]
-#     --seed N    another scene of the same kind (default 1)
+#     --seed N    seed of the scene (default 1)
 #     --keep      keep the files of earlier runs
-#     --out DIR   where the files go (default out/demo)
-#     --build DIR a build folder of your own, used as it is (default build, built first)
-#     --no-build  use build/ as it is
-#     --private   exit 77 where no private network namespace is allowed
+#     --out DIR   folder for the files (default out/demo)
+#     --build DIR use this build folder without building (default: build/, built first)
+#     --no-build  use build/ without building
+#     --private   exit with code 77 if private network namespaces are not allowed
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -47,7 +47,7 @@ fail() { echo "demo: $*" >&2; exit 1; }
 if [ "$inside" = no ]; then
   programs=(orchard orchard-detector orchard-pose orchard-mapper orchard-sim-driver orchard-log-player)
   if [ $build = yes ]; then scripts/build.sh "${programs[@]}"; fi
-  [ -x "$bin/orchard" ] || fail "$build_dir holds no programs; run without --no-build"
+  [ -x "$bin/orchard" ] || fail "$build_dir has no programs; run without --no-build"
   mkdir -p "$out"
   [ $keep = yes ] || rm -rf "$out"/live "$out"/in_process "$out"/lockstep "$out"/demo.lcm "$out"/*.log
 
@@ -59,7 +59,7 @@ if [ "$inside" = no ]; then
     say "network: a private namespace of a plain user (unshare -rn); nothing leaves it"
     exec unshare -rn "${again[@]}" namespace
   elif [ $private = yes ]; then
-    echo "demo: no private network namespace is allowed here"
+    echo "demo: private network namespaces are not allowed on this machine"
     exit 77
   elif ip route get $group >/dev/null 2>&1; then
     say "network: no namespace is allowed here; using the machine's own multicast route with ttl=0"
@@ -69,7 +69,7 @@ if [ "$inside" = no ]; then
     say "network: no namespace is allowed here; adding a multicast route on lo, removed at the end"
     exec "${again[@]}" route
   fi
-  fail "no namespace is allowed and there is no multicast route; ask an administrator for:
+  fail "network namespaces are not allowed and there is no multicast route; ask an administrator to run:
   ip link set lo multicast on; ip route add 224.0.0.0/4 dev lo"
 fi
 

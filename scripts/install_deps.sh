@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Installs what Orchard Mapper needs to build and run, as Debian 12 and Ubuntu 24.04 name it.
-# Run as root or as a user with sudo. Does nothing, and needs no network, when all is there.
+# Install the packages to build and run Orchard Mapper on Debian 12 or Ubuntu 24.04.
+# Run as root or as a user with sudo. Does nothing, without network, if all are installed.
 #   scripts/install_deps.sh
-#   scripts/install_deps.sh --tests   also what only tests start: a browser, a database, a cluster
-#   scripts/install_deps.sh --all     and QGIS, a gigabyte
+#   scripts/install_deps.sh --tests   also packages that only tests need: a browser, a database, a cluster
+#   scripts/install_deps.sh --all     also QGIS (about 1 GB)
 set -euo pipefail
 with_tests=no with_qgis=no
 case "${1:-}" in
@@ -79,9 +79,9 @@ fi
 as_root=()
 if [ "$(id -u)" -ne 0 ]; then
   command -v sudo >/dev/null || {
-    echo "install_deps: these packages are missing and neither root nor sudo is at hand:" >&2
+    echo "install_deps: these packages are missing, but this is neither root nor a user with sudo:" >&2
     echo "  ${missing[*]}" >&2
-    echo "install_deps: ask an administrator for: apt-get install --no-install-recommends ${missing[*]}" >&2
+    echo "install_deps: ask an administrator to run: apt-get install --no-install-recommends ${missing[*]}" >&2
     exit 1
   }
   as_root=(sudo)

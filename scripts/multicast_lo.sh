@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Lets LCM work on this machine alone: loopback up, with multicast, and the multicast route through
-# it. Does nothing where multicast already has a route. Until the next boot.
+# Set up LCM on a machine without network: multicast through the loopback interface.
+# Does nothing if multicast already has a route. Lasts until the next boot.
 #   scripts/multicast_lo.sh
 set -euo pipefail
 case "${1:-}" in
@@ -22,9 +22,9 @@ run() {
 if ! ip link show lo | grep -q "[<,]UP[,>]"; then run ip link set lo up; fi
 if ip route get 239.255.76.67 >/dev/null 2>&1; then
   echo "multicast_lo: multicast already has a route: $(ip route get 239.255.76.67 | head -1)"
-  echo "multicast_lo: nothing more to do (with ttl=0 nothing leaves this machine on it)"
+  echo "multicast_lo: nothing to do (with ttl=0 no message leaves this machine)"
   exit 0
 fi
 ip link show lo | grep -q "MULTICAST" || run ip link set lo multicast on
 run ip route add 224.0.0.0/4 dev lo
-echo "multicast_lo: done; LCM reaches every program on this machine and no other"
+echo "multicast_lo: done; LCM connects all programs on this machine, and no other machine"

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Records every message on the bus with lcm-logger until Ctrl-C.
+# Record every LCM message with lcm-logger until Ctrl-C.
 #   scripts/record.sh [NAME] [LCM_URL]   writes out/recordings/NAME-YYYYmmdd-HHMMSS.lcm (NAME: drive)
-# out/recordings/NAME.lcm leads to the newest of them.
+# out/recordings/NAME.lcm is a link to the newest recording.
 set -euo pipefail
 case "${1:-}" in
   -h | --help) sed -n '/^[^#]/q; /^#!/d; /^# SPDX/d; s/^# \{0,1\}//p' "$0"; exit 0 ;;

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Starts lcm-spy with the message types of Orchard Mapper. Options go to it, such as
+# Start lcm-spy with the message types of Orchard Mapper. Options are passed to it, such as
 #   spy.sh -l "udpm://239.255.76.67:7667?ttl=0"
-# (Debian's own lcm-spy passes -Xincgc, which Java 17 refuses, so lcm.spy.Spy is started here.)
+# (Debian's lcm-spy uses -Xincgc, which Java 17 refuses; so lcm.spy.Spy is started directly.)
 set -euo pipefail
 case "${1:-}" in -h | --help) sed -n '/^[^#]/q; /^#!/d; /^# SPDX/d; s/^# \{0,1\}//p' "$0"; exit 0 ;; esac
 here=$(cd "$(dirname "$0")/.." && pwd)
@@ -27,7 +27,7 @@ command -v java >/dev/null || {
 }
 java_home=$(java -XshowSettings:properties -version 2>&1 | sed -n 's/^ *java\.home = //p')
 if [ -d "$java_home/lib" ] && [ ! -e "$java_home/lib/libawt_xawt.so" ]; then
-  echo "spy: this java opens no windows; install the other half with: sudo apt-get install --no-install-recommends default-jre" >&2
+  echo "spy: this java cannot open windows; install the full package with: sudo apt-get install --no-install-recommends default-jre" >&2
   exit 1
 fi
 types=$(first_of "the jar of the message types" \

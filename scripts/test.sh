@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Builds everything and runs every test. Needs nothing done before; ends with ctest's summary and the
-# tests that were skipped, each with its reason.
+# Build everything and run all tests. Prints the summary of ctest at the end, and the skipped tests
+# with their reasons.
 #   scripts/test.sh             all tests
-#   scripts/test.sh -R mapper   arguments go to ctest
-#   scripts/test.sh --all       also what needs QGIS, a gigabyte; ctest's arguments behind it
+#   scripts/test.sh -R mapper   arguments for ctest
+#   scripts/test.sh --all       also the tests that need QGIS (about 1 GB); then arguments for ctest
 set -euo pipefail
 cd "$(dirname "$0")/.."
 case "${1:-}" in -h | --help) sed -n '3,7s/^# \{0,1\}//p' "$0"; exit 0 ;; esac

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Builds and runs every benchmark of tests/benchmark, one after the other, and prints one table of
-# what was measured beside its target. Some 5 minutes after the build; the machine should have nothing else to do.
+# Build and run every benchmark of tests/benchmark and print a table of the results and their targets.
+# Takes about 5 minutes after the build; the machine should be idle.
 #   tests/benchmark/benchmark.sh [--build DIR] [--no-build]
 #     --build DIR  build folder (default build)
-#     --no-build   use it as it is
-# Exit code 1 when a target was missed; the whole output of each stays in out/benchmark.
+#     --no-build   use it without building
+# Exit code 1 if a target was missed; the output of each benchmark is in out/benchmark.
 set -euo pipefail
 known_options="--build --no-build"
 . "$(dirname "$0")/../script_help.sh"

@@ -54,7 +54,7 @@ ip route add 224.0.0.0/4 dev lo
 bin=$build_dir/bin
 channel_bytes=$build_dir/tests/channel_bytes
 [ -x "$bin/orchard" ] && [ -x "$channel_bytes" ] ||
-  fail "$build_dir holds no programs; run without --no-build"
+  fail "$build_dir has no programs; run without --no-build"
 data=${ORCHARD_DATA:-../shared/data}
 out=$(mktemp -d)
 started=$SECONDS

@@ -34,7 +34,7 @@ done
 [ -n "$rev" ] || fail "which revision? see $0 --help"
 rev=$(git rev-parse --verify --quiet "$rev^{commit}") || fail "there is no such revision"
 new=$PWD/$build_dir/bin/orchard
-[ -x "$new" ] || fail "$build_dir holds no programs; run scripts/build.sh first"
+[ -x "$new" ] || fail "$build_dir has no programs; run scripts/build.sh first"
 
 out=$PWD/out/same_as
 mkdir -p "$out"
@@ -47,7 +47,7 @@ if [ -z "$rev_build" ]; then
   ninja -C "$rev_build" orchard
 fi
 old=$(realpath "$rev_build")/bin/orchard
-[ -x "$old" ] || fail "$rev_build holds no programs"
+[ -x "$old" ] || fail "$rev_build has no programs"
 # Each program reads the configuration of its own checkout.
 old_config=$(dirname "$(realpath "$rev_build")")/config
 new_config=$PWD/config

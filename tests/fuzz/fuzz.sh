@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Runs every fuzzer with libFuzzer under the address and undefined-behaviour sanitizers.
+# Run every fuzzer with libFuzzer and the address and undefined-behaviour sanitizers.
 # usage: tests/fuzz/fuzz.sh [SECONDS_EACH]   (default 60). Findings are left in build-fuzz/findings.
 set -euo pipefail
 . "$(dirname "$0")/../script_help.sh"

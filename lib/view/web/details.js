@@ -2,7 +2,7 @@
 
 function certaintyText(model, i) {
   const { label, probability } = model.columns;
-  if (label[i] === kUnseen) return "no camera has seen it";
+  if (label[i] === kUnseen) return "not seen by the camera";
   const sure = label[i] === kTree ? probability[i] : 1 - probability[i];
   const percent = sure > 0.999 ? "over 99.9 %" : `${(100 * sure).toFixed(1)} %`;
   return `${["sure", "likely", "unsure"][model.certainty(i)]}, ${percent}`;
@@ -30,14 +30,14 @@ function landmarkFacts(model, i) {
     }
   }
   if (model.isHedge(i)) facts.push(["Length", `${c.length[i].toFixed(1)} m`]);
-  facts.push(["Place x, y", `${c.x[i].toFixed(3)}, ${c.y[i].toFixed(3)} m`]);
+  facts.push(["Position x, y", `${c.x[i].toFixed(3)}, ${c.y[i].toFixed(3)} m`]);
   if (c.se_x[i] > 0 || c.se_y[i] > 0) {
     facts.push(["Standard error", `${(1000 * c.se_x[i]).toFixed(1)}, ${(1000 * c.se_y[i]).toFixed(1)} mm`]);
   }
   if (model.georeference && c.latitude[i]) {
     facts.push(["Latitude, longitude", `${c.latitude[i].toFixed(7)}, ${c.longitude[i].toFixed(7)}`]);
   }
-  facts.push(["Seen", `${wholeNumber(c.n[i])} times`], ["Mean confidence", c.roc[i].toFixed(3)]);
+  facts.push(["Observations", wholeNumber(c.n[i])], ["Mean confidence", c.roc[i].toFixed(3)]);
   const id = String(c.id[i]);
   if (Object.hasOwn(model.notes, id)) model.notes[id].forEach((words) => facts.push(["Note", words]));
   return facts;
@@ -84,7 +84,7 @@ class Details {
   }
 
   showGap(row, gap) {
-    const facts = [["Class", "Gap: no tree stands here"], ["Place x, y", `${gap[1].toFixed(2)}, ${gap[2].toFixed(2)} m`]];
+    const facts = [["Class", "Gap: place without a tree"], ["Position x, y", `${gap[1].toFixed(2)}, ${gap[2].toFixed(2)} m`]];
     this.show(`Row ${this.model.rowName(row.number)}, place ${gap[0]}`, this.theme.colours.gap, facts, [], [],
       this.gapActions(row, gap));
   }

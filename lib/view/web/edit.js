@@ -13,18 +13,18 @@ class Editor {
       made.addEventListener("click", act);
       return made;
     };
-    this.undoButton = button("undo", "↶ Undo", "Take the last correction back", () => this.send({ what: "undo" }));
-    this.redoButton = button("redo", "↷ Redo", "Let it hold again", () => this.send({ what: "redo" }));
+    this.undoButton = button("undo", "↶ Undo", "Undo the last correction", () => this.send({ what: "undo" }));
+    this.redoButton = button("redo", "↷ Redo", "Redo the last undone correction", () => this.send({ what: "redo" }));
     this.undoButton.disabled = this.redoButton.disabled = true;
     this.who = element("input", { id: "who", placeholder: "Your name", maxLength: 60, value: remembered("orchard-who") });
     this.who.setAttribute("aria-label", "Your name, for the list of corrections");
     this.who.addEventListener("change", () => remember("orchard-who", this.who.value));
     byId("edit").replaceChildren(
-      element("div", { className: "steps" }, button("add", "+ Add", "Something stands there that the map lacks", () => this.add()),
+      element("div", { className: "steps" }, button("add", "+ Add", "Add a tree that the map lacks", () => this.add()),
         this.undoButton, this.redoButton), this.who, this.forms.box, this.status);
     byId("edit").hidden = false;
     app.details.actions = (i) => this.actionsOf(i);
-    app.details.gapActions = (row, gap) => [this.action("add-here", "A tree stands here",
+    app.details.gapActions = (row, gap) => [this.action("add-here", "Add a tree here",
       () => this.send({ what: "add", places_m: [[gap[1], gap[2]]] }))];
     document.addEventListener("keydown", (event) => { if (event.key === "Escape") this.stopPicking(); });
   }
@@ -40,26 +40,26 @@ class Editor {
     const id = String(columns.id[i]);
     const isTree = columns.label[i] === kTree;
     return [
-      this.action("delete", "Nothing is there", () => this.send({ what: "delete", trees: [id] })),
-      this.action("class", isTree ? "It is no tree" : "It is a tree",
+      this.action("delete", "Delete", () => this.send({ what: "delete", trees: [id] })),
+      this.action("class", isTree ? "Not a tree" : "Tree",
         () => this.send({ what: "class", trees: [id], class: isTree ? "object" : "tree" })),
-      this.action("move", "Move", () => this.pickPlaces(1, "Click where it stands.",
+      this.action("move", "Move", () => this.pickPlaces(1, "Click the true position.",
         (places) => this.send({ what: "move", trees: [id], places_m: places }))),
-      this.action("merge", "Same as …", () => this.pickLandmark("Click the other one of the two.",
+      this.action("merge", "Merge with …", () => this.pickLandmark("Click the other landmark.",
         (other) => this.send({ what: "merge", trees: [id, String(other)] }))),
-      this.action("split", "Two things", () => this.pickPlaces(2, "Click where the one stands, then the other.",
+      this.action("split", "Split", () => this.pickPlaces(2, "Click the position of the first, then of the second.",
         (places) => this.send({ what: "split", trees: [id], places_m: places }))),
       this.action("renumber", "Number", () => this.ask(`Row and number of ${id}`,
         [{ name: "row", label: "Row", value: columns.row[i] || "" },
           { name: "position", label: "Tree", type: "number", value: columns.position[i] || "" }],
         ({ row, position }) => this.send({ what: "renumber", trees: [id], row, position: Number(position) }))),
-      this.action("note", "Note", () => this.ask(`Note on ${id}`, [{ name: "note", label: "Words" }],
+      this.action("note", "Note", () => this.ask(`Note on ${id}`, [{ name: "note", label: "Text" }],
         ({ note }) => this.send({ what: "note", trees: [id], note }))),
     ];
   }
 
   add() {
-    this.pickPlaces(1, "Click where the tree stands.", (places) => this.send({ what: "add", places_m: places }));
+    this.pickPlaces(1, "Click the position of the tree.", (places) => this.send({ what: "add", places_m: places }));
   }
 
   renameRow(row) {
@@ -113,10 +113,10 @@ class Editor {
     try {
       const answer = await fetch("api/edit", { method: "POST", headers: { "Content-Type": "application/json" },
         body: JSON.stringify({ ...edit, who: this.who.value.trim() }) });
-      const told = await answer.json().catch(() => ({ problem: `Nothing was kept: the viewer refuses it (${answer.status}).` }));
+      const told = await answer.json().catch(() => ({ problem: `Not saved: the viewer refused the correction (${answer.status}).` }));
       this.say(told.words || told.problem, !answer.ok);
     } catch (error) {
-      this.say("Nothing was kept: the viewer does not answer.", true);
+      this.say("Not saved: the viewer does not answer. Check that it is running.", true);
     }
   }
 

@@ -42,7 +42,7 @@ function showNorth(georeference) {
       stroke: "var(--text)", "stroke-width": 1.6 };
     svg.append(make("path", line), make("text", { ...letter, x: -7, y: -13 }, "y"),
       make("text", { ...letter, x: 11, y: 5 }, "x"));
-    box.title = "Axes of the map; where north is, this map does not know (no satellite fixes)";
+    box.title = "Axes of the map; north is unknown, because the map is not georeferenced";
   }
   box.setAttribute("aria-label", box.title);
   box.replaceChildren(svg);

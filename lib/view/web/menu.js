@@ -2,11 +2,11 @@
 
 const kLayers = [
   ["trees", "Trees", (c, t) => drawLandmark(c, kTree, 0, 13, 9, 6, t.colours.tree)],
-  ["objects", "Objects that are no trees", (c, t) => drawLandmark(c, kObject, 0, 13, 9, 6, t.colours.object)],
-  ["unseen", "Not judged yet", (c, t) => drawLandmark(c, kUnseen, 2, 13, 9, 6, t.colours.unseen)],
+  ["objects", "Objects (not trees)", (c, t) => drawLandmark(c, kObject, 0, 13, 9, 6, t.colours.object)],
+  ["unseen", "Not classified yet", (c, t) => drawLandmark(c, kUnseen, 2, 13, 9, 6, t.colours.unseen)],
   ["gaps", "Gaps in rows", (c, t) => drawGap(c, 13, 9, 6, t.colours.gap)],
   ["rows", "Rows", (c, t) => drawKeyLine(c, t.colours.row, 2)],
-  ["ways", "Ways and their free width", (c, t) => drawKeyLine(c, t.colours.way, 9)],
+  ["ways", "Alleys and headland paths, with free width", (c, t) => drawKeyLine(c, t.colours.way, 9)],
   ["paths", "The robot's path", (c, t) => drawKeyLine(c, t.colours.path, 2)],
   ["labels", "Numbers", (c, t) => drawKeyText(c, t.colours.text)],
 ];
@@ -53,7 +53,7 @@ function showLegend(theme, shown, changed) {
 
 // `show(row)` moves the view to a row; `rename(row)`, if editing is possible, renames it.
 function showRows(model, show, rename = null) {
-  const head = element("tr", {}, ...["Row", "Trees", "Gaps", "Every", "Trunk"].map((words) =>
+  const head = element("tr", {}, ...["Row", "Trees", "Gaps", "Spacing", "Trunk"].map((words) =>
     element("th", { textContent: words })));
   const widths = new Map();
   for (let i = 0; i < model.count; ++i) {
@@ -65,7 +65,7 @@ function showRows(model, show, rename = null) {
   const lines = model.rows.map((row) => {
     const button = element("button", { type: "button", textContent: `Row ${model.rowName(row.number)}` });
     button.addEventListener("click", () => show(row));
-    const pen = element("button", { type: "button", className: "rename", title: "What people call it", textContent: "✎" });
+    const pen = element("button", { type: "button", className: "rename", title: "Name this row", textContent: "✎" });
     if (rename) pen.addEventListener("click", () => rename(row));
     const trunk = widths.get(row.number) || [];
     const mean = trunk.length > 0 ? trunk.reduce((sum, width) => sum + width, 0) / trunk.length : 0;
@@ -82,7 +82,7 @@ function showSummary(model, data) {
   const counted = (number, one, many) => (number === 0 ? [] : [`${wholeNumber(number)}\u00a0${number === 1 ? one : many}`]);
   const parts = [...counted(model.numberOf(kTree), "tree", "trees"), ...counted(model.numberOf(kObject), "object", "objects"),
     ...counted(model.rows.length, "row", "rows"), ...counted(model.numGaps, "gap", "gaps")];
-  byId("summary").textContent = parts.join(" · ") || "Nothing is mapped yet";
+  byId("summary").textContent = parts.join(" · ") || "The map is empty";
   byId("title").textContent = data.title || "Orchard map";
   byId("notes").replaceChildren(...(data.warnings || []).map((words) => element("li", { textContent: words })));
   byId("notes-box").hidden = (data.warnings || []).length === 0;

@@ -2,7 +2,7 @@
 
 const kTree = 0, kObject = 1, kUnseen = 2;
 const kClassNames = ["tree", "object", "unseen"];
-const kClassTitles = ["Tree", "Object", "Not judged yet"];
+const kClassTitles = ["Tree", "Object", "Not classified yet"];
 
 // Size of the index's cells, such that a cell contains a few trees.
 const kCell_m = 8;

@@ -22,8 +22,8 @@ class Player {
     this.words = element("span", { id: "player-words" });
     box.replaceChildren(
       element("div", { className: "player-line" }, this.playButton,
-        button("step-back", "‹", "One scan back (,)", () => this.stepBy(-1)),
-        button("step-on", "›", "One scan on (.)", () => this.stepBy(1)), this.words, this.speed),
+        button("step-back", "‹", "Previous scan (,)", () => this.stepBy(-1)),
+        button("step-on", "›", "Next scan (.)", () => this.stepBy(1)), this.words, this.speed),
       this.slider);
     document.addEventListener("keydown", (event) => this.key(event));
   }

@@ -16,17 +16,17 @@ function parseQuery(text) {
 // found.
 function findInMap(model, text) {
   const query = parseQuery(text);
-  if (!query) return { words: "Ask for “row 3 tree 14”, “row 3” or “id 17”." };
+  if (!query) return { words: "Search for “row 3 tree 14”, “row 3” or “id 17”." };
   if (query.id !== undefined) {
     const index = model.withId(query.id);
-    return index >= 0 ? { index } : { words: `Nothing has the id ${query.id}.` };
+    return index >= 0 ? { index } : { words: `No landmark has id ${query.id}.` };
   }
   const row = model.rowOfNumber(query.row);
-  if (query.position === undefined) return row ? { wholeRow: row } : { words: `There is no row ${query.row}.` };
+  if (query.position === undefined) return row ? { wholeRow: row } : { words: `The map has no row ${query.row}.` };
   const index = model.at(query.row, query.position);
   if (index >= 0) return { index };
-  if (!row) return { words: `There is no row ${query.row}.` };
+  if (!row) return { words: `The map has no row ${query.row}.` };
   const gap = row.gaps.find(([position]) => position === query.position);
   if (gap) return { gap, row };
-  return { words: `Row ${query.row} has no place ${query.position}.` };
+  return { words: `Row ${query.row} has no tree ${query.position}.` };
 }

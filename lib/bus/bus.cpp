@@ -104,7 +104,7 @@ struct Bus::Impl {
   }
 
   void subscribe_raw(std::function<void(const std::string&, std::int64_t, Bytes)> handler) {
-    if (guard) throw BusError("who hears everything asks for that first");
+    if (guard) throw BusError("subscribe_raw must be the first subscription");
     raw_handler = std::move(handler);
     hears_all = true;
     open_subscription(".*", &Impl::on_raw_message, this, kLargeQueue);

@@ -291,9 +291,9 @@ void add_doctor(CLI::App& app, Run& run) {
       app, run, "doctor", "Check this machine's network for LCM and print a fix for each problem",
       "  orchard doctor\n"
       "  orchard doctor --lcm-url 'udpm://239.255.76.67:7667?ttl=1'     (several machines)\n"
-      "Tests routes, buffers, firewall and a message sent to itself, and lists the processes of "
+      "Tests routes, buffers, firewall and a message to itself, and lists the running processes of "
       "Orchard\n"
-      "Mapper on the network with their clocks. Exit code 1 if messages cannot get through.\n",
+      "Mapper and clocks that differ. Exit code 1 if messages cannot get through.\n",
       run_doctor, [](CLI::App& command, DoctorOptions& o) {
         add_lcm_url(command, o.lcm_url);
         command.add_option("--config", o.config_path, "rig whose LCM network is used")

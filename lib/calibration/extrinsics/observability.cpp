@@ -89,7 +89,7 @@ std::string degenerate_motion(const BoardMotion& motion) {
     return fmt::format("the board was held in two orientations only ({:.0f} deg apart): ",
                        motion.tilt_max_deg) +
            "the translation along " + camera_direction(motion.axis_camera) +
-           ", the line in which the two planes meet, is not determined; hold it in more";
+           ", the intersection of the two planes, is not determined; hold it in more orientations";
   }
   const Eigen::Vector3d across = motion.axis_camera.cwiseAbs();
   const char* advice = across.y() > 0.7   ? "tilt it forward and back, too"

@@ -157,10 +157,10 @@ BoardViews find_board_views(const std::vector<std::string>& paths,
     const bool chess = board.kind == calibration::BoardConfig::kChessboard;
     throw io::FileError(
         "no board was found in any of the " + std::to_string(found.without_board.size()) +
-        " pictures (the first is " + found.without_board.front() + "); is it a " +
+        " pictures (the first is " + found.without_board.front() + "); show a " +
         (chess ? "chessboard" : "ChArUco board") + " of " + std::to_string(board.columns) + " x " +
         std::to_string(board.rows) + (chess ? " inner corners" : " squares") +
-        " (--columns, --rows), wholly in view with a white margin and sharp?");
+        " (--columns, --rows) entirely in view, sharp and with a white margin");
   }
   return found;
 }

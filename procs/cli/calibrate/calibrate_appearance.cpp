@@ -32,7 +32,7 @@ constexpr int kThingsMax = 100000;
 void add_samples(const CalibrateAppearanceOptions& options, const io::Config& config, std::size_t i,
                  std::vector<AppearanceSample>& samples) {
   AppearanceCollector collector(config, options.stride);
-  io::ProgressBar bar("looking", !options.quiet);
+  io::ProgressBar bar("reading logs", !options.quiet);
   bus::ReplayOptions replay;
   replay.progress = [&](std::uint64_t done, std::uint64_t total) { bar.update(done, total); };
   bus::replay_in_process(options.log_paths[i], {&collector}, replay);

@@ -40,7 +40,7 @@ Round look_at_logs(const CalibrateDelayOptions& options, const io::Config& confi
   std::int32_t next_picture = 0;
   for (const std::string& path : options.log_paths) {
     DelayCollector collector(config, next_picture);
-    io::ProgressBar bar("looking", !options.quiet);
+    io::ProgressBar bar("reading logs", !options.quiet);
     bus::ReplayOptions replay;
     replay.progress = [&](std::uint64_t done, std::uint64_t total) { bar.update(done, total); };
     const bus::ReplayReport report = bus::replay_in_process(path, {&collector}, replay);

@@ -37,7 +37,7 @@ std::vector<calibration::TrunkObservation> look_at_logs(const CalibrateTrunksOpt
   for (std::size_t i = 0; i < options.log_paths.size(); ++i) {
     procs::PoseNode pose(config);
     TrunkCollector collector(config, static_cast<int>(i), !options.list_folder.empty());
-    io::ProgressBar bar("looking", !options.quiet);
+    io::ProgressBar bar("reading logs", !options.quiet);
     bus::ReplayOptions replay;
     replay.progress = [&](std::uint64_t done, std::uint64_t total) { bar.update(done, total); };
     const bus::ReplayReport report =

@@ -29,7 +29,7 @@ PictureCount for_each_masked_picture(const MaskedPictureOptions& options, const 
     count.left_out.push_back(name + ": has no mask of the same name in " + options.mask_folder);
   }
   std::map<std::int64_t, int> group_of_size;
-  io::ProgressBar bar("looking", !options.quiet);
+  io::ProgressBar bar("reading pictures", !options.quiet);
   std::uint64_t done = 0;
   for (const io::MaskedPicturePaths& paths : list.pictures) {
     bar.update(done++, list.pictures.size());

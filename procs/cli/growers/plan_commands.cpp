@@ -75,7 +75,7 @@ void add_publish(CLI::App& app, Run& run) {
       "  orchard publish out/drive --to service=farm --block north --date 2026-04-10\n"
       "The map is stored in one transaction, entirely or not at all. A map of the same block and "
       "date is\n"
-      "replaced; its old rows are kept in orchard.tree_replaced. The password comes from "
+      "replaced; the rows that change are kept in orchard.tree_replaced. The password comes from "
       "~/.pgpass,\n"
       "PGPASSWORD or a service file.\n",
       run_publish, [](CLI::App& command, PublishOptions& o) {

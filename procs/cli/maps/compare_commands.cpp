@@ -58,7 +58,7 @@ void add_compare(CLI::App& app, Run& run) {
       "  orchard compare a/map.csv b/map.csv --assume-seen --any-place\n"
       "Input: two map folders; their maps are aligned on the trunks. Output: trees that are "
       "unchanged,\n"
-      "missing, new, moved, thicker or thinner. A tree counts as missing only if the later drive "
+      "missing, new, moved, grown or thinner. A tree counts as missing only if the later drive "
       "could\n"
       "see its position; otherwise it is `not seen`. If a shift by a tree or a row explains the "
       "maps as\n"

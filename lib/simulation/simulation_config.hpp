@@ -212,10 +212,12 @@ void describe(Visitor& v, OrchardConfig& c) {
   v.number("fix_sd_m", c.fix_sd_m, 0, 10, "m", "standard deviation of the position of a POSE_FIX");
   v.number("fix_yaw_sd_rad", c.fix_yaw_sd_rad, 0, 1, "rad",
            "standard deviation of the yaw of a POSE_FIX");
-  v.check(c.bark_hue_min_deg <= c.bark_hue_max_deg, "bark_hue_min_deg", "must not pass the max");
+  v.check(c.bark_hue_min_deg <= c.bark_hue_max_deg, "bark_hue_min_deg",
+          "must not be above bark_hue_max_deg");
   v.check(c.bark_saturation_min <= c.bark_saturation_max, "bark_saturation_min",
-          "must not pass the max");
-  v.check(c.bark_value_min <= c.bark_value_max, "bark_value_min", "must not pass the max");
+          "must not be above bark_saturation_max");
+  v.check(c.bark_value_min <= c.bark_value_max, "bark_value_min",
+          "must not be above bark_value_max");
   v.check(!c.start_anywhere || c.laps > 0, "start_anywhere", "needs laps above 0");
 }
 

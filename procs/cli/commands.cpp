@@ -28,7 +28,7 @@ void add_simulate(CLI::App& app, Run& run) {
       app, run, "simulate", "Simulate a drive through a scene and write its log",
       "  orchard simulate --scene tubes --seed 1 --out out/tubes.lcm --truth out/truth.csv\n"
       "  orchard simulate --scene orchard --seed 7 --out out/drive.lcm --duration 60 \\\n"
-      "      --truth out/truth.csv --poses out/poses.csv --observations out/looks.csv\n"
+      "      --truth out/truth.csv --poses out/poses.csv --observations out/observations.csv\n"
       "Output: an LCM log as a robot would record it, and on request the true objects, poses and\n"
       "observations as CSV files for `orchard evaluate`. The same seed gives the same bytes.\n",
       simulate, [](CLI::App& command, SimulateOptions& o) {

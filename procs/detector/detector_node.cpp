@@ -94,8 +94,9 @@ std::string DetectorNode::waiting_for() const {
   const auto utime = pairer_.waiting_scan_utime();
   if (!utime) return {};
   return "SCAN at " + fixed_text(static_cast<double>(*utime) * 1e-6, 3) + " s waits for an IMAGE" +
-         (rig_.detector.use_odometry ? " (from the camera driver) and ODOMETRY (from the base)"
-                                     : " (from the camera driver)");
+         (rig_.detector.use_odometry
+              ? " (from the camera driver) and ODOMETRY (from the odometry driver)"
+              : " (from the camera driver)");
 }
 
 std::string DetectorNode::warning() const {

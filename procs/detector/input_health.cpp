@@ -86,7 +86,7 @@ std::string InputHealth::picture_text(bool ended) const {
                                                               num_pictures_ < num_scans / 2))
                                 : num_since_picture_ >= kScansWithoutPicture;
   if (!is_wanting) return {};
-  return "no IMAGE (from the camera) for " +
+  return "no IMAGE (from the camera driver) for " +
          std::to_string(ended ? num_without_picture_ : num_since_picture_) + " of " +
          std::to_string(num_scans) + " scans: their detections are UNSEEN, neither tree nor object";
 }
@@ -111,8 +111,8 @@ std::string InputHealth::unusable_text(bool ended) const {
 
 std::string InputHealth::odometry_text(bool ended, std::int64_t num_without_motion) const {
   if (num_without_motion == 0 || (!ended && !last_without_motion_)) return {};
-  return "no ODOMETRY (from the base) for " + std::to_string(num_without_motion) + " of " +
-         std::to_string(num_pictures_) +
+  return "no ODOMETRY (from the odometry driver) for " + std::to_string(num_without_motion) +
+         " of " + std::to_string(num_pictures_) +
          " pictures: they are used without compensating the motion between scan and picture "
          "(detector.use_odometry)";
 }

@@ -416,16 +416,17 @@ void MapperNode::send_tiles(std::int64_t utime, std::vector<mapping::Landmark> l
 std::string MapperNode::waiting_for() const {
   if (queue_.is_empty(kDetections)) {
     if (queue_.message_time() == Queue::kNever) {
-      return "no DETECTIONS and no POSE yet (orchard-detector, orchard-pose)";
+      return "no DETECTIONS and POSE yet (sent by orchard-detector and orchard-pose)";
     }
     return is_scan_missing_
                ? "no SCAN with the DETECTIONS (sent by a laser driver): landmarks that are gone "
                  "stay in the map; start the driver or set mapper.existence.scan_wait_s to 0"
                : "";
   }
-  return fmt::format(
-      "DETECTIONS at {:.3f} s wait for {}", timing::seconds(queue_.front_utime(kDetections)),
-      blocker() == kScan ? "their SCAN (a laser driver)" : "a POSE at or after (orchard-pose)");
+  return fmt::format("DETECTIONS at {:.3f} s wait for {}",
+                     timing::seconds(queue_.front_utime(kDetections)),
+                     blocker() == kScan ? "their SCAN (sent by a laser driver)"
+                                        : "a POSE of that time or later (sent by orchard-pose)");
 }
 
 }  // namespace orchard::procs

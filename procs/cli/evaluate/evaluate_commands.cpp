@@ -106,9 +106,10 @@ void add_window_options(CLI::App& command, EvaluateWindowsOptions& o) {
 void add_detections(CLI::App& evaluate, Run& run) {
   const char* examples =
       "  orchard simulate --scene orchard --seed 1 --out drive.lcm --truth truth.csv \\\n"
-      "    --observations looks.csv --config config/orchard.yaml\n"
+      "    --observations observations.csv --config config/orchard.yaml\n"
       "  orchard map drive.lcm --config config/orchard.yaml --out out/drive\n"
-      "  orchard evaluate detections out/drive --observations looks.csv --truth truth.csv \\\n"
+      "  orchard evaluate detections out/drive --observations observations.csv --truth truth.csv "
+      "\\\n"
       "    --html out/detections.html\n"
       "  orchard evaluate detections noon evening --observations noon.csv evening.csv   (by "
       "light)\n";

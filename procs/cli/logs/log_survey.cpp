@@ -91,7 +91,7 @@ LogSurvey survey_log(const io::LogPaths& logs) {
   if (survey.num_events == 0) {
     throw io::FileError(
         path + (survey.file_size == 0
-                    ? " is empty; was it recorded with lcm-logger?"
+                    ? " is empty; give an LCM log (of lcm-logger or `orchard record`)"
                     : " has no LCM event; give an LCM log (of lcm-logger or `orchard record`)"));
   }
   return survey;

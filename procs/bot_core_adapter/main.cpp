@@ -12,10 +12,10 @@ int main(int argc, char** argv) {
   bus::ProcessInfo info;
   info.name = "orchard-bot-core-adapter";
   info.description =
-      "Translate libbot's LCM types into those of Orchard Mapper: planar_lidar_t to SCAN, image_t "
-      "to\n"
-      "IMAGE, pose_t to ODOMETRY (or POSE_FIX), gps_data_t to GNSS. Configuration: "
-      "drivers.bot_core.";
+      "Translate messages of libbot's LCM types into those of Orchard Mapper.\n"
+      "planar_lidar_t becomes SCAN, image_t IMAGE, pose_t ODOMETRY (or POSE_FIX), gps_data_t "
+      "GNSS.\n"
+      "Configuration: drivers.bot_core.";
   info.options = {{"--robot-url", "URL",
                    "URL of the robot's LCM network [drivers.bot_core.lcm_url]", &robot_url}};
   io::RigFile rig;

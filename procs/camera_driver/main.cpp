@@ -8,9 +8,9 @@ int main(int argc, char** argv) {
   bus::ProcessInfo info;
   info.name = "orchard-camera-driver";
   info.description =
-      "Read a camera (Video4Linux2), a folder of pictures or a video and send IMAGE. A JPEG of the "
-      "camera\n"
-      "is passed on; it is compressed again only if it is larger than drivers.camera.max_bytes.";
+      "Read a camera (Video4Linux2), a folder of pictures or a video, and send IMAGE.\n"
+      "A JPEG of the camera is passed on; it is compressed again only if it is larger than\n"
+      "drivers.camera.max_bytes.";
   info.options = {
       {"--device", "DEVICE",
        "source: /dev/video0, pictures:FOLDER or video:FILE [drivers.camera.device]",

@@ -11,9 +11,9 @@ int main(int argc, char** argv) {
   bus::ProcessInfo info;
   info.name = "orchard-gnss-driver";
   info.description =
-      "Read a GNSS receiver through gpsd and send GNSS: fixes with their quality (including RTK "
-      "fixed and\n"
-      "float) and covariance. Configuration: drivers.gnss.";
+      "Read a GNSS receiver through gpsd and send GNSS.\n"
+      "GNSS has fixes with their quality (including RTK fixed and float) and covariance.\n"
+      "Configuration: drivers.gnss.";
   io::RigFile rig;
   return bus::run_stream_process(argc, argv, info, rig, [&rig] {
     const device::GnssDriverConfig& config = rig.config().drivers.gnss;

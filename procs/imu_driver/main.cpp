@@ -8,9 +8,9 @@ int main(int argc, char** argv) {
   bus::ProcessInfo info;
   info.name = "orchard-imu-driver";
   info.description =
-      "Read text lines of an IMU with its own serial line and send IMU. An IMU on the line of the "
-      "wheel\n"
-      "controller is read by orchard-odometry-driver. Configuration: drivers.imu.";
+      "Read text lines of an IMU with its own serial line and send IMU.\n"
+      "An IMU on the line of the wheel controller is read by orchard-odometry-driver.\n"
+      "Configuration: drivers.imu.";
   io::RigFile rig;
   return bus::run_stream_process(argc, argv, info, rig, [&rig] {
     const device::DriversConfig& drivers = rig.config().drivers;

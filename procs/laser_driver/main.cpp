@@ -8,11 +8,11 @@ int main(int argc, char** argv) {
   bus::ProcessInfo info;
   info.name = "orchard-laser-driver";
   info.description =
-      "Read a laser scanner over TCP or a serial line and send SCAN: Hokuyo (SCIP 2.0: "
-      "URG-04LX-UG01,\n"
-      "UTM-30LX, UST-10LX) or SICK (CoLa-A: TiM3xx, TiM5xx, LMS1xx). The time stamp is that of the "
-      "first\n"
-      "beam, in the time of this machine. Configuration: drivers.laser.";
+      "Read a laser scanner over TCP or a serial line and send SCAN.\n"
+      "Supports Hokuyo (SCIP 2.0: URG-04LX-UG01, UTM-30LX, UST-10LX) and SICK (CoLa-A: TiM3xx, "
+      "TiM5xx,\n"
+      "LMS1xx). The time stamp is that of the first beam, by the clock of this machine.\n"
+      "Configuration: drivers.laser.";
   io::RigFile rig;
   return bus::run_stream_process(argc, argv, info, rig, [&rig] {
     return procs::make_laser_device(rig.config().drivers.laser, bus::Channel::kScan);

@@ -8,9 +8,9 @@ int main(int argc, char** argv) {
   bus::ProcessInfo info;
   info.name = "orchard-odometry-driver";
   info.description =
-      "Read text lines of a robot's controller (wheel velocities, wheel ticks, IMU) and send "
-      "ODOMETRY,\n"
-      "and IMU if the controller sends I lines. Configuration: drivers.odometry.";
+      "Read text lines of a robot's controller and send ODOMETRY.\n"
+      "The lines have wheel velocities, wheel ticks or IMU data; of I lines IMU is sent, too.\n"
+      "Configuration: drivers.odometry.";
   io::RigFile rig;
   return bus::run_stream_process(argc, argv, info, rig, [&rig] {
     const device::DriversConfig& drivers = rig.config().drivers;

@@ -8,9 +8,10 @@ int main(int argc, char** argv) {
   bus::ProcessInfo info;
   info.name = "orchard-rear-laser-driver";
   info.description =
-      "Read a second laser scanner, like orchard-laser-driver the first, and send SCAN.rear. The "
-      "detector\n"
-      "joins both scans (laser_rear.enabled). Configuration: drivers.laser_rear.";
+      "Read a second laser scanner and send SCAN.rear.\n"
+      "Supports the scanners of orchard-laser-driver. The detector joins both scans "
+      "(laser_rear.enabled).\n"
+      "Configuration: drivers.laser_rear.";
   io::RigFile rig;
   return bus::run_stream_process(argc, argv, info, rig, [&rig] {
     return procs::make_laser_device(rig.config().drivers.laser_rear, bus::Channel::kScanRear);

@@ -58,7 +58,7 @@ PostgresConnection::PostgresConnection(const std::string& url) {
   const char* values[] = {"orchard publish", "UTF8", has_timeout ? url.c_str() : "10",
                           has_timeout ? nullptr : url.c_str(), nullptr};
   connection_.reset(PQconnectdbParams(keys, values, 1));
-  if (PQstatus(connection_.get()) != CONNECTION_OK) fail("no connection");
+  if (PQstatus(connection_.get()) != CONNECTION_OK) fail("no connection to the database");
   PQsetNoticeProcessor(
       connection_.get(), [](void*, const char*) {}, nullptr);
 }
@@ -74,7 +74,8 @@ void PostgresConnection::fail(const char* what) const {
 void PostgresConnection::run(const char* statements) {
   const Result result(PQexec(connection_.get(), statements));
   const ExecStatusType status = PQresultStatus(result.get());
-  if (status != PGRES_COMMAND_OK && status != PGRES_TUPLES_OK) fail("the database refused");
+  if (status != PGRES_COMMAND_OK && status != PGRES_TUPLES_OK)
+    fail("the database refused the request");
 }
 
 std::int64_t PostgresConnection::run(const char* statement,
@@ -85,13 +86,13 @@ std::int64_t PostgresConnection::run(const char* statement,
                                    nullptr, values.data(), nullptr, nullptr, 0));
   const ExecStatusType status = PQresultStatus(result.get());
   if (status == PGRES_TUPLES_OK) return PQntuples(result.get());
-  if (status != PGRES_COMMAND_OK) fail("the database refused");
+  if (status != PGRES_COMMAND_OK) fail("the database refused the request");
   return std::strtoll(PQcmdTuples(result.get()), nullptr, 10);
 }
 
 void PostgresConnection::begin_copy(const char* statement) {
   const Result result(PQexec(connection_.get(), statement));
-  if (PQresultStatus(result.get()) != PGRES_COPY_IN) fail("the database refused");
+  if (PQresultStatus(result.get()) != PGRES_COPY_IN) fail("the database refused the request");
 }
 
 void PostgresConnection::copy(std::string_view lines) {
@@ -106,7 +107,7 @@ void PostgresConnection::end_copy() {
   while (Result result{PQgetResult(connection_.get())}) {
     is_good = is_good && PQresultStatus(result.get()) == PGRES_COMMAND_OK;
   }
-  if (!is_good) fail("the database refused");
+  if (!is_good) fail("the database refused the request");
 }
 
 }  // namespace orchard::io

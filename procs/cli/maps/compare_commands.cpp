@@ -13,8 +13,9 @@ namespace {
 
 void add_reach_option(CLI::App& command, double& reach_m) {
   command
-      .add_option("--reach", reach_m,
-                  "max range at which the laser detects trunks [m; from the map folders]")
+      .add_option(
+          "--reach", reach_m,
+          "max range at which the laser detects trunks [m]; default: as stored in the map folders")
       ->check(CLI::Range(0.5, 500.0));
 }
 

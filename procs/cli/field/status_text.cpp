@@ -42,9 +42,9 @@ std::string remarks(const ProcessView& process) {
   if (std::abs(process.clock_offset_s) > kClockOffsetMax_s) {
     char words[96];
     std::snprintf(words, sizeof(words),
-                  "its clock is %.3f s %s of this machine's: synchronise the clocks (chrony)",
+                  "its clock is %.3f s %s this machine's: synchronise the clocks (chrony)",
                   std::abs(process.clock_offset_s),
-                  process.clock_offset_s > 0 ? "ahead" : "behind");
+                  process.clock_offset_s > 0 ? "ahead of" : "behind");
     add(words);
   }
   return text;

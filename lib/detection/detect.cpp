@@ -167,6 +167,18 @@ AdaptationObservation look_at(const Detection& d, const std::optional<vision::Wi
   return {d.centre_x_m, d.centre_y_m, d.width_m, d.roc_laser, d.roc_colour, d.roc_vision, light};
 }
 
+/// Whether the camera could still make a tree of an object that the laser rejects by its width.
+/// With Decision::kProbability the width is one feature among others: the surest answer of a camera
+/// is tried, and if even that leaves the object below tree_min, no picture needs to be read.
+bool camera_could_decide(Detection d, const DetectorConfig& config) {
+  if (config.decision != Decision::kProbability) return false;
+  d.label = Label::kObject;
+  d.roc_colour = 1.0f;
+  d.roc_edges = 1.0f;
+  return tree_probability(d, config.width.mean_m, config.probability).tree >=
+         config.probability.tree_min;
+}
+
 /// Sets the probabilities of all detections, and their labels with Decision::kProbability.
 void judge_probabilities(std::vector<Detection>& trunks, const Rig& rig) {
   const DetectorConfig& config = rig.detector;
@@ -176,8 +188,9 @@ void judge_probabilities(std::vector<Detection>& trunks, const Rig& rig) {
     d.probability_tree = static_cast<float>(p.tree);
     d.probability_object = static_cast<float>(p.object);
     if (config.decision != Decision::kProbability || d.label == Label::kUnseen) continue;
-    // An object rejected by the laser stays an OBJECT: the camera has not examined it.
-    if (rig.has_camera && d.roc_laser < config.roc_laser_threshold) continue;
+    // An object rejected by the laser stays an OBJECT unless the camera has examined it.
+    const bool examined = d.roc_colour > 0.0f || d.roc_laser >= config.roc_laser_threshold;
+    if (rig.has_camera && !examined) continue;
     d.label = label_of(p.tree, config.probability.tree_min);
   }
 }
@@ -217,6 +230,10 @@ LaserFindings find_by_laser(const laser::Scan& scan, const Rig& rig) {
     } else if (decision == LaserDecision::kObject) {
       trunks.back().label = Label::kObject;
       trunks.back().roc_tree = static_cast<float>(fuse_tree(roc_laser, 0.0, config.laser_weight));
+      if (reflector == ReflectorDecision::kNothing && !is_half_hidden(segment) &&
+          camera_could_decide(trunks.back(), config)) {
+        findings.candidates.push_back({trunks.size() - 1, segment});
+      }
     } else {
       findings.candidates.push_back({trunks.size() - 1, segment});
     }
@@ -273,8 +290,8 @@ DetectResult look_at_candidates(LaserFindings findings, vision::PictureReader* p
     const double roc_vision = judge_by_vision(d, *views[i], seen, rig);
     d.roc_vision = static_cast<float>(roc_vision);
     decide(d, fuse_tree(d.roc_laser, roc_vision, rig.detector.laser_weight), rig);
-    const bool is_whole = d.occlusion == 0;
-    if (rig.detector.adaptation.enabled && is_whole)
+    const bool adapts = d.occlusion == 0 && d.roc_laser >= rig.detector.roc_laser_threshold;
+    if (rig.detector.adaptation.enabled && adapts)
       result.observations.push_back(look_at(d, lights[i]));
   }
   return result;

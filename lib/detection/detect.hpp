@@ -16,7 +16,7 @@
 
 namespace orchard::detection {
 
-/// An object that may be a trunk according to the laser and is to be judged by the camera.
+/// An object that may be a trunk and is to be judged by the camera.
 struct Candidate {
   std::size_t index = 0;  ///< into LaserFindings::detections.trunks
   laser::Segment segment;
@@ -24,7 +24,7 @@ struct Candidate {
 
 /// Result of the laser's half of the detector: everything that does not need the image.
 struct LaserFindings {
-  Detections detections;              ///< candidates are still UNSEEN
+  Detections detections;              ///< candidates are UNSEEN, or OBJECT by their width
   std::vector<Candidate> candidates;  ///< empty for a rig without a camera
   /// Reflectors are used (segmentation.reflector), but the scan has no intensities; all objects are
   /// UNSEEN.
@@ -59,7 +59,8 @@ DetectResult judge_by_camera(LaserFindings findings, vision::PictureReader* pict
 /// Detects trees and other objects in a scan and its image: segment, width, project, colour, edges,
 /// fuse. `image` may be null.
 ///
-/// An object that the laser rejects is an OBJECT; the camera does not examine it. A candidate that
+/// An object that the laser rejects is an OBJECT; the camera examines it only if, with
+/// Decision::kProbability, its answer could still make a tree of it. A candidate that
 /// is not fully inside the image or has a hidden side (see visible_fraction_min) is UNSEEN with
 /// roc_tree 0. For a rig without a camera roc_tree is roc_laser. A pure function; only the windows
 /// of the image are decoded. `motion`: of base about the time of the image, if known; moves each

@@ -114,5 +114,33 @@ TEST(Probability, DecidesWhereTheRigSaysSo) {
   EXPECT_EQ(label(Decision::kRoc, -20.0), Label::kTree);
 }
 
+TEST(Probability, TheCameraIsAskedWhereverItsAnswerCouldDecide) {
+  DetectorConfig config;
+  config.decision = Decision::kProbability;
+  config.probability = colour_alone();
+  config.width.sd_m = 0.01;
+  const auto found = [&](const test::Tube& tube) {
+    const Rig rig = test::tube_rig(config);
+    const vision::Image image = test::picture_of_tubes({tube}, rig);
+    return detect(test::scan_of({tube}), &image, rig).detections.trunks.at(0);
+  };
+  // Four standard deviations too wide: the laser rejects both, only their colours differ.
+  const test::Tube brown = test::brown_tube(1.5, 0.3, 0.13), blue = test::blue_tube(1.5, 0.3, 0.13);
+  EXPECT_LT(found(brown).roc_laser, config.roc_laser_threshold);
+  EXPECT_EQ(found(brown).label, Label::kTree);
+  EXPECT_GT(found(brown).roc_colour, 0.5f);
+  EXPECT_EQ(found(blue).label, Label::kObject);
+
+  // Where the width outweighs the best answer that a camera can give, no picture is looked at.
+  config.probability.judged_tree[2] = -6.0;
+  EXPECT_EQ(found(brown).roc_colour, 0.0f);
+  EXPECT_EQ(found(brown).label, Label::kObject);
+  // The paper's rule, too, asks the camera about trunks of the right width only.
+  config.probability.judged_tree[2] = 0.0;
+  config.decision = Decision::kRoc;
+  EXPECT_EQ(found(brown).roc_colour, 0.0f);
+  EXPECT_EQ(found(brown).label, Label::kObject);
+}
+
 }  // namespace
 }  // namespace orchard::detection

@@ -101,16 +101,16 @@ double log_odds_of_drive(const MapState& map, const LandmarkRecord& r, TrustedSc
       ++num_seen;
       return true;
     }
-    if (!trusted.holds(scan, beams)) return true;
     const Eigen::Vector2d p_base = base_position(map, scan, p_map);
-    const double odds = log_odds_of(
+    if (p_base.norm() > seen_range_max_m || !trusted.holds(scan, beams)) return true;
+    in_range[scan] = log_odds_of(
         beams.at(p_base, r.width_m, view_sd_m(map.observations.pose(scan), r)), BeamWeight::kFull);
-    sum += odds;
-    if (odds != 0.0 && p_base.norm() <= seen_range_max_m) in_range[scan] = odds;
+    sum += in_range[scan];
     return true;
   });
   std::vector<double> before, after;
   for (const auto& [scan, odds] : in_range) {
+    if (odds == 0.0) continue;
     if (scan < seen_in.front()) before.push_back(odds);
     if (scan > seen_in.back()) after.push_back(odds);
   }

@@ -274,6 +274,28 @@ TEST(Existence, AStalkThatComesAndGoesIsStrayAndAThinStakeIsNone) {
   EXPECT_EQ(num_stalks, 0);
 }
 
+TEST(Existence, ADarkPostThatOnlyNearScansMeetIsNoStray) {
+  // Dark bark returns no beam from beyond 1.3 m: all scans from farther away pass through the
+  // posts.
+  const auto things = [](double time_s) {
+    std::vector<Thing> all = two_rows();
+    const double laser_x_m = time_s - 1.5;
+    for (int i = 0; i < 10; ++i) {
+      const Vector2d p(3.0 + 4.0 * i, 0.9);
+      if ((p - Vector2d(laser_x_m, 0.0)).norm() < 1.3) all.push_back({p, 0.03});
+    }
+    return all;
+  };
+  const Mapper mapper = drive(1, things);
+  const std::vector<std::int32_t> strays = mapper.stray_ids();
+  int num_stems = 0;
+  for (const Landmark& l : mapper.landmarks(4)) {
+    if (l.y_m < 0.6 || l.y_m > 1.2) continue;
+    num_stems += !std::binary_search(strays.begin(), strays.end(), l.id);
+  }
+  EXPECT_EQ(num_stems, 10);
+}
+
 TEST(Existence, WithoutBeamsNothingIsDropped) {
   const Mapper mapper = drive(2, walker_and_rows, Sees::kDetections);
   EXPECT_GT(num_within(mapper, {-5, -1.6}, {45, 1.6}, 3), 20);

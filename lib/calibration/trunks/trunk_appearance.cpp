@@ -25,10 +25,14 @@ std::vector<std::size_t> spread(const std::vector<std::size_t>& observations) {
 /// Confidence below which a window is not a trunk in any light.
 constexpr double kSurelyNone = 0.1;
 
+/// Trunks are chosen within width_spread of their typical width. Widths of trees reach farther, so
+/// what is up to twice as far off may be a trunk, too.
+constexpr double kDoubtfulSpreads = 2.0;
+
 bool may_be_trunk(const ThingSeen& seen, const TrunkModel& model) {
   return !seen.is_trunk && !model.is_picked &&
          std::abs(seen.median_width_m - model.width_mean_m) <=
-             model.width_spread * model.width_mean_m;
+             kDoubtfulSpreads * model.width_spread * model.width_mean_m;
 }
 
 double mean_confidence(const ThingSeen& seen, const std::vector<TrunkObservation>& observations,

@@ -17,7 +17,7 @@ struct TrunkAppearance {
 
 /// Learns the appearance of the model's trunks. Windows between their edges are positives; windows
 /// beside them at the same height and on other free-standing objects are negatives. If the trunks
-/// were not picked by the user, an object of trunk width may be a trunk in another light; it is a
+/// were not picked by the user, an object that was not chosen but may be as wide as a trunk is a
 /// negative only if a model learnt from the rest rejects it. At most twelve observations of each
 /// object are used, evenly spread, so that all have similar weight.
 ///

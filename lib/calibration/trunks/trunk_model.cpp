@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -19,11 +20,17 @@ namespace {
 constexpr std::int64_t kLostAfter_us = 1'000'000;
 /// Observations beyond this many robust standard deviations are segmentation errors, not scatter.
 constexpr double kOutlier = 3.5;
+/// Max difference of two trunks' colours in the logs of blue and of red over green. Light of 5500
+/// and of 10000 K (sun, open shade) differs by 0.3, bark of saturation 0.04 and of 0.42 by 0.4. The
+/// hue of bark so pale says nothing; painted things differ by 1 and more.
+constexpr double kSameColour = 0.5;
 
 struct Thing {
   ThingSeen seen;
   std::int64_t last_utime = 0;
   bool in_map = false;
+  bool stands_alone = true;  ///< nothing else was observed beside it
+  std::optional<vision::WindowLight> colour;
 };
 
 double hue_distance_deg(double a_deg, double b_deg) {
@@ -62,11 +69,18 @@ std::vector<Thing> follow_things(const std::vector<TrunkObservation>& observatio
     nearest->seen.y_m += fraction * (observation.y_m - nearest->seen.y_m);
   }
   for (Thing& thing : things) {
-    std::vector<double> widths_m;
+    std::vector<double> widths_m, blue, red;
     vision::HueHistogram hues;
     for (const std::size_t i : thing.seen.observations) {
       widths_m.push_back(observations[i].width_m);
       add(observations[i].hues, hues);
+      if (!observations[i].light) continue;
+      blue.push_back(observations[i].light->blue);
+      red.push_back(observations[i].light->red);
+    }
+    if (!blue.empty()) {
+      thing.colour = vision::WindowLight{geometry::midpoint_median(std::move(blue)),
+                                         geometry::midpoint_median(std::move(red)), 0.0};
     }
     thing.seen.num_observations = static_cast<int>(thing.seen.observations.size());
     thing.seen.median_width_m = geometry::midpoint_median(std::move(widths_m));
@@ -75,12 +89,34 @@ std::vector<Thing> follow_things(const std::vector<TrunkObservation>& observatio
   return things;
 }
 
-bool alike(const ThingSeen& a, const ThingSeen& typical, bool has_hue,
-           const TrunkModelOptions& options) {
-  return std::abs(a.median_width_m - typical.median_width_m) <=
-             options.width_spread * typical.median_width_m &&
-         (!has_hue ||
-          hue_distance_deg(a.dominant_hue_deg, typical.dominant_hue_deg) <= options.hue_spread_deg);
+/// Finds the things that have others beside them: parts of one bush are detected as several things.
+void find_neighbours(std::vector<Thing>& things, const TrunkModelOptions& options) {
+  for (Thing& thing : things) {
+    if (!thing.in_map) continue;
+    thing.stands_alone = std::none_of(things.begin(), things.end(), [&](const Thing& other) {
+      if (&other == &thing || other.seen.log != thing.seen.log || !other.in_map) return false;
+      if (other.seen.num_observations < options.min_observations) return false;
+      const double apart_m =
+          std::hypot(other.seen.x_m - thing.seen.x_m, other.seen.y_m - thing.seen.y_m);
+      return apart_m <
+             options.gate_m + 0.5 * (other.seen.median_width_m + thing.seen.median_width_m);
+    });
+  }
+}
+
+bool same_colour(const Thing& a, const Thing& typical, const TrunkModelOptions& options) {
+  if (a.colour && typical.colour) {
+    return std::hypot(a.colour->blue - typical.colour->blue, a.colour->red - typical.colour->red) <=
+           kSameColour;
+  }
+  return hue_distance_deg(a.seen.dominant_hue_deg, typical.seen.dominant_hue_deg) <=
+         options.hue_spread_deg;
+}
+
+bool alike(const Thing& a, const Thing& typical, bool has_hue, const TrunkModelOptions& options) {
+  return std::abs(a.seen.median_width_m - typical.seen.median_width_m) <=
+             options.width_spread * typical.seen.median_width_m &&
+         (!has_hue || same_colour(a, typical, options));
 }
 
 /// The largest group of similar objects that are not `taken`; among equals the one with most
@@ -89,7 +125,8 @@ std::vector<std::size_t> largest_population(const std::vector<Thing>& things,
                                             const std::vector<bool>& taken, bool has_hue,
                                             const TrunkModelOptions& options) {
   const auto counts = [&](std::size_t i) {
-    return !taken[i] && things[i].seen.num_observations >= options.min_observations;
+    return !taken[i] && things[i].stands_alone &&
+           things[i].seen.num_observations >= options.min_observations;
   };
   std::vector<std::size_t> best;
   int most_observations = 0;
@@ -98,7 +135,7 @@ std::vector<std::size_t> largest_population(const std::vector<Thing>& things,
     std::vector<std::size_t> group;
     int num_observations = 0;
     for (std::size_t k = 0; k < things.size(); ++k) {
-      if (!counts(k) || !alike(things[k].seen, things[i].seen, has_hue, options)) continue;
+      if (!counts(k) || !alike(things[k], things[i], has_hue, options)) continue;
       group.push_back(k);
       num_observations += things[k].seen.num_observations;
     }
@@ -291,6 +328,7 @@ TrunkModel estimate_trunk_model(const std::vector<TrunkObservation>& observation
       observations.begin(), observations.end(),
       [](const TrunkObservation& observation) { return observation.hues.num_coloured > 0; });
   std::vector<Thing> things = follow_things(observations, options);
+  find_neighbours(things, options);
   const std::vector<std::size_t> trunks = find_trunks(things, model.has_hue, options);
   for (const std::size_t i : trunks) things[i].seen.is_trunk = true;
 

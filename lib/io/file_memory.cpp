@@ -20,9 +20,6 @@
 namespace orchard::io {
 namespace {
 
-/// Chunks that stay in memory when the next one is taken.
-constexpr std::size_t kWarm = 3;
-
 /// Disk space left free for the output files.
 constexpr std::uintmax_t kLeft_bytes = 64u << 20;
 
@@ -106,20 +103,21 @@ void* FileMemory::take() {
     ++num_on_heap_;
     return ::operator new(kChunkBytes);
   }
-  // Older chunks that were read since the last call are unloaded too; the file keeps them.
-  warm_.push_back(chunk);
-  if (warm_.size() > kWarm) warm_.pop_front();
-  for (const Mapped& other : mapped_) {
-    if (std::count(warm_.begin(), warm_.end(), other.first) == 0) cool_down(other.first);
-  }
   return chunk;
 }
 
-void FileMemory::rest() noexcept {
-  for (const Mapped& chunk : mapped_) cool_down(chunk.first);
+void FileMemory::use(void* chunk) {
+  if (mapped(chunk) == nullptr) return;  // on the heap, where unloading would lose the data
+  if (loaded_.size() >= kLoadedMax) unload();
+  loaded_.push_back(chunk);
 }
 
-void FileMemory::cool_down(void* chunk) { ::madvise(chunk, kChunkBytes, MADV_DONTNEED); }
+/// Removes the chunks of this round from memory; the file keeps them.
+void FileMemory::unload() noexcept {
+  for (void* chunk : loaded_) ::madvise(chunk, kChunkBytes, MADV_DONTNEED);
+  loaded_.clear();
+  ++round_;
+}
 
 void FileMemory::give_back(void* chunk) noexcept {
   const Mapped* at = mapped(chunk);
@@ -150,6 +148,7 @@ std::vector<KeptChunk> FileMemory::write_kept() {
     if (to_keep_.count(chunk.second) == 0) continue;
     const auto then = std::lower_bound(kept_.begin(), kept_.end(), chunk.second, is_before);
     const bool is_known = then != kept_.end() && then->number == chunk.second;
+    if (!is_known) use(chunk.first);
     now.push_back({chunk.second, is_known ? then->crc : crc_of(chunk.first)});
   }
   to_keep_.clear();
@@ -186,9 +185,8 @@ bool FileMemory::restore(const std::vector<KeptChunk>& chunks) {
       unused_.push_back(chunk);
       continue;
     }
-    const bool is_whole = crc_of(chunk) == at->crc;
-    cool_down(chunk);
-    if (!is_whole) return false;
+    use(chunk);
+    if (crc_of(chunk) != at->crc) return false;
   }
   kept_ = written_ = chunks;
   return chunks.back().number < num_in_file_;

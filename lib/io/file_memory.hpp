@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <set>
 #include <string>
 #include <utility>
@@ -20,8 +19,8 @@ struct KeptChunk {
   std::uint32_t crc = 0;
 };
 
-/// Allocates chunks in a memory-mapped file, so that only the most recent ones occupy memory. When
-/// the disk is nearly full, chunks are allocated on the heap.
+/// Allocates chunks in a memory-mapped file, of which at most kLoadedMax occupy memory. When the
+/// disk is nearly full, chunks are allocated on the heap.
 ///
 /// A file without a name is deleted with the process. A named one can be used again by the next
 /// process: chunks passed to keep() remain unchanged in the file until release_others() after the
@@ -38,7 +37,7 @@ class FileMemory : public mapping::ChunkMemory {
 
   void* take() override;
   void give_back(void* chunk) noexcept override;
-  void rest() noexcept override;
+  void use(void* chunk) override;
   std::int64_t keep(void* chunk) override;
   void* find(std::int64_t number) override;
 
@@ -56,6 +55,10 @@ class FileMemory : public mapping::ChunkMemory {
   /// all of these chunks are in it unchanged.
   bool restore(const std::vector<KeptChunk>& chunks);
 
+  /// What a robot has around it takes less, and what a pass over the whole drive has read is not
+  /// read again soon.
+  static constexpr std::size_t kLoadedMax = 16;
+
   std::size_t num_on_heap() const { return num_on_heap_; }
 
  private:
@@ -64,7 +67,7 @@ class FileMemory : public mapping::ChunkMemory {
   void* map_next() noexcept;
   void* map(std::uint32_t number) noexcept;
   const Mapped* mapped(const void* chunk) const;
-  void cool_down(void* chunk);
+  void unload() noexcept;
 
   std::string folder_;
   std::string name_;
@@ -73,7 +76,7 @@ class FileMemory : public mapping::ChunkMemory {
   std::uint32_t num_in_file_ = 0;    ///< chunks in the file, in use or not
   std::vector<Mapped> mapped_;       ///< in order of address
   std::vector<void*> unused_;        ///< mapped but given back
-  std::deque<void*> warm_;           ///< most recently taken
+  std::vector<void*> loaded_;        ///< used in this round
   std::vector<KeptChunk> kept_;      ///< in order of number
   std::vector<KeptChunk> written_;   ///< result of the last write_kept()
   std::set<std::uint32_t> to_keep_;  ///< passed to keep() since then

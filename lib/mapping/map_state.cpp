@@ -111,18 +111,15 @@ ColdArray<std::int32_t> MapState::landmark_of_observation() const {
   ColdArray<std::int32_t> landmark_of(observations.memory());
   for (std::int32_t k = 0; k < observations.num_observations(); ++k) landmark_of.push_back(-1);
   for (std::int32_t i = 0; i < landmarks.num_indices(); ++i) {
-    if (i % kLandmarksBetweenRests == 0) observations.rest();
     if (landmarks[i].is_removed) continue;
     for (std::int32_t k = landmarks[i].last_observation; k >= 0; k = observations[k].previous) {
       landmark_of.edit(static_cast<std::size_t>(k)) = i;
     }
   }
-  observations.rest();
   return landmark_of;
 }
 
 std::vector<std::int32_t> MapState::observations_of(std::int32_t index) const {
-  if (index % kLandmarksBetweenRests == 0) observations.rest();
   std::vector<std::int32_t> all;
   if (landmarks[index].is_removed) return all;
   for (std::int32_t k = landmarks[index].last_observation; k >= 0; k = observations[k].previous) {

@@ -51,10 +51,6 @@ struct MapState {
   /// Observations of a landmark, newest first; empty for a removed one.
   std::vector<std::int32_t> observations_of(std::int32_t index) const;
 
-  /// When iterating over all landmarks, call observations.rest() after this many: observations of
-  /// landmarks with neighbouring indices share memory chunks.
-  static constexpr std::int32_t kLandmarksBetweenRests = 64;
-
   MapperConfig config;
   LandmarkTable landmarks;
   ObservationStore observations;

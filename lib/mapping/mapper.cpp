@@ -267,7 +267,6 @@ std::vector<std::int32_t> Mapper::ids_from(std::int32_t first_id, std::size_t co
 std::optional<double> Mapper::tree_scatter_m() const {
   std::vector<double> medians_m;
   for (std::int32_t i = 0; i < impl_->map.landmarks.num_indices(); ++i) {
-    if (i % MapState::kLandmarksBetweenRests == 0) impl_->map.observations.rest();
     const LandmarkRecord& r = impl_->map.landmarks[i];
     if (r.is_removed || r.num_all < kScatterObservationsMin ||
         label_of(r, impl_->map.config) != detection::Label::kTree) {
@@ -295,7 +294,6 @@ void Mapper::persist(StateArchive& archive) {
 std::vector<Landmark> Mapper::landmarks(int min_observations) const {
   std::vector<Landmark> all;
   for (std::int32_t i = 0; i < impl_->map.landmarks.num_indices(); ++i) {
-    if (i % MapState::kLandmarksBetweenRests == 0) impl_->map.observations.rest();
     const LandmarkRecord& r = impl_->map.landmarks[i];
     if (r.is_removed || !is_seen_often(impl_->map, r, min_observations)) continue;
     all.push_back(impl_->map.report(i, impl_->map.mode_of(r)));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <memory>
 #include <new>
@@ -28,6 +29,7 @@ class ColdArray {
       : memory_(other.memory_),
         chunks_(std::exchange(other.chunks_, {})),
         is_kept_(std::exchange(other.is_kept_, {})),
+        used_in_round_(std::exchange(other.used_in_round_, {})),
         size_(std::exchange(other.size_, 0)) {}
   ColdArray& operator=(ColdArray&& other) noexcept {
     if (this == &other) return *this;
@@ -35,34 +37,37 @@ class ColdArray {
     memory_ = other.memory_;
     chunks_ = std::exchange(other.chunks_, {});
     is_kept_ = std::exchange(other.is_kept_, {});
+    used_in_round_ = std::exchange(other.used_in_round_, {});
     size_ = std::exchange(other.size_, 0);
     return *this;
   }
 
   std::size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
-  const Row& operator[](std::size_t i) const { return chunks_[i >> kShift][i & kMask]; }
+  const Row& operator[](std::size_t i) const { return used(i >> kShift)[i & kMask]; }
   const Row& back() const { return (*this)[size_ - 1]; }
 
   /// Returns a row for modification. Invalidates references to rows of the same chunk.
   Row& edit(std::size_t i) {
     const std::size_t chunk = i >> kShift;
     if (is_kept_[chunk] != 0) thaw(chunk);
-    return chunks_[chunk][i & kMask];
+    return used(chunk)[i & kMask];
   }
 
   void push_back(const Row& row) {
     if (size_ >> kShift == chunks_.size()) {
-      chunks_.reserve(chunks_.size() + 1);
       is_kept_.reserve(chunks_.size() + 1);
+      used_in_round_.reserve(chunks_.size() + 1);
+      chunks_.reserve(chunks_.size() + 1);
       chunks_.push_back(static_cast<Row*>(memory_->take()));
       is_kept_.push_back(0);
+      used_in_round_.push_back(0);
     } else if (is_kept_.back() != 0) {
       const Row copy = row;  // `row` may be inside the chunk
       thaw(chunks_.size() - 1);
       return push_back(copy);
     }
-    ::new (static_cast<void*>(&chunks_.back()[size_ & kMask])) Row(row);
+    ::new (static_cast<void*>(&used(chunks_.size() - 1)[size_ & kMask])) Row(row);
     ++size_;
   }
 
@@ -76,6 +81,7 @@ class ColdArray {
     for (Row* chunk : chunks_) memory_->give_back(chunk);
     chunks_.clear();
     is_kept_.clear();
+    used_in_round_.clear();
     size_ = 0;
   }
 
@@ -103,15 +109,26 @@ class ColdArray {
       if (number < 0 || chunks_.size() <= i) throw std::runtime_error("state: chunks not kept");
     }
     is_kept_.assign(chunks_.size(), 1);
+    used_in_round_.assign(chunks_.size(), 0);
     size_ = static_cast<std::size_t>(size);
   }
 
  private:
+  /// The rows of a chunk, announced to the memory.
+  Row* used(std::size_t chunk) const {
+    if (used_in_round_[chunk] != memory_->round()) {
+      memory_->use(chunks_[chunk]);
+      used_in_round_[chunk] = memory_->round();
+    }
+    return chunks_[chunk];
+  }
+
   void thaw(std::size_t chunk) {
     void* now = memory_->take();
-    std::memcpy(now, chunks_[chunk], (kMask + 1) * sizeof(Row));
+    std::memcpy(now, used(chunk), (kMask + 1) * sizeof(Row));
     memory_->give_back(std::exchange(chunks_[chunk], static_cast<Row*>(now)));
     is_kept_[chunk] = 0;
+    used_in_round_[chunk] = 0;
   }
 
   static constexpr std::size_t shift() {
@@ -125,6 +142,7 @@ class ColdArray {
   std::shared_ptr<ChunkMemory> memory_;
   std::vector<Row*> chunks_;
   std::vector<char> is_kept_;  ///< per chunk: kept, must be copied before an edit
+  mutable std::vector<std::uint32_t> used_in_round_;  ///< per chunk: ChunkMemory::round()
   std::size_t size_ = 0;
 };
 

@@ -25,8 +25,6 @@ class ObservationStore {
       : memory_(memory), scans_(memory), observations_(memory), beams_(memory) {}
 
   const std::shared_ptr<ChunkMemory>& memory() const { return memory_; }
-  /// Lets the memory release its chunks until they are read again.
-  void rest() const { memory_->rest(); }
 
   /// Starts the next scan; `free_space` may be null.
   void add_scan(const pose::PoseEstimate& T_map_base, const FreeSpace* free_space);

@@ -8,6 +8,10 @@
 namespace orchard::pose {
 
 /// Allocator of chunks of one size, for data that is written once and seldom read.
+///
+/// A memory in a file keeps only a few chunks loaded. It learns from use() which ones are: a caller
+/// notes round() when it calls use() for a chunk, and calls use() again when round() has changed.
+/// Pointers into a chunk stay valid; a missing call costs memory, not correctness.
 class ChunkMemory {
  public:
   static constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
@@ -17,14 +21,20 @@ class ChunkMemory {
   /// Allocates kChunkBytes, aligned for every type, uninitialised. Throws std::bad_alloc.
   virtual void* take() = 0;
   virtual void give_back(void* chunk) noexcept = 0;
-  /// Allows all chunks to be paged out until they are read again.
-  virtual void rest() noexcept {}
+
+  /// Announces that a chunk is going to be read or written.
+  virtual void use(void* /*chunk*/) {}
+  /// Number of times that chunks were unloaded, plus one.
+  std::uint32_t round() const { return round_; }
 
   /// Makes a chunk persistent and returns its number for find(), also in a later process; negative
   /// if the memory does not outlive this process. The chunk must not be changed afterwards.
   virtual std::int64_t keep(void* /*chunk*/) { return -1; }
   /// Returns the chunk of a number from keep(); null if there is none.
   virtual void* find(std::int64_t /*number*/) { return nullptr; }
+
+ protected:
+  std::uint32_t round_ = 1;
 };
 
 /// Chunk memory on the heap.

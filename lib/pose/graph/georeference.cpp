@@ -184,6 +184,7 @@ void apply_georeference(const Eigen::Vector3d& T_map_graph, SlamGraph& graph) {
     l.p_map = transform(T_map_graph, l.p_map);
     l.information = R * l.information * R.transpose();
   }
+  graph.older.forget();
   graph.georeferenced = true;
 }
 

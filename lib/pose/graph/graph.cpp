@@ -4,12 +4,12 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "geometry/pose2.hpp"
 
 namespace orchard::pose {
 using geometry::rotation;
-using geometry::transform;
 
 namespace {
 
@@ -22,15 +22,12 @@ auto find_observation(Observations& observations, int landmark) {
                       [&](const SlamObservation& s) { return s.landmark == landmark; });
 }
 
-/// Contribution of one observation to a landmark's position in map, in information form.
-struct PlaceInMap {
-  Eigen::Matrix2d information;
-  Eigen::Vector2d information_m;
-};
-PlaceInMap place_in_map(const SlamObservation& observation, const Eigen::Vector3d& T) {
+/// Adds one observation of a landmark, by a keyframe at T, to its position in map.
+void add_to(PositionSum& sum, const SlamObservation& observation, const Eigen::Vector3d& T) {
   const Eigen::Matrix2d R = rotation(T.z());
   const Eigen::Matrix2d W = R * observation.covariance().inverse() * R.transpose();
-  return {W, W * transform(T, observation.position())};
+  sum.information += W;
+  sum.information_m += W * (R * observation.position() + T.head<2>());
 }
 
 }  // namespace
@@ -88,6 +85,7 @@ void SlamGraph::drop_rare_observations(double num_scans) {
 
 void SlamGraph::drop(int landmark) {
   SlamLandmark& l = landmarks[landmark];
+  older.forget(landmark);
   for (const int k : l.keyframes) {
     std::vector<SlamObservation>& observations = keyframes[k].observations.edit();
     const auto observation = find_observation(observations, landmark);
@@ -101,6 +99,13 @@ void SlamGraph::drop(int landmark) {
 void SlamGraph::merge(int landmark, int into) {
   SlamLandmark& from = landmarks[landmark];
   SlamLandmark& to = landmarks[into];
+  older.forget(landmark);
+  older.forget(into);
+  if (merges) {
+    LandmarkMerge merge{landmark, into, from, to, {}};
+    for (const int k : from.keyframes) merge.observations_were.push_back(keyframes[k].observations);
+    merges->push_back(std::move(merge));
+  }
   for (const int k : from.keyframes) {
     std::vector<SlamObservation>& observations = keyframes[k].observations.edit();
     const auto observation = find_observation(observations, landmark);
@@ -131,6 +136,20 @@ void SlamGraph::merge(int landmark, int into) {
   from.alive = from.confirmed = false;
 }
 
+void SlamGraph::undo_merges() {
+  if (!merges) return;
+  for (auto merge = merges->rbegin(); merge != merges->rend(); ++merge) {
+    older.forget(merge->from);
+    older.forget(merge->into);
+    for (std::size_t i = 0; i < merge->observations_were.size(); ++i) {
+      keyframes[merge->from_was.keyframes[i]].observations = std::move(merge->observations_were[i]);
+    }
+    landmarks[merge->from] = std::move(merge->from_was);
+    landmarks[merge->into] = std::move(merge->into_was);
+  }
+  merges->clear();
+}
+
 bool SlamGraph::co_observed(int a, int b) const {
   const std::vector<int>& of_a = landmarks[a].keyframes;
   const std::vector<int>& of_b = landmarks[b].keyframes;
@@ -143,35 +162,41 @@ bool SlamGraph::co_observed(int a, int b) const {
   return false;
 }
 
+const OlderSums::Sum& SlamGraph::older_sum(int landmark) {
+  OlderSums::Sum& sum = older.of(landmark);
+  const std::vector<int>& observed_by = landmarks[landmark].keyframes;
+  for (; sum.num_keyframes < observed_by.size(); ++sum.num_keyframes) {
+    const int k = observed_by[sum.num_keyframes];
+    if (k >= older.first()) break;
+    add_to(sum, *find_observation(keyframes[k].observations, landmark), keyframes[k].T_map_base);
+  }
+  return sum;
+}
+
 void SlamGraph::update_landmark(int landmark, bool update_position) {
   SlamLandmark& l = landmarks[landmark];
-  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
-  Eigen::Vector2d information_m = Eigen::Vector2d::Zero();
-  for (const int k : l.keyframes) {
-    const auto observation = find_observation(keyframes[k].observations, landmark);
-    const PlaceInMap place = place_in_map(*observation, keyframes[k].T_map_base);
-    information += place.information;
-    information_m += place.information_m;
+  const OlderSums::Sum& older_keyframes = older_sum(landmark);
+  PositionSum sum = older_keyframes;
+  for (std::size_t i = older_keyframes.num_keyframes; i < l.keyframes.size(); ++i) {
+    const Keyframe& keyframe = keyframes[l.keyframes[i]];
+    add_to(sum, *find_observation(keyframe.observations, landmark), keyframe.T_map_base);
   }
-  l.information = information;
-  if (update_position && information.determinant() > 0.0)
-    l.p_map = information.inverse() * information_m;
+  l.information = sum.information;
+  if (update_position && sum.information.determinant() > 0.0)
+    l.p_map = sum.information.inverse() * sum.information_m;
 }
 
 void SlamGraph::update_landmarks(const std::vector<Update>& updates) {
-  std::vector<PlaceInMap> sums(landmarks.size(),
-                               {Eigen::Matrix2d::Zero(), Eigen::Vector2d::Zero()});
-  for_each_keyframe([&](int, const Keyframe& keyframe) {
+  std::vector<PositionSum> sums(landmarks.size());
+  for (const Keyframe& keyframe : keyframes) {
     for (const SlamObservation& o : keyframe.observations) {
       if (updates[o.landmark] == Update::kNone) continue;
-      const PlaceInMap place = place_in_map(o, keyframe.T_map_base);
-      sums[o.landmark].information += place.information;
-      sums[o.landmark].information_m += place.information_m;
+      add_to(sums[o.landmark], o, keyframe.T_map_base);
     }
-  });
+  }
   for (std::size_t l = 0; l < landmarks.size(); ++l) {
     if (updates[l] == Update::kNone) continue;
-    const PlaceInMap& sum = sums[l];
+    const PositionSum& sum = sums[l];
     landmarks[l].information = sum.information;
     if (updates[l] == Update::kPosition && sum.information.determinant() > 0.0) {
       landmarks[l].p_map = sum.information.inverse() * sum.information_m;

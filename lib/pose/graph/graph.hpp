@@ -4,10 +4,12 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "pose/graph/motion.hpp"
 #include "pose/graph/observation_list.hpp"
+#include "pose/graph/older_sums.hpp"
 
 namespace orchard::pose {
 
@@ -87,6 +89,15 @@ struct RelativePose {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of T_from_to
 };
 
+/// What a merge of two landmarks replaced.
+struct LandmarkMerge {
+  int from = 0;
+  int into = 0;
+  SlamLandmark from_was;
+  SlamLandmark into_was;
+  std::vector<ObservationList> observations_were;  ///< of the keyframes of `from_was`
+};
+
 /// The SLAM graph: poses, landmarks and the measurements between them. Indices are stable: nothing
 /// is renumbered.
 struct SlamGraph {
@@ -99,6 +110,8 @@ struct SlamGraph {
   ReceiverModel receiver;
   std::vector<RelativePose> relative_poses;   ///< ascending by `to`
   std::shared_ptr<ObservationMemory> memory;  ///< stores old observations; null: the heap
+  OlderSums older;
+  std::optional<std::vector<LandmarkMerge>> merges;  ///< for undo_merges(); none: not recorded
   bool georeferenced = false;  ///< by absolute positions; else the first keyframe is the origin
 
   /// Adds one scan's observation of a landmark to those of a keyframe.
@@ -114,8 +127,15 @@ struct SlamGraph {
   /// Merges `landmark` into another: its observations become those of `into`.
   void merge(int landmark, int into);
 
+  /// Undoes the recorded merges. Positions of landmarks are those of before the merges.
+  void undo_merges();
+
   /// Returns true if one keyframe observed both landmarks: then they are two objects.
   bool co_observed(int a, int b) const;
+
+  /// Returns the sum of a landmark's observations by keyframes before older.first(), in map, given
+  /// the poses. Whoever changes an older pose calls older.forget().
+  const OlderSums::Sum& older_sum(int landmark);
 
   /// Recomputes a landmark's information, and optionally its position, from all its observations,
   /// given the poses.
@@ -125,18 +145,6 @@ struct SlamGraph {
   /// update_landmark(). kPosition includes kInformation.
   enum class Update : char { kNone, kInformation, kPosition };
   void update_landmarks(const std::vector<Update>& updates);
-
-  /// Calls visit(index, keyframe) for all keyframes in order; data in a file may be paged out again
-  /// after it was read.
-  template <class Visit>
-  void for_each_keyframe(Visit&& visit) const {
-    constexpr int kBetweenRests = 200;
-    for (int k = 0; k < static_cast<int>(keyframes.size()); ++k) {
-      if (memory && k % kBetweenRests == 0) memory->rest();
-      visit(k, keyframes[static_cast<std::size_t>(k)]);
-    }
-    if (memory) memory->rest();
-  }
 };
 
 }  // namespace orchard::pose

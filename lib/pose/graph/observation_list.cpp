@@ -11,19 +11,18 @@ Eigen::Matrix2d SlamObservation::covariance() const {
 }
 
 std::vector<SlamObservation>& ObservationList::edit() {
-  if (kept_ != nullptr) {
-    own_.assign(kept_, kept_ + num_kept_);
-    kept_ = nullptr;
+  if (memory_ != nullptr) {
+    own_.assign(begin(), end());
+    memory_ = nullptr;
   }
   return own_;
 }
 
 void ObservationList::keep(ObservationMemory& memory) {
-  if (kept_ != nullptr || own_.empty()) return;
-  const SlamObservation* const kept = memory.keep(own_);
-  if (kept == nullptr) return;
-  kept_ = kept;
-  num_kept_ = own_.size();
+  if (memory_ != nullptr || own_.empty()) return;
+  kept_ = memory.keep(own_);
+  if (kept_.first == nullptr) return;
+  memory_ = &memory;
   std::vector<SlamObservation>().swap(own_);  // what is only assigned to keeps its room
 }
 

@@ -29,9 +29,13 @@ using ObservationMemory = RowMemory<SlamObservation>;
 /// rows, and edit() makes an own copy on the heap.
 class ObservationList {
  public:
-  const SlamObservation* begin() const { return kept_ != nullptr ? kept_ : own_.data(); }
+  const SlamObservation* begin() const {
+    if (memory_ == nullptr) return own_.data();
+    memory_->use(kept_);
+    return kept_.first;
+  }
   const SlamObservation* end() const { return begin() + size(); }
-  std::size_t size() const { return kept_ != nullptr ? num_kept_ : own_.size(); }
+  std::size_t size() const { return memory_ != nullptr ? kept_.num_rows : own_.size(); }
   bool empty() const { return size() == 0; }
   const SlamObservation& operator[](std::size_t i) const { return begin()[i]; }
 
@@ -43,8 +47,8 @@ class ObservationList {
 
  private:
   std::vector<SlamObservation> own_;
-  const SlamObservation* kept_ = nullptr;
-  std::size_t num_kept_ = 0;
+  const ObservationMemory* memory_ = nullptr;  ///< that stores the rows; null: own_
+  ObservationMemory::Place kept_;
 };
 
 }  // namespace orchard::pose

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <type_traits>
 #include <utility>
@@ -19,34 +20,54 @@ class RowMemory {
  public:
   explicit RowMemory(std::shared_ptr<ChunkMemory> memory) : memory_(std::move(memory)) {}
   ~RowMemory() {
-    for (Row* chunk : chunks_) memory_->give_back(chunk);
+    for (const Chunk& chunk : chunks_) memory_->give_back(chunk.rows);
   }
   RowMemory(const RowMemory&) = delete;
   RowMemory& operator=(const RowMemory&) = delete;
 
-  /// Stores a contiguous copy of these rows, which lives unchanged as long as this object; null if
+  /// Contiguous rows in this memory.
+  struct Place {
+    const Row* first = nullptr;  ///< to be read after use(place)
+    std::uint32_t num_rows = 0;
+    std::uint32_t chunk = 0;
+  };
+
+  /// Stores a copy of these rows, which lives unchanged as long as this object; a null `first` if
   /// they do not fit into one chunk.
-  const Row* keep(const std::vector<Row>& rows) {
-    if (rows.size() > kRowsPerChunk) return nullptr;
+  Place keep(const std::vector<Row>& rows) {
+    if (rows.size() > kRowsPerChunk) return {};
     if (chunks_.empty() || num_in_last_ + rows.size() > kRowsPerChunk) {
       chunks_.reserve(chunks_.size() + 1);
-      chunks_.push_back(static_cast<Row*>(memory_->take()));
+      chunks_.push_back({static_cast<Row*>(memory_->take()), 0});
       num_in_last_ = 0;
     }
-    Row* const at = chunks_.back() + num_in_last_;
+    const auto chunk = static_cast<std::uint32_t>(chunks_.size() - 1);
+    Row* const at = chunks_.back().rows + num_in_last_;
+    const Place place{at, static_cast<std::uint32_t>(rows.size()), chunk};
+    use(place);
     std::uninitialized_copy(rows.begin(), rows.end(), at);
     num_in_last_ += rows.size();
-    return at;
+    return place;
   }
 
-  /// Allows the memory to be paged out until it is read again.
-  void rest() const { memory_->rest(); }
+  /// Call before reading the rows of a place.
+  void use(const Place& place) const {
+    const Chunk& chunk = chunks_[place.chunk];
+    if (chunk.used_in_round == memory_->round()) return;
+    memory_->use(chunk.rows);
+    chunk.used_in_round = memory_->round();
+  }
 
  private:
   static constexpr std::size_t kRowsPerChunk = ChunkMemory::kChunkBytes / sizeof(Row);
 
+  struct Chunk {
+    Row* rows = nullptr;
+    mutable std::uint32_t used_in_round = 0;
+  };
+
   std::shared_ptr<ChunkMemory> memory_;
-  std::vector<Row*> chunks_;
+  std::vector<Chunk> chunks_;
   std::size_t num_in_last_ = 0;
 };
 

@@ -19,8 +19,6 @@
 namespace orchard::pose {
 using geometry::compose_jacobian_first;
 using geometry::compose_jacobian_second;
-using geometry::rotation;
-using geometry::transform;
 
 namespace {
 
@@ -104,27 +102,13 @@ Window window_of(const SlamGraph& graph, int first) {
 
 /// Adds the observations of a landmark by keyframes before the window, their poses fixed, as one
 /// prior on its position.
-void add_older_observations(const SlamGraph& graph, int landmark, int first,
-                            GraphProblem& problem) {
-  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
-  Eigen::Vector2d information_m = Eigen::Vector2d::Zero();
-  for (const int k : graph.landmarks[landmark].keyframes) {
-    if (k >= first) break;
-    const Eigen::Vector3d& T = graph.keyframes[k].T_map_base;
-    for (const SlamObservation& o : graph.keyframes[k].observations) {
-      if (o.landmark != landmark) continue;
-      const Eigen::Matrix2d R = rotation(T.z());
-      const Eigen::Matrix2d W = R * o.covariance().inverse() * R.transpose();
-      information += W;
-      information_m += W * transform(T, o.position());
-    }
-  }
-  if (information.determinant() <= 0.0) return;
-  const Eigen::Matrix2d covariance = information.inverse();
-  problem.add_landmark_prior(landmark, covariance * information_m, covariance);
+void add_older_observations(const PositionSum& older, int landmark, GraphProblem& problem) {
+  if (older.information.determinant() <= 0.0) return;
+  const Eigen::Matrix2d covariance = older.information.inverse();
+  problem.add_landmark_prior(landmark, covariance * older.information_m, covariance);
 }
 
-void add_window(const SlamGraph& graph, const Window& w, const CalibrationPrior& prior,
+void add_window(SlamGraph& graph, const Window& w, const CalibrationPrior& prior,
                 const SlamConfig& config, GraphProblem& problem) {
   problem.add_calibration_prior(w.first_calibration, prior);
   const Eigen::Vector3d kept = kept_calibration(graph.calibration_walk_sd, config);
@@ -154,7 +138,8 @@ void add_window(const SlamGraph& graph, const Window& w, const CalibrationPrior&
     problem.add_relative_pose(*r, r->from >= w.first);
     if (r->from < w.fixed) problem.fix_pose(r->from);
   }
-  for (const int l : w.landmarks) add_older_observations(graph, l, w.first, problem);
+  graph.older.start(w.first);
+  for (const int l : w.landmarks) add_older_observations(graph.older_sum(l), l, problem);
 }
 
 /// Computes the covariances of the newest keyframe; `solved` is false if the information is

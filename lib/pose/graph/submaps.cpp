@@ -28,8 +28,6 @@ constexpr double kRigiditySd_m = 0.01;
 // Number of landmarks that determine the pose of a keyframe.
 constexpr int kPlacedBy = 2;
 
-constexpr std::size_t kSubmapsBetweenRests = 25;
-
 bool is_blind(const Eigen::Matrix3d& P) {
   return std::max(P(0, 0), P(1, 1)) > kBlindSd_m * kBlindSd_m ||
          P(2, 2) > kBlindSd_rad * kBlindSd_rad;
@@ -154,7 +152,6 @@ SubmapGraph submaps_of(const SlamGraph& graph, const SlamConfig& config) {
       const RelativeMotion& motion = graph.keyframes[k].motion;
       submap.motion = k == before + 1 ? motion : joined(submap.motion, motion);
     }
-    if (graph.memory && i % kSubmapsBetweenRests == 0) graph.memory->rest();
     std::vector<SlamObservation>& sums = submap.observations.edit();
     for (int k = first[i]; k < end; ++k) {
       const Keyframe& keyframe = graph.keyframes[k];
@@ -211,6 +208,7 @@ void back_substitute(const SubmapGraph& solved, SlamGraph& graph) {
     }
     keyframe.T_map_base = T;
   }
+  graph.older.forget();
   graph.calibrations = solved.graph.calibrations;
   graph.calibration_walk_sd = solved.graph.calibration_walk_sd;
   graph.receiver_errors = solved.graph.receiver_errors;

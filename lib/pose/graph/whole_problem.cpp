@@ -291,6 +291,7 @@ bool WholeProblem::solve(bool robust, int iterations_max, double tolerance) {
 
 bool WholeProblem::write_to(SlamGraph& graph) const {
   if (!values_.head(value(num_keyframes())).allFinite()) return false;
+  graph.older.forget();
   for (int k = 0; k < num_keyframes(); ++k) {
     Eigen::Vector3d T = values_.segment<3>(value(k));
     if (columns_[k] >= 0) T.z() = geometry::wrap_angle_rad(T.z());

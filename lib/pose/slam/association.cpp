@@ -35,8 +35,8 @@ struct Pair {
 
 /// A point of the scan at a hypothesis: the part of a pair's test that is common to all candidates.
 struct PlacedPoint {
-  PlacedPoint(const ScanHypothesis& h, const ScanPoint& point) {
-    const Eigen::Matrix2d R = rotation(h.T_map_base.z());
+  /// `R`: rotation by the hypothesis' yaw, which all points of a scan share.
+  PlacedPoint(const ScanHypothesis& h, const Eigen::Matrix2d& R, const ScanPoint& point) {
     const Eigen::Vector2d arm = R * point.p_base;
     p_map = arm + h.T_map_base.head<2>();
     H = geometry::point_jacobian(arm);
@@ -68,8 +68,9 @@ class ScanToMapMatcher {
     // Widths do not depend on the pose, and all hypotheses stay within the gate of the predicted
     // pose, so the candidate pairs are selected once.
     allowed_.resize(points.size());
+    const Eigen::Matrix2d R = rotation(start.T_map_base.z());
     for (std::size_t p = 0; p < points.size(); ++p) {
-      const PlacedPoint placed(start, points[p]);
+      const PlacedPoint placed(start, R, points[p]);
       for (std::size_t c = 0; c < candidates.size(); ++c) {
         const double d2 = distance2(placed, static_cast<int>(c));
         if (!(d2 <= kPreGate * gate2_)) continue;
@@ -86,7 +87,8 @@ class ScanToMapMatcher {
 
   /// Adds a pair to the hypothesis by a Kalman update of its pose.
   void fit(ScanHypothesis& h, int point, int candidate, double distance2) const {
-    const PlacedPoint placed(h, points_[static_cast<std::size_t>(point)]);
+    const PlacedPoint placed(h, rotation(h.T_map_base.z()),
+                             points_[static_cast<std::size_t>(point)]);
     const AssociationCandidate& c = candidates_[static_cast<std::size_t>(candidate)];
     const Eigen::Matrix2d S = placed.innovation_covariance(c);
     const Eigen::Matrix<double, 3, 2> K = h.covariance * placed.H.transpose() * S.inverse();
@@ -107,9 +109,10 @@ class ScanToMapMatcher {
     }
     while (true) {
       Pair best;
+      const Eigen::Matrix2d R = rotation(h.T_map_base.z());
       for (std::size_t p = 0; p < points_.size(); ++p) {
         if (h.candidate[p] >= 0 || allowed_[p].empty()) continue;
-        const PlacedPoint placed(h, points_[p]);
+        const PlacedPoint placed(h, R, points_[p]);
         for (const Allowed& pair : allowed_[p]) {
           if (taken[pair.candidate]) continue;
           const double d2 = distance2(placed, pair.candidate);
@@ -141,6 +144,7 @@ class ScanToMapMatcher {
       return a.candidates.size() < b.candidates.size();
     });
     if (seeds.size() > kNumSeeds) seeds.resize(kNumSeeds);
+    const Eigen::Matrix2d R = rotation(start.T_map_base.z());
     std::vector<ScanHypothesis> found;
     for (const Seed& seed : seeds) {
       for (const int c : seed.candidates) {
@@ -149,7 +153,7 @@ class ScanToMapMatcher {
         });
         if (known) continue;
         ScanHypothesis h = start;
-        const PlacedPoint placed(start, points_[static_cast<std::size_t>(seed.point)]);
+        const PlacedPoint placed(start, R, points_[static_cast<std::size_t>(seed.point)]);
         fit(h, seed.point, c, distance2(placed, c));
         complete(h);
         found.push_back(std::move(h));

@@ -10,6 +10,7 @@
 
 #include "geometry/pose2.hpp"
 #include "pose/slam/local_map.hpp"
+#include "pose/slam/slam_undo.hpp"
 #include "pose/slam/twins.hpp"
 
 namespace orchard::pose {
@@ -156,7 +157,7 @@ void LoopCloser::close(SlamMap& map) {
     if (map.graph.co_observed(recent, old)) return;
   }
   num_keyframes_ = static_cast<int>(map.graph.keyframes.size());
-  SlamMap before = map;
+  SlamUndo undo(map);
   for (const auto& [recent, old] : closure.matches) map.graph.merge(recent, old);
   if (map.solve(SolveReason::kLoopClosure) && is_supported(closure.matches, map.graph)) {
     map.session_start = 0;
@@ -164,7 +165,7 @@ void LoopCloser::close(SlamMap& map) {
     ++num_closures_;
     return;
   }
-  map = std::move(before);
+  undo.restore();
   ++num_refuted_;
 }
 
@@ -172,7 +173,7 @@ void LoopCloser::merge_twins(SlamMap& map) {
   std::vector<std::pair<int, int>> twins = find_twins(map.graph, map.index, map.coverage, config_);
   // The first round drops pairs that do not fit after the solve; in the second all pairs must fit.
   for (int round = 0; round < 2 && !twins.empty(); ++round) {
-    SlamMap before = map;
+    SlamUndo undo(map);
     for (const auto& [twin, into] : twins) map.graph.merge(twin, into);
     const bool solved = map.solve(SolveReason::kTwinsAtEnd);
     const auto fits = [&](const std::pair<int, int>& pair) {
@@ -184,7 +185,7 @@ void LoopCloser::merge_twins(SlamMap& map) {
           std::remove_if(twins.begin(), twins.end(), [&](const auto& pair) { return !fits(pair); }),
           twins.end());
     }
-    map = std::move(before);
+    undo.restore();
     if (!solved) return;
   }
 }

@@ -18,8 +18,7 @@ namespace orchard::pose {
 enum class SolveReason { kGrowth, kLoopClosure, kEndOfDrive, kTwinsAtEnd };
 
 /// The state of SLAM that a solve of the whole graph may change: graph, local map and odometry
-/// calibration. It is a value type: a wrong loop closure is undone by assigning the copy made
-/// before, which restores every member.
+/// calibration. A wrong loop closure is undone by SlamUndo.
 class SlamMap {
  public:
   /// `memory` stores old observations (null: the heap) and does not affect the results.

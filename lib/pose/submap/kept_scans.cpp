@@ -34,9 +34,9 @@ void KeptScans::keep(int keyframe, const std::vector<SurfacePoint>& points) {
     packed.push_back({p.x(), p.y(), n.x(), n.y()});
   }
   const auto num_points = static_cast<std::uint32_t>(packed.size());
-  const Packed* kept = memory_->keep(packed);
-  if (kept == nullptr) kept = large_.emplace_back(std::move(packed)).data();
-  scans_.push_back({keyframe, num_points, kept});
+  Scan scan{keyframe, num_points, memory_->keep(packed), nullptr};
+  if (scan.place.first == nullptr) scan.large = large_.emplace_back(std::move(packed)).data();
+  scans_.push_back(scan);
 }
 
 std::vector<SurfacePoint> KeptScans::points(int keyframe,
@@ -46,8 +46,10 @@ std::vector<SurfacePoint> KeptScans::points(int keyframe,
   if (scan == nullptr) return points;
   const Eigen::Matrix2d R = geometry::rotation(T_frame_base.z());
   points.reserve(scan->num_points);
+  if (scan->large == nullptr) memory_->use(scan->place);
+  const Packed* const all = scan->large != nullptr ? scan->large : scan->place.first;
   for (std::uint32_t i = 0; i < scan->num_points; ++i) {
-    const Packed& packed = scan->points[i];
+    const Packed& packed = all[i];
     SurfacePoint point;
     point.p = R * Eigen::Vector2d(packed.x_m, packed.y_m) + T_frame_base.head<2>();
     point.normal = R * Eigen::Vector2d(packed.normal_x, packed.normal_y);

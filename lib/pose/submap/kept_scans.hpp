@@ -31,9 +31,6 @@ class KeptScans {
   /// Returns the keyframes in [first, end) that have a scan, ascending.
   std::vector<int> between(int first, int end) const;
 
-  /// Allows the memory to be paged out until it is read again.
-  void rest() const { memory_->rest(); }
-
  private:
   struct Packed {
     float x_m, y_m, normal_x, normal_y;  ///< normal 0: not flat
@@ -41,7 +38,8 @@ class KeptScans {
   struct Scan {
     int keyframe = 0;
     std::uint32_t num_points = 0;
-    const Packed* points = nullptr;
+    RowMemory<Packed>::Place place;
+    const Packed* large = nullptr;  ///< points of a scan that does not fit into a chunk
   };
   const Scan* find(int keyframe) const;
 

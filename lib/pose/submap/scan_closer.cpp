@@ -9,6 +9,7 @@
 #include "geometry/pose2.hpp"
 #include "pose/scan_matching/scan_covariance.hpp"
 #include "pose/scan_matching/scan_matcher.hpp"
+#include "pose/slam/slam_undo.hpp"
 #include "pose/submap/place_search.hpp"
 
 namespace orchard::pose {
@@ -258,7 +259,6 @@ bool ScanCloser::observe(SlamMap& map) {
   asked_m_ = now.travel_m;
   ambiguous_ = false;
   const std::optional<RelativePose> found = find(map);
-  scans_.rest();
   if (!found) return false;
   const Eigen::Vector3d moved = between(
       now.T_map_base, compose(map.graph.keyframes[found->from].T_map_base, found->T_from_to));
@@ -271,7 +271,7 @@ bool ScanCloser::observe(SlamMap& map) {
     return true;
   }
   solved_keyframes_ = num_keyframes;
-  SlamMap before = map;
+  SlamUndo undo(map);
   map.graph.relative_poses.push_back(*found);
   if (map.solve(SolveReason::kLoopClosure) &&
       distance2(*found, map.graph, found->covariance) <= kRefuted2) {
@@ -279,7 +279,7 @@ bool ScanCloser::observe(SlamMap& map) {
     ++num_closures_;
     return true;
   }
-  map = std::move(before);
+  undo.restore();
   ++num_refuted_;
   return false;
 }

@@ -31,6 +31,7 @@ TEST(FileMemory, KeepsWhatIsWrittenAndLittleInMemory) {
   [[maybe_unused]] const long before_kb = own_kb();
   for (int k = 0; k < 100; ++k) {
     chunks.push_back(memory.take());
+    memory.use(chunks.back());
     std::memset(chunks.back(), k, kBytes);
   }
   if (memory.num_on_heap() > 0) GTEST_SKIP() << "no file without a name can be made here";
@@ -39,12 +40,16 @@ TEST(FileMemory, KeepsWhatIsWrittenAndLittleInMemory) {
   EXPECT_LT(own_kb() - before_kb, 20000) << "of 100 MB";
 #endif
   EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << "the file has no name";
+  const auto round = memory.round();
   for (int k = 0; k < 100; ++k) {
+    memory.use(chunks[static_cast<std::size_t>(k)]);
     const auto* bytes = static_cast<const unsigned char*>(chunks[static_cast<std::size_t>(k)]);
     EXPECT_EQ(bytes[0], k);
     EXPECT_EQ(bytes[kBytes / 2 + 1], k);
     EXPECT_EQ(bytes[kBytes - 1], k);
   }
+  EXPECT_GT(memory.round(), round) << "a caller learns that chunks were unloaded";
+  EXPECT_LT(own_kb() - before_kb, 20000) << "of 100 MB that were read";
   memory.give_back(chunks[3]);
   EXPECT_EQ(memory.take(), chunks[3]) << "what was given back is used again";
 }
@@ -98,6 +103,8 @@ TEST(FileMemory, WithoutAFileItIsTheHeap) {
   void* chunk = memory.take();
   std::memset(chunk, 1, kBytes);
   EXPECT_EQ(memory.num_on_heap(), 1u);
+  for (std::size_t k = 0; k <= 2 * FileMemory::kLoadedMax; ++k) memory.use(chunk);
+  EXPECT_EQ(static_cast<const char*>(chunk)[kBytes / 2], 1) << "the heap is never unloaded";
   memory.give_back(chunk);
 }
 

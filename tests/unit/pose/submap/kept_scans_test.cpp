@@ -42,7 +42,6 @@ void expect_scan(const KeptScans& scans, int keyframe, int num, double x_m) {
 TEST(KeptScans, GiveEachKeyframesOwnPoints) {
   KeptScans scans;
   for (int k = 0; k < 400; ++k) scans.keep(3 * k, scan_of(k, 0.5 * k));  // more than a chunk
-  scans.rest();
   for (int k = 0; k < 400; ++k) expect_scan(scans, 3 * k, k, 0.5 * k);
   EXPECT_TRUE(scans.has(0));
   EXPECT_FALSE(scans.has(1));

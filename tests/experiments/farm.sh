@@ -13,21 +13,11 @@
 #   SLURM=no   without Slurm's part
 set -euo pipefail
 . "$(dirname "$0")/../script_help.sh"
-cd "$(dirname "$0")/../.."
-if [ -z "${FARM_INSIDE:-}" ]; then
-  FARM_INSIDE=yes exec tests/system/in_namespace.sh "$0" "$@"
-fi
-export PATH=$PATH:/usr/sbin
-orchard=${BUILD:-$PWD/build}/bin/orchard
+. "$(dirname "$0")/farm_start.sh"
 blocks=${1:-24}
 dates=${2:-3}
 robots=${3:-2}
 kills=${KILLS:-5}
-work=$(mktemp -d)
-slurm_pids=()
-. tests/system/farm/season.sh
-. tests/system/farm/slurm.sh
-trap '[ ${#slurm_pids[@]} = 0 ] || stop_slurm; rm -rf "$work"' EXIT
 farm=$work/peace
 farm_rigs .
 make_season "$farm" "$blocks" "$dates" "$robots"

@@ -100,12 +100,13 @@ std::optional<int> read_player_options(int argc, char** argv, PlayerOptions& opt
                  "lockstep: max time to wait for these processes at the start [60]")
       ->option_text("SECONDS")
       ->check(CLI::Range(1, 86400));
-  app.add_option("--wait-for", options.process.wait_for,
-                 "--speed: start when these processes are running, such as detector,pose,mapper")
+  app.add_option(
+         "--wait-for", options.process.wait_for,
+         "with --speed: start when these processes are running, such as detector,pose,mapper")
       ->option_text("NAMES")
       ->delimiter(',')
       ->needs(speed);
-  app.add_flag("--hold", options.process.hold, "--speed: keep running after the last message")
+  app.add_flag("--hold", options.process.hold, "with --speed: keep running after the last message")
       ->needs(speed);
   app.add_option(
          "--lcm-url", lcm_url,

@@ -148,7 +148,7 @@ int run_stream_process(int argc, char** argv, ProcessInfo info, io::ConfigFile& 
       {"--emulate", "LOG",
        "emulate the device: replay the measurements of this log in its protocol", &options.emulate},
       {"--emulate-at", "UTIME",
-       "--emulate: time of this machine at the first event of the log [us] [now]",
+       "time of this machine at the first event of the emulated log [us] [now]",
        &options.emulate_at},
   };
   info.options.insert(info.options.end(), more.begin(), more.end());

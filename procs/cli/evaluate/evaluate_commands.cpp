@@ -32,13 +32,13 @@ void add_map_options(CLI::App& command, EvaluateOptions& o, bool required) {
       "align the map with the truth on its trees first (for a map without absolute position)");
   command
       .add_option("--align-offset", o.search.offset_max_m,
-                  "--align: max offset of the middle of the map [m]; --poses narrows the search")
+                  "max offset of the middle of the map [m]; --poses narrows the search")
       ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str()
       ->needs(align);
   command
       .add_option("--align-turn", o.search.turn_max_rad,
-                  "--align: max rotation of the map about its middle [rad]")
+                  "max rotation of the map about its middle [rad]")
       ->check(CLI::Range(0.0, 3.15))
       ->capture_default_str()
       ->needs(align);
@@ -189,7 +189,7 @@ void add_trajectory(CLI::App& evaluate, Run& run) {
                          "compare with the true pose nearest in time instead of interpolating");
         command
             .add_option("--max-difference", o.rules.max_difference_s,
-                        "--nearest: max time difference [s]")
+                        "max time difference [s] with --nearest")
             ->check(CLI::PositiveNumber)
             ->capture_default_str();
         command

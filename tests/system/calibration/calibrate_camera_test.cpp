@@ -218,7 +218,7 @@ TEST_F(CalibrateCamera, ImportsTheFilesOfOtherTools) {
          "distortion_coefficients: {rows: 1, cols: 5, data: [0, 0, 0, 0, 0]}\n";
   expect_refusal("--import " + in_folder("ros.yaml"), "give the configuration of this camera");
   expect_refusal("--import " + in_folder("nothing.yaml"), "nothing.yaml: cannot be read");
-  expect_refusal("--import " + rig_.string(), "holds no image_width");
+  expect_refusal("--import " + rig_.string(), "has no image_width");
 }
 
 }  // namespace

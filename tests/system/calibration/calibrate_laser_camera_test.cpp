@@ -93,7 +93,7 @@ TEST_F(CalibrateLaserCamera, FindsTheMountFromPixelsAndScansTheSameEveryTime) {
 }
 
 TEST_F(CalibrateLaserCamera, ABoardSeenByTheLaserOnlyIsRefused) {
-  expect_refused(calibrate(simulate("    seen_by: laser_only\n", 6)), "the camera never saw");
+  expect_refused(calibrate(simulate("    seen_by: laser_only\n", 6)), "the board was not found");
 }
 
 TEST_F(CalibrateLaserCamera, ABoardSeenByTheCameraOnlyIsRefused) {

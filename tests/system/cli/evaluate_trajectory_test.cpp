@@ -40,7 +40,7 @@ TEST_F(EvaluateTrajectoryCommand, AlignsAndDraws) {
   EXPECT_EQ(raw["num_compared"], 20);
   const Result result = evaluate({"--align", "--figure", path("errors.svg")});
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.out, HasSubstr("turned by -90.000 degrees"));
+  EXPECT_THAT(result.out, HasSubstr("rotated by -90.000 degrees"));
   EXPECT_THAT(result.out, ::testing::ContainsRegex("APE position \\(ATE\\) +20 +0.0000"));
   EXPECT_THAT(read_file(path("errors.svg")), HasSubstr("</svg>"));
   EXPECT_EQ(evaluate({"--align", "--figure", path("errors.pdf")}).exit_code, 0);

@@ -206,9 +206,9 @@ TEST(LaserCameraCalibration, EachDegenerateSetIsRefusedWithItsReason) {
 TEST(LaserCameraCalibration, ABoardThatTheScannerNeverSawIsSaidSo) {
   auto views = careful_views(upright());
   for (auto& view : views) view.lines.resize(1);  // the cupboard
-  EXPECT_THAT(calibrate(views).refusal, HasSubstr("no mount of the scanner"));
+  EXPECT_THAT(calibrate(views).refusal, HasSubstr("no pose of the scanner"));
   for (auto& view : views) view.lines.clear();
-  EXPECT_THAT(calibrate(views).refusal, HasSubstr("the scanner saw nothing"));
+  EXPECT_THAT(calibrate(views).refusal, HasSubstr("the scanner found no line"));
 }
 
 TEST(MountContradiction, MirroredPicturesAreNamedAgainstTheStatedMount) {
@@ -229,7 +229,7 @@ TEST(MountContradiction, MirroredPicturesAreNamedAgainstTheStatedMount) {
     EXPECT_THAT(mount_contradiction(result.mount, stated), HasSubstr(words));
   }
   EXPECT_THAT(mount_contradiction(turned_about_view(stated, 90.0), stated),
-              HasSubstr("turned by 90 deg"));
+              HasSubstr("rotated by 90 deg"));
 }
 
 TEST(PaperAngles, AreTheInverseOfThePapersRotation) {

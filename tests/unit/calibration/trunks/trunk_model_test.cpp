@@ -203,7 +203,8 @@ TEST(TrunkModel, WarnsWhenTwoPopulationsDoNotSeparate) {
   // Wide scatter of both: the second group begins where the first ends.
   std::vector<Kind> kinds;
   for (int i = 0; i < 40; ++i) kinds.push_back({1, 0.10 + 0.002 * i, 0.001, 30.0});
-  EXPECT_TRUE(warns_of(estimate_trunk_model(observations_at(kinds, 8, 8), {}), "do not separate"));
+  EXPECT_TRUE(
+      warns_of(estimate_trunk_model(observations_at(kinds, 8, 8), {}), "cannot be separated"));
 }
 
 TEST(TrunkModel, WarnsWhenTheOthersAreAsMany) {

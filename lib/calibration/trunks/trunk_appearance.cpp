@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/trunks/trunk_appearance.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <utility>
@@ -25,14 +26,51 @@ std::vector<std::size_t> spread(const std::vector<std::size_t>& observations) {
 /// Confidence below which a window is not a trunk in any light.
 constexpr double kSurelyNone = 0.1;
 
-/// Trunks are chosen within width_spread of their typical width. Widths of trees reach farther, so
-/// what is up to twice as far off may be a trunk, too.
-constexpr double kDoubtfulSpreads = 2.0;
+/// Widths of trees reach farther than the trunks that were chosen within width_spread: objects
+/// within so many standard deviations of the chosen trunks may be trunks, too.
+constexpr double kDoubtful_sigma = 3.0;
 
-bool may_be_trunk(const ThingSeen& seen, const TrunkModel& model) {
+/// Largest difference from the mean width with which an object may be a trunk [m].
+double doubtful_width_m(const TrunkModel& model) {
+  double squares_m2 = 0.0;
+  for (const ThingSeen& seen : model.things) {
+    if (seen.is_trunk) squares_m2 += geometry::square(seen.median_width_m - model.width_mean_m);
+  }
+  return std::max(model.width_spread * model.width_mean_m,
+                  kDoubtful_sigma * std::sqrt(squares_m2 / std::max(1, model.num_trunks)));
+}
+
+/// Somebody who walks is observed at positions that scatter more than those of the trunks by at
+/// least this factor.
+constexpr double kWalks = 3.0;
+
+/// RMS distance of an object's observations from their mean [m].
+double scatter_m(const ThingSeen& seen, const std::vector<TrunkObservation>& observations) {
+  double x_m = 0.0, y_m = 0.0, squares_m2 = 0.0;
+  const auto n = static_cast<double>(std::max<std::size_t>(1, seen.observations.size()));
+  for (const std::size_t i : seen.observations) {
+    x_m += observations[i].x_m / n;
+    y_m += observations[i].y_m / n;
+  }
+  for (const std::size_t i : seen.observations) {
+    squares_m2 += geometry::square(observations[i].x_m - x_m);
+    squares_m2 += geometry::square(observations[i].y_m - y_m);
+  }
+  return std::sqrt(squares_m2 / n);
+}
+
+/// Scatter from which on an object walks [m].
+double walks_from_m(const TrunkModel& model, const std::vector<TrunkObservation>& observations) {
+  std::vector<double> of_trunks_m;
+  for (const ThingSeen& seen : model.things) {
+    if (seen.is_trunk) of_trunks_m.push_back(scatter_m(seen, observations));
+  }
+  return of_trunks_m.empty() ? 0.0 : kWalks * geometry::median(std::move(of_trunks_m));
+}
+
+bool may_be_trunk(const ThingSeen& seen, const TrunkModel& model, double limit_m) {
   return !seen.is_trunk && !model.is_picked &&
-         std::abs(seen.median_width_m - model.width_mean_m) <=
-             kDoubtfulSpreads * model.width_spread * model.width_mean_m;
+         std::abs(seen.median_width_m - model.width_mean_m) <= limit_m;
 }
 
 double mean_confidence(const ThingSeen& seen, const std::vector<TrunkObservation>& observations,
@@ -62,10 +100,11 @@ TrunkAppearance learn_trunk_appearance(const std::vector<TrunkObservation>& obse
     const double roc = vision::colour_confidence(window.hues, interval).roc;
     (is_trunk ? hue_trunk : hue_other).push_back(roc);
   };
+  const double limit_m = doubtful_width_m(model), walks_m = walks_from_m(model, observations);
   std::vector<std::size_t> doubtful;
   for (std::size_t thing = 0; thing < model.things.size(); ++thing) {
     const ThingSeen& seen = model.things[thing];
-    if (may_be_trunk(seen, model)) {
+    if (may_be_trunk(seen, model, limit_m) && scatter_m(seen, observations) < walks_m) {
       doubtful.push_back(thing);
       continue;
     }

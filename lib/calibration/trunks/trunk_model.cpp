@@ -119,8 +119,24 @@ bool alike(const Thing& a, const Thing& typical, bool has_hue, const TrunkModelO
          (!has_hue || same_colour(a, typical, options));
 }
 
-/// The largest group of similar objects that are not `taken`; among equals the one with most
-/// observations. Empty if no object has enough observations.
+/// Min number of observations of a trunk relative to that of its kind's typical observation.
+/// Somebody who walks past leaves one short-lived object after another, all of the same width.
+constexpr double kLookedAtMin = 0.5;
+
+/// Number of observations of the object that the middle one of all these observations belongs to.
+int typical_observations(const std::vector<Thing>& things, const std::vector<std::size_t>& group) {
+  std::vector<int> each;
+  for (const std::size_t i : group) {
+    const int n = things[i].seen.num_observations;
+    each.insert(each.end(), static_cast<std::size_t>(n), n);
+  }
+  const auto middle = each.begin() + static_cast<std::ptrdiff_t>(each.size() / 2);
+  std::nth_element(each.begin(), middle, each.end());
+  return each.empty() ? 0 : *middle;
+}
+
+/// The group of similar objects that are not `taken` with the most observations, those of the same
+/// width counting most: the mode of the widths. Empty if no object has enough observations.
 std::vector<std::size_t> largest_population(const std::vector<Thing>& things,
                                             const std::vector<bool>& taken, bool has_hue,
                                             const TrunkModelOptions& options) {
@@ -129,22 +145,30 @@ std::vector<std::size_t> largest_population(const std::vector<Thing>& things,
            things[i].seen.num_observations >= options.min_observations;
   };
   std::vector<std::size_t> best;
-  int most_observations = 0;
+  double best_sum = 0.0;
   for (std::size_t i = 0; i < things.size(); ++i) {
     if (!counts(i)) continue;
+    const double width_m = things[i].seen.median_width_m;
     std::vector<std::size_t> group;
-    int num_observations = 0;
+    double sum = 0.0;
     for (std::size_t k = 0; k < things.size(); ++k) {
       if (!counts(k) || !alike(things[k], things[i], has_hue, options)) continue;
       group.push_back(k);
-      num_observations += things[k].seen.num_observations;
+      const double off = std::abs(things[k].seen.median_width_m - width_m) /
+                         std::max(1e-6, options.width_spread * width_m);
+      sum += things[k].seen.num_observations * (1.0 - off);
     }
-    if (group.size() > best.size() ||
-        (group.size() == best.size() && num_observations > most_observations)) {
+    if (sum > best_sum) {
       best = std::move(group);
-      most_observations = num_observations;
+      best_sum = sum;
     }
   }
+  const double fewest = kLookedAtMin * typical_observations(things, best);
+  best.erase(std::remove_if(best.begin(), best.end(),
+                            [&](std::size_t i) {
+                              return things[i].in_map && things[i].seen.num_observations < fewest;
+                            }),
+             best.end());
   return best;
 }
 

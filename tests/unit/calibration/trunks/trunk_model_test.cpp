@@ -80,6 +80,34 @@ TEST(TrunkModel, ThePapersTrees) {  // section 6.2: 230.15 mm, sd 20.45 mm
   EXPECT_NEAR(model.width_sd_m, 0.02045, 0.003);
 }
 
+TEST(TrunkModel, PaleBarkInBluishLightIsOneKindWhateverItsHue) {
+  // Grey-brown bark in sun and, every other trunk, in open shade: hues 150 degrees apart, colours
+  // not.
+  auto observations = observations_at(
+      {{10, 0.12, 0.008, 50.0}, {10, 0.12, 0.008, 200.0}, {6, 0.12, 0.008, 200.0}}, 8, 6);
+  for (TrunkObservation& observation : observations) {
+    const bool is_painted = observation.x_m > 39.0;
+    const bool in_shade = observation.x_m > 19.0;
+    observation.light = is_painted ? vision::WindowLight{0.9, -0.6, 4.0}
+                        : in_shade ? vision::WindowLight{0.05, -0.05, 3.5}
+                                   : vision::WindowLight{-0.15, 0.05, 4.0};
+  }
+  EXPECT_EQ(estimate_trunk_model(observations, {}).num_trunks, 20);
+}
+
+TEST(TrunkModel, PartsOfABushAreNoTrunks) {
+  // Six bushes of five stems of a trunk's width each, and twelve trunks that stand alone.
+  auto observations = observations_at({{12, 0.12, 0.008, 30.0}, {30, 0.13, 0.008, 30.0}}, 8, 7);
+  for (TrunkObservation& observation : observations) {
+    if (observation.x_m < 23.0) continue;
+    const long k = std::lround(0.5 * observation.x_m) - 12;  // number of the part
+    observation.x_m += 3.0 + 4.0 * static_cast<double>(k / 5) - 1.6 * static_cast<double>(k);
+  }
+  const TrunkModel model = estimate_trunk_model(observations, {});
+  EXPECT_EQ(model.num_trunks, 12);
+  EXPECT_NEAR(model.width_mean_m, 0.12, 0.002);
+}
+
 TEST(TrunkModel, OutliersDoNotMoveIt) {
   auto observations = observations_at({{20, 0.09, 0.006, 30.0}}, 10, 4);
   for (std::size_t i = 0; i < observations.size(); i += 12) observations[i].width_m = 0.02;

@@ -68,7 +68,8 @@ struct TrunkModel {
 /// Estimates the trunk model from observations of all objects: associates the observations (by
 /// position if in_map, otherwise from scan to scan), takes for the trunks the objects of
 /// similar width and colour with the most observations that stand alone (parts of a bush have
-/// others beside them), and computes robust statistics. `observations` are in order of log and time.
+/// others beside them), and computes robust statistics. `observations` are in order of log and
+/// time.
 ///
 /// With picks, exactly those objects are trunks. Warns when the trunks form two groups of width, or
 /// when another population is not separated from them or about as large.

@@ -2,6 +2,7 @@
 // SLAM on trunks over many seeds without ray casting: what wheels with memory and a scanner say in
 // scene park, or in rows that are left, lost by some metres and entered again.
 //   slam_trials park|rows FIRST LAST [TRACE_PREFIX]
+// A trace ends with the landmarks that are two trees and the trees that are two landmarks.
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -203,6 +204,31 @@ struct Result {
   int closures_again = 0;
 };
 
+/// Traces when a landmark was observed, and where those observations lie in truth.
+void describe(FILE* trace, const pose::SlamGraph& graph, const World& world, int landmark) {
+  const pose::SlamLandmark& l = graph.landmarks[static_cast<std::size_t>(landmark)];
+  std::fprintf(trace, "  landmark %d at %.2f %.2f, width %.3f m +- %.3f, %zu keyframes\n", landmark,
+               l.p_map.x(), l.p_map.y(), l.width_m, l.width_sd_m(), l.keyframes.size());
+  int before = -100;
+  for (const int k : l.keyframes) {
+    const pose::Keyframe& keyframe = graph.keyframes[static_cast<std::size_t>(k)];
+    const double t_s = static_cast<double>(keyframe.utime - kStart) * 1e-6;
+    const Eigen::Vector3d T = vector_of(world.path.pose_at(t_s));
+    for (const pose::SlamObservation& o : keyframe.observations) {
+      if (o.landmark != landmark) continue;
+      const Eigen::Vector2d p = geometry::transform(T, o.position());
+      const Eigen::Vector2d off =
+          geometry::transform_back(keyframe.T_map_base, l.p_map) - o.position();
+      const double sd_m = std::sqrt(keyframe.local_covariance.topLeftCorner<2, 2>().trace());
+      const char* gap = k > before + 20 ? "|" : " ";
+      std::fprintf(trace,
+                   "   %s k %d t %.1f truth %.2f %.2f residual %.2f local sd %.3f in view %zu\n",
+                   gap, k, t_s, p.x(), p.y(), off.norm(), sd_m, keyframe.observations.size());
+    }
+    before = k;
+  }
+}
+
 Result drive(const World& world, std::uint64_t seed, const std::string& dump) {
   pose::SlamConfig config;
   pose::TrunkSlam slam(config);
@@ -286,7 +312,9 @@ Result drive(const World& world, std::uint64_t seed, const std::string& dump) {
   result.mops = static_cast<double>(slam.num_operations()) * 1e-6;
   // trees that are more than one landmark
   std::vector<int> times(world.trees.size(), 0);
-  for (const pose::SlamLandmark& l : slam.graph().landmarks) {
+  std::vector<std::vector<int>> mapped(world.trees.size());
+  for (std::size_t i = 0; i < slam.graph().landmarks.size(); ++i) {
+    const pose::SlamLandmark& l = slam.graph().landmarks[i];
     if (!l.alive || !l.confirmed) continue;
     ++result.landmarks;
     const Eigen::Vector2d p = geometry::transform(fit.T_a_b, l.p_map);
@@ -294,7 +322,9 @@ Result drive(const World& world, std::uint64_t seed, const std::string& dump) {
     for (std::size_t t = 0; t < world.trees.size(); ++t) {
       if ((world.trees[t].p_map - p).norm() < (world.trees[nearest].p_map - p).norm()) nearest = t;
     }
-    if ((world.trees[nearest].p_map - p).norm() < 1.5) ++times[nearest];
+    if ((world.trees[nearest].p_map - p).norm() > 1.5) continue;
+    ++times[nearest];
+    mapped[nearest].push_back(static_cast<int>(i));
   }
   // landmarks that are more than one tree: what was observed of them lies apart in truth
   std::vector<std::vector<Eigen::Vector2d>> places(slam.graph().landmarks.size());
@@ -305,10 +335,24 @@ Result drive(const World& world, std::uint64_t seed, const std::string& dump) {
       places[static_cast<std::size_t>(o.landmark)].push_back(geometry::transform(T, o.position()));
     }
   }
-  for (const std::vector<Eigen::Vector2d>& seen : places) {
+  std::vector<int> mixed;
+  for (std::size_t l = 0; l < places.size(); ++l) {
+    const std::vector<Eigen::Vector2d>& seen = places[l];
     int far = 0;
     for (const Eigen::Vector2d& p : seen) far += (p - seen[0]).norm() > 1.2;
-    result.mixed += far > 2;
+    if (far > 2) mixed.push_back(static_cast<int>(l));
+  }
+  result.mixed = static_cast<int>(mixed.size());
+  if (trace) {
+    for (const int l : mixed) {
+      std::fprintf(trace, "mixed landmark %d\n", l);
+      describe(trace, slam.graph(), world, l);
+    }
+    for (std::size_t t = 0; t < mapped.size(); ++t) {
+      if (mapped[t].size() < 2) continue;
+      std::fprintf(trace, "tree %zu twice, width %.3f m\n", t, world.trees[t].width_m);
+      for (const int l : mapped[t]) describe(trace, slam.graph(), world, l);
+    }
   }
   for (const int n : times) result.twice += std::max(0, n - 1);
   if (trace) std::fclose(trace);

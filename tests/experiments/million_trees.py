@@ -67,7 +67,7 @@ def plant(trees, dice):
              for k in range(num_places) if dice.random() < 0.92] for row in range(num_rows)]
 
 
-def write_map(folder, rows, first, end, frame, dice, step_m=1.0):
+def write_map(folder, rows, first, end, frame, dice, step_m=1.0, block=0):
     """A robot's map of rows [first, end), in a frame (x, y, yaw) of its own; returns its trees."""
     os.makedirs(folder)
     c, s = math.cos(frame[2]), math.sin(frame[2])
@@ -98,7 +98,8 @@ def write_map(folder, rows, first, end, frame, dice, step_m=1.0):
                 file.write(f"{utime},{px:.4f},{py:.4f},{math.remainder(yaw, 2 * math.pi):.5f}\n")
                 utime += 1000000
     with open(folder + "/summary.json", "w") as file:
-        json.dump({"georeference": {"latitude_deg": 41.6, "longitude_deg": 0.6, "altitude_m": 200.0,
+        json.dump({"georeference": {"latitude_deg": 41.6 + 0.005 * (block // 10),
+                                    "longitude_deg": 0.6 + 0.005 * (block % 10), "altitude_m": 200.0,
                                     "x_m": 0.0, "y_m": 0.0, "yaw_rad": 0.2,
                                     "residual_rms_m": 0.02}}, file)
     return num
@@ -169,11 +170,11 @@ def main():
             os.makedirs(at)
             is_joined = block <= joined
             write_map(at + "/a", rows, 0, 6 * len(rows) // 10 if is_joined else len(rows),
-                      (0.0, 0.0, 0.0), dice)
+                      (0.0, 0.0, 0.0), dice, block=block)
             if is_joined:
                 write_map(at + "/b", rows, 4 * len(rows) // 10, len(rows),
                           (dice.uniform(-300, 300), dice.uniform(-300, 300), dice.uniform(-3.1, 3.1)),
-                          dice)
+                          dice, block=block)
                 merge.run(ORCHARD, "merge", at + "/a", at + "/b", "--any-place", "--out", at + "/both")
                 one = errors_of(at + "/both", rows)
                 wrong, missing, twice = wrong + one[0], missing + one[1], twice + one[2]
